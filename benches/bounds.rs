@@ -32,7 +32,7 @@ fn main() {
         .into());
     say("| --- | --- | --- | --- | --- | --- | --- | --- |".into());
     let mut seed = 0;
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     for (kinds, check) in [(&UNDAMPED[..], check_modes as Check), (&DAMPED[..], check_poles)] {
         for kind in kinds {
             seed += 1;
@@ -40,11 +40,11 @@ fn main() {
                 let mut figures = sweep(kind, check, seed, each, turning);
                 let name = if turning { format!("{}, turned by 30 degrees", kind.0) } else { kind.0.to_string() };
                 say(row(&name, &mut figures));
-                told.extend(figures.violations.into_iter().chain(figures.uncertified));
+                reported.extend(figures.violations.into_iter().chain(figures.uncertified));
             }
         }
     }
-    told.into_iter().for_each(say);
+    reported.into_iter().for_each(say);
 }
 
 type Check = fn(&LinearSystem, &LinearSystem, &mut Figures, &str);

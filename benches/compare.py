@@ -408,9 +408,9 @@ def main():
             frequency_error,
         )
         damped = [c for c in cases if c.damped and c.poles()]
-        roads = [("NumPy companion", always(companion)), ("SciPy QZ", always(qz)), ("python-control", always(control_poles))]
-        table("Poles", "The complex number.", damped, roads + [("vibc", vibc("poles"))], pole_error)
-        table("Decay rates", "The real part of the same poles.", damped, roads + [("vibc", vibc("poles"))], real_part_error)
+        methods = [("NumPy companion", always(companion)), ("SciPy QZ", always(qz)), ("python-control", always(control_poles))]
+        table("Poles", "The complex number.", damped, methods + [("vibc", vibc("poles"))], pole_error)
+        table("Decay rates", "The real part of the same poles.", damped, methods + [("vibc", vibc("poles"))], real_part_error)
         table(
             "Transfer functions",
             "",

@@ -67,11 +67,11 @@ impl Session {
     /// The number of findings of the newest version.
     fn findings(&self) -> usize {
         loop {
-            if let Message::Notification(told) = self.connection.receiver.recv().expect("findings")
-                && told.method == "textDocument/publishDiagnostics"
-                && told.params["version"] == json!(self.version)
+            if let Message::Notification(reported) = self.connection.receiver.recv().expect("findings")
+                && reported.method == "textDocument/publishDiagnostics"
+                && reported.params["version"] == json!(self.version)
             {
-                return told.params["diagnostics"].as_array().map_or(0, Vec::len);
+                return reported.params["diagnostics"].as_array().map_or(0, Vec::len);
             }
         }
     }

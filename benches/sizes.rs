@@ -66,7 +66,7 @@ fn cases() -> Vec<Case> {
 fn main() {
     let mut out = std::io::stdout().lock();
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
-    let heading = ["scene", "modes", "lower [s]", "modes [s]", "bound", "error", "road"];
+    let heading = ["scene", "modes", "lower [s]", "modes [s]", "bound", "error", "method"];
     row(&mut out, &heading.map(String::from));
     for case in cases() {
         if words.is_empty() || words.iter().any(|word| case.name.contains(word.as_str())) {
@@ -79,8 +79,8 @@ fn main() {
 }
 
 fn row(out: &mut impl Write, cells: &[String; 7]) {
-    let [name, count, lower, modes, bound, error, road] = cells;
-    writeln!(out, "{name:<28}{count:>6}{lower:>11}{modes:>11}{bound:>9}{error:>9}  {road}").expect("standard output");
+    let [name, count, lower, modes, bound, error, method] = cells;
+    writeln!(out, "{name:<28}{count:>6}{lower:>11}{modes:>11}{bound:>9}{error:>9}  {method}").expect("standard output");
 }
 
 fn measured(case: &Case) -> [String; 7] {
@@ -116,7 +116,7 @@ fn measured(case: &Case) -> [String; 7] {
         }
     };
     let error = if error.is_nan() { String::new() } else { format!("{error:.0e}") };
-    let road = list.last().map_or("", |mode| mode.route.name()).to_string();
+    let method = list.last().map_or("", |mode| mode.route.name()).to_string();
     [
         case.name.into(),
         list.len().to_string(),
@@ -124,12 +124,12 @@ fn measured(case: &Case) -> [String; 7] {
         format!("{time:.4}"),
         format!("{bound:.0e}"),
         error,
-        road,
+        method,
     ]
 }
 
-fn cells(case: &Case, lower: &str, modes: &str, bound: &str, road: String) -> [String; 7] {
-    [case.name.into(), String::new(), lower.into(), modes.into(), bound.into(), String::new(), road]
+fn cells(case: &Case, lower: &str, modes: &str, bound: &str, method: String) -> [String; 7] {
+    [case.name.into(), String::new(), lower.into(), modes.into(), bound.into(), String::new(), method]
 }
 
 fn lowered(text: String) -> Result<LinearSystem, String> {

@@ -80,8 +80,8 @@ fn frequency(i: usize) -> Frequency {
 
 /// Processor seconds that this process has used so far.
 fn now(start: &Instant) -> f64 {
-    let told = fs::read_to_string("/proc/self/schedstat").ok();
-    let nanoseconds = told.and_then(|text| text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()));
+    let reported = fs::read_to_string("/proc/self/schedstat").ok();
+    let nanoseconds = reported.and_then(|text| text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()));
     nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |ns| ns * 1e-9)
 }
 
@@ -122,20 +122,20 @@ fn say(text: &str) {
 fn transfer() {
     let frequencies: Vec<Frequency> = (0..10_000).map(frequency).collect();
     say("transfer of 10,000 frequencies on a damped chain, the force's own place");
-    say("     n  road                          per frequency      per second   against one LU");
+    say("     n  method                        per frequency      per second   against one LU");
     for n in [5, 10, 20, 100, 200, 2000] {
         let system = chain(n);
         let transfer = Transfer::of(&system);
         let dense = if n <= 200 { Some(time(|| bare_solve(n, black_box(14.7)))) } else { None };
-        let row = |road: &str, each: f64| {
+        let row = |method: &str, each: f64| {
             let ratio = dense.map_or("-".into(), |dense| format!("{:.3}", each / dense));
-            say(&format!("{n:6}  {road:28}  {:10.1} ns  {:12.3e}   {ratio:>14}", each * 1e9, 1.0 / each));
+            say(&format!("{n:6}  {method:28}  {:10.1} ns  {:12.3e}   {ratio:>14}", each * 1e9, 1.0 / each));
         };
         dense.into_iter().for_each(|dense| row("one dense LU, no bound", dense));
         let f = frequency(2345);
         row("one by one, with bound", time(|| transfer.between(black_box(&f), &[0], &[0])));
-        for (road, tolerance) in [("many, to the last digit", 1e-17), ("many, to 1e-12", 1e-12)] {
-            row(road, clock(|| transfer.many(black_box(&frequencies), &[0], &[0], tolerance)) / 1e4);
+        for (method, tolerance) in [("many, to the last digit", 1e-17), ("many, to 1e-12", 1e-12)] {
+            row(method, clock(|| transfer.at_frequencies(black_box(&frequencies), &[0], &[0], tolerance)) / 1e4);
         }
         if n <= 100 {
             let modes = analysis::modes(&system).expect("a regular system");
@@ -157,7 +157,7 @@ fn transfer_of_uneven() {
             let mut system = uneven(n);
             system.outputs[0].p[0][0].0 = CoordinateId(at as u32);
             let transfer = Transfer::of(&system);
-            let each = clock(|| transfer.many(black_box(&frequencies), &[0], &[0], 1e-17)) / 1e4;
+            let each = clock(|| transfer.at_frequencies(black_box(&frequencies), &[0], &[0], 1e-17)) / 1e4;
             let place = if at == 0 { "at the force" } else { "at the end" };
             say(&format!("{n:6}  many, {place:22}  {:10.1} ns  {:12.3e}", each * 1e9, 1.0 / each));
         }

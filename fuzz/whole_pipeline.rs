@@ -20,12 +20,12 @@ pub fn run(text: &str) {
     diagnostics.extend(checked.diagnostics);
     let Some(scene) = checked.scene.filter(|_| !diagnostics.has_errors()) else {
         assert!(diagnostics.has_errors(), "no scene and no error");
-        return assert_told(&sources, diagnostics);
+        return assert_findings(&sources, diagnostics);
     };
     let outcome = vibc::lower::lower(&scene);
     assert!(outcome.lowered.is_some() || outcome.diagnostics.has_errors(), "no system and no error");
     diagnostics.extend(outcome.diagnostics);
-    assert_told(&sources, diagnostics);
+    assert_findings(&sources, diagnostics);
     let Some(lowered) = outcome.lowered.filter(|lowered| lowered.system.n() <= LARGE) else { return };
     let Ok(modes) = vibc::analysis::modes(&lowered.system) else { return };
     assert_modes(&modes, lowered.system.n());
@@ -36,7 +36,7 @@ pub fn run(text: &str) {
 
 /// Every place of every diagnostic lies in its text, on character boundaries, and all of them can be drawn without a
 /// control character that would steer a terminal.
-fn assert_told(sources: &Sources, diagnostics: Diagnostics) {
+fn assert_findings(sources: &Sources, diagnostics: Diagnostics) {
     let findings = diagnostics.sorted();
     for diagnostic in &findings {
         let Diagnostic { primary, related, message, .. } = diagnostic;

@@ -2,7 +2,7 @@
 //! See docs/cli.md#streams-and-exit-status.
 
 use crate::cli::{MessageFormat, Messages, OverrideOptions};
-use crate::{Status, complain, write_to};
+use crate::{Status, report_error, write_to};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
@@ -33,12 +33,12 @@ pub fn open<'a>(
     messages: &Messages,
 ) -> Result<Input, Status> {
     let input = read_all(model, overrides).map_err(|unreadable| unreadable.report(messages))?;
-    spare(&input, model, overrides, outputs)?;
+    refuse_overwriting(&input, model, overrides, outputs)?;
     Ok(input)
 }
 
 /// Refuses to overwrite a file that the run reads.
-pub fn spare<'a>(
+pub fn refuse_overwriting<'a>(
     input: &Input,
     model: &Path,
     overrides: &OverrideOptions,
@@ -51,7 +51,7 @@ pub fn spare<'a>(
         let named = input.sources.files().map(|file| Path::new(&file.name));
         let mut inputs = std::iter::once(model).chain(overrides.settings_file.as_deref()).chain(named);
         if target.is_file() && inputs.any(|input| fs::canonicalize(input).is_ok_and(|input| input == target)) {
-            complain(&format!("`{}` is an input file and would be overwritten", output.display()));
+            report_error(&format!("`{}` is an input file and would be overwritten", output.display()));
             return Err(Status::Usage);
         }
     }
@@ -90,7 +90,7 @@ fn read_tables(sources: &mut Sources, mut tables: Named) {
     let named: Vec<String> = files
         .into_iter()
         .flat_map(|file| vibc::table_files(sources, file).into_iter().map(move |written| (file, written)))
-        .map(|(file, written)| sources.file(file).beside(&written))
+        .map(|(file, written)| sources.file(file).relative_name(&written))
         .take(MOST_TABLES)
         .collect();
     for name in named {
@@ -135,16 +135,16 @@ impl Named {
 
     /// Reads a regular file; a pipe or a device may have no end, or block for ever. Links count as their targets.
     pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, String> {
-        let told = |error: io::Error| error.to_string();
-        let path = fs::canonicalize(path).map_err(told)?;
+        let reported = |error: io::Error| error.to_string();
+        let path = fs::canonicalize(path).map_err(reported)?;
         if !self.folders.iter().any(|folder| is_below(&path, folder)) {
             return Err(self.outside.into());
         }
-        if !fs::metadata(&path).map_err(told)?.is_file() {
+        if !fs::metadata(&path).map_err(reported)?.is_file() {
             return Err("it is not a regular file".into());
         }
         let mut bytes = Vec::new();
-        File::open(&path).map_err(told)?.take(self.room as u64 + 1).read_to_end(&mut bytes).map_err(told)?;
+        File::open(&path).map_err(reported)?.take(self.room as u64 + 1).read_to_end(&mut bytes).map_err(reported)?;
         self.room = self.room.checked_sub(bytes.len()).ok_or_else(|| self.full.clone())?;
         Ok(bytes)
     }
@@ -217,7 +217,7 @@ fn replace_file(path: &Path, text: &str) -> io::Result<()> {
         return OpenOptions::new().write(true).open(path)?.write_all(text.as_bytes());
     }
     let existing = existing.ok();
-    let target = if existing.is_some() { fs::canonicalize(path)? } else { led_to(path)? };
+    let target = if existing.is_some() { fs::canonicalize(path)? } else { resolve_missing(path)? };
     let (beside, file) = new_beside(&target, existing.is_some())?;
     let written = write_new(file, text, existing).and_then(|()| fs::rename(&beside, &target));
     if written.is_err() {
@@ -227,7 +227,7 @@ fn replace_file(path: &Path, text: &str) -> io::Result<()> {
 }
 
 /// The path that a name without a file leads to: a link may point to a file that does not exist yet.
-fn led_to(path: &Path) -> io::Result<PathBuf> {
+fn resolve_missing(path: &Path) -> io::Result<PathBuf> {
     /// As many links as operating systems follow.
     const LINKS: usize = 40;
     let mut path = path.to_path_buf();

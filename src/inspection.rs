@@ -41,7 +41,7 @@ pub enum Effort {
 /// Takes the text of a model through the stages up to the linear system.
 pub fn inspect(sources: &Sources, model: FileId, overrides: &Overrides, effort: Effort) -> Inspection {
     let mut diagnostics = Diagnostics::new();
-    let inspection = match reading::checked(sources, model, overrides, &mut diagnostics) {
+    let inspection = match reading::read_and_check(sources, model, overrides, &mut diagnostics) {
         None => Inspection { is_whole: true, ..Inspection::default() },
         Some((tree, None)) => Inspection { tree: Some(tree), is_whole: true, ..Inspection::default() },
         Some((tree, Some(scene))) => {
@@ -75,7 +75,7 @@ fn of_reading(mut reading: Reading, effort: Effort, diagnostics: &mut Diagnostic
     let system = match lowered {
         Some(lowered) if is_whole || !is_modal => dynamics::with_damping(&reading.scene, lowered, diagnostics)
             .ok()
-            .and_then(|damped| damped.written_out(diagnostics)),
+            .and_then(|damped| damped.into_written_out(diagnostics)),
         Some(lowered) => {
             return Inspection {
                 tree: Some(reading.tree),

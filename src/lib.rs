@@ -179,7 +179,7 @@ pub use questions::answer::{Requirement, Sensitivity, Solved, Value};
 
 // Transfer functions and motions.
 pub use analysis::{
-    Disc, Extrema, Extremum, FeatureKind, Frequency, Gain, History, Roads, Row, Steady, Sweep, Table, Transfer,
+    Disc, Extrema, Extremum, FeatureKind, Frequency, Gain, History, Methods, Row, Steady, Sweep, Table, Transfer,
     grid as times, table as transfer_table,
 };
 
@@ -279,8 +279,8 @@ pub fn analyze_with(
     study: &Study,
 ) -> Outcome<ModalAnswer> {
     Outcome::of(|diagnostics| {
-        let mut reading = reading::settled(sources, model, overrides, study.until, diagnostics)?;
-        let damped = dynamics::damped(&reading.scene, diagnostics)?;
+        let mut reading = reading::read_and_solve(sources, model, overrides, study.until, diagnostics)?;
+        let damped = dynamics::lower_with_damping(&reading.scene, diagnostics)?;
         reported(&mut reading, damped, request, study, diagnostics).ok()
     })
 }
@@ -296,7 +296,7 @@ pub fn analyze_and_explain(
 ) -> (Outcome<ModalAnswer>, Option<Explained>) {
     let mut explained = None;
     let outcome = Outcome::of(|diagnostics| {
-        let mut reading = reading::settled(sources, model, overrides, study.until, diagnostics)?;
+        let mut reading = reading::read_and_solve(sources, model, overrides, study.until, diagnostics)?;
         let (name, lowered) = (reading.name(), dynamics::lowered(&reading.scene, diagnostics)?);
         let account = lower::account(&reading.scene, &lowered);
         match dynamics::with_damping(&reading.scene, lowered, diagnostics) {
@@ -390,7 +390,7 @@ pub struct Dynamics {
 /// ```
 pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Dynamics> {
     Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
+        let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         let (system, modes) = dynamics::for_transfer(&reading.scene, diagnostics)?.into_parts();
         let spectrum = modes.map_or_else(|| analysis::modes(&system), Ok).and_then(|modes| {
             let poles = analysis::poles(&system, &modes)?;
@@ -399,13 +399,13 @@ pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outc
         let spectrum = match spectrum {
             Ok(spectrum) => Some(spectrum),
             Err(AnalysisError::TooManyCoordinates { .. } | AnalysisError::MasslessPoles { .. }) => None,
-            Err(error) => return refused(&error, diagnostics),
+            Err(error) => return push_error(&error, diagnostics),
         };
         Some(Dynamics { model: reading.name(), system, spectrum })
     })
 }
 
-fn refused<T>(error: &AnalysisError, diagnostics: &mut Diagnostics) -> Option<T> {
+fn push_error<T>(error: &AnalysisError, diagnostics: &mut Diagnostics) -> Option<T> {
     diagnostics.push(error.to_diagnostic());
     None
 }
@@ -438,11 +438,11 @@ pub struct Motion {
 /// ```
 pub fn simulate(sources: &Sources, model: FileId, overrides: &Overrides, times: &[Number]) -> Outcome<Motion> {
     Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, times.last(), diagnostics)?;
+        let reading = reading::read_and_solve(sources, model, overrides, times.last(), diagnostics)?;
         let (system, modes) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
         let drives = dynamics::drives(&reading.scene, diagnostics)?;
         let history = analysis::respond_with(&system, modes.as_ref(), &drives, times);
-        let history = history.or_else(|error| refused(&error, diagnostics).ok_or(())).ok()?;
+        let history = history.or_else(|error| push_error(&error, diagnostics).ok_or(())).ok()?;
         let places: Vec<base::Span> = reading.scene.scene().outputs.iter().map(|output| output.span).collect();
         diagnostics.extend(analysis::response::findings(&system, &drives, &history, &places));
         let steady = if has_harmonics(&drives) {
@@ -498,7 +498,7 @@ pub fn discrete(
     options: &analysis::discrete::Options,
 ) -> Outcome<Emission> {
     Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, options.until.as_ref(), diagnostics)?;
+        let reading = reading::read_and_solve(sources, model, overrides, options.until.as_ref(), diagnostics)?;
         let (system, modes) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
         let mut options = options.clone();
         if options.built_in {
@@ -519,7 +519,7 @@ pub fn parameterised(
     name: &str,
 ) -> Outcome<(String, Result<Parameterised, String>)> {
     Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
+        let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         Some((reading.name(), reading.over_parameter(name)))
     })
 }
@@ -527,7 +527,7 @@ pub fn parameterised(
 /// From the text of a model to its linear system.
 pub fn linear(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<(String, LinearSystem)> {
     Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
+        let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         let (system, _) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
         Some((reading.name(), system))
     })
@@ -555,7 +555,7 @@ impl Explained {
 /// From the text of a model to its equations of motion in symbols, compared with its linear system.
 pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Equations> {
     Outcome::of(|diagnostics| {
-        let (scene, written) = reading::written(sources, model, overrides, diagnostics)?;
+        let (scene, written) = reading::read_written(sources, model, overrides, diagnostics)?;
         let mut lowered = dynamics::lowered(&scene, diagnostics)?;
         lowered.flatten().map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
         let derived = equations::derive(scene.scene(), &written, &lowered);
@@ -566,7 +566,7 @@ pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Out
 /// From the text of a model to an account of what was kept of it, which needs no analysis.
 pub fn explain(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Explained> {
     Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
+        let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         let lowered = lower::lower(&reading.scene).lowered?;
         let account = lower::account(&reading.scene, &lowered);
         Some(Explained::new(reading.name(), lowered, account))
@@ -581,7 +581,7 @@ pub fn bench(
     clock: &mut bench::Clock,
 ) -> Outcome<(String, bench::Bench)> {
     Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
+        let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         let (system, _) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
         let drives = dynamics::drives(&reading.scene, diagnostics)?;
         let rounded = Overrides { literals: base::Literals::Binary64, ..*overrides };
@@ -605,7 +605,7 @@ fn chain(masses: usize) -> Option<LinearSystem> {
 
 /// What a figure shows in addition to the scene as drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Drawn {
+pub struct FigureOptions {
     /// The scene at rest.
     pub rest: bool,
     /// This mode, superposed on the rest; counted from 1.
@@ -619,10 +619,10 @@ pub fn draw(
     sources: &Sources,
     model: FileId,
     overrides: &Overrides,
-    drawn: &Drawn,
+    drawn: &FigureOptions,
 ) -> Outcome<Result<picture::Figure, String>> {
     Outcome::of(|diagnostics| {
-        let reading = reading::settled(sources, model, overrides, None, diagnostics)?;
+        let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         let figure = |shown| {
             let digits = |number: &Number| backend::decimal::certain_whole(number, FIGURE_DIGITS);
             let request = picture::Request { digits: &digits, values: drawn.values, shown };
@@ -637,7 +637,7 @@ pub fn draw(
         };
         let request = Request { which: Which::Lowest(wanted as usize), ..Request::default() };
         let modes =
-            analysis::modes_as(&system, &request).or_else(|error| refused(&error, diagnostics).ok_or(())).ok()?;
+            analysis::modes_as(&system, &request).or_else(|error| push_error(&error, diagnostics).ok_or(())).ok()?;
         let Some((_, mode)) = modes.numbered().find(|(number, _)| *number == wanted as usize) else {
             return Some(Err(format!("the model has no mode {wanted}; it has {}", modes.list.len())));
         };
@@ -677,16 +677,16 @@ pub fn check(
     until: Option<&Number>,
 ) -> Outcome<Vec<Requirement>> {
     Outcome::of(|diagnostics| {
-        let mut reading = reading::settled(sources, model, overrides, until, diagnostics)?;
+        let mut reading = reading::read_and_solve(sources, model, overrides, until, diagnostics)?;
         let scene = reading.scene.scene();
         if scene.requires.is_empty() && scene.damping.is_none() {
             // No number is requested, so the scene may hang deeper than analyses allow.
             dynamics::lowered(&reading.scene, diagnostics)?;
             return Some(Vec::new());
         }
-        let damped = dynamics::damped(&reading.scene, diagnostics)?;
+        let damped = dynamics::lower_with_damping(&reading.scene, diagnostics)?;
         // If it cannot be written out, each requirement reports that.
-        let system = damped.written_out(&mut Diagnostics::new());
+        let system = damped.into_written_out(&mut Diagnostics::new());
         Some(reading.requirements(system.as_ref(), None, diagnostics))
     })
 }

@@ -12,14 +12,14 @@ use cli::{
     HoldOption, MessageFormat, Messages, Page, Report, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption,
     Transfer,
 };
-use files::{Input, open, read, read_all, spare, write_result};
+use files::{Input, open, read, read_all, refuse_overwriting, write_result};
 use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
 use vibc::analysis::discrete::Hold;
-use vibc::analysis::{self, Roads, Sweep};
+use vibc::analysis::{self, Methods, Sweep};
 use vibc::answers::report;
 use vibc::backend::emit::{Language, Program};
 use vibc::backend::{self, ReportOptions, diagnostics};
@@ -131,11 +131,11 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     let inputs: Vec<String> = system.inputs.iter().map(|input| system.display(input.name)).collect();
     let outputs: Vec<String> = system.outputs.iter().map(|output| system.display(output.name)).collect();
     let chosen =
-        chosen("input", &options.from, &inputs).and_then(|i| Ok((i, chosen("output", &options.to, &outputs)?)));
+        indices_of("input", &options.from, &inputs).and_then(|i| Ok((i, indices_of("output", &options.to, &outputs)?)));
     let (inputs, outputs) = match chosen {
         Ok(chosen) => chosen,
         Err(text) => {
-            complain(&text);
+            report_error(&text);
             return Status::Usage;
         }
     };
@@ -150,14 +150,14 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
         outputs,
     };
     if dynamics.spectrum.is_none() && sweep.at.is_empty() && sweep.range.is_none() {
-        complain(&format!(
+        report_error(&format!(
             "the poles of {} coordinates are not computed: give the frequencies with `--range`",
             system.n()
         ));
         return Status::Limit;
     }
     let (modes, poles) = dynamics.spectrum.clone().unwrap_or_default();
-    let table = analysis::table(&Roads::of(system, &modes), &poles, &sweep);
+    let table = analysis::table(&Methods::of(system, &modes), &poles, &sweep);
     let text = match options.format {
         TableFormat::Text => {
             let width = columns(&options.page, options.output.as_deref());
@@ -173,7 +173,7 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
 }
 
 /// The indices of the requested names, or of all names.
-fn chosen(what: &str, wanted: &[String], names: &[String]) -> Result<Vec<usize>, String> {
+fn indices_of(what: &str, wanted: &[String], names: &[String]) -> Result<Vec<usize>, String> {
     if names.is_empty() {
         return Err(format!("the model declares no {what}"));
     }
@@ -202,7 +202,7 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
     let (until, step) = (options.until.of_literals(literals), options.step.of_literals(literals));
     let samples = (until / step).to_f64();
     if samples > cli::MOST_SAMPLES {
-        complain(&format!("that would be {samples:.0} samples; the limit is {}", cli::MOST_SAMPLES));
+        report_error(&format!("that would be {samples:.0} samples; the limit is {}", cli::MOST_SAMPLES));
         return Status::Usage;
     }
     let input = match open(&options.file, &options.overrides, options.output.iter().chain(&options.svg), messages) {
@@ -215,7 +215,7 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
     show(&input.sources, outcome.diagnostics, messages);
     let Some(motion) = &outcome.answer else { return status };
     if motion.system.outputs.is_empty() {
-        complain("the model declares no output");
+        report_error("the model declares no output");
         return Status::Usage;
     }
     let report = || report::motion(&motion.model, &motion.system, &motion.history, &motion.steady);
@@ -235,7 +235,7 @@ fn draw(options: &Draw, messages: &Messages) -> Status {
         Ok(input) => input,
         Err(status) => return status,
     };
-    let drawn = vibc::Drawn { rest: options.rest, mode: options.mode, values: options.values };
+    let drawn = vibc::FigureOptions { rest: options.rest, mode: options.mode, values: options.values };
     let outcome = vibc::draw(&input.sources, input.model, &input.overrides, &drawn);
     let status = failure(outcome.failure());
     show(&input.sources, outcome.diagnostics, messages);
@@ -246,7 +246,7 @@ fn draw(options: &Draw, messages: &Messages) -> Status {
             deliver(options.output.as_deref(), &text).max(status)
         }
         Some(Err(reason)) => {
-            complain(reason);
+            report_error(reason);
             Status::Usage
         }
     }
@@ -272,7 +272,7 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
     let until = options.until.as_ref().map(|until| until.of_literals(literals));
     let samples = until.map_or(0.0, |until| (until / step).to_f64());
     if samples > cli::MOST_PROGRAM_SAMPLES {
-        complain(&format!("that would be {samples:.0} samples; the limit is {}", cli::MOST_PROGRAM_SAMPLES));
+        report_error(&format!("that would be {samples:.0} samples; the limit is {}", cli::MOST_PROGRAM_SAMPLES));
         return Status::Usage;
     }
     let program = until.map(|until| Program { step: step.clone(), samples: analysis::samples(until, step) });
@@ -308,7 +308,7 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
     show(&input.sources, outcome.diagnostics, messages);
     let Some(emission) = &outcome.answer else { return status };
     if emission.system.outputs.is_empty() {
-        complain("the model declares no output");
+        report_error("the model declares no output");
         return Status::Usage;
     }
     match &options.output {
@@ -342,7 +342,7 @@ fn equations(options: &Equations, messages: &Messages) -> Status {
 
 fn emit_equations(options: &Emit, input: &Input, language: Language, messages: &Messages) -> Status {
     if options.program || options.tolerance.is_some() {
-        complain(
+        report_error(
             "`--style equations` has neither `--program` nor `--tolerance`: it is the model itself, not its motion",
         );
         return Status::Usage;
@@ -352,7 +352,7 @@ fn emit_equations(options: &Emit, input: &Input, language: Language, messages: &
     show(&input.sources, outcome.diagnostics, messages);
     let Some((model, system)) = &outcome.answer else { return status };
     if system.outputs.is_empty() {
-        complain("the model declares no output");
+        report_error("the model declares no output");
         return Status::Usage;
     }
     match analysis::discrete::equations::equations(system, options.precision.into()) {
@@ -363,7 +363,7 @@ fn emit_equations(options: &Emit, input: &Input, language: Language, messages: &
             }
         },
         Err(none) => {
-            complain(&none.to_string());
+            report_error(&none.to_string());
             Status::Limit
         }
     }
@@ -376,19 +376,21 @@ fn emit_parameter(options: &Emit, name: &str, input: &Input, language: Language,
     let Some((model, found)) = &outcome.answer else { return status };
     let system = match found {
         Ok(system) if system.outputs.is_empty() => {
-            complain("the model declares no output");
+            report_error("the model declares no output");
             return Status::Usage;
         }
         Ok(system) => system,
         Err(reason) => {
-            complain(&format!("`--parameter {}` cannot stay changeable: {reason}", diagnostics::readable(name)));
+            report_error(&format!("`--parameter {}` cannot stay changeable: {reason}", diagnostics::readable(name)));
             return Status::Usage;
         }
     };
     let step = options.step.of_literals(options.overrides.literals).to_f64();
     let precision = options.precision.into();
     let out_of_range = || {
-        complain("a number of the code leaves the range of its precision: check the units, or use `--precision f64`");
+        report_error(
+            "a number of the code leaves the range of its precision: check the units, or use `--precision f64`",
+        );
         Status::Limit
     };
     match &options.output {
@@ -406,11 +408,11 @@ fn emit_parameter(options: &Emit, name: &str, input: &Input, language: Language,
 /// Writes files into a folder, which is created if necessary, unless one of the files is also read.
 fn deliver_all(folder: &Path, files: &[backend::emit::File], options: &Emit, input: &Input) -> Status {
     let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(&file.name)).collect();
-    if let Err(status) = spare(input, &options.file, &options.overrides, &paths) {
+    if let Err(status) = refuse_overwriting(input, &options.file, &options.overrides, &paths) {
         return status;
     }
     if let Err(error) = fs::create_dir_all(folder) {
-        complain(&format!("cannot make the directory `{}`: {error}", folder.display()));
+        report_error(&format!("cannot make the directory `{}`: {error}", folder.display()));
         return Status::Io;
     }
     files.iter().map(|file| deliver(Some(&folder.join(&file.name)), &file.text)).max().unwrap_or(Status::Done)
@@ -444,7 +446,7 @@ fn deliver(output: Option<&Path>, text: &str) -> Status {
         Ok(()) => Status::Done,
         Err(error) => {
             let name = output.unwrap_or(Path::new("standard output"));
-            complain(&format!("cannot write `{}`: {error}", name.display()));
+            report_error(&format!("cannot write `{}`: {error}", name.display()));
             Status::Io
         }
     }
@@ -522,7 +524,7 @@ fn language_server() -> Status {
         (Leave::Announced, Ok(Ok(()))) => Status::Done,
         (Leave::Unannounced, Ok(Ok(()))) => Status::Errors,
         _ => {
-            complain("cannot write to the editor");
+            report_error("cannot write to the editor");
             Status::Io
         }
     }
@@ -545,7 +547,7 @@ fn manual_page(command: Option<&str>) -> Status {
             // Its page is `vibc-analyze`, as in git.
             Some(command) => command.clone(),
             None => {
-                complain(&format!("there is no command `{}`", diagnostics::readable(name)));
+                report_error(&format!("there is no command `{}`", diagnostics::readable(name)));
                 return Status::Usage;
             }
         },
@@ -567,7 +569,7 @@ fn explain(asked: Option<&str>) -> Status {
         Ok(text) => deliver(None, &text),
         Err(unknown) => {
             let nearest = unknown.nearest.map_or(String::new(), |code| format!("; did you mean `{code}`?"));
-            complain(&format!("no diagnostic has the code `{}`{nearest}", diagnostics::readable(asked)));
+            report_error(&format!("no diagnostic has the code `{}`{nearest}", diagnostics::readable(asked)));
             Status::Usage
         }
     }
@@ -630,7 +632,7 @@ fn write_to(stream: &mut impl Write, text: &str) {
 }
 
 /// Writes an error in a single line, like those about the command line, whatever names of files and arguments it repeats.
-fn complain(text: &str) {
+fn report_error(text: &str) {
     write_to(&mut io::stderr().lock(), &format!("error: {}\n", diagnostics::readable(text)));
 }
 

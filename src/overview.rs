@@ -2,7 +2,7 @@
 //! equations in symbols. In: a model's text, or what an editor knows of it; out: an [`Overview`], which writes the page.
 
 use crate::analysis::fractions::{self, Parts, Pencil};
-use crate::analysis::{self, Mode, ModeKind, Normalise, Pole, Request, Roads, Sweep, Which};
+use crate::analysis::{self, Methods, Mode, ModeKind, Normalise, Pole, Request, Sweep, Which};
 use crate::answers::ModalAnswer;
 use crate::answers::report::{self, Options};
 use crate::backend::decimal::{certain, certain_whole};
@@ -55,11 +55,11 @@ const CAPTION_DIGITS: usize = 4;
 /// From the text of a model to all that its page shows.
 pub fn overview(sources: &Sources, model: FileId, overrides: &Overrides, study: &Study) -> Outcome<Overview> {
     Outcome::of(|diagnostics| {
-        let mut reading = reading::settled(sources, model, overrides, study.until, diagnostics)?;
-        let damped = dynamics::damped(&reading.scene, diagnostics)?;
+        let mut reading = reading::read_and_solve(sources, model, overrides, study.until, diagnostics)?;
+        let damped = dynamics::lower_with_damping(&reading.scene, diagnostics)?;
         let mechanism = damped.lowered.mechanism.clone();
         // A scene too large to be written out has no curves.
-        let written = damped.clone().written_out(&mut Diagnostics::new());
+        let written = damped.clone().into_written_out(&mut Diagnostics::new());
         let request = Request { which: Which::Usual, ..Request::default() };
         let answer = reported(&mut reading, damped, &request, study, diagnostics).ok()?;
         let mut overview = Overview::of(reading.scene.scene(), answer, &mechanism);
@@ -77,7 +77,7 @@ pub fn overview(sources: &Sources, model: FileId, overrides: &Overrides, study: 
 }
 
 /// What an editor knows of a model.
-pub(crate) struct Known<'a> {
+pub(crate) struct Lowered<'a> {
     pub scene: &'a Scene,
     pub system: &'a LinearSystem,
     pub rest: &'a crate::lower::Rest,
@@ -88,7 +88,7 @@ pub(crate) struct Known<'a> {
 }
 
 impl Overview {
-    pub(crate) fn known(of: &Known) -> Overview {
+    pub(crate) fn known(of: &Lowered) -> Overview {
         let answer = ModalAnswer {
             model: of.scene.name.clone(),
             system: of.system.clone(),
@@ -108,7 +108,7 @@ impl Overview {
     /// The answer with its figure, and how that moves.
     fn of(scene: &Scene, answer: ModalAnswer, mechanism: &Mechanism) -> Overview {
         let digits = |number: &Number| certain_whole(number, FIGURE_DIGITS);
-        let figure = picture::moving(scene, &mechanism.poses(None), &digits).map_err(|refusal| refusal.to_string());
+        let figure = picture::animated(scene, &mechanism.poses(None), &digits).map_err(|refusal| refusal.to_string());
         let n = answer.system.n();
         let mut movements = Movements::default();
         let mut poles = Vec::new();
@@ -131,7 +131,7 @@ impl Overview {
             return None;
         }
         let sweep = Sweep { inputs: (0..inputs).collect(), outputs: (0..outputs).collect(), ..Sweep::default() };
-        let table = analysis::table(&Roads::of(system, modes), poles, &sweep);
+        let table = analysis::table(&Methods::of(system, modes), poles, &sweep);
         let pencil = Pencil::of(system);
         let parts = pencil.as_ref().and_then(|pencil| Parts::of(system, modes, poles, pencil));
         let curve = |i: usize, o: usize| {

@@ -8,7 +8,7 @@ use crate::dynamics::{self, WrittenOut};
 use crate::library;
 use crate::model::{self, Checked, CheckedScene, Overrides, Setting, Written};
 use crate::questions::error::AskedError;
-use crate::questions::{self, Known, Requirement, Settled, Solved, Text, trial};
+use crate::questions::{self, Facts, Requirement, Settled, Solved, Text, trial};
 use crate::syntax;
 use crate::syntax::tree::Tree;
 use crate::system::LinearSystem;
@@ -29,18 +29,18 @@ pub(crate) struct Reading<'a> {
 }
 
 /// The tree of a text, and its scene unless there are errors. `None` if a file is not text.
-pub(crate) fn checked(
+pub(crate) fn read_and_check(
     sources: &Sources,
     model: FileId,
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<(Tree, Option<CheckedScene>)> {
     let check = |tree: &Tree| (model::check(sources, tree, overrides), ());
-    checked_by(sources, model, overrides, diagnostics, check).map(|(tree, scene, ())| (tree, scene))
+    check_with(sources, model, overrides, diagnostics, check).map(|(tree, scene, ())| (tree, scene))
 }
 
-/// Like [`checked`], with a check that returns something in addition.
-fn checked_by<T>(
+/// Like [`read_and_check`], with a check that returns something in addition.
+fn check_with<T>(
     sources: &Sources,
     model: FileId,
     overrides: &Overrides,
@@ -62,14 +62,14 @@ fn checked_by<T>(
 }
 
 /// The scene and the expressions of its numbers, with every unknown of its `solve` lines at its value.
-pub(crate) fn written(
+pub(crate) fn read_written(
     sources: &Sources,
     model: FileId,
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<(CheckedScene, Written)> {
     let check = |tree: &Tree| model::check_written(sources, tree, overrides, &[]);
-    let (tree, scene, written) = checked_by(sources, model, overrides, diagnostics, check)?;
+    let (tree, scene, written) = check_with(sources, model, overrides, diagnostics, check)?;
     let scene = scene?;
     if scene.scene().solves.is_empty() {
         return Some((scene, written?));
@@ -81,14 +81,14 @@ pub(crate) fn written(
 }
 
 /// The scene with every `solve` line evaluated.
-pub(crate) fn settled<'a>(
+pub(crate) fn read_and_solve<'a>(
     sources: &'a Sources,
     model: FileId,
     overrides: &'a Overrides,
     until: Option<&'a Number>,
     diagnostics: &mut Diagnostics,
 ) -> Option<Reading<'a>> {
-    let (tree, scene) = checked(sources, model, overrides, diagnostics)?;
+    let (tree, scene) = read_and_check(sources, model, overrides, diagnostics)?;
     let declared = Reading::declared(sources, overrides, tree, scene?);
     let mut reading = Reading { until: until.cloned(), ..declared };
     reading.settle(diagnostics)?;
@@ -108,7 +108,7 @@ impl<'a> Reading<'a> {
         }
         if self.until.is_none() && trial::asks_of_motion(&self.scene) {
             // That of the scene as declared: it stays the same in all trials, so that measures do not jump with it.
-            let system = dynamics::written_out(&self.scene, &mut Diagnostics::new());
+            let system = dynamics::lower_written_out(&self.scene, &mut Diagnostics::new());
             let spectrum = system.as_ref().and_then(trial::spectrum);
             self.until = spectrum.and_then(|(_, poles)| trial::usual_time(&self.scene, &poles));
         }
@@ -155,7 +155,7 @@ impl<'a> Reading<'a> {
             }
             self.until = spectrum.and_then(|(_, poles)| trial::usual_time(&self.scene, poles));
         }
-        let known = Known { system, spectrum };
+        let known = Facts { system, spectrum };
         let (list, errors) = questions::requirements(&self.text(), &self.scene, &self.settings, known);
         diagnostics.extend(errors.iter().map(AskedError::to_diagnostic));
         list
@@ -202,7 +202,7 @@ pub fn add_used_files(
         for written in syntax::used_files(sources.text(file)) {
             let name = match written.strip_prefix(library::PREFIX) {
                 Some(_) => written.clone(),
-                None => sources.file(file).beside(&written),
+                None => sources.file(file).relative_name(&written),
             };
             let (key, content) = match written.strip_prefix(library::PREFIX) {
                 Some(of_program) => (written.clone(), of_library(of_program)),
@@ -262,7 +262,7 @@ fn used_content(
 const MOST_USED: usize = 32;
 
 /// The files of tables that a model names, each once, as written. The caller adds them to the sources (see
-/// [`crate::base::SourceFile::beside`]) before any other step. A model that names none is not even parsed.
+/// [`crate::base::SourceFile::relative_name`]) before any other step. A model that names none is not even parsed.
 pub fn table_files(sources: &Sources, model: FileId) -> Vec<String> {
     let mut files: Vec<String> = Vec::new();
     if !sources.text(model).contains("table") {
@@ -344,7 +344,7 @@ mod tests {
 
     /// A time that is given leaves `check` without modes where no requirement needs them.
     #[test]
-    fn what_is_not_needed_does_not_run() {
+    fn unneeded_stages_do_not_run() {
         let peak_only: String =
             MODEL.lines().filter(|line| !line.contains("damping(")).map(|line| format!("{line}\n")).collect();
         let nothing = Overrides::default();

@@ -48,7 +48,7 @@ pub fn receive_all<W: Write>(stream: &mut impl BufRead, to: &Sender<Message>, an
                 continue;
             }
         };
-        let is_last = matches!(&message, Message::Notification(told) if told.method == "exit");
+        let is_last = matches!(&message, Message::Notification(notification) if notification.method == "exit");
         if to.send(message).is_err() || is_last {
             return;
         }
@@ -64,7 +64,7 @@ pub fn send_all<W: Write>(messages: &Receiver<Message>, stream: impl Fn() -> W) 
 fn receive(stream: &mut impl BufRead) -> io::Result<Option<Received>> {
     let length = match length(stream)? {
         None => return Ok(None),
-        Some(Err(why)) => return Ok(Some(refused(None, ErrorCode::InvalidRequest, why))),
+        Some(Err(why)) => return Ok(Some(refusal(None, ErrorCode::InvalidRequest, why))),
         Some(Ok(length)) => length,
     };
     // The buffer grows with the bytes received, not with the length announced.
@@ -74,7 +74,7 @@ fn receive(stream: &mut impl BufRead) -> io::Result<Option<Received>> {
     Ok(is_whole.then(|| message(&body)))
 }
 
-fn refused(id: Option<RequestId>, code: ErrorCode, why: impl Into<String>) -> Received {
+fn refusal(id: Option<RequestId>, code: ErrorCode, why: impl Into<String>) -> Received {
     Received::Refused(Refused { id, code, why: why.into() })
 }
 
@@ -109,21 +109,21 @@ fn length_of(line: &[u8]) -> Option<Result<u64, String>> {
 
 fn message(body: &[u8]) -> Received {
     let Ok(text) = std::str::from_utf8(body) else {
-        return refused(None, ErrorCode::ParseError, "the message is not UTF-8");
+        return refusal(None, ErrorCode::ParseError, "the message is not UTF-8");
     };
     let read = serde_json::from_str(text).or_else(|error| serde_json::from_str(&whole(text)).map_err(|_| error));
     let value: Value = match read {
         Ok(value) => value,
-        Err(error) => return refused(None, ErrorCode::ParseError, format!("the message is not JSON: {error}")),
+        Err(error) => return refusal(None, ErrorCode::ParseError, format!("the message is not JSON: {error}")),
     };
     if value.is_array() {
         let why = "batches of messages are not part of the protocol";
-        return refused(None, ErrorCode::InvalidRequest, why);
+        return refusal(None, ErrorCode::InvalidRequest, why);
     }
     let id = value.get("id").and_then(|id| serde_json::from_value(id.clone()).ok());
     match serde_json::from_value(value) {
         Ok(message) => Received::Message(message),
-        Err(_) => refused(id, ErrorCode::InvalidRequest, "this is neither a request nor a notification nor an answer"),
+        Err(_) => refusal(id, ErrorCode::InvalidRequest, "this is neither a request nor a notification nor an answer"),
     }
 }
 
@@ -166,12 +166,12 @@ mod tests {
     use super::*;
 
     /// The results of reading a stream: the methods of its messages, and the codes of what was refused.
-    fn heard(stream: &[u8]) -> Vec<String> {
+    fn received(stream: &[u8]) -> Vec<String> {
         let mut stream = stream;
         let mut heard = Vec::new();
         while let Some(received) = receive(&mut stream).expect("memory can be read") {
             heard.push(match received {
-                Received::Message(Message::Notification(told)) => told.method,
+                Received::Message(Message::Notification(notification)) => notification.method,
                 Received::Message(Message::Request(asked)) => asked.method,
                 Received::Message(Message::Response(_)) => "answer".into(),
                 Received::Refused(refused) => (refused.code as i32).to_string(),
@@ -187,7 +187,7 @@ mod tests {
     const NEXT: &[u8] = br#"{"jsonrpc":"2.0","method":"next"}"#;
 
     #[test]
-    fn after_anything_the_next_message_is_heard() {
+    fn the_next_message_is_received_after_any_input() {
         let two_of_one = br#"[{"jsonrpc":"2.0","method":"a"},{"jsonrpc":"2.0","method":"b"}]"#;
         for (wrong, code) in [
             (framed(b"{"), "-32700"),
@@ -204,17 +204,17 @@ mod tests {
             (b"Content-Length: many\r\n\r\nmore of it".to_vec(), "-32600"),
         ] {
             let stream = [wrong.clone(), framed(NEXT)].concat();
-            assert_eq!(heard(&stream), [code, "next"], "{}", String::from_utf8_lossy(&wrong));
+            assert_eq!(received(&stream), [code, "next"], "{}", String::from_utf8_lossy(&wrong));
         }
     }
 
     #[test]
-    fn a_header_is_read_with_what_stands_around_it() {
+    fn a_header_is_read_with_surrounding_blanks() {
         let fields = [b"\r\n\ncontent-type: x\r\nCONTENT-LENGTH:33 \r\nOther: 1\r\n\r\n", NEXT].concat();
-        assert_eq!(heard(&fields), ["next"]);
+        assert_eq!(received(&fields), ["next"]);
         // The stream ends in a header, and in a message.
-        assert!(heard(b"Content-Length: 12\r\n").is_empty());
-        assert!(heard(b"Content-Length: 1200\r\n\r\n{}").is_empty());
+        assert!(received(b"Content-Length: 12\r\n").is_empty());
+        assert!(received(b"Content-Length: 1200\r\n\r\n{}").is_empty());
     }
 
     #[test]
@@ -223,6 +223,6 @@ mod tests {
         assert_eq!(whole(r#""\ude00 \ud83dx\ud83d\ud83d\ude00""#), r#""\ufffd \ufffdx\ufffd\ud83d\ude00""#);
         assert_eq!(whole(r#""\\ud83d \n \u00e9 \"#), r#""\\ud83d \n \u00e9 \"#);
         let body = br#"{"jsonrpc":"2.0","method":"\ud800"}"#;
-        assert_eq!(heard(&framed(body)), ["\u{fffd}"]);
+        assert_eq!(received(&framed(body)), ["\u{fffd}"]);
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::cli::{Messages, Watch};
 use crate::files::{Input, read_all};
-use crate::{Status, complain};
+use crate::{Status, report_error};
 use notify::{RecursiveMode, Watcher};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -50,7 +50,7 @@ pub fn watch(options: &Watch, messages: &Messages) -> Status {
     let server = match Server::http(("127.0.0.1", options.port)) {
         Ok(server) => server,
         Err(error) => {
-            complain(&format!("port {} of 127.0.0.1 cannot be served: {error}", options.port));
+            report_error(&format!("port {} of 127.0.0.1 cannot be served: {error}", options.port));
             return Status::Io;
         }
     };
@@ -62,7 +62,7 @@ pub fn watch(options: &Watch, messages: &Messages) -> Status {
     }) {
         Ok(watcher) => watcher,
         Err(error) => {
-            complain(&format!("files cannot be watched: {error}"));
+            report_error(&format!("files cannot be watched: {error}"));
             return Status::Io;
         }
     };
@@ -85,7 +85,7 @@ pub fn watch(options: &Watch, messages: &Messages) -> Status {
             thread::spawn(move || answer(request, port, &shared));
         }
     });
-    while watched.wait(&changes) {
+    while watched.wait_for_change(&changes) {
         let Ok((page, files)) = maker.make() else { continue };
         watched.watch(&mut watcher, &files);
         let mut served = lock(&shared);
@@ -154,7 +154,7 @@ impl Folders {
     }
 
     /// Until a file has changed; `false` where nothing will be heard any more.
-    fn wait(&self, changes: &Receiver<notify::Result<notify::Event>>) -> bool {
+    fn wait_for_change(&self, changes: &Receiver<notify::Result<notify::Event>>) -> bool {
         let is_ours = |event: &notify::Result<notify::Event>| {
             event
                 .as_ref()

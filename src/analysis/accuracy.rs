@@ -53,7 +53,7 @@ impl Shortfall {
     /// An error if the tolerance was requested, otherwise a warning; the answer is available in any case.
     pub fn to_diagnostic(&self) -> Diagnostic {
         let reached = if self.reached.is_finite() {
-            format!("to {} of itself", above(self.reached))
+            format!("to {} of itself", round_up_to_two_digits(self.reached))
         } else {
             "to no digit".to_string()
         };
@@ -72,19 +72,19 @@ impl Shortfall {
 }
 
 /// Two digits, rounded up.
-fn above(value: f64) -> String {
+fn round_up_to_two_digits(value: f64) -> String {
     format!("{:.1e}", value * 1.06)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::above;
+    use super::round_up_to_two_digits;
 
     #[test]
-    fn a_bound_is_told_from_above() {
+    fn an_accuracy_bound_is_rounded_upwards() {
         for value in [1e-12, 9.99e-7, 1.04e-3, 0.5, 7.77e-31] {
-            let told: f64 = above(value).parse().expect("a number");
-            assert!(told >= value && told <= 1.12 * value, "{value}: {told}");
+            let reported: f64 = round_up_to_two_digits(value).parse().expect("a number");
+            assert!(reported >= value && reported <= 1.12 * value, "{value}: {reported}");
         }
     }
 }

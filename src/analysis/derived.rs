@@ -214,7 +214,7 @@ mod tests {
         Pole { re, im, relative_error, damping_ratio, kind, cluster, defective, route: Route::Exact }
     }
 
-    fn near(value: Option<Ball>, truth: f64) {
+    fn assert_near(value: Option<Ball>, truth: f64) {
         let value = value.expect("a value");
         assert!(
             (value.to_f64() / truth - 1.0).abs() < 1e-15 && value.relative_error() < 1e-25,
@@ -227,17 +227,17 @@ mod tests {
     fn a_decaying_oscillation() {
         let pole = pole(-3.0, 4.0, PoleKind::Oscillation);
         let turn = std::f64::consts::TAU;
-        near(Some(pole.frequency()), 5.0 / turn);
-        near(Some(pole.damped_frequency()), 4.0 / turn);
-        near(pole.decay_time(), 1.0 / 3.0);
-        near(pole.half_life(), 4.0 * std::f64::consts::LN_2 / (3.0 * turn));
+        assert_near(Some(pole.frequency()), 5.0 / turn);
+        assert_near(Some(pole.damped_frequency()), 4.0 / turn);
+        assert_near(pole.decay_time(), 1.0 / 3.0);
+        assert_near(pole.half_life(), 4.0 * std::f64::consts::LN_2 / (3.0 * turn));
         assert!(pole.doubling_time().is_none() && pole.error_bound() < 3e-16);
     }
 
     #[test]
-    fn what_grows_neither_decays_nor_halves() {
+    fn a_growing_motion_has_no_decay_time() {
         let pole = pole(0.5, 1.0, PoleKind::Flutter);
-        near(pole.doubling_time(), 2.0 * std::f64::consts::LN_2);
+        assert_near(pole.doubling_time(), 2.0 * std::f64::consts::LN_2);
         assert!(pole.decay_time().is_none() && pole.half_life().is_none());
         // Without damping, the motion never decays.
         let undamped = super::tests::pole(0.0, 1.0, PoleKind::Oscillation);
@@ -247,7 +247,7 @@ mod tests {
     /// 20 log10 2 = 6.02059991327962390427..., from tables of logarithms.
     #[test]
     fn twice_as_much_is_six_decibels() {
-        near(level(Ball::from(2.0)), 6.020_599_913_279_624);
+        assert_near(level(Ball::from(2.0)), 6.020_599_913_279_624);
         assert!(level(Ball::ZERO).is_none());
         assert!(level(Ball::from(2.0).widen(1e-3)).expect("a level").rad > 4.3e-3);
     }

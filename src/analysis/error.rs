@@ -26,7 +26,7 @@ pub enum AnalysisError {
     /// A signal needs too many pieces: the input's name.
     SignalTooLong { input: String, at: Span },
     /// A prescribed motion has an impulse: the base's name.
-    BlowOnBase { input: String, at: Span },
+    ImpulseOnBase { input: String, at: Span },
     /// A motion grows, or a time is long, beyond the range of binary64.
     MotionOutOfRange { at: Span },
     /// Simulation code needs numbers outside the range of its precision.
@@ -94,8 +94,8 @@ impl AnalysisError {
         AnalysisError::SignalTooLong { input: system.display(system.inputs[input].name), at: place(system, 0) }
     }
 
-    pub(in crate::analysis) fn blow_on_base(system: &LinearSystem, input: usize) -> AnalysisError {
-        AnalysisError::BlowOnBase { input: system.display(system.inputs[input].name), at: place(system, 0) }
+    pub(in crate::analysis) fn impulse_on_base(system: &LinearSystem, input: usize) -> AnalysisError {
+        AnalysisError::ImpulseOnBase { input: system.display(system.inputs[input].name), at: place(system, 0) }
     }
 
     pub fn code(&self) -> Code {
@@ -110,7 +110,7 @@ impl AnalysisError {
             AnalysisError::IndefiniteMass { .. } => Code::model("vib::mass::indefinite"),
             AnalysisError::TooManyStates { .. } => Code::limit("vib::limit::states"),
             AnalysisError::SignalTooLong { .. } => Code::limit("vib::limit::signal"),
-            AnalysisError::BlowOnBase { .. } => Code::model("vib::signal::base_impulse"),
+            AnalysisError::ImpulseOnBase { .. } => Code::model("vib::signal::base_impulse"),
             AnalysisError::MotionOutOfRange { .. }
             | AnalysisError::CodeOutOfRange { .. }
             | AnalysisError::StepTooLong { .. }
@@ -134,7 +134,7 @@ impl AnalysisError {
             | AnalysisError::IndefiniteMass { at, .. }
             | AnalysisError::TooManyStates { at, .. }
             | AnalysisError::SignalTooLong { at, .. }
-            | AnalysisError::BlowOnBase { at, .. }
+            | AnalysisError::ImpulseOnBase { at, .. }
             | AnalysisError::MotionOutOfRange { at }
             | AnalysisError::CodeOutOfRange { at, .. }
             | AnalysisError::StepTooLong { at }
@@ -184,7 +184,7 @@ impl AnalysisError {
                 format!("the chirp of `{input}` has too many cycles to compute"),
                 "shorten its duration or lower its frequencies",
             ),
-            AnalysisError::BlowOnBase { input, .. } => (
+            AnalysisError::ImpulseOnBase { input, .. } => (
                 format!("`{input}` is a prescribed motion, and an impulse of it would need infinite forces"),
                 "prescribe a `step` or a `pulse`, or apply the impulse as a force",
             ),

@@ -99,20 +99,20 @@ pub struct Largest {
 impl Largest {
     /// Takes account of the values that the curve certainly reaches; returns an upper bound of the curve if it exceeds
     /// the largest known value.
-    pub fn look(&mut self, curve: &Curve) -> Option<f64> {
+    pub fn bound_rough(&mut self, curve: &Curve) -> Option<f64> {
         let above = (derivative_bound(&curve.rough, 0) + curve.error) * UP;
-        if self.has(above) {
+        if self.reaches(above) {
             return None;
         }
         let mut own = Largest { low: self.low, high: Dd::ZERO };
         own.search(curve);
         self.low = own.low;
         let high = (own.high.hi * UP).next_up();
-        (!self.has(high)).then_some(high)
+        (!self.reaches(high)).then_some(high)
     }
 
     /// Takes account of a curve in two words.
-    pub fn look_closer(&mut self, curve: &Curve) {
+    pub fn bound_fine(&mut self, curve: &Curve) {
         self.search(curve);
     }
 
@@ -122,7 +122,7 @@ impl Largest {
     }
 
     /// Whether a value of this magnitude is certainly reached.
-    pub fn has(&self, value: f64) -> bool {
+    pub fn reaches(&self, value: f64) -> bool {
         value < self.low.hi || value == 0.0
     }
 
@@ -146,7 +146,7 @@ impl Largest {
         let [value, slope, bend] = evaluate(&curve.rough, middle);
         let [off, slope_off, bend_off] = curve.roundings;
         let spread = 0.5 * (slope.abs() + slope_off) * width + bends[0] * width * width / 8.0;
-        if self.has((value.abs() + off + spread + curve.error) * UP) {
+        if self.reaches((value.abs() + off + spread + curve.error) * UP) {
             return;
         }
         // The curve is flat to within its error: splitting gives no more information.
@@ -222,20 +222,20 @@ mod tests {
     /// 1 - 2 (x - 0.3)^2 to within a thousandth: the largest may be 1.001 or 0.999, and no more is known; in binary64
     /// and in two words.
     #[test]
-    fn what_a_piece_is_off_by_is_in_the_bound() {
+    fn the_error_of_a_piece_is_in_the_bound() {
         let terms = [0.82, 1.2, -2.0];
         let fine = terms.map(Dd::from);
         let mut largest = Largest::default();
-        largest.look_closer(&Curve::fine(&fine, 1e-3));
+        largest.bound_fine(&Curve::fine(&fine, 1e-3));
         let ball = largest.ball();
         assert!(ball.rad >= 1e-3 && ball.rad < 1.001e-3 && (ball.to_f64() - 1.0).abs() < 1e-12, "{ball:?}");
         let mut largest = Largest::default();
-        let high = largest.look(&Curve::rough(&terms, 1e-3)).expect("larger than nothing");
+        let high = largest.bound_rough(&Curve::rough(&terms, 1e-3)).expect("larger than nothing");
         assert!((1.001..1.0011).contains(&high), "{high}");
         assert!((0.9989..=0.999).contains(&largest.low.to_f64()));
         // A smaller value adds no information.
-        assert!(largest.look(&Curve::rough(&[0.9, 0.0, 0.05], 1e-3)).is_none());
-        assert!(largest.look(&Curve::rough(&[-0.9, -0.2], 1e-3)).is_some());
+        assert!(largest.bound_rough(&Curve::rough(&[0.9, 0.0, 0.05], 1e-3)).is_none());
+        assert!(largest.bound_rough(&Curve::rough(&[-0.9, -0.2], 1e-3)).is_some());
     }
 
     /// A curve with an exact maximum: 1/3 at a third, in 30 digits.
@@ -245,7 +245,7 @@ mod tests {
         // third - (x - third)^2
         let terms = [third - third * third, third * 2.0, -Dd::ONE];
         let mut largest = Largest::default();
-        largest.look_closer(&Curve::fine(&terms, 0.0));
+        largest.bound_fine(&Curve::fine(&terms, 0.0));
         let ball = largest.ball();
         assert!((ball - Ball::ONE / Ball::from(3.0)).contains_zero() && ball.rad < 1e-28, "{ball:?}");
     }

@@ -163,7 +163,7 @@ pub fn amplitude(transfer: &Transfer, drives: &[Vec<Signal>], output: usize) -> 
 pub type Loads = Vec<(usize, Number)>;
 
 /// The lasting part of a sum of signals: steps, ramps at their end, the last value of a table; `None` if one of them grows without end.
-pub fn lasting(signals: &[Signal]) -> Option<Number> {
+pub fn lasting_value(signals: &[Signal]) -> Option<Number> {
     signals.iter().try_fold(Number::ZERO, |sum, signal| Some(&sum + &signal.lasting()?))
 }
 

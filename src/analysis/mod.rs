@@ -44,5 +44,5 @@ pub use stability::{Reason, Stability, Verdict, stability};
 pub use steady::{Steady, steady};
 pub use transfer::extrema::{Extrema, Extremum, FeatureKind};
 pub use transfer::modal::{ModalPair, ModalSum};
-pub use transfer::table::{Roads, Row, Sweep, Table, table};
+pub use transfer::table::{Methods, Row, Sweep, Table, table};
 pub use transfer::{Disc, Frequency, Gain, Transfer};

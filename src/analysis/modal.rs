@@ -10,7 +10,7 @@ use crate::analysis::error::AnalysisError;
 use crate::analysis::modes::linkage::{self, Linkage};
 use crate::analysis::modes::parts::{Part, independent, independent_chained};
 use crate::analysis::modes::request::{Band, Request, Which};
-use crate::analysis::modes::{MAX_ALL, MAX_UNASKED, MIN_SPARSE, modes_as, which_of};
+use crate::analysis::modes::{MAX_ALL, MAX_UNASKED, MIN_SPARSE, modes_as, resolve};
 use crate::analysis::poles::{are_of_modes, poles, poles_by_ratio, poles_followed, poles_of};
 use crate::analysis::stability::{Verdict, stability, stability_by_ratio};
 use crate::base::{Ball, Number};
@@ -48,7 +48,7 @@ pub fn modal_from(system: &LinearSystem, known: Option<&Modes>, request: &Reques
     }
     let whole = whole(system);
     if !needs_all(system, &whole)
-        && let Some((modes, poles)) = some_of(system, &whole, request)?
+        && let Some((modes, poles)) = requested_modal(system, &whole, request)?
     {
         let stability = stability(system, &modes, &poles);
         return Ok(Modal { modes, poles, stability });
@@ -78,21 +78,25 @@ impl Modal {
 
 /// Analyses a linkage in other coordinates, in which the poles are the same.
 fn of_chained(system: &LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
-    let Some(linkage) = Linkage::of(system) else { return modal(&linkage::written_out(system)?, request) };
+    let Some(linkage) = Linkage::of(system) else { return modal(&linkage::write_out_rows(system)?, request) };
     let found = modal(&linkage.system, request)?;
     Ok(Modal { modes: linkage.in_angles(system, found.modes), ..found })
 }
 
 /// The requested modes and their poles; `None` if these are all modes and all poles can be computed.
-fn some_of(system: &LinearSystem, whole: &Part, request: &Request) -> Result<Option<(Modes, Poles)>, AnalysisError> {
+fn requested_modal(
+    system: &LinearSystem,
+    whole: &Part,
+    request: &Request,
+) -> Result<Option<(Modes, Poles)>, AnalysisError> {
     let asked = |which| modes_as(system, &Request { which, ..*request });
     if are_of_modes(system, whole) {
         let modes = asked(request.which)?;
         let poles = poles_of(system, whole, &modes);
-        let told = !modes.is_complete() || largest(system) > MAX_UNASKED;
-        return Ok(told.then_some((modes, poles)));
+        let reported = !modes.is_complete() || largest(system) > MAX_UNASKED;
+        return Ok(reported.then_some((modes, poles)));
     }
-    let which = which_of(system, request.which);
+    let which = resolve(system, request.which);
     // Modes beyond the requested ones serve to prove poles.
     let (modes, further) = match which {
         Which::Lowest(count) => match asked(Which::Lowest(count + FURTHER)) {
@@ -223,7 +227,7 @@ impl Poles {
 
 impl Before {
     /// Whether any mode below is of this kind.
-    pub(in crate::analysis) fn has(mut self, kind: ModeKind) -> bool {
+    pub(in crate::analysis) fn contains_kind(mut self, kind: ModeKind) -> bool {
         *self.of(kind) > 0
     }
 

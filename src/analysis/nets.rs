@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn chains_trees_bands_and_others_are_told_apart() {
+    fn chains_trees_bands_and_others_are_classified() {
         assert_eq!(form(4, &[(2, 0), (0, 3), (3, 1), (2, 0)]), NetForm::Chain);
         assert_eq!(form(4, &[(0, 1), (0, 2), (0, 3)]), NetForm::Tree);
         let ladder: Vec<(u32, u32)> = (0..40).flat_map(|i| [(i, i + 1), (i, i + 2)]).collect();

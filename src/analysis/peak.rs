@@ -5,7 +5,7 @@ use crate::analysis::answer::{PoleKind, Poles};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::largest::Largest;
 use crate::analysis::measures::Measurement;
-use crate::analysis::response::course::{Followed, follow};
+use crate::analysis::response::course::{Outcome, follow};
 use crate::analysis::response::square::mean_square;
 use crate::base::{Ball, Number, Rational};
 use crate::system::{LinearSystem, Signal};
@@ -29,11 +29,11 @@ pub fn rms(system: &LinearSystem, drives: &[Vec<Signal>], output: usize, until: 
     measured(followed, |()| square.map_or(Ball::ZERO.widen(f64::INFINITY), Ball::sqrt))
 }
 
-fn measured(followed: Result<Followed, AnalysisError>, value: impl FnOnce(()) -> Ball) -> Measurement {
+fn measured(followed: Result<Outcome, AnalysisError>, value: impl FnOnce(()) -> Ball) -> Measurement {
     match followed {
-        Ok(Followed::ToTheEnd) => Some(value(())).filter(Ball::is_finite).map_or(TOO_LONG, Measurement::Value),
-        Ok(Followed::Infinite) => Measurement::Infinite,
-        Ok(Followed::TooLong) => TOO_LONG,
+        Ok(Outcome::ToTheEnd) => Some(value(())).filter(Ball::is_finite).map_or(TOO_LONG, Measurement::Value),
+        Ok(Outcome::Infinite) => Measurement::Infinite,
+        Ok(Outcome::TooLong) => TOO_LONG,
         Err(error) => Measurement::Failed(error.to_diagnostic().message),
     }
 }

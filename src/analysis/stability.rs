@@ -87,10 +87,10 @@ pub fn stability_by_ratio(system: &LinearSystem, modes: &Modes, poles: &Poles, r
     verdict(system, modes, poles, !takes_energy(ratio))
 }
 
-/// `fed`: whether something other than the terms of C may feed energy in.
+/// `oscillator_fed_by_damper`: whether something other than the terms of C may feed energy in.
 fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles, fed: bool) -> Verdict {
     let pole = |is: fn(PoleKind) -> bool| poles.list.iter().any(|pole| is(pole.kind));
-    let mode = |kind: ModeKind| modes.before.has(kind) || modes.list.iter().any(|mode| mode.kind == kind);
+    let mode = |kind: ModeKind| modes.before.contains_kind(kind) || modes.list.iter().any(|mode| mode.kind == kind);
     let positive = |of: fn(&LinearSystem) -> &Form, terms: fn(&Part) -> &[u32]| {
         let whole = Part::whole(system);
         is_semidefinite(of(system), terms(&whole))
@@ -194,7 +194,7 @@ mod tests {
     use crate::system::CoordinateId;
 
     /// An oscillator with a damper that feeds energy in: two growing poles.
-    fn fed() -> LinearSystem {
+    fn oscillator_fed_by_damper() -> LinearSystem {
         let mut system = oscillator("1", "0.1", "4");
         let (term, mut c) = (system.c.terms()[0].clone(), Form::new());
         let source = c.source(system.c.source_of(term.source));
@@ -206,7 +206,7 @@ mod tests {
     /// If growing poles are missing from the list, the verdict is never stable.
     #[test]
     fn a_list_without_its_growing_poles_proves_nothing() {
-        let system = fed();
+        let system = oscillator_fed_by_damper();
         let modes = modes(&system).expect("modes");
         let all = poles(&system, &modes).expect("poles");
         assert_eq!(stability(&system, &modes, &all), Stability::Unstable);
@@ -227,7 +227,7 @@ mod tests {
     /// A ratio that C does not contain: no term shows the energy that it feeds in, so only all poles could prove that
     /// nothing grows.
     #[test]
-    fn a_negative_ratio_is_no_energy_that_is_taken() {
+    fn a_negative_ratio_dissipates_no_energy() {
         let system = oscillator("1", "0.1", "4");
         let modes = modes(&system).expect("modes");
         let some = Poles { left_out: 2, ..Poles::default() };
@@ -244,7 +244,7 @@ mod tests {
         push(&mut system.m, "1", 0, None);
         push(&mut system.k, "4", 0, None);
         push(&mut system.c, "0.3", 0, None);
-        let fed = fed();
+        let fed = oscillator_fed_by_damper();
         let term = &fed.c.terms()[0];
         let source = system.c.source(fed.c.source_of(term.source));
         system.c.push(source, term.nature, term.weight.clone(), fed.c.row(term).iter().cloned());
@@ -273,7 +273,7 @@ mod tests {
 
     /// Routh's count against lists of poles of other systems: each of its three checks alone detects the contradiction.
     #[test]
-    fn a_count_contradicts_what_it_does_not_know() {
+    fn a_count_can_contradict_uncertain_poles() {
         let list = |c: &str| {
             let system = oscillator("1", c, "4");
             poles(&system, &modes(&system).expect("modes")).expect("poles")
@@ -293,7 +293,7 @@ mod tests {
         push(&mut system.m, "1", 0, None);
         push(&mut system.m, "1", 1, None);
         push(&mut system.k, "4", 0, None);
-        let fed = fed();
+        let fed = oscillator_fed_by_damper();
         for (form, source, weight) in [(&mut system.c, &fed.c, None), (&mut system.k, &fed.k, Number::from(2).sqrt())] {
             let term = &source.terms()[0];
             let to = form.source(source.source_of(term.source));
@@ -326,7 +326,7 @@ mod tests {
         assert_eq!(stability(&falling, &diverging, &Poles::default()).reason(), Reason::Growth);
         diverging.infinite = 1;
         assert_eq!(stability(&falling, &diverging, &Poles::default()).reason(), Reason::Growth);
-        falling.c = fed().c;
+        falling.c = oscillator_fed_by_damper().c;
         assert_ne!(stability(&falling, &diverging, &Poles::default()).reason(), Reason::Growth);
         // C = M / 2 - K / 10
         let mut rayleigh = blank(2);

@@ -417,7 +417,7 @@ fn json_solved(solved: &Solved) -> JsonSolved<'_> {
             Others::Unsettled(parts) => parts.iter().map(|(low, high)| [low.clone(), high.clone()]).collect(),
             Others::None(_) | Others::Unknown => Vec::new(),
         },
-        looked_at: solved.looked_at,
+        looked_at: solved.evaluations,
         until_s: solved.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
     }
 }
@@ -425,7 +425,7 @@ fn json_solved(solved: &Solved) -> JsonSolved<'_> {
 fn derivative(derivative: &Derivative) -> JsonNumber {
     match derivative {
         Derivative::Enclosed(ball) => JsonNumber::enclosed(*ball),
-        Derivative::Seen(seen) => JsonNumber::unproven(*seen),
+        Derivative::Estimated(seen) => JsonNumber::unproven(*seen),
     }
 }
 
@@ -433,7 +433,7 @@ fn derivative(derivative: &Derivative) -> JsonNumber {
 fn derivative_bound(derivative: &Derivative) -> JsonNumber {
     match derivative {
         Derivative::Enclosed(ball) => JsonNumber::relative_bound(*ball),
-        Derivative::Seen(_) => JsonNumber::NULL,
+        Derivative::Estimated(_) => JsonNumber::NULL,
     }
 }
 
@@ -450,7 +450,7 @@ fn json_requirement(requirement: &Requirement) -> JsonRequirement<'_> {
         margin: JsonNumber::of(requirement.margin),
         margin_error_bound: requirement.margin.map_or(JsonNumber::NULL, JsonNumber::absolute_bound),
         error_bound: value.map_or(JsonNumber::NULL, |ball| JsonNumber::relative_bound(*ball)),
-        told: requirement.told(),
+        told: requirement.value_text(),
         until_s: requirement.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
     }
 }

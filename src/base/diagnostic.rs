@@ -77,12 +77,12 @@ pub struct Diagnostic {
     /// What to type.
     pub help: Option<String>,
     /// Edits of the text each of which would fix it, where such are obvious; the likeliest first.
-    pub mends: Vec<Mend>,
+    pub fixes: Vec<Fix>,
 }
 
 /// An edit of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mend {
+pub struct Fix {
     pub at: Span,
     pub change: Change,
 }
@@ -125,7 +125,7 @@ impl Diagnostic {
             primary: Label { span, text: String::new() },
             related: Vec::new(),
             help: None,
-            mends: Vec::new(),
+            fixes: Vec::new(),
         }
     }
 
@@ -154,14 +154,14 @@ impl Diagnostic {
     }
 
     /// Adds an edit that would fix it.
-    pub fn mend(mut self, at: Span, change: Change) -> Diagnostic {
-        self.mends.push(Mend { at, change });
+    pub fn fix(mut self, at: Span, change: Change) -> Diagnostic {
+        self.fixes.push(Fix { at, change });
         self
     }
 
     /// Adds fields, any of which would fix it.
-    pub fn mend_by_field(mut self, at: Span, fields: &[&str]) -> Diagnostic {
-        self.mends.extend(fields.iter().map(|field| Mend { at, change: Change::AddField(field.to_string()) }));
+    pub fn fix_by_field(mut self, at: Span, fields: &[&str]) -> Diagnostic {
+        self.fixes.extend(fields.iter().map(|field| Fix { at, change: Change::AddField(field.to_string()) }));
         self
     }
 

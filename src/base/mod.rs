@@ -12,7 +12,7 @@ pub mod source;
 pub mod unit;
 pub mod vector;
 
-pub use diagnostic::{Change, Code, Diagnostic, Diagnostics, Failure, Label, Mend, Severity};
+pub use diagnostic::{Change, Code, Diagnostic, Diagnostics, Failure, Fix, Label, Severity};
 pub use dimension::{Angle, Dimension, Quantity};
 pub use field::{Expected, Field, Takes};
 pub use line_index::LineIndex;

@@ -120,7 +120,7 @@ impl SourceFile {
     }
 
     /// The name of a file that this one names, relative to its directory.
-    pub fn beside(&self, written: &str) -> String {
+    pub fn relative_name(&self, written: &str) -> String {
         self.directory.join(written).to_string_lossy().into_owned()
     }
 
@@ -201,7 +201,7 @@ impl Sources {
 
     /// The table that a file names, if it was added.
     pub fn table(&self, of: FileId, written: &str) -> Option<FileId> {
-        let name = self.file(of).beside(written);
+        let name = self.file(of).relative_name(written);
         let place = self.files.iter().position(|file| file.kind == SourceKind::Table && file.name == name)?;
         u8::try_from(place).ok().map(FileId)
     }

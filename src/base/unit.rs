@@ -391,7 +391,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_unit_is_refused_where_it_stands() {
+    fn unknown_units_are_refused_at_their_place() {
         assert_eq!(parse("N*L/m"), Err(UnitError::Unknown { word: 2..3 }));
         assert_eq!(parse("N/m*s"), Err(UnitError::Ambiguous { tail: 3..5 }));
         assert_eq!(parse("dB/s"), Err(UnitError::DecibelInProduct { word: 0..2 }));
@@ -405,7 +405,7 @@ mod tests {
     }
 
     #[test]
-    fn suggestions_name_what_was_meant() {
+    fn suggestions_name_the_nearest_unit() {
         for (word, meant) in [
             ("hz", "Hz"),
             ("KN", "kN"),

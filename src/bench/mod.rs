@@ -43,7 +43,7 @@ impl Question {
 #[derive(Clone, Debug)]
 pub struct Entry {
     pub question: Question,
-    pub road: String,
+    pub method: String,
     /// Whether an ordinary program uses this method.
     pub ordinary: bool,
     /// Time for the whole answer.
@@ -160,17 +160,17 @@ fn timed<T>(clock: &mut Clock, mut call: impl FnMut() -> T) -> (T, f64) {
 }
 
 impl Entry {
-    fn ours(question: Question, road: &str, seconds: f64, error: f64, bound: f64) -> Entry {
+    fn of_vibc(question: Question, method: &str, seconds: f64, error: f64, bound: f64) -> Entry {
         let (error, bound) = (Some(error), Some(bound).filter(|bound| bound.is_finite()));
-        let road = road.to_string();
-        Entry { question, road, ordinary: false, seconds, error, bound, pareto: false, chosen: false, note: "" }
+        let method = method.to_string();
+        Entry { question, method, ordinary: false, seconds, error, bound, pareto: false, chosen: false, note: "" }
     }
 
-    fn ordinary(question: Question, road: &str, seconds: f64, error: Option<f64>) -> Entry {
+    fn ordinary(question: Question, method: &str, seconds: f64, error: Option<f64>) -> Entry {
         let error = error.filter(|error| error.is_finite());
         let note = if error.is_some() { "" } else { "fails" };
-        let road = road.to_string();
-        Entry { question, road, ordinary: true, seconds, error, bound: None, pareto: false, chosen: false, note }
+        let method = method.to_string();
+        Entry { question, method, ordinary: true, seconds, error, bound: None, pareto: false, chosen: false, note }
     }
 
     fn chosen(self) -> Entry {
@@ -210,7 +210,7 @@ mod tests {
 
     /// A clock that ticks once at each reading: all methods take the same time, so only the error matters.
     #[test]
-    fn an_oscillator_has_all_its_roads() {
+    fn an_oscillator_is_solved_by_all_methods() {
         let mut ticks = 0.0;
         let mut clock = || {
             ticks += 0.01;
@@ -223,9 +223,9 @@ mod tests {
             assert!(entries.iter().any(|e| e.ordinary) && entries.iter().any(|e| e.chosen && !e.ordinary));
             assert!(entries.iter().any(|e| e.pareto), "{question:?}");
             for entry in entries {
-                let error = entry.error.unwrap_or_else(|| panic!("{} fails", entry.road));
-                assert!(entry.bound.is_none_or(|bound| error <= bound), "{}: {error:e}", entry.road);
-                assert!(entry.ordinary || error < 1.2e-16, "{}: {error:e}", entry.road);
+                let error = entry.error.unwrap_or_else(|| panic!("{} fails", entry.method));
+                assert!(entry.bound.is_none_or(|bound| error <= bound), "{}: {error:e}", entry.method);
+                assert!(entry.ordinary || error < 1.2e-16, "{}: {error:e}", entry.method);
             }
         }
         assert!(!found.problem.own && found.growth.is_empty() && found.reading.is_none());
@@ -242,18 +242,18 @@ mod tests {
         };
         let reference = Reference::of(&oscillator("1", "0.1", "4")).expect("modes");
         let (_, entries) = motion::motion(&oscillator("1", "0.1", "4"), &[], &reference, &mut clock).expect("a motion");
-        let error = |road: &str| {
-            let found = entries.iter().find(|entry| entry.road == format!("{road} steps per period"));
-            found.and_then(|entry| entry.error).expect("a road")
+        let error = |method: &str| {
+            let found = entries.iter().find(|entry| entry.method == format!("{method} steps per period"));
+            found.and_then(|entry| entry.error).expect("a method")
         };
-        for (road, order) in [("Runge-Kutta 4", 256.0), ("Newmark", 16.0), ("generalised alpha", 16.0)] {
-            let ratio = error(&format!("{road}, 20")) / error(&format!("{road}, 80"));
-            assert!((ratio / order - 1.0).abs() < 0.25, "{road}: {ratio}");
+        for (method, order) in [("Runge-Kutta 4", 256.0), ("Newmark", 16.0), ("generalised alpha", 16.0)] {
+            let ratio = error(&format!("{method}, 20")) / error(&format!("{method}, 80"));
+            assert!((ratio / order - 1.0).abs() < 0.25, "{method}: {ratio}");
         }
     }
 
     #[test]
-    fn nothing_on_the_line_is_beaten() {
+    fn methods_on_the_pareto_front_are_not_beaten() {
         let entry = |seconds, error| Entry::ordinary(Question::Poles, "", seconds, Some(error));
         let mut entries = vec![entry(1.0, 1e-3), entry(2.0, 1e-6), entry(3.0, 1e-5), entry(4.0, 1e-9)];
         mark_pareto(&mut entries);

@@ -50,7 +50,7 @@ pub fn motion(
     };
     let printed: Vec<f64> = truth.iter().map(|y| y.to_f64()).collect();
     let bound = history.values.iter().map(|row| row[0].rad / size).fold(0.0, f64::max) + off(&printed);
-    let mut entries = vec![Entry::ours(Question::Motion, "vibc, exact", seconds, off(&printed), bound).chosen()];
+    let mut entries = vec![Entry::of_vibc(Question::Motion, "vibc, exact", seconds, off(&printed), bound).chosen()];
     let problem = Problem { own, until: between * SAMPLES as f64 };
     if system.n() > MOST_DENSE {
         return Ok((problem, entries));
@@ -62,17 +62,17 @@ pub fn motion(
             continue;
         }
         let force = stepper.forces(count);
-        let roads: [(&str, Call<Vec<f64>>); 4] = [
+        let methods: [(&str, Call<Vec<f64>>); 4] = [
             ("matrix exponential in binary64", &|| stepper.exponential(count)),
             ("Runge-Kutta 4", &|| stepper.runge_kutta(count, &force)),
             ("Newmark", &|| stepper.newmark(count, &force)),
             ("generalised alpha", &|| stepper.alpha(count, &force)),
         ];
-        for (road, call) in roads.into_iter().skip(usize::from(!stepper.free)) {
-            let road = format!("{road}, {:.0} steps per period", PER_PERIOD * refinement as f64);
+        for (method, call) in methods.into_iter().skip(usize::from(!stepper.free)) {
+            let method = format!("{method}, {:.0} steps per period", PER_PERIOD * refinement as f64);
             let (values, seconds) = timed(clock, call);
             let error = values.map(|values| off(&values));
-            let entry = Entry::ordinary(Question::Motion, &road, seconds, error);
+            let entry = Entry::ordinary(Question::Motion, &method, seconds, error);
             let failed = entry.error.is_none();
             entries.push(if failed { entry.note("fails or overflows") } else { entry });
         }

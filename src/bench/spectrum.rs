@@ -28,12 +28,13 @@ pub fn frequencies(system: &LinearSystem, reference: &Reference, clock: &mut Clo
     let truth: Vec<Ball> = reference.modes.list.iter().map(signed).collect();
     let floor = least(&reference.modes);
     let mut entries = Vec::new();
-    let mut ours = |road: &str, request: &Request, chosen: bool| {
+    let mut ours = |method: &str, request: &Request, chosen: bool| {
         let (modes, seconds) = timed(clock, || analysis::modes_as(system, request));
         let Ok(modes) = modes else { return };
-        let error = modes.list.iter().zip(&truth).map(|(mode, &truth)| off(signed(mode).to_f64(), truth, floor));
+        let error =
+            modes.list.iter().zip(&truth).map(|(mode, &truth)| relative_error(signed(mode).to_f64(), truth, floor));
         let bound = modes.list.iter().map(|mode| printed_bound(mode.omega)).fold(0.0, f64::max);
-        let entry = Entry::ours(question, road, seconds, error.fold(0.0, f64::max), bound);
+        let entry = Entry::of_vibc(question, method, seconds, error.fold(0.0, f64::max), bound);
         entries.push(if chosen { entry.chosen() } else { entry });
     };
     ours("vibc", &Request::default(), true);
@@ -50,22 +51,22 @@ pub fn frequencies(system: &LinearSystem, reference: &Reference, clock: &mut Clo
         let squares = squares.filter(|list| list.len() >= truth.len())?;
         // Motions without inertia have the largest values.
         let signed = squares.iter().map(|square| square.abs().sqrt().copysign(*square));
-        Some(signed.zip(&truth).map(|(omega, &truth)| off(omega, truth, floor)).fold(0.0, f64::max))
+        Some(signed.zip(&truth).map(|(omega, &truth)| relative_error(omega, truth, floor)).fold(0.0, f64::max))
     };
-    let roads: [(&str, Call<Vec<f64>>); 3] = [
+    let methods: [(&str, Call<Vec<f64>>); 3] = [
         ("symmetric eigenvalues of assembled M, K", &|| matrices.symmetric()),
         ("eigenvalues of M⁻¹K", &|| matrices.unsymmetric()),
         ("singular values of the factored K", &|| singular_values(system, &matrices)),
     ];
-    for (road, call) in roads {
+    for (method, call) in methods {
         let (squares, seconds) = timed(clock, call);
-        entries.push(Entry::ordinary(question, road, seconds, worst(squares)));
+        entries.push(Entry::ordinary(question, method, seconds, worst(squares)));
     }
     entries
 }
 
 /// |value - truth| over |truth|, or over the least frequency if that is zero.
-fn off(value: f64, truth: Ball, floor: f64) -> f64 {
+fn relative_error(value: f64, truth: Ball, floor: f64) -> f64 {
     let difference = (Dd::from(value) - truth.mid).abs().to_f64();
     difference / if truth.is_zero() { floor } else { truth.to_f64().abs() }
 }
@@ -109,7 +110,7 @@ pub fn poles(system: &LinearSystem, reference: &Reference, clock: &mut Clock) ->
     let size = |&(re, im): &(Dd, Dd)| libm::hypot(re.to_f64(), im.to_f64());
     let floor = truth.iter().map(size).filter(|size| *size > 0.0).fold(f64::INFINITY, f64::min);
     let floor = if floor.is_finite() { floor } else { 1.0 };
-    let off = |(re, im): (f64, f64), truth: &(Dd, Dd)| {
+    let relative = |(re, im): (f64, f64), truth: &(Dd, Dd)| {
         let (re, im) = ((Dd::from(re) - truth.0).to_f64(), (Dd::from(im) - truth.1).to_f64());
         libm::hypot(re, im) / size(truth).max(if size(truth) == 0.0 { floor } else { 0.0 })
     };
@@ -120,13 +121,13 @@ pub fn poles(system: &LinearSystem, reference: &Reference, clock: &mut Clock) ->
     let mut entries = Vec::new();
     if let Some(poles) = poles {
         let values = poles.list.iter().map(|pole| (pole.re.to_f64(), pole.im.to_f64()));
-        let error = values.zip(&truth).map(|(value, truth)| off(value, truth)).fold(0.0, f64::max);
+        let error = values.zip(&truth).map(|(value, truth)| relative(value, truth)).fold(0.0, f64::max);
         let bound = poles
             .list
             .iter()
             .zip(&truth)
-            .map(|(pole, truth)| pole.relative_error + off((pole.re.to_f64(), pole.im.to_f64()), truth));
-        entries.push(Entry::ours(question, "vibc", seconds, error, bound.fold(0.0, f64::max)).chosen());
+            .map(|(pole, truth)| pole.relative_error + relative((pole.re.to_f64(), pole.im.to_f64()), truth));
+        entries.push(Entry::of_vibc(question, "vibc", seconds, error, bound.fold(0.0, f64::max)).chosen());
     }
     if system.n() > MOST_DENSE {
         return entries;
@@ -134,7 +135,7 @@ pub fn poles(system: &LinearSystem, reference: &Reference, clock: &mut Clock) ->
     let matrices = Matrices::of(system);
     let (values, seconds) = timed(clock, || matrices.companion());
     let nearest = |values: &Vec<nalgebra::Complex<f64>>, truth: &(Dd, Dd)| {
-        values.iter().map(|z| off((z.re, z.im), truth)).fold(f64::INFINITY, f64::min)
+        values.iter().map(|z| relative((z.re, z.im), truth)).fold(f64::INFINITY, f64::min)
     };
     let error = values.map(|values| truth.iter().map(|truth| nearest(&values, truth)).fold(0.0, f64::max));
     entries.push(Entry::ordinary(question, "eigenvalues of the companion matrix", seconds, error));

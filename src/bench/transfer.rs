@@ -21,18 +21,18 @@ pub fn transfer(system: &LinearSystem, reference: &Reference, clock: &mut Clock)
     let transfer = Transfer::of(system);
     let one_by_one = || -> Vec<Gain> { frequencies.iter().map(|f| transfer.between(f, &[0], &[0])[0][0]).collect() };
     let (truth, seconds) = timed(clock, one_by_one);
-    let mut entries = vec![ours("vibc, elimination", &truth, &truth, seconds).chosen()];
-    let (gains, seconds) = timed(clock, || transfer.many(&frequencies, &[0], &[0], 1e-17));
-    entries.push(ours("vibc, several frequencies at once", &gains, &truth, seconds));
+    let mut entries = vec![of_vibc("vibc, elimination", &truth, &truth, seconds).chosen()];
+    let (gains, seconds) = timed(clock, || transfer.at_frequencies(&frequencies, &[0], &[0], 1e-17));
+    entries.push(of_vibc("vibc, several frequencies at once", &gains, &truth, seconds));
     if let Some(sum) = ModalSum::of(system, &reference.modes) {
         let pair = sum.pair(system, 0, 0);
         let (gains, seconds) = timed(clock, || sum.fast_many(&pair, &frequencies));
         entries.push(
-            ours("vibc, sum over modes in binary64", &gains, &truth, seconds).note("without the time for the modes"),
+            of_vibc("vibc, sum over modes in binary64", &gains, &truth, seconds).note("without the time for the modes"),
         );
         let (gains, seconds) = timed(clock, || frequencies.iter().map(|f| sum.accurate(&pair, f)).collect::<Vec<_>>());
         entries.push(
-            ours("vibc, sum over modes in double-double", &gains, &truth, seconds)
+            of_vibc("vibc, sum over modes in double-double", &gains, &truth, seconds)
                 .note("without the time for the modes"),
         );
     }
@@ -74,19 +74,20 @@ fn frequencies(reference: &Reference) -> Vec<f64> {
     list
 }
 
-fn ours(road: &str, gains: &[Gain], truth: &[Gain], seconds: f64) -> Entry {
+fn of_vibc(method: &str, gains: &[Gain], truth: &[Gain], seconds: f64) -> Entry {
     let known = || gains.iter().zip(truth).filter_map(|(gain, truth)| Some((gain.disc()?, truth.disc()?)));
-    let error = known()
-        .map(|(disc, truth)| off((disc.value.re.to_f64(), disc.value.im.to_f64()), truth.value.re, truth.value.im));
+    let error = known().map(|(disc, truth)| {
+        relative_error((disc.value.re.to_f64(), disc.value.im.to_f64()), truth.value.re, truth.value.im)
+    });
     let bound = known().map(|(disc, _)| {
         let printed = (disc.value.re.to_f64(), disc.value.im.to_f64());
-        disc.relative_error() + off(printed, disc.value.re, disc.value.im)
+        disc.relative_error() + relative_error(printed, disc.value.re, disc.value.im)
     });
-    Entry::ours(Question::Transfer, road, seconds, error.fold(0.0, f64::max), bound.fold(0.0, f64::max))
+    Entry::of_vibc(Question::Transfer, method, seconds, error.fold(0.0, f64::max), bound.fold(0.0, f64::max))
 }
 
 /// Relative error of a value in the complex plane.
-fn off((re, im): (f64, f64), true_re: Dd, true_im: Dd) -> f64 {
+fn relative_error((re, im): (f64, f64), true_re: Dd, true_im: Dd) -> f64 {
     let difference = libm::hypot((Dd::from(re) - true_re).to_f64(), (Dd::from(im) - true_im).to_f64());
     let size = libm::hypot(true_re.to_f64(), true_im.to_f64());
     if difference == 0.0 { 0.0 } else { difference / size }
@@ -95,7 +96,7 @@ fn off((re, im): (f64, f64), true_re: Dd, true_im: Dd) -> f64 {
 fn worst(values: Option<Vec<Complex<f64>>>, truth: &[Gain]) -> Option<f64> {
     let errors = values?.into_iter().zip(truth).filter_map(|(z, truth)| {
         let truth = truth.disc()?;
-        Some(off((z.re, z.im), truth.value.re, truth.value.im))
+        Some(relative_error((z.re, z.im), truth.value.re, truth.value.im))
     });
     errors.map(Some).try_fold(0.0f64, |worst, error| error.filter(|e| e.is_finite()).map(|e| worst.max(e)))
 }

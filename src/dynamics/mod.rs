@@ -52,30 +52,30 @@ pub struct AboutRest {
 }
 
 /// Lowers a scene and adds its damping. `None` after an error, which is among the diagnostics.
-pub fn damped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Damped> {
+pub fn lower_with_damping(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Damped> {
     let lowered = lowered(scene, diagnostics)?;
     with_damping(scene, lowered, diagnostics).ok()
 }
 
-/// Like [`damped`], with the rows written out, as most analyses need them.
-pub fn written_out(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
-    damped(scene, diagnostics)?.written_out(diagnostics)
+/// Like [`lower_with_damping`], with the rows written out, as most analyses need them.
+pub fn lower_written_out(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
+    lower_with_damping(scene, diagnostics)?.into_written_out(diagnostics)
 }
 
-/// Like [`written_out`], about a rest that is proven.
+/// Like [`lower_written_out`], about a rest that is proven.
 pub fn about_rest(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<AboutRest> {
-    written_out(scene, diagnostics)?.about_rest(diagnostics)
+    lower_written_out(scene, diagnostics)?.about_rest(diagnostics)
 }
 
 /// Like [`about_rest`], for a transfer function, whose matrices are summed from products of entries of rows: an error if
 /// there are too many.
 pub fn for_transfer(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<AboutRest> {
-    let damped = damped(scene, diagnostics)?;
+    let damped = lower_with_damping(scene, diagnostics)?;
     if let Some(refusal) = too_long_rows(&damped.lowered.system) {
         diagnostics.push(refusal);
         return None;
     }
-    damped.written_out(diagnostics)?.about_rest(diagnostics)
+    damped.into_written_out(diagnostics)?.about_rest(diagnostics)
 }
 
 /// Limit on the products of row entries that the matrices of a transfer function are summed from: some ten seconds of work.
@@ -176,7 +176,7 @@ impl AboutRest {
 impl Damped {
     /// Writes the rows over the coordinates alone. An error if C cannot hold the damping, or if the rows would be too
     /// long.
-    pub fn written_out(mut self, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
+    pub fn into_written_out(mut self, diagnostics: &mut Diagnostics) -> Option<WrittenOut> {
         let modes = match self.by_modes {
             None => None,
             Some(ByModes { spread: Ok(spread), .. }) => Some(spread.modes),
@@ -192,7 +192,7 @@ impl Damped {
     /// Modes and poles of the system. Its rows are written out if the method needs that.
     pub fn modal(&mut self, request: &Request, diagnostics: &mut Diagnostics) -> Option<Modal> {
         let found = self.modal_of_system(request, diagnostics)?;
-        Some(about(&self.lowered.rest, found))
+        Some(without_undecidable(&self.lowered.rest, found))
     }
 
     fn modal_of_system(&mut self, request: &Request, diagnostics: &mut Diagnostics) -> Option<Modal> {
@@ -217,7 +217,7 @@ impl Damped {
 
 /// Removes what the system alone does not decide: the stability of a rest that is not proven, and the sensitivity of
 /// modes to the model's numbers if these change the rest as well.
-fn about(rest: &Rest, mut found: Modal) -> Modal {
+fn without_undecidable(rest: &Rest, mut found: Modal) -> Modal {
     if rest.moves_terms {
         found.modes.list.iter_mut().for_each(|mode| mode.input_condition = None);
     }

@@ -38,7 +38,7 @@ fn item(label: &str, kind: ItemKind, detail: impl Into<String>) -> Item {
 }
 
 /// The part of a proposal that is already typed at a place.
-pub fn typed(document: &Document, offset: usize) -> std::ops::Range<usize> {
+pub fn typed_prefix(document: &Document, offset: usize) -> std::ops::Range<usize> {
     let text = document.text();
     let number = Place::new(document, offset).and_then(|place| Some((place.number?, place.statement)));
     if let Some((number, statement)) = number {

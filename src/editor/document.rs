@@ -31,7 +31,7 @@ pub struct Document {
     pub solved: Vec<Solved>,
     pub requirements: Vec<Requirement>,
     /// Results of the last version of the text that had a scene; their places are those of that version.
-    pub known: Option<Arc<Known>>,
+    pub known: Option<Arc<Results>>,
     /// Whether `known` belongs to this text.
     pub is_current: bool,
     /// Whether every stage has run, so that nothing more can be found.
@@ -40,7 +40,7 @@ pub struct Document {
 
 /// Results for a text without errors.
 #[derive(Clone, Debug)]
-pub struct Known {
+pub struct Results {
     /// The texts that it is of.
     pub sources: Sources,
     pub scene: CheckedScene,
@@ -140,7 +140,7 @@ impl Document {
                     None
                 }
             });
-        let now = inspection.scene.map(|scene| Arc::new(Known { sources: sources.clone(), scene, motions }));
+        let now = inspection.scene.map(|scene| Arc::new(Results { sources: sources.clone(), scene, motions }));
         let is_current = now.is_some();
         let known = now.or_else(|| before.and_then(|document| document.known.clone()));
         Document {

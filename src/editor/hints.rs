@@ -1,6 +1,6 @@
 //! Hints at the ends of a model's lines: natural frequencies and damping, values of derived parameters.
 
-use super::document::{Document, Known, Motions};
+use super::document::{Document, Motions, Results};
 use super::shown;
 use crate::analysis::{Mode, ModeKind, Pole, PoleKind, Stability};
 use crate::base::Number;
@@ -30,7 +30,7 @@ pub fn hints(document: &Document) -> Vec<Hint> {
 }
 
 /// After the `model` line, or the first declaration.
-fn frequencies(document: &Document, known: &Known) -> Option<Hint> {
+fn frequencies(document: &Document, known: &Results) -> Option<Hint> {
     let motions = known.motions.as_ref()?;
     if !document.is_whole && !known.scene.scene().solves.is_empty() {
         return None;
@@ -48,7 +48,7 @@ const SHOWN: usize = 4;
 fn line_of(motions: &Motions) -> String {
     let n = motions.system.n();
     let freedoms = if n == 1 { "1 degree of freedom".to_string() } else { format!("{n} degrees of freedom") };
-    let mut list: Vec<String> = each(motions).into_iter().take(SHOWN + 1).collect();
+    let mut list: Vec<String> = motion_texts(motions).into_iter().take(SHOWN + 1).collect();
     let more = list.len() > SHOWN;
     list.truncate(SHOWN);
     if more {
@@ -74,7 +74,7 @@ fn poles(motions: &Motions) -> Option<&[Pole]> {
 }
 
 /// A few words for each motion: its poles if there is damping, otherwise its modes.
-fn each(motions: &Motions) -> Vec<String> {
+fn motion_texts(motions: &Motions) -> Vec<String> {
     let Some(poles) = poles(motions) else {
         let mode = |mode: &Mode| match mode.kind {
             ModeKind::Oscillation => shown::hertz(&mode.omega),
@@ -96,7 +96,7 @@ fn each(motions: &Motions) -> Vec<String> {
 
 /// All known motions, one on each line.
 fn table(motions: &Motions) -> String {
-    let lines = (1..).zip(each(motions)).map(|(number, motion)| format!("{number}. {motion}"));
+    let lines = (1..).zip(motion_texts(motions)).map(|(number, motion)| format!("{number}. {motion}"));
     lines.collect::<Vec<_>>().join("\n")
 }
 
@@ -105,7 +105,7 @@ fn solved(document: &Document) -> impl Iterator<Item = Hint> + '_ {
     let own = document.solved.iter().filter(|solved| solved.span.file() == document.file);
     own.filter_map(|solved| {
         let at = end_of_statement(document, solved.span.start())?;
-        let text = format!("{} = {}", solved.parameter, answer::told(&solved.shown()));
+        let text = format!("{} = {}", solved.parameter, answer::shown_text(&solved.shown()));
         Some(Hint { at, text, tooltip: None })
     })
 }
@@ -127,7 +127,7 @@ fn margins(document: &Document) -> impl Iterator<Item = Hint> + '_ {
             let shown = margin.to_f64() * if of.is_empty() { 1.0 } else { 100.0 };
             format!(", margin {}{of}", answer::few_digits(shown))
         });
-        Some(Hint { at, text: format!("{mark} {}{margin}", requirement.told()), tooltip: None })
+        Some(Hint { at, text: format!("{mark} {}{margin}", requirement.value_text()), tooltip: None })
     })
 }
 

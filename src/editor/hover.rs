@@ -1,6 +1,6 @@
 //! Information about the word under the pointer: values, parts and their share in each mode, keywords.
 
-use super::document::{Document, Known, Motions};
+use super::document::{Document, Motions, Results};
 use super::names;
 use super::pages;
 use super::roles::{Role, Space};
@@ -74,7 +74,7 @@ fn value(document: &Document, token: usize, scope: Option<usize>) -> Option<Stri
             .filter(|defined| defined.span.file() == document.file && defined.span.start() == range.start);
         for defined in same.take(MANY) {
             if let Some(value) = &defined.value {
-                markdown += &format!("`{}` = {}\n\n", defined.name, worth(value, line));
+                markdown += &format!("`{}` = {}\n\n", defined.name, describe_value(value, line));
             }
         }
         markdown += &paragraph(&document.doc(statement));
@@ -90,7 +90,7 @@ fn paragraph(text: &str) -> String {
 }
 
 /// A value in the unit that its declaration is written in, and in base units.
-fn worth(value: &Value, line: &str) -> String {
+fn describe_value(value: &Value, line: &str) -> String {
     let Value::Scalar(Scalar { quantity, .. }) = value else { return format!("**{}**", shown::value(value)) };
     let tokens = super::tokens::tokens(line);
     let units = tokens.iter().filter_map(|token| Some(&line[token.unit(line)?]));
@@ -166,7 +166,7 @@ fn body_page(scene: &Scene, body: &Body, motions: Option<&Motions>) -> String {
 const FEW: usize = 12;
 
 /// The equations of motion of bodies, derived when they are asked for; none where that would take long, or where the text has errors.
-fn equations(document: &Document, known: &Known, bodies: &[String]) -> String {
+fn equations(document: &Document, known: &Results, bodies: &[String]) -> String {
     let is_small = known.motions.as_ref().is_some_and(|m| m.system.n() + m.rest.dependent.len() <= FEW);
     if bodies.is_empty() || !document.is_current || !is_small {
         return String::new();
@@ -206,7 +206,7 @@ fn shares(motions: &Motions, of: &str, part: impl Fn(&crate::analysis::Mode) -> 
 }
 
 /// Stretch and tension at rest, and the share of the strain energy in each mode.
-fn elements(known: &Known, named: impl Fn(crate::base::Name) -> bool) -> String {
+fn elements(known: &Results, named: impl Fn(crate::base::Name) -> bool) -> String {
     let scene = known.scene.scene();
     let mut text = String::new();
     let chosen: Vec<(usize, &Element)> =

@@ -6,11 +6,11 @@
 
 pub mod completion;
 pub mod document;
+pub mod fixes;
 pub mod format;
 pub mod highlight;
 pub mod hints;
 pub mod hover;
-pub mod mends;
 pub mod names;
 pub mod outline;
 mod pages;

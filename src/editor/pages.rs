@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn every_function_of_the_model_is_told() {
+    fn every_function_of_the_model_has_a_page() {
         for name in crate::model::functions() {
             assert!(function(name).is_some(), "{name}");
         }

@@ -3,7 +3,7 @@
 
 use super::document::{Document, request};
 use crate::analysis;
-use crate::overview::{self, Known, Overview, Shown};
+use crate::overview::{self, Lowered, Overview, Shown};
 
 /// The page; of a scene that is too large for modes between two key strokes there is none.
 pub fn page(document: &Document) -> Option<String> {
@@ -21,7 +21,7 @@ pub fn page(document: &Document) -> Option<String> {
             &computed
         }
     };
-    let overview = Overview::known(&Known {
+    let overview = Overview::known(&Lowered {
         scene: known.scene.scene(),
         system: &motions.system,
         rest: &motions.rest,

@@ -96,7 +96,7 @@ impl Reader<'_> {
         self.tokens[at].text(self.text)
     }
 
-    fn is(&self, at: Option<usize>, sign: &str) -> bool {
+    fn is_sign(&self, at: Option<usize>, sign: &str) -> bool {
         at.is_some_and(|at| self.word(at) == sign)
     }
 
@@ -121,7 +121,7 @@ impl Reader<'_> {
                 roles[at] = match at - start {
                     0 if !self.keyword.is_empty() => Role::Keyword,
                     1 if !self.keyword.is_empty() => self.second(at),
-                    _ => self.other(at, last, line_ended, &mut state),
+                    _ => self.role_of_other(at, last, line_ended, &mut state),
                 };
             }
             self.step(at, last, &mut state);
@@ -175,7 +175,7 @@ impl Reader<'_> {
 
     /// A word in the brackets of a component: a port, a parameter, the unit of one, or part of a default.
     fn formal(&self, at: usize, last: Option<usize>, open: &[Opened]) -> Role {
-        let starts = self.is(last, "(") || self.is(last, ",");
+        let starts = self.is_sign(last, "(") || self.is_sign(last, ",");
         let scope = Some(self.index);
         let goes_on = self.next(at).is_some_and(|next| self.tokens[next].kind == TokenKind::Word);
         if starts && self.word(at) == "part" && goes_on {
@@ -200,15 +200,17 @@ impl Reader<'_> {
         let start = self.outline.statements[self.index].tokens.start;
         let is_first = (start..at).filter(|before| self.word(*before) == "=").count() == 1;
         match open.len() {
-            0 if is_first && self.is(last, "=") => Role::Reference { space: Space::Components, scope: None },
+            0 if is_first && self.is_sign(last, "=") => Role::Reference { space: Space::Components, scope: None },
             0 if matches!(word, "at" | "turned" | "mirrored") => Role::Word,
             0 if last.is_some_and(|last| self.word(last) == "mirrored") => Role::Direction,
-            1 if (self.is(last, "(") || self.is(last, ",")) && self.is(self.next(at), "=") => Role::Field,
+            1 if (self.is_sign(last, "(") || self.is_sign(last, ",")) && self.is_sign(self.next(at), "=") => {
+                Role::Field
+            }
             _ => self.expression(at, last, open),
         }
     }
 
-    fn other(&self, at: usize, last: Option<usize>, line_ended: bool, state: &mut State) -> Role {
+    fn role_of_other(&self, at: usize, last: Option<usize>, line_ended: bool, state: &mut State) -> Role {
         match self.keyword {
             "component" => return self.formal(at, last, &state.open),
             "place" => return self.placed(at, last, &state.open),
@@ -217,13 +219,17 @@ impl Reader<'_> {
         let (word, next) = (self.word(at), self.next(at));
         let braces = state.open.last().is_some_and(|open| open.bracket == '{');
         let after_value = last.is_some_and(|last| ends_value(&self.tokens[last]));
-        let field_starts = braces && (self.is(last, "{") || self.is(last, ",") || line_ended && after_value);
+        let field_starts = braces && (self.is_sign(last, "{") || self.is_sign(last, ",") || line_ended && after_value);
         if field_starts {
             state.directions = matches!(word, "moves" | "along");
-            let alone = !self.is(next, "=") && kinds::field(word).is_some_and(Field::stands_alone);
+            let alone = !self.is_sign(next, "=") && kinds::field(word).is_some_and(Field::stands_alone);
             return if alone { Role::Word } else { Role::Field };
         }
-        if matches!(word, "along" | "about" | "in") && after_value && !self.is(last, ":") && !self.is(last, "--") {
+        if matches!(word, "along" | "about" | "in")
+            && after_value
+            && !self.is_sign(last, ":")
+            && !self.is_sign(last, "--")
+        {
             state.directions = word == "along";
             state.in_ends = false;
             return Role::Word;
@@ -234,7 +240,7 @@ impl Reader<'_> {
         if state.directions && matches!(word, "x" | "y") {
             return Role::Direction;
         }
-        if state.in_ends && state.open.is_empty() && (self.is(last, ":") || self.is(last, "--")) {
+        if state.in_ends && state.open.is_empty() && (self.is_sign(last, ":") || self.is_sign(last, "--")) {
             return self.part(word);
         }
         self.expression(at, last, &state.open)
@@ -243,21 +249,21 @@ impl Reader<'_> {
     fn expression(&self, at: usize, last: Option<usize>, open: &[Opened]) -> Role {
         let word = self.word(at);
         let end = self.tokens[at].range.end;
-        if self.is(last, ".") {
+        if self.is_sign(last, ".") {
             return Role::Member;
         }
-        if self.is(last, "@") {
+        if self.is_sign(last, "@") {
             return self.value(at);
         }
         if self.text[end..].starts_with('(') {
             return Role::Function;
         }
         let in_call = open.last().is_some_and(|open| open.function.is_some());
-        if in_call && self.is(self.next(at), "=") {
+        if in_call && self.is_sign(self.next(at), "=") {
             return Role::Field;
         }
         let after = self.after_indices(at);
-        let named_before = [".", "@", "->"].iter().any(|sign| self.is(after, sign));
+        let named_before = [".", "@", "->"].iter().any(|sign| self.is_sign(after, sign));
         let of_output = open
             .last()
             .and_then(|open| open.function)
@@ -265,7 +271,7 @@ impl Reader<'_> {
             .is_some_and(|(_, function)| {
                 matches!(function.arguments.first(), Some(Argument::Output | Argument::Input))
             });
-        if named_before || self.is(last, "->") || of_output {
+        if named_before || self.is_sign(last, "->") || of_output {
             return self.part(word);
         }
         match (self.keyword, word) {

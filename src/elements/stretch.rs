@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn as_drawn_nothing_leaves_the_rationals() {
+    fn in_the_drawing_all_values_are_rational() {
         let drawn = Vector { x: Number::ONE, y: Number::ONE, z: Number::ZERO };
         let state = Stretch::Line { drawn }.at(&Vector::zero(), &Number::ZERO);
         assert_eq!(state.change(), &Number::ZERO);

@@ -104,7 +104,7 @@ fn squares(equations: &Equations, undamped: &[Sum]) -> Vec<Square> {
     let names = &equations.names;
     let quotient = |over: &Sum, under: &Sum| {
         let form = over.over(under).map(|form| form.simplified());
-        let value = form.as_ref().and_then(|form| names.worth(form));
+        let value = form.as_ref().and_then(|form| names.value_of(form));
         Square { form, value }
     };
     match undamped {
@@ -114,7 +114,7 @@ fn squares(equations: &Equations, undamped: &[Sum]) -> Vec<Square> {
         }
         [zeroth, second, fourth] => {
             let root = |negative: bool| {
-                let (r, p, q) = (names.worth(zeroth)?, names.worth(second)?, names.worth(fourth)?);
+                let (r, p, q) = (names.value_of(zeroth)?, names.value_of(second)?, names.value_of(fourth)?);
                 let root = (&p.square() - &(&(&q * &r) * &Number::from(4))).sqrt()?;
                 let top = if negative { &p - &root } else { &p + &root };
                 top.checked_div(&(&q + &q))
@@ -133,7 +133,7 @@ fn damping_ratio(equations: &Equations, places: &[usize]) -> Option<(Sum, Number
     }
     let critical = equations.names.length(&(stiffness * mass)).scaled(&crate::base::Rational::from(2));
     let ratio = damping.over(&critical)?.simplified();
-    let value = equations.names.worth(&ratio)?;
+    let value = equations.names.value_of(&ratio)?;
     Some((ratio, value))
 }
 
@@ -144,7 +144,7 @@ fn numbers(equations: &Equations, places: &[usize]) -> Option<Polynomial> {
 
 /// M s^2 + C s + K of a part with numbers.
 pub fn matrix_of_numbers(equations: &Equations, places: &[usize]) -> Option<Vec<Vec<Polynomial>>> {
-    let worth = |sum: &Sum| equations.names.worth(sum);
+    let worth = |sum: &Sum| equations.names.value_of(sum);
     let cell = |i: usize, j: usize| entry(equations, i, j).iter().map(worth).collect::<Option<Polynomial>>();
     places.iter().map(|i| places.iter().map(|j| cell(*i, *j)).collect()).collect()
 }

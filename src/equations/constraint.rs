@@ -29,17 +29,17 @@ pub fn constraints(scene: &Scene, written: &Written, motion: &Motion, names: &mu
         let parts = [0, 1].map(|end| joint.ends[end].part);
         let turn = &motion.angle(parts[1]).unwrap_or_default() - &motion.angle(parts[0]).unwrap_or_default();
         let equations = match (joint.kind.turns, joint.kind.slides) {
-            (true, false) => apart(motion, parts, written.at.as_ref()).to_vec(),
+            (true, false) => difference_of_ends(motion, parts, written.at.as_ref()).to_vec(),
             (false, false) => {
                 let at = written.ends[0].as_ref().or(written.ends[1].as_ref());
-                let [x, y] = apart(motion, parts, at);
+                let [x, y] = difference_of_ends(motion, parts, at);
                 vec![x, y, turn]
             }
             (turns, true) => {
                 let along = names.unit(written.along.as_ref()?);
                 let across = motion.turned(parts[0], &[-&along[1], along[0].clone()]);
                 let at = written.ends[0].as_ref().or(written.ends[1].as_ref());
-                let mut equations = vec![dot(&across, &apart(motion, parts, at))];
+                let mut equations = vec![dot(&across, &difference_of_ends(motion, parts, at))];
                 equations.extend((!turns).then_some(turn));
                 equations
             }
@@ -70,7 +70,7 @@ fn push(list: &mut Vec<Constraint>, name: String, span: Span, equation: Sum, nam
 }
 
 /// The displacement of a common point of two parts, second against first.
-fn apart(motion: &Motion, parts: [Part; 2], at: Option<&Pair>) -> Pair {
+fn difference_of_ends(motion: &Motion, parts: [Part; 2], at: Option<&Pair>) -> Pair {
     let [a, b] = parts.map(|part| motion.place(part, at));
     difference(&b, &a)
 }

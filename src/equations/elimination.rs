@@ -41,7 +41,7 @@ fn pivot(rows: &Rows, names: &Names) -> Option<(usize, usize)> {
     let mut best: Option<(usize, (usize, usize))> = None;
     for (row, (left, _)) in rows.iter().enumerate() {
         for (column, entry) in left.iter().enumerate() {
-            let usable = names.worth(entry).is_some_and(|value| !value.may_be_zero());
+            let usable = names.value_of(entry).is_some_and(|value| !value.may_be_zero());
             let size = if entry.as_number().is_some() { 0 } else { entry.terms().len() };
             if usable && best.is_none_or(|(least, _)| size < least) {
                 best = Some((size, (row, column)));

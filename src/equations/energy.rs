@@ -7,7 +7,7 @@
 //! - force: the work on the displacement of its point
 
 use super::motion::Motion;
-use super::names::{Label, Names, class, still};
+use super::names::{Label, Names, class, without_motion};
 use crate::base::{Number, Span, Vec3};
 use crate::elements::Order;
 use crate::model::scene::{Attachment, BodyId, Geometry, InputKind, Part, Scene, SpringRest};
@@ -105,7 +105,7 @@ impl Energies {
             let (name, span) = (scene.words.display(scene.bodies[index].name), scene.bodies[index].span);
             self.of_bodies.push(OfBody { name, span, kinetic: own });
         }
-        self.weights = varying(&self.weights);
+        self.weights = without_constants(&self.weights);
         Some(())
     }
 
@@ -198,7 +198,7 @@ impl Energies {
                 None => exact_pair(direction)?,
             };
             let mut direction = names.unit(&direction);
-            let against = drawn.as_ref().and_then(|drawn| names.worth(&dot(drawn, &direction)));
+            let against = drawn.as_ref().and_then(|drawn| names.value_of(&dot(drawn, &direction)));
             if against.is_some_and(|value| value.is_negative()) {
                 direction = direction.map(|part| -&part);
             }
@@ -216,7 +216,7 @@ impl Energies {
         let square = dot(&apart, &apart);
         // A bead on a rod: its distance from the pivot is the square root of a square, whatever the angle.
         if let Some(root) = square.exact_root() {
-            let at_rest = names.worth(&still(&root));
+            let at_rest = names.value_of(&without_motion(&root));
             let root = if at_rest.as_ref().is_some_and(|value| value.is_negative()) { -&root } else { root };
             if at_rest.is_some_and(|value| !value.may_be_zero()) {
                 return Some(Stretch::Plain(&root - &names.length(&dot(&drawn, &drawn))));
@@ -249,7 +249,7 @@ impl Energies {
                         let place_of = dot(&direction, &motion.place(end.part, at.as_ref()));
                         work = if place == 0 { &work + &place_of } else { &work - &place_of };
                     }
-                    varying(&work)
+                    without_constants(&work)
                 }
                 InputKind::ForceBetween { ends } => {
                     let places = [written.ends.first()?.clone(), written.ends.get(1)?.clone()];
@@ -275,7 +275,7 @@ impl Energies {
             names.set(force, Label::new(name, ""), None);
             self.works.push(Work { input: number, force, displacement });
         }
-        self.weights = varying(&self.weights);
+        self.weights = without_constants(&self.weights);
         Some(())
     }
 
@@ -334,7 +334,7 @@ fn drawn_length(written: &WrittenElement, geometry: &Geometry, names: &Names) ->
         _ => return Some(names.length(&dot(&drawn, &drawn))),
     };
     let length = dot(&drawn, &along);
-    Some(if names.worth(&length).is_some_and(|value| value.is_negative()) { -&length } else { length })
+    Some(if names.value_of(&length).is_some_and(|value| value.is_negative()) { -&length } else { length })
 }
 
 /// Where an end of a force is written to be.
@@ -351,7 +351,7 @@ fn exact_pair(direction: &Vec3) -> Option<Pair> {
 }
 
 /// What does not move, left out: it does no work.
-pub fn varying(energy: &Sum) -> Sum {
+pub fn without_constants(energy: &Sum) -> Sum {
     let moves = |symbol: Symbol| is_motion(symbol);
     Sum::of_terms(energy.terms().iter().filter(|(product, _)| product.mentions(&moves)).cloned().collect())
 }

@@ -66,7 +66,7 @@ impl EquationsError {
                 let message = format!("defect in vibc: {what} is {symbols} by the energies and {lowered} by `analyze`");
                 Diagnostic::error(DEFECT, *span, message)
                     .label("one of the two is wrong here")
-                    .help("please report this model; neither result can be trusted until it is settled")
+                    .help("report this model as a defect of vibc; until it is fixed, trust neither result")
             }
         }
     }

@@ -5,7 +5,7 @@
 use super::energy::{Energies, Stretch};
 use super::lagrange::Equation;
 use super::motion::Motion;
-use super::names::{Label, Names, class, still};
+use super::names::{Label, Names, class, without_motion};
 use crate::elements::Order;
 use crate::symbols::{Lengths, Sum, Symbol};
 
@@ -44,13 +44,13 @@ impl AtRest {
     pub fn new(energies: &Energies, names: &mut Names) -> AtRest {
         let (mut lengths, mut named) = (Vec::new(), Vec::new());
         for (symbol, square) in &energies.lengths.0 {
-            let square = still(square);
+            let square = without_motion(square);
             let length = match names.length(&square) {
                 length if is_short(&length) => length,
                 _ => {
                     let rest = Symbol::new(class::REST_LENGTH, symbol.place());
                     let label = names.label(*symbol);
-                    let value = names.worth(&square).and_then(|value| value.sqrt());
+                    let value = names.value_of(&square).and_then(|value| value.sqrt());
                     names.set(rest, Label::new(label.word, format!("{},0", label.index)), value);
                     named.push((rest, square));
                     Sum::name(rest)
@@ -63,7 +63,7 @@ impl AtRest {
 
     pub fn of(&self, sum: &Sum) -> Sum {
         let length = |symbol: Symbol| self.lengths.iter().find(|(name, _)| *name == symbol).map(|(_, at)| at.clone());
-        still(&sum.replaced(&length))
+        without_motion(&sum.replaced(&length))
     }
 
     pub fn length(&self, symbol: Symbol) -> Sum {
@@ -93,8 +93,8 @@ pub fn linear(motion: &Motion, energies: &Energies, equations: &[Equation], at_r
     for (i, equation) in equations.iter().enumerate() {
         for j in 0..n {
             let [q, v, a] = motion.coordinates[j].symbols;
-            linear.mass[i][j] = still(&equation.plain.derivative(a, &none));
-            linear.damping[i][j] = still(&equation.plain.derivative(v, &none));
+            linear.mass[i][j] = without_motion(&equation.plain.derivative(a, &none));
+            linear.damping[i][j] = without_motion(&equation.plain.derivative(v, &none));
             linear.stiffness[i][j] = at_rest.of(&equation.plain.derivative(q, &energies.lengths));
         }
     }
@@ -129,21 +129,21 @@ fn line_entry(energies: &Energies, line: &super::lagrange::Line, by: Symbol, at_
     let (length, square) = match &element.stretch {
         Stretch::Line { length, square, .. } => (length, square),
         Stretch::Plain(stretch) => {
-            let own = &still(&line.slope) * &still(&stretch.derivative(by, &none));
+            let own = &without_motion(&line.slope) * &without_motion(&stretch.derivative(by, &none));
             let pull = if element.is_spring() { at_rest.of(&element.pull()) } else { Sum::ZERO };
-            return (&element.coefficient * &own, &pull * &still(&line.slope.derivative(by, &none)));
+            return (&element.coefficient * &own, &pull * &without_motion(&line.slope.derivative(by, &none)));
         }
     };
     let length = at_rest.length(*length);
     let Some(per_square) = length.square().inverse() else { return Default::default() };
-    let (own, other) = (still(&line.slope), still(&square.derivative(by, &none).halved()));
+    let (own, other) = (without_motion(&line.slope), without_motion(&square.derivative(by, &none).halved()));
     let both = &(&own * &other) * &per_square;
     let elastic = &element.coefficient * &both;
     let pull = at_rest.of(&element.pull());
     if pull.is_zero() || !element.is_spring() {
         return (elastic, Sum::ZERO);
     }
-    let bend = &still(&line.slope.derivative(by, &none)) - &both;
+    let bend = &without_motion(&line.slope.derivative(by, &none)) - &both;
     let geometric = &(&pull * &length.inverse().unwrap_or_default()) * &bend;
     (elastic, geometric)
 }

@@ -10,7 +10,7 @@ use super::elimination::solve;
 use super::energy::is_motion;
 use super::lagrange::{Equation, Line};
 use super::motion::Motion;
-use super::names::{Label, Names, class, still};
+use super::names::{Label, Names, class, without_motion};
 use crate::base::Number;
 use crate::symbols::{Lengths, Sum, Symbol};
 
@@ -185,7 +185,7 @@ fn solved(slopes: &[Vec<Sum>], rows: &[usize], own: &[usize], columns: &[usize])
 
 /// As many rows as there are unknowns, independent of each other at rest.
 fn independent_rows(slopes: &[Vec<Sum>], rows: &[usize], own: &[usize], names: &Names) -> Option<Vec<usize>> {
-    let value = |row: usize, index: usize| names.worth(&still(&slopes[row][index]));
+    let value = |row: usize, index: usize| names.value_of(&without_motion(&slopes[row][index]));
     let mut left: Vec<(usize, Vec<Number>)> = Vec::new();
     for row in rows {
         left.push((*row, own.iter().map(|index| value(*row, *index)).collect::<Option<Vec<_>>>()?));

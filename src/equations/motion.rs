@@ -151,7 +151,7 @@ impl<'a> Growth<'a> {
     }
 
     /// Whether the part stands without a joint.
-    fn stands(&self, number: usize) -> bool {
+    fn has_no_joint(&self, number: usize) -> bool {
         match self.part(number) {
             Part::Body(body) => self.scene.bodies[body.index()].freedom != Freedom::FromJoints,
             Part::Ground | Part::Base(_) => true,
@@ -165,12 +165,12 @@ impl<'a> Growth<'a> {
                 continue;
             }
             let [a, b] = [0, 1].map(|end| self.class[self.number(joint.ends[end].part)]);
-            if a == b || self.stands(a) && self.stands(b) {
+            if a == b || self.has_no_joint(a) && self.has_no_joint(b) {
                 self.closing.push(index);
                 continue;
             }
             let (first, second) = (a.min(b), a.max(b));
-            let (keeps, joins) = if self.stands(second) { (second, first) } else { (first, second) };
+            let (keeps, joins) = if self.has_no_joint(second) { (second, first) } else { (first, second) };
             self.class.iter_mut().filter(|class| **class == joins).for_each(|class| *class = keeps);
         }
     }
@@ -184,7 +184,7 @@ impl<'a> Growth<'a> {
     fn grow(mut self, names: &mut Names, rests: &impl Fn(&mut Names, &Coordinate, usize) -> Sum) -> Option<Motion> {
         self.weld();
         for number in 0..self.class.len() {
-            if self.class[number] == number && self.stands(number) {
+            if self.class[number] == number && self.has_no_joint(number) {
                 self.add(number, None);
             }
         }
@@ -295,7 +295,7 @@ impl<'a> Growth<'a> {
         let mut pieces: Vec<Piece> = Vec::with_capacity(own.len());
         for (piece, own) in own.iter().enumerate() {
             let placed = match self.carriers[piece] {
-                None => self.standing(self.class_of_piece[piece], coordinates, own, names)?,
+                None => self.placed_piece(self.class_of_piece[piece], coordinates, own, names)?,
                 Some((carrier, joint)) => self.carried(&pieces[carrier], joint, (coordinates, own), names)?,
             };
             pieces.push(placed);
@@ -304,7 +304,7 @@ impl<'a> Growth<'a> {
     }
 
     /// A part that stands on the ground, or a base.
-    fn standing(&self, number: usize, coordinates: &[Coordinate], own: &[usize], names: &Names) -> Option<Piece> {
+    fn placed_piece(&self, number: usize, coordinates: &[Coordinate], own: &[usize], names: &Names) -> Option<Piece> {
         let (translations, centre) = match self.part(number) {
             Part::Ground => (&[][..], None),
             Part::Base(base) => {

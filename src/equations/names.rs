@@ -99,7 +99,7 @@ impl Names {
     }
 
     /// The value of a sum of names that have values.
-    pub fn worth(&self, sum: &Sum) -> Option<Number> {
+    pub fn value_of(&self, sum: &Sum) -> Option<Number> {
         sum.value(&|symbol| self.values.get(&symbol).cloned())
     }
 
@@ -121,8 +121,8 @@ impl Names {
     /// The positive root of a square of lengths.
     pub fn length(&self, square: &Sum) -> Sum {
         match square.exact_root() {
-            Some(root) if self.worth(&root).is_some_and(|value| value.is_negative()) => -&root,
-            Some(root) if self.worth(&root).is_some() => root,
+            Some(root) if self.value_of(&root).is_some_and(|value| value.is_negative()) => -&root,
+            Some(root) if self.value_of(&root).is_some() => root,
             _ => self.square_root(square),
         }
     }
@@ -131,7 +131,7 @@ impl Names {
     fn square_root(&self, square: &Sum) -> Sum {
         let shared = common_factors(square).product;
         let is_positive = |factor: &Factor| {
-            let value = self.worth(&Sum::term(Product::of(factor.clone(), 1), Rational::ONE));
+            let value = self.value_of(&Sum::term(Product::of(factor.clone(), 1), Rational::ONE));
             value.is_some_and(|value| value.is_positive())
         };
         let even = shared.factors().iter().filter(|(factor, exponent)| {
@@ -158,7 +158,7 @@ impl Names {
 }
 
 /// With every motion and force at zero.
-pub fn still(sum: &Sum) -> Sum {
+pub fn without_motion(sum: &Sum) -> Sum {
     sum.replaced(&|symbol| {
         let moves = (class::COORDINATE..=class::FORCE).contains(&symbol.class());
         moves.then_some(Sum::ZERO)

@@ -10,7 +10,7 @@ use super::lagrange::Equation;
 use super::linear::{AtRest, Column, Linear, Matrix};
 use super::loops::Follow;
 use super::motion::Motion;
-use super::names::{Label, Names, class, still};
+use super::names::{Label, Names, class, without_motion};
 use super::rest::Rest;
 use super::{Entry, Linearised};
 use crate::base::{Number, Rational};
@@ -67,7 +67,7 @@ pub fn reduced(
             for (row, of_row) in stiffness.iter_mut().zip(&motion.coordinates[..n]) {
                 let first = constraint.equation.derivative(of_row.symbols[0], &none);
                 for (entry, of_column) in row.iter_mut().zip(&motion.coordinates[..n]) {
-                    let second = still(&first.derivative(of_column.symbols[0], &none));
+                    let second = without_motion(&first.derivative(of_column.symbols[0], &none));
                     *entry = &*entry + &(&multiplier * &second);
                 }
             }
@@ -78,7 +78,7 @@ pub fn reduced(
     let inputs = inputs(motion, full, &stiffness, &follows, coordinates.len());
     let valued = |matrix: Matrix| -> Result<Vec<Vec<Entry>>, EquationsError> {
         let entry = |sum: Sum| {
-            let value = names.worth(&sum).ok_or(EquationsError::NoForm { span })?;
+            let value = names.value_of(&sum).ok_or(EquationsError::NoForm { span })?;
             Ok(Entry { sum, value })
         };
         matrix.into_iter().map(|row| row.into_iter().map(entry).collect()).collect()
@@ -100,7 +100,7 @@ fn at_rest_ratios(follows: &[Follow], index: usize, columns: &[usize]) -> Vec<Su
     let follow = follows.iter().find(|follow| follow.coordinate == index);
     let ratio = |by: &usize| {
         let found = follow.and_then(|follow| follow.ratios.iter().find(|ratio| ratio.by == *by));
-        found.map_or(Sum::ZERO, |ratio| still(&ratio.form).simplified())
+        found.map_or(Sum::ZERO, |ratio| without_motion(&ratio.form).simplified())
     };
     columns.iter().map(ratio).collect()
 }
@@ -115,7 +115,7 @@ fn all_together(
 ) -> Result<Vec<Vec<Sum>>, EquationsError> {
     let none = Lengths::default();
     let slope = |constraint: &Constraint, index: usize| {
-        still(&constraint.equation.derivative(motion.coordinates[index].symbols[0], &none))
+        without_motion(&constraint.equation.derivative(motion.coordinates[index].symbols[0], &none))
     };
     let left = |c: &Constraint| others.iter().map(|index| slope(c, *index)).collect::<Vec<Sum>>();
     let right = |c: &Constraint| columns.iter().map(|index| -&slope(c, *index)).collect::<Vec<Sum>>();
@@ -148,7 +148,7 @@ fn named(
         let own = label(index, names);
         let index = if columns.len() > 1 { format!("{own},{},0", label(*by, names)) } else { format!("{own},0") };
         let symbol = Symbol::new(class::REST_RATIO, ratios.len());
-        let value = names.worth(&form);
+        let value = names.value_of(&form);
         names.set(symbol, Label::new("h", index), value);
         ratios.push((symbol, form));
         Sum::name(symbol)
@@ -247,9 +247,9 @@ fn reactions(
     let none = Lengths::default();
     let mut rows: Rows = Vec::new();
     for index in others {
-        let slopes = constraints
-            .iter()
-            .map(|constraint| still(&constraint.equation.derivative(motion.coordinates[*index].symbols[0], &none)));
+        let slopes = constraints.iter().map(|constraint| {
+            without_motion(&constraint.equation.derivative(motion.coordinates[*index].symbols[0], &none))
+        });
         let equation = &equations[*index];
         let condition = rest.conditions.iter().find(|(coordinate, _)| coordinate == index);
         let force = condition.map_or(Sum::ZERO, |(_, condition)| without_multipliers(&at_rest.of(condition)));
@@ -261,7 +261,7 @@ fn reactions(
     let solved = solve(rows, unknowns, names).ok_or(EquationsError::NoForm { span: constraints[0].span })?;
     for (constraint, row) in constraints.iter().zip(solved) {
         let form = row.into_iter().next().unwrap_or_default();
-        let value = names.worth(&form).unwrap_or(Number::ZERO);
+        let value = names.value_of(&form).unwrap_or(Number::ZERO);
         names.set_value(constraint.multiplier, value.clone());
         rest.reactions.push((constraint.multiplier, Some(form), value));
     }

@@ -6,7 +6,7 @@ use super::energy::Energies;
 use super::lagrange::Equation;
 use super::linear::AtRest;
 use super::motion::Motion;
-use super::names::{Label, Names, class, still};
+use super::names::{Label, Names, class, without_motion};
 use crate::base::{Name, Number, Rational};
 use crate::lower::Lowered;
 use crate::symbols::{Factor, Sum, Symbol};
@@ -75,7 +75,7 @@ impl Rest {
     ) -> Rest {
         let mut rest = Rest { proven: numbers.proven, ..Rest::default() };
         for equation in equations {
-            let condition = still(&equation.whole(motion, energies));
+            let condition = without_motion(&equation.whole(motion, energies));
             if !condition.is_zero() {
                 rest.conditions.push((equation.coordinate, condition));
             }
@@ -104,7 +104,10 @@ impl Rest {
             let (Some(symbol), 1) = (unknown.first().copied(), unknown.len()) else { continue };
             let form = solved_linear(condition, symbol).map(|form| form.simplified());
             let agrees = |form: &Sum| {
-                names.worth(form).zip(names.value(symbol)).is_some_and(|(worth, value)| (&worth - value).may_be_zero())
+                names
+                    .value_of(form)
+                    .zip(names.value(symbol))
+                    .is_some_and(|(worth, value)| (&worth - value).may_be_zero())
             };
             if symbol.class() == class::TENSION
                 && !self.tensions.iter().any(|(known, _)| *known == symbol)
@@ -133,7 +136,7 @@ impl Rest {
                 let &[(index, symbol, value)] = &unknown[..] else { continue };
                 let solved = solved_linear(condition, *symbol).into_iter().chain(solved_wave(condition, *symbol));
                 // Of several angles the one that was found in numbers.
-                let agrees = |form: &Sum| names.worth(form).is_some_and(|worth| (&worth - value).may_be_zero());
+                let agrees = |form: &Sum| names.value_of(form).is_some_and(|worth| (&worth - value).may_be_zero());
                 let Some(form) = solved.into_iter().find(agrees) else { continue };
                 found.push((*index, form.clone()));
                 let replace = |s: Symbol| (s == *symbol).then(|| form.clone());

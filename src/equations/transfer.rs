@@ -5,7 +5,7 @@ use super::closed::{self, Part, in_variable, product};
 use super::energy::{Energies, Stretch};
 use super::linear::{AtRest, Column};
 use super::motion::Motion;
-use super::names::{class, still};
+use super::names::{class, without_motion};
 use super::polynomial::{self, Polynomial};
 use super::{Equations, Linearised};
 use crate::base::{Number, Span};
@@ -110,7 +110,8 @@ fn combined(output: Output, forms: &[Sum], motion: &Motion, linear: &Linearised)
         found.map(|(_, sum)| sum.clone())
     };
     let forms: Vec<Sum> = forms.iter().map(|form| form.replaced(&dependent)).collect();
-    let factor = |form: &Sum, index: usize| still(&form.derivative(motion.coordinates[index].symbols[0], &none));
+    let factor =
+        |form: &Sum, index: usize| without_motion(&form.derivative(motion.coordinates[index].symbols[0], &none));
     let rows = forms.iter().map(|form| linear.coordinates.iter().map(|index| factor(form, *index)).collect());
     let prescribed = |form: &Sum| {
         let driven = (motion.free..motion.coordinates.len()).filter_map(|index| {
@@ -204,7 +205,7 @@ fn reduced(numerator: &[Sum], denominator: &[Sum]) -> (Vec<Sum>, Vec<Sum>) {
 
 /// By Cramer's rule: each column of M s^2 + C s + K in turn replaced by the input's.
 fn numerator_of_numbers(equations: &Equations, part: &Part, column: &Column, output: &Output) -> Option<Polynomial> {
-    let worth = |sum: &Sum| equations.names.worth(sum);
+    let worth = |sum: &Sum| equations.names.value_of(sum);
     let whole = closed::matrix_of_numbers(equations, &part.places)?;
     let driven =
         |place: &usize| column.parts.iter().map(|entries| worth(&entries[*place])).collect::<Option<Polynomial>>();

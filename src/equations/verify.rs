@@ -6,7 +6,7 @@
 
 use super::Equations;
 use super::error::EquationsError;
-use super::names::still;
+use super::names::without_motion;
 use crate::base::{Number, Rational, Span};
 use crate::elements::Order;
 use crate::lower::Lowered;
@@ -34,7 +34,7 @@ fn matrices(equations: &Equations, system: &LinearSystem) -> Result<(), Equation
         for (i, row) in own.iter().enumerate() {
             for (j, entry) in row.iter().enumerate() {
                 let other = &theirs[i][j];
-                let value = equations.names.worth(&entry.sum).filter(|value| agree(value, &entry.value));
+                let value = equations.names.value_of(&entry.sum).filter(|value| agree(value, &entry.value));
                 if !value.is_some_and(|value| agree(&value, other)) {
                     let labels = [i, j].map(|place| equations.label(place).plain());
                     let what = format!("{name}[{}, {}]", labels[0], labels[1]);
@@ -65,8 +65,8 @@ fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &
     if name == "M" {
         let none = Lengths::default();
         for body in &energies.of_bodies {
-            let own = still(&body.kinetic.derivative(a[1], &none).derivative(b[1], &none));
-            if differs(equations.names.worth(&own), &body.name) {
+            let own = without_motion(&body.kinetic.derivative(a[1], &none).derivative(b[1], &none));
+            if differs(equations.names.value_of(&own), &body.name) {
                 return body.span;
             }
         }
@@ -95,9 +95,9 @@ fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &
 fn at_rest(equations: &Equations, sum: &Sum) -> Option<Number> {
     let length = |symbol: Symbol| {
         let found = equations.energies.lengths.0.iter().find(|(name, _)| *name == symbol);
-        found.map(|(_, square)| equations.names.length(&still(square)))
+        found.map(|(_, square)| equations.names.length(&without_motion(square)))
     };
-    equations.names.worth(&still(&sum.replaced(&length)))
+    equations.names.value_of(&without_motion(&sum.replaced(&length)))
 }
 
 fn inputs(equations: &Equations, system: &LinearSystem) -> Result<(), EquationsError> {
@@ -107,7 +107,7 @@ fn inputs(equations: &Equations, system: &LinearSystem) -> Result<(), EquationsE
             for place in 0..system.n() {
                 let zero = Sum::ZERO;
                 let own = column.parts.get(order).and_then(|part| part.get(place)).unwrap_or(&zero);
-                let value = equations.names.worth(own).unwrap_or(Number::ZERO);
+                let value = equations.names.value_of(own).unwrap_or(Number::ZERO);
                 let id = CoordinateId(place as u32);
                 let entries = theirs.iter().filter(|(coordinate, _)| *coordinate == id);
                 let other = entries.fold(Number::ZERO, |sum, (_, entry)| &sum + entry);
@@ -128,7 +128,7 @@ fn rests(equations: &Equations) -> Result<(), EquationsError> {
         return Ok(());
     }
     for (coordinate, condition) in &equations.rest.conditions {
-        let Some(value) = equations.names.worth(condition) else { continue };
+        let Some(value) = equations.names.value_of(condition) else { continue };
         if !value.may_be_zero() {
             let coordinate = &equations.motion.coordinates[*coordinate];
             let label = equations.names.label(coordinate.symbols[0]).plain();

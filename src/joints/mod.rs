@@ -47,7 +47,7 @@ impl Kind {
     }
 
     /// The constraint that a joint imposes if the tree does not need it.
-    pub fn held(&self, along: Option<&Vec3>) -> Held {
+    pub fn constrained_motions(&self, along: Option<&Vec3>) -> Held {
         let displacement = along.map_or(Displacement::All, |along| Displacement::Across(along.clone()));
         Held { displacement, turn: !self.turns }
     }

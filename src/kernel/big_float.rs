@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_below_binary64_is_not_zero() {
+    fn numbers_below_binary64_are_not_zero() {
         let tiny = Float::from(1.0).times_power_of_two(-1300);
         assert!(tiny.to_f64_above() > 0.0);
         assert!(tiny.to_ball(0.0).rad > 0.0);

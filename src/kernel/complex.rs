@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_has_no_modulus() {
+    fn nan_has_no_modulus() {
         for (re, im) in [(f64::NAN, 0.0), (0.0, f64::NAN), (f64::NAN, 5.0), (f64::INFINITY, f64::NAN)] {
             assert_eq!(Complex::new(re, im).abs(), f64::INFINITY);
         }

@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn a_divisor_that_does_not_divide_is_told() {
+    fn a_non_divisor_is_rejected() {
         assert_eq!(polynomial(&[1, 2, 1]).divided_by(&polynomial(&[1, 1])), Some(polynomial(&[1, 1])));
         assert_eq!(polynomial(&[1, 2, 2]).divided_by(&polynomial(&[1, 1])), None);
     }

@@ -44,7 +44,7 @@ pub fn half_planes(f: &Polynomial) -> Option<HalfPlanes> {
     let (even, odd) = halves(&f);
     let mirrored = even.gcd(&odd)?;
     let rest = f.primitive().divided_by(&spread(&mirrored))?;
-    let (mut axis, mut right) = (0, rightward(&rest)?);
+    let (mut axis, mut right) = (0, roots_on_the_right(&rest)?);
     for (index, factor) in mirrored.by_multiplicity()?.iter().enumerate() {
         let negative = negative_roots(factor)?;
         // Each root x of g gives s = ±√x: both on the axis if x < 0, otherwise one on either side.
@@ -58,7 +58,7 @@ pub fn half_planes(f: &Polynomial) -> Option<HalfPlanes> {
 /// The number of roots in the right half plane, for a polynomial without roots on the axis. With h(i w) = U(w) + i V(w)
 /// the argument turns by pi (left - right) as w goes along the axis, which is pi times the index of U/V if the degree
 /// is odd, and -pi times that of V/U if it is even.
-fn rightward(h: &Polynomial) -> Option<usize> {
+fn roots_on_the_right(h: &Polynomial) -> Option<usize> {
     let d = h.degree();
     let part = |parity: usize| {
         let coefficient = |(k, a): (usize, &BigInt)| match k % 2 == parity {
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn what_takes_too_long_is_not_counted() {
+    fn counts_that_take_too_long_are_refused() {
         let long = Polynomial::new(vec![BigInt::one() << 200_000u32, BigInt::one(), BigInt::one()]);
         assert_eq!((real_roots(&long), half_planes(&long)), (None, None));
     }

@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cancels_leaves_a_normal_form() {
+    fn cancellation_leaves_a_normal_form() {
         let x = Triple { a: 1.0, b: 1e-17, c: 1e-34 };
         assert_eq!(x - Triple { a: 1.0, b: 1e-17, c: 0.0 }, Triple::from(1e-34));
     }

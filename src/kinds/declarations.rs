@@ -353,8 +353,8 @@ const LAST: [Declaration; 13] = [
             Page {
                 forms: "force F: block@A along x\nforce F: block along x = harmonic(10 N, 1.5 Hz)\nforce F: a -- b",
                 summary: "A force on a part, or between two parts: an input.",
-                rules: "`force F: a -- b` acts between its ends and is positive if it pushes them apart; with `along` it acts on b in \
-                 that direction and on a the other way. A signal may follow; without one the force is an input for transfer \
+                rules: "`force F: a -- b` acts between its ends and is positive if it pushes them apart; with `along` it acts on a in \
+                 that direction and on b in the opposite one. A signal may follow; without one the force is an input for transfer \
                  functions and emitted code.",
                 heading: "Forces and torques",
             },
@@ -370,7 +370,7 @@ const LAST: [Declaration; 13] = [
             Page {
                 forms: "torque T: rod\ntorque T: rod = step(1 N*m, 0 s)\ntorque T: a -- b",
                 summary: "A torque on a part, or between two parts: an input, positive counter-clockwise.",
-                rules: "`torque T: a -- b` acts on b, and on a the other way. One end must be able to turn. A signal may follow.",
+                rules: "`torque T: a -- b` acts on a, and on b in the opposite direction. One end must be able to turn. A signal may follow.",
                 heading: "Forces and torques",
             },
             &[Piece::Blank, PART, COLON, LOADED_END, OTHER_END, Piece::Signal(&TORQUE_SIGNAL)],
@@ -384,8 +384,8 @@ const LAST: [Declaration; 13] = [
             "initial block { x = 16 mm, vx = 0.375 m/s }",
             Page {
                 forms: "initial block { x = 16 mm, vx = 0.375 m/s }",
-                summary: "Where a body starts, measured from rest.",
-                rules: "`x`, `y`, `angle`, `vx`, `vy`, `omega` are motions of the body's own place at t = 0; those not given are zero. \
+                summary: "The initial state of a body, measured from rest.",
+                rules: "`x`, `y`, `angle`, `vx`, `vy`, `omega` are motions of the body at t = 0; those not given are zero. \
                  One declaration for each body.",
                 heading: "Initial state",
             },
@@ -461,7 +461,7 @@ const LAST: [Declaration; 13] = [
                 forms: "repeat i in 2..100 {\n    body m[i] { mass = 1 kg, moves x }\n}",
                 summary: "Declares its body once for each value of an index, bounds included.",
                 rules: "The names declared inside need the index, as in `m[i]`. Inside, `i` is a plain number. The declared \
-                 names are known everywhere in the model.",
+                 names are visible everywhere in the model.",
                 heading: "Repetition",
             },
             &[
@@ -526,10 +526,10 @@ const LAST: [Declaration; 13] = [
             Page {
                 forms: "component axle(part chassis, m: kg, k = 150 kN/m) {\n    body wheel { mass = m, moves y }\n    \
                  spring s: wheel -- chassis { k = k }\n}",
-                summary: "Draws a thing once, to be placed as often as needed.",
-                rules: "In brackets stand its ports, which are parts of the scene that it ties together, and its parameters: a unit says \
-                 the dimension of one, a default may follow; one without a default must be given at every place. The body sees these, \
-                 its own names and nothing else. Its coordinates and directions are its own axes.",
+                summary: "Describes a subassembly once, to be placed as often as needed.",
+                rules: "The brackets contain its ports, which are parts of the scene that it connects, and its parameters, each with a unit or a \
+                 default. A parameter without a default must be given at every place. Inside, only these and the component's own names \
+                 are visible. Coordinates and directions are along its own axes.",
                 heading: "Components",
             },
             &[
@@ -550,7 +550,7 @@ const LAST: [Declaration; 13] = [
                 forms: "place front = axle(chassis = car, m = 40 kg) at (1.2 m, 0)\nplace rear = axle(chassis = car, m = 45 kg) at \
                  (-1.5 m, 0) turned 10 deg\nplace left = axle(chassis = car, m = 40 kg) at (0, 0) mirrored x",
                 summary: "Puts a component into the scene; its names are then `front.wheel`, `front.k`.",
-                rules: "`at` says where the component's origin comes to lie; without it nothing in the component has a position. `mirrored x` \
+                rules: "`at` is the position of the component's origin; without it, nothing in the component may have a position. `mirrored x` \
                  changes the sign of its x, `mirrored y` of its y. It is mirrored first, then turned about its origin, then moved.\n\n\
                  From outside, `front.wheel` is a part or output and `front.k` a parameter, point or `let`; `--set front.k=...` sets a \
                  parameter.",

@@ -321,7 +321,7 @@ pub const MEASURES: &[Named<Measure>] = &[
     entry(
         Measure::Static,
         ["static", "static(output)", "static(output)"],
-        "The value that the output settles at.",
+        "The final value of the output.",
         &[Argument::Output],
     ),
     entry(

@@ -156,7 +156,7 @@ mod tests {
         }
 
         /// What the parser and the check report, as users read it.
-        fn found(text: &str) -> Vec<String> {
+        fn reported_messages(text: &str) -> Vec<String> {
             let (sources, file) = sources(text);
             let parsed = syntax::parse(&sources, file);
             let checked = model::check(&sources, &parsed.tree, &Overrides::default());
@@ -165,12 +165,12 @@ mod tests {
         }
 
         fn with(gadget: &str) -> Vec<String> {
-            found(&MODEL.replace("gadget g: ground -- a { grip = 4 N*s/m }", gadget))
+            reported_messages(&MODEL.replace("gadget g: ground -- a { grip = 4 N*s/m }", gadget))
         }
 
         #[test]
         fn is_parsed_checked_and_lowered_by_its_law() {
-            assert_eq!(found(MODEL), Vec::<String>::new());
+            assert_eq!(reported_messages(MODEL), Vec::<String>::new());
             let (sources, file) = sources(MODEL);
             let tree = syntax::parse(&sources, file).tree;
             let scene = model::check(&sources, &tree, &Overrides::default()).scene.expect("a scene");
@@ -197,11 +197,11 @@ mod tests {
                 let all = with(gadget);
                 assert!(all.iter().any(|message| message.contains(expected)), "{gadget}: {all:#?}");
             }
-            let asked = found(&MODEL.replace("g.force", "g.farce"));
+            let asked = reported_messages(&MODEL.replace("g.force", "g.farce"));
             assert!(asked[0].contains("a gadget"), "{asked:#?}");
-            let wrong = found(&MODEL.replace("-- a { k", "-- g { k"));
+            let wrong = reported_messages(&MODEL.replace("-- a { k", "-- g { k"));
             assert!(wrong[0].contains("`g` is a gadget, not a body"), "{wrong:#?}");
-            let other = found("xyzzy g\nbody a { mass = 1 kg, moves x }");
+            let other = reported_messages("xyzzy g\nbody a { mass = 1 kg, moves x }");
             assert!(other[0].contains("gadget"), "{other:#?}");
         }
 

@@ -7,7 +7,7 @@
 
 use super::Lowered;
 use super::kinematics::{End, Kinematics, Path};
-use super::loads::{self, Between};
+use super::loads::{self, EndPath};
 use crate::base::{Name, Number};
 use crate::elements::{KINDS, Kind};
 use crate::kinds::listed;
@@ -97,7 +97,7 @@ impl Explanation<'_> {
     fn body(&mut self, id: BodyId, body: &Body) {
         let piece = self.kinematics.tree.piece(Part::Body(id));
         let turns = self.kinematics.angle(piece).is_some();
-        loads::absolute(self.kinematics, End { piece, at: body.centre.as_deref() }, &mut self.path);
+        loads::path_from_ground(self.kinematics, End { piece, at: body.centre.as_deref() }, &mut self.path);
         let moves = !self.path.is_empty();
         let name = self.name(body.name);
         let has = |property: &Option<Number>| property.as_ref().is_some_and(|value| !value.is_zero());
@@ -122,7 +122,7 @@ impl Explanation<'_> {
         if self.scene.gravity.is_zero() {
             return;
         }
-        let way = self.kinematics.weighted_way(self.scene, &self.scene.gravity);
+        let way = self.kinematics.mass_weighted_path(self.scene, &self.scene.gravity);
         let stiffens = origins(&self.system.k).any(|origin| origin == Origin::Gravity);
         if way.is_empty() {
             self.leave_out("gravity", "no weight can do work in any motion of the scene");
@@ -142,7 +142,7 @@ impl Explanation<'_> {
                 }
             }
         }
-        let mut between = Between::default();
+        let mut between = EndPath::default();
         for (element, _) in self.scene.elements.iter().zip(&acts).filter(|(_, acts)| !**acts) {
             let why = self.why_idle(element, &mut between);
             self.leave_out(self.name(element.name), why);
@@ -158,9 +158,9 @@ impl Explanation<'_> {
         }
     }
 
-    fn why_idle(&self, element: &Element, between: &mut Between<Number>) -> &'static str {
+    fn why_idle(&self, element: &Element, between: &mut EndPath<Number>) -> &'static str {
         let [a, b] = [0, 1].map(|end| self.kinematics.end(&element.ends[end]).piece);
-        between.connect(self.kinematics, &element.ends, &element.geometry);
+        between.set_ends(self.kinematics, &element.ends, &element.geometry);
         match () {
             () if element.law.coefficient.is_zero() => "its value is zero",
             () if a == b => "both ends are on one rigid piece",

@@ -10,8 +10,8 @@ use super::chain::{self, Chain};
 use super::constraints::{Constraints, Reduction, equation};
 use super::error::LowerError;
 use super::initial;
-use super::kinematics::{End, Freely, Index, Kinematics, Path, Reach, State};
-use super::loads::{self, Between};
+use super::kinematics::{End, FreeCoordinate, Index, Kinematics, Path, PathEvaluation, State};
+use super::loads::{self, EndPath};
 use super::rest::{Held, Slack, survey};
 use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
@@ -100,8 +100,8 @@ pub struct Assembly<'a> {
     k: Form,
     /// Columns of each input: B0, B1, B2.
     columns: Vec<[Row; 3]>,
-    between: Between<Number>,
-    reach: Reach<Number>,
+    between: EndPath<Number>,
+    reach: PathEvaluation<Number>,
     row: Row,
     chain: Vec<ChainedRow>,
     /// Indices of the elements without a term.
@@ -127,8 +127,8 @@ impl<'a> Assembly<'a> {
             c: Form::new(),
             k: Form::new(),
             columns: vec![Default::default(); scene.inputs.len()],
-            between: Between::default(),
-            reach: Reach::default(),
+            between: EndPath::default(),
+            reach: PathEvaluation::default(),
             row: Row::new(),
             chain: Vec::new(),
             idle: Vec::new(),
@@ -140,7 +140,7 @@ impl<'a> Assembly<'a> {
         let inputs = inputs.map(|(input, columns)| system::Input {
             name: input_label(self.scene, input),
             unit: input_unit(input),
-            b: columns.map(summed),
+            b: columns.map(merge_column),
         });
         LinearSystem {
             words: self.words,
@@ -168,13 +168,13 @@ impl<'a> Assembly<'a> {
             let mass = body.mass.as_ref().filter(|mass| !mass.is_zero());
             if let (Some(mass), Some(chain)) = (mass, chained) {
                 let (from, to) = (chain::anchor(self.kinematics, piece), End { piece, at: body.centre.as_deref() });
-                self.kinematics.way(from, to, &mut path);
+                self.kinematics.path_between(from, to, &mut path);
                 self.reach.measure(self.kinematics, self.state, &path);
                 for axis in 0..2 {
                     self.m.push(source, Nature::Property, mass.clone(), chain.row(piece, &self.reach, axis));
                 }
             } else if let Some(mass) = mass {
-                loads::absolute(self.kinematics, End { piece, at: body.centre.as_deref() }, &mut path);
+                loads::path_from_ground(self.kinematics, End { piece, at: body.centre.as_deref() }, &mut path);
                 self.reach.measure(self.kinematics, self.state, &path);
                 self.mass(source, mass);
             }
@@ -217,12 +217,12 @@ impl<'a> Assembly<'a> {
                 row.iter().for_each(|(coordinate, _)| felt[coordinate.index()] = true);
             }
         }
-        let idle = |place: usize| self.idle(&self.kinematics.free[self.reduction.at(place) as usize]);
+        let idle = |place: usize| self.idle_error(&self.kinematics.free[self.reduction.at(place) as usize]);
         let idle: Vec<LowerError> = (0..n).filter(|place| !felt[*place]).map(idle).collect();
         if idle.is_empty() { Ok(()) } else { Err(idle) }
     }
 
-    fn idle(&self, freely: &Freely) -> LowerError {
+    fn idle_error(&self, freely: &FreeCoordinate) -> LowerError {
         let body = &self.scene.bodies[freely.body.index()];
         let name = self.words.display(body.name);
         LowerError::NoInertia {
@@ -238,7 +238,7 @@ impl<'a> Assembly<'a> {
         if self.scene.gravity.is_zero() {
             return;
         }
-        let path = self.kinematics.weighted_way(self.scene, &self.scene.gravity);
+        let path = self.kinematics.mass_weighted_path(self.scene, &self.scene.gravity);
         self.reach.measure(self.kinematics, self.state, &path);
         let name = Name::plain(self.words.intern("gravity"));
         let source = self.k.source(Source { name: plain(name), origin: Origin::Gravity });
@@ -268,7 +268,7 @@ impl<'a> Assembly<'a> {
     fn terms_of(&mut self, number: usize, element: &Element) {
         let law = &element.law;
         let order = law.kind.order;
-        let stretch = self.between.connect(self.kinematics, &element.ends, &element.geometry);
+        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
         let stretched = self.stretched(&stretch);
         let made_by = Source { name: plain(element.name), origin: Origin::Element(number as u32) };
         let source = self.form(order).source(made_by);
@@ -276,7 +276,7 @@ impl<'a> Assembly<'a> {
         if let Some(law) = law.spring() {
             let rate = match self.tensions.held.and_then(|held| held.rate(number)) {
                 Some(rate) => rate.clone(),
-                None if self.tensions.slack.has(self.kinematics, &self.between) => Number::ZERO,
+                None if self.tensions.slack.contains(self.kinematics, &self.between) => Number::ZERO,
                 None => {
                     let spring = loads::spring_of(stretch, &element.ends, &element.geometry, law);
                     stretched.rate(&spring.tension(&stretched))
@@ -364,7 +364,7 @@ impl<'a> Assembly<'a> {
 
     /// The part of such a pair that is driven by prescribed motions, which have no place in K.
     fn drive_pair(&mut self, i: Index, j: Index, value: &Number) {
-        let [first, second] = [i, j].map(|coordinate| self.finished(vec![(coordinate, Number::ONE)]));
+        let [first, second] = [i, j].map(|coordinate| self.to_system_row(vec![(coordinate, Number::ONE)]));
         for (one, other) in [(&first, &second), (&second, &first)] {
             for (free, left) in one {
                 let Some(place) = self.reduction.place(*free) else { continue };
@@ -385,7 +385,7 @@ impl<'a> Assembly<'a> {
     /// Adds weight row row^T for the current row.
     fn square(&mut self, order: Order, source: u32, nature: Nature, weight: &Number) {
         self.reduction.reduce(&mut self.row);
-        let weight = self.measured(weight);
+        let weight = self.scale_to_metres(weight);
         self.drive(order, &weight);
         let reduction = self.reduction;
         let row = self.row.drain(..);
@@ -399,7 +399,7 @@ impl<'a> Assembly<'a> {
 
     /// Converts from coordinates measured in units of an irrational length to metres. If the whole row is measured in the
     /// same unit, the weight absorbs it and the square stays exact.
-    fn measured(&mut self, weight: &Number) -> Number {
+    fn scale_to_metres(&mut self, weight: &Number) -> Number {
         if !self.kinematics.has_oblique() {
             return weight.clone();
         }
@@ -430,15 +430,15 @@ impl<'a> Assembly<'a> {
         let source = self.k.source(Source { name: plain(input.name), origin: Origin::Input(index as u32) });
         match &input.kind {
             InputKind::Force { ends, direction } => {
-                for (end, force) in ends.iter().zip(loads::opposite(&load, direction)) {
+                for (end, force) in ends.iter().zip(loads::opposite_forces(&load, direction)) {
                     let end = self.kinematics.end(end);
-                    loads::absolute(self.kinematics, end, &mut self.between.path);
+                    loads::path_from_ground(self.kinematics, end, &mut self.between.path);
                     self.reach.measure(self.kinematics, self.state, &self.between.path);
                     self.curvature(source, &force.negated());
                 }
             }
             InputKind::ForceBetween { ends } => {
-                let spring = loads::push(self.kinematics, ends, &load, &mut self.between);
+                let spring = loads::pushing_spring(self.kinematics, ends, &load, &mut self.between);
                 let stretched = self.stretched(&spring.stretch);
                 self.tension(source, &stretched.rate(&spring.tension(&stretched)), &stretched);
             }
@@ -476,7 +476,7 @@ impl<'a> Assembly<'a> {
         let mut column = match &input.kind {
             InputKind::Force { ends, direction } => self.force_column(ends, &Vector::of(direction)),
             InputKind::ForceBetween { ends } => {
-                let stretch = self.between.connect(self.kinematics, ends, &Geometry::Line);
+                let stretch = self.between.set_ends(self.kinematics, ends, &Geometry::Line);
                 let stretched = self.stretched(&stretch);
                 self.slope_row(&stretched)
             }
@@ -499,11 +499,11 @@ impl<'a> Assembly<'a> {
     fn torque_column(&self, ends: &[Attachment]) -> Row {
         let angle = |end: &Attachment| self.kinematics.angle(self.kinematics.tree.piece(end.part));
         let ends = ends.iter().zip([1, -1]);
-        self.finished(ends.filter_map(|(end, sign)| Some((angle(end)?, Number::from(sign)))).collect())
+        self.to_system_row(ends.filter_map(|(end, sign)| Some((angle(end)?, Number::from(sign)))).collect())
     }
 
     /// The final form of a row over all coordinates: over those of the system and the prescribed ones, in m and rad.
-    fn finished(&self, mut row: Row) -> Row {
+    fn to_system_row(&self, mut row: Row) -> Row {
         self.reduction.reduce(&mut row);
         measure(self.kinematics, &mut row);
         row
@@ -511,19 +511,19 @@ impl<'a> Assembly<'a> {
 
     /// Gradient of the displacement of a point along a direction, over all coordinates, in m and rad.
     fn displacement_row(&mut self, end: End, direction: &Vector<Number>) -> Row {
-        loads::absolute(self.kinematics, end, &mut self.between.path);
+        loads::path_from_ground(self.kinematics, end, &mut self.between.path);
         self.reach.measure(self.kinematics, self.state, &self.between.path);
         self.reach.row(direction, &mut self.row);
         let length_squared = direction.norm_squared();
         let row = self.row.drain(..).map(|(i, value)| (i, over_length(value, &length_squared))).collect();
-        self.finished(row)
+        self.to_system_row(row)
     }
 
     /// grad e over all coordinates, in m and rad.
     fn slope_row(&mut self, stretched: &Stretched<Number>) -> Row {
         let length_squared = self.slope(stretched);
         let row = self.row.drain(..).map(|(i, value)| (i, over_length(value, &length_squared))).collect();
-        self.finished(row)
+        self.to_system_row(row)
     }
 
     /// A motion as a row and the order of its derivative.
@@ -535,7 +535,7 @@ impl<'a> Assembly<'a> {
             }
             Motion::Turn { part, derivative } => {
                 let angle = self.kinematics.angle(self.kinematics.tree.piece(*part));
-                (*derivative, self.finished(angle.map(|angle| (angle, Number::ONE)).into_iter().collect()))
+                (*derivative, self.to_system_row(angle.map(|angle| (angle, Number::ONE)).into_iter().collect()))
             }
             Motion::Force { element } => self.element_force(&self.scene.elements[element.index()]),
             Motion::Stretch { element } => (0, self.element_slope(&self.scene.elements[element.index()])),
@@ -550,7 +550,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn element_slope(&mut self, element: &Element) -> Row {
-        let stretch = self.between.connect(self.kinematics, &element.ends, &element.geometry);
+        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
         let stretched = self.stretched(&stretch);
         self.slope_row(&stretched)
     }
@@ -564,7 +564,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn output(&mut self, output: &Output) -> system::Output {
-        let rows = self.combination(&output.terms).map(equation::summed);
+        let rows = self.combination(&output.terms).map(equation::merge_entries);
         let free = |row: &Row| -> Sparse {
             row.iter().filter_map(|(i, value)| Some((self.reduction.place(*i)?, value.clone()))).collect()
         };
@@ -596,8 +596,8 @@ fn measure(kinematics: &Kinematics, row: &mut Row) {
 }
 
 /// A column over coordinates of the system: one entry for each, ascending, without zeros.
-fn summed(column: Row) -> Sparse {
-    equation::summed(column).into_iter().map(|(place, value)| (CoordinateId(place), value)).collect()
+fn merge_column(column: Row) -> Sparse {
+    equation::merge_entries(column).into_iter().map(|(place, value)| (CoordinateId(place), value)).collect()
 }
 
 /// A coordinate of the tree as the system presents it.

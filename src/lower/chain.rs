@@ -2,7 +2,7 @@
 //! its own contribution. In: the kinematics and a state. Out: one or two short rows for each piece. See
 //! docs/method/system.md#deep-trees.
 
-use super::kinematics::{End, Kinematics, Path, Reach, State};
+use super::kinematics::{End, Kinematics, Path, PathEvaluation, State};
 use super::tree::PieceId;
 use crate::base::Number;
 use crate::elements::Vector;
@@ -20,10 +20,10 @@ pub struct Chain {
 impl Chain {
     pub fn new(kinematics: &Kinematics, state: &State<Number>) -> Chain {
         let mut chain = Chain { rows: Vec::new(), held: vec![[None; 2]] };
-        let (mut path, mut reach) = (Path::default(), Reach::default());
+        let (mut path, mut reach) = (Path::default(), PathEvaluation::default());
         for piece in 1..kinematics.tree.pieces.len() {
             let carrier = kinematics.tree.pieces[piece].carrier;
-            kinematics.way(anchor(kinematics, carrier), anchor(kinematics, piece as PieceId), &mut path);
+            kinematics.path_between(anchor(kinematics, carrier), anchor(kinematics, piece as PieceId), &mut path);
             reach.measure(kinematics, state, &path);
             let axes = [0, 1].map(|axis| {
                 let row = row(chain.held[carrier as usize][axis], &reach, axis);
@@ -43,7 +43,7 @@ impl Chain {
 
     /// The displacement of a point of a piece along x or y. `reach` holds the path to it from the point that holds the
     /// piece.
-    pub fn row(&self, piece: PieceId, reach: &Reach<Number>, axis: usize) -> ChainedRow {
+    pub fn row(&self, piece: PieceId, reach: &PathEvaluation<Number>, axis: usize) -> ChainedRow {
         row(self.held[piece as usize][axis], reach, axis)
     }
 
@@ -57,7 +57,7 @@ pub fn anchor(kinematics: &Kinematics, piece: PieceId) -> End<'_> {
     End { piece, at: kinematics.tree.pieces[piece as usize].anchor.as_deref() }
 }
 
-fn row(held: Option<CoordinateId>, reach: &Reach<Number>, axis: usize) -> ChainedRow {
+fn row(held: Option<CoordinateId>, reach: &PathEvaluation<Number>, axis: usize) -> ChainedRow {
     let mut own = Vec::new();
     let [x, y, _] = Vector::axes();
     reach.row(if axis == 0 { &x } else { &y }, &mut own);

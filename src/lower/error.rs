@@ -116,7 +116,7 @@ pub enum NoRestReason {
 }
 
 impl LowerError {
-    pub fn loose(scene: &Scene, bodies: &[BodyId]) -> LowerError {
+    pub fn loose_bodies(scene: &Scene, bodies: &[BodyId]) -> LowerError {
         let body = |id: &BodyId| &scene.bodies[id.index()];
         LowerError::Loose {
             names: bodies.iter().take(SHOWN).map(|id| scene.words.display(body(id).name)).collect(),
@@ -126,18 +126,18 @@ impl LowerError {
 
     pub fn to_diagnostic(&self) -> Diagnostic {
         match self {
-            LowerError::Loose { names, spans } => loose(names, spans),
+            LowerError::Loose { names, spans } => loose_error(names, spans),
             LowerError::NoFreedom { span } => Diagnostic::error(NO_FREEDOM, *span, "nothing in this scene can move")
                 .label("no body here has a degree of freedom")
                 .help("give a body a freedom clause, such as `moves x`, or hang it on a pivot")
-                .mend_by_field(*span, &["moves x", "moves y", "free"]),
+                .fix_by_field(*span, &["moves x", "moves y", "free"]),
             LowerError::NoInertia { coordinate, body, span, turns } => no_inertia(coordinate, body, *span, *turns),
             LowerError::UnknownPlace { body, span, used } => {
                 Diagnostic::error(UNKNOWN_PLACE, *used, format!("`{body}` turns, but about which point is not known"))
                     .label("the motion of this point depends on it")
                     .related(*span, "declared here, without a place")
                     .help(format!("give `{body}` a place: `at = (0, 0)`"))
-                    .mend_by_field(*span, &["at = (0, 0)"])
+                    .fix_by_field(*span, &["at = (0, 0)"])
             }
             LowerError::Loop { joints, why } => closed_loop(joints, *why),
             LowerError::TableUnread { span } => Diagnostic::error(TABLE_UNREADABLE, *span, "this table was not read")
@@ -163,8 +163,8 @@ impl LowerError {
             )
             .label("the first of the joints that close a loop there")
             .help("use fewer links, draw the scene at its rest, or remove the load"),
-            LowerError::NoRest { span, left, reason } => no_rest(*span, left, *reason),
-            LowerError::Unheld { declared, left, given } => unheld(*declared, left, *given),
+            LowerError::NoRest { span, left, reason } => no_rest_error(*span, left, *reason),
+            LowerError::Unheld { declared, left, given } => unheld_error(*declared, left, *given),
             LowerError::Initial { span, message, help } => {
                 Diagnostic::error(INITIAL, *span, message.clone()).help(*help)
             }
@@ -172,7 +172,7 @@ impl LowerError {
     }
 }
 
-fn loose(names: &[String], spans: &[Span]) -> Diagnostic {
+fn loose_error(names: &[String], spans: &[Span]) -> Diagnostic {
     let message = match names {
         [one] => format!("nothing holds `{one}`: it has no freedom clause, and no joint connects it to the ground"),
         many => format!("nothing holds {}: no joint connects them to the ground", listed(many)),
@@ -185,7 +185,7 @@ fn loose(names: &[String], spans: &[Span]) -> Diagnostic {
         "say how it moves on the ground: `free`, `moves x`, `turns`, or connect it to the ground: `pivot p: ground@(0, 0) -- {}`",
         names[0]
     ))
-    .mend_by_field(spans[0], &["free", "moves x", "moves y", "turns"])
+    .fix_by_field(spans[0], &["free", "moves x", "moves y", "turns"])
 }
 
 fn no_inertia(coordinate: &str, body: &str, span: Span, turns: bool) -> Diagnostic {
@@ -200,7 +200,7 @@ fn no_inertia(coordinate: &str, body: &str, span: Span, turns: bool) -> Diagnost
     .help(format!(
         "give `{body}`, or a body that it carries, `{field}`; or hold it: `spring s: ground -- {body} {{ k = {stiffness} }}`"
     ))
-    .mend_by_field(span, &[field])
+    .fix_by_field(span, &[field])
 }
 
 fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
@@ -282,8 +282,8 @@ pub fn unproven(moved: Option<&str>, span: Span) -> Diagnostic {
     )
 }
 
-fn no_rest(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic {
-    let forces: Vec<String> = left.iter().take(SHOWN).map(Unbalanced::told).collect();
+fn no_rest_error(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic {
+    let forces: Vec<String> = left.iter().take(SHOWN).map(Unbalanced::to_phrase).collect();
     let message = match reason {
         NoRestReason::Falls => format!("no rest: nothing holds {}", listed(&names(left))),
         NoRestReason::NotSettled => format!("no rest found: {} did not converge", listed(&names(left))),
@@ -299,9 +299,9 @@ fn no_rest(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic 
     })
 }
 
-fn unheld(declared: Span, left: &[Unbalanced], given: Option<Span>) -> Diagnostic {
+fn unheld_error(declared: Span, left: &[Unbalanced], given: Option<Span>) -> Diagnostic {
     let message = format!("no tension of the springs holds {} as drawn", listed(&names(left)));
-    let forces: Vec<String> = left.iter().take(SHOWN).map(Unbalanced::told).collect();
+    let forces: Vec<String> = left.iter().take(SHOWN).map(Unbalanced::to_phrase).collect();
     let mut diagnostic = Diagnostic::error(UNHELD, left.first().map_or(declared, |u| u.span), message)
         .label(format!("nothing balances {}", forces.join(", ")))
         .related(declared, "the drawing is declared to be the rest here");
@@ -313,7 +313,7 @@ fn unheld(declared: Span, left: &[Unbalanced], given: Option<Span>) -> Diagnosti
 
 impl Unbalanced {
     /// `block.y`: -9.81 N
-    fn told(&self) -> String {
+    fn to_phrase(&self) -> String {
         format!("`{}`: {}", self.coordinate, self.size())
     }
 
@@ -362,8 +362,8 @@ mod tests {
     use super::four_digits;
 
     #[test]
-    fn forces_are_told_with_four_digits() {
-        let told: Vec<String> = [-9.81, 4905.0, 0.002, 123456.0, 1.25e-7, -1e30].map(four_digits).into();
-        assert_eq!(told, ["-9.81", "4905", "0.002", "123456", "1.25e-7", "-1e30"]);
+    fn forces_have_four_digits() {
+        let reported: Vec<String> = [-9.81, 4905.0, 0.002, 123456.0, 1.25e-7, -1e30].map(four_digits).into();
+        assert_eq!(reported, ["-9.81", "4905", "0.002", "123456", "1.25e-7", "-1e30"]);
     }
 }

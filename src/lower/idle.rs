@@ -15,14 +15,14 @@ const SHOWN: usize = 100;
 
 /// One finding for each place of the text.
 pub fn findings(scene: &Scene, kinematics: &Kinematics, idle: &[Idle]) -> Vec<Diagnostic> {
-    let mut told: HashSet<Span> = HashSet::new();
+    let mut reported: HashSet<Span> = HashSet::new();
     let mut findings = Vec::new();
     for idle in idle {
         let span = match idle {
             Idle::Element(number) => scene.elements[*number].span,
             Idle::Input(number) => scene.inputs[*number].span,
         };
-        if findings.len() == SHOWN || !told.insert(span) {
+        if findings.len() == SHOWN || !reported.insert(span) {
             continue;
         }
         findings.extend(match idle {

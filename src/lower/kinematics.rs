@@ -43,7 +43,7 @@ pub struct Kinematics {
     /// The group of each coordinate that is an angle; the ground's group for slides.
     group_of: Vec<u32>,
     /// Free coordinates in order.
-    pub free: Vec<Freely>,
+    pub free: Vec<FreeCoordinate>,
     /// Number of motions of bases, which follow the free coordinates.
     pub prescribed: usize,
     /// The index of the input for each of them.
@@ -55,7 +55,7 @@ pub struct Kinematics {
 
 /// A free coordinate.
 #[derive(Clone, Copy, Debug)]
-pub struct Freely {
+pub struct FreeCoordinate {
     pub body: BodyId,
     pub motion: &'static str,
     pub kind: CoordinateKind,
@@ -223,7 +223,7 @@ impl Kinematics {
         let width = |part| widths[self.tree.piece(part) as usize];
         let flat = if self.hangs_deep(scene) { 0 } else { scene.bodies.len() };
         let bodies = (0..flat).map(|body| 2 * width(Part::Body(BodyId(body as u32))));
-        let elements = scene.elements.iter().map(|element| self.apart(&element.ends, &widths));
+        let elements = scene.elements.iter().map(|element| self.coordinate_bound_between(&element.ends, &widths));
         let entries = bodies.chain(elements).fold(0u64, u64::saturating_add);
         if entries <= MAX_ENTRIES {
             return Ok(());
@@ -234,7 +234,7 @@ impl Kinematics {
     }
 
     /// Upper bound on the number of coordinates that move two ends relative to each other.
-    fn apart(&self, ends: &[Attachment; 2], widths: &[u64]) -> u64 {
+    fn coordinate_bound_between(&self, ends: &[Attachment; 2], widths: &[u64]) -> u64 {
         let [mut a, mut b] = [0, 1].map(|end| self.tree.piece(ends[end].part));
         let sum = widths[a as usize] + widths[b as usize];
         // Most ends are on neighbouring pieces: a few steps find their common carrier.
@@ -260,7 +260,7 @@ impl Kinematics {
     }
 
     /// The path from one end to the other: the coordinates that move the second relative to the first.
-    pub fn way(&self, from: End, to: End, path: &mut Path<Number>) {
+    pub fn path_between(&self, from: End, to: End, path: &mut Path<Number>) {
         path.clear();
         let mut walk = Walk { kinematics: self, path, last: [usize::MAX; 2] };
         let mut ends = [from, to];
@@ -284,7 +284,7 @@ impl Kinematics {
 
     /// The mass-weighted sum of the paths to all centres of mass, for a uniform field of gravity. Takes time linear in
     /// the number of pieces. Slides on the ground perpendicular to the field are left out, since it does no work on them.
-    pub fn weighted_way(&self, scene: &Scene, field: &Vec3) -> Path<Number> {
+    pub fn mass_weighted_path(&self, scene: &Scene, field: &Vec3) -> Path<Number> {
         let mut carried = vec![Number::ZERO; self.carriages.len()];
         let mut arms: Vec<Option<Vector<Number>>> = vec![None; self.groups.len()];
         for (index, body) in scene.bodies.iter().enumerate() {
@@ -486,7 +486,7 @@ pub struct State<S> {
 
 impl<S: Scalar> State<S> {
     /// Everything as drawn.
-    pub fn drawn() -> State<S> {
+    pub fn as_drawn() -> State<S> {
         State { values: Vec::new(), turned: Vec::new(), zero: S::zero() }
     }
 
@@ -522,7 +522,7 @@ impl<S: Scalar> State<S> {
 
 impl State<Number> {
     pub fn converted<S: Scalar>(&self, kinematics: &Kinematics) -> State<S> {
-        let mut state = State::drawn();
+        let mut state = State::as_drawn();
         for (coordinate, value) in self.values.iter().enumerate().filter(|(_, value)| !value.is_zero()) {
             state.set(kinematics, coordinate as Index, S::of(value));
         }
@@ -532,7 +532,7 @@ impl State<Number> {
 
 /// A path at a state: displacement of its far end relative to the near end, and the derivatives.
 #[derive(Clone, Debug)]
-pub struct Reach<S> {
+pub struct PathEvaluation<S> {
     pub displacement: Vector<S>,
     /// d(displacement)/dq; coordinates are distinct.
     pub columns: Vec<(Index, Vector<S>)>,
@@ -550,13 +550,13 @@ struct Swept<S> {
     arm: Vector<S>,
 }
 
-impl<S: Scalar> Default for Reach<S> {
-    fn default() -> Reach<S> {
-        Reach { displacement: Vector::zero(), columns: Vec::new(), swept: Vec::new(), runs: Vec::new() }
+impl<S: Scalar> Default for PathEvaluation<S> {
+    fn default() -> PathEvaluation<S> {
+        PathEvaluation { displacement: Vector::zero(), columns: Vec::new(), swept: Vec::new(), runs: Vec::new() }
     }
 }
 
-impl<S: Scalar> Reach<S> {
+impl<S: Scalar> PathEvaluation<S> {
     /// Evaluates a path at a state.
     pub fn measure(&mut self, kinematics: &Kinematics, state: &State<S>, path: &Path<S>) {
         self.displacement = Vector::zero();
@@ -735,7 +735,7 @@ impl<'a> Numbering<'a> {
     }
 
     fn free(&mut self, body: BodyId, motion: &'static str, kind: CoordinateKind) -> Index {
-        self.kinematics.free.push(Freely { body, motion, kind });
+        self.kinematics.free.push(FreeCoordinate { body, motion, kind });
         (self.kinematics.free.len() - 1) as Index
     }
 

@@ -1,7 +1,7 @@
 //! Builds the stretch and load of each element, to be evaluated at any configuration.
 //! See docs/method/linearisation.md.
 
-use super::kinematics::{End, Index, Kinematics, Path, Reach, State};
+use super::kinematics::{End, Index, Kinematics, Path, PathEvaluation, State};
 use crate::base::{Number, Vec3};
 use crate::elements::stretch::over_length;
 use crate::elements::{Pull, Scalar, Spring, Stretch, Stretched, Vector};
@@ -9,19 +9,19 @@ use crate::model::scene::{Attachment, Geometry, Input, InputKind, Scene, Signal,
 
 /// The path between two ends, and the angles of both.
 #[derive(Clone, Debug)]
-pub struct Between<S> {
+pub struct EndPath<S> {
     pub path: Path<S>,
     /// Angle of the first and of the second end; `None` if it does not turn.
     pub angles: [Option<Index>; 2],
 }
 
-impl<S> Default for Between<S> {
-    fn default() -> Between<S> {
-        Between { path: Path::default(), angles: [None; 2] }
+impl<S> Default for EndPath<S> {
+    fn default() -> EndPath<S> {
+        EndPath { path: Path::default(), angles: [None; 2] }
     }
 }
 
-impl<S: Scalar> Between<S> {
+impl<S: Scalar> EndPath<S> {
     /// The relative rotation, second end minus first.
     pub fn turn(&self, state: &State<S>) -> S {
         let angle = |end: usize| self.angles[end].map_or_else(S::zero, |angle| state.value(angle).clone());
@@ -36,16 +36,21 @@ impl<S: Scalar> Between<S> {
     }
 }
 
-impl Between<Number> {
-    pub fn converted<S: Scalar>(&self) -> Between<S> {
-        Between { path: self.path.converted(), angles: self.angles }
+impl EndPath<Number> {
+    pub fn converted<S: Scalar>(&self) -> EndPath<S> {
+        EndPath { path: self.path.converted(), angles: self.angles }
     }
 
     /// Sets the path to that between two ends; returns the stretch between them.
     ///
     /// A line whose ends can only move along it is equivalent to a fixed direction: its squares do not depend on the
     /// state.
-    pub fn connect(&mut self, kinematics: &Kinematics, ends: &[Attachment; 2], geometry: &Geometry) -> Stretch<Number> {
+    pub fn set_ends(
+        &mut self,
+        kinematics: &Kinematics,
+        ends: &[Attachment; 2],
+        geometry: &Geometry,
+    ) -> Stretch<Number> {
         let [a, b] = [0, 1].map(|end| kinematics.end(&ends[end]));
         self.angles = [a, b].map(|end| kinematics.angle(end.piece));
         if self.angles[0] == self.angles[1] {
@@ -54,11 +59,11 @@ impl Between<Number> {
         match geometry {
             Geometry::Torsion => Stretch::Torsion,
             Geometry::Along(direction) => {
-                kinematics.way(a, b, &mut self.path);
+                kinematics.path_between(a, b, &mut self.path);
                 Stretch::Along { direction: first_to_second(direction, ends) }
             }
             Geometry::Line => {
-                kinematics.way(a, b, &mut self.path);
+                kinematics.path_between(a, b, &mut self.path);
                 let drawn = drawn_line(ends).expect("the check lets a line run between two places only");
                 if self.path.keeps_to(&drawn) { Stretch::Along { direction: drawn } } else { Stretch::Line { drawn } }
             }
@@ -119,9 +124,9 @@ pub fn spring(
     ends: &[Attachment; 2],
     geometry: &Geometry,
     law: (&Number, &SpringRest),
-    between: &mut Between<Number>,
+    between: &mut EndPath<Number>,
 ) -> Spring<Number> {
-    spring_of(between.connect(kinematics, ends, geometry), ends, geometry, law)
+    spring_of(between.set_ends(kinematics, ends, geometry), ends, geometry, law)
 }
 
 /// The spring with a given stretch between two ends.
@@ -139,8 +144,8 @@ pub fn spring_of(
 /// returned.
 pub fn slope<S: Scalar>(
     stretched: &Stretched<S>,
-    reach: &Reach<S>,
-    between: &Between<S>,
+    reach: &PathEvaluation<S>,
+    between: &EndPath<S>,
     row: &mut Vec<(Index, S)>,
 ) -> S {
     match stretched {
@@ -156,15 +161,15 @@ pub fn slope<S: Scalar>(
 }
 
 /// The path of a point relative to the ground.
-pub fn absolute(kinematics: &Kinematics, end: End, path: &mut Path<Number>) {
-    kinematics.way(End::GROUND, end, path);
+pub fn path_from_ground(kinematics: &Kinematics, end: End, path: &mut Path<Number>) {
+    kinematics.path_between(End::GROUND, end, path);
 }
 
 /// A source of potential energy.
 #[derive(Clone, Copy, Debug)]
 pub enum Load<'a> {
     /// A spring, or a constant push between two points.
-    Spring(&'a Spring<Number>, &'a Between<Number>),
+    Spring(&'a Spring<Number>, &'a EndPath<Number>),
     /// A weight or a constant force.
     Dead(&'a Vector<Number>, &'a Path<Number>),
     /// A constant torque on an angle.
@@ -175,10 +180,10 @@ pub enum Load<'a> {
 /// springs that are unstretched as drawn are left out.
 pub fn visit(scene: &Scene, kinematics: &Kinematics, loaded_only: bool, mut see: impl FnMut(Load)) {
     if !scene.gravity.is_zero() {
-        let path = kinematics.weighted_way(scene, &scene.gravity);
+        let path = kinematics.mass_weighted_path(scene, &scene.gravity);
         see(Load::Dead(&Vector::of(&scene.gravity), &path));
     }
-    let mut between = Between::default();
+    let mut between = EndPath::default();
     for element in &scene.elements {
         if let Some((stiffness, rest)) = element.law.spring()
             && !(loaded_only && *rest == SpringRest::AsDrawn)
@@ -198,18 +203,18 @@ fn visit_constant(
     kinematics: &Kinematics,
     input: &Input,
     size: &Number,
-    between: &mut Between<Number>,
+    between: &mut EndPath<Number>,
     see: &mut impl FnMut(Load),
 ) {
     match &input.kind {
         InputKind::Force { ends, direction } => {
-            for (end, force) in ends.iter().zip(opposite(size, direction)) {
-                absolute(kinematics, kinematics.end(end), &mut between.path);
+            for (end, force) in ends.iter().zip(opposite_forces(size, direction)) {
+                path_from_ground(kinematics, kinematics.end(end), &mut between.path);
                 see(Load::Dead(&force, &between.path));
             }
         }
         InputKind::ForceBetween { ends } => {
-            let spring = push(kinematics, ends, size, between);
+            let spring = pushing_spring(kinematics, ends, size, between);
             see(Load::Spring(&spring, between));
         }
         InputKind::Torque { ends } => {
@@ -225,15 +230,15 @@ fn visit_constant(
 }
 
 /// A force of this size along a direction: on the first end, and its opposite on the second.
-pub fn opposite(size: &Number, direction: &Vec3) -> [Vector<Number>; 2] {
+pub fn opposite_forces(size: &Number, direction: &Vec3) -> [Vector<Number>; 2] {
     let direction = Vector::of(direction);
     let force = direction.scaled(&over_length(size.clone(), &direction.norm_squared()));
     [force.clone(), force.negated()]
 }
 
 /// The state as drawn, with the bases displaced by their constant signals.
-pub fn drawn(scene: &Scene, kinematics: &Kinematics) -> State<Number> {
-    let mut state = State::drawn();
+pub fn state_as_drawn(scene: &Scene, kinematics: &Kinematics) -> State<Number> {
+    let mut state = State::as_drawn();
     for (place, input) in kinematics.prescribed_inputs.iter().enumerate() {
         if let Some(value) = constant(&scene.inputs[*input as usize]) {
             let coordinate = (kinematics.n() + place) as Index;
@@ -256,12 +261,12 @@ pub fn constant(input: &Input) -> Option<Number> {
 }
 
 /// A constant force that pushes two points apart, represented as a spring without stiffness.
-pub fn push(
+pub fn pushing_spring(
     kinematics: &Kinematics,
     ends: &[Attachment; 2],
     force: &Number,
-    between: &mut Between<Number>,
+    between: &mut EndPath<Number>,
 ) -> Spring<Number> {
-    let stretch = between.connect(kinematics, ends, &Geometry::Line);
+    let stretch = between.set_ends(kinematics, ends, &Geometry::Line);
     Pull { stretch, pull: -force }.spring()
 }

@@ -5,8 +5,8 @@
 
 use super::constraints::Reduction;
 use super::error::LowerError;
-use super::kinematics::{Kinematics, Reach, State};
-use super::loads::{self, Between};
+use super::kinematics::{Kinematics, PathEvaluation, State};
+use super::loads::{self, EndPath};
 use super::rest::Rest;
 use super::{Lowered, assembly};
 use crate::base::{Dimension, Name, Number, Span};
@@ -44,7 +44,7 @@ impl Mechanism {
         if !rest.is_proven() {
             return Vec::new();
         }
-        let (mut between, mut reach) = (Between::default(), Reach::default());
+        let (mut between, mut reach) = (EndPath::default(), PathEvaluation::default());
         let mut list = Vec::new();
         for (index, element) in (0..).zip(&scene.elements) {
             let Some((stiffness, rest)) = element.law.spring() else { continue };
@@ -72,7 +72,7 @@ impl Mechanism {
     pub fn at_rest(&self, scene: &Scene, rest: &Rest, terms: &[MotionTerm]) -> Number {
         let has_force = terms.iter().any(|term| matches!(term.motion, Motion::Force { .. }));
         let springs = if has_force { self.springs_at_rest(scene, rest) } else { Vec::new() };
-        let (mut between, mut reach) = (Between::default(), Reach::default());
+        let (mut between, mut reach) = (EndPath::default(), PathEvaluation::default());
         let mut value = |motion: &Motion| match motion {
             Motion::Force { element } => {
                 // An element that is no spring has no force where nothing moves.
@@ -81,13 +81,13 @@ impl Mechanism {
             }
             Motion::Stretch { element } => {
                 let element = &scene.elements[element.index()];
-                let stretch = between.connect(&self.kinematics, &element.ends, &element.geometry);
+                let stretch = between.set_ends(&self.kinematics, &element.ends, &element.geometry);
                 reach.measure(&self.kinematics, &self.state, &between.path);
                 stretch.at(&reach.displacement, &between.turn(&self.state)).change().clone()
             }
             Motion::Point { part, at, direction, .. } => {
                 let end = self.kinematics.point(*part, at.as_ref());
-                loads::absolute(&self.kinematics, end, &mut between.path);
+                loads::path_from_ground(&self.kinematics, end, &mut between.path);
                 reach.measure(&self.kinematics, &self.state, &between.path);
                 let direction = Vector::of(direction);
                 over_length(reach.displacement.dot(&direction), &direction.norm_squared())
@@ -111,7 +111,7 @@ pub struct Readout {
 
 impl Lowered {
     /// Adds an output for each readout, after those that the scene declares.
-    pub fn read(&mut self, scene: &Scene, readouts: Vec<Readout>) -> Result<(), LowerError> {
+    pub fn add_readouts(&mut self, scene: &Scene, readouts: Vec<Readout>) -> Result<(), LowerError> {
         let Mechanism { kinematics, reduction, state } = &self.mechanism;
         let mut nowhere = readouts.iter().flat_map(|read| kinematics.read_without_place(scene, &read.terms, read.span));
         if let Some(error) = nowhere.next() {

@@ -9,7 +9,7 @@ use crate::model::scene::{BaseId, BodyId, Part};
 
 /// A value at rest (measured from the drawing) and in the shape (measured from rest).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Both {
+pub struct RestAndShape {
     pub rest: f64,
     pub shape: f64,
 }
@@ -21,9 +21,9 @@ pub struct Carried {
     /// The drawn point that holds it, m; `None` if it has no place.
     pub anchor: Option<[f64; 2]>,
     /// Its absolute angle, rad.
-    pub angle: Both,
+    pub angle: RestAndShape,
     /// Its slides, m, along directions that turn with the carrier.
-    pub slides: Vec<([f64; 2], Both)>,
+    pub slides: Vec<([f64; 2], RestAndShape)>,
 }
 
 /// The poses of all pieces, and the piece that each part belongs to.
@@ -59,11 +59,11 @@ impl Mechanism {
             let sum: f64 = row.iter().map(|(i, entry)| entry.to_f64() * moved[*i as usize]).sum();
             moved[dependent as usize] = -sum;
         }
-        let both = |i: Index| Both { rest: state.value(i).to_f64(), shape: moved[i as usize] };
+        let both = |i: Index| RestAndShape { rest: state.value(i).to_f64(), shape: moved[i as usize] };
         let carried = |(piece, of): (u32, &Piece)| Carried {
             carrier: of.carrier,
             anchor: of.anchor.as_deref().map(planar),
-            angle: kinematics.angle(piece).map_or(Both::default(), both),
+            angle: kinematics.angle(piece).map_or(RestAndShape::default(), both),
             slides: kinematics.slides_of(piece).map(|(i, direction)| (planar(direction), both(i))).collect(),
         };
         let tree = &kinematics.tree;

@@ -265,7 +265,7 @@ impl Growth {
                 members[place[island]].1.push(body);
             }
         }
-        members.into_iter().map(|(_, bodies)| LowerError::loose(parts.scene, &bodies)).collect()
+        members.into_iter().map(|(_, bodies)| LowerError::loose_bodies(parts.scene, &bodies)).collect()
     }
 }
 

@@ -90,7 +90,7 @@ impl<'a> Check<'a> {
         for decl in &tree.decls {
             let instance = Instance { decl, environment: Environment::TOP };
             match decl.kind {
-                DeclKind::Repeat { index } => self.unroll_counted(&tree.repeats[index as usize], Environment::TOP),
+                DeclKind::Repeat { index } => self.count_and_unroll(&tree.repeats[index as usize], Environment::TOP),
                 _ => self.declare_part(instance),
             }
         }
@@ -98,14 +98,14 @@ impl<'a> Check<'a> {
     }
 
     /// Unrolls a `repeat` that stands in no other if what it unrolls to is not too much.
-    pub fn unroll_counted(&mut self, repeat: &'a Repeat, environment: Environment) {
+    pub fn count_and_unroll(&mut self, repeat: &'a Repeat, environment: Environment) {
         let mut counted = self.counted;
         match self.count(repeat, environment, &mut counted) {
             Ok(()) => {
                 self.counted = counted;
                 self.unroll(repeat, environment);
             }
-            Err(_) => self.forget(&repeat.body),
+            Err(_) => self.remember_as_broken(&repeat.body),
         }
     }
 
@@ -234,7 +234,7 @@ impl<'a> Check<'a> {
     /// Reports names that have a fixed meaning wherever a number may stand; returns whether the name is free.
     pub fn not_reserved(&mut self, span: Span, environment: Environment) -> bool {
         let word = self.sources.slice(span);
-        let reserved = word == "pi" || Function::named(word).is_some();
+        let reserved = word == "pi" || Function::by_name(word).is_some();
         if reserved {
             self.report(environment, NameError::Reserved { span, word: word.to_string() });
         }
@@ -363,13 +363,13 @@ impl<'a> Check<'a> {
     }
 
     /// Remembers the words of declarations that are not unrolled, so that no message calls them unknown.
-    fn forget(&mut self, body: &'a [Decl]) {
+    fn remember_as_broken(&mut self, body: &'a [Decl]) {
         for decl in body {
             if let Some(ident) = self.declared_ident(decl) {
                 self.broken_words.insert(self.sources.slice(ident.span));
             }
             if let Some(repeat) = self.nested(decl) {
-                self.forget(&repeat.body);
+                self.remember_as_broken(&repeat.body);
             }
         }
     }

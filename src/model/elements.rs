@@ -61,7 +61,7 @@ impl<'a> Check<'a> {
         let torsional = torsional.then_some(at);
         let geometry = pair.and_then(|pair| {
             Ok((
-                self.geometry(kind, given.named(ALONG.name).map(|along| along.0), &pair, torsional, environment)?,
+                self.geometry(kind, given.by_name(ALONG.name).map(|along| along.0), &pair, torsional, environment)?,
                 pair,
             ))
         });
@@ -111,7 +111,7 @@ impl<'a> Check<'a> {
             let (span, part) = (pair[0].span.to(pair[1].span), self.part_name(pair[0].part));
             return self.fail(environment, PartError::EqualEnds { span, part });
         }
-        self.sound(&pair)?;
+        self.require_unbroken(&pair)?;
         Ok(pair)
     }
 
@@ -133,7 +133,7 @@ impl<'a> Check<'a> {
         };
         let expr = self.field_expr(field, environment)?;
         let (key, at) = (field.key, self.tree.expr(expr).span);
-        self.remembered(
+        self.cached(
             expr,
             environment,
             |memory| &mut memory.coefficients,
@@ -149,7 +149,7 @@ impl<'a> Check<'a> {
 
     /// The tension of a spring as drawn, according to its fields; other elements have no such fields.
     fn spring_rest(&mut self, given: &Given<'a>, torsional: bool, environment: Environment) -> Evaluated<SpringRest> {
-        let (free, preload) = (given.named("free_length"), given.named("preload"));
+        let (free, preload) = (given.by_name("free_length"), given.by_name("preload"));
         if let (Some((free, _)), Some((preload, _))) = (free, preload) {
             return self.fail(environment, PartError::FreeLengthAndPreload { span: preload.key, free: free.key });
         }

@@ -92,7 +92,7 @@ impl<'a> Check<'a> {
     }
 
     /// Stops silently if one of the parts is broken.
-    pub fn sound(&self, ends: &[Attachment]) -> Evaluated<()> {
+    pub fn require_unbroken(&self, ends: &[Attachment]) -> Evaluated<()> {
         if ends.iter().any(|end| self.is_broken(end.part)) { Err(Stop::Reported) } else { Ok(()) }
     }
 

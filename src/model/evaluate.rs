@@ -46,29 +46,29 @@ impl<'a> Check<'a> {
         loop {
             self.walk.depth = 0;
             match self.walk(expr, environment) {
-                Err(Stop::Deep) => self.settle_waiting(),
+                Err(Stop::Deep) => self.evaluate_waiting(),
                 done => return done,
             }
         }
     }
 
     /// Evaluates every parameter, used or not, in order of declaration.
-    pub fn settle_definitions(&mut self) {
+    pub fn evaluate_definitions(&mut self) {
         for index in 0..self.definitions.len() {
             let id = DefinitionId(index as u32);
             if matches!(self.definitions[index].state, State::Unsettled) {
                 self.begin(id);
-                self.settle_waiting();
+                self.evaluate_waiting();
             }
         }
     }
 
     /// Evaluates the definitions in progress, the innermost first.
-    pub fn settle_waiting(&mut self) {
+    pub fn evaluate_waiting(&mut self) {
         while let Some(&id) = self.walk.in_progress.last() {
             self.walk.depth = 0;
             // Definitions that have to be evaluated first are now behind this one on the list.
-            let _ = self.settle(id);
+            let _ = self.evaluate_definition(id);
         }
     }
 
@@ -78,7 +78,7 @@ impl<'a> Check<'a> {
     }
 
     /// Evaluates the definition at the end of the list, and removes it unless others have to come first.
-    fn settle(&mut self, id: DefinitionId) -> Evaluated<Value> {
+    fn evaluate_definition(&mut self, id: DefinitionId) -> Evaluated<Value> {
         let definition = &self.definitions[id.0 as usize];
         let (expr, environment, kind) = (definition.expr, definition.environment, definition.kind);
         let varies = self.walk.varies;
@@ -135,7 +135,7 @@ impl<'a> Check<'a> {
             return Ok(scalar);
         }
         let Some(like) = self.formal_like(component, formal, inside)? else { return Err(Stop::Reported) };
-        overrides::like(&like, &scalar).or_else(|unlike| {
+        overrides::coerce_to(&like, &scalar).or_else(|mismatch| {
             let span = self.tree.expr(expr).span;
             let declared = (self.sources.slice(described.name).to_string(), described.name);
             match (given, unit) {
@@ -143,7 +143,7 @@ impl<'a> Check<'a> {
                     let (found, wanted) = (scalar.dimension(), like.quantity.dimension);
                     self.fail(environment, PlaceError::UnlikeUnit { span, unit, found, wanted })
                 }
-                _ => self.fail(environment, unlike.error(span, &like).declared_at(declared)),
+                _ => self.fail(environment, mismatch.error(span, &like).declared_at(declared)),
             }
         })
     }
@@ -277,7 +277,7 @@ impl<'a> Check<'a> {
 
     fn call(&mut self, span: Span, name_len: u16, arguments: ExprList, environment: Environment) -> Evaluated<Value> {
         let word = Span::new(span.file(), span.start(), span.start() + usize::from(name_len));
-        let Some(function) = Function::named(self.sources.slice(word)) else {
+        let Some(function) = Function::by_name(self.sources.slice(word)) else {
             let error = self.unknown_function(word);
             return self.fail(environment, error);
         };
@@ -385,7 +385,7 @@ impl<'a> Check<'a> {
             }
             State::Unsettled => {
                 self.begin(id);
-                if self.walk.depth > MAX_DEPTH { Err(Stop::Deep) } else { self.settle(id) }
+                if self.walk.depth > MAX_DEPTH { Err(Stop::Deep) } else { self.evaluate_definition(id) }
             }
         }
     }
@@ -464,7 +464,7 @@ impl<'a> Check<'a> {
         loop {
             self.walk.depth = 0;
             match self.indexed(symbol, ident.indices, environment) {
-                Err(Stop::Deep) => self.settle_waiting(),
+                Err(Stop::Deep) => self.evaluate_waiting(),
                 done => return done,
             }
         }

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Values that were computed once and hold in every repetition.
 #[derive(Debug, Default)]
-pub struct Memory {
+pub struct Cache {
     numbers: Table<ExprId, Evaluated<Number>>,
     places: Table<ExprId, Evaluated<Arc<Vec3>>>,
     pub coefficients: Table<ExprId, Evaluated<Coefficient>>,
@@ -27,7 +27,7 @@ const FREQUENCY: Expected = Expected::new("a frequency", Dimension::FREQUENCY, "
 impl<'a> Check<'a> {
     /// A number of the expected dimension.
     pub fn number(&mut self, expr: ExprId, environment: Environment, expected: &Expected) -> Evaluated<Number> {
-        self.remembered(
+        self.cached(
             expr,
             environment,
             |memory| &mut memory.numbers,
@@ -61,7 +61,7 @@ impl<'a> Check<'a> {
 
     /// A position in the scene, m.
     pub fn position(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
-        let local = self.remembered(
+        let local = self.cached(
             expr,
             environment,
             |memory| &mut memory.places,
@@ -81,7 +81,7 @@ impl<'a> Check<'a> {
 
     /// The same in the axes of the component that it is written in.
     pub fn own_direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
-        self.remembered(
+        self.cached(
             expr,
             environment,
             |memory| &mut memory.places,
@@ -118,11 +118,11 @@ impl<'a> Check<'a> {
     }
 
     /// The cached value of this expression if no index of a `repeat` enters it; otherwise the result of `make`.
-    pub fn remembered<T: Clone>(
+    pub fn cached<T: Clone>(
         &mut self,
         expr: ExprId,
         environment: Environment,
-        table: fn(&mut Memory) -> &mut Table<ExprId, Evaluated<T>>,
+        table: fn(&mut Cache) -> &mut Table<ExprId, Evaluated<T>>,
         make: impl FnOnce(&mut Check<'a>) -> Evaluated<T>,
     ) -> Evaluated<T> {
         if environment.is_top() {

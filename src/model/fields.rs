@@ -29,7 +29,7 @@ impl<'a> Given<'a> {
     }
 
     /// The field of this name, with its entry in the table; `None` if it is not given, or not in the table.
-    pub fn named(&self, name: &str) -> Option<(&'a Field, &'static base::Field)> {
+    pub fn by_name(&self, name: &str) -> Option<(&'a Field, &'static base::Field)> {
         let place = self.table.iter().position(|field| field.name == name)?;
         Some((self.fields[place]?, &self.table[place]))
     }

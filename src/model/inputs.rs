@@ -117,7 +117,7 @@ impl<'a> Check<'a> {
         let second = to.map(|to| self.attachment(tree.end(to), environment)).transpose()?;
         let first = first?;
         let ends: Vec<Attachment> = std::iter::once(first).chain(second).collect();
-        self.sound(&ends)?;
+        self.require_unbroken(&ends)?;
         let span = ends.iter().map(|end| end.span).reduce(Span::to).unwrap_or(ends[0].span);
         if let [a, b] = &ends[..]
             && a.part == b.part

@@ -37,7 +37,7 @@ impl<'a> Check<'a> {
         let pair = self.attachments(ends, environment);
         let along = along.map(|along| self.direction(along, environment)).transpose()?;
         let (mut pair, name) = (pair?, self.name(name, environment)?);
-        self.sound(&pair)?;
+        self.require_unbroken(&pair)?;
         if pair[0].part == pair[1].part {
             let (span, part) = (pair[0].span.to(pair[1].span), self.part_name(pair[0].part));
             return self.fail(environment, PartError::JointOfOnePart { span, part });
@@ -69,9 +69,9 @@ impl<'a> Check<'a> {
         let given = |end: &End, attachment: &Attachment| end.at.and(attachment.at.clone());
         let at = match (given(a, &pair[0]), given(b, &pair[1])) {
             (Some(at), None) | (None, Some(at)) => at,
-            (Some(first), Some(second)) => self.coinciding(first, &second, pair, environment)?,
+            (Some(first), Some(second)) => self.require_coincident(first, &second, pair, environment)?,
             (None, None) => match (pair[0].at.clone(), pair[1].at.clone()) {
-                (Some(first), Some(second)) => self.coinciding(first, &second, pair, environment)?,
+                (Some(first), Some(second)) => self.require_coincident(first, &second, pair, environment)?,
                 _ => {
                     let span = pair[0].span.to(pair[1].span);
                     let part = self.part_name(pair[0].part);
@@ -84,7 +84,7 @@ impl<'a> Check<'a> {
         Ok(at)
     }
 
-    fn coinciding(
+    fn require_coincident(
         &mut self,
         first: Arc<Vec3>,
         second: &Arc<Vec3>,
@@ -103,7 +103,7 @@ impl<'a> Check<'a> {
         let tree = self.tree;
         let (a, b) = tree.pair(ends);
         if let (Some(_), Some(_), Some(first), Some(second)) = (a.at, b.at, pair[0].at.clone(), &pair[1].at) {
-            self.coinciding(first, second, pair, environment)?;
+            self.require_coincident(first, second, pair, environment)?;
         }
         Ok(())
     }

@@ -180,14 +180,14 @@ impl<'a> Check<'a> {
     fn like_parameter(&mut self, expr: ExprId, declared: &Scalar, environment: Environment) -> Evaluated<Quantity> {
         let value = self.evaluate(expr, environment)?;
         let given = self.as_scalar(&value, expr, environment, &super::overrides::ANY_NUMBER)?;
-        match super::overrides::like(declared, given) {
+        match super::overrides::coerce_to(declared, given) {
             Ok(scalar) => {
                 self.check_range(&scalar.quantity.si, expr, environment)?;
                 Ok(scalar.quantity)
             }
-            Err(unlike) => {
+            Err(mismatch) => {
                 let span = self.tree.expr(expr).span;
-                self.fail(environment, unlike.error(span, declared))
+                self.fail(environment, mismatch.error(span, declared))
             }
         }
     }

@@ -49,10 +49,10 @@ use collect::{Count, Instances};
 pub use error::TABLE_UNREADABLE;
 use error::{Error, NameError};
 use evaluate::{Evaluated, Stop, Walk};
-use expect::Memory;
+use expect::Cache;
 use freedoms::Freedoms;
 use overrides::Given;
-use places::{Frame, Known, Port};
+use places::{ComponentNames, Frame, Port};
 use scene::{BaseId, BodyId, Parameter, Scene, TableRows};
 use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, State, Table};
 use std::collections::{HashMap, HashSet};
@@ -107,7 +107,7 @@ pub type Setting = (String, Quantity);
 
 /// Like [`check`], with some parameters at other values that override the model and the overrides.
 pub fn check_with(sources: &Sources, tree: &Tree, overrides: &Overrides, values: &[Setting]) -> Checked {
-    checking(sources, tree, overrides, values).finish()
+    new_check(sources, tree, overrides, values).finish()
 }
 
 /// Like [`check_with`], and returns the expressions behind the numbers of the scene as well.
@@ -117,19 +117,19 @@ pub fn check_written(
     overrides: &Overrides,
     values: &[Setting],
 ) -> (Checked, Option<Written>) {
-    let mut check = checking(sources, tree, overrides, values);
+    let mut check = new_check(sources, tree, overrides, values);
     let written = if check.diagnostics.has_errors() { None } else { Writer::new(&mut check).run() };
     (check.finish(), written)
 }
 
-fn checking<'a>(sources: &'a Sources, tree: &'a Tree, overrides: &Overrides, values: &[Setting]) -> Check<'a> {
+fn new_check<'a>(sources: &'a Sources, tree: &'a Tree, overrides: &Overrides, values: &[Setting]) -> Check<'a> {
     runs::begins("check");
     let mut check = Check::new(sources, tree, overrides.literals);
     check.overrides(overrides);
     check.set(values);
     check.collect();
     check.overridden_names();
-    check.settle_definitions();
+    check.evaluate_definitions();
     check.bodies();
     check.bases();
     check.joints();
@@ -154,7 +154,7 @@ pub fn parameters(sources: &Sources, tree: &Tree, overrides: &Overrides, values:
     check.overrides(overrides);
     check.set(values);
     check.collect();
-    check.settle_definitions();
+    check.evaluate_definitions();
     check.parameters()
 }
 
@@ -174,7 +174,7 @@ pub fn values(sources: &Sources, tree: &Tree, overrides: &Overrides, settings: &
     check.overrides(overrides);
     check.set(settings);
     check.collect();
-    check.settle_definitions();
+    check.evaluate_definitions();
     let defined = check.definitions.iter().map(|definition| Defined {
         name: check.words.display(definition.name),
         span: definition.span,
@@ -188,7 +188,7 @@ pub fn values(sources: &Sources, tree: &Tree, overrides: &Overrides, settings: &
 
 /// Whether a word has a fixed meaning wherever a number may stand, so that no parameter can have this name.
 pub fn is_reserved(word: &str) -> bool {
-    word == "pi" || value::Function::named(word).is_some()
+    word == "pi" || value::Function::by_name(word).is_some()
 }
 
 /// The functions of numbers.
@@ -207,9 +207,9 @@ struct Check<'a> {
     units: HashMap<&'a str, Unit>,
     diagnostics: Diagnostics,
     /// Findings that have been reported, so that the repetitions of a `repeat` report them once.
-    said: HashSet<(Code, Span)>,
+    reported: HashSet<(Code, Span)>,
     /// Counts of errors and of other findings.
-    told: [Told; 2],
+    tallies: [Tally; 2],
     overrides: Given,
     /// Whether this checks a value from outside, which knows no names of the model.
     outside: bool,
@@ -223,7 +223,7 @@ struct Check<'a> {
     parts: Space<Part>,
     instances: Instances<'a>,
     counted: Count,
-    known: Known<'a>,
+    known: ComponentNames<'a>,
     /// A file of components is missing: what is unknown may be in it.
     lacks_components: bool,
     frames: Vec<Frame>,
@@ -233,7 +233,7 @@ struct Check<'a> {
     /// Bodies whose line is that of their component the other way.
     reversed: HashSet<BodyId>,
     walk: Walk,
-    memory: Memory,
+    memory: Cache,
     directions: Directions,
     freedoms: Freedoms,
     /// The points about which inertias are given, for bodies without a mass.
@@ -263,8 +263,8 @@ impl<'a> Check<'a> {
             symbols: Table::default(),
             units: HashMap::new(),
             diagnostics: Diagnostics::new(),
-            said: HashSet::new(),
-            told: Default::default(),
+            reported: HashSet::new(),
+            tallies: Default::default(),
             overrides: Given::default(),
             outside: false,
             broken_words: HashSet::new(),
@@ -275,14 +275,14 @@ impl<'a> Check<'a> {
             parts: Space::default(),
             instances: Instances::default(),
             counted: Count::default(),
-            known: Known::default(),
+            known: ComponentNames::default(),
             lacks_components: false,
             frames: Vec::new(),
             ports: Vec::new(),
             formals_like: Table::default(),
             reversed: HashSet::new(),
             walk: Walk::default(),
-            memory: Memory::default(),
+            memory: Cache::default(),
             directions: Directions::default(),
             freedoms: Freedoms::default(),
             inertia_points: HashMap::new(),
@@ -302,7 +302,8 @@ impl<'a> Check<'a> {
     fn report(&mut self, environment: Environment, error: impl Into<Error>) {
         let mut diagnostic = error.into().diagnostic();
         let place = diagnostic.primary.span;
-        if !self.said.insert((diagnostic.code, place)) || !self.told[usize::from(!diagnostic.is_error())].counts(place)
+        if !self.reported.insert((diagnostic.code, place))
+            || !self.tallies[usize::from(!diagnostic.is_error())].counts(place)
         {
             return;
         }
@@ -325,9 +326,9 @@ impl<'a> Check<'a> {
     }
 
     fn finish(mut self) -> Checked {
-        let [errors, others] = self.told;
-        self.diagnostics.extend(errors.more(|span, count| NameError::MoreErrors { span, count }.diagnostic()));
-        self.diagnostics.extend(others.more(|span, count| NameError::MoreWarnings { span, count }.diagnostic()));
+        let [errors, others] = self.tallies;
+        self.diagnostics.extend(errors.unreported(|span, count| NameError::MoreErrors { span, count }.diagnostic()));
+        self.diagnostics.extend(others.unreported(|span, count| NameError::MoreWarnings { span, count }.diagnostic()));
         self.scene.words = std::mem::take(&mut self.words);
         let scene = (!self.diagnostics.has_errors()).then_some(CheckedScene { scene: self.scene });
         Checked { scene, diagnostics: self.diagnostics }
@@ -336,13 +337,13 @@ impl<'a> Check<'a> {
 
 /// Findings of one kind: the first ones are reported, the others counted.
 #[derive(Clone, Copy, Debug, Default)]
-struct Told {
+struct Tally {
     count: usize,
     /// The last place in the texts among all findings.
     last: Option<Span>,
 }
 
-impl Told {
+impl Tally {
     /// Counts a finding; returns whether it is to be reported.
     fn counts(&mut self, place: Span) -> bool {
         self.count += 1;
@@ -354,7 +355,7 @@ impl Told {
     }
 
     /// The finding that gives the number of unreported ones, placed after all others.
-    fn more(self, tell: fn(Span, usize) -> Diagnostic) -> Option<Diagnostic> {
+    fn unreported(self, tell: fn(Span, usize) -> Diagnostic) -> Option<Diagnostic> {
         let count = self.count.checked_sub(limits::ERRORS).filter(|count| *count > 0)?;
         self.last.map(|last| tell(last, count))
     }

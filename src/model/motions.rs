@@ -307,7 +307,7 @@ impl<'a> Check<'a> {
         environment: Environment,
     ) -> Evaluated<((Motion, Dimension), Number)> {
         let &motions::Motion { direction, derivative, dimension, .. } = self.known_motion(text, word, environment)?;
-        self.sound_part(part)?;
+        self.require_unbroken_part(part)?;
         let direction = match axis(direction) {
             Some(axis) => Some((*self.turned(Arc::new(axis), environment)?).clone()),
             None => None,
@@ -329,7 +329,7 @@ impl<'a> Check<'a> {
         })
     }
 
-    fn sound_part(&self, part: Part) -> Evaluated<()> {
+    fn require_unbroken_part(&self, part: Part) -> Evaluated<()> {
         let broken = match part {
             Part::Base(id) => self.broken_bases.contains(&id),
             part => self.is_broken(part),

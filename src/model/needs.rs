@@ -46,7 +46,7 @@ impl<'a> Check<'a> {
         } else if !turns {
             self.idle_inertia(id, environment);
         } else if moves.is_none() && self.field_of(id, "shape").is_none() && !self.inertia_uses_mass(id) {
-            self.idle(id, "mass", "has no effect: the body only turns about its centre", environment);
+            self.warn_idle(id, "mass", "has no effect: the body only turns about its centre", environment);
         }
     }
 
@@ -57,7 +57,7 @@ impl<'a> Check<'a> {
             self.idle_inertia(id, environment);
         }
         if !turns && self.line(part) == Line::Fixed {
-            return self.idle(id, "mass", "has no effect: the body is fixed to the ground", environment);
+            return self.warn_idle(id, "mass", "has no effect: the body is fixed to the ground", environment);
         }
         let body = &self.scene.bodies[id.index()];
         if body.mass.is_none() {
@@ -105,16 +105,16 @@ impl<'a> Check<'a> {
 
     /// Warns about the inertia of a body that never turns, and about a shape that serves no other purpose.
     fn idle_inertia(&mut self, id: BodyId, environment: Environment) {
-        self.idle(id, "inertia", "has no effect: the body does not turn", environment);
+        self.warn_idle(id, "inertia", "has no effect: the body does not turn", environment);
         let Some(shape) = self.field_of(id, "shape") else { return };
         // A rod also gives the place of the centre.
         let crate::syntax::tree::FieldValue::Expr(expr) = shape.value else { return };
         if !self.sources.slice(self.tree.expr(expr).span).starts_with("rod") {
-            self.idle(id, "shape", "has no effect: the body does not turn", environment);
+            self.warn_idle(id, "shape", "has no effect: the body does not turn", environment);
         }
     }
 
-    fn idle(&mut self, id: BodyId, word: &'static str, why: &'static str, environment: Environment) {
+    fn warn_idle(&mut self, id: BodyId, word: &'static str, why: &'static str, environment: Environment) {
         if let Some(field) = self.field_of(id, word) {
             let (span, name) = (field.key, self.words.display(self.scene.bodies[id.index()].name));
             self.report(environment, QuestionError::Idle { span, name, word, why });

@@ -199,12 +199,12 @@ impl<'a> Check<'a> {
         }
         let Some(Override { value, span }) = self.overrides.values.get(&name) else { return Ok(declared) };
         let span = *span;
-        match like(&declared, value) {
+        match coerce_to(&declared, value) {
             Ok(value) => Ok(value),
-            Err(unlike) => {
+            Err(mismatch) => {
                 let definition = &self.definitions[id.0 as usize];
                 let declaration = (self.words.display(definition.name), definition.span);
-                self.fail(Environment::TOP, unlike.error(span, &declared).declared_at(declaration))
+                self.fail(Environment::TOP, mismatch.error(span, &declared).declared_at(declaration))
             }
         }
     }
@@ -263,13 +263,13 @@ fn entries(text: &str, file: FileId, table: &toml::de::DeTable<'_>, path: &str, 
         match value.get_ref() {
             // How deep tables lie in each other is limited by the reader of TOML.
             toml::de::DeValue::Table(inner) => entries(text, file, inner, &word, settings),
-            _ => settings.push(Setting { name, word, value: given(text, file, value) }),
+            _ => settings.push(Setting { name, word, value: written_value(text, file, value) }),
         }
     }
 }
 
 /// The value of a TOML entry.
-fn given(text: &str, file: FileId, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Written {
+fn written_value(text: &str, file: FileId, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Written {
     use toml::de::DeValue;
     let whole = Span::new(file, value.span().start, value.span().end);
     match value.get_ref() {
@@ -301,18 +301,18 @@ fn trimmed(file: FileId, start: usize, text: &str) -> Span {
 
 /// How a given value differs in kind from the declared one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unlike {
+pub enum KindMismatch {
     Dimension(Dimension),
     /// In plain 1/s where cycles or radians are declared: it could mean either.
     Reading,
 }
 
-impl Unlike {
+impl KindMismatch {
     /// The error for a value written at `span`.
     pub fn error(self, span: Span, declared: &Scalar) -> ValueError {
         match self {
-            Unlike::Reading => ValueError::ReadingLike { span, declared: declared.quantity.angle },
-            Unlike::Dimension(found) => {
+            KindMismatch::Reading => ValueError::ReadingLike { span, declared: declared.quantity.angle },
+            KindMismatch::Dimension(found) => {
                 ValueError::UnlikeDeclared { span, found, wanted: declared.quantity.dimension, declared: None }
             }
         }
@@ -320,12 +320,12 @@ impl Unlike {
 }
 
 /// The given value as one of the declared kind: the same dimension, and a frequency in cycles or radians as declared.
-pub fn like(declared: &Scalar, given: &Scalar) -> Result<Scalar, Unlike> {
+pub fn coerce_to(declared: &Scalar, given: &Scalar) -> Result<Scalar, KindMismatch> {
     let (Some(wanted), Some(found)) = (declared.dimension(), given.dimension()) else {
-        return Ok(zero_like(declared, given));
+        return Ok(zero_of_kind(declared, given));
     };
     if wanted != found {
-        return Err(Unlike::Dimension(found));
+        return Err(KindMismatch::Dimension(found));
     }
     let Quantity { si, .. } = &given.quantity;
     let turn = &Number::from(2) * &Number::pi();
@@ -334,14 +334,14 @@ pub fn like(declared: &Scalar, given: &Scalar) -> Result<Scalar, Unlike> {
         (Angle::Plain, _) => return Ok(given.clone()),
         (Angle::Cycles, Angle::Radians) => si / &turn,
         (Angle::Radians, Angle::Cycles) => si * &turn,
-        (_, Angle::Plain) => return Err(Unlike::Reading),
+        (_, Angle::Plain) => return Err(KindMismatch::Reading),
         _ => si.clone(),
     };
     Ok(Scalar { quantity: Quantity { si, ..declared.quantity.clone() }, ..declared.clone() })
 }
 
 /// A bare zero takes the declared dimension; a parameter declared as a bare zero takes any.
-fn zero_like(declared: &Scalar, given: &Scalar) -> Scalar {
+fn zero_of_kind(declared: &Scalar, given: &Scalar) -> Scalar {
     if declared.bare_zero {
         return given.clone();
     }

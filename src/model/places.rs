@@ -104,7 +104,7 @@ impl Motion {
     }
 
     /// First `inner`, then this.
-    fn after(&self, inner: &Motion) -> Option<Motion> {
+    fn compose(&self, inner: &Motion) -> Option<Motion> {
         let angle = if self.reverses() { -&inner.angle } else { inner.angle.clone() };
         let angle = &self.angle + &angle;
         let (sine, cosine) = angle.sin_cos()?;
@@ -116,7 +116,7 @@ impl Motion {
 
 /// The components that each file knows by name: its own and those of the files that it uses.
 #[derive(Debug, Default)]
-pub struct Known<'a> {
+pub struct ComponentNames<'a> {
     by_name: HashMap<(FileId, &'a str), u32>,
     /// In order, for suggestions.
     names: HashMap<FileId, Vec<&'a str>>,
@@ -140,7 +140,7 @@ impl<'a> Check<'a> {
         if tree.components.is_empty() && tree.uses.is_empty() {
             return;
         }
-        self.uses();
+        self.collect_uses();
         self.known_components();
         for component in &tree.components {
             self.formals(component);
@@ -149,7 +149,7 @@ impl<'a> Check<'a> {
         self.recursions();
     }
 
-    fn uses(&mut self) {
+    fn collect_uses(&mut self) {
         let tree = self.tree;
         for using in &tree.uses {
             let reason = match self.sources.used(using.text) {
@@ -198,7 +198,7 @@ impl<'a> Check<'a> {
         files.dedup();
         for &file in &files {
             for (index, component) in tree.components_of(file) {
-                self.know(file, index, component, component.name);
+                self.add_known_component(file, index, component, component.name);
             }
         }
         for &file in &files {
@@ -207,14 +207,14 @@ impl<'a> Check<'a> {
                 let Some(used) = self.sources.used(using.text).filter(|used| !seen.contains(used)) else { continue };
                 seen.push(used);
                 for (index, component) in tree.components_of(used) {
-                    self.know(file, index, component, using.text);
+                    self.add_known_component(file, index, component, using.text);
                 }
             }
         }
     }
 
     /// Enters a component among those that a file knows; `at` is where it comes from.
-    fn know(&mut self, file: FileId, index: u32, component: &Component, at: Span) {
+    fn add_known_component(&mut self, file: FileId, index: u32, component: &Component, at: Span) {
         let word = self.sources.slice(component.name);
         if let Some(&other) = self.known.by_name.get(&(file, word)) {
             let other = self.tree.component(other).name;
@@ -273,8 +273,8 @@ impl<'a> Check<'a> {
         for decl in body {
             let (reason, help) = match decl.kind {
                 DeclKind::Param { .. } => (
-                    "its numbers come from the brackets behind its name",
-                    "write it there, `component axle(k = 10 N/m)`, or as `let` where it follows from others",
+                    "its parameters are written in the brackets after its name",
+                    "write it there, `component axle(k = 10 N/m)`, or as `let` if it follows from others",
                 ),
                 DeclKind::Model { .. } | DeclKind::Gravity { .. } => WHOLE,
                 DeclKind::Repeat { index } => {
@@ -312,7 +312,7 @@ impl<'a> Check<'a> {
     /// Components that contain themselves, or contain each other too deep.
     fn recursions(&mut self) {
         #[derive(Clone, Copy, PartialEq)]
-        enum Seen {
+        enum Visit {
             No,
             /// On the way from the first one.
             Open,
@@ -322,18 +322,18 @@ impl<'a> Check<'a> {
         }
         let tree = self.tree;
         let contained: Vec<Vec<(u32, Span)>> = tree.components.iter().map(|c| self.contained(&c.body)).collect();
-        let mut seen = vec![Seen::No; tree.components.len()];
+        let mut seen = vec![Visit::No; tree.components.len()];
         for first in 0..tree.components.len() {
-            if seen[first] != Seen::No {
+            if seen[first] != Visit::No {
                 continue;
             }
             // Each entry: a component, how many of those in it were looked at, the levels below it so far.
             let mut path: Vec<(usize, usize, usize)> = vec![(first, 0, 0)];
-            seen[first] = Seen::Open;
+            seen[first] = Visit::Open;
             while let Some((index, next, levels)) = path.last_mut() {
                 let Some(&(inner, span)) = contained[*index].get(*next) else {
                     let done = *levels + 1;
-                    seen[*index] = Seen::Done { levels: done };
+                    seen[*index] = Visit::Done { levels: done };
                     path.pop();
                     if let Some((_, _, levels)) = path.last_mut() {
                         *levels = done.max(*levels);
@@ -342,7 +342,7 @@ impl<'a> Check<'a> {
                 };
                 *next += 1;
                 match seen[inner as usize] {
-                    Seen::Done { levels: below } => {
+                    Visit::Done { levels: below } => {
                         *levels = below.max(*levels);
                         if below >= MAX_LEVELS {
                             let index = *index;
@@ -350,11 +350,11 @@ impl<'a> Check<'a> {
                             self.report(Environment::TOP, PlaceError::TooDeep { span, limit: MAX_LEVELS });
                         }
                     }
-                    Seen::No => {
-                        seen[inner as usize] = Seen::Open;
+                    Visit::No => {
+                        seen[inner as usize] = Visit::Open;
                         path.push((inner as usize, 0, 0));
                     }
-                    Seen::Open => {
+                    Visit::Open => {
                         let start = path.iter().position(|entry| entry.0 == inner as usize).unwrap_or(0);
                         let members: Vec<usize> =
                             path[start..].iter().map(|entry| entry.0).chain([inner as usize]).collect();
@@ -484,7 +484,7 @@ impl<'a> Check<'a> {
         for decl in body {
             let instance = Instance { decl, environment: inside };
             match decl.kind {
-                DeclKind::Repeat { index } => self.unroll_counted(self.tree.repeat(index), inside),
+                DeclKind::Repeat { index } => self.count_and_unroll(self.tree.repeat(index), inside),
                 // Said where the component is declared.
                 DeclKind::Param { .. } | DeclKind::Model { .. } | DeclKind::Gravity { .. } => {}
                 DeclKind::Rare { index } => match self.tree.rare(index) {
@@ -688,7 +688,7 @@ impl<'a> Check<'a> {
             Some(frame) => loop {
                 self.walk.depth = 0;
                 match self.placed_frame(frame) {
-                    Err(Stop::Deep) => self.settle_waiting(),
+                    Err(Stop::Deep) => self.evaluate_waiting(),
                     placed => return placed.map(Some),
                 }
             },
@@ -735,7 +735,7 @@ impl<'a> Check<'a> {
         let around = Motion { origin, angle, sine, cosine, mirrored };
         let scene = match self.environments.frame(outer) {
             None => around.clone(),
-            Some(frame) => match self.placed_frame(frame)?.scene.after(&around) {
+            Some(frame) => match self.placed_frame(frame)?.scene.compose(&around) {
                 Some(scene) => scene,
                 None => return self.fail(outer, ValueError::Overflow { span }),
             },

@@ -169,8 +169,8 @@ impl Joint {
     }
 
     /// The motions it prevents if it closes a loop.
-    pub fn held(&self) -> joints::Held {
-        self.kind.held(self.along.as_ref())
+    pub fn constrained_motions(&self) -> joints::Held {
+        self.kind.constrained_motions(self.along.as_ref())
     }
 }
 

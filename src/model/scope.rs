@@ -223,7 +223,7 @@ impl<T: Copy> Space<T> {
         if let Some(first) = self.get(name) {
             return Err(first);
         }
-        if !self.goes_on(name, what) {
+        if !self.extend_run(name, what) {
             self.others.insert(name, what);
         }
         self.widen_family(group, name, span);
@@ -231,7 +231,7 @@ impl<T: Copy> Space<T> {
     }
 
     /// Appends to the run that the name continues or begins; `false` if there is no such run.
-    fn goes_on(&mut self, name: Name, what: T) -> bool {
+    fn extend_run(&mut self, name: Name, what: T) -> bool {
         let Some((run, last)) = split_last(name) else { return false };
         let run = self.runs.entry(run).or_insert_with(|| Run { first: last, items: Vec::new() });
         let follows = run.next() == i64::from(last);

@@ -163,13 +163,13 @@ impl<'a> Check<'a> {
             Word::Impulse => list.push(Signal::Impulse { at: time(self, 1)?, value: value? }),
             Word::Ramp | Word::Pulse | Word::HalfSine | Word::Haversine | Word::Sawtooth => {
                 let (from, to) = (time(self, 1)?, time(self, 2)?);
-                self.ordered(&from, &to, given[2], environment)?;
+                self.require_later(&from, &to, given[2], environment)?;
                 list.extend(pulse(called.signal, value?, from, to));
             }
             Word::Trapezoid => {
                 let times = [time(self, 1)?, time(self, 2)?, time(self, 3)?, time(self, 4)?];
                 for i in 1..4 {
-                    self.ordered(&times[i - 1], &times[i], given[i + 1], environment)?;
+                    self.require_later(&times[i - 1], &times[i], given[i + 1], environment)?;
                 }
                 let [from, rise, fall, to] = times;
                 let value = value?;
@@ -184,7 +184,7 @@ impl<'a> Check<'a> {
             Word::Chirp | Word::Table | Word::Delayed => {
                 let (from, to) = (self.frequency(given[1], environment)?, self.frequency(given[2], environment)?);
                 let duration = self.number(given[3], environment, &TIME)?;
-                self.ordered(&Number::ZERO, &duration, given[3], environment)?;
+                self.require_later(&Number::ZERO, &duration, given[3], environment)?;
                 let (at, phase) = (Number::ZERO, Number::ZERO);
                 list.push(Signal::Chirp { value: value?, from, to, duration, at, phase });
             }
@@ -193,7 +193,7 @@ impl<'a> Check<'a> {
     }
 
     /// Checks that the later time is certainly later.
-    fn ordered(&mut self, from: &Number, to: &Number, at: ExprId, environment: Environment) -> Evaluated<()> {
+    fn require_later(&mut self, from: &Number, to: &Number, at: ExprId, environment: Environment) -> Evaluated<()> {
         if (to - from).is_positive() {
             return Ok(());
         }
@@ -252,7 +252,7 @@ impl<'a> Check<'a> {
         let file = self.sources.slice(node.span).trim_matches('"').to_string();
         let rows = match self.sources.table(node.span.file(), &file) {
             Some(table) => {
-                let asked = tables::Asked { named: node.span, unit, speed, read };
+                let asked = tables::TableRequest { named: node.span, unit, speed, read };
                 Some(self.table_rows(table, &asked, environment)?)
             }
             None => None,

@@ -18,7 +18,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Rows reported one by one; a file that is not a table has many more errors.
-const MOST_TOLD: usize = 10;
+const MAX_REPORTED: usize = 10;
 
 /// Limit on the rows of all tables of a model together; each takes some 300 bytes.
 const MOST_ROWS: usize = 1_000_000;
@@ -29,7 +29,7 @@ const ACCELERATIONS: [&str; 7] = ["acceleration", "accel", "acc", "beschleunigun
 const VELOCITIES: [&str; 5] = ["velocity", "vel", "geschwindigkeit", "speed", "v"];
 
 /// What a model says of a table that it names.
-pub struct Asked<'e> {
+pub struct TableRequest<'e> {
     pub named: Span,
     /// What a 1 in the table stands for, SI, and where it is written.
     pub unit: Option<(Number, Span)>,
@@ -56,7 +56,12 @@ pub struct Column {
 
 impl<'a> Check<'a> {
     /// The rows of a table, in SI and over time.
-    pub fn table_rows(&mut self, file: FileId, asked: &Asked, environment: Environment) -> Evaluated<Arc<TableRows>> {
+    pub fn table_rows(
+        &mut self,
+        file: FileId,
+        asked: &TableRequest,
+        environment: Environment,
+    ) -> Evaluated<Arc<TableRows>> {
         let heading = self.heading(file);
         if let Some(heading) = &heading {
             self.check_heading(heading, asked, environment)?;
@@ -91,7 +96,7 @@ impl<'a> Check<'a> {
     }
 
     /// Refuses a heading that contradicts what is read, or names a quantity without saying in which unit.
-    fn check_heading(&mut self, heading: &Heading, asked: &Asked, environment: Environment) -> Evaluated<()> {
+    fn check_heading(&mut self, heading: &Heading, asked: &TableRequest, environment: Environment) -> Evaluated<()> {
         let (named, read) = (asked.named, asked.read.noun);
         for column in [&heading.first, &heading.values] {
             if column.is_unreadable {
@@ -163,7 +168,7 @@ impl<'a> Check<'a> {
         if let Some(reason) = self.sources.file(file).unread.clone() {
             return self.fail(environment, PartError::TableUnread { span: named, reason });
         }
-        let (mut table, mut told) = (TableRows::default(), 0);
+        let (mut table, mut reported_count) = (TableRows::default(), 0);
         let text = self.sources.text(file);
         let before: usize = self.tables.values().flatten().map(|table| table.times.len()).sum();
         for (place, line) in lines(text) {
@@ -174,7 +179,9 @@ impl<'a> Check<'a> {
             let span = |at: &Range<usize>| Span::new(file, place + at.start, place + at.end);
             let fields = fields(line);
             let error = match row(line, &fields, self.literals) {
-                Err(_) if table.times.is_empty() && told == 0 && is_heading(line, &fields, place, text) => continue,
+                Err(_) if table.times.is_empty() && reported_count == 0 && is_heading(line, &fields, place, text) => {
+                    continue;
+                }
                 Err(_) if table.times.is_empty() => {
                     let line = self.sources.file(file).position(place).line;
                     return self.fail(environment, PartError::NotATable { span: named, line });
@@ -191,12 +198,12 @@ impl<'a> Check<'a> {
                 }
             };
             self.report(environment, error);
-            told += 1;
-            if told == MOST_TOLD {
+            reported_count += 1;
+            if reported_count == MAX_REPORTED {
                 break;
             }
         }
-        if told > 0 {
+        if reported_count > 0 {
             return Err(Stop::Reported);
         }
         if table.times.len() < 2 {

@@ -29,7 +29,7 @@ fn codes(checked: &Checked) -> Vec<&'static str> {
 }
 
 /// The message and the help of a finding.
-fn said(checked: &Checked) -> String {
+fn messages(checked: &Checked) -> String {
     let shown = checked.diagnostics.clone().sorted();
     let line = |d: &crate::base::Diagnostic| {
         format!("{} [{}] ({})", d.message, d.primary.text, d.help.as_deref().unwrap_or_default())
@@ -44,8 +44,8 @@ fn scene(text: &str) -> Scene {
 
 fn scene_with(text: &str, arguments: &str, settings: &str) -> Scene {
     let checked = checked_with(text, arguments, settings);
-    let said = said(&checked);
-    checked.scene.unwrap_or_else(|| panic!("{said}")).scene
+    let messages = messages(&checked);
+    checked.scene.unwrap_or_else(|| panic!("{messages}")).scene
 }
 
 /// The value of an expression as a mass in kg, after some declarations.
@@ -153,7 +153,7 @@ fn dimensions_are_checked_in_every_expression() {
 }
 
 #[test]
-fn what_has_no_value_is_refused() {
+fn expressions_without_a_value_are_refused() {
     assert_eq!(refused("1 kg / 0"), "vib::number::division_by_zero");
     assert_eq!(refused("1 kg / (0.1 + 0.2 - 0.3)"), "vib::number::division_by_zero");
     assert_eq!(refused("1 kg * 0^-1"), "vib::number::division_by_zero");
@@ -214,15 +214,15 @@ fn a_unit_is_glued_and_a_product_has_spaces() {
     assert_eq!(mass_after("param L = 2", "3 kg * L"), Number::from(6));
     let glued = checked("param L = 2 m\nbody b { mass = 3 kg*L, moves x }");
     assert_eq!(codes(&glued)[0], "vib::unit::unknown");
-    assert!(said(&glued).contains("write spaces around"));
-    assert!(said(&checked("param k = 1/s\nbody b { mass = 1 kg, moves x }")).contains("`s` is a unit"));
+    assert!(messages(&glued).contains("write spaces around"));
+    assert!(messages(&checked("param k = 1/s\nbody b { mass = 1 kg, moves x }")).contains("`s` is a unit"));
     assert_eq!(refused("1 kg/m*s"), "vib::unit::ambiguous");
 }
 
 // Names
 
 #[test]
-fn parameters_may_stand_in_any_order() {
+fn parameters_may_be_declared_in_any_order() {
     assert_eq!(mass_after("let a = b + c\nlet b = 2*c\nparam c = 1 kg", "a"), Number::from(3));
 }
 
@@ -230,7 +230,7 @@ fn parameters_may_stand_in_any_order() {
 fn a_cycle_names_its_members_once() {
     let checked = checked("let a = b\nlet b = c\nlet c = b\nlet d = a\nbody e { mass = d, moves x }");
     assert_eq!(codes(&checked), ["vib::parameter::cycle"]);
-    assert!(said(&checked).contains("`b` -> `c` -> `b`"), "{}", said(&checked));
+    assert!(messages(&checked).contains("`b` -> `c` -> `b`"), "{}", messages(&checked));
 }
 
 #[test]
@@ -244,7 +244,7 @@ fn a_long_chain_of_parameters_needs_no_deep_stack() {
 }
 
 #[test]
-fn parts_and_values_have_name_spaces_of_their_own() {
+fn parts_and_values_have_separate_name_spaces() {
     let scene = scene("param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring k: ground -- b { k = k }");
     assert_eq!(scene.words.display(scene.elements[0].name), "k");
     let twice =
@@ -254,9 +254,9 @@ fn parts_and_values_have_name_spaces_of_their_own() {
 }
 
 #[test]
-fn unknown_names_are_told_with_the_nearest_known_one() {
+fn unknown_names_are_reported_with_the_nearest_known_one() {
     let model = "param stiffness = 10 N/m\nbody block { mass = 1 kg, moves x }\n";
-    let with = |line: &str| said(&checked(&format!("{model}{line}")));
+    let with = |line: &str| messages(&checked(&format!("{model}{line}")));
     assert!(with("spring s: ground -- block { k = stifness }").contains("did you mean `stiffness`?"));
     assert!(with("spring s: ground -- blok { k = stiffness }").contains("did you mean `block`?"));
     assert!(with("spring s: ground -- block { k = stiffness, prelod = 1 N }").contains("did you mean `preload`?"));
@@ -279,7 +279,7 @@ fn one_mistake_gives_one_error() {
         "repeat i in 1..1000 {\nbody c[i] { mass = i * 1 m, moves x }\n}",
         "param n = 1.5\nrepeat i in 1..n {\nbody c[i] { mass = 1 kg, moves x }\n}\nspring s: c[1] -- c[2] { k = 1 N/m }\nbody d { mass = 1 kg, moves x }",
     ] {
-        assert_eq!(codes(&checked(text)).len(), 1, "{text}: {}", said(&checked(text)));
+        assert_eq!(codes(&checked(text)).len(), 1, "{text}: {}", messages(&checked(text)));
     }
 }
 
@@ -363,7 +363,11 @@ fn an_index_out_of_range_names_those_declared() {
     let text = "repeat i in 1..3 {\nbody m[i] { mass = 1 kg, moves x }\nspring k[i]: m[i-1] -- m[i] { k = 1 N/m }\n}";
     let found = checked(text);
     assert_eq!(codes(&found), ["vib::name::index"]);
-    assert!(said(&found).contains("there is no `m[0]` [i = 1] (the declared ones are `m[1..3]`)"), "{}", said(&found));
+    assert!(
+        messages(&found).contains("there is no `m[0]` [i = 1] (the declared ones are `m[1..3]`)"),
+        "{}",
+        messages(&found)
+    );
 }
 
 // Values from outside
@@ -456,7 +460,7 @@ fn an_inertia_about_a_point_is_reduced_to_the_centre() {
 }
 
 #[test]
-fn freedoms_say_what_they_need() {
+fn degrees_of_freedom_require_mass_or_inertia() {
     let codes_of = |text: &str| codes(&checked(text));
     assert_eq!(codes_of("body b { moves x }"), ["vib::mass::missing"]);
     assert_eq!(codes_of("body b { mass = 1 kg, free }"), ["vib::inertia::missing"]);
@@ -470,7 +474,7 @@ fn freedoms_say_what_they_need() {
 }
 
 #[test]
-fn a_body_on_a_ground_pivot_may_have_its_inertia_there_alone() {
+fn a_body_on_a_ground_pivot_may_have_its_inertia_only_there() {
     let hinged = "body b { inertia = 0.8 kg*m^2 about (0, 1 m) }\npivot p: ground@(0, 1 m) -- b\nspring t: ground -- b { k = 1 N*m/rad }";
     assert_eq!(scene(hinged).bodies[0].inertia, Some(exact("0.8")));
     // Gravity would pull at its centre; and about another point the mass counts.
@@ -479,7 +483,7 @@ fn a_body_on_a_ground_pivot_may_have_its_inertia_there_alone() {
 }
 
 #[test]
-fn what_no_freedom_uses_is_a_warning() {
+fn mass_without_a_degree_of_freedom_is_a_warning() {
     let codes_of = |text: &str| codes(&checked(text));
     assert_eq!(codes_of("body b { mass = 1 kg, inertia = 1 kg*m^2, moves x }"), ["vib::unused::property"]);
     assert_eq!(codes_of("body b { mass = 1 kg, shape = disk(1 m), moves x }"), ["vib::unused::property"]);
@@ -683,7 +687,7 @@ fn outputs_are_linear_combinations_of_motions() {
 }
 
 #[test]
-fn what_is_no_linear_combination_is_refused() {
+fn nonlinear_combinations_are_refused() {
     let with = |expression: &str| {
         let model =
             "body a { mass = 1 kg, at = (0, 0), moves x }\nspring s: ground -- a { k = 1 N/m }\nforce F: a along x";
@@ -758,7 +762,7 @@ fn measures_are_checked_in_names_and_units() {
         "solve k in 1 N/m .. 20 N/m: frequency(1) = 2 Hz",
         "rest as drawn",
     ] {
-        assert_eq!(with(line), [""; 0], "{line}: {}", said(&checked(&format!("{model}{line}"))));
+        assert_eq!(with(line), [""; 0], "{line}: {}", messages(&checked(&format!("{model}{line}"))));
     }
     for (line, code) in [
         // The value is valid, but the damping is reported to act against the ground, not against the base.
@@ -791,7 +795,7 @@ fn measures_are_checked_in_names_and_units() {
         ("gravity 9.81 m/s", "vib::unit::mismatch"),
         ("gravity (0, 9.81 m)", "vib::unit::mismatch"),
     ] {
-        assert_eq!(with(line), [code], "{line}: {}", said(&checked(&format!("{model}{line}"))));
+        assert_eq!(with(line), [code], "{line}: {}", messages(&checked(&format!("{model}{line}"))));
     }
 }
 
@@ -811,7 +815,7 @@ fn a_scene_without_bodies_is_empty() {
 }
 
 #[test]
-fn renaming_and_reordering_leave_the_scene_as_it_was() {
+fn renaming_and_reordering_do_not_change_the_scene() {
     let forwards = scene("param m = 2 kg\nbody a { mass = m, moves x }\nspring s: ground -- a { k = 4 N/m }");
     let backwards = scene("spring t: ground -- b { k = 4 N/m }\nbody b { mass = n, moves x }\nparam n = 2 kg");
     assert_eq!(forwards.bodies[0].mass, backwards.bodies[0].mass);

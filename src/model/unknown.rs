@@ -16,7 +16,7 @@ use crate::syntax::tree::Ident;
 const MAX_SEARCHES: u32 = 100;
 
 /// The description of a function that may stand in one kind of place only, and that place.
-fn elsewhere(name: &str) -> Option<String> {
+fn describe_misplaced_function(name: &str) -> Option<String> {
     let (kind, function) = functions::function(name)?;
     let is_called = !function.arguments.is_empty() && kind != FunctionKind::Number;
     is_called.then(|| format!("`{name}` is {}", kind.describe(function)))
@@ -66,13 +66,13 @@ impl<'a> Check<'a> {
         if let Some(error) = name.and_then(|name| self.wrong_index(&self.values, name, ident, environment)) {
             return error;
         }
-        let help = self.instead_of_value(text, environment).or_else(|| self.outside_of_component(text, environment));
+        let help = self.describe_as_value(text, environment).or_else(|| self.outside_of_component(text, environment));
         let suggestion = if help.is_none() { self.nearest_value(text, environment) } else { None };
         NameError::UnknownValue { span: word, word: text.to_string(), suggestion, help }
     }
 
     /// What a word is that was used like a parameter.
-    fn instead_of_value(&self, text: &str, environment: Environment) -> Option<String> {
+    fn describe_as_value(&self, text: &str, environment: Environment) -> Option<String> {
         if self.outside {
             return Some("a value from outside cannot use names of the model: write a number with its unit".into());
         }
@@ -84,7 +84,7 @@ impl<'a> Check<'a> {
         if let Some(part) = part {
             return Some(format!("`{text}` is {}, not a number", self.noun_of(part)));
         }
-        if let Some(place) = elsewhere(text) {
+        if let Some(place) = describe_misplaced_function(text) {
             return Some(place);
         }
         unit::is_known(text)
@@ -167,7 +167,7 @@ impl<'a> Check<'a> {
     /// The error for a function that does not exist, or may not be used here.
     pub fn unknown_function(&mut self, word: Span) -> NameError {
         let text = self.sources.slice(word);
-        let help = elsewhere(text);
+        let help = describe_misplaced_function(text);
         let suggestion = if help.is_some() { None } else { nearest(text, FUNCTIONS.iter().map(|f| f.name)) };
         NameError::UnknownFunction {
             span: word,

@@ -304,7 +304,7 @@ pub const FUNCTIONS: [Function; 13] = [
 const MANY: usize = usize::MAX;
 
 impl Function {
-    pub fn named(name: &str) -> Option<&'static Function> {
+    pub fn by_name(name: &str) -> Option<&'static Function> {
         FUNCTIONS.iter().find(|function| function.name == name)
     }
 
@@ -452,9 +452,9 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_apart() {
+    fn faults_are_distinguished() {
         let mass = quantity_of("4", Dimension::MASS, Angle::Plain);
-        let apply = |name: &str, values: &[Value]| Function::named(name).expect("a function").apply(values);
+        let apply = |name: &str, values: &[Value]| Function::by_name(name).expect("a function").apply(values);
         assert_eq!(divide(&mass, &plain_number("0")), Err(Fault::DivisionByZero));
         assert_eq!(power(&plain_number("0"), &negate(&plain_number("1"))), Err(Fault::DivisionByZero));
         assert_eq!(apply("sqrt", &[negate(&mass)]), Err(Fault::RootOfNegative));
@@ -469,7 +469,7 @@ mod tests {
         let zero = Value::Scalar(Scalar::bare_zero());
         let mass = quantity_of("4", Dimension::MASS, Angle::Plain);
         assert_eq!(add(&zero, &mass), Ok(mass.clone()));
-        let largest = Function::named("max").expect("a function").apply(&[zero.clone(), mass.clone()]);
+        let largest = Function::by_name("max").expect("a function").apply(&[zero.clone(), mass.clone()]);
         assert_eq!(largest, Ok(mass));
         let Value::Scalar(zero) = zero else { panic!("a number") };
         assert_eq!(vector(&zero, &zero).map(|v| v.dimension), Ok(None));

@@ -527,7 +527,7 @@ impl<'c, 'a> Writer<'c, 'a> {
     fn place(&mut self, expr: ExprId, environment: Environment) -> Pair {
         let local = self.pair(expr, environment);
         let Some(frame) = self.check.environments.frame(environment) else { return local };
-        let placed = self.lying(frame).and_then(|lying| lying.scene.place(&local));
+        let placed = self.placement(frame).and_then(|lying| lying.scene.place(&local));
         placed.unwrap_or(local)
     }
 
@@ -539,14 +539,14 @@ impl<'c, 'a> Writer<'c, 'a> {
 
     fn turned(&mut self, local: Pair, environment: Environment) -> Pair {
         let frame = self.check.environments.frame(environment);
-        match frame.and_then(|frame| self.lying(frame)) {
+        match frame.and_then(|frame| self.placement(frame)) {
             Some(lying) => lying.scene.direction(&local),
             None => local,
         }
     }
 
     /// How a component lies at its place.
-    fn lying(&mut self, frame: FrameId) -> Option<Arc<Lying>> {
+    fn placement(&mut self, frame: FrameId) -> Option<Arc<Lying>> {
         let index = frame.0 as usize;
         self.lying.resize(self.check.frames.len(), None);
         if let Some(known) = &self.lying[index] {
@@ -562,7 +562,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         let scene = match self.check.environments.frame(outer) {
             None => around.clone(),
             Some(outer) => {
-                let outer = self.lying(outer)?;
+                let outer = self.placement(outer)?;
                 let reverses = outer.scene.mirrored[0] != outer.scene.mirrored[1];
                 let angle = if reverses { -&around.angle } else { around.angle.clone() };
                 let origin = around.origin.as_ref().and_then(|origin| outer.scene.place(origin));
@@ -587,13 +587,13 @@ impl<'c, 'a> Writer<'c, 'a> {
 
     fn form(&mut self, expr: ExprId, environment: Environment) -> Form {
         self.depth += 1;
-        let walked = if self.depth > MAX_DEPTH { None } else { self.walked(expr, environment) };
+        let walked = if self.depth > MAX_DEPTH { None } else { self.form_of(expr, environment) };
         self.depth -= 1;
-        walked.unwrap_or_else(|| self.valued(expr, environment))
+        walked.unwrap_or_else(|| self.named_value(expr, environment))
     }
 
     /// The value that the check finds, as a form if it has one, otherwise as a new name.
-    fn valued(&mut self, expr: ExprId, environment: Environment) -> Form {
+    fn named_value(&mut self, expr: ExprId, environment: Environment) -> Form {
         let span = self.check.tree.expr(expr).span;
         match self.check.evaluate(expr, environment) {
             Ok(Value::Scalar(Scalar { quantity, .. })) => {
@@ -631,11 +631,11 @@ impl<'c, 'a> Writer<'c, 'a> {
         }
     }
 
-    fn walked(&mut self, expr: ExprId, environment: Environment) -> Option<Form> {
+    fn form_of(&mut self, expr: ExprId, environment: Environment) -> Option<Form> {
         let node = *self.check.tree.expr(expr);
         match node.kind {
             ExprKind::Literal { .. } => None,
-            ExprKind::Name { indices } => self.named(node.span, indices, environment),
+            ExprKind::Name { indices } => self.by_name(node.span, indices, environment),
             ExprKind::Negate { operand } => {
                 if matches!(self.check.tree.expr(operand).kind, ExprKind::Literal { .. }) {
                     return None;
@@ -668,10 +668,10 @@ impl<'c, 'a> Writer<'c, 'a> {
     fn seen_from(&mut self, mut frame: FrameId, mut place: Pair, environment: Environment) -> Option<Pair> {
         let viewer = self.check.environments.frame(environment);
         if viewer.is_none() {
-            return self.lying(frame)?.scene.place(&place);
+            return self.placement(frame)?.scene.place(&place);
         }
         loop {
-            place = self.lying(frame)?.around.place(&place)?;
+            place = self.placement(frame)?.around.place(&place)?;
             match self.check.environments.frame(self.check.frame(frame).outer) {
                 Some(outer) if Some(outer) != viewer => frame = outer,
                 _ => return Some(place),
@@ -679,7 +679,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         }
     }
 
-    fn named(&mut self, span: Span, indices: ExprList, environment: Environment) -> Option<Form> {
+    fn by_name(&mut self, span: Span, indices: ExprList, environment: Environment) -> Option<Form> {
         let word = if indices.is_empty() { span } else { self.check.word_of(span) };
         if indices.is_empty() && self.check.sources.slice(word) == "pi" {
             return Some(Form::Number(Sum::pi()));

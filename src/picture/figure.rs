@@ -67,7 +67,7 @@ pub struct Hold {
 
 impl Hold {
     /// A point of a part itself.
-    pub fn on(part: usize, at: Point) -> Hold {
+    pub fn at_part(part: usize, at: Point) -> Hold {
         Hold { part, of: at, at }
     }
 
@@ -221,7 +221,7 @@ impl Label {
     }
 
     /// The room that is kept for it: wider than it is set, for viewers that do not mind `textLength`.
-    pub fn room(&self) -> Bounds {
+    pub fn reserved_bounds(&self) -> Bounds {
         Bounds::around(self.at, Point::new(self.width() * text::SPARE / 2.0 + 1.0, text::HEIGHT / 2.0))
     }
 }

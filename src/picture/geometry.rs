@@ -83,7 +83,7 @@ impl Turn {
     pub const NONE: Turn = Turn { sine: 0.0, cosine: 1.0 };
 
     /// Of an angle in radians. The standard library's functions are not the same on all machines.
-    pub fn by(angle: f64) -> Turn {
+    pub fn from_angle(angle: f64) -> Turn {
         if angle == 0.0 {
             return Turn::NONE;
         }
@@ -101,8 +101,8 @@ pub fn arc(centre: Point, radius: f64, from: f64, to: f64, steps: usize) -> Vec<
 /// The same with a radius that changes evenly along the way.
 pub fn spiral(centre: Point, radii: (f64, f64), angles: (f64, f64), steps: usize) -> Vec<Point> {
     // One exact step, applied again and again: errors of a few last bits over some dozen steps.
-    let step = Turn::by((angles.1 - angles.0) / steps as f64);
-    let mut arm = Point::new(1.0, 0.0).turned(Turn::by(angles.0));
+    let step = Turn::from_angle((angles.1 - angles.0) / steps as f64);
+    let mut arm = Point::new(1.0, 0.0).turned(Turn::from_angle(angles.0));
     let mut points = Vec::with_capacity(steps + 1);
     for k in 0..=steps {
         let share = k as f64 / steps as f64;

@@ -75,7 +75,7 @@ impl<'a> Placing<'a> {
                 self.room.take(&leader);
                 self.leaders.push(leader);
             }
-            self.room.take_name(&label.room());
+            self.room.take_name(&label.reserved_bounds());
             self.labels.push(label);
         }
     }
@@ -87,8 +87,8 @@ impl Wanted {
         for clear in [true, false] {
             for step in STEPS {
                 for direction in self.best.iter().chain(&ROUND) {
-                    let label = self.beside(*direction, step);
-                    if !room.is_free(&label.room()) {
+                    let label = self.place_beside(*direction, step);
+                    if !room.is_free(&label.reserved_bounds()) {
                         continue;
                     }
                     if step <= NEAR {
@@ -105,9 +105,9 @@ impl Wanted {
     }
 
     /// The label in a direction, so far off that the boxes are a gap apart.
-    fn beside(&self, direction: Point, further: f64) -> Label {
+    fn place_beside(&self, direction: Point, further: f64) -> Label {
         let mut label = Label { text: self.text.clone(), at: self.at, span: self.span, ride: self.ride };
-        let own = label.room();
+        let own = label.reserved_bounds();
         let apart = Point::new(
             self.half.x + own.width() / 2.0 + GAP + further,
             self.half.y + own.height() / 2.0 + GAP + further,
@@ -123,7 +123,7 @@ impl Wanted {
             Point::new(to.x.clamp(bounds.low.x, bounds.high.x), to.y.clamp(bounds.low.y, bounds.high.y))
         };
         let to = nearest(Bounds::around(self.at, self.half), label.at);
-        (nearest(label.room(), to), to)
+        (nearest(label.reserved_bounds(), to), to)
     }
 
     fn drawn(&self, from: Point, to: Point) -> Glyph {

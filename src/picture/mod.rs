@@ -43,7 +43,7 @@ pub struct Request<'a> {
 
 impl Request<'_> {
     /// What a part does in the mode that is shown.
-    pub fn does(&self, name: Name) -> Option<String> {
+    pub fn mode_motion(&self, name: Name) -> Option<String> {
         match &self.shown {
             Shown::Mode(mode) => (mode.does)(name),
             Shown::AsDrawn | Shown::AtRest(_) => None,
@@ -134,7 +134,7 @@ pub fn figure(scene: &Scene, request: &Request) -> Result<Figure, Refusal> {
 }
 
 /// The figure at rest, and what moves in it.
-pub fn moving(scene: &Scene, poses: &Poses, digits: &dyn Fn(&Number) -> String) -> Result<(Figure, Moving), Refusal> {
+pub fn animated(scene: &Scene, poses: &Poses, digits: &dyn Fn(&Number) -> String) -> Result<(Figure, Moving), Refusal> {
     let request = Request { digits, values: false, shown: Shown::AtRest(poses) };
     let says = Says { scene, request: &request };
     let layout = layout::layout(scene, Detail::of(scene), &says)?;
@@ -219,7 +219,7 @@ const LEAST_WIDTH: f64 = 180.0;
 /// Moves everything into a frame that starts at the origin, with notes below.
 fn framed(scene: &Scene, mut glyphs: Vec<Glyph>, mut labels: Vec<Label>, notes: Vec<String>) -> Figure {
     let mut bounds = glyphs.iter().fold(Bounds::EMPTY, |bounds, glyph| bounds.and(glyph.bounds()));
-    bounds = labels.iter().fold(bounds, |bounds, label| bounds.and(label.room()));
+    bounds = labels.iter().fold(bounds, |bounds, label| bounds.and(label.reserved_bounds()));
     if bounds.is_empty() {
         bounds = Bounds::around(Point::default(), Point::new(20.0, 20.0));
     }

@@ -95,7 +95,7 @@ fn pieces(poses: &Poses, amount: f64) -> Vec<Piece> {
         // The scene's y runs upwards, which `turned` takes for downwards.
         let turned = |v: Point, turn: Turn| v.turned(Turn { sine: -turn.sine, ..turn });
         let slid = turned(slid, carrier.turn);
-        let turn = Turn::by(of.angle.rest + amount * of.angle.shape);
+        let turn = Turn::from_angle(of.angle.rest + amount * of.angle.shape);
         let anchor = of.anchor.map(|[x, y]| Point::new(x, y));
         let at = match (anchor, carrier.anchor) {
             (Some(anchor), Some(held)) => carrier.at.plus(turned(anchor.minus(held), carrier.turn)).plus(slid),

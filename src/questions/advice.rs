@@ -2,11 +2,11 @@
 //! In: a requirement that fails. Out: the parameter that changes its measure most, with a value if one was found. See
 //! docs/method/measures.md.
 
-use super::answer::{Requirement, Value, few_digits, shown, told};
+use super::answer::{Requirement, Value, few_digits, shown, shown_text};
 use super::derivative::{slope, step};
-use super::error::Mover;
-use super::require::stands;
-use super::trial::{Known, Text};
+use super::error::Remedy;
+use super::require::holds_for;
+use super::trial::{Facts, Text};
 use crate::analysis::Measurement;
 use crate::base::{Ball, Number, Quantity, Rational};
 use crate::model::Setting;
@@ -17,7 +17,7 @@ const MOST_TRIED: usize = 200;
 /// At most this many parameters are searched for a value.
 const MOST_ADVISED: usize = 4;
 /// At most this many parameters are tried if the requirement has no number that gives a direction.
-const MOST_BLIND: usize = 12;
+const MAX_FACTORS: usize = 12;
 /// A value more than this many times the present one is not worth advising.
 const MOST_RAISED: f64 = 1000.0;
 /// Factors on a parameter, tried in this order: the smallest changes first.
@@ -40,15 +40,15 @@ pub struct Advice<'a> {
 
 impl Advice<'_> {
     /// The best advice; `None` if no parameter was found that changes the measure.
-    pub fn mover(&self, requirement: &Requirement) -> Option<Mover> {
+    pub fn remedy(&self, requirement: &Requirement) -> Option<Remedy> {
         match requirement.value {
             Value::Number(here) => self.by_slope(here),
-            Value::Infinite | Value::Said(_) => self.blind(),
+            Value::Infinite | Value::Verdict(_) => self.by_factors(),
         }
     }
 
     /// Tries the parameters with the largest slopes first.
-    fn by_slope(&self, here: Ball) -> Option<Mover> {
+    fn by_slope(&self, here: Ball) -> Option<Remedy> {
         let varied = self.parameters.iter().filter(|p| !p.value.si.may_be_zero()).take(MOST_TRIED);
         let mut slopes: Vec<(&Parameter, f64)> = varied
             .filter_map(|parameter| {
@@ -61,28 +61,28 @@ impl Advice<'_> {
         let (first, slope) = *slopes.first()?;
         let percent = |slope: f64| few_digits(three_digits(slope / here.to_f64()));
         let found = slopes.iter().take(MOST_ADVISED).find_map(|&(parameter, slope)| {
-            let wanted = self.reaching(parameter, &here, slope)?;
+            let wanted = self.estimate_target(parameter, &here, slope)?;
             let value = self.at_or_beyond(parameter, wanted)?;
             Some((parameter, slope, value))
         });
         Some(match found {
-            Some((parameter, slope, value)) => Mover {
+            Some((parameter, slope, value)) => Remedy {
                 percent: Some(percent(slope)).filter(|_| here.to_f64() != 0.0),
                 most: parameter.name == first.name,
-                ..self.told(parameter, Some(value))
+                ..self.mover_at(parameter, Some(value))
             },
-            None => Mover {
+            None => Remedy {
                 percent: Some(percent(slope)).filter(|_| here.to_f64() != 0.0),
                 most: true,
-                ..self.told(first, None)
+                ..self.mover_at(first, None)
             },
         })
     }
 
     /// Multiplies every parameter by the same factors until the requirement holds, then bisects back to where it begins
     /// to hold.
-    fn blind(&self) -> Option<Mover> {
-        let parameters = || self.parameters.iter().filter(|p| !p.value.si.may_be_zero()).take(MOST_BLIND);
+    fn by_factors(&self) -> Option<Remedy> {
+        let parameters = || self.parameters.iter().filter(|p| !p.value.si.may_be_zero()).take(MAX_FACTORS);
         let (parameter, factor) = FACTORS.iter().find_map(|&factor| {
             parameters().find_map(|parameter| {
                 let value = decimal(parameter, parameter.value.si.to_f64() * factor)?;
@@ -101,12 +101,12 @@ impl Advice<'_> {
                 fails = middle;
             }
         }
-        Some(self.told(parameter, Some(best)))
+        Some(self.mover_at(parameter, Some(best)))
     }
 
-    fn told(&self, parameter: &Parameter, wanted: Option<Number>) -> Mover {
-        let in_unit = |si: Number| told(&shown(&si, &parameter.unit, false));
-        Mover {
+    fn mover_at(&self, parameter: &Parameter, wanted: Option<Number>) -> Remedy {
+        let in_unit = |si: Number| shown_text(&shown(&si, &parameter.unit, false));
+        Remedy {
             name: parameter.name.clone(),
             declared: parameter.span,
             percent: None,
@@ -129,7 +129,7 @@ impl Advice<'_> {
 
     fn holds_at(&self, parameter: &Parameter, value: &Number) -> bool {
         self.measured(parameter, value).is_some_and(|(question, measured)| {
-            stands(&measured, self.require.comparison, &question.value) == Some(true)
+            holds_for(&measured, self.require.comparison, &question.value) == Some(true)
         })
     }
 
@@ -140,7 +140,7 @@ impl Advice<'_> {
         let scene = self.text.scene(&moved).ok()?;
         let question = scene.scene().requires.get(self.index)?.question.clone();
         let measured =
-            self.text.measure_scene(&scene, std::slice::from_ref(&question), Known::default()).ok()?.pop()?;
+            self.text.measure_scene(&scene, std::slice::from_ref(&question), Facts::default()).ok()?.pop()?;
         Some((question, measured))
     }
 
@@ -159,7 +159,7 @@ impl Advice<'_> {
     /// An estimate of where the measure reaches its limit: along the power law with the given slope (stiffnesses and
     /// masses act like powers), or along the tangent if the signs rule out a power. `slope` is with respect to the
     /// relative change of the parameter.
-    fn reaching(&self, parameter: &Parameter, here: &Ball, slope: f64) -> Option<f64> {
+    fn estimate_target(&self, parameter: &Parameter, here: &Ball, slope: f64) -> Option<f64> {
         let (value, limit) = (parameter.value.si.to_f64(), self.require.question.value.to_f64());
         let (here, ratio) = (here.to_f64(), limit / here.to_f64());
         let power = here / slope;

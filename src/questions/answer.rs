@@ -33,7 +33,7 @@ pub struct Solved {
     /// Derivative of the measure with respect to the parameter, SI; `None` if the measure has none.
     pub slope: Option<Derivative>,
     /// Number of values of the range at which the measure was evaluated.
-    pub looked_at: usize,
+    pub evaluations: usize,
     /// Simulated time, s, if the measure needs one.
     pub until: Option<Number>,
 }
@@ -54,7 +54,7 @@ pub enum Others {
 pub enum Derivative {
     Enclosed(Ball),
     /// By differences: close to it if the measure is smooth.
-    Seen(Unproven),
+    Estimated(Unproven),
 }
 
 /// A requirement and whether it holds.
@@ -119,7 +119,7 @@ pub enum Value {
     Number(Ball),
     Infinite,
     /// A word: `stable`, or why there is no number.
-    Said(String),
+    Verdict(String),
 }
 
 /// A number in the unit that it is shown in.
@@ -153,7 +153,7 @@ impl Solved {
         let factor = self.value.to_ball() / self.target.to_ball();
         match self.slope? {
             Derivative::Enclosed(slope) => Some(Derivative::Enclosed(slope * factor)),
-            Derivative::Seen(Unproven(slope)) => Some(Derivative::Seen(Unproven(slope * factor.to_f64()))),
+            Derivative::Estimated(Unproven(slope)) => Some(Derivative::Estimated(Unproven(slope * factor.to_f64()))),
         }
         .filter(Derivative::is_finite)
     }
@@ -163,7 +163,7 @@ impl Derivative {
     pub fn is_finite(&self) -> bool {
         match self {
             Derivative::Enclosed(ball) => ball.is_finite(),
-            Derivative::Seen(Unproven(x)) => x.is_finite(),
+            Derivative::Estimated(Unproven(x)) => x.is_finite(),
         }
     }
 
@@ -171,14 +171,14 @@ impl Derivative {
     pub fn to_f64(&self) -> f64 {
         match self {
             Derivative::Enclosed(ball) => ball.to_f64(),
-            Derivative::Seen(Unproven(x)) => *x,
+            Derivative::Estimated(Unproven(x)) => *x,
         }
     }
 
     pub fn scaled(&self, by: Ball) -> Derivative {
         match self {
             Derivative::Enclosed(ball) => Derivative::Enclosed(*ball * by),
-            Derivative::Seen(Unproven(x)) => Derivative::Seen(Unproven(*x * by.to_f64())),
+            Derivative::Estimated(Unproven(x)) => Derivative::Estimated(Unproven(*x * by.to_f64())),
         }
     }
 }
@@ -205,10 +205,10 @@ impl Requirement {
     }
 
     /// The value of the measure as text.
-    pub fn told(&self) -> Cow<'_, str> {
+    pub fn value_text(&self) -> Cow<'_, str> {
         match (&self.value, self.shown_value()) {
-            (_, Some(shown)) => Cow::Owned(told(&shown)),
-            (Value::Said(text), _) => Cow::Borrowed(text),
+            (_, Some(shown)) => Cow::Owned(shown_text(&shown)),
+            (Value::Verdict(text), _) => Cow::Borrowed(text),
             (Value::Infinite, _) => Cow::Borrowed("infinite"),
             (Value::Number(ball), None) => Cow::Owned(few_digits(ball.to_f64())),
         }
@@ -227,7 +227,7 @@ pub fn shown<'a>(si: &Number, unit: &'a Written, in_radians: bool) -> Shown<'a> 
 }
 
 /// A number and its unit, to be used in a sentence.
-pub fn told(shown: &Shown) -> String {
+pub fn shown_text(shown: &Shown) -> String {
     let number = few_digits(shown.number.to_f64());
     match shown.unit {
         "" => number,

@@ -48,33 +48,35 @@ mod tests {
         Combined::Measure(Measurement::Value(Ball::from(value).widen(0.25)))
     }
 
-    fn both(operator: Arithmetic, left: Combined<Measurement>, right: Combined<Measurement>) -> Measurement {
+    fn combine_both(operator: Arithmetic, left: Combined<Measurement>, right: Combined<Measurement>) -> Measurement {
         value_of(&Combined::Binary { operator, left: Box::new(left), right: Box::new(right) })
     }
 
     /// The parts are only known to a quarter; the ends of what they can come to lie in the result.
     #[test]
-    fn the_result_holds_all_that_the_parts_may_be() {
+    fn the_result_encloses_all_values_of_the_parts() {
         for (operator, ends) in [
             (Arithmetic::Add, [7.5, 8.5]),
             (Arithmetic::Subtract, [3.5, 4.5]),
             (Arithmetic::Multiply, [5.75 * 1.75, 6.25 * 2.25]),
             (Arithmetic::Divide, [5.75 / 2.25, 6.25 / 1.75]),
         ] {
-            let Measurement::Value(found) = both(operator, measured(6.0), measured(2.0)) else { panic!("a value") };
+            let Measurement::Value(found) = combine_both(operator, measured(6.0), measured(2.0)) else {
+                panic!("a value")
+            };
             assert!(ends.iter().all(|end| (found - Ball::from(*end)).mignitude() < 1e-15), "{operator:?} {found:?}");
         }
     }
 
     #[test]
-    fn what_has_no_value_makes_none() {
+    fn an_operand_without_a_value_gives_none() {
         let infinite = || Combined::Measure(Measurement::Infinite);
         let two = || Combined::Number(Number::from(2));
-        assert_eq!(both(Arithmetic::Subtract, infinite(), infinite()), INFINITE);
-        assert_eq!(both(Arithmetic::Add, two(), infinite()), INFINITE);
-        assert!(matches!(both(Arithmetic::Divide, two(), measured(0.1)), Measurement::None(_)));
+        assert_eq!(combine_both(Arithmetic::Subtract, infinite(), infinite()), INFINITE);
+        assert_eq!(combine_both(Arithmetic::Add, two(), infinite()), INFINITE);
+        assert!(matches!(combine_both(Arithmetic::Divide, two(), measured(0.1)), Measurement::None(_)));
         let none = || Combined::Measure(Measurement::None("no such mode"));
-        assert_eq!(both(Arithmetic::Add, infinite(), none()), Measurement::None("no such mode"));
-        assert_eq!(both(Arithmetic::Add, none(), two()), Measurement::None("no such mode"));
+        assert_eq!(combine_both(Arithmetic::Add, infinite(), none()), Measurement::None("no such mode"));
+        assert_eq!(combine_both(Arithmetic::Add, none(), two()), Measurement::None("no such mode"));
     }
 }

@@ -5,7 +5,7 @@
 //! A part is settled if an enclosure of the measure does not contain the target, or if the measure is monotone there and
 //! lies on the same side at both ends. Other parts are halved as long as the effort allows.
 
-use super::over::Over;
+use super::range_enclosure::RangeEnclosure;
 use crate::base::{Ball, Dd, up};
 use std::cmp::Ordering;
 
@@ -39,7 +39,7 @@ const MOST_PARTS: usize = 8;
 /// What is needed to settle parts of a range.
 pub struct Cover<'a> {
     /// The measure over a part.
-    pub over: &'a dyn Fn(Ball) -> Over,
+    pub over: &'a dyn Fn(Ball) -> RangeEnclosure,
     /// The side on which the measure certainly lies at a number; equal if that is not certain.
     pub side: &'a dyn Fn(Dd) -> Option<Ordering>,
     /// At most this many parts are evaluated.
@@ -51,12 +51,12 @@ pub struct Covered {
     pub rest: Rest,
     /// Parts with the measure on different sides at their ends: they contain roots that were not known.
     pub missed: Vec<Part>,
-    pub looks: usize,
+    pub evaluations: usize,
 }
 
 impl Rest {
     /// A proof, if no part is left open.
-    pub fn emptied(self) -> Rest {
+    pub fn or_proof(self) -> Rest {
         match self {
             Rest::Open(parts) if parts.is_empty() => Rest::Empty(Proof(())),
             rest => rest,
@@ -68,15 +68,15 @@ impl Cover<'_> {
     /// Settles these parts, which lie between the brackets of the known roots.
     pub fn settle(&self, parts: Vec<Part>) -> Covered {
         let (mut open, mut missed) = (Vec::new(), Vec::new());
-        let (mut looks, mut silent, mut heard) = (0, 0, false);
+        let (mut evaluations, mut silent, mut heard) = (0, 0, false);
         // Breadth first, so that whatever is left is small everywhere.
         let mut waiting = std::collections::VecDeque::from(parts);
         while let Some(part) = waiting.pop_front() {
-            if looks >= self.most || !heard && silent >= SILENT {
+            if evaluations >= self.most || !heard && silent >= SILENT {
                 open.push(part);
                 continue;
             }
-            looks += 1;
+            evaluations += 1;
             let over = (self.over)(part.ball());
             if over.is_silent() {
                 // Measures that can never be enclosed need no second evaluation.
@@ -104,10 +104,10 @@ impl Cover<'_> {
         }
         let rest = match (heard, open.is_empty()) {
             (_, true) => Rest::Empty(Proof(())),
-            (true, false) => Rest::Open(joined(open)),
+            (true, false) => Rest::Open(merge_parts(open)),
             (false, false) => Rest::Unknown,
         };
-        Covered { rest, missed, looks }
+        Covered { rest, missed, evaluations }
     }
 }
 
@@ -136,7 +136,7 @@ impl Part {
 
 /// The parts in ascending order, adjacent ones merged; the narrowest gaps are closed if there are too many parts to
 /// report.
-fn joined(mut parts: Vec<Part>) -> Vec<Part> {
+fn merge_parts(mut parts: Vec<Part>) -> Vec<Part> {
     parts.sort_by(|a, b| a.low.hi.total_cmp(&b.low.hi).then(a.low.lo.total_cmp(&b.low.lo)));
     let mut list: Vec<Part> = Vec::new();
     for part in parts {
@@ -162,7 +162,7 @@ mod tests {
     fn settled(low: f64, high: f64, most: usize, f: impl Fn(Ball) -> (Ball, Ball)) -> Covered {
         let over = |x: Ball| {
             let (value, slope) = f(x);
-            Over::sample(value, slope)
+            RangeEnclosure::sample(value, slope)
         };
         let side = |x: Dd| match f(Ball::exact(x)).0 {
             value if value.is_positive() => Some(Ordering::Greater),
@@ -221,17 +221,17 @@ mod tests {
 
     /// A monotone measure that is on neither side for certain: nothing is excluded.
     #[test]
-    fn sides_that_are_not_certain_settle_nothing() {
+    fn uncertain_sides_decide_nothing() {
         let blurred = |x: Ball| ((x - Ball::ONE).widen(10.0), Ball::ONE);
         let covered = settled(0.0, 2.0, 1000, blurred);
         assert!(matches!(&covered.rest, Rest::Open(parts) if hold(parts, 1.0)), "{:?}", covered.rest);
     }
 
     #[test]
-    fn what_may_be_zero_is_neither_excluded_nor_monotone() {
+    fn ranges_that_may_contain_zero_are_neither_excluded_nor_monotone() {
         let near = Ball::from(0.15).widen(0.2);
-        assert!(!Over::sample(near, near).excludes() && !Over::sample(near, near).is_monotone());
+        assert!(!RangeEnclosure::sample(near, near).excludes() && !RangeEnclosure::sample(near, near).is_monotone());
         let far = Ball::from(0.25).widen(0.2);
-        assert!(Over::sample(far, near).excludes() && Over::sample(near, far).is_monotone());
+        assert!(RangeEnclosure::sample(far, near).excludes() && RangeEnclosure::sample(near, far).is_monotone());
     }
 }

@@ -3,7 +3,7 @@
 //! value within h of p, and h is some 10^-10 of p. So it includes the effect of the parameter on the rest, the geometry
 //! and everything else. See docs/method/measures.md.
 
-use super::search::exactly;
+use super::search::to_fraction;
 use crate::base::{Ball, Dd, Number};
 
 /// Why there is no derivative.
@@ -28,7 +28,7 @@ pub fn step(p: &Number, unit: &Number, relative_error: f64) -> Number {
     let exponent = (LEAST..=MOST).find(|&k| 2f64.powi(3 * k) >= relative_error).unwrap_or(MOST);
     // Rounded down to a power of two, so that the steps are short fractions.
     let bits = ((size.max(f64::MIN_POSITIVE).to_bits() >> 52) & 0x7ff) as i32 - 1023;
-    exactly(Dd::from(2f64.powi((bits + exponent).clamp(-1000, 1000))))
+    to_fraction(Dd::from(2f64.powi((bits + exponent).clamp(-1000, 1000))))
 }
 
 /// The slope of a function from its values at p - h, p and p + h.

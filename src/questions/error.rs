@@ -3,7 +3,7 @@
 use crate::base::{Code, Diagnostic, Span};
 
 /// A parameter and a value of it, in words: `k`, `12 N/m`.
-pub type Told = String;
+pub type Phrase = String;
 
 /// Errors of `solve`, and of requirements that do not hold.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,39 +11,39 @@ pub enum AskedError {
     NoRoot {
         span: Span,
         measure: String,
-        target: Told,
+        target: Phrase,
         name: String,
-        range: (Told, Told),
-        reach: Reach,
+        range: (Phrase, Phrase),
+        reach: ReachedRange,
     },
     /// `all`: whether it is proven that there are no others.
     SeveralRoots {
         span: Span,
         measure: String,
-        target: Told,
+        target: Phrase,
         name: String,
-        roots: Vec<Told>,
+        roots: Vec<Phrase>,
         all: bool,
     },
     Touches {
         span: Span,
         measure: String,
-        target: Told,
+        target: Phrase,
         name: String,
-        at: Told,
+        at: Phrase,
     },
     NothingSettled {
         span: Span,
         measure: String,
-        target: Told,
+        target: Phrase,
         name: String,
-        parts: Vec<(Told, Told)>,
+        parts: Vec<(Phrase, Phrase)>,
     },
     Unsettled {
         span: Span,
         name: String,
-        value: Told,
-        parts: Vec<(Told, Told)>,
+        value: Phrase,
+        parts: Vec<(Phrase, Phrase)>,
     },
     Independent {
         span: Span,
@@ -55,7 +55,7 @@ pub enum AskedError {
         span: Span,
         measure: String,
         name: String,
-        range: (Told, Told),
+        range: (Phrase, Phrase),
         why: String,
     },
     Twice {
@@ -72,8 +72,8 @@ pub enum AskedError {
         span: Span,
         names: Vec<String>,
         others: Vec<Span>,
-        nearest: Vec<(String, Told)>,
-        left: Vec<Told>,
+        nearest: Vec<(String, Phrase)>,
+        left: Vec<Phrase>,
     },
     SeveralTogether {
         span: Span,
@@ -83,14 +83,14 @@ pub enum AskedError {
     },
     Fails {
         span: Span,
-        value: Told,
+        value: Phrase,
         by: String,
-        mover: Option<Mover>,
+        remedy: Option<Remedy>,
     },
     Undetermined {
         span: Span,
-        value: Told,
-        limit: Told,
+        value: Phrase,
+        limit: Phrase,
         bound: String,
     },
     NoNumber {
@@ -101,22 +101,22 @@ pub enum AskedError {
 
 /// The values that a measure took over a range.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reach {
+pub struct ReachedRange {
     /// The least and the largest value, and the parameter at each.
-    pub least: (Told, Told),
-    pub largest: (Told, Told),
+    pub least: (Phrase, Phrase),
+    pub largest: (Phrase, Phrase),
     /// Where it jumps over the target.
-    pub jump: Option<Told>,
+    pub jump: Option<Phrase>,
     /// Why it has no value somewhere in the range.
     pub gap: Option<String>,
-    /// Whether it is proven that the measure never reaches the target; otherwise `looks` values were tried.
+    /// Whether it is proven that the measure never reaches the target; otherwise `evaluations` values were tried.
     pub proven: bool,
-    pub looks: usize,
+    pub evaluations: usize,
 }
 
 /// The parameter that changes a measure most.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mover {
+pub struct Remedy {
     pub name: String,
     pub declared: Span,
     /// Change of the measure in percent for a change of the parameter by one percent.
@@ -124,8 +124,8 @@ pub struct Mover {
     /// Whether it changes the measure most among all parameters that were tried.
     pub most: bool,
     /// A value at which the requirement was found to hold; `None` if none was found.
-    pub wanted: Option<Told>,
-    pub value: Told,
+    pub wanted: Option<Phrase>,
+    pub value: Phrase,
 }
 
 impl AskedError {
@@ -157,8 +157,10 @@ impl AskedError {
                 let message = if reach.proven {
                     format!("no value of `{name}` in {low} .. {high} makes `{measure}` {target}")
                 } else {
-                    let looks = reach.looks;
-                    format!("none of {looks} values tried for `{name}` in {low} .. {high} makes `{measure}` {target}")
+                    let evaluations = reach.evaluations;
+                    format!(
+                        "none of {evaluations} values tried for `{name}` in {low} .. {high} makes `{measure}` {target}"
+                    )
                 };
                 let (least, largest) = (&reach.least, &reach.largest);
                 let seen = format!(
@@ -209,7 +211,7 @@ impl AskedError {
                 .help("let each `solve` line find a different parameter"),
             Singular { span, names, others } => {
                 let message = format!("these conditions do not determine {}", quoted(names));
-                together(error(span, message), others)
+                with_related(error(span, message), others)
                     .label("to first order, the parameters can change together without changing any measure")
                     .help("solve for parameters that change the measures in different ways, or ask for other values")
             }
@@ -219,23 +221,23 @@ impl AskedError {
                     quoted(names)
                 );
                 let at: Vec<String> = nearest.iter().map(|(name, value)| format!("{name} = {value}")).collect();
-                together(error(span, message), others)
+                with_related(error(span, message), others)
                     .label(format!("nearest: {}, where the measures are {}", at.join(", "), listed(left)))
                     .help("ask for values that are reached together, or search other ranges")
             }
             SeveralTogether { span, names, others, roots } => {
                 let message =
                     format!("at least {} sets of values of {} meet these conditions", roots.len(), quoted(names));
-                together(error(span, message), others)
+                with_related(error(span, message), others)
                     .label(roots.join("; or "))
                     .help("narrow the ranges around the set you want")
             }
-            Fails { span, value, by, mover } => {
+            Fails { span, value, by, remedy } => {
                 let finding = error(span, "this requirement does not hold".to_string())
                     .label(format!("it is {value}, off by {by}"));
-                match mover {
+                match remedy {
                     None => finding.help("no parameter was found that makes it hold"),
-                    Some(mover) => moved_by(finding, mover),
+                    Some(remedy) => with_remedy(finding, remedy),
                 }
             }
             Undetermined { span, value, limit, bound } => error(span, "this requirement cannot be decided".to_string())
@@ -248,8 +250,8 @@ impl AskedError {
     }
 }
 
-fn moved_by(finding: Diagnostic, mover: &Mover) -> Diagnostic {
-    let Mover { name, declared, percent, most, wanted, value } = mover;
+fn with_remedy(finding: Diagnostic, remedy: &Remedy) -> Diagnostic {
+    let Remedy { name, declared, percent, most, wanted, value } = remedy;
     let moves = percent.as_ref().map(|percent| {
         let most = if *most { " most" } else { "" };
         format!("`{name}` changes it{most}: by {percent} % for each percent of `{name}`")
@@ -263,7 +265,7 @@ fn moved_by(finding: Diagnostic, mover: &Mover) -> Diagnostic {
     finding.related(*declared, format!("{value} now")).help(help)
 }
 
-fn together(finding: Diagnostic, others: &[Span]) -> Diagnostic {
+fn with_related(finding: Diagnostic, others: &[Span]) -> Diagnostic {
     others.iter().fold(finding, |finding, span| finding.related(*span, "together with this"))
 }
 
@@ -273,7 +275,7 @@ fn quoted(names: &[String]) -> String {
 }
 
 /// `1 N/m .. 2 N/m and 5 N/m .. 6 N/m`
-fn ranges(parts: &[(Told, Told)]) -> String {
+fn ranges(parts: &[(Phrase, Phrase)]) -> String {
     listed(&parts.iter().map(|(low, high)| format!("{low} .. {high}")).collect::<Vec<_>>())
 }
 

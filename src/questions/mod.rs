@@ -9,7 +9,6 @@
 //! 4. [`sensitivity`]: how frequencies and damping ratios depend on parameters
 
 mod advice;
-mod alone;
 pub mod answer;
 mod combined;
 pub mod cover;
@@ -17,16 +16,17 @@ mod derivative;
 pub mod error;
 mod exact;
 mod newton;
-mod over;
+mod one_unknown;
 mod probe;
+mod range_enclosure;
 mod require;
 mod search;
 mod sensitivity;
-mod together;
 pub mod trial;
+mod unknowns;
 
 pub use answer::{Requirement, Sensitivity, Solved};
 pub use require::requirements;
 pub use sensitivity::sensitivities;
-pub use together::{Settled, solve};
-pub use trial::{Known, Text};
+pub use trial::{Facts, Text};
+pub use unknowns::{Settled, solve};

@@ -5,9 +5,9 @@
 use super::answer::Others;
 use super::derivative::step;
 use super::error::AskedError;
-use super::over::{Centre, Moved};
-use super::search::{Difference, Root, exactly};
-use super::together::{Pairing, Unknowns, between, known};
+use super::range_enclosure::{Centre, Moved};
+use super::search::{Difference, Root, to_fraction};
+use super::unknowns::{Pairing, Unknowns, between, finite_value};
 use crate::base::{Ball, Dd, Jet, Number, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::Lu;
@@ -41,34 +41,34 @@ struct End {
 }
 
 /// Finds the unknowns of a group.
-pub fn together(unknowns: &mut Unknowns, group: &[Pairing]) -> Result<(), Vec<AskedError>> {
+pub fn solve_group(unknowns: &mut Unknowns, group: &[Pairing]) -> Result<(), Vec<AskedError>> {
     let problem = Problem::of(unknowns, group);
     let ends: Vec<End> = problem.starts().into_iter().filter_map(|start| problem.descend(start)).collect();
     let mut roots: Vec<&End> = Vec::new();
     for end in ends.iter().filter(|end| end.arrived) {
-        if !roots.iter().any(|known| problem.same(&known.x, &end.x)) {
+        if !roots.iter().any(|known| problem.are_same(&known.x, &end.x)) {
             roots.push(end);
         }
     }
     let list: Vec<usize> = group.iter().map(|(_, unknown)| *unknown).collect();
-    if roots.iter().any(|root| root.singular) || roots.len() > MOST_TOLD {
+    if roots.iter().any(|root| root.singular) || roots.len() > MAX_REPORTED {
         return Err(vec![unknowns.singular(&list)]);
     }
     match roots[..] {
         [root] => {
             let within = problem.proven(root);
-            let (x, looks) = (root.x.clone(), problem.looks.get());
+            let (x, evaluations) = (root.x.clone(), problem.evaluations.get());
             for (i, &(equation, unknown)) in group.iter().enumerate() {
                 let root = match &within {
                     Some(within) => Root::enclosed(x[i], within[i]),
                     None => Root::seen(x[i], x[i].hi.abs() * 2f64.powi(-96)),
                 };
-                unknowns.take(equation, unknown, &root, looks, Others::Unknown);
+                unknowns.take(equation, unknown, &root, evaluations, Others::Unknown);
             }
             Ok(())
         }
-        [] => Err(vec![problem.nothing(&ends, &list)]),
-        _ => Err(vec![problem.several(&roots, &list)]),
+        [] => Err(vec![problem.no_solution(&ends, &list)]),
+        _ => Err(vec![problem.several_solutions(&roots, &list)]),
     }
 }
 
@@ -76,7 +76,7 @@ pub fn together(unknowns: &mut Unknowns, group: &[Pairing]) -> Result<(), Vec<As
 const WIDENINGS: usize = 12;
 
 /// More sets of values than this lie on a curve.
-const MOST_TOLD: usize = 6;
+const MAX_REPORTED: usize = 6;
 
 struct Problem<'a, 'b> {
     unknowns: &'a Unknowns<'b>,
@@ -84,7 +84,7 @@ struct Problem<'a, 'b> {
     equations: Vec<usize>,
     low: Vec<Dd>,
     high: Vec<Dd>,
-    looks: std::cell::Cell<usize>,
+    evaluations: std::cell::Cell<usize>,
 }
 
 impl<'a, 'b> Problem<'a, 'b> {
@@ -94,7 +94,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         };
         let equations = group.iter().map(|(equation, _)| *equation).collect();
         let (low, high) = (ends(|solve| &solve.low), ends(|solve| &solve.high));
-        Problem { unknowns, group, equations, low, high, looks: std::cell::Cell::new(0) }
+        Problem { unknowns, group, equations, low, high, evaluations: std::cell::Cell::new(0) }
     }
 
     /// The midpoints of equal parts of the ranges, in all combinations.
@@ -114,22 +114,22 @@ impl<'a, 'b> Problem<'a, 'b> {
     }
 
     fn differences(&self, x: &[Dd]) -> Option<Vec<Ball>> {
-        self.looks.set(self.looks.get() + 1);
+        self.evaluations.set(self.evaluations.get() + 1);
         let mut values = self.unknowns.values.clone();
         for (&(_, unknown), &x) in self.group.iter().zip(x) {
-            values[unknown] = exactly(x);
+            values[unknown] = to_fraction(x);
         }
-        self.unknowns.differences(&self.equations, &values).into_iter().map(known).collect()
+        self.unknowns.differences(&self.equations, &values).into_iter().map(finite_value).collect()
     }
 
     /// Rows: equations; columns: unknowns.
     fn jacobian(&self, x: &[Dd], differences: &[Ball]) -> Option<Vec<Vec<f64>>> {
         let mut columns = Vec::new();
         for i in 0..x.len() {
-            let scale = exactly((self.high[i] - self.low[i]).abs());
+            let scale = to_fraction((self.high[i] - self.low[i]).abs());
             let relative =
                 (differences.iter().enumerate()).map(|(e, ball)| ball.rad / self.target(e)).fold(0.0, f64::max);
-            let h = step(&exactly(x[i]), &scale, relative).to_ball().mid;
+            let h = step(&to_fraction(x[i]), &scale, relative).to_ball().mid;
             let moved = |h: Dd| {
                 let mut moved = x.to_vec();
                 moved[i] += h;
@@ -162,14 +162,14 @@ impl<'a, 'b> Problem<'a, 'b> {
             let Some(jacobian) = self.jacobian(&x, &here) else { break };
             singular = self.is_singular(&jacobian);
             let rhs: Vec<Dd> = here.iter().map(|d| d.mid).collect();
-            let Some(full) = factored(&jacobian).and_then(|lu| solved(&lu, rhs)) else {
+            let Some(full) = factored(&jacobian).and_then(|lu| solve_step(&lu, rhs)) else {
                 singular = true;
                 break;
             };
             let mut part = 1.0;
             let mut better = None;
             while part > 1e-4 && better.is_none() {
-                let next: Vec<Dd> = (0..x.len()).map(|i| self.inside(i, x[i] - full[i].scale(part))).collect();
+                let next: Vec<Dd> = (0..x.len()).map(|i| self.clamp_to_limits(i, x[i] - full[i].scale(part))).collect();
                 better = self.differences(&next).filter(|there| size(there) < size(&here)).map(|there| (next, there));
                 part *= 0.5;
             }
@@ -181,7 +181,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         Some(End { size: size(&here), x, differences: here, arrived, singular })
     }
 
-    fn inside(&self, i: usize, x: Dd) -> Dd {
+    fn clamp_to_limits(&self, i: usize, x: Dd) -> Dd {
         if x < self.low[i] {
             self.low[i]
         } else if x > self.high[i] {
@@ -191,7 +191,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         }
     }
 
-    fn same(&self, a: &[Dd], b: &[Dd]) -> bool {
+    fn are_same(&self, a: &[Dd], b: &[Dd]) -> bool {
         let width = |i: usize| (self.high[i] - self.low[i]).to_f64();
         a.iter().zip(b).enumerate().all(|(i, (a, b))| (*a - *b).abs().to_f64() <= 1e-9 * width(i))
     }
@@ -219,7 +219,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         let middle = self.jacobian(&end.x, &end.differences)?;
         let unit = |e: usize| -> Vec<Dd> { (0..n).map(|i| if i == e { Dd::ONE } else { Dd::ZERO }).collect() };
         let middle = factored(&middle)?;
-        let columns: Option<Vec<Vec<Dd>>> = (0..n).map(|e| solved(&middle, unit(e))).collect();
+        let columns: Option<Vec<Vec<Dd>>> = (0..n).map(|e| solve_step(&middle, unit(e))).collect();
         let y = columns?;
         // |Y F(m)|
         let step: Vec<f64> = (0..n)
@@ -258,7 +258,7 @@ impl<'a, 'b> Problem<'a, 'b> {
             for (i, &(_, unknown)) in self.group.iter().enumerate() {
                 let range = Ball::exact(x[i]).widen(radius[i]);
                 values[unknown] = match own {
-                    None => exactly(x[i]),
+                    None => to_fraction(x[i]),
                     Some(own) if own == i => Jet::of_parameter(range),
                     Some(_) => Number::Ball(range),
                 };
@@ -267,7 +267,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         };
         let centre = self.unknowns.centre(equation, &values(None))?;
         let moved = |centre: &Centre| -> Option<Vec<Moved>> {
-            (0..n).map(|i| self.unknowns.asked(equation, &values(Some(i)), |asked| asked.moved(centre))?).collect()
+            (0..n).map(|i| self.unknowns.ask(equation, &values(Some(i)), |asked| asked.moved(centre))?).collect()
         };
         // The eigenvalue or pole that the measure depends on stays in this enclosure as long as it cannot move out of it,
         // and it is simple all the way.
@@ -276,17 +276,17 @@ impl<'a, 'b> Problem<'a, 'b> {
         if !wide.holds(&centre, &moved(&wide)?, radius) {
             return None;
         }
-        (0..n).map(|i| self.unknowns.asked(equation, &values(Some(i)), |asked| asked.slope(&wide))?).collect()
+        (0..n).map(|i| self.unknowns.ask(equation, &values(Some(i)), |asked| asked.slope(&wide))?).collect()
     }
 
-    fn nothing(&self, ends: &[End], list: &[usize]) -> AskedError {
+    fn no_solution(&self, ends: &[End], list: &[usize]) -> AskedError {
         let (span, others) = self.unknowns.spans(list);
         let names = self.unknowns.names(list);
         match ends.iter().min_by(|a, b| a.size.total_cmp(&b.size)) {
             Some(end) if end.singular => self.unknowns.singular(list),
             Some(end) => {
-                let told = |(i, &unknown): (usize, &usize)| self.unknowns.told(unknown, &exactly(end.x[i]));
-                let nearest = names.iter().cloned().zip(list.iter().enumerate().map(told)).collect();
+                let text = |(i, &unknown): (usize, &usize)| self.unknowns.value_text(unknown, &to_fraction(end.x[i]));
+                let nearest = names.iter().cloned().zip(list.iter().enumerate().map(text)).collect();
                 let reached = |(e, d): (&usize, &Ball)| self.unknowns.reached(*e, &Difference::Known(*d));
                 let left = self.equations.iter().zip(&end.differences).map(reached).collect();
                 AskedError::Apart { span, names, others, nearest, left }
@@ -295,16 +295,16 @@ impl<'a, 'b> Problem<'a, 'b> {
         }
     }
 
-    fn several(&self, roots: &[&End], list: &[usize]) -> AskedError {
+    fn several_solutions(&self, roots: &[&End], list: &[usize]) -> AskedError {
         let (span, others) = self.unknowns.spans(list);
         let names = self.unknowns.names(list);
-        let told = |root: &&End| {
+        let text = |root: &&End| {
             let one = |(i, &unknown): (usize, &usize)| {
-                format!("{} = {}", names[i], self.unknowns.told(unknown, &exactly(root.x[i])))
+                format!("{} = {}", names[i], self.unknowns.value_text(unknown, &to_fraction(root.x[i])))
             };
             list.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
         };
-        let mut roots: Vec<String> = roots.iter().map(told).collect();
+        let mut roots: Vec<String> = roots.iter().map(text).collect();
         roots.sort();
         AskedError::SeveralTogether { span, names, others, roots }
     }
@@ -316,7 +316,7 @@ fn factored<T: Scalar>(rows: &[Vec<f64>]) -> Option<Lu<T>> {
 }
 
 /// A^-1 b; `None` where that is not finite.
-fn solved(a: &Lu<Dd>, mut b: Vec<Dd>) -> Option<Vec<Dd>> {
+fn solve_step(a: &Lu<Dd>, mut b: Vec<Dd>) -> Option<Vec<Dd>> {
     a.solve(&mut b);
     b.iter().all(|x| x.is_finite()).then_some(b)
 }

@@ -209,8 +209,8 @@ impl Measured<'_> {
             Probe::Amplitude(output) => {
                 transfer.map_or(NONE, |transfer| measures::amplitude(transfer, drives, *output))
             }
-            Probe::Static(_) if drives.iter().any(|signals| measures::lasting(signals).is_none()) => {
-                Measurement::None("a base moves on for ever: nothing settles")
+            Probe::Static(_) if drives.iter().any(|signals| measures::lasting_value(signals).is_none()) => {
+                Measurement::None("a base moves on forever: there is no final value")
             }
             Probe::Static(_) if self.loads().iter().all(|(_, load)| load.is_zero()) => {
                 Measurement::None("no input has a lasting signal: nothing moves")
@@ -244,7 +244,8 @@ impl Measured<'_> {
         });
         // Of one that moves on for ever nothing is known.
         let unknown = || Number::Ball(Ball::ZERO.widen(f64::INFINITY));
-        let lasting = self.context.drives.iter().map(|signals| measures::lasting(signals).unwrap_or_else(unknown));
+        let lasting =
+            self.context.drives.iter().map(|signals| measures::lasting_value(signals).unwrap_or_else(unknown));
         let lasting = lasting.chain(std::iter::repeat(Number::ZERO));
         constants.zip(lasting).map(|(constant, lasting)| &constant + &lasting).enumerate().collect()
     }

@@ -3,9 +3,9 @@
 //! docs/method/measures.md.
 
 use super::advice::Advice;
-use super::answer::{Requirement, Value, few_digits, shown, told};
-use super::error::{AskedError, Mover};
-use super::trial::{Known, Text};
+use super::answer::{Requirement, Value, few_digits, shown, shown_text};
+use super::error::{AskedError, Remedy};
+use super::trial::{Facts, Text};
 use crate::analysis::Measurement;
 use crate::base::{Ball, Number};
 use crate::model::scene::{Comparison, Parameter, Question, Require};
@@ -17,7 +17,7 @@ pub fn requirements(
     text: &Text,
     scene: &CheckedScene,
     settings: &[Setting],
-    known: Known,
+    known: Facts,
 ) -> (Vec<Requirement>, Vec<AskedError>) {
     let requires = &scene.scene().requires;
     let questions: Vec<Question> = requires.iter().map(|require| require.question.clone()).collect();
@@ -38,7 +38,7 @@ pub fn requirements(
     parameters.retain(|parameter| !solved(parameter));
     let findings = list.iter().zip(requires).enumerate().filter_map(|(index, (requirement, require))| {
         let advice = Advice { text, settings, parameters: &parameters, index, require };
-        finding(requirement, || advice.mover(requirement))
+        finding(requirement, || advice.remedy(requirement))
     });
     let findings = findings.collect();
     (list, findings)
@@ -47,7 +47,7 @@ pub fn requirements(
 fn requirement(
     text: &Text,
     scene: &CheckedScene,
-    known: Known,
+    known: Facts,
     require: &Require,
     measured: Measurement,
 ) -> Requirement {
@@ -55,20 +55,20 @@ fn requirement(
     let (holds, margin) = match (&measured, require.comparison) {
         (Measurement::Value(value), Some(comparison)) => {
             let order = || text.compared(scene, question, known).map(|order| keeps(order, comparison));
-            let holds = stands(&measured, require.comparison, &question.value).or_else(order);
+            let holds = holds_for(&measured, require.comparison, &question.value).or_else(order);
             (holds, Some(margin(value, comparison, &question.value)))
         }
-        _ => (stands(&measured, require.comparison, &question.value), None),
+        _ => (holds_for(&measured, require.comparison, &question.value), None),
     };
     let value = match measured {
         Measurement::Value(value) if require.comparison.is_none() => {
-            let said = if value == Ball::ONE { "stable" } else { "not stable" };
-            Value::Said(if value.is_exact() { said } else { "undetermined" }.to_string())
+            let verdict = if value == Ball::ONE { "stable" } else { "not stable" };
+            Value::Verdict(if value.is_exact() { verdict } else { "undetermined" }.to_string())
         }
         Measurement::Value(value) => Value::Number(value),
         Measurement::Infinite => Value::Infinite,
-        Measurement::None(why) => Value::Said(why.to_string()),
-        Measurement::Failed(why) => Value::Said(why),
+        Measurement::None(why) => Value::Verdict(why.to_string()),
+        Measurement::Failed(why) => Value::Verdict(why),
     };
     Requirement {
         text: text.sources.slice(require.span).to_string(),
@@ -79,12 +79,12 @@ fn requirement(
         margin,
         unit: question.unit.clone(),
         in_radians: question.radians.is_some(),
-        until: text.followed(&question.measure),
+        until: text.simulated_time(&question.measure),
     }
 }
 
 /// Whether a measured number keeps its limit, if that is certain.
-pub fn stands(measured: &Measurement, comparison: Option<Comparison>, limit: &Number) -> Option<bool> {
+pub fn holds_for(measured: &Measurement, comparison: Option<Comparison>, limit: &Number) -> Option<bool> {
     match (measured, comparison) {
         (Measurement::Value(value), None) => value.is_exact().then(|| *value == Ball::ONE),
         (Measurement::Value(value), Some(comparison)) => holds(value, comparison, limit),
@@ -120,9 +120,9 @@ fn margin(value: &Ball, comparison: Comparison, limit: &Number) -> Ball {
     }
 }
 
-fn finding(requirement: &Requirement, mover: impl FnOnce() -> Option<Mover>) -> Option<AskedError> {
+fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Option<Remedy>) -> Option<AskedError> {
     let span = requirement.span;
-    let value = requirement.told().into_owned();
+    let value = requirement.value_text().into_owned();
     match (requirement.holds, &requirement.value) {
         (Some(true), _) => None,
         (Some(false), _) => {
@@ -130,14 +130,14 @@ fn finding(requirement: &Requirement, mover: impl FnOnce() -> Option<Mover>) -> 
                 (Some(margin), Some(_)) => percent(-margin.to_f64()),
                 (Some(_), None) | (None, _) => missed_by(requirement),
             };
-            Some(AskedError::Fails { span, value, by, mover: mover() })
+            Some(AskedError::Fails { span, value, by, remedy: remedy() })
         }
         (None, Value::Number(ball)) => {
-            let limit = requirement.shown_limit().map_or(String::new(), |limit| told(&limit));
+            let limit = requirement.shown_limit().map_or(String::new(), |limit| shown_text(&limit));
             Some(AskedError::Undetermined { span, value, limit, bound: format!("{:.0e}", ball.rad) })
         }
         (None, Value::Infinite) => None,
-        (None, Value::Said(why)) => Some(AskedError::NoNumber { span, why: why.clone() }),
+        (None, Value::Verdict(why)) => Some(AskedError::NoNumber { span, why: why.clone() }),
     }
 }
 
@@ -145,7 +145,7 @@ fn finding(requirement: &Requirement, mover: impl FnOnce() -> Option<Mover>) -> 
 fn missed_by(requirement: &Requirement) -> String {
     match (&requirement.value, &requirement.margin) {
         (Value::Number(_), Some(margin)) => {
-            told(&shown(&Number::Ball(-*margin), &requirement.unit, requirement.in_radians))
+            shown_text(&shown(&Number::Ball(-*margin), &requirement.unit, requirement.in_radians))
         }
         (Value::Infinite, _) => "any amount".to_string(),
         _ => "being unstable or neutral".to_string(),

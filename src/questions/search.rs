@@ -17,7 +17,7 @@ pub enum Difference {
 
 /// One evaluation of the measure.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct Evaluation {
     pub at: Number,
     pub x: f64,
     pub difference: Difference,
@@ -40,7 +40,7 @@ pub struct Crossing(());
 
 impl Crossing {
     /// The measure is exactly at its target there.
-    pub(super) fn met() -> Crossing {
+    pub(super) fn exact() -> Crossing {
         Crossing(())
     }
 }
@@ -59,12 +59,12 @@ impl Root {
 
 /// The result of a search.
 #[derive(Clone, Debug, Default)]
-pub struct Seen {
+pub struct SearchResult {
     pub roots: Vec<Root>,
     /// Where the measure turns, as far as that was followed: it may just touch its target there.
     pub turns: Vec<Root>,
     /// The first evaluations, ascending.
-    pub looks: Vec<Look>,
+    pub evaluations: Vec<Evaluation>,
     /// Where the measure jumps over its target.
     pub jumps: Vec<f64>,
     /// Number of evaluations in total.
@@ -81,34 +81,34 @@ const TURNING: usize = 60;
 const NARROWING: usize = 240;
 
 /// Narrows two numbers with the measure on different sides, for a measure known to cross its target once.
-pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> Seen {
+pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> SearchResult {
     let mut search = Search { measure, count: 0 };
-    let looks = vec![search.look(low.clone()), search.look(high.clone())];
-    let mut seen = Seen::default();
-    search.between(&looks[0], &looks[1], &mut seen);
-    for look in looks.iter().filter(|look| sign(&look.difference) == Some(Ordering::Equal)) {
-        seen.add(search.certified(look));
+    let evaluations = vec![search.evaluate(low.clone()), search.evaluate(high.clone())];
+    let mut seen = SearchResult::default();
+    search.interpolate(&evaluations[0], &evaluations[1], &mut seen);
+    for evaluation in evaluations.iter().filter(|evaluation| sign(&evaluation.difference) == Some(Ordering::Equal)) {
+        seen.add(search.certified(evaluation));
     }
-    (seen.looks, seen.count) = (looks, search.count);
+    (seen.evaluations, seen.count) = (evaluations, search.count);
     seen
 }
 
 /// Evaluates the measure over a range and narrows every root.
-pub fn search(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> Seen {
+pub fn search(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> SearchResult {
     let mut search = Search { measure, count: 0 };
-    let looks: Vec<Look> = grid(low, high).into_iter().map(|at| search.look(at)).collect();
-    let mut seen = Seen::default();
-    for pair in looks.windows(2) {
-        search.between(&pair[0], &pair[1], &mut seen);
+    let evaluations: Vec<Evaluation> = grid(low, high).into_iter().map(|at| search.evaluate(at)).collect();
+    let mut seen = SearchResult::default();
+    for pair in evaluations.windows(2) {
+        search.interpolate(&pair[0], &pair[1], &mut seen);
     }
-    for look in looks.iter().filter(|look| sign(&look.difference) == Some(Ordering::Equal)) {
-        seen.add(search.certified(look));
+    for evaluation in evaluations.iter().filter(|evaluation| sign(&evaluation.difference) == Some(Ordering::Equal)) {
+        seen.add(search.certified(evaluation));
     }
-    for three in looks.windows(3) {
+    for three in evaluations.windows(3) {
         search.turn([&three[0], &three[1], &three[2]], &mut seen);
     }
     seen.roots.sort_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
-    (seen.looks, seen.count) = (looks, search.count);
+    (seen.evaluations, seen.count) = (evaluations, search.count);
     seen
 }
 
@@ -117,7 +117,7 @@ struct Search<'a> {
     count: usize,
 }
 
-impl Seen {
+impl SearchResult {
     /// Adds a root; one that was found from two sides counts once.
     pub fn add(&mut self, root: Option<Root>) {
         let Some(root) = root else { return };
@@ -132,18 +132,18 @@ impl Seen {
 }
 
 impl Search<'_> {
-    fn look(&mut self, at: Number) -> Look {
+    fn evaluate(&mut self, at: Number) -> Evaluation {
         self.count += 1;
         let difference = (self.measure)(&at);
-        Look { x: at.to_f64(), at, difference }
+        Evaluation { x: at.to_f64(), at, difference }
     }
 
-    fn look_at(&mut self, x: Dd) -> Look {
-        self.look(exactly(x))
+    fn evaluate_at(&mut self, x: Dd) -> Evaluation {
+        self.evaluate(to_fraction(x))
     }
 
     /// Narrows the root between two evaluations on different sides.
-    fn between(&mut self, a: &Look, b: &Look, seen: &mut Seen) {
+    fn interpolate(&mut self, a: &Evaluation, b: &Evaluation, seen: &mut SearchResult) {
         let (Some(left), Some(right)) = (sign(&a.difference), sign(&b.difference)) else { return };
         if left == right || left == Ordering::Equal || right == Ordering::Equal {
             return;
@@ -152,7 +152,7 @@ impl Search<'_> {
         let (mut a, mut b) = (a.clone(), b.clone());
         for step in 0..NARROWING {
             let Some(x) = middle(&a, &b, step) else { break };
-            let c = self.look_at(x);
+            let c = self.evaluate_at(x);
             match sign(&c.difference) {
                 // Near a pole an enclosure is so wide that it contains zero too.
                 Some(Ordering::Equal) if uncertainty(&c) > first => return seen.jumps.push(c.x),
@@ -178,11 +178,11 @@ impl Search<'_> {
     }
 
     /// The narrowest pair of numbers around this one, on different sides, that the enclosures allow.
-    fn certified(&mut self, near: &Look) -> Option<Root> {
+    fn certified(&mut self, near: &Evaluation) -> Option<Root> {
         let x = near.at.to_ball().mid;
         let mut within = (x.hi.abs() * 2f64.powi(-100)).max(f64::MIN_POSITIVE * 2f64.powi(60));
         for _ in 0..30 {
-            let (left, right) = (self.look_at(x - Dd::from(within)), self.look_at(x + Dd::from(within)));
+            let (left, right) = (self.evaluate_at(x - Dd::from(within)), self.evaluate_at(x + Dd::from(within)));
             let (a, b) = (sign(&left.difference), sign(&right.difference));
             if let (Some(a), Some(b)) = (a, b)
                 && a != Ordering::Equal
@@ -200,9 +200,9 @@ impl Search<'_> {
     }
 
     /// Follows |difference| down to where it turns, and checks whether it reaches the other side there.
-    fn turn(&mut self, looks: [&Look; 3], seen: &mut Seen) {
-        let [a, b, c] = looks;
-        let signs = looks.map(|look| sign(&look.difference));
+    fn turn(&mut self, evaluations: [&Evaluation; 3], seen: &mut SearchResult) {
+        let [a, b, c] = evaluations;
+        let signs = evaluations.map(|evaluation| sign(&evaluation.difference));
         let Some(side) = signs[1].filter(|side| *side != Ordering::Equal) else { return };
         if signs.iter().any(|sign| *sign != Some(side)) || size(b) > size(a) || size(b) > size(c) {
             return;
@@ -213,13 +213,13 @@ impl Search<'_> {
             let right = high.x - best.x > best.x - low.x;
             let end = if right { &high } else { &low };
             let (best_at, end_at) = (best.at.to_ball().mid, end.at.to_ball().mid);
-            let c = self.look_at(best_at + (end_at - best_at) * 0.381_966_011_250_105);
+            let c = self.evaluate_at(best_at + (end_at - best_at) * 0.381_966_011_250_105);
             match sign(&c.difference) {
                 Some(found) if found == side => {}
                 Some(Ordering::Equal) => return seen.add(self.certified(&c)),
                 Some(_) => {
-                    self.between(&low, &c, seen);
-                    self.between(&c, &high, seen);
+                    self.interpolate(&low, &c, seen);
+                    self.interpolate(&c, &high, seen);
                     return;
                 }
                 None => return,
@@ -251,32 +251,32 @@ pub fn sign(difference: &Difference) -> Option<Ordering> {
     }
 }
 
-fn value(look: &Look) -> f64 {
-    match &look.difference {
+fn value(evaluation: &Evaluation) -> f64 {
+    match &evaluation.difference {
         Difference::Known(ball) => ball.to_f64(),
         Difference::Infinite => f64::INFINITY,
         Difference::None(_) => f64::NAN,
     }
 }
 
-fn size(look: &Look) -> f64 {
-    value(look).abs()
+fn size(evaluation: &Evaluation) -> f64 {
+    value(evaluation).abs()
 }
 
-fn uncertainty(look: &Look) -> f64 {
-    match &look.difference {
+fn uncertainty(evaluation: &Evaluation) -> f64 {
+    match &evaluation.difference {
         Difference::Known(ball) => ball.rad,
         _ => f64::INFINITY,
     }
 }
 
-fn jump_size(a: &Look, b: &Look) -> f64 {
+fn jump_size(a: &Evaluation, b: &Evaluation) -> f64 {
     (value(b) - value(a)).abs()
 }
 
 /// Where to evaluate next between two points: by the secant, every third time in the middle, and nearer to the far end if
 /// one end does not move. `None` if no number lies between them.
-fn middle(a: &Look, b: &Look, step: usize) -> Option<Dd> {
+fn middle(a: &Evaluation, b: &Evaluation, step: usize) -> Option<Dd> {
     let (left, right) = (a.at.to_ball().mid, b.at.to_ball().mid);
     let width = right - left;
     let scale = left.hi.abs().max(right.hi.abs());
@@ -314,7 +314,7 @@ fn rounded(x: Dd, width: f64) -> Dd {
 }
 
 /// The double-double as a fraction.
-pub fn exactly(x: Dd) -> Number {
+pub fn to_fraction(x: Dd) -> Number {
     let parts = Rational::from_f64(x.hi).zip(Rational::from_f64(x.lo));
     parts.map_or(Number::Ball(Ball::exact(x)), |(hi, lo)| Number::from(&hi + &lo))
 }
@@ -340,7 +340,7 @@ fn grid(low: &Number, high: &Number) -> Vec<Number> {
 mod tests {
     use super::*;
 
-    fn found(low: i64, high: i64, f: impl Fn(Ball) -> Ball) -> Seen {
+    fn found(low: i64, high: i64, f: impl Fn(Ball) -> Ball) -> SearchResult {
         let measure = |x: &Number| Difference::Known(f(x.to_ball()));
         search(&Number::from(low), &Number::from(high), &measure)
     }
@@ -377,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_found_where_nothing_is() {
+    fn no_root_is_found_where_there_is_none() {
         assert!(found(0, 10, |x| x * x + Ball::ONE).roots.is_empty());
     }
 

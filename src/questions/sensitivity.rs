@@ -7,7 +7,7 @@
 
 use super::answer::{Derivative, Sensitivity, Slope};
 use super::derivative::{NoSlope, slope, step};
-use super::over::{frequency_slope, ratio_slope};
+use super::range_enclosure::{frequency_slope, ratio_slope};
 use super::trial::Text;
 use crate::analysis::measures::damped_motion;
 use crate::analysis::range::Family;
@@ -37,7 +37,8 @@ pub fn sensitivities(
     let vectors = Vectors::of(system, &here);
     let parameters = text.parameters(settings);
     let (here, vectors, n) = (&here, &vectors, system.n());
-    let all = parameters.iter().map(|parameter| Of { text, settings, request, parameter, here, vectors, n });
+    let all =
+        parameters.iter().map(|parameter| SlopeComputation { text, settings, request, parameter, here, vectors, n });
     all.map(|of| of.sensitivity()).collect()
 }
 
@@ -124,7 +125,7 @@ fn hull(balls: &[Ball]) -> Ball {
 }
 
 /// The slopes with respect to one parameter.
-struct Of<'a> {
+struct SlopeComputation<'a> {
     text: &'a Text<'a>,
     settings: &'a [Setting],
     request: &'a Request,
@@ -141,7 +142,7 @@ struct Sides {
     after: Option<Spectrum>,
 }
 
-impl Of<'_> {
+impl SlopeComputation<'_> {
     fn sensitivity(&self) -> Sensitivity {
         let Parameter { name, value, unit, .. } = self.parameter;
         let point = Jet::of_parameter(value.si.enclosure());
@@ -153,11 +154,11 @@ impl Of<'_> {
         frequencies.resize(self.here.squares.len(), None);
         ratios.resize(self.here.motions.len(), None);
         // Without a number there is no slope either; the remaining ones are computed by differences.
-        let told = |found: &[Option<Slope>], known: &mut dyn Iterator<Item = bool>| {
+        let is_incomplete = |found: &[Option<Slope>], known: &mut dyn Iterator<Item = bool>| {
             found.iter().zip(known).any(|(slope, known)| slope.is_none() && known)
         };
-        let left = told(&frequencies, &mut self.here.frequencies.iter().map(Option::is_some))
-            || told(&ratios, &mut self.here.motions.iter().map(|pole| pole.damping_ratio.is_some()));
+        let left = is_incomplete(&frequencies, &mut self.here.frequencies.iter().map(Option::is_some))
+            || is_incomplete(&ratios, &mut self.here.motions.iter().map(|pole| pole.damping_ratio.is_some()));
         let sides = if left { Some(self.sides()) } else { None };
         for (i, slope) in frequencies.iter_mut().enumerate() {
             *slope = slope
@@ -246,7 +247,7 @@ impl Of<'_> {
             spectrum.as_ref().filter(|there| there.frequencies.len() == self.here.frequencies.len()).and_then(of)
         };
         Some(match slope(there(before), Some(known), there(after), h) {
-            Ok(seen) => self.smooth(Derivative::Seen(Unproven(seen.to_f64())), known),
+            Ok(seen) => self.smooth(Derivative::Estimated(Unproven(seen.to_f64())), known),
             Err(NoSlope::Kink) => Slope::Splits(Vec::new()),
             Err(NoSlope::Undefined) => Slope::Undefined,
         })

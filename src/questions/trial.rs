@@ -2,8 +2,8 @@
 //! the measures, or why there are none.
 
 use super::exact;
-use super::over::{Asked, Centre, Drive};
 use super::probe::{Measured, Plan, Probe, prepare, prepare_crossings};
+use super::range_enclosure::{Centre, Drive, QuestionOverRange};
 use crate::analysis::measures;
 use crate::analysis::range::Family;
 use crate::analysis::{
@@ -38,7 +38,7 @@ pub struct Context {
 
 /// What is already known about a scene and need not be computed again.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Known<'a> {
+pub struct Facts<'a> {
     pub system: Option<&'a WrittenOut>,
     /// All modes and poles.
     pub spectrum: Option<(&'a Modes, &'a Poles)>,
@@ -66,7 +66,7 @@ impl Text<'_> {
         choose: impl Fn(&CheckedScene) -> Vec<Question>,
     ) -> Result<Vec<Measurement>, String> {
         let scene = self.scene(values)?;
-        self.measure_scene(&scene, &choose(&scene), Known::default())
+        self.measure_scene(&scene, &choose(&scene), Facts::default())
     }
 
     /// The measures that `solve` needs, with some parameters at these values (see [`prepare_crossings`]).
@@ -77,7 +77,7 @@ impl Text<'_> {
     ) -> Result<Vec<Measurement>, String> {
         let scene = self.scene(values)?;
         let questions = choose(&scene);
-        self.applied(&scene, &questions, Known::default(), &prepare_crossings, |measured, probes| {
+        self.with_measured(&scene, &questions, Facts::default(), &prepare_crossings, |measured, probes| {
             measured.measure(probes)
         })
     }
@@ -86,29 +86,32 @@ impl Text<'_> {
     pub fn centre(&self, values: &[Setting], choose: impl Fn(&CheckedScene) -> Option<Question>) -> Option<Centre> {
         let scene = self.scene(values).ok()?;
         let question = choose(&scene)?;
-        let found =
-            self.applied(&scene, std::slice::from_ref(&question), Known::default(), &prepare, |measured, probes| {
-                match &probes[0] {
-                    Probe::Frequency(mode) => {
-                        let mode = mode.checked_sub(1).and_then(|i| measured.modes?.list.get(i))?;
-                        Some(Centre::Eigenvalue(mode.omega_squared))
-                    }
-                    Probe::Damping(motion) => {
-                        let pole = measures::damped_motion(measured.poles?, *motion).ok()?;
-                        Some(Centre::Pole(pole.re, pole.im))
-                    }
-                    _ => Some(Centre::None),
+        let found = self.with_measured(
+            &scene,
+            std::slice::from_ref(&question),
+            Facts::default(),
+            &prepare,
+            |measured, probes| match &probes[0] {
+                Probe::Frequency(mode) => {
+                    let mode = mode.checked_sub(1).and_then(|i| measured.modes?.list.get(i))?;
+                    Some(Centre::Eigenvalue(mode.omega_squared))
                 }
-            });
+                Probe::Damping(motion) => {
+                    let pole = measures::damped_motion(measured.poles?, *motion).ok()?;
+                    Some(Centre::Pole(pole.re, pole.im))
+                }
+                _ => Some(Centre::None),
+            },
+        );
         found.ok()?
     }
 
     /// What is known about the measure of a question while some of the values are ranges ([`crate::base::Jet`]).
-    pub fn over<T>(
+    pub fn enclose_over<T>(
         &self,
         values: &[Setting],
         choose: impl Fn(&CheckedScene) -> Option<Question>,
-        tell: impl FnOnce(&Asked) -> T,
+        tell: impl FnOnce(&QuestionOverRange) -> T,
     ) -> Option<T> {
         let prepared = || {
             let scene = self.scene(values).ok()?;
@@ -122,9 +125,9 @@ impl Text<'_> {
                 (Some(Damping::Modal { .. }), _) => return None,
                 _ => scene,
             };
-            let mut said = Diagnostics::new();
-            let mut lowered = dynamics::written_out(&scene, &mut said)?.lowered;
-            lowered.read(scene.scene(), readouts).ok().filter(|()| lowered.rest.is_proven())?;
+            let mut diagnostics = Diagnostics::new();
+            let mut lowered = dynamics::lower_written_out(&scene, &mut diagnostics)?.lowered;
+            lowered.add_readouts(scene.scene(), readouts).ok().filter(|()| lowered.rest.is_proven())?;
             let context = self.context(&scene, std::slice::from_ref(&probe)).ok()?;
             Some((scene, question, probe, lowered, context))
         };
@@ -137,7 +140,7 @@ impl Text<'_> {
         let drive = Drive { signals: &context.drives, loads: &loads };
         let course = Family::course(&lowered.system, lost);
         let (family, drive, probe, question) = (family.as_ref(), &drive, &probe, &question);
-        Some(tell(&Asked { family, course, drive, probe, question }))
+        Some(tell(&QuestionOverRange { family, course, drive, probe, question }))
     }
 
     /// The measures of a scene.
@@ -145,26 +148,26 @@ impl Text<'_> {
         &self,
         scene: &CheckedScene,
         questions: &[Question],
-        known: Known,
+        known: Facts,
     ) -> Result<Vec<Measurement>, String> {
-        self.applied(scene, questions, known, &prepare, |measured, probes| measured.measure(probes))
+        self.with_measured(scene, questions, known, &prepare, |measured, probes| measured.measure(probes))
     }
 
     /// How the measure of a question compares with its value, decided exactly; `None` if that is not possible.
-    pub fn compared(&self, scene: &CheckedScene, question: &Question, known: Known) -> Option<Ordering> {
+    pub fn compared(&self, scene: &CheckedScene, question: &Question, known: Facts) -> Option<Ordering> {
         let questions = std::slice::from_ref(question);
-        self.applied(scene, questions, known, &prepare, |measured, probes| {
+        self.with_measured(scene, questions, known, &prepare, |measured, probes| {
             exact::compare(measured, &probes[0], question)
         })
         .ok()?
     }
 
     /// Gives the system of a scene an output for each question, computes what the probes need, and calls `apply` with it.
-    fn applied<T>(
+    fn with_measured<T>(
         &self,
         scene: &CheckedScene,
         questions: &[Question],
-        known: Known,
+        known: Facts,
         prepare: &dyn Fn(&Scene, &[Question]) -> Plan,
         apply: impl FnOnce(&Measured, &[Probe]) -> T,
     ) -> Result<T, String> {
@@ -172,13 +175,13 @@ impl Text<'_> {
         let WrittenOut { mut lowered, modes } = match known.system {
             Some(system) => system.clone(),
             None => {
-                let mut said = Diagnostics::new();
-                dynamics::written_out(scene, &mut said).ok_or_else(|| first_error(&said))?
+                let mut diagnostics = Diagnostics::new();
+                dynamics::lower_written_out(scene, &mut diagnostics).ok_or_else(|| first_error(&diagnostics))?
             }
         };
-        lowered.read(scene.scene(), readouts).map_err(|error| error.to_diagnostic().message)?;
+        lowered.add_readouts(scene.scene(), readouts).map_err(|error| error.to_diagnostic().message)?;
         let computed = match known.spectrum {
-            None => Some(computed(&lowered.system, modes, &probes)?),
+            None => Some(compute_spectrum(&lowered.system, modes, &probes)?),
             Some(_) => None,
         };
         let (modes, poles) = match (known.spectrum, &computed) {
@@ -193,17 +196,20 @@ impl Text<'_> {
     /// The modes and poles with some parameters at these values.
     pub fn modal(&self, values: &[Setting], request: &Request) -> Result<Modal, String> {
         let scene = self.scene(values)?;
-        let mut said = Diagnostics::new();
+        let mut diagnostics = Diagnostics::new();
         let WrittenOut { lowered, modes } =
-            dynamics::written_out(&scene, &mut said).ok_or_else(|| first_error(&said))?;
+            dynamics::lower_written_out(&scene, &mut diagnostics).ok_or_else(|| first_error(&diagnostics))?;
         modal_from(&lowered.system, modes.as_ref(), request).map_err(|error| error.to_diagnostic().message)
     }
 
     /// The modes without damping with some parameters at these values.
     pub fn undamped(&self, values: &[Setting], request: &Request) -> Result<Modes, String> {
         let scene = self.scene(values)?.without_damping();
-        let mut said = Diagnostics::new();
-        let system = dynamics::written_out(&scene, &mut said).ok_or_else(|| first_error(&said))?.lowered.system;
+        let mut diagnostics = Diagnostics::new();
+        let system = dynamics::lower_written_out(&scene, &mut diagnostics)
+            .ok_or_else(|| first_error(&diagnostics))?
+            .lowered
+            .system;
         modes_as(&system, request).map_err(|error| error.to_diagnostic().message)
     }
 
@@ -218,7 +224,7 @@ impl Text<'_> {
                     return None;
                 }
                 let scene = if damped { scene } else { scene.without_damping() };
-                let lowered = dynamics::written_out(&scene, &mut Diagnostics::new())?.lowered;
+                let lowered = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?.lowered;
                 lowered.rest.is_proven().then_some(lowered.system)
             })
         };
@@ -229,7 +235,7 @@ impl Text<'_> {
     }
 
     /// The simulated time for a measure, if it needs one.
-    pub fn followed(&self, measure: &Measure) -> Option<Number> {
+    pub fn simulated_time(&self, measure: &Measure) -> Option<Number> {
         measure.is_of_time().then(|| self.until.cloned()).flatten()
     }
 
@@ -238,8 +244,8 @@ impl Text<'_> {
         if !probes.iter().any(Probe::of_signals) {
             return Ok(Context::default());
         }
-        let mut said = Diagnostics::new();
-        let drives = dynamics::drives(scene, &mut said).ok_or_else(|| first_error(&said))?;
+        let mut diagnostics = Diagnostics::new();
+        let drives = dynamics::drives(scene, &mut diagnostics).ok_or_else(|| first_error(&diagnostics))?;
         Ok(Context { drives, until: self.until.cloned() })
     }
 }
@@ -265,7 +271,7 @@ pub fn usual_time(scene: &CheckedScene, poles: &Poles) -> Option<Number> {
 }
 
 /// The modes and poles that the probes need; `known` are all modes.
-fn computed(
+fn compute_spectrum(
     system: &LinearSystem,
     known: Option<Modes>,
     probes: &[Probe],
@@ -276,18 +282,18 @@ fn computed(
     let of_poles = probes.iter().any(Probe::of_poles);
     let highest = probes.iter().map(Probe::highest_mode).max();
     let lowest = Which::Lowest(highest.unwrap_or(1));
-    let said = |error: AnalysisError| error.to_diagnostic().message;
+    let diagnostics = |error: AnalysisError| error.to_diagnostic().message;
     let found = match known {
         Some(modes) => Ok(modes),
         None if of_poles || system.n() <= FEW => modes(system),
         None => modes_as(system, &Request { which: lowest, ..Request::default() }),
     };
-    let modes = found.map_err(said)?;
-    let poles = if of_poles { Some(poles(system, &modes).map_err(said)?) } else { None };
+    let modes = found.map_err(diagnostics)?;
+    let poles = if of_poles { Some(poles(system, &modes).map_err(diagnostics)?) } else { None };
     Ok((Some(modes), poles))
 }
 
 /// The message of the first error of a trial.
-fn first_error(said: &Diagnostics) -> String {
-    said.iter().find(|finding| finding.is_error()).map_or_else(String::new, |error| error.message.clone())
+fn first_error(diagnostics: &Diagnostics) -> String {
+    diagnostics.iter().find(|finding| finding.is_error()).map_or_else(String::new, |error| error.message.clone())
 }

@@ -94,7 +94,7 @@ fn derivatives_are_those_of_calculus() {
 }
 
 #[test]
-fn common_factors_are_taken_out() {
+fn common_factors_are_factored_out() {
     let (a, b, c) = (name(0), name(1), name(2));
     let sum = &(&(&a * &c) + &(&b * &c)).scaled(&Rational::from(-2)) + &Sum::ZERO;
     let factored = common_factors(&sum);

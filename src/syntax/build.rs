@@ -322,7 +322,7 @@ impl Build<'_> {
             if twice {
                 let clause = &self.text[start..end];
                 let word = start + (clause.len() - clause.trim_start().len());
-                let len = self.text[word..].bytes().position(|b| !words::continues(b)).unwrap_or(0);
+                let len = self.text[word..].bytes().position(|b| !words::is_word_byte(b)).unwrap_or(0);
                 self.refuse(Refused::Twice(self.span((word, word + len))));
             }
         }
@@ -399,11 +399,11 @@ impl Build<'_> {
 
     /// `along ...` or `= ...`, if present.
     fn clause(&mut self, rule: Rule) -> Option<ExprId> {
-        (self.next == Some(rule)).then(|| self.wrapped().0)
+        (self.next == Some(rule)).then(|| self.wrapped_expression().0)
     }
 
     /// Consumes a rule that holds a single expression; returns the expression and where the rule starts and ends.
-    fn wrapped(&mut self) -> (ExprId, usize, usize) {
+    fn wrapped_expression(&mut self) -> (ExprId, usize, usize) {
         let start = self.step();
         let id = self.expression().id;
         (id, start, self.step())
@@ -411,7 +411,7 @@ impl Build<'_> {
 
     /// The word at `start`, where a rule has just matched one.
     fn word_at(&mut self, start: usize) -> Span {
-        let len = self.text[start..].bytes().position(|b| !words::continues(b)).unwrap_or(self.text.len() - start);
+        let len = self.text[start..].bytes().position(|b| !words::is_word_byte(b)).unwrap_or(self.text.len() - start);
         let span = self.span((start, start + len));
         if len > limits::WORD {
             self.refuse(Refused::LongWord(span));
@@ -630,7 +630,7 @@ impl Build<'_> {
                 Rule::operator => {
                     let (start, end) = self.leaf();
                     let operator = Operator::Binary(binary(&self.text[start..end]));
-                    self.settle(base, operator);
+                    self.apply_waiting(base, operator);
                     self.yard.operators.push(operator);
                 }
                 _ => {
@@ -645,7 +645,7 @@ impl Build<'_> {
     }
 
     /// Applies the waiting operators that bind before `next`: tighter ones and, unless `next` is `^`, equally tight ones.
-    fn settle(&mut self, base: usize, next: Operator) {
+    fn apply_waiting(&mut self, base: usize, next: Operator) {
         let from_the_right = matches!(next, Operator::Binary(Binary::Power));
         self.reduce(base, next.binds() + u8::from(from_the_right));
     }

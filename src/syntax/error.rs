@@ -25,7 +25,7 @@ pub enum SyntaxError {
     UnknownKeyword {
         at: Span,
         found: String,
-        meant: Meant,
+        meant: Intent,
     },
     /// Something stands where the grammar expects something else.
     Unexpected {
@@ -101,7 +101,7 @@ pub enum SyntaxError {
 
 /// The likely intention behind a line that does not start with a keyword.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Meant {
+pub enum Intent {
     Declaration(&'static Declaration),
     /// `k = 10 N/m`, without `param` or `let`.
     Value,
@@ -152,6 +152,8 @@ pub enum Remark {
     UnitGlued,
     /// `L N/m`: a unit after something that is not a number.
     UnitOfNoNumber,
+    /// `5 1/s`: a unit that begins with a number.
+    UnitWithOne,
     FunctionApart,
     IndexApart,
     OperatorMissing,
@@ -203,34 +205,35 @@ impl SyntaxError {
         let error = |code, message: String| Diagnostic::error(code, self.at(), message);
         match self {
             SyntaxError::UnknownKeyword { found, meant, .. } => {
-                let told = error(UNKNOWN_KEYWORD, format!("{found} does not start a declaration")).help(meant.help());
-                meant.mended(told)
+                let diagnostic =
+                    error(UNKNOWN_KEYWORD, format!("{found} does not start a declaration")).help(meant.help());
+                meant.fixed(diagnostic)
             }
             SyntaxError::Unexpected { found, expected, remark, .. } => unexpected(self.at(), found, *expected, remark),
             SyntaxError::Unclosed { bracket, before, of, .. } => {
                 let of = of.map_or(String::new(), |keyword| format!(" of `{keyword}`"));
                 let closing = closing(*bracket);
                 let end = if before.is_some() { "the next declaration" } else { "the end of the file" };
-                let told = error(UNCLOSED, format!("the `{bracket}`{of} is not closed"))
+                let diagnostic = error(UNCLOSED, format!("the `{bracket}`{of} is not closed"))
                     .help(format!("write `{closing}` before {end}"));
-                let told = told.mend(self.at(), Change::Close(closing));
+                let diagnostic = diagnostic.fix(self.at(), Change::Close(closing));
                 match before {
-                    Some(span) => told.related(*span, "the next declaration starts here"),
-                    None => told,
+                    Some(span) => diagnostic.related(*span, "the next declaration starts here"),
+                    None => diagnostic,
                 }
             }
             SyntaxError::Mismatch { bracket, close, found, .. } => {
                 error(UNCLOSED, format!("the `{bracket}` is not closed before `{found}`"))
                     .related(*close, format!("`{}` is missing before this", closing(*bracket)))
                     .help(format!("write `{}` where the bracket ends", closing(*bracket)))
-                    .mend(self.at(), Change::Close(closing(*bracket)))
+                    .fix(self.at(), Change::Close(closing(*bracket)))
             }
             SyntaxError::Stray { bracket, .. } => error(STRAY, format!("this `{bracket}` has no opening bracket"))
                 .help(format!("delete it, or write the `{}` that it closes", opening(*bracket)))
-                .mend(self.at(), Change::Replace(String::new())),
+                .fix(self.at(), Change::Replace(String::new())),
             SyntaxError::UnclosedString { .. } => error(UNCLOSED_STRING, "this string is not closed".into())
                 .help("write `\"` at its end; a string ends on its line")
-                .mend(self.at(), Change::Close('"')),
+                .fix(self.at(), Change::Close('"')),
             SyntaxError::Character { character, .. } => character_error(self.at(), *character),
             SyntaxError::Nesting { .. } => {
                 error(TOO_DEEP, format!("brackets are nested more than {} levels deep", limits::BRACKETS))
@@ -241,9 +244,8 @@ impl SyntaxError {
                     .help("a name has at most three indices; write separate `repeat`s")
             }
             SyntaxError::InnerComponent { keyword, .. } => {
-                error(INNER, format!("`{keyword}` stands inside another declaration")).help(
-                    "write it on its own, outside of every `repeat` and component; what is used here is a `place`",
-                )
+                error(INNER, format!("`{keyword}` is not allowed inside another declaration"))
+                    .help("write it at the top level of the file; to use a component here, write `place`")
             }
             SyntaxError::ExpressionDepth { .. } => {
                 error(TOO_DEEP, format!("this expression has more than {} levels", limits::EXPRESSION_DEPTH))
@@ -278,10 +280,10 @@ fn unexpected(at: Span, found: &Option<String>, expected: Expected, remark: &Rem
         Some(found) => format!("expected {expected}, found {found}"),
         None => format!("expected {expected}, but the declaration ends"),
     };
-    let told = Diagnostic::error(UNEXPECTED, at, message).help(remark.help());
-    match remark.mend(found.as_deref(), wanted) {
-        Some(change) => told.mend(at, change),
-        None => told,
+    let diagnostic = Diagnostic::error(UNEXPECTED, at, message).help(remark.help());
+    match remark.fix(found.as_deref(), wanted) {
+        Some(change) => diagnostic.fix(at, change),
+        None => diagnostic,
     }
 }
 
@@ -303,31 +305,33 @@ impl Expected {
     }
 }
 
-impl Meant {
-    fn mended(&self, told: Diagnostic) -> Diagnostic {
-        let at = told.primary.span;
+impl Intent {
+    fn fixed(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let at = diagnostic.primary.span;
         let start = Span::new(at.file(), at.start(), at.start());
         match self {
-            Meant::Declaration(meant) => told.mend(at, Change::Replace(meant.keyword.to_string())),
-            Meant::Value => told.mend(start, Change::After("param ".into())).mend(start, Change::After("let ".into())),
-            Meant::Comment => told.mend(at, Change::Replace("//".into())),
-            Meant::Part | Meant::Nothing => told,
+            Intent::Declaration(meant) => diagnostic.fix(at, Change::Replace(meant.keyword.to_string())),
+            Intent::Value => {
+                diagnostic.fix(start, Change::After("param ".into())).fix(start, Change::After("let ".into()))
+            }
+            Intent::Comment => diagnostic.fix(at, Change::Replace("//".into())),
+            Intent::Part | Intent::Nothing => diagnostic,
         }
     }
 
     fn help(&self) -> String {
         match self {
-            Meant::Declaration(meant) => format!("did you mean `{}`? Write it as `{}`", meant.keyword, forms(meant)),
-            Meant::Value => "write `param` before it, or `let` if it follows from other values".into(),
-            Meant::Part => {
+            Intent::Declaration(meant) => format!("did you mean `{}`? Write it as `{}`", meant.keyword, forms(meant)),
+            Intent::Value => "write `param` before it, or `let` if it follows from other values".into(),
+            Intent::Part => {
                 let of = |is: fn(Shape) -> bool| DECLARATIONS.iter().filter(move |d| is(d.shape)).map(|d| d.keyword);
                 let elements = of(|shape| matches!(shape, Shape::Element(_)));
                 let joints = of(|shape| matches!(shape, Shape::Joint(_)));
                 let keywords: Vec<&str> = elements.chain(joints).chain(of(|shape| shape == Shape::Force)).collect();
                 format!("start the line with its kind: {}, ...", quoted(&keywords).join(", "))
             }
-            Meant::Comment => Remark::Hash.help(),
-            Meant::Nothing => {
+            Intent::Comment => Remark::Hash.help(),
+            Intent::Nothing => {
                 let keywords: Vec<&str> = DECLARATIONS.iter().map(|declaration| declaration.keyword).collect();
                 format!("a declaration starts with one of: {}", keywords.join(", "))
             }
@@ -337,7 +341,7 @@ impl Meant {
 
 impl Remark {
     /// The edit that fixes the error, if it is obvious.
-    fn mend(&self, found: Option<&str>, expected: Expected) -> Option<Change> {
+    fn fix(&self, found: Option<&str>, expected: Expected) -> Option<Change> {
         let write = |text: &str| Some(Change::Replace(text.into()));
         // `found` is stored as it is shown, in back-ticks.
         let found = found?.strip_prefix('`')?.strip_suffix('`')?;
@@ -347,6 +351,7 @@ impl Remark {
             (Remark::Hash, _) => write("//"),
             (Remark::FieldColon, _) => write(" ="),
             (Remark::UnitGlued, _) => None,
+            (Remark::UnitWithOne, _) => write(""),
             (Remark::UnitOfNoNumber, _) => Some(Change::Replace(format!("* 1 {found}"))),
             (Remark::OperatorMissing, _) => Some(Change::Replace(format!("* {found}"))),
             (_, Expected::Separator) => Some(Change::Replace(format!(", {found}"))),
@@ -370,6 +375,7 @@ impl Remark {
             Remark::UnitOfNoNumber => {
                 "a unit can only follow a number; multiply anything else by one unit: `L * 1 N/m`"
             }
+            Remark::UnitWithOne => "write the unit without the `1`: `5 /s`",
             Remark::FunctionApart => "write a function and its bracket without a blank between them: `sqrt(x)`",
             Remark::IndexApart => "write a name and its index without a blank between them: `m[1]`",
             Remark::OperatorMissing => "write an operator between two values, such as `*`",
@@ -418,9 +424,9 @@ fn character_error(at: Span, character: char) -> Diagnostic {
         ),
         _ => (format!("a control character (U+{number:04X}) is not allowed"), "delete it"),
     };
-    let told = Diagnostic::error(CHARACTER, at, message).help(help);
+    let diagnostic = Diagnostic::error(CHARACTER, at, message).help(help);
     // A carriage return in the middle of a text may be meant as a line end; the other characters have no use.
-    if character == '\r' { told } else { told.mend(at, Change::Replace(String::new())) }
+    if character == '\r' { diagnostic } else { diagnostic.fix(at, Change::Replace(String::new())) }
 }
 
 fn closing(bracket: char) -> char {

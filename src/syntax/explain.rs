@@ -42,7 +42,7 @@ pub(super) fn declaration_of(text: &str) -> Option<&'static Declaration> {
 }
 
 /// The range of what starts at a position: a word or number, an operator, or one character.
-pub(super) fn thing(text: &str, at: usize) -> Range<usize> {
+pub(super) fn token_range(text: &str, at: usize) -> Range<usize> {
     let rest = &text[at..];
     let word = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
     if word > 0 {
@@ -56,7 +56,7 @@ pub(super) fn thing(text: &str, at: usize) -> Range<usize> {
 }
 
 /// Source text as messages show it: in back-ticks, shortened, invisible characters by their code point.
-pub(super) fn shown(thing: &str) -> String {
+pub(super) fn quoted_source(thing: &str) -> String {
     match thing.chars().next() {
         Some(c)
             if c.is_whitespace() && !c.is_ascii() || matches!(c, '\u{200b}'..='\u{200f}' | '\u{feff}' | '\u{ad}') =>
@@ -144,8 +144,8 @@ impl Reader<'_> {
 
     /// The problem that something else than `expected` stands at the current position.
     fn problem(&self, expected: Expected) -> Problem {
-        let at = thing(self.text, self.at);
-        let found = (!at.is_empty()).then(|| shown(&self.text[at.clone()]));
+        let at = token_range(self.text, self.at);
+        let found = (!at.is_empty()).then(|| quoted_source(&self.text[at.clone()]));
         Problem { remark: self.remark(expected), at, found, expected }
     }
 
@@ -199,6 +199,7 @@ impl Reader<'_> {
             '(' if after_word && !after_digit => Remark::UnitGlued,
             '[' if apart && after_word => Remark::IndexApart,
             _ if after_digit && apart && (words::is_letter(next) || matches!(next, '%' | '°')) => Remark::UnitApart,
+            '1' if after_digit && self.rest().starts_with("1/") && self.starts_unit() => Remark::UnitWithOne,
             _ if apart && self.starts_unit() => Remark::UnitOfNoNumber,
             '=' if self.declaration.shape == Shape::Require => Remark::Comparison,
             _ if expected == Expected::LineEnd && self.starts_keyword() => Remark::LineOfItsOwn,
@@ -232,8 +233,8 @@ impl Reader<'_> {
 
     fn piece(&mut self, piece: &'static Piece) -> Read {
         match *piece {
-            Piece::Blank => self.blank(),
-            Piece::Apart => self.apart(),
+            Piece::Blank => self.skip_blank(),
+            Piece::Apart => self.are_separated(),
             Piece::Word(_, whose) => self.word(whose),
             Piece::Name(_, whose) => self.name(whose),
             Piece::Sign(sign, place) => self.sign(sign, place),
@@ -251,13 +252,13 @@ impl Reader<'_> {
             Piece::Fields => self.fields(),
             Piece::Formals => self.formals(),
             Piece::Actuals => self.actuals(),
-            Piece::Placing => self.placing(),
+            Piece::Placing => self.read_placement(),
             Piece::Text(which) => self.text(which),
             Piece::Path(_, whose) => self.path(whose),
         }
     }
 
-    fn blank(&mut self) -> Read {
+    fn skip_blank(&mut self) -> Read {
         if self.blanks() {
             return Ok(());
         }
@@ -278,7 +279,7 @@ impl Reader<'_> {
     }
 
     /// Requires a blank or a bracket before a value.
-    fn apart(&mut self) -> Read {
+    fn are_separated(&mut self) -> Read {
         if self.next() == Some('(') || self.blanks() {
             return Ok(());
         }
@@ -364,13 +365,13 @@ impl Reader<'_> {
         if !self.eat("(") {
             return Err(self.problem(Expected::Sign("(", "after the component's name")));
         }
-        self.several(Self::formal)?;
+        self.read_list(Self::formal)?;
         self.blanks();
         Ok(())
     }
 
     /// What stands in brackets, separated by commas.
-    fn several(&mut self, one: fn(&mut Self) -> Read) -> Read {
+    fn read_list(&mut self, one: fn(&mut Self) -> Read) -> Read {
         self.blanks();
         if self.eat(")") {
             return Ok(());
@@ -426,7 +427,7 @@ impl Reader<'_> {
         if !self.eat("(") {
             return Err(self.problem(Expected::Sign("(", "after the component")));
         }
-        self.several(Self::actual)
+        self.read_list(Self::actual)
     }
 
     fn actual(&mut self) -> Read {
@@ -445,18 +446,18 @@ impl Reader<'_> {
     }
 
     /// `at (1 m, 0) mirrored x turned 10 deg`
-    fn placing(&mut self) -> Read {
+    fn read_placement(&mut self) -> Read {
         loop {
             let before = self.at;
             self.blanks();
             if self.eat_word("at") {
-                self.apart()?;
+                self.are_separated()?;
                 self.expression("a place `(x, y)`")?;
             } else if self.eat_word("turned") {
-                self.apart()?;
+                self.are_separated()?;
                 self.expression("an angle")?;
             } else if self.eat_word("mirrored") {
-                self.blank()?;
+                self.skip_blank()?;
                 self.word("an axis")?;
             } else {
                 self.at = before;
@@ -514,7 +515,7 @@ impl Reader<'_> {
     fn along(&mut self) -> Read {
         let before = self.at;
         if self.blanks() && self.eat_word("along") {
-            self.apart()?;
+            self.are_separated()?;
             return self.expression("a direction");
         }
         self.at = before;
@@ -597,7 +598,7 @@ impl Reader<'_> {
 
     fn moves(&mut self) -> Read {
         if self.eat_word("along") {
-            self.apart()?;
+            self.are_separated()?;
             return self.expression("a direction");
         }
         loop {
@@ -614,7 +615,7 @@ impl Reader<'_> {
     fn about(&mut self) -> Read {
         let before = self.at;
         if self.blanks() && self.eat_word("about") {
-            self.apart()?;
+            self.are_separated()?;
             return self.expression("a point");
         }
         self.at = before;

@@ -17,9 +17,9 @@ pub use error::SyntaxError;
 
 use crate::base::{Diagnostics, FileId, Sources, Span, runs};
 use build::{Built, ComponentHead, Head, Refused, RepeatHead, Yard};
-use error::{Expected, Meant, Remark};
+use error::{Expected, Intent, Remark};
 use report::Report;
-use split::{Piece, Pieces, Trouble};
+use split::{Piece, Pieces, SplitError};
 use std::collections::HashSet;
 use std::ops::Range;
 use tree::{Component, Decl, DeclKind, ExprId, Rare, Repeat, Tree};
@@ -84,7 +84,7 @@ pub fn used_files(text: &str) -> Vec<String> {
 fn parse_into(tree: Tree, text: &str) -> Parsed {
     let mut parse = Parse::new(text, tree);
     if text.len() > limits::FILE {
-        parse.report.tell(SyntaxError::FileLength { at: parse.span(0..1) });
+        parse.report.push_error(SyntaxError::FileLength { at: parse.span(0..1) });
         return parse.finish();
     }
     let mut pieces = Pieces::new(text);
@@ -125,7 +125,7 @@ struct Parse<'a> {
     /// Buffer for the text of a declaration with its comments replaced by blanks.
     blanked: String,
     /// The previous declaration lacks its `{`: everything up to the next keyword belongs to it.
-    headless: bool,
+    missing_brace: bool,
     /// Number of brackets reported as unclosed: as many closing ones may still follow, without another error.
     abandoned: usize,
 }
@@ -139,7 +139,7 @@ impl<'a> Parse<'a> {
             report: Report::default(),
             open: Vec::new(),
             blanked: String::new(),
-            headless: false,
+            missing_brace: false,
             abandoned: 0,
         }
     }
@@ -154,22 +154,24 @@ impl<'a> Parse<'a> {
 
     fn piece(&mut self, piece: Piece, pieces: &mut Pieces<'_>) {
         match piece {
-            Piece::Declaration { range, trouble } => {
+            Piece::Declaration { range, error } => {
                 let doc = pieces.take_doc();
-                if let Some(Built::Decl(decl)) = self.build(&range, trouble, pieces.comments()) {
+                if let Some(Built::Decl(decl)) = self.build(&range, error, pieces.comments()) {
                     self.push(decl, doc);
                 }
             }
-            Piece::Open { range, trouble } => {
+            Piece::Open { range, error } => {
                 let doc = pieces.take_doc();
-                self.open(range, trouble, doc, pieces.comments());
+                self.open(range, error, doc, pieces.comments());
             }
             Piece::Close { at } => {
                 pieces.take_doc();
                 self.close(at + 1);
             }
-            Piece::Character { range } => self.trouble(&range, Trouble::Character { range: range.clone() }),
-            Piece::Stray { at } => self.stray(at),
+            Piece::Character { range } => {
+                self.report_split_error(&range, SplitError::Character { range: range.clone() })
+            }
+            Piece::Stray { at } => self.report_stray(at),
         }
     }
 
@@ -179,7 +181,7 @@ impl<'a> Parse<'a> {
         }
         let is_use = matches!(decl.kind, DeclKind::Rare { index } if matches!(self.tree.rare(index), Rare::Use { .. }));
         if is_use && !self.open.is_empty() {
-            self.report.tell(SyntaxError::InnerComponent { at: decl.span, keyword: "use" });
+            self.report.push_error(SyntaxError::InnerComponent { at: decl.span, keyword: "use" });
         }
         match self.open.last_mut() {
             Some(opened) => opened.body.push(decl),
@@ -206,8 +208,8 @@ impl<'a> Parse<'a> {
         self.tree.broken.push(self.span(range));
     }
 
-    fn build(&mut self, range: &Range<usize>, trouble: Option<Trouble>, comments: &[Range<usize>]) -> Option<Built> {
-        let built = self.try_build(range, trouble, comments);
+    fn build(&mut self, range: &Range<usize>, error: Option<SplitError>, comments: &[Range<usize>]) -> Option<Built> {
+        let built = self.try_build(range, error, comments);
         if built.is_none() {
             self.push_broken(range.clone());
         }
@@ -217,20 +219,20 @@ impl<'a> Parse<'a> {
     fn try_build(
         &mut self,
         range: &Range<usize>,
-        trouble: Option<Trouble>,
+        error: Option<SplitError>,
         comments: &[Range<usize>],
     ) -> Option<Built> {
-        if self.headless && self.belongs_to_headless(range) {
+        if self.missing_brace && self.belongs_to_headless(range) {
             return None;
         }
-        if let Some(trouble) = trouble {
-            self.trouble(range, trouble);
+        if let Some(error) = error {
+            self.report_split_error(range, error);
             return None;
         }
         self.tree.make_room(range.start, self.text.len());
         let mut text = &self.text[range.clone()];
         if comments.iter().any(|comment| comment.start < range.end) {
-            blank(text, range.start, comments, &mut self.blanked);
+            blank_comments(text, range.start, comments, &mut self.blanked);
             text = &self.blanked;
         }
         let refused = match build::declaration(&mut self.tree, &mut self.yard, text, range.start) {
@@ -247,13 +249,13 @@ impl<'a> Parse<'a> {
             Refused::LongWord(at) => SyntaxError::WordLength { at },
             Refused::LongNumber(at) => SyntaxError::NumberLength { at },
             Refused::Twice(at) => {
-                let found = Some(explain::shown(&self.text[at.range()]));
+                let found = Some(explain::quoted_source(&self.text[at.range()]));
                 SyntaxError::Unexpected { at, found, expected: Expected::LineEnd, remark: Remark::OnceEach }
             }
         };
-        self.headless = error.lacks_brace();
-        self.abandoned += usize::from(self.headless);
-        self.report.tell(error);
+        self.missing_brace = error.lacks_brace();
+        self.abandoned += usize::from(self.missing_brace);
+        self.report.push_error(error);
         None
     }
 
@@ -261,54 +263,58 @@ impl<'a> Parse<'a> {
     fn belongs_to_headless(&mut self, range: &Range<usize>) -> bool {
         let text = &self.text[range.clone()];
         let belongs = explain::declaration_of(text).is_none();
-        self.headless = belongs && !text.starts_with('{');
+        self.missing_brace = belongs && !text.starts_with('{');
         belongs
     }
 
     fn explain(&self, text: &str, offset: usize) -> SyntaxError {
         let place = |at: Range<usize>| self.span(offset + at.start..offset + at.end);
         let Some(declaration) = explain::declaration_of(text) else {
-            let at = explain::thing(text, 0);
+            let at = explain::token_range(text, 0);
             let word = &text[at.clone()];
-            let found = explain::shown(word);
-            return SyntaxError::UnknownKeyword { at: place(at.clone()), found, meant: meant(word, &text[at.end..]) };
+            let found = explain::quoted_source(word);
+            return SyntaxError::UnknownKeyword {
+                at: place(at.clone()),
+                found,
+                meant: guess_intent(word, &text[at.end..]),
+            };
         };
         let problem = explain::explain(declaration, text);
         let (found, expected, remark) = (problem.found, problem.expected, problem.remark);
         SyntaxError::Unexpected { at: place(problem.at), found, expected, remark }
     }
 
-    fn trouble(&mut self, range: &Range<usize>, trouble: Trouble) {
-        if let Trouble::Unclosed { count, .. } = &trouble {
+    fn report_split_error(&mut self, range: &Range<usize>, error: SplitError) {
+        if let SplitError::Unclosed { count, .. } = &error {
             self.abandoned += count;
         }
         let one = |at: usize| self.span(at..at + 1);
-        let error = match trouble {
-            Trouble::Unclosed { open, before, .. } => {
+        let error = match error {
+            SplitError::Unclosed { open, before, .. } => {
                 let before = before.map(|before| self.span(before));
                 SyntaxError::Unclosed { open: one(open), bracket: self.char_at(open), before, of: None }
             }
-            Trouble::Mismatch { open, close } => SyntaxError::Mismatch {
+            SplitError::Mismatch { open, close } => SyntaxError::Mismatch {
                 open: one(open),
                 bracket: self.char_at(open),
                 close: one(close),
                 found: self.char_at(close),
             },
-            Trouble::Stray { at } => return self.stray_inside(range, at),
-            Trouble::Text { open } => SyntaxError::UnclosedString { open: one(open) },
-            Trouble::Character { range } => {
+            SplitError::Stray { at } => return self.stray_inside(range, at),
+            SplitError::Text { open } => SyntaxError::UnclosedString { open: one(open) },
+            SplitError::Character { range } => {
                 SyntaxError::Character { at: self.span(range.clone()), character: self.char_at(range.start) }
             }
-            Trouble::Nesting { at } => SyntaxError::Nesting { at: one(at) },
-            Trouble::Length => SyntaxError::DeclarationLength { at: self.span(range.start..range.start + 1) },
-            Trouble::SameLine => {
-                let at = explain::thing(self.text, range.start);
-                let found = Some(explain::shown(&self.text[at.clone()]));
+            SplitError::Nesting { at } => SyntaxError::Nesting { at: one(at) },
+            SplitError::Length => SyntaxError::DeclarationLength { at: self.span(range.start..range.start + 1) },
+            SplitError::SameLine => {
+                let at = explain::token_range(self.text, range.start);
+                let found = Some(explain::quoted_source(&self.text[at.clone()]));
                 let (expected, remark) = (Expected::LineEnd, Remark::LineOfItsOwn);
                 SyntaxError::Unexpected { at: self.span(at), found, expected, remark }
             }
         };
-        self.report.tell(error);
+        self.report.push_error(error);
     }
 
     fn char_at(&self, at: usize) -> char {
@@ -323,39 +329,39 @@ impl<'a> Parse<'a> {
             let error = self.explain(before, range.start);
             if matches!(&error, SyntaxError::Unexpected { found: Some(_), expected, .. } if *expected != Expected::Form)
             {
-                return self.report.tell(error);
+                return self.report.push_error(error);
             }
         }
-        self.stray(at);
+        self.report_stray(at);
     }
 
-    fn stray(&mut self, at: usize) {
-        if std::mem::take(&mut self.headless) {
+    fn report_stray(&mut self, at: usize) {
+        if std::mem::take(&mut self.missing_brace) {
             return;
         }
         if self.abandoned > 0 {
             self.abandoned -= 1;
             return;
         }
-        self.report.tell(SyntaxError::Stray { at: self.span(at..at + 1), bracket: self.char_at(at) });
+        self.report.push_error(SyntaxError::Stray { at: self.span(at..at + 1), bracket: self.char_at(at) });
     }
 
     fn open(
         &mut self,
         range: Range<usize>,
-        trouble: Option<Trouble>,
+        error: Option<SplitError>,
         doc: Option<Range<usize>>,
         comments: &[Range<usize>],
     ) {
         if self.open.len() == limits::REPEATS {
-            self.report.tell(SyntaxError::RepeatNesting { at: self.span(range.clone()) });
+            self.report.push_error(SyntaxError::RepeatNesting { at: self.span(range.clone()) });
         }
         let head = match self.open.len() {
             // Reported once, for the outermost one that is too deep.
             limits::REPEATS.. => None,
-            _ => match self.build(&range, trouble, comments) {
+            _ => match self.build(&range, error, comments) {
                 Some(Built::Head(Head::Component(head))) if !self.open.is_empty() => {
-                    self.report.tell(SyntaxError::InnerComponent { at: head.name, keyword: "component" });
+                    self.report.push_error(SyntaxError::InnerComponent { at: head.name, keyword: "component" });
                     None
                 }
                 Some(Built::Head(head)) => Some(head),
@@ -388,14 +394,14 @@ impl<'a> Parse<'a> {
             let of =
                 Some(if self.text[opened.range.clone()].starts_with("component") { "component" } else { "repeat" });
             let error = SyntaxError::Unclosed { open: self.span(open..open + 1), bracket: '{', before: None, of };
-            self.report.tell(error);
+            self.report.push_error(error);
             self.close(self.text.len());
         }
     }
 }
 
 /// Copies the text of a declaration into `blanked`, with its comments replaced by spaces byte for byte.
-fn blank(text: &str, offset: usize, comments: &[Range<usize>], blanked: &mut String) {
+fn blank_comments(text: &str, offset: usize, comments: &[Range<usize>], blanked: &mut String) {
     blanked.clear();
     let mut done = 0;
     for comment in comments {
@@ -409,14 +415,14 @@ fn blank(text: &str, offset: usize, comments: &[Range<usize>], blanked: &mut Str
 }
 
 /// The likely intention behind a declaration that starts with this word.
-fn meant(word: &str, rest: &str) -> Meant {
+fn guess_intent(word: &str, rest: &str) -> Intent {
     let is_word = word.starts_with(words::is_letter);
     if word.starts_with('#') {
-        return Meant::Comment;
+        return Intent::Comment;
     }
     match rest.trim_start().chars().next() {
-        Some('=') if is_word => Meant::Value,
-        Some(':') if is_word => Meant::Part,
-        _ => words::nearest(word).map_or(Meant::Nothing, Meant::Declaration),
+        Some('=') if is_word => Intent::Value,
+        Some(':') if is_word => Intent::Part,
+        _ => words::nearest(word).map_or(Intent::Nothing, Intent::Declaration),
     }
 }

@@ -6,17 +6,17 @@ use crate::base::{Diagnostics, Span};
 
 #[derive(Debug, Default)]
 pub(super) struct Report {
-    told: Vec<SyntaxError>,
+    reported: Vec<SyntaxError>,
     /// How many more there are, and where the first of them is.
     more: Option<(Span, usize)>,
 }
 
 impl Report {
-    pub fn tell(&mut self, error: SyntaxError) {
+    pub fn push_error(&mut self, error: SyntaxError) {
         if self.is_full() {
             self.count(error.at());
         } else {
-            self.told.push(error);
+            self.reported.push(error);
         }
     }
 
@@ -28,13 +28,13 @@ impl Report {
 
     /// Whether further errors are only counted, so that no message has to be composed for them.
     pub fn is_full(&self) -> bool {
-        self.told.len() >= limits::ERRORS
+        self.reported.len() >= limits::ERRORS
     }
 
     pub fn finish(mut self) -> Diagnostics {
-        self.told.extend(self.more.map(|(at, count)| SyntaxError::More { at, count }));
+        self.reported.extend(self.more.map(|(at, count)| SyntaxError::More { at, count }));
         let mut diagnostics = Diagnostics::new();
-        diagnostics.extend(self.told.iter().map(SyntaxError::to_diagnostic));
+        diagnostics.extend(self.reported.iter().map(SyntaxError::to_diagnostic));
         diagnostics
     }
 }

@@ -13,9 +13,9 @@ use std::ops::Range;
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Piece {
     /// A declaration without blanks and comments around it.
-    Declaration { range: Range<usize>, trouble: Option<Trouble> },
+    Declaration { range: Range<usize>, error: Option<SplitError> },
     /// The head of a `repeat` or `component`, its `{` included.
-    Open { range: Range<usize>, trouble: Option<Trouble> },
+    Open { range: Range<usize>, error: Option<SplitError> },
     /// The `}` of a `repeat` or `component`.
     Close { at: usize },
     /// A character that is not allowed anywhere, in a comment or between declarations.
@@ -26,7 +26,7 @@ pub(super) enum Piece {
 
 /// The first error in a declaration that shows before its words are read.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Trouble {
+pub(super) enum SplitError {
     /// Unclosed brackets: the innermost, their number, and the keyword that starts the next declaration.
     Unclosed { open: usize, count: usize, before: Option<Range<usize>> },
     /// A bracket that is closed by one of another kind.
@@ -229,7 +229,7 @@ impl<'a> Pieces<'a> {
         let start = self.at;
         let mut end = start;
         let mut brackets = Brackets::default();
-        let mut trouble = (!self.fresh).then_some(Trouble::SameLine);
+        let mut error = (!self.fresh).then_some(SplitError::SameLine);
         self.fresh = false;
         self.comments.clear();
         let mut before = None;
@@ -255,14 +255,14 @@ impl<'a> Pieces<'a> {
                     let forbidden = self.skip_comment();
                     self.comments.push(at..self.at);
                     if let Some(range) = forbidden {
-                        trouble.get_or_insert(Trouble::Character { range });
+                        error.get_or_insert(SplitError::Character { range });
                     }
                     continue;
                 }
                 Class::Slash => end = at + 1,
                 Class::Quote => {
                     if let Some(found) = self.skip_text() {
-                        trouble.get_or_insert(found);
+                        error.get_or_insert(found);
                     }
                     end = self.at;
                     continue;
@@ -274,13 +274,13 @@ impl<'a> Pieces<'a> {
                         self.at = end;
                         self.repeats += 1;
                         self.fresh = true;
-                        return Piece::Open { range: start..end, trouble: trouble.or_else(|| too_long(start..end)) };
+                        return Piece::Open { range: start..end, error: error.or_else(|| too_long(start..end)) };
                     }
                     if brackets.open.len() < limits::BRACKETS {
                         brackets.open.push(at);
                     } else {
                         brackets.beyond += 1;
-                        trouble.get_or_insert(Trouble::Nesting { at });
+                        error.get_or_insert(SplitError::Nesting { at });
                     }
                 }
                 Class::Close => {
@@ -289,14 +289,14 @@ impl<'a> Pieces<'a> {
                     }
                     end = at + 1;
                     if let Some(found) = self.close(&mut brackets) {
-                        trouble.get_or_insert(found);
+                        error.get_or_insert(found);
                     }
                 }
                 Class::Control | Class::High => {
                     if let Some(range) = self.forbidden(at) {
                         self.at = range.end;
                         end = self.at;
-                        trouble.get_or_insert(Trouble::Character { range });
+                        error.get_or_insert(SplitError::Character { range });
                         continue;
                     }
                     if self.byte(at) != b'\r' {
@@ -308,9 +308,9 @@ impl<'a> Pieces<'a> {
         }
         if let Some(&open) = brackets.open.last() {
             let count = brackets.open.len() + brackets.beyond;
-            trouble.get_or_insert(Trouble::Unclosed { open, count, before });
+            error.get_or_insert(SplitError::Unclosed { open, count, before });
         }
-        Piece::Declaration { range: start..end, trouble: trouble.or_else(|| too_long(start..end)) }
+        Piece::Declaration { range: start..end, error: error.or_else(|| too_long(start..end)) }
     }
 
     /// Whether the `{` opens the body of a `repeat`, or of something meant as one.
@@ -328,15 +328,15 @@ impl<'a> Pieces<'a> {
     }
 
     /// Steps over a string; an unclosed one ends with its line.
-    fn skip_text(&mut self) -> Option<Trouble> {
+    fn skip_text(&mut self) -> Option<SplitError> {
         let open = self.at;
         self.at += 1;
         let forbidden = self.skip_until(|byte| matches!(byte, b'"' | b'\n'));
         if self.byte(self.at) != b'"' {
-            return Some(Trouble::Text { open });
+            return Some(SplitError::Text { open });
         }
         self.at += 1;
-        forbidden.map(|range| Trouble::Character { range })
+        forbidden.map(|range| SplitError::Character { range })
     }
 
     /// Whether a `}` belongs to this declaration rather than to the enclosing `repeat`.
@@ -345,13 +345,13 @@ impl<'a> Pieces<'a> {
     }
 
     /// Matches the closing bracket at the current position with the open ones.
-    fn close(&self, brackets: &mut Brackets) -> Option<Trouble> {
+    fn close(&self, brackets: &mut Brackets) -> Option<SplitError> {
         let close = self.at;
         if brackets.beyond > 0 {
             brackets.beyond -= 1;
             return None;
         }
-        let Some(&top) = brackets.open.last() else { return Some(Trouble::Stray { at: close }) };
+        let Some(&top) = brackets.open.last() else { return Some(SplitError::Stray { at: close }) };
         if closes(self.byte(top), self.byte(close)) {
             brackets.open.pop();
             return None;
@@ -360,12 +360,12 @@ impl<'a> Pieces<'a> {
             // The brackets inside the matching one were not closed.
             Some(matching) => brackets.open.truncate(matching),
             // In braces a line end ends a value, so the surplus bracket is the closing one.
-            None if self.byte(top) == b'{' => return Some(Trouble::Stray { at: close }),
+            None if self.byte(top) == b'{' => return Some(SplitError::Stray { at: close }),
             None => {
                 brackets.open.pop();
             }
         }
-        Some(Trouble::Mismatch { open: top, close })
+        Some(SplitError::Mismatch { open: top, close })
     }
 }
 
@@ -377,6 +377,6 @@ impl Iterator for Pieces<'_> {
     }
 }
 
-fn too_long(range: Range<usize>) -> Option<Trouble> {
-    (range.len() > limits::DECLARATION).then_some(Trouble::Length)
+fn too_long(range: Range<usize>) -> Option<SplitError> {
+    (range.len() > limits::DECLARATION).then_some(SplitError::Length)
 }

@@ -408,11 +408,11 @@ impl Tree {
     /// that doubles whenever it is full would hold up to twice what it needs, and old and new memory side by side while
     /// it is copied.
     pub(super) fn make_room(&mut self, done: usize, total: usize) {
-        room(&mut self.decls, done, total);
-        room(&mut self.exprs, done, total);
-        room(&mut self.lists, done, total);
-        room(&mut self.fields, done, total);
-        room(&mut self.ends, done, total);
+        reserve_for_rest(&mut self.decls, done, total);
+        reserve_for_rest(&mut self.exprs, done, total);
+        reserve_for_rest(&mut self.lists, done, total);
+        reserve_for_rest(&mut self.fields, done, total);
+        reserve_for_rest(&mut self.ends, done, total);
     }
 
     pub(super) fn push_expr(&mut self, expr: Expr) -> ExprId {
@@ -480,7 +480,7 @@ impl ExprList {
 /// Room reserved in advance: more than nearly any single declaration needs.
 const AT_ONCE: usize = 64;
 
-fn room<T>(arena: &mut Vec<T>, done: usize, total: usize) {
+fn reserve_for_rest<T>(arena: &mut Vec<T>, done: usize, total: usize) {
     if arena.capacity() - arena.len() >= AT_ONCE || arena.is_empty() && done > 0 {
         return;
     }

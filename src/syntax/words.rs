@@ -35,7 +35,7 @@ pub fn starts_declaration(line: &[u8]) -> Option<Range<usize>> {
     let after = skip_blanks(rest);
     let starts = std::str::from_utf8(word).is_ok_and(is_keyword)
         && rest.first().is_some_and(|b| matches!(b, b' ' | b'\t'))
-        && (after.first().is_some_and(|b| continues(*b) && !b.is_ascii_digit())
+        && (after.first().is_some_and(|b| is_word_byte(*b) && !b.is_ascii_digit())
             || word == b"use" && after.first() == Some(&b'"')
             || word == b"gravity" && after.first().is_some_and(|b| b.is_ascii_digit() || *b == b'('));
     starts.then_some(start..start + word.len())
@@ -61,7 +61,7 @@ pub fn has_body(keyword: &str) -> bool {
     matches!(keyword, "repeat" | "component")
 }
 
-pub(super) fn continues(byte: u8) -> bool {
+pub(super) fn is_word_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_' || byte >= 0x80
 }
 

@@ -39,7 +39,7 @@ impl LinearSystem {
         let chain = std::mem::take(&mut self.chain);
         let n = self.n();
         for form in [&mut self.m, &mut self.c, &mut self.k] {
-            *form = flat(form, &chain, n);
+            *form = flatten_form(form, &chain, n);
         }
         Ok(())
     }
@@ -84,17 +84,17 @@ fn length(row: &[(CoordinateId, Number)], lengths: &[u64], n: usize) -> u64 {
     lengths.fold(0, u64::saturating_add)
 }
 
-fn flat(form: &Form, chain: &[ChainedRow], n: usize) -> Form {
+fn flatten_form(form: &Form, chain: &[ChainedRow], n: usize) -> Form {
     let mut result = Form { sources: form.sources.clone(), ..Form::new() };
     for term in form.terms() {
-        let row = written_out(form.row(term), chain, n);
+        let row = write_out_row(form.row(term), chain, n);
         result.push(term.source, term.nature, term.weight.clone(), row);
     }
     result
 }
 
 /// The row over coordinates alone, ascending: chained motions are replaced one by one, the last one first.
-pub fn written_out(row: &[(CoordinateId, Number)], chain: &[ChainedRow], n: usize) -> ChainedRow {
+pub fn write_out_row(row: &[(CoordinateId, Number)], chain: &[ChainedRow], n: usize) -> ChainedRow {
     let mut waiting: BTreeMap<usize, Number> = BTreeMap::new();
     let mut own: ChainedRow = Vec::new();
     let mut sort = |row: &[(CoordinateId, Number)], factor: &Number, waiting: &mut BTreeMap<usize, Number>| {

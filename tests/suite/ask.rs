@@ -40,8 +40,8 @@ pub fn try_ask(text: &str) -> Result<Answer, Vec<Diagnostic>> {
 /// The answer to a text that must be accepted.
 pub fn ask(text: &str) -> Answer {
     try_ask(text).unwrap_or_else(|diagnostics| {
-        let said: Vec<String> = diagnostics.iter().map(|d| format!("{}: {}", d.code, d.message)).collect();
-        panic!("refused:\n{}\n{text}", said.join("\n"))
+        let messages: Vec<String> = diagnostics.iter().map(|d| format!("{}: {}", d.code, d.message)).collect();
+        panic!("refused:\n{}\n{text}", messages.join("\n"))
     })
 }
 

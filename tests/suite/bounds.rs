@@ -44,7 +44,7 @@ fn bounds_of_poles_hold_and_are_sharp() {
 
 /// Numbers that are not rational: nearly all results are certified, as sharply as with rational ones.
 #[test]
-fn what_is_drawn_at_angles_is_certified_too() {
+fn rotated_drawings_are_certified() {
     let small = |kinds: &'static [Kind]| kinds.iter().filter(|(name, _)| !name.starts_with("beyond"));
     // Which motions have no inertia is decided only for rational numbers.
     let modes = small(&UNDAMPED).filter(|(name, _)| !name.starts_with("massless"));

@@ -29,7 +29,7 @@ fn neovim() -> Option<String> {
 
 #[test]
 #[ignore = "needs Neovim 0.11 or later, as `nvim` or as NVIM says"]
-fn neovim_sees_mends_renames_lays_out() {
+fn neovim_fixes_renames_and_formats() {
     let neovim = neovim().expect("Neovim 0.11 or later, as `nvim` or as NVIM says");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let model = folder.path().join("two_errors.vib");
@@ -42,15 +42,15 @@ fn neovim_sees_mends_renames_lays_out() {
         .env("XDG_STATE_HOME", folder.path())
         .output()
         .expect("Neovim starts");
-    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
-    assert!(run.status.success(), "{said}{failed}");
-    assert_eq!(said.lines().filter(|line| line.starts_with("ok: ")).count(), 9, "{said}{failed}");
+    let (messages, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{messages}{failed}");
+    assert_eq!(messages.lines().filter(|line| line.starts_with("ok: ")).count(), 9, "{messages}{failed}");
 }
 
 /// Figures and plots of every example and drawing, in Chromium and in librsvg: `tests/clients/figures.mjs`.
 #[test]
 #[ignore = "needs node with playwright-core below PLAYWRIGHT, Chromium and rsvg-convert"]
-fn browsers_draw_figures_alike_and_names_lie_over_nothing() {
+fn browsers_draw_figures_alike_and_names_overlap_nothing() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = tempfile::tempdir().expect("a temporary folder");
     let vibc = |arguments: &[&str]| {
@@ -78,8 +78,8 @@ fn browsers_draw_figures_alike_and_names_lie_over_nothing() {
     assert!(drawn > 15, "{drawn}");
     let script = root.join("tests/clients/figures.mjs");
     let run = Command::new("node").arg(script).arg(folder.path()).output().expect("node starts");
-    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
-    assert!(run.status.success(), "{said}{failed}");
+    let (messages, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{messages}{failed}");
 }
 
 /// The equations of every example and drawing in a form, one file each.
@@ -114,8 +114,8 @@ fn a_browser_lays_out_the_equations() {
     write_equations("mathml", "html", folder.path());
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/clients/equations.mjs");
     let run = Command::new("node").arg(script).arg(folder.path()).output().expect("node starts");
-    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
-    assert!(run.status.success(), "{said}{failed}");
+    let (messages, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{messages}{failed}");
 }
 
 #[test]
@@ -131,8 +131,8 @@ fn latex_sets_the_equations() {
             .current_dir(folder.path())
             .output()
             .expect("pdflatex starts");
-        let said = String::from_utf8_lossy(&run.stdout);
-        assert!(run.status.success() && file.with_extension("pdf").exists(), "{}\n{said}", file.display());
+        let messages = String::from_utf8_lossy(&run.stdout);
+        assert!(run.status.success() && file.with_extension("pdf").exists(), "{}\n{messages}", file.display());
     }
 }
 
@@ -145,8 +145,8 @@ fn typst_sets_the_equations() {
     let python = std::env::var("TYPST").unwrap_or_else(|_| "python3".into());
     let script = "import sys, glob, typst\nfiles = glob.glob(sys.argv[1] + '/*.typ')\nfor file in files:\n    assert typst.compile(file, format='pdf')[:5] == b'%PDF-', file\nprint(len(files))";
     let run = Command::new(python).args(["-c", script]).arg(folder.path()).output().expect("Python starts");
-    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
-    assert!(run.status.success() && said.trim() == written.to_string(), "{said}{failed}");
+    let (messages, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success() && messages.trim() == written.to_string(), "{messages}{failed}");
 }
 
 /// The report page of the examples, of a hostile model and of a chain in closed form, in Chromium: `tests/clients/page.mjs`.
@@ -176,7 +176,7 @@ fn a_browser_shows_and_moves_the_page() {
     }
     let script = root.join("tests/clients/page.mjs");
     let run = Command::new("node").arg(script).arg(folder.path()).output().expect("node starts");
-    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
-    assert!(run.status.success(), "{said}{failed}");
-    assert_eq!(said.lines().filter(|line| line.starts_with("ok: ")).count(), 7, "{said}{failed}");
+    let (messages, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{messages}{failed}");
+    assert_eq!(messages.lines().filter(|line| line.starts_with("ok: ")).count(), 7, "{messages}{failed}");
 }

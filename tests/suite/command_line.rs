@@ -72,7 +72,7 @@ fn omega(run: &Run) -> f64 {
 }
 
 #[test]
-fn the_exit_status_tells_what_happened() {
+fn the_exit_status_says_what_happened() {
     let folder = folder();
     assert_eq!(run(&["analyze", CART]).status, 0);
     assert_eq!(run(&["check", CART]).status, 0);
@@ -103,8 +103,8 @@ fn of_several_files_the_largest_status_counts() {
     assert_eq!(run(&["check", &wrong, "missing.vib"]).status, 3);
     let all = run(&["check", &wrong, "missing.vib", &falls, "--message-format", "short"]);
     assert_eq!(all.status, 4);
-    for told in ["wrong.vib:3:", "missing.vib:1:1: error[io]", "falls.vib:2:6: error[vib::rest::not_found]"] {
-        assert!(all.err.contains(told), "{told} is not in {}", all.err);
+    for reported in ["wrong.vib:3:", "missing.vib:1:1: error[io]", "falls.vib:2:6: error[vib::rest::not_found]"] {
+        assert!(all.err.contains(reported), "{reported} is not in {}", all.err);
     }
 }
 
@@ -230,7 +230,7 @@ fn a_model_is_never_overwritten_by_its_report() {
 }
 
 #[test]
-fn a_table_is_never_overwritten_by_what_is_made_of_it() {
+fn a_table_is_never_overwritten_by_its_output() {
     let folder = folder();
     let table = file(&folder, "road.csv", "0,0\n1,2\n");
     let driven = format!("{OSCILLATOR}\nforce R: b along x = table(\"road.csv\")\noutput there = b.x\n");
@@ -262,11 +262,11 @@ fn links_devices_and_permissions_survive() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_told_and_a_closed_pipe_is_not() {
+fn a_full_disk_is_reported_and_a_closed_pipe_is_not() {
     let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-    let told = finished(vibc(&["analyze", CART]).stdout(full).output().unwrap());
-    assert_eq!(told.status, 3);
-    assert!(told.err.contains("standard output"));
+    let reported = finished(vibc(&["analyze", CART]).stdout(full).output().unwrap());
+    assert_eq!(reported.status, 3);
+    assert!(reported.err.contains("standard output"));
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
     let closed = finished(vibc(&["analyze", CART]).stdout(writer).output().unwrap());
@@ -338,10 +338,10 @@ fn every_finding_is_in_the_forms_for_programs() {
 
 #[test]
 fn a_code_is_explained_and_an_unknown_one_gets_the_nearest() {
-    let told = run(&["explain", "vib::unit::mismatch"]);
-    assert_eq!(told.status, 0);
-    assert!(told.out.starts_with("vib::unit::mismatch\n\n") && told.out.contains("Fix:"));
-    assert_eq!(run(&["explain", "unit::mismatch"]).out, told.out);
+    let reported = run(&["explain", "vib::unit::mismatch"]);
+    assert_eq!(reported.status, 0);
+    assert!(reported.out.starts_with("vib::unit::mismatch\n\n") && reported.out.contains("Fix:"));
+    assert_eq!(run(&["explain", "unit::mismatch"]).out, reported.out);
     let unknown = run(&["explain", "vib::unit::mismach"]);
     assert_eq!((unknown.status, unknown.out.as_str()), (2, ""));
     assert!(unknown.err.contains("`vib::unit::mismatch`"));
@@ -349,14 +349,15 @@ fn a_code_is_explained_and_an_unknown_one_gets_the_nearest() {
 
 /// Every method for each answer, in three formats; only the times differ from run to run.
 #[test]
-fn speed_is_told_against_error() {
+fn bench_prints_speed_against_error() {
     let folder = folder();
     let model = file(&folder, "o.vib", OSCILLATOR);
     let picture = folder.path().join("o.svg").to_string_lossy().into_owned();
     let text = run(&["bench", &model, "--svg", &picture]);
     assert_eq!(text.status, 0, "{}", text.err);
-    for told in ["natural frequencies", "poles", "transfer", "motion", "Runge-Kutta 4", "Newmark", "→", "growth"] {
-        assert!(text.out.contains(told), "{told}: {}", text.out);
+    for reported in ["natural frequencies", "poles", "transfer", "motion", "Runge-Kutta 4", "Newmark", "→", "growth"]
+    {
+        assert!(text.out.contains(reported), "{reported}: {}", text.out);
     }
     let drawn = fs::read_to_string(&picture).expect("a picture");
     assert!(drawn.starts_with("<svg") && drawn.ends_with("</svg>\n"));
@@ -400,7 +401,7 @@ fn shapes_are_scaled_as_asked() {
 }
 
 #[test]
-fn a_transfer_table_is_told_in_three_forms() {
+fn a_transfer_table_has_three_formats() {
     let text = run(&["transfer", CART, "--to", "x"]);
     assert_eq!((text.status, text.err.as_str()), (0, ""));
     assert!(text.out.contains("peak") && text.out.contains("antiresonance"), "{}", text.out);
@@ -424,7 +425,7 @@ fn a_transfer_table_is_told_in_three_forms() {
 
 /// The mortar after its shot: x0 = -25 * 9.81 / 15791 m and -0.375 m/s, damped by 1 %.
 #[test]
-fn a_motion_is_told_as_csv() {
+fn a_motion_is_printed_as_csv() {
     let model = format!("{}/examples/mortar.vib", env!("CARGO_MANIFEST_DIR"));
     let csv = run(&["simulate", &model, "--until", "1s", "--step", "250ms"]);
     assert_eq!((csv.status, csv.err.as_str()), (0, ""));
@@ -438,7 +439,7 @@ fn a_motion_is_told_as_csv() {
 }
 
 #[test]
-fn what_a_table_cannot_be_made_of_is_a_wrong_command_line() {
+fn tables_that_cannot_be_made_are_usage_errors() {
     for arguments in [
         &["--from", "G"][..],
         &["--to", "nothing"],
@@ -475,9 +476,9 @@ fn samples_are_printed_with_their_bounds() {
         let path = file(&folder, "swing.vib", text);
         run(&[&["simulate", &path, "--until", "1s", "--step", "62.5ms"], more].concat())
     };
-    let told = simulate(&format!("{swing}output x = a.x\n"), &["--bounds"]);
-    assert_eq!((told.status, told.err.as_str()), (0, ""));
-    let lines: Vec<&str> = told.out.lines().collect();
+    let reported = simulate(&format!("{swing}output x = a.x\n"), &["--bounds"]);
+    assert_eq!((reported.status, reported.err.as_str()), (0, ""));
+    let lines: Vec<&str> = reported.out.lines().collect();
     assert_eq!((lines[0], lines.len()), ("time_s,x,x_bound", 18));
     assert!(lines[1].starts_with("0.0,0.0,"), "{}", lines[1]);
     let last: Vec<f64> = lines[17].split(',').map(|field| field.parse().expect("a number")).collect();
@@ -499,7 +500,7 @@ fn samples_are_printed_with_their_bounds() {
 
 /// x = sin t: after half a second it reaches 0.4794255386 m, and no more.
 #[test]
-fn measures_are_followed_for_the_time_that_is_said() {
+fn measures_are_simulated_for_the_given_time() {
     let folder = folder();
     let model = |limit: &str| {
         let text = format!(
@@ -619,13 +620,13 @@ fn shells_and_man_know_every_command() {
 #[test]
 fn an_undamped_system_at_its_own_frequency_in_radians_is_infinite() {
     let model = "body block { mass = 1 kg, moves x }\nspring s: ground -- block { k = 4 N/m }\nforce F: block along x\noutput x = block.x\n";
-    let told = run_with_input(&["transfer", "-", "--at", "2rad/s", "--format", "csv"], model.as_bytes());
-    assert!(told.out.ends_with(",F,x,,,inf,inf,,\n"), "{}", told.out);
+    let reported = run_with_input(&["transfer", "-", "--at", "2rad/s", "--format", "csv"], model.as_bytes());
+    assert!(reported.out.ends_with(",F,x,,,inf,inf,,\n"), "{}", reported.out);
 }
 
 /// An accuracy that cannot be reached is reported with the one that was reached, along with the answer.
 #[test]
-fn a_tolerance_that_is_not_met_has_a_status_of_its_own() {
+fn an_unmet_tolerance_has_its_own_exit_status() {
     let folder = folder();
     let text = "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = (cos(20 deg)^2 + sin(20 deg)^2 - 1 + 1e-25) * 1 N/m }\n";
     let model = file(&folder, "hard.vib", text);

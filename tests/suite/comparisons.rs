@@ -133,7 +133,7 @@ fn a_parameter_is_solved_for_by_two_measures() {
 
 /// Two springs that hold a mass share its weight by their stiffnesses, a rod turns until its spring holds it. Statics by hand.
 #[test]
-fn what_there_is_at_rest() {
+fn measures_at_rest_are_compared() {
     let text = "gravity 9.81 m/s^2\nbody b { mass = 2 kg, moves y }\nbody rod { mass = 3 kg, shape = rod((0, 0), (1 m, 0)) }\n\
                 pivot p: ground@(0, 0) -- rod\nspring s: ground -- b { k = 50 N/m }\n\
                 spring t: ground -- b { k = 150 N/m, preload = -1 N }\nspring u: ground -- rod { k = 20 N*m/rad }\n\

@@ -54,7 +54,7 @@ fn damping_by_modes_keeps_its_bounds_in_a_long_chain() {
 
 /// A body without mass between two others: the shapes are those of the springs in series.
 #[test]
-fn damping_by_modes_keeps_its_bounds_beside_massless_bodies() {
+fn modal_damping_keeps_its_bounds_with_massless_bodies() {
     let model = "model c\n\
         body a { mass = 1 kg, moves x }\nbody b { mass = 0 kg, moves x }\nbody d { mass = 3 kg, moves x }\n\
         spring k0: ground -- a { k = 100 N/m }\nspring k1: a -- b { k = 30 N/m }\n\

@@ -39,7 +39,7 @@ const OF_NO_MODEL: [&str; 6] = [
 ];
 
 #[test]
-fn every_code_has_a_model_that_gives_it_and_nothing_else() {
+fn every_code_has_a_model_that_reports_only_it() {
     let mut wrong = Vec::new();
     let mut shown = BTreeSet::new();
     for path in models() {
@@ -59,7 +59,7 @@ fn every_code_has_a_model_that_gives_it_and_nothing_else() {
 }
 
 #[test]
-fn what_is_drawn_is_what_was_read() {
+fn excerpts_show_the_source_as_read() {
     for path in models() {
         let run = Run::new(&name(&path), &fs::read(&path).unwrap());
         insta::with_settings!({

@@ -61,8 +61,8 @@ pub fn write(folder: &TempDir, files: &[emit::File]) {
 /// Runs a tool in a folder; it must succeed without output.
 pub fn silently(folder: &TempDir, tool: &str, arguments: &[&str]) {
     let output = run(folder, tool, arguments);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && said.is_empty(), "{tool} {arguments:?}: {said}");
+    let messages = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && messages.is_empty(), "{tool} {arguments:?}: {messages}");
 }
 
 fn run(folder: &TempDir, tool: &str, arguments: &[&str]) -> Output {
@@ -116,7 +116,7 @@ fn emitted_code_compiles_without_a_word() {
 
 #[test]
 #[ignore = "needs clang, clang++ and clippy"]
-fn other_compilers_have_nothing_to_say_either() {
+fn other_compilers_give_no_warnings_either() {
     let folder = tempfile::tempdir().expect("a folder");
     let names = every_style(&folder);
     let sources: Vec<String> = names.iter().map(|name| format!("{name}.c")).collect();

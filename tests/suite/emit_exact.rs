@@ -133,18 +133,18 @@ pub fn check_as(
     }
     if discrete.measured.is_empty() {
         // If inputs come from outside (here they are zero), the bound holds for any inputs.
-        let bound = discrete.rounding.after(samples);
+        let bound = discrete.rounding.error_after(samples);
         for error in errors(&printed, history, &step, room) {
             assert!(error <= bound + 2e-16, "{name}: {error:e} above {bound:e}");
         }
     }
-    for told in &discrete.measured {
-        let rows = printed.rows[..printed.rows.len().min(told.steps as usize + 1)].to_vec();
+    for reported in &discrete.measured {
+        let rows = printed.rows[..printed.rows.len().min(reported.steps as usize + 1)].to_vec();
         let found = errors(&Printed { header: String::new(), rows }, history, &step, room);
         let worst = found.into_iter().fold(0.0, f64::max);
         // The reference is rounded to binary64.
-        assert!(worst <= told.error + 2e-16, "{name}: {told:?}, {worst:e}");
-        assert!(told.error <= 1e3 * worst.max(1e-17), "{name}: {told:?}, {worst:e}");
+        assert!(worst <= reported.error + 2e-16, "{name}: {reported:?}, {worst:e}");
+        assert!(reported.error <= 1e3 * worst.max(1e-17), "{name}: {reported:?}, {worst:e}");
     }
 }
 
@@ -323,7 +323,7 @@ fn single_precision_stays_within_its_bound() {
     let wanted = Options { precision: Precision::Single, ..options("0.01") };
     let modes = analysis::modes(&system).expect("modes");
     let discrete = discretise(&system, &modes, &wanted).expect("a discrete system");
-    let bound = discrete.rounding.after(100_000);
+    let bound = discrete.rounding.error_after(100_000);
     check_as(100_001, "single", &system, &[], "0.01", &wanted, bound.min(1e-3));
 }
 
@@ -403,7 +403,7 @@ fn a_symmetric_scene_driven_symmetrically_has_half_of_the_states() {
 
 /// With a tolerance, fast modes that add little over the band are left out, and their static part is kept.
 #[test]
-fn a_tolerance_drops_fast_modes_and_keeps_what_is_static() {
+fn a_tolerance_drops_fast_modes_and_keeps_their_static_part() {
     let mut b = Builder::numbered(2);
     b.mass(0, &Number::ONE);
     b.mass(1, &number("1e-6"));
@@ -431,7 +431,7 @@ fn a_tolerance_drops_fast_modes_and_keeps_what_is_static() {
 /// A fast mode whose static part is twice that of the slow one: with a tolerance it is left out, its static part keeps
 /// the motion under a held force within the tolerance, and the sum of everything left out is below it.
 #[test]
-fn what_is_left_out_stays_below_the_tolerance() {
+fn omitted_modes_stay_below_the_tolerance() {
     let mut b = Builder::numbered(3);
     b.mass(0, &Number::ONE);
     b.spring(None, 0, &number("100"));
@@ -474,7 +474,7 @@ fn what_is_left_out_stays_below_the_tolerance() {
 
 /// A mode that no input reaches is kept if the motion starts in it.
 #[test]
-fn an_initial_state_keeps_what_no_input_reaches() {
+fn an_initial_state_keeps_modes_that_no_input_reaches() {
     let mut b = Builder::numbered(2);
     for i in 0..2 {
         b.mass(i, &Number::ONE);

@@ -144,7 +144,7 @@ fn refused(text: &str, wanted: &Options) -> Vec<String> {
 /// Numbers outside the precision are refused, and steps in which a motion or a signal turns so far that its phase is
 /// lost.
 #[test]
-fn what_the_precision_does_not_hold_is_refused() {
+fn numbers_outside_the_precision_are_refused() {
     let single = Options { precision: Precision::Single, ..options("0.001") };
     let heavy = CART.replace("1 kg", "1e150 kg").replace("1 N/m", "1e6 N/m");
     assert_eq!(refused(&heavy, &single), ["vib::limit::range"]);

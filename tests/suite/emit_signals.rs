@@ -205,7 +205,7 @@ fn tables_are_exact_whatever_the_step() {
 /// A state that is read before a sample includes the events since the last one, and a state that is set there is not
 /// changed by them.
 #[test]
-fn a_state_is_read_and_set_after_what_happens_between_samples() {
+fn a_state_is_read_and_set_after_events_between_samples() {
     let text = "body a { mass = 2 kg, moves x }\nspring s: ground -- a { k = 90 N/m }\n\
                 force F: a along x = pulse(3 N, 0.0237 s, 0.5 s) + impulse(1 N*s, 0.0151 s)\noutput x = a.x\n";
     let emitted = emission("mid", text, &Options { built_in: true, ..options("0.01") }).system;
@@ -222,9 +222,9 @@ fn a_state_is_read_and_set_after_what_happens_between_samples() {
     let w = 45f64.sqrt();
     for (k, found) in found.chunks(3).enumerate() {
         let t = 0.01 * k as f64;
-        let (since, blow) = ((t - 0.0237).max(0.0), (t - 0.0151).max(0.0));
-        let struck = if blow > 0.0 { (w * blow).cos() / 2.0 } else { 0.0 };
-        let x = (1.0 - (w * since).cos()) / 30.0 + (w * blow).sin() / (2.0 * w);
+        let (since, impulse) = ((t - 0.0237).max(0.0), (t - 0.0151).max(0.0));
+        let struck = if impulse > 0.0 { (w * impulse).cos() / 2.0 } else { 0.0 };
+        let x = (1.0 - (w * since).cos()) / 30.0 + (w * impulse).sin() / (2.0 * w);
         let v = w * (w * since).sin() / 30.0 + struck;
         for (value, exact) in found.iter().zip([x, v, x]) {
             assert!((value - exact).abs() < 1e-15, "{k}: {value:e} {exact:e}");

@@ -170,7 +170,7 @@ fn an_output_follows_the_rate_of_an_input() {
 /// that of the model with this value, at both ends of the range and between, for steps as long as the period of the
 /// fastest motion.
 #[test]
-fn a_parameter_moves_masses_and_what_outputs_see() {
+fn a_parameter_changes_masses_and_output_rows() {
     let text = "param m = 2 kg\nbase floor { moves x }\nbody cart { mass = m, moves x }\n\
                 body rod { mass = 0.3 * m + 0.5 kg, shape = rod((0, 0), (0, -1 m)) }\npivot p: cart@(0, 0) -- rod\n\
                 spring s: floor -- cart { k = 300 N/m }\ndamper d: ground -- cart { c = 4 N*s/m }\n\

@@ -73,10 +73,10 @@ fn a_microcontroller_computes_the_same_bits() {
             .stdin(Stdio::null())
             .output()
             .expect("the emulator starts");
-        let said = String::from_utf8_lossy(&there.stderr);
+        let messages = String::from_utf8_lossy(&there.stderr);
         let (here, there) = (String::from_utf8_lossy(&here), String::from_utf8_lossy(&there.stdout));
         let differ = here.lines().zip(there.lines()).find(|(a, b)| a != b);
-        assert_eq!((differ, here.lines().count()), (None, there.lines().count()), "{precision:?}: {said}");
+        assert_eq!((differ, here.lines().count()), (None, there.lines().count()), "{precision:?}: {messages}");
         assert_eq!(here.lines().count(), 501);
     }
 }

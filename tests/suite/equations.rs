@@ -142,7 +142,7 @@ fn outputs() -> Vec<(String, String)> {
 }
 
 #[test]
-fn outputs_are_what_was_read() {
+fn outputs_match_their_declarations() {
     for (name, text) in outputs() {
         insta::with_settings!({
             snapshot_path => "snapshots/equations",
@@ -155,7 +155,7 @@ fn outputs_are_what_was_read() {
 }
 
 #[test]
-fn nobody_finds_what_nobody_writes() {
+fn unused_notation_is_not_reported() {
     let mut wrong = Vec::new();
     for (name, text) in outputs() {
         for formula in linter::formulas(&text) {
@@ -193,7 +193,7 @@ fn closed_forms_have_the_values_of_the_analysis() {
 }
 
 #[test]
-fn what_is_too_large_is_refused_with_its_size() {
+fn equations_that_are_too_large_are_refused_with_their_size() {
     let chain = "body m[1] { mass = 1 kg, moves x }\nrepeat i in 2..250 {\nbody m[i] { mass = 1 kg, moves x }\nspring s[i]: m[i-1] -- m[i] { k = 1 N/m }\n}\n";
     assert_eq!(
         text_of("chain", chain),
@@ -202,7 +202,7 @@ fn what_is_too_large_is_refused_with_its_size() {
 }
 
 #[test]
-fn every_form_is_written_and_steered_by_nothing() {
+fn every_format_is_written_and_nothing_in_it_is_executed() {
     let mut sources = Sources::new();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/cart.vib");
     let file = sources.add(SourceFile::model("cart", std::fs::read_to_string(path).expect("an example")));

@@ -266,7 +266,7 @@ fn ten_faults_in_the_derived_symbols_are_reported_where_they_are() {
 }
 
 #[test]
-fn faults_in_what_loops_and_dampers_give_are_reported() {
+fn faults_in_loop_and_damper_terms_are_reported() {
     let faults: [Fault; 5] = [
         ("a velocity ratio", |e| doubled(&mut e.reduced.as_mut().expect("a loop").follows[0].ratios[0].form), "q"),
         (

@@ -277,7 +277,7 @@ impl Reader<'_> {
 
 /// Each kind of fault by itself, and beside it what people write.
 #[test]
-fn each_fault_is_seen_and_what_people_write_is_not() {
+fn each_fault_is_reported_and_ordinary_style_is_not() {
     for (bad, what) in [
         ("a - -b", "two signs in a row"),
         ("1 x + y", "a factor of one"),

@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use vibc::analysis::{Frequency, Roads, Sweep, grid, table};
+use vibc::analysis::{Frequency, Methods, Sweep, grid, table};
 use vibc::answers;
 use vibc::backend::{ReportOptions, report};
 use vibc::base::{FileId, Number, Rational, SourceFile, Sources};
@@ -61,7 +61,7 @@ fn every_example_has_its_transfer_table() {
             inputs: (0..system.inputs.len()).collect(),
             outputs: (0..system.outputs.len()).collect(),
         };
-        let table = table(&Roads::of(system, &modes), &poles, &sweep);
+        let table = table(&Methods::of(system, &modes), &poles, &sweep);
         insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
             insta::assert_snapshot!(format!("transfer_{stem}"), without_noise(&report::all_laid_out(&answers::report::transfer(&dynamics.model, system, &table), report::WIDTH)));
         });

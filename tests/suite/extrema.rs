@@ -7,7 +7,7 @@
 use super::ask::ask;
 use super::systems::chain;
 use super::transfer::with_every_pair;
-use vibc::analysis::{self, Extrema, FeatureKind, Frequency, Gain, Roads, Sweep, Table, Transfer};
+use vibc::analysis::{self, Extrema, FeatureKind, Frequency, Gain, Methods, Sweep, Table, Transfer};
 use vibc::base::{Ball, Number, Rounded};
 use vibc::system::LinearSystem;
 
@@ -17,7 +17,7 @@ fn table_of(system: &LinearSystem, range: Option<(&str, &str)>) -> Table {
     let range = range.map(|(low, high)| (Number::from(low), Number::from(high)));
     let last = system.outputs.len() - 1;
     let sweep = Sweep { range, inputs: vec![0], outputs: vec![last], ..Sweep::default() };
-    analysis::table(&Roads::of(system, &modes), &poles, &sweep)
+    analysis::table(&Methods::of(system, &modes), &poles, &sweep)
 }
 
 fn extrema_of(text: &str, range: Option<(&str, &str)>) -> Extrema {
@@ -27,14 +27,14 @@ fn extrema_of(text: &str, range: Option<(&str, &str)>) -> Extrema {
 }
 
 /// Compares with a reference of which 20 digits are given.
-fn near(what: &str, told: Ball, written: &str) {
+fn near(what: &str, reported: Ball, written: &str) {
     let truth = Number::from(written.trim_start_matches('-')).to_ball();
     let truth = if written.starts_with('-') { -truth } else { truth };
     let unit = 1e-19 * truth.to_f64().abs();
-    assert!((told - truth).mid.abs().to_f64() <= told.rad + unit, "{what}: {told:?}, not {written}");
-    assert!(told.relative_error() < 1e-18, "{what}: {:e}", told.relative_error());
+    assert!((reported - truth).mid.abs().to_f64() <= reported.rad + unit, "{what}: {reported:?}, not {written}");
+    assert!(reported.relative_error() < 1e-18, "{what}: {:e}", reported.relative_error());
     // The printed number keeps its own bound.
-    let printed = Rounded::of(told).expect("finite");
+    let printed = Rounded::of(reported).expect("finite");
     let error = (Ball::from(printed.value()) - truth).mid.abs().to_f64();
     assert!(error <= printed.bound() + unit && printed.bound() < 1.2e-16 * truth.to_f64().abs(), "{what}");
 }
@@ -49,8 +49,8 @@ fn check(text: &str, range: Option<(&str, &str)>, expected: &[(FeatureKind, &str
         match (*gain, extremum.gain) {
             ("infinite", gain) => assert_eq!(gain, Gain::Infinite),
             ("0", gain) => assert!(gain.disc().is_some_and(|disc| disc.gain().is_zero())),
-            (gain, told) => {
-                let disc = told.disc().expect("finite");
+            (gain, reported) => {
+                let disc = reported.disc().expect("finite");
                 near("gain", disc.gain(), gain);
                 if !phase.is_empty() {
                     near("phase", disc.phase().expect("an angle"), phase);
@@ -121,7 +121,7 @@ fn a_zero_without_damping_is_exactly_zero() {
 
 /// Two zeros that a grid cannot separate, with a maximum between them.
 #[test]
-fn two_zeros_close_together_are_two() {
+fn two_close_zeros_are_counted_twice() {
     let scene = "base z { moves x }
         body b0 { mass = 1 kg, moves x }
         spring s0: z -- b0 { k = 1 N/m }
@@ -185,7 +185,7 @@ fn a_chain_has_as_many_peaks_as_masses() {
 /// Values next to the pole of an oscillator with a damping ratio of 5e-21, where double-double eliminations give no
 /// information.
 #[test]
-fn values_beside_the_lightest_poles_are_told() {
+fn values_near_very_lightly_damped_poles_are_reported() {
     let scene = "body a { mass = 1 kg, moves x }
         spring s: ground -- a { k = 1 N/m }
         damper d: ground -- a { c = 1e-20 N*s/m }
@@ -250,12 +250,12 @@ fn long_damped_chains_have_all_extrema_with_widths() {
             .map(|(i, w)| (0.05 + step * (i + 1) as f64, if w[1] > w[0] { Peak } else { Antiresonance }))
             .collect();
         assert_eq!(found.list.len(), expected.len(), "{output}");
-        for (told, (f, kind)) in found.list.iter().zip(expected) {
-            let at = told.frequency.to_f64();
-            assert!(told.kind == kind && (at - f).abs() < step, "{told:?}, not {f}");
-            let gain = told.gain.disc().expect("finite").gain().to_f64();
-            assert!((size(at) / gain - 1.0).abs() < 1e-10, "{told:?}: {}", size(at));
-            assert!(told.frequency.relative_error() < 1e-20, "{told:?}");
+        for (reported, (f, kind)) in found.list.iter().zip(expected) {
+            let at = reported.frequency.to_f64();
+            assert!(reported.kind == kind && (at - f).abs() < step, "{reported:?}, not {f}");
+            let gain = reported.gain.disc().expect("finite").gain().to_f64();
+            assert!((size(at) / gain - 1.0).abs() < 1e-10, "{reported:?}: {}", size(at));
+            assert!(reported.frequency.relative_error() < 1e-20, "{reported:?}");
             let half = |sign: f64| {
                 let above = |f: &f64| size(*f) > gain * 0.5f64.sqrt();
                 let far = (1..2000).map(|i| at + sign * step * i as f64).find(|f| !above(f)).unwrap_or(f64::NAN);
@@ -266,13 +266,13 @@ fn long_damped_chains_have_all_extrema_with_widths() {
                 }
                 near
             };
-            if let Some(width) = told.width {
-                assert!((width.to_f64() / (half(1.0) - half(-1.0)) - 1.0).abs() < 1e-9, "{told:?}");
+            if let Some(width) = reported.width {
+                assert!((width.to_f64() / (half(1.0) - half(-1.0)) - 1.0).abs() < 1e-9, "{reported:?}");
             }
         }
         // At low frequencies, the peaks of the first mass are less than the root of 2 above the lowest value beside
         // them.
-        let wide = found.list.iter().filter(|told| told.width.is_some()).count();
+        let wide = found.list.iter().filter(|reported| reported.width.is_some()).count();
         assert!(wide >= 20, "{wide} of {}", found.list.len());
     }
 }
@@ -288,22 +288,22 @@ fn a_long_undamped_chain_has_its_textbook_poles_and_zeros() {
         1000f64.sqrt() * angle.sin() / std::f64::consts::PI
     };
     assert_eq!(found.list.len(), 2 * n - 1);
-    for (i, told) in found.list.iter().enumerate() {
+    for (i, reported) in found.list.iter().enumerate() {
         let expected = textbook(n - i % 2, i / 2);
-        assert!((told.frequency.to_f64() / expected - 1.0).abs() < 1e-14, "{i}: {told:?}, not {expected}");
+        assert!((reported.frequency.to_f64() / expected - 1.0).abs() < 1e-14, "{i}: {reported:?}, not {expected}");
         let exactly = if i % 2 == 0 {
-            told.kind == Peak && told.gain == Gain::Infinite
+            reported.kind == Peak && reported.gain == Gain::Infinite
         } else {
-            told.kind == Antiresonance && told.gain.disc().is_some_and(|disc| disc.gain().is_zero())
+            reported.kind == Antiresonance && reported.gain.disc().is_some_and(|disc| disc.gain().is_zero())
         };
-        assert!(exactly, "{i}: {told:?}");
+        assert!(exactly, "{i}: {reported:?}");
     }
 }
 
 /// A ring of unequal masses is not a tree. A driven mass has one zero between two poles of the undamped system; nothing
 /// cancels because no two masses are equal.
 #[test]
-fn what_is_driven_is_seen_in_any_net() {
+fn driving_point_extrema_are_complete_in_any_net() {
     let n = 20;
     let ring = |rest: &str| {
         format!(
@@ -322,8 +322,9 @@ fn what_is_driven_is_seen_in_any_net() {
         let found = extrema_of(&ring(rest), None);
         assert!(found.complete.is_some(), "{rest}: {:?}", found.open);
         assert_eq!(found.list.len(), 2 * n - 1, "{rest}");
-        let alternate =
-            |(i, told): (usize, &analysis::Extremum)| told.kind == if i % 2 == 0 { Peak } else { Antiresonance };
+        let alternate = |(i, reported): (usize, &analysis::Extremum)| {
+            reported.kind == if i % 2 == 0 { Peak } else { Antiresonance }
+        };
         assert!(found.list.iter().enumerate().all(alternate), "{rest}");
     }
     // For another mass of the ring, two paths lead there: the result has no proof of completeness.

@@ -8,7 +8,7 @@ use room::crowded;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use vibc::Drawn;
+use vibc::FigureOptions;
 use vibc::backend::draw::svg;
 use vibc::base::{FileId, SourceFile, Sources};
 use vibc::model::Overrides;
@@ -23,7 +23,7 @@ pub struct Figured {
 }
 
 impl Figured {
-    pub fn of(name: &str, text: &str, drawn: Drawn) -> Result<Figured, String> {
+    pub fn of(name: &str, text: &str, drawn: FigureOptions) -> Result<Figured, String> {
         let mut sources = Sources::new();
         let model = sources.add(SourceFile::model(name, text));
         let outcome = vibc::draw(&sources, model, &Overrides::default(), &drawn);
@@ -73,7 +73,7 @@ fn drawing(name: &str) -> String {
     fs::read_to_string(folder("tests/drawings").join(name)).expect("a drawing")
 }
 
-const AS_DRAWN: Drawn = Drawn { rest: false, mode: None, values: false };
+const AS_DRAWN: FigureOptions = FigureOptions { rest: false, mode: None, values: false };
 
 #[test]
 fn figures_are_as_reviewed() {
@@ -89,11 +89,11 @@ fn figures_are_as_reviewed() {
 #[test]
 fn modes_and_rest_are_as_reviewed() {
     let cases = [
-        ("cart_mode_2", example("cart.vib"), Drawn { mode: Some(2), ..AS_DRAWN }),
-        ("double_pendulum_rest", example("double_pendulum.vib"), Drawn { rest: true, ..AS_DRAWN }),
-        ("half_car_mode_2", example("half_car.vib"), Drawn { mode: Some(2), ..AS_DRAWN }),
-        ("drive_line_values", example("drive_line.vib"), Drawn { values: true, ..AS_DRAWN }),
-        ("slider_crank_mode_1", drawing("slider_crank.vib"), Drawn { mode: Some(1), ..AS_DRAWN }),
+        ("cart_mode_2", example("cart.vib"), FigureOptions { mode: Some(2), ..AS_DRAWN }),
+        ("double_pendulum_rest", example("double_pendulum.vib"), FigureOptions { rest: true, ..AS_DRAWN }),
+        ("half_car_mode_2", example("half_car.vib"), FigureOptions { mode: Some(2), ..AS_DRAWN }),
+        ("drive_line_values", example("drive_line.vib"), FigureOptions { values: true, ..AS_DRAWN }),
+        ("slider_crank_mode_1", drawing("slider_crank.vib"), FigureOptions { mode: Some(1), ..AS_DRAWN }),
     ];
     for (name, text, drawn) in cases {
         let figured = Figured::of("m.vib", &text, drawn).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -107,11 +107,11 @@ fn modes_and_rest_are_as_reviewed() {
 fn no_name_lies_over_anything() {
     for (name, text) in models("examples").into_iter().chain(models("tests/drawings")) {
         for values in [false, true] {
-            let mut modes = vec![AS_DRAWN, Drawn { rest: true, ..AS_DRAWN }];
-            modes.extend((1..=4).map(|mode| Drawn { mode: Some(mode), ..AS_DRAWN }));
+            let mut modes = vec![AS_DRAWN, FigureOptions { rest: true, ..AS_DRAWN }];
+            modes.extend((1..=4).map(|mode| FigureOptions { mode: Some(mode), ..AS_DRAWN }));
             for drawn in modes {
                 // Not every scene has this many modes.
-                let Ok(figured) = Figured::of(&name, &text, Drawn { values, ..drawn }) else { continue };
+                let Ok(figured) = Figured::of(&name, &text, FigureOptions { values, ..drawn }) else { continue };
                 let over = crowded(&figured.figure);
                 assert!(over.is_empty(), "{name}, {drawn:?}, values {values}: {}", over.join("\n"));
                 let left_out = figured.figure.notes.iter().any(|note| note.text.contains("left out"));
@@ -208,8 +208,8 @@ fn coordinates_are_to_scale() {
 
 #[test]
 fn a_pendulum_at_rest_hangs_down() {
-    let figured =
-        Figured::of("m.vib", &example("double_pendulum.vib"), Drawn { rest: true, ..AS_DRAWN }).expect("a figure");
+    let figured = Figured::of("m.vib", &example("double_pendulum.vib"), FigureOptions { rest: true, ..AS_DRAWN })
+        .expect("a figure");
     let [p, q] = ["pivot p", "pivot q"].map(|name| circle(figured.named(Kind::Pivot, name)));
     let bobs: Vec<Point> = figured.of_kind(Kind::Point).map(circle).collect();
     assert!((p.x - q.x).abs() < 1e-6 && bobs.iter().all(|bob| (bob.x - p.x).abs() < 1e-6), "all below each other");
@@ -226,8 +226,8 @@ fn far_end(rod: &Glyph, from: Point) -> Point {
 #[test]
 fn a_mode_is_drawn_in_its_proportions() {
     let text = example("cart.vib");
-    let figured = Figured::of("m.vib", &text, Drawn { mode: Some(2), ..AS_DRAWN }).expect("a figure");
-    let still = Figured::of("m.vib", &text, Drawn { rest: true, ..AS_DRAWN }).expect("a figure");
+    let figured = Figured::of("m.vib", &text, FigureOptions { mode: Some(2), ..AS_DRAWN }).expect("a figure");
+    let still = Figured::of("m.vib", &text, FigureOptions { rest: true, ..AS_DRAWN }).expect("a figure");
     // Both frames are positioned by their content: measure from the spring's wall.
     let place = |figured: &Figured| {
         let wall = figured.of_kind(Kind::Ground).next().expect("a wall").bounds().high.x;
@@ -256,8 +256,8 @@ fn rows_run_along_the_motion_from_the_ground() {
     let figured = Figured::of("m.vib", &example("quarter_car.vib"), AS_DRAWN).expect("a figure");
     let [chassis, wheel] =
         ["body chassis", "body wheel"].map(|name| figured.named(Kind::Block, name).bounds().centre());
-    let road = figured.of_kind(Kind::Base).next().expect("a base").bounds().centre();
-    assert!(chassis.y < wheel.y && wheel.y < road.y, "the road is below the wheel, the wheel below the chassis");
+    let method = figured.of_kind(Kind::Base).next().expect("a base").bounds().centre();
+    assert!(chassis.y < wheel.y && wheel.y < method.y, "the road is below the wheel, the wheel below the chassis");
     // Spring and damper in parallel.
     let [spring, damper] = [
         figured.named(Kind::Spring, "spring suspension").bounds(),
@@ -267,7 +267,7 @@ fn rows_run_along_the_motion_from_the_ground() {
 }
 
 #[test]
-fn a_series_of_spring_and_dashpot_stands_beside_the_spring() {
+fn a_spring_and_dashpot_in_series_is_drawn_beside_the_spring() {
     let figured = Figured::of("m.vib", &drawing("maxwell_mount.vib"), AS_DRAWN).expect("a figure");
     let [k, k1] = ["spring k:", "spring k1:"].map(|name| figured.named(Kind::Spring, name).bounds());
     let c1 = figured.named(Kind::Damper, "damper c1").bounds();
@@ -331,7 +331,7 @@ fn well_formed(svg: &str) -> Result<(), String> {
 #[test]
 fn files_are_well_formed_and_the_same_every_time() {
     for (name, text) in models("examples").into_iter().chain(models("tests/drawings")) {
-        let draw = || Figured::of(&name, &text, Drawn { values: true, ..AS_DRAWN }).expect("a figure").svg();
+        let draw = || Figured::of(&name, &text, FigureOptions { values: true, ..AS_DRAWN }).expect("a figure").svg();
         let svg = draw();
         well_formed(&svg).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(svg, draw(), "{name}");
@@ -370,10 +370,10 @@ fn large_scenes_thin_out() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_said() {
+fn what_cannot_be_drawn_is_reported() {
     let refusal = |text: &str, drawn| Figured::of("m.vib", text, drawn).err().expect("no figure");
     let cart = example("cart.vib");
-    assert_eq!(refusal(&cart, Drawn { mode: Some(3), ..AS_DRAWN }), "the model has no mode 3; it has 2");
+    assert_eq!(refusal(&cart, FigureOptions { mode: Some(3), ..AS_DRAWN }), "the model has no mode 3; it has 2");
     let far = "body b { mass = 1 kg, at = (1e200 m, 0), moves x }\nspring s: ground@(0, 0) -- b { k = 1 N/m }";
     assert_eq!(refusal(far, AS_DRAWN), "a coordinate of `b` is too large to be drawn");
 }
@@ -442,7 +442,7 @@ fn parts_without_coordinates_beside_others_are_laid_out() {
 
 /// The force in an element is an arrow next to it.
 #[test]
-fn the_force_in_an_element_stands_beside_it() {
+fn the_force_in_an_element_is_drawn_beside_it() {
     let figured = Figured::of("m.vib", &example("inerter_table.vib"), AS_DRAWN).expect("a figure");
     let inerter = figured.named(Kind::Inerter, "inerter b").bounds();
     let push = figured.named(Kind::Output, "output push").bounds();

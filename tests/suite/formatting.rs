@@ -27,9 +27,9 @@ fn meaning(text: &str) -> String {
     let parsed = vibc::syntax::parse(&sources, file);
     assert!(parsed.errors.is_empty(), "{text}");
     let checked = vibc::model::check(&sources, &parsed.tree, &Overrides::default());
-    let said: Vec<(&str, String)> =
+    let messages: Vec<(&str, String)> =
         checked.diagnostics.iter().map(|finding| (finding.code.0, finding.message.clone())).collect();
-    without_places(&format!("{:?} {said:?}", checked.scene))
+    without_places(&format!("{:?} {messages:?}", checked.scene))
 }
 
 /// A `Debug` text without its spans, and without the map of its words, which has no fixed order.

@@ -66,7 +66,7 @@ const FOUND: [(&str, &str); 3] = [
 ];
 
 #[test]
-fn what_fuzzing_once_found_stays_mended() {
+fn fuzzing_regressions_stay_fixed() {
     for (what, hex) in FOUND {
         let digits = |at: usize| hex.get(at..at + 2).and_then(|pair| u8::from_str_radix(pair, 16).ok());
         let bytes: Option<Vec<u8>> = (0..hex.len()).step_by(2).map(digits).collect();

@@ -139,8 +139,8 @@ fn names() -> Vec<String> {
 
 /// Each fact that a case expects is reported, and no growth or doubt if it expects none.
 #[test]
-fn what_a_case_expects_is_told() {
-    let mut told = 0;
+fn expected_facts_are_reported() {
+    let mut reported = 0;
     for name in names().iter().filter(|name| !LARGE.contains(&name.as_str())) {
         let case = HardCase::load(name);
         let expect = case.json["expect"].as_object().expect("facts").clone();
@@ -148,7 +148,7 @@ fn what_a_case_expects_is_told() {
             (Ok(modes), None) => modes,
             (Err(error), Some(_)) => {
                 assert_eq!(error.to_diagnostic().code.0, "vib::mass::singular", "{name}");
-                told += 1;
+                reported += 1;
                 continue;
             }
             (found, expected) => panic!("{name}: {:?}, expected {expected:?}", found.err()),
@@ -179,10 +179,10 @@ fn what_a_case_expects_is_told() {
         let known = [known.as_slice(), &["singular_dynamic_stiffness_at"]].concat();
         for fact in expect.keys() {
             assert!(known.contains(&fact.as_str()), "{name}: nothing is known about `{fact}`");
-            told += 1;
+            reported += 1;
         }
     }
-    assert!(told >= 8, "{told} facts");
+    assert!(reported >= 8, "{reported} facts");
 }
 
 /// Sizes of the groups of modes that are certified together.
@@ -278,7 +278,7 @@ fn every_reference_of_every_case_is_checked_somewhere() {
 
 /// Beats as reported by the analysis: every pair of a case, to 16 digits.
 #[test]
-fn beats_are_told_with_their_digits() {
+fn beats_are_reported_with_their_digits() {
     for name in ["o04_tuned_tiny_absorber", "o10_two_pendulums_weak", "o11_wilkinson21"] {
         let case = HardCase::load(name);
         let modes = analysis::modes(&case.system).expect("modes");

@@ -83,14 +83,14 @@ fn near_critical_damping_keeps_its_digits() {
 }
 
 #[test]
-fn critical_damping_is_told_as_a_double_pole() {
+fn critical_damping_is_reported_as_a_double_pole() {
     let poles = check("o12_critical_sdof", 30.0);
     assert_eq!(kinds(&poles), [PoleKind::Overdamped; 2]);
     assert!(poles.list.iter().all(|pole| pole.cluster == Some(0) && pole.defective));
 }
 
 #[test]
-fn a_spring_and_damper_in_series_relax_at_a_rate_of_their_own() {
+fn a_spring_and_damper_in_series_relax_at_their_own_rate() {
     let poles = check("o18_zener_maxwell", 28.0);
     assert_eq!(kinds(&poles), [PoleKind::Oscillation, PoleKind::Oscillation, PoleKind::Overdamped]);
     assert_eq!(poles.infinite(), Some(1));

@@ -62,13 +62,13 @@ fn status(output: &Output) -> i32 {
     output.status.code().expect("no signal")
 }
 
-fn told(output: &Output) -> String {
+fn messages(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).expect("UTF-8")
 }
 
 /// The findings of a run, as JSON.
 fn findings(output: &Output) -> Vec<Value> {
-    told(output).lines().map(|line| serde_json::from_str(line).expect("an object a line")).collect()
+    messages(output).lines().map(|line| serde_json::from_str(line).expect("an object a line")).collect()
 }
 
 /// Whether a text has characters that move a cursor, change colours or the text direction, or are invisible.
@@ -93,14 +93,14 @@ fn a_table_that_is_no_plain_file_is_refused_at_once() {
         let model = write(folder.path(), "m.vib", driven(table));
         let refused = run(&["check", &model]);
         assert_eq!(status(&refused), 3, "{table}");
-        assert!(told(&refused).contains(reason), "{}", told(&refused));
+        assert!(messages(&refused).contains(reason), "{}", messages(&refused));
     }
     // Even if every file is allowed, devices and the program's own streams are refused.
     for table in ["/dev/zero", "/dev/stdin", "/proc/self/fd/0", "/dev/null"] {
         let model = write(folder.path(), "m.vib", driven(table));
         let refused = run(&["check", &model, "--root", "/"]);
         assert_eq!(status(&refused), 3, "{table}");
-        assert!(told(&refused).contains("it is not a regular file"), "{}", told(&refused));
+        assert!(messages(&refused).contains("it is not a regular file"), "{}", messages(&refused));
     }
 }
 
@@ -118,15 +118,15 @@ fn a_table_lies_below_the_folder_of_its_model() {
     let absolute = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     for inside in ["data/push.csv", "./data/../data/push.csv", &absolute("models/data/push.csv")] {
         let done = simulate(inside, &[]);
-        assert_eq!(status(&done), 0, "{inside}: {}", told(&done));
+        assert_eq!(status(&done), 0, "{inside}: {}", messages(&done));
     }
     for outside in ["../beside.csv", "data/../../beside.csv", &absolute("beside.csv"), "/etc/passwd"] {
         let refused = simulate(outside, &[]);
         assert_eq!(status(&refused), 3, "{outside}");
-        assert!(told(&refused).contains("it lies outside the model's folder"), "{}", told(&refused));
+        assert!(messages(&refused).contains("it lies outside the model's folder"), "{}", messages(&refused));
     }
     let allowed = simulate("../beside.csv", &["--root", &folder.path().to_string_lossy()]);
-    assert_eq!(status(&allowed), 0, "{}", told(&allowed));
+    assert_eq!(status(&allowed), 0, "{}", messages(&allowed));
     // A link counts as its target, and another root allows only its own files.
     #[cfg(unix)]
     {
@@ -137,7 +137,7 @@ fn a_table_lies_below_the_folder_of_its_model() {
 }
 
 #[test]
-fn what_stands_in_a_file_that_is_no_table_is_not_shown() {
+fn the_content_of_a_file_that_is_not_a_table_is_not_shown() {
     let folder = folder();
     for (content, line) in [
         ("root:secret:0:0:secret:/root:/bin/sh\nuser:secret\n", 1),
@@ -151,7 +151,7 @@ fn what_stands_in_a_file_that_is_no_table_is_not_shown() {
         for form in ["human", "short", "json"] {
             let refused = run(&["check", &model, "--message-format", form]);
             assert_eq!(status(&refused), 1, "{content}");
-            assert!(!told(&refused).contains("secret"), "{}", told(&refused));
+            assert!(!messages(&refused).contains("secret"), "{}", messages(&refused));
         }
         let found = findings(&run(&["check", &model, "--message-format", "json"]));
         assert_eq!((found.len(), found[0]["code"].as_str()), (1, Some("vib::table::row")), "{content}");
@@ -161,18 +161,18 @@ fn what_stands_in_a_file_that_is_no_table_is_not_shown() {
 }
 
 #[test]
-fn tables_have_limits_of_their_own() {
+fn tables_have_their_own_limits() {
     let folder = folder();
     let rows: String = (0..1_000_001).map(|row| format!("{row},0\n")).collect();
     write(folder.path(), "long.csv", rows);
     let long = run(&["check", &write(folder.path(), "m.vib", driven("long.csv"))]);
     assert_eq!(status(&long), 3);
-    assert!(told(&long).contains("at most 1000000 rows in total"), "{}", told(&long));
+    assert!(messages(&long).contains("at most 1000000 rows in total"), "{}", messages(&long));
     let file = fs::File::create(folder.path().join("large.csv")).expect("a file");
     file.set_len((64 << 20) + 1).expect("a hole in it");
     let large = run(&["check", &write(folder.path(), "m.vib", driven("large.csv"))]);
     assert_eq!(status(&large), 3);
-    assert!(told(&large).contains("at most 64 MiB in total"), "{}", told(&large));
+    assert!(messages(&large).contains("at most 64 MiB in total"), "{}", messages(&large));
 }
 
 #[cfg(unix)]
@@ -212,7 +212,7 @@ fn no_file_name_steers_the_terminal() {
             let done = run(arguments);
             let out = String::from_utf8(done.stdout.clone()).expect("UTF-8");
             assert!(!steers(&out), "{arguments:?}: {out:?}");
-            assert!(!steers(&told(&done)), "{arguments:?}: {:?}", told(&done));
+            assert!(!steers(&messages(&done)), "{arguments:?}: {:?}", messages(&done));
         }
     }
 }
@@ -223,7 +223,7 @@ fn json_escapes_what_steers_and_keeps_the_name() {
     let name = "a\u{202e}b\u{200b}.vib";
     let wrong = write(folder.path(), name, "body b { mass = 1 kg, moves x, \u{202e} }\n");
     let done = run(&["check", &wrong, "--message-format", "json"]);
-    assert!(!steers(&told(&done)), "{:?}", told(&done));
+    assert!(!steers(&messages(&done)), "{:?}", messages(&done));
     assert!(findings(&done).iter().all(|finding| finding["file"] == wrong.as_str()));
 }
 
@@ -246,7 +246,11 @@ fn no_argument_steers_the_terminal() {
         ] {
             let refused = run(arguments);
             assert_eq!(status(&refused), 2, "{arguments:?}");
-            assert!(refused.stdout.is_empty() && !steers(&told(&refused)), "{arguments:?}: {:?}", told(&refused));
+            assert!(
+                refused.stdout.is_empty() && !steers(&messages(&refused)),
+                "{arguments:?}: {:?}",
+                messages(&refused)
+            );
         }
     }
 }
@@ -285,14 +289,14 @@ fn an_output_goes_where_a_link_leads_and_whole() {
 /// disturb nor get removed.
 #[cfg(unix)]
 #[test]
-fn what_another_run_left_is_not_in_the_way() {
+fn files_of_another_run_do_not_interfere() {
     let folder = folder();
     let model = write(folder.path(), "m.vib", "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\n");
     let script = ": > .r.txt.$$-0.new; : > .r.txt.$$.new; exec \"$0\" analyze \"$1\" -o r.txt";
     let mut shell = Command::new("sh");
     let done = shell.args(["-c", script, env!("CARGO_BIN_EXE_vibc"), &model]).current_dir(folder.path()).output();
     let done = done.expect("a shell");
-    assert_eq!(status(&done), 0, "{}", told(&done));
+    assert_eq!(status(&done), 0, "{}", messages(&done));
     assert!(fs::read_to_string(folder.path().join("r.txt")).unwrap().starts_with("m · 1 degree of freedom"));
     let names = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
     assert_eq!(names.filter(|name| name.to_string_lossy().ends_with(".new")).count(), 2);
@@ -309,7 +313,7 @@ fn checked(text: &str) -> Vec<vibc::base::Diagnostic> {
 
 /// Regression: each level was stored with all levels inside it, and each byte was read once for every enclosing level.
 #[test]
-fn what_is_broken_is_kept_once_however_deep_it_is_nested() {
+fn nested_syntax_errors_are_stored_once() {
     let levels = 3000;
     let text = "repeat i in 1..2 {\n".repeat(levels) + &"}\n".repeat(levels);
     let mut sources = Sources::new();
@@ -322,7 +326,7 @@ fn what_is_broken_is_kept_once_however_deep_it_is_nested() {
 }
 
 #[test]
-fn a_hundred_errors_are_told_and_the_others_counted() {
+fn the_first_hundred_errors_are_reported_and_the_rest_counted() {
     let body = "body b { mass = 1 kg, moves x }\n";
     for (count, more) in
         [(100, None), (101, Some("1 more error in this model")), (5000, Some("4900 more errors in this model"))]
@@ -340,13 +344,13 @@ fn a_hundred_errors_are_told_and_the_others_counted() {
 }
 
 #[test]
-fn a_name_that_is_not_there_is_told_once() {
+fn an_undeclared_name_is_reported_once() {
     let text = "body aarm { mass = 1 kg, moves x }\nspring s: ground -- arm { k = kk }\nspring t: ground -- arm { k = kk }\n\
                 damper d: ground -- arm { c = 1 N*s/m }\noutput x = arm.x\noutput v = arm.vx\n";
     let found = checked(text);
-    let told: Vec<(&str, usize)> = found.iter().map(|one| (one.code.0, one.primary.span.start())).collect();
+    let messages: Vec<(&str, usize)> = found.iter().map(|one| (one.code.0, one.primary.span.start())).collect();
     let place = |word: &str| text.find(word).expect("it is there");
-    assert_eq!(told, [("vib::part::unknown", place("-- arm") + 3), ("vib::name::unknown", place("kk"))]);
+    assert_eq!(messages, [("vib::part::unknown", place("-- arm") + 3), ("vib::name::unknown", place("kk"))]);
 }
 
 #[test]
@@ -379,24 +383,24 @@ fn a_transfer_function_of_deep_links_is_refused_before_it_is_summed() {
     );
     let model = write(folder.path(), "m.vib", text);
     let refused = run(&["transfer", "--points", "20", "--range", "0.1Hz..10Hz", &model, "--message-format", "json"]);
-    assert_eq!(status(&refused), 4, "{}", told(&refused));
+    assert_eq!(status(&refused), 4, "{}", messages(&refused));
     let found = findings(&refused);
     assert_eq!((found.len(), found[0]["code"].as_str()), (1, Some("vib::limit::depth")));
 }
 
 #[test]
-fn no_force_is_told_as_infinite() {
+fn no_force_is_reported_as_infinite() {
     let folder = folder();
     let text = "gravity 9.81 m/s^2\nrest as drawn\nbody rod { mass = 1e308 kg, shape = rod((0, 0), (1 m, 0)) }\n\
                 pivot p: ground@(0, 0) -- rod\n";
     let refused = run(&["check", &write(folder.path(), "m.vib", text)]);
     assert_eq!(status(&refused), 1);
-    assert!(told(&refused).contains("`rod.angle`: more than 1.8e308 N*m"), "{}", told(&refused));
+    assert!(messages(&refused).contains("`rod.angle`: more than 1.8e308 N*m"), "{}", messages(&refused));
 }
 
 /// The largest size that is accepted, and the smallest that is refused.
 #[test]
-fn brackets_and_numbers_have_the_limits_that_are_said() {
+fn brackets_and_numbers_have_their_documented_limits() {
     let brackets = |levels: usize| format!("param k = {}1{}\n", "(".repeat(levels), ")".repeat(levels));
     let number = |bytes: usize| format!("param k = 0.{} N/m\n", "1".repeat(bytes - 2));
     let errors = |text: &str| {

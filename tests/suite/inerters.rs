@@ -113,9 +113,9 @@ fn measured(text: &str, until: Option<&str>) -> Vec<Ball> {
     let study = Study { until: until.as_ref(), ..Study::default() };
     let request = vibc::analysis::Request::default();
     let outcome = vibc::analyze_with(&sources, file, &Overrides::default(), &request, &study);
-    let said: Vec<&str> =
+    let messages: Vec<&str> =
         outcome.diagnostics.iter().map(|d| d.code.0).filter(|code| *code != "vib::require::fails").collect();
-    assert!(said.is_empty(), "{said:?}");
+    assert!(messages.is_empty(), "{messages:?}");
     let number = |value: &Value| match value {
         Value::Number(ball) => *ball,
         other => panic!("{other:?}"),
@@ -179,7 +179,7 @@ fn frequencies_have_slopes_by_the_inertance_and_are_solved_for_it() {
 
 /// Inerters are kept or left out like springs and dampers, and the report says so.
 #[test]
-fn what_a_model_was_taken_for_names_inerters() {
+fn the_explanation_names_inerters() {
     let answer = ask(
         "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\ninerter j: ground -- a { b = 1 kg }\n\
          inerter z: ground -- a { b = 0 kg }\n",
@@ -196,7 +196,7 @@ fn what_a_model_was_taken_for_names_inerters() {
 }
 
 #[test]
-fn inerters_have_messages_of_their_own() {
+fn inerters_have_their_own_messages() {
     let with = |inerter: &str| format!("body a {{ mass = 1 kg, moves x }}\ninerter j: ground -- a {{ {inerter} }}\n");
     assert_eq!(refusal(&with("b = -1 kg")), ["vib::value::negative"]);
     assert_eq!(refusal(&with("")), ["vib::field::missing"]);

@@ -76,7 +76,7 @@ fn every_form_of_the_language_parses() {
 }
 
 /// The only finding of a mistake.
-fn told(text: &str) -> Vec<String> {
+fn messages(text: &str) -> Vec<String> {
     let (sources, parsed) = parse(text);
     let tell = |d: &vibc::base::Diagnostic| {
         let place = sources.positions(d.primary.span).0;
@@ -191,15 +191,16 @@ const MISTAKES: &[&str] = &[
     "param k = 3 @ 4",
     "10 N/m",
     "{ mass = 1 kg }",
+    "damping rayleigh(0.05 1/s, 0.001 s)",
 ];
 
 #[test]
 fn one_mistake_gives_one_error_that_says_what_to_type() {
     let mut table = String::new();
     for mistake in MISTAKES {
-        let told = told(mistake);
-        table += &format!("{mistake}\n    {}\n", told.join("\n    "));
-        assert_eq!(told.len(), 1, "{mistake}: {told:#?}");
+        let messages = messages(mistake);
+        table += &format!("{mistake}\n    {}\n", messages.join("\n    "));
+        assert_eq!(messages.len(), 1, "{mistake}: {messages:#?}");
     }
     insta::assert_snapshot!(table);
 }

@@ -285,7 +285,7 @@ output speed = rod@(0, -2 m).vx\noutput spin = rod.omega\noutput jerk = rod.alph
 // Parameters, units, repeat, lexis.
 
 #[test]
-fn parameters_in_any_order_and_beside_parts_of_the_same_name() {
+fn parameters_in_any_order_and_with_names_of_parts() {
     assert_omegas(
         "let w = sqrt(k / m)\nspring k: ground -- m { k = m * w^2 }\nbody m { mass = m, moves x }\nparam m = 2 kg\nparam k = 8 N/m",
         &[2.0],
@@ -390,7 +390,7 @@ fn gravity_points_where_it_says() {
 // Refusals: one mistake, one error.
 
 #[test]
-fn a_direction_that_nobody_tells() {
+fn an_unknown_direction() {
     // The body moves in x and y, and the element has no positions.
     assert_refused(
         "body b { mass = 1 kg, moves x y }\nspring k: ground -- b { k = 1 N/m }",
@@ -406,7 +406,7 @@ fn wrong_and_missing_units() {
 }
 
 #[test]
-fn free_length_and_preload_together() {
+fn a_free_length_and_a_preload() {
     let codes = refusal(
         "body b { mass = 1 kg, at = (0, 0), moves x }
 spring k: ground@(-1 m, 0) -- b { k = 1 N/m, free_length = 1 m, preload = 1 N }",

@@ -2,7 +2,7 @@
 //! layout.
 
 use pulldown_cmark::{Event, Options as Extensions, Parser, Tag, TagEnd};
-use vibc::analysis::{self, Extrema, Roads, Sweep};
+use vibc::analysis::{self, Extrema, Methods, Sweep};
 use vibc::answers::ModalAnswer;
 use vibc::answers::report::{self, Block, Figure, Line, Part, Report, Table, Value};
 use vibc::backend::{ReportOptions, json, markdown, report as text};
@@ -84,7 +84,7 @@ fn transfer_of(name: &str, model: &str, spoil: impl Fn(&mut Extrema)) -> Vec<Rep
     let dynamics = vibc::dynamics(&sources, file, &Overrides::default()).answer.expect("a model");
     let (modes, poles) = dynamics.spectrum.clone().expect("modes");
     let sweep = Sweep { inputs: vec![0], outputs: vec![0], ..Sweep::default() };
-    let mut table = analysis::table(&Roads::of(&dynamics.system, &modes), &poles, &sweep);
+    let mut table = analysis::table(&Methods::of(&dynamics.system, &modes), &poles, &sweep);
     table.extrema.iter_mut().flatten().flatten().for_each(spoil);
     report::transfer(&dynamics.model, &dynamics.system, &table)
 }

@@ -2,16 +2,16 @@
 //! in absolute coordinates with multipliers, on linkages written by hand and on random ones.
 
 use crate::ask::{Answer, ask, refusal, try_ask};
-use crate::independent::{assert_two_roads_meet_within, random_scenes};
+use crate::independent::{assert_formulations_agree_within, random_scenes};
 use vibc::base::{Number, Rational};
 
 /// Tolerance between both formulations. The second one differentiates numerically and eliminates in double-double:
 /// 1e-22 of the energies, magnified by the lever arms of a loop near a dead centre.
 const TOLERANCE: f64 = 1e-13;
 
-fn by_both_roads(text: &str) -> Answer {
+fn by_both_formulations(text: &str) -> Answer {
     let answer = ask(text);
-    assert_two_roads_meet_within(&answer, TOLERANCE, text);
+    assert_formulations_agree_within(&answer, TOLERANCE, text);
     answer
 }
 
@@ -46,7 +46,7 @@ fn five_bar(gravity: bool, turned: &str) -> String {
 /// P08 and P09 of the published cases.
 #[test]
 fn the_five_bar_finds_its_rest_and_its_frequencies() {
-    let answer = by_both_roads(&five_bar(true, "0"));
+    let answer = by_both_formulations(&five_bar(true, "0"));
     assert_omegas(&answer, &[3.284544215896, 7.1262316531576]);
     let rest = &answer.lowered.rest;
     assert!(rest.is_proven() && rest.residual < 1e-25, "{rest:?}");
@@ -54,7 +54,7 @@ fn the_five_bar_finds_its_rest_and_its_frequencies() {
     let angle = rest.displacement[0].to_f64();
     let (x, y) = (angle.sin() - angle.cos(), -angle.sin() - angle.cos());
     assert!((x + 0.79400867881339).abs() < 1e-14 && (y + 1.1702778379381).abs() < 1e-13, "{x} {y}");
-    assert_omegas(&by_both_roads(&five_bar(false, "0")), &[1.8151442052098, 7.1912609755035]);
+    assert_omegas(&by_both_formulations(&five_bar(false, "0")), &[1.8151442052098, 7.1912609755035]);
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn a_turned_drawing_has_the_same_frequencies() {
 /// entirely from the curvature of the constraint.
 #[test]
 fn a_trapeze_is_a_pendulum() {
-    let answer = by_both_roads(
+    let answer = by_both_formulations(
         "gravity 9.81 m/s^2
         body left { mass = 0 kg, shape = rod((0, 0), (0, -2 m)) }
         body bar { mass = 3 kg, shape = rod((0, -2 m), (1 m, -2 m)) }
@@ -136,7 +136,7 @@ fn geared_shafts_have_their_published_matrices() {
 /// A rolling disc: x = -r theta, so that M = m r^2 + J, K = k r^2, omega^2 = 2 k / 3 m.
 #[test]
 fn a_rolling_disc_carries_its_inertia() {
-    let answer = by_both_roads(
+    let answer = by_both_formulations(
         "body disc { mass = 2 kg, at = (0, 0.3 m), shape = disk(0.3 m), free }
         couple roll: disc.x = -disc.angle * 0.3 m
         couple road: disc.y = 0
@@ -148,7 +148,7 @@ fn a_rolling_disc_carries_its_inertia() {
 /// Two weights over a massive pulley, one of them on a spring: a rope of fixed length.
 #[test]
 fn a_pulley_turns_with_its_rope() {
-    let answer = by_both_roads(
+    let answer = by_both_formulations(
         "gravity 9.81 m/s^2
         body left { mass = 3 kg, moves y, at = (-0.2 m, -1 m) }
         body right { mass = 2 kg, moves y, at = (0.2 m, -1 m) }
@@ -168,7 +168,7 @@ fn a_pulley_turns_with_its_rope() {
 /// A lever with arms a and b between two masses: the coupling is linear in the displacements.
 #[test]
 fn a_lever_multiplies() {
-    let answer = by_both_roads(
+    let answer = by_both_formulations(
         "body m { mass = 1 kg, moves y }\nbody n { mass = 9 kg, moves y }
         couple lever: m.y / 3 m = -n.y / 1 m
         spring s: ground -- n { k = 36 N/m }",
@@ -195,9 +195,9 @@ fn a_slider_crank_is_the_same_however_the_piston_is_guided() {
             force F: piston along x\noutput x = piston.x\noutput turn = rod.angle"
         )
     };
-    let guided = by_both_roads(&with(", moves x", ""));
-    let slid = by_both_roads(&with("", "slide g: ground -- piston along (1, 0)"));
-    let along = by_both_roads(&with(", inertia = 1 kg*m^2, free", "slide g: piston -- ground along (-2, 0)"));
+    let guided = by_both_formulations(&with(", moves x", ""));
+    let slid = by_both_formulations(&with("", "slide g: ground -- piston along (1, 0)"));
+    let along = by_both_formulations(&with(", inertia = 1 kg*m^2, free", "slide g: piston -- ground along (-2, 0)"));
     assert_eq!(guided.omegas().len(), 1);
     for other in [slid, along] {
         for (a, b) in guided.omegas().iter().zip(other.omegas()) {
@@ -230,7 +230,7 @@ fn a_scissor_lift() {
             ),
         };
     }
-    let answer = by_both_roads(&text);
+    let answer = by_both_formulations(&text);
     assert_eq!(answer.omegas().len(), 1);
     assert!(answer.lowered.rest.is_proven() && answer.remarks.is_empty(), "{:?}", answer.remarks);
 }
@@ -254,7 +254,7 @@ fn bases_carry_loops() {
         spring h: shaft -- arm { k = 20 N*m/rad }
         damper w: floor -- bar { c = 3 N*m*s/rad }
         output swing = bar.x - floor.x\noutput tip = arm@(4.8 m, -1 m).ax\noutput pull = n.force";
-    let answer = by_both_roads(text);
+    let answer = by_both_formulations(text);
     let system = &answer.lowered.system;
     assert_eq!(system.inputs.len(), 3);
     assert!(system.inputs.iter().all(|input| !input.b[2].is_empty()), "inertia is driven");
@@ -269,7 +269,7 @@ fn a_cam_drives_a_linkage() {
         couple lift: follower.y = cam.angle * 0.05 m
         spring s: follower -- load { k = 100 N/m }
         damper d: ground -- load { c = 1 N*s/m }";
-    let answer = by_both_roads(text);
+    let answer = by_both_formulations(text);
     assert_omegas(&answer, &[10.0]);
     assert_eq!(answer.lowered.system.inputs[0].b[0][0].1, Number::from(5));
 }
@@ -289,13 +289,13 @@ fn a_third_bar_is_redundant() {
             bars - 1
         )
     };
-    let (two, three) = (by_both_roads(&linkage(2)), by_both_roads(&linkage(3)));
+    let (two, three) = (by_both_formulations(&linkage(2)), by_both_formulations(&linkage(3)));
     assert_eq!((two.omegas(), two.remarks.len()), (three.omegas(), 0));
     assert_eq!(three.remarks.iter().map(|d| d.code.to_string()).collect::<Vec<_>>(), ["vib::loop::redundant"]);
 }
 
 #[test]
-fn what_cannot_move_or_branches_is_refused() {
+fn immobile_and_branching_mechanisms_are_refused() {
     let three_bars = |last: &str| {
         format!(
             "gravity 9.81 m/s^2
@@ -368,7 +368,7 @@ fn random_linkages() {
         match try_ask(&text) {
             Ok(answer) => {
                 met += usize::from(!answer.lowered.rest.dependent.is_empty());
-                assert_two_roads_meet_within(&answer, TOLERANCE, &text);
+                assert_formulations_agree_within(&answer, TOLERANCE, &text);
             }
             Err(diagnostics) => {
                 for error in diagnostics.iter().filter(|diagnostic| diagnostic.is_error()) {

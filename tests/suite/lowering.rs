@@ -179,7 +179,7 @@ fn a_slide_on_a_turning_body_turns_with_it() {
 }
 
 #[test]
-fn what_nothing_holds_is_told_once_for_each_set() {
+fn unsupported_parts_are_reported_once_each() {
     let text = "body a { mass = 1 kg, at = (0, 0), inertia = 1 kg*m^2 }
         body b { mass = 1 kg, at = (1 m, 0), inertia = 1 kg*m^2 }
         body c { mass = 1 kg, moves x }
@@ -188,7 +188,7 @@ fn what_nothing_holds_is_told_once_for_each_set() {
 }
 
 #[test]
-fn a_freedom_without_inertia_that_nothing_holds_is_told() {
+fn a_massless_unrestrained_coordinate_is_reported() {
     let text = "body wheel { mass = 1 kg, at = (0, 0) }
         pivot p: ground@(0, 0) -- wheel";
     assert_eq!(lowered(text).err(), Some(vec!["vib::freedom::no_inertia"]));
@@ -281,7 +281,7 @@ fn an_upright_rod_on_a_sagging_cart_stays_upright() {
 }
 
 #[test]
-fn what_nothing_holds_falls() {
+fn unsupported_bodies_fall() {
     let text = "gravity 10 m/s^2
         body stone { mass = 1 kg, moves x y }
         spring s: ground -- stone { k = 10 N/m, along = x }";
@@ -323,7 +323,7 @@ fn a_long_chain_sags_as_the_sum_of_its_weights() {
     assert!((last.to_f64() + 500.5).abs() <= last.rad && last.rad < 1e-20, "{last:?}");
 }
 
-/// `torque T: a -- b` acts on b the other way round (spec.md#forces-and-torques).
+/// `torque T: a -- b` acts on a, and on b in the opposite direction (spec.md#forces-and-torques).
 #[test]
 fn a_torque_between_two_bodies_acts_on_both() {
     let text = "body a { inertia = 1 kg*m^2, turns }
@@ -338,4 +338,25 @@ fn a_torque_between_two_bodies_acts_on_both() {
     };
     assert_eq!(column(0), [(0, 1.0), (1, -1.0)]);
     assert_eq!(column(1), [(1, 1.0)]);
+}
+
+/// `force F: a -- b along d` acts on a in the direction d, and on b in the opposite one; without `along` a positive force
+/// pushes the ends apart (spec.md#forces-and-torques). The pages that editors show say the same.
+#[test]
+fn a_force_between_two_bodies_acts_on_both() {
+    let text = "body a { mass = 1 kg, moves x }
+        body b { mass = 2 kg, moves x }
+        spring s: ground -- a { k = 3 N/m }
+        spring t: a -- b { k = 5 N/m }
+        force F: a -- b along x\nforce G: a -- b";
+    let Lowered { system, .. } = system(text);
+    let column = |input: usize| {
+        let entries = system.inputs[input].b[0].iter();
+        entries.map(|(i, value)| (i.index(), value.to_f64())).collect::<Vec<_>>()
+    };
+    assert_eq!(column(0), [(0, 1.0), (1, -1.0)]);
+    assert_eq!(column(1), [(0, -1.0), (1, 1.0)]);
+    let says = |keyword: &str| vibc::kinds::declaration(keyword).expect("a keyword").rules;
+    assert!(says("force").contains("with `along` it acts on a in"), "{}", says("force"));
+    assert!(says("torque").contains("acts on a, and on b in the opposite direction"), "{}", says("torque"));
 }

@@ -145,7 +145,7 @@ fn a_node_with_a_damper_relaxes_in_time() {
 }
 
 #[test]
-fn a_node_between_dampers_alone_is_a_free_state() {
+fn a_node_between_only_dampers_is_a_free_state() {
     let answer = ask("body m { mass = 2 kg, moves x }
         body n { mass = 0 kg, moves x }
         spring s: m -- ground { k = 8 N/m }
@@ -160,7 +160,7 @@ fn a_node_between_dampers_alone_is_a_free_state() {
 }
 
 #[test]
-fn massless_links_and_levers_carry_what_is_on_them() {
+fn massless_links_and_levers_carry_their_loads() {
     // A bob pinned to a massless link, kept upright by a spring: the pendulum's frequency is sqrt(g/l).
     let pendulum = ask("gravity 9.81 m/s^2
         body link { mass = 0 kg, shape = rod((0, 0), (0, -1 m)) }

@@ -22,9 +22,9 @@ fn up_to(until: &Number) -> vibc::Study<'_> {
 fn answer(text: &str) -> ModalAnswer {
     let (sources, file) = sources(text);
     let outcome = vibc::analyze(&sources, file, &Overrides::default());
-    let said: Vec<&str> =
+    let messages: Vec<&str> =
         outcome.diagnostics.iter().map(|d| d.code.0).filter(|c| *c != "vib::require::fails").collect();
-    assert!(said.is_empty(), "{said:?}\n{text}");
+    assert!(messages.is_empty(), "{messages:?}\n{text}");
     outcome.answer.expect("a report")
 }
 
@@ -73,7 +73,7 @@ fn the_peak_after_a_step_is_the_overshoot() {
 
 /// With overdamping, the step response approaches its rest monotonically and is largest at the end of the time.
 #[test]
-fn the_peak_of_what_creeps_is_at_the_end() {
+fn the_peak_of_a_creeping_motion_is_at_the_end() {
     let zeta = 2.0f64;
     let root = (zeta * zeta - 1.0).sqrt();
     let (slow, fast) = (-10.0 * (zeta - root), -10.0 * (zeta + root));
@@ -89,7 +89,7 @@ fn the_peak_of_what_creeps_is_at_the_end() {
 
 /// An impulse starts the motion: x = J/(m wd) exp(-zeta w t) sin(wd t), largest where tan(wd t) = wd/(zeta w).
 #[test]
-fn the_peak_after_a_blow() {
+fn the_peak_after_an_impulse() {
     let zeta = 0.05f64;
     let damped = 10.0 * (1.0 - zeta * zeta).sqrt();
     let t = (damped / (10.0 * zeta)).atan() / damped;
@@ -155,7 +155,7 @@ fn peak_and_rms_agree_with_dense_samples() {
 /// A free undamped oscillation: the peak is its amplitude, and over whole half-periods the rms is the amplitude over
 /// sqrt 2.
 #[test]
-fn a_free_swing_has_its_amplitude_and_rms() {
+fn a_free_oscillation_has_its_amplitude_and_rms() {
     let model = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }\n\
                  initial a { x = 3 mm, vx = 4 mm/s }\noutput x = a.x\n";
     agrees(one(model, "peak(x) < 1 m"), 5e-3, 1e-10);
@@ -170,7 +170,7 @@ fn a_free_swing_has_its_amplitude_and_rms() {
 
 /// After the transients the simulated motion oscillates with the steady amplitude.
 #[test]
-fn the_amplitude_is_what_is_left_after_the_transients() {
+fn the_amplitude_is_that_after_the_transients() {
     let model = oscillator(0.1, " = harmonic(10 N, 1 Hz) + harmonic(4 N, 2 Hz, 30 deg)");
     let amplitude = one(&model, "amplitude(x) < 1 m");
     let part = |force: f64, f: f64| {
@@ -305,15 +305,15 @@ fn sensitivities(text: &str) -> Vec<Slopes> {
     let relative = |slope: &Option<Slope>| match slope {
         Some(Slope::Smooth { relative: Derivative::Enclosed(ball), .. }) => *ball,
         // By differences, if the rest moves too.
-        Some(Slope::Smooth { relative: Derivative::Seen(x), .. }) => Ball::from(x.0).widen(1e-13 * x.0.abs()),
+        Some(Slope::Smooth { relative: Derivative::Estimated(x), .. }) => Ball::from(x.0).widen(1e-13 * x.0.abs()),
         other => panic!("{other:?}"),
     };
     let list = outcome.answer.expect("a report").sensitivities;
-    let told = list.iter().map(|sensitivity| {
+    let reported = list.iter().map(|sensitivity| {
         let frequencies = sensitivity.frequencies.iter().map(relative).collect();
         (sensitivity.parameter.clone(), frequencies, sensitivity.ratios.iter().map(relative).collect())
     });
-    told.collect()
+    reported.collect()
 }
 
 /// Frequencies are homogeneous of degree 1/2 in all stiffnesses together and of degree -1/2 in all masses; damping

@@ -35,7 +35,7 @@ fn the_cart_has_its_published_frequencies_and_shapes() {
 }
 
 #[test]
-fn shares_name_what_moves_and_what_holds() {
+fn shares_name_the_moving_parts_and_the_springs() {
     let system = cart();
     let modes = analysis::modes(&system).expect("a regular system");
     for mode in &modes.list {
@@ -159,7 +159,7 @@ fn a_bob_on_a_massless_rod_has_one_frequency() {
 }
 
 #[test]
-fn massless_motions_that_nothing_holds_are_named() {
+fn unrestrained_massless_motions_are_named() {
     let mut b = Builder::new(&["a.x", "b.x", "c.x"]);
     b.mass(0, &number("1"));
     b.spring(None, 0, &number("10"));
@@ -184,7 +184,7 @@ fn a_mass_below_zero_is_refused_at_its_coordinate() {
 }
 
 #[test]
-fn independent_parts_are_solved_apart_and_listed_together() {
+fn independent_parts_are_solved_separately_and_listed_together() {
     let mut b = Builder::numbered(5);
     (0..5).for_each(|i| b.mass(i, &number("1")));
     // Two equal oscillators, one stiffer pair that floats.

@@ -58,7 +58,7 @@ const HELD: &str = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k =
 
 /// exp(-2 t) sin(w t) / w, w = sqrt 96: over 52 decades each sample keeps the digits of binary64, by both methods.
 #[test]
-fn what_decays_keeps_its_digits() {
+fn decaying_motions_keep_their_digits() {
     let truth = [
         ("0.25", "0.03950436744914303143747441295480280446474"),
         ("1.5", "0.00430583448110263402286479198775141596965"),

@@ -198,24 +198,24 @@ impl Setting {
 
 /// The fault of a run, if it did not end as expected.
 fn fault(output: &process::Output, status: i32) -> Option<String> {
-    let told = String::from_utf8_lossy(&output.stderr);
+    let reported = String::from_utf8_lossy(&output.stderr);
     let found = output.status.code();
     if found != Some(status) {
-        return Some(format!("status {found:?}, not {status}: {told}"));
+        return Some(format!("status {found:?}, not {status}: {reported}"));
     }
-    if told.contains("panicked") || told.contains("a defect of vibc") {
-        return Some(format!("a defect: {told}"));
+    if reported.contains("panicked") || reported.contains("a defect of vibc") {
+        return Some(format!("a defect: {reported}"));
     }
-    if told.chars().any(|c| c != '\n' && c.is_control()) {
-        return Some(format!("characters that steer the terminal: {told:?}"));
+    if reported.chars().any(|c| c != '\n' && c.is_control()) {
+        return Some(format!("characters that steer the terminal: {reported:?}"));
     }
     if status == 0 {
-        return told.contains("error").then(|| format!("an error, and status 0: {told}"));
+        return reported.contains("error").then(|| format!("an error, and status 0: {reported}"));
     }
-    let is_one = told.starts_with("error: ");
-    let is_finding = told.starts_with("vib::") || told.is_empty();
+    let is_one = reported.starts_with("error: ");
+    let is_finding = reported.starts_with("vib::") || reported.is_empty();
     let is_clean = is_one || status != 2 && is_finding;
-    (!is_clean).then(|| format!("no clean message: {told}"))
+    (!is_clean).then(|| format!("no clean message: {reported}"))
 }
 
 fn option_as_written(arg: &Arg, value: &str) -> Vec<String> {
@@ -265,7 +265,7 @@ fn commands() -> Vec<Command> {
 }
 
 #[test]
-fn every_option_of_every_command_takes_what_is_right_and_refuses_what_is_wrong() {
+fn every_option_accepts_right_values_and_refuses_wrong_ones() {
     let setting = Setting::new();
     let mut faults = Vec::new();
     for command in commands() {

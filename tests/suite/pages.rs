@@ -34,7 +34,7 @@ fn the_page_is_one_file_that_names_no_other() {
 
 /// A chain of twenty freedoms with damping, an input and two outputs.
 #[test]
-fn twenty_freedoms_stay_below_400_kilobytes() {
+fn twenty_degrees_of_freedom_stay_below_400_kilobytes() {
     let text = "model chain\nbody m[1] { mass = 1 kg, moves x }\nspring k[1]: ground -- m[1] { k = 1 kN/m }\ndamper c: ground -- m[1] { c = 3 N*s/m }\n\
                 repeat i in 2..20 {\nbody m[i] { mass = 1 kg, moves x }\nspring k[i]: m[i-1] -- m[i] { k = 1 kN/m }\n}\n\
                 force push: m[20] along x = step(1 N, 0 s)\noutput end = m[20].x\noutput first = m[1].x\n";
@@ -107,7 +107,7 @@ fn the_server_answers_its_own_pages_only() {
 }
 
 #[test]
-fn a_save_is_heard_and_errors_stand_over_the_last_report() {
+fn a_save_is_noticed_and_errors_appear_above_the_last_report() {
     let folder = tempfile::tempdir().expect("a folder");
     let model = folder.path().join("m.vib");
     fs::write(&model, MASS).expect("a model");

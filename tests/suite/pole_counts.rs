@@ -345,7 +345,7 @@ fn is_near(pole: &Pole, re: f64) -> bool {
 
 /// (s² + 2 s + 1 - ...)(s² - 6 s + 3): the second factor was once lost, and the rest reported as stable.
 #[test]
-fn growing_poles_beside_a_nearly_critical_pair_are_told() {
+fn growing_poles_near_a_nearly_critical_pair_are_reported() {
     let nines = "1.99999999999999999999999999999999999999999999999999";
     let (poles, verdict) = solved(&chain([nines, "-4", "0"], 2, true));
     assert_eq!((poles.list.len(), poles.infinite()), (4, Some(0)));
@@ -366,7 +366,7 @@ fn growing_poles_beside_a_nearly_critical_pair_are_told() {
 
 /// (s + 1)² up to 1e-30, and (s + 1)(s + 3): -3 was once lost.
 #[test]
-fn a_pole_beside_a_nearly_critical_pair_is_told() {
+fn a_pole_near_a_nearly_critical_pair_is_reported() {
     let (poles, verdict) = solved(&chain(["1.999999999999999999999999999999", "1", "0"], 2, true));
     assert_eq!((poles.list.len(), poles.infinite()), (4, Some(0)));
     assert_eq!(poles.list.iter().filter(|pole| is_near(pole, -3.0)).count(), 1);
@@ -451,7 +451,7 @@ fn a_damper_across_the_motion_makes_nothing_grow() {
 /// Pairs that are critical to 70 digits, each several times, with a node without inertia: the common divisor of the
 /// determinant and its derivative has more bits than a dozen primes hold. The scene was once refused as singular.
 #[test]
-fn repeated_nearly_critical_pairs_beside_a_massless_node_are_told() {
+fn repeated_nearly_critical_pairs_with_a_massless_node_are_reported() {
     let off = ten_to_minus(70);
     let pair = Quadratic::new(1, whole(2) + off, whole(1));
     let quadratics = [pair.clone(), pair.clone(), pair.clone(), pair, Quadratic::new(0, whole(1), whole(3))];

@@ -105,7 +105,7 @@ fn an_undamped_system_has_its_poles_on_the_imaginary_axis() {
 }
 
 #[test]
-fn parts_that_nothing_joins_are_solved_apart() {
+fn unconnected_parts_are_solved_separately() {
     let mut three = Builder::numbered(3);
     for i in 0..3 {
         three.mass(i, &number("1"));
@@ -218,7 +218,7 @@ fn dampers_in_series_without_a_mass_between_them() {
 }
 
 #[test]
-fn the_report_tells_a_critical_damping() {
+fn the_report_names_critical_damping() {
     let text = "model twin\nbody a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 4 N/m }\ndamper d: ground -- a { c = 4 N*s/m }\n";
     let mut sources = Sources::new();
     let model = sources.add(SourceFile::model("twin.vib", text));

@@ -55,7 +55,7 @@ fn pole_bits(answer: &Answer) -> Vec<u64> {
 }
 
 #[test]
-fn what_is_left_out_changes_not_a_bit() {
+fn omissions_change_no_bit() {
     let (cluttered, needed) = (ask(CLUTTERED), ask(NEEDED));
     let modes = |answer: &Answer| answer.modes.list.iter().flat_map(bits).collect::<Vec<u64>>();
     assert_eq!(modes(&cluttered), modes(&needed));
@@ -63,18 +63,18 @@ fn what_is_left_out_changes_not_a_bit() {
 }
 
 #[test]
-fn what_is_left_out_is_told() {
+fn omissions_are_reported() {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model("scene.vib", CLUTTERED));
     let explained = vibc::explain(&sources, file, &Overrides::default()).answer.expect("an explanation");
-    let told: Vec<&str> = explained.account.left_out.iter().map(|remark| remark.what.as_str()).collect();
-    assert_eq!(told, ["mass of wheel", "tower", "idle", "still", "rail", "twist"]);
+    let reported: Vec<&str> = explained.account.left_out.iter().map(|remark| remark.what.as_str()).collect();
+    assert_eq!(reported, ["mass of wheel", "tower", "idle", "still", "rail", "twist"]);
     let gravity = explained.account.kept.iter().find(|remark| remark.what == "gravity");
     assert!(gravity.is_some_and(|remark| remark.why.contains("stiffness")), "the rod hangs");
 }
 
 #[test]
-fn gravity_that_does_no_work_is_told() {
+fn gravity_without_work_is_reported() {
     let mut sources = Sources::new();
     let text = "gravity 9.81 m/s^2\nbody a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 1 N/m }";
     let file = sources.add(SourceFile::model("scene.vib", text));
@@ -86,7 +86,7 @@ fn gravity_that_does_no_work_is_told() {
 /// Frequencies and shapes of the parts, compared with those of the scene solved as one: the displayed numbers are the
 /// same.
 #[test]
-fn parts_solved_apart_are_the_parts_solved_together() {
+fn separate_and_joint_solutions_agree() {
     let system = &ask(CLUTTERED).lowered.system;
     let apart = analysis::modes_as(system, &Request::default()).expect("modes");
     let together = analysis::modes_as(system, &Request { together: true, ..Request::default() }).expect("modes");
@@ -102,7 +102,7 @@ fn parts_solved_apart_are_the_parts_solved_together() {
 }
 
 #[test]
-fn parts_are_told_by_their_form() {
+fn parts_are_reported_with_their_form() {
     let forms = |text: &str| nets(&ask(text).lowered.system).iter().map(|net| net.form).collect::<Vec<_>>();
     assert_eq!(forms(CLUTTERED), [NetForm::Chain, NetForm::Single, NetForm::Single]);
     let bodies = |n: usize| (0..n).map(|i| format!("body b{i} {{ mass = 1 kg, moves x }}\n")).collect::<String>();
@@ -117,7 +117,7 @@ fn parts_are_told_by_their_form() {
 /// A pendulum without constraints beside a loaded spring: only the rest of the loaded part is searched, and the others
 /// rest exactly as drawn.
 #[test]
-fn what_no_load_acts_on_rests_exactly_as_drawn() {
+fn unloaded_parts_rest_exactly_as_drawn() {
     let answer = ask("body a { mass = 1 kg, moves x }
         spring s: ground -- a { k = 3 N/m }
         body b { mass = 1 kg, moves x }

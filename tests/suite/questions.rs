@@ -36,19 +36,19 @@ const BLOCK: &str = "param k = 10 N/m\nparam m = 1 kg\nparam c = 0.5 N*s/m\nbody
 
 /// A light absorber makes a narrow resonance: two of the three roots lie in a thousandth of the range.
 #[test]
-fn roots_between_looks_are_found() {
-    let said = finding(
+fn roots_between_evaluations_are_found() {
+    let messages = finding(
         "param p = 10 N/m\nbody a { mass = 1 kg, moves x }\nbody b { mass = 1e-8 kg, moves x }\n\
          spring s: ground -- a { k = 20 N/m + p }\nspring t: a -- b { k = 1e-4 * p }\ndamper d: ground -- a { c = 0.01 N*s/m }\n\
          force F: a along x\noutput y = a.x\nsolve p in 1 N/m .. 100 N/m: gain(F -> y, 300 rad/s) = 1.11200e-5 m/N\n",
     );
-    assert_eq!(said.code.0, "vib::solve::several_roots");
-    assert!(said.message.starts_with("3 values"), "{}", said.message);
-    assert!(!said.primary.text.contains("not excluded"), "{}", said.primary.text);
+    assert_eq!(messages.code.0, "vib::solve::several_roots");
+    assert!(messages.message.starts_with("3 values"), "{}", messages.message);
+    assert!(!messages.primary.text.contains("not excluded"), "{}", messages.primary.text);
     // Roots of |k_b - m_b w^2|^2 = T^2 |det|^2 in p, by polynomial roots to 60 digits.
-    let roots = numbers(&said.primary.text);
+    let roots = numbers(&messages.primary.text);
     for truth in [ROOTS_OF_THE_ABSORBER[0], ROOTS_OF_THE_ABSORBER[1], ROOTS_OF_THE_ABSORBER[2]] {
-        assert!(roots.iter().any(|root| (root - truth).abs() < 1e-5 * truth), "{truth}: {}", said.primary.text);
+        assert!(roots.iter().any(|root| (root - truth).abs() < 1e-5 * truth), "{truth}: {}", messages.primary.text);
     }
 }
 
@@ -63,16 +63,16 @@ fn a_double_root_is_found() {
     assert_eq!(answer.solved[0].value, Number::from("0.3"));
     assert!(matches!(answer.solved[0].others, Others::None(_)), "{:?}", answer.solved[0].others);
     // A slightly larger value is never reached, a slightly smaller one twice.
-    let said = finding(&format!("{touching}solve a in -1 .. 1.1: static(x) = 1.0001 m\n"));
-    assert_eq!(said.code.0, "vib::solve::no_root");
-    assert!(said.message.starts_with("no value of `a`"), "{}", said.message);
-    let said = finding(&format!("{touching}solve a in -1 .. 1.1: static(x) = 0.9999 m\n"));
-    assert!(said.message.starts_with("2 values"), "{}", said.message);
+    let messages = finding(&format!("{touching}solve a in -1 .. 1.1: static(x) = 1.0001 m\n"));
+    assert_eq!(messages.code.0, "vib::solve::no_root");
+    assert!(messages.message.starts_with("no value of `a`"), "{}", messages.message);
+    let messages = finding(&format!("{touching}solve a in -1 .. 1.1: static(x) = 0.9999 m\n"));
+    assert!(messages.message.starts_with("2 values"), "{}", messages.message);
 }
 
 /// A double root at a number without a short decimal cannot be distinguished from no root.
 #[test]
-fn what_is_not_settled_is_told_with_a_status_of_its_own() {
+fn undecided_solutions_have_their_own_exit_status() {
     let outcome = run(
         "param a = 0.5\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = (10 + (a - sqrt(0.1))^2) * 1 N/m }\n\
          force F: b along x = step(10 N, 0 s)\noutput x = b.x\nsolve a in -1 .. 1.1: static(x) = 1 m\n",
@@ -106,7 +106,7 @@ fn a_zero_frequency_is_solved_for() {
 /// Tried one at a time, each parameter gives 3 = 3; together they have two solutions, and only one if the ranges are
 /// narrower.
 #[test]
-fn several_sets_of_values_are_told() {
+fn several_solutions_are_reported() {
     let text = |low: &str| {
         format!(
             "param a = 1\nparam b = 2\nbody m {{ mass = 1 kg, moves x }}\nbody n {{ mass = 1 kg, moves x }}\n\
@@ -115,12 +115,12 @@ fn several_sets_of_values_are_told() {
              solve a in {low} .. 4: static(x) = 1.2 m\nsolve b in 0.5 .. 4: static(y) = 1 m\n"
         )
     };
-    let said = finding(&text("0.5"));
-    assert_eq!(said.code.0, "vib::solve::several_roots");
+    let messages = finding(&text("0.5"));
+    assert_eq!(messages.code.0, "vib::solve::several_roots");
     assert!(
-        said.primary.text.contains("a = 2, b = 3") && said.primary.text.contains("a = 3, b = 2"),
+        messages.primary.text.contains("a = 2, b = 3") && messages.primary.text.contains("a = 3, b = 2"),
         "{}",
-        said.primary.text
+        messages.primary.text
     );
     let one = answer(&text("2.6"));
     for (solved, truth) in one.solved.iter().zip([3, 2]) {
@@ -159,7 +159,7 @@ fn bounds_of_several_unknowns_hold() {
 /// df1/dp of two oscillators with a weak coupling q, near veering: lambda = (a + b)/2 - sqrt((a - b)^2/4 + q^2), a = p
 /// + q, b = 1 + q.
 #[test]
-fn slopes_beside_veering_are_enclosed() {
+fn slopes_near_veering_are_enclosed() {
     for coupling in ["1e-3", "1e-6", "1e-9", "3e-10", "1e-12"] {
         let text = format!(
             "param p = 1.000000001 N/m\nbody a {{ mass = 1 kg, moves x }}\nbody b {{ mass = 1 kg, moves x }}\n\
@@ -250,39 +250,43 @@ fn advice_works() {
              spring s: ground@(-1 m, 0.5 m) -- bob@(0, 0.5 m) {{ k = k }}\nrequire stable\n"
         )
     };
-    let said = finding(&pendulum("30 N/m"));
-    let help = said.help.expect("advice");
+    let messages = finding(&pendulum("30 N/m"));
+    let help = messages.help.expect("advice");
     let wanted = help.split(" = ").nth(1).and_then(|rest| rest.split(" it").next()).expect("a value");
     assert!(help.starts_with("with k") || help.starts_with("with m"), "{help}");
-    let mended = if help.starts_with("with k") { pendulum(wanted) } else { pendulum("30 N/m").replace("1 kg", wanted) };
-    assert!(run(&mended).diagnostics.is_empty(), "{help}");
-    let said = finding(
+    let fixed = if help.starts_with("with k") { pendulum(wanted) } else { pendulum("30 N/m").replace("1 kg", wanted) };
+    assert!(run(&fixed).diagnostics.is_empty(), "{help}");
+    let messages = finding(
         "param k = 100 N/m\nparam m = 1 kg\nbody b { mass = m, moves x }\nspring s: ground -- b { k = k }\ndamper d: ground -- b { c = 1 N*s/m }\n\
          force F: b = step(1 N, 0 s)\noutput x = b.x\nsolve k in 1 N/m .. 1000 N/m: frequency(1) = 2 Hz\nrequire peak(x) < 2 mm\n",
     );
-    assert!(said.help.as_ref().is_some_and(|help| !help.contains("`k`") && !help.contains("k =")), "{:?}", said.help);
+    assert!(
+        messages.help.as_ref().is_some_and(|help| !help.contains("`k`") && !help.contains("k =")),
+        "{:?}",
+        messages.help
+    );
 }
 
 /// A requirement for a motion that nothing moves has no value.
 #[test]
-fn a_motion_that_nothing_moves_has_no_measure() {
+fn an_undriven_motion_has_no_measure() {
     let still =
         "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 100 N/m }\nforce G: b along x\noutput x = b.x\n";
     for measure in ["amplitude", "static", "peak", "rms"] {
-        let said = finding(&format!("{still}require {measure}(x) < 1 mm\n"));
-        assert_eq!(said.code.0, "vib::require::no_value", "{measure}");
+        let messages = finding(&format!("{still}require {measure}(x) < 1 mm\n"));
+        assert_eq!(messages.code.0, "vib::require::no_value", "{measure}");
     }
 }
 
 /// Undamped at its own frequency, in rad/s: infinite, and reported as such.
 #[test]
 fn an_undamped_resonance_is_infinite() {
-    let said = finding(
+    let messages = finding(
         "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 100 N/m }\nforce F: b = harmonic(1 N, 10 rad/s)\noutput x = b.x\n\
          require amplitude(x) < 1 mm\n",
     );
-    assert_eq!(said.code.0, "vib::require::fails");
-    assert!(said.primary.text.contains("infinite"), "{}", said.primary.text);
+    assert_eq!(messages.code.0, "vib::require::fails");
+    assert!(messages.primary.text.contains("infinite"), "{}", messages.primary.text);
 }
 
 #[test]
@@ -303,8 +307,8 @@ fn forms_that_are_not_there_are_named() {
     ] {
         assert_eq!(finding(&format!("{text}require {condition}\n")).code.0, code, "{condition}");
     }
-    let said = finding(&format!("{text}require stabel\n"));
-    assert_eq!(said.help.as_deref(), Some("did you mean `stable`?"));
+    let messages = finding(&format!("{text}require stabel\n"));
+    assert_eq!(messages.help.as_deref(), Some("did you mean `stable`?"));
 }
 
 /// Models with a parameter `p`, its range, and a measure with the unit in which it is compared: geometry, a rest that
@@ -368,15 +372,15 @@ fn no_root_is_excluded() {
             let asked =
                 format!("{text}solve p in {low} {dimension} .. {high} {dimension}: {measure} = {value:e} {unit}\n");
             let outcome = run(&asked);
-            let said: String =
+            let messages: String =
                 outcome.diagnostics.iter().map(|d| format!("{} {}", d.message, d.primary.text)).collect();
-            let among = || numbers(&said).iter().any(|x| (x - truth).abs() < 1e-5 * truth);
+            let among = || numbers(&messages).iter().any(|x| (x - truth).abs() < 1e-5 * truth);
             match outcome.answer.map(|answer| answer.solved) {
                 Some(solved) => {
                     let off = (solved[0].value.to_f64() - truth).abs();
                     assert!(off < 1e-10 * truth, "{measure} at {truth}: {:?}", solved[0]);
                 }
-                None => assert!(said.contains(" values of `p`") && among(), "{measure} at {truth}: {said}"),
+                None => assert!(messages.contains(" values of `p`") && among(), "{measure} at {truth}: {messages}"),
             }
         }
     }
@@ -386,6 +390,6 @@ fn no_root_is_excluded() {
 #[test]
 fn roots_on_both_sides_of_a_resonance_are_all() {
     let undamped = "param k = 10 N/m\nparam m = 1 kg\nbody block { mass = m, moves x }\nspring s: ground -- block { k = k }\nforce F: block along x\n";
-    let said = finding(&format!("{undamped}solve k in 5 N/m .. 100 N/m: gain(F -> block.x, 1 Hz) = 0.05 m/N\n"));
-    assert_eq!(said.primary.text, "k = 19.4784 N/m and 59.4784 N/m");
+    let messages = finding(&format!("{undamped}solve k in 5 N/m .. 100 N/m: gain(F -> block.x, 1 Hz) = 0.05 m/N\n"));
+    assert_eq!(messages.primary.text, "k = 19.4784 N/m and 59.4784 N/m");
 }

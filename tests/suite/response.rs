@@ -122,7 +122,7 @@ fn exact_resonance_and_a_beat_of_a_thousand_years() {
 }
 
 #[test]
-fn a_tiny_force_beside_a_preload() {
+fn a_tiny_force_next_to_a_preload() {
     check_case("o22_preload_tiny_dynamics", "dyn_", &[], Some(cosine("1e-12", "10")), 15.0);
 }
 
@@ -171,13 +171,13 @@ fn a_released_mass_with_four_dampers() {
 
 /// S08 (VM74): an impulse of 10 on a resting mass.
 #[test]
-fn a_blow() {
-    let blow = || vec![Signal::Impulse { value: n("10"), at: Number::ZERO }];
-    let free = motion(&oscillator("0.5", "0", "200", "0", "0"), blow(), &["0", "0.08", "0.1"]);
+fn an_impulse_starts_a_resting_mass() {
+    let impulse = || vec![Signal::Impulse { value: n("10"), at: Number::ZERO }];
+    let free = motion(&oscillator("0.5", "0", "200", "0", "0"), impulse(), &["0", "0.08", "0.1"]);
     near(free[0][1], 20.0, 1e-15);
     near(free[1][0], 0.999573603042, 1e-11);
     near(free[2][0], 0.909297426826, 1e-11);
-    near(motion(&oscillator("0.5", "14", "200", "0", "0"), blow(), &["0.1"])[0][0], 0.341804301226, 1e-11);
+    near(motion(&oscillator("0.5", "14", "200", "0", "0"), impulse(), &["0.1"])[0][0], 0.341804301226, 1e-11);
 }
 
 /// S09 (VM75): a ramp force, and then a pulse as the difference of two ramps.
@@ -232,7 +232,7 @@ fn a_pulse_on_a_chain() {
 /// Problem 6 of the course: five periods after the shot, exp(-10 pi zeta / sqrt(1 - zeta^2)) = 0.73 of the amplitude is
 /// left.
 #[test]
-fn the_mortar_swings_out() {
+fn the_mortar_oscillates_and_comes_to_rest() {
     let x0 = &(&n("25") * &n("9.81")) / &n("15791");
     let mut system = oscillator("10000", "251.33", "15791", "0", "0");
     system.initial = vec![(CoordinateId(0), x0.clone(), n("0.375"))];
@@ -288,7 +288,7 @@ fn a_base_that_jumps() {
 
 /// A ramp as a signal, as a table, and (on a base) as a spline through points of a line.
 #[test]
-fn a_table_is_what_its_rows_say() {
+fn a_table_interpolates_its_rows() {
     let system = oscillator("1", "0.5", "9", "0", "0");
     let ramp = Signal::Ramp { value: n("6"), from: Number::ZERO, to: n("2") };
     let numbers = |list: &[&str]| list.iter().map(|text| n(text)).collect::<Vec<_>>();
@@ -344,7 +344,7 @@ fn motions_are_printed() {
 /// S10 and S11 of the published cases (VM86, VM88): 10 N at 20 rad/s give 1/12 m. Also its printed form, and that of an
 /// undamped oscillator at its own 2 rad/s.
 #[test]
-fn a_steady_state_is_told() {
+fn a_steady_state_is_reported() {
     let system = oscillator("0.5", "6", "200", "0", "0");
     let f = &n("20") / &(&Number::pi() * &n("2"));
     let force =
@@ -353,24 +353,24 @@ fn a_steady_state_is_told() {
         let transfer = vibc::analysis::Transfer::of(system);
         vibc::analysis::steady(&transfer, &[vec![signal]], &[0, 1])
     };
-    let told = steady(&system, force("0"));
-    let (x, v) = (told[0].outputs[0].disc().expect("finite"), told[0].outputs[1].disc().expect("finite"));
+    let reported = steady(&system, force("0"));
+    let (x, v) = (reported[0].outputs[0].disc().expect("finite"), reported[0].outputs[1].disc().expect("finite"));
     near(x.gain(), 1.0 / 12.0, 1e-15);
     near(v.gain(), 20.0 / 12.0, 1e-15);
     // Stiffness and inertia cancel: the motion is a quarter of a period late.
     assert!(x.value.re.to_f64().abs() < 1e-17 && x.value.im.to_f64() < 0.0);
     // The motion approaches it: at t = 20 s the transient is below exp(-120).
     let late = &motion(&system, vec![force("0.7")], &["20"])[0];
-    let told_late = steady(&system, force("0.7"))[0].outputs[0].disc().expect("finite");
+    let reported_late = steady(&system, force("0.7"))[0].outputs[0].disc().expect("finite");
     let (s, c) = Number::from(400).sin_cos().expect("in range");
-    let value = told_late.value.re.to_f64() * s.to_f64() + told_late.value.im.to_f64() * c.to_f64();
+    let value = reported_late.value.re.to_f64() * s.to_f64() + reported_late.value.im.to_f64() * c.to_f64();
     near(late[0], value, 1e-14);
     let history = respond(&system, &[vec![force("0.7")]], &[n("0"), n("20")]).expect("a motion");
     insta::assert_snapshot!(report::laid_out(
-        &answers::report::motion("shaken", &system, &history, &told),
+        &answers::report::motion("shaken", &system, &history, &reported),
         report::WIDTH
     ));
-    insta::assert_snapshot!(vibc::backend::simulation::json("shaken", &system, &history, &told));
+    insta::assert_snapshot!(vibc::backend::simulation::json("shaken", &system, &history, &reported));
     let undamped = oscillator("1", "0", "4", "0", "0");
     let own = Signal::Harmonic {
         value: n("1"),
@@ -378,8 +378,8 @@ fn a_steady_state_is_told() {
         phase: n("0"),
         at: Number::ZERO,
     };
-    let told = steady(&undamped, own);
-    assert!(told[0].outputs[0].disc().is_none());
+    let reported = steady(&undamped, own);
+    assert!(reported[0].outputs[0].disc().is_none());
 }
 
 /// Random chains with random dampers under a step and a harmonic force: one long step and many short ones agree within
@@ -470,15 +470,15 @@ fn energy_is_kept_and_parseval_holds() {
             (0..size).map(|i| 0.5 * (m[i] * value(last, size + i).powi(2) + k[i] * between(last, 0, i).powi(2))).sum();
         assert!((work - dissipated - stored).abs() < 1e-7 * work.abs(), "{work} {dissipated} {stored}");
 
-        let blow = vec![Signal::Impulse { value: Number::ONE, at: Number::ZERO }];
+        let impulse = vec![Signal::Impulse { value: Number::ONE, at: Number::ZERO }];
         let times = vibc::analysis::grid(&n("128"), &n("0.0078125"));
-        let rows = respond(&system, &[blow], &times).expect("a motion").values;
+        let rows = respond(&system, &[impulse], &times).expect("a motion").values;
         let over_time = simpson(&rows.iter().map(|row| value(row, 0).powi(2)).collect::<Vec<_>>(), 1.0 / 128.0);
         let (step, count) = (1.0 / 64.0, 20_000);
         let frequencies: Vec<vibc::analysis::Frequency> =
             (0..=count).map(|i| vibc::analysis::Frequency::radians(&(&Number::from(i) / &n("64")))).collect();
         let transfer = vibc::analysis::Transfer::of(&system);
-        let gains = transfer.many(&frequencies, &[0], &[0], 1e-12);
+        let gains = transfer.at_frequencies(&frequencies, &[0], &[0], 1e-12);
         let square = |i: usize| gains[i].disc().expect("damped").gain().to_f64().powi(2);
         let ends = 0.5 * (square(0) + square(count as usize));
         let sum = ends + (1..count as usize).map(square).sum::<f64>();

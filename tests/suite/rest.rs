@@ -197,7 +197,7 @@ fn quarter_turns_are_drawn_exactly() {
 /// sqrt(2) + sqrt(3) is the root of 5 + 2 sqrt(6), which balls cannot show: as a position it counts as zero, as a
 /// stiffness it leaves open whether the body stays, as a mass it is refused.
 #[test]
-fn what_cannot_be_told_from_zero_is_not_called_too_small() {
+fn numbers_that_may_be_zero_are_not_called_too_small() {
     let scene = |mass: &str, k: &str, at: &str| {
         format!(
             "param zero = sqrt(2) + sqrt(3) - sqrt(5 + 2 * sqrt(6))
@@ -212,7 +212,7 @@ fn what_cannot_be_told_from_zero_is_not_called_too_small() {
 }
 
 #[test]
-fn what_no_tension_can_hold_is_named() {
+fn unbalanceable_loads_are_named() {
     let found = errors(
         "gravity 9.81 m/s^2
         rest as drawn
@@ -237,7 +237,7 @@ fn what_no_tension_can_hold_is_named() {
 
 /// Whether sin² + cos² is 1 cannot be decided from its digits.
 #[test]
-fn a_force_that_may_be_zero_is_not_told_as_balanced() {
+fn a_force_that_may_be_zero_is_not_reported_as_balanced() {
     let pendulum = "gravity 9.81 m/s^2
         body bob { mass = 1 kg, at = ((sin(1)^2 + cos(1)^2) * 2 m, -1 m), inertia = 0 kg*m^2 }
         pivot p: ground@(2 m, 0) -- bob";
@@ -486,7 +486,7 @@ fn vm9_turned() {
 /// A strut that can snap through: the drawing lies above, the rest on the same side is taken, and its distance is
 /// reported.
 #[test]
-fn of_several_rests_the_one_reached_from_the_drawing_is_taken() {
+fn of_several_rests_the_one_reached_from_the_drawing_is_used() {
     let strut = |height: &str| {
         format!(
             "body m {{ mass = 1 kg, at = (0, {height}), moves y }}
@@ -678,7 +678,7 @@ fn a_free_body_on_one_spring_rests_where_the_spring_is_slack() {
 /// Two springs of 1 m between supports 2 m apart: V grows as y^4, so derivatives locate the rest only to a few digits,
 /// and no proof is found.
 #[test]
-fn a_rest_whose_proof_fails_is_told_as_not_proven() {
+fn a_rest_whose_proof_fails_is_reported_as_not_proven() {
     let text = "body m { mass = 1 kg, at = (0, 0.1 m), moves y }
         spring a: ground@(-1 m, 0) -- m@(0, 0.1 m) { k = 100 N/m, free_length = 1 m }
         spring b: ground@(1 m, 0) -- m@(0, 0.1 m) { k = 100 N/m, free_length = 1 m }";
@@ -691,12 +691,13 @@ fn a_rest_whose_proof_fails_is_told_as_not_proven() {
     let answer = outcome.answer.expect("an answer");
     let report = report::text(&answer, &ReportOptions::default());
     assert!(report.contains("NOT proven") && !report.contains(", proven"), "{report}");
-    let told: serde_json::Value = serde_json::from_str(&json::json(&answer, &ReportOptions::default())).expect("JSON");
-    assert_eq!(told["rest"]["proven"], false);
-    let rest = &told["rest"];
+    let reported: serde_json::Value =
+        serde_json::from_str(&json::json(&answer, &ReportOptions::default())).expect("JSON");
+    assert_eq!(reported["rest"]["proven"], false);
+    let rest = &reported["rest"];
     let bounds = [&rest["displacement_error_bound"]["m.y"], &rest["distance"]["translation_error_bound"]];
     assert!(bounds.iter().all(|bound| bound.is_null()), "{rest}");
-    assert!(told["modes"][0]["omega_error_bound"].is_null());
+    assert!(reported["modes"][0]["omega_error_bound"].is_null());
     let codes: Vec<&str> = outcome.diagnostics.iter().map(|found| found.code.0).collect();
     assert_eq!(codes, ["vib::rest::unproven"]);
 }
@@ -719,12 +720,15 @@ fn nothing_about_a_rest_that_is_not_proven_has_a_bound() {
     let answer = outcome.answer.expect("an answer");
     assert_eq!(answer.stability.kind(), vibc::analysis::Stability::Undetermined);
     let options = ReportOptions { digits: Some(20), ..ReportOptions::default() };
-    let told: serde_json::Value = serde_json::from_str(&json::json(&answer, &options)).expect("JSON");
+    let reported: serde_json::Value = serde_json::from_str(&json::json(&answer, &options)).expect("JSON");
     let mut bounds = Vec::new();
-    collect(&told, "", &mut bounds);
+    collect(&reported, "", &mut bounds);
     assert!(bounds.len() > 20 && bounds.iter().all(|(_, value)| value.is_null()), "{bounds:?}");
-    assert_eq!(told["rest"]["kind"], "undetermined");
-    assert!(told["modes"].as_array().is_some_and(|modes| modes.iter().any(|mode| mode["omega"] == 1.0)), "{told}");
+    assert_eq!(reported["rest"]["kind"], "undetermined");
+    assert!(
+        reported["modes"].as_array().is_some_and(|modes| modes.iter().any(|mode| mode["omega"] == 1.0)),
+        "{reported}"
+    );
     let report = report::text(&answer, &options);
     let tables = &report[report.find("undamped modes").expect("the table of modes")..];
     assert!(tables.contains(" ? ") && !tables.contains("e-1") && !tables.contains("e-2"), "{report}");
@@ -745,7 +749,7 @@ fn a_spring_that_pulls_to_no_length_leaves_no_rest() {
 /// Transfer functions, motions, code and benchmarks have no place for saying that a number has no bound: they are refused by
 /// one finding, as a limit; the caption of a drawn mode has no digits.
 #[test]
-fn nothing_goes_on_from_a_rest_that_is_not_proven() {
+fn no_stage_continues_from_an_unproven_rest() {
     let text = "param k = 1 N/m
         body m { mass = 1 kg, at = (0, 0.1 m), moves y }
         spring a: ground@(-1 m, 0) -- m@(0, 0.1 m) { k = 100 N/m, free_length = 1 m }
@@ -767,13 +771,13 @@ fn nothing_goes_on_from_a_rest_that_is_not_proven() {
     ];
     for outcome in refused {
         assert!(outcome.answer.is_none());
-        let said: Vec<_> = outcome.diagnostics.iter().map(|found| (found.code.0, found.is_error())).collect();
-        assert_eq!(said, [("vib::rest::unproven", true)]);
+        let messages: Vec<_> = outcome.diagnostics.iter().map(|found| (found.code.0, found.is_error())).collect();
+        assert_eq!(messages, [("vib::rest::unproven", true)]);
         assert_eq!(outcome.failure(), Some(vibc::Failure::Limit));
     }
     let over = vibc::parameterised(&sources, file, &none, "k").answer.expect("a model without errors").1;
     assert!(over.is_err_and(|reason| reason.contains("no rest that is proven")));
-    let drawn = vibc::Drawn { mode: Some(2), ..vibc::Drawn::default() };
+    let drawn = vibc::FigureOptions { mode: Some(2), ..vibc::FigureOptions::default() };
     let figure = vibc::draw(&sources, file, &none, &drawn).answer.expect("an answer").expect("a figure");
     let captions: Vec<&str> = figure.notes.iter().map(|note| note.text.as_str()).collect();
     assert!(

@@ -26,7 +26,7 @@ fn wide_loops_stay_within_their_slices() {
         .expect("the compiler");
     assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
     let ran = Command::new(&program).output().expect("the program");
-    let said = String::from_utf8_lossy(&ran.stdout);
-    assert!(ran.status.success(), "{said}{}", String::from_utf8_lossy(&ran.stderr));
-    assert!(said.contains("test result: ok. 5 passed"), "{said}");
+    let messages = String::from_utf8_lossy(&ran.stdout);
+    assert!(ran.status.success(), "{messages}{}", String::from_utf8_lossy(&ran.stderr));
+    assert!(messages.contains("test result: ok. 5 passed"), "{messages}");
 }

@@ -201,7 +201,7 @@ fn a_table_has_the_unit_that_it_is_given() {
 
 /// One finding for each way in which the words of a signal and its table do not fit.
 #[test]
-fn what_does_not_fit_is_found() {
+fn misfitting_signals_are_found() {
     let bare = "0, 0\n1, 2\n";
     for (signal, table, wanted) in [
         ("table(\"r.csv\")", bare, "vib::table::unit"),

@@ -110,7 +110,7 @@ fn several_unknowns_are_solved_together() {
 }
 
 #[test]
-fn what_was_seen_is_told_where_there_is_no_root() {
+fn evaluated_range_is_reported_if_there_is_no_root() {
     let finding = refused("solve k in 5 N/m .. 20 N/m: frequency(1) = 5 Hz");
     assert_eq!(finding.code.0, "vib::solve::no_root");
     // sqrt(5)/2pi and sqrt(20)/2pi
@@ -132,7 +132,7 @@ fn several_roots_are_all_seen() {
 }
 
 #[test]
-fn conditions_that_settle_nothing_are_told() {
+fn conditions_that_decide_nothing_are_reported() {
     let twice =
         "solve k in 1 N/m .. 60 N/m: frequency(1) = 4 rad/s\nsolve k in 1 N/m .. 50 N/m: frequency(1) = 3 rad/s";
     assert_eq!(refused(twice).code.0, "vib::solve::twice");
@@ -143,7 +143,7 @@ fn conditions_that_settle_nothing_are_told() {
 
 /// Analysis, transfer, simulation, emitted code and the check all use the model with the value that was found.
 #[test]
-fn everything_uses_what_was_found() {
+fn every_answer_uses_the_solution() {
     let text = format!("{BLOCK}solve k in 1 N/m .. 1000 N/m: frequency(1) = 2 Hz\nrequire frequency(1) > 1.9 Hz\n");
     let (sources, file) = sources(&text);
     let none = Overrides::default();

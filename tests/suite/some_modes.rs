@@ -272,7 +272,7 @@ fn a_pendulum_of_some_links_has_the_lowest_of_all_its_modes() {
 }
 
 #[test]
-fn damping_of_a_pendulum_of_many_links_is_told() {
+fn damping_of_a_long_pendulum_is_reported() {
     let (some, _) = asked(&hanging(600, "damper d: m[1] -- m[2] { c = 3 N*m*s/rad }"), Which::Lowest(3));
     assert_eq!(some["not_computed"]["poles"], 1194);
     assert!(numbers(&some, "poles", "error_bound").iter().all(|bound| *bound < 1e-12));
@@ -334,7 +334,7 @@ fn chains_of_tiny_and_huge_numbers_keep_their_bounds() {
 /// Two oscillators that differ by 1e-14 and are coupled by 1e-14, among stiff ones: x_b / x_a = (sqrt 5 - 1) / 2 in the
 /// first mode, whether one mode, two or all are requested.
 #[test]
-fn shapes_of_close_frequencies_are_told_apart() {
+fn shapes_of_close_frequencies_are_separated() {
     let text = "body a { mass = 1 kg, moves x }
         body b { mass = 1 kg, moves x }
         spring sa: ground -- a { k = 1 N/m }
@@ -349,8 +349,8 @@ fn shapes_of_close_frequencies_are_told_apart() {
     let golden = (5f64.sqrt() - 1.0) / 2.0;
     for gap in ["1e-9", "1e-11", "1e-13", "1e-14", "1e-16"] {
         for which in [Which::Lowest(1), Which::Lowest(2), Which::Lowest(4), Which::All] {
-            let (told, _) = asked(&text.replace("GAP", gap), which);
-            let shape = &told["modes"][0]["shape"];
+            let (reported, _) = asked(&text.replace("GAP", gap), which);
+            let shape = &reported["modes"][0]["shape"];
             let [a, b] = ["a.x", "b.x"].map(|name| shape[name].as_f64().expect("a number"));
             assert!((b / a - golden).abs() < 1e-9, "{gap} {which:?}: {}", b / a);
         }

@@ -82,7 +82,7 @@ fn a_table_of_a_base_is_a_natural_spline() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_line_in_the_table() {
+fn table_errors_are_reported_with_their_line() {
     let force = "force F: b along x = table(\"drive.csv\")";
     for (table, line, code) in [
         ("0,0\n1,x\n", 2, "vib::table::row"),
@@ -94,18 +94,18 @@ fn what_is_wrong_is_told_with_its_line_in_the_table() {
     ] {
         let refused = simulate(scene(force, table).path(), &["--message-format", "json"]);
         assert_eq!(refused.status.code(), Some(1), "{table}");
-        let told: serde_json::Value = serde_json::from_slice(&refused.stderr).expect("one object");
-        assert_eq!(told["line"], line, "{table}");
-        assert_eq!(told["code"], code, "{table}");
-        assert!(told["file"].as_str().expect("a name").ends_with("drive.csv"));
+        let reported: serde_json::Value = serde_json::from_slice(&refused.stderr).expect("one object");
+        assert_eq!(reported["line"], line, "{table}");
+        assert_eq!(reported["code"], code, "{table}");
+        assert!(reported["file"].as_str().expect("a name").ends_with("drive.csv"));
     }
     let empty = simulate(scene(force, "").path(), &["--message-format", "json"]);
-    let told: serde_json::Value = serde_json::from_slice(&empty.stderr).expect("one object");
-    assert_eq!((empty.status.code(), &told["code"]), (Some(1), &"vib::table::too_short".into()));
+    let reported: serde_json::Value = serde_json::from_slice(&empty.stderr).expect("one object");
+    assert_eq!((empty.status.code(), &reported["code"]), (Some(1), &"vib::table::too_short".into()));
     let folder = scene(force, "");
     fs::remove_file(folder.path().join("drive.csv")).expect("it was there");
     let missing = simulate(folder.path(), &["--message-format", "json"]);
-    let told: serde_json::Value = serde_json::from_slice(&missing.stderr).expect("one object");
-    assert_eq!((missing.status.code(), &told["code"]), (Some(3), &"vib::table::unreadable".into()));
-    assert_eq!(told["line"], 5);
+    let reported: serde_json::Value = serde_json::from_slice(&missing.stderr).expect("one object");
+    assert_eq!((missing.status.code(), &reported["code"]), (Some(3), &"vib::table::unreadable".into()));
+    assert_eq!(reported["line"], 5);
 }

@@ -2,7 +2,7 @@
 
 use super::ask::ask;
 use super::systems::{Builder, HardCase, chain, number};
-use vibc::analysis::{self, Extrema, FeatureKind, Frequency, Gain, Roads, Sweep, Table, Transfer};
+use vibc::analysis::{self, Extrema, FeatureKind, Frequency, Gain, Methods, Sweep, Table, Transfer};
 use vibc::answers;
 use vibc::backend::report;
 use vibc::base::{Number, Rational};
@@ -181,7 +181,7 @@ fn table_of(system: &LinearSystem, input: usize, output: usize) -> Table {
     let modes = analysis::modes(system).expect("a regular system");
     let poles = analysis::poles(system, &modes).expect("poles");
     let sweep = Sweep { inputs: vec![input], outputs: vec![output], ..Sweep::default() };
-    analysis::table(&Roads::of(system, &modes), &poles, &sweep)
+    analysis::table(&Methods::of(system, &modes), &poles, &sweep)
 }
 
 /// The extrema of a table of one pair.
@@ -249,15 +249,15 @@ fn pieces_for_several_cores_give_the_same_bytes() {
     let transfer = Transfer::of(&system);
     let frequencies: Vec<Frequency> =
         (1..=6000).map(|i| Frequency::hertz(&Number::Exact(Rational::new(i, 400)))).collect();
-    let at_once = transfer.many(&frequencies, &[0, 59], &[0, 30], 1e-13);
-    let few = frequencies.chunks(48).flat_map(|some| transfer.many(some, &[0, 59], &[0, 30], 1e-13));
+    let at_once = transfer.at_frequencies(&frequencies, &[0, 59], &[0, 30], 1e-13);
+    let few = frequencies.chunks(48).flat_map(|some| transfer.at_frequencies(some, &[0, 59], &[0, 30], 1e-13));
     assert!(at_once.len() == 4 * 6000 && few.eq(at_once));
 }
 
 /// Three springs at angles of 120 degrees: by symmetry a force along x moves nothing along y, although the enclosed
 /// sines of the drawing leave 1e-24 open. The rest is rounding error, which must have no peaks.
 #[test]
-fn what_may_be_zero_has_neither_peaks_nor_antiresonances() {
+fn responses_that_may_be_zero_have_no_extrema() {
     let answer = ask("body drum { mass = 40 kg, shape = disk(0.25 m), at = (0, 0), free }
         repeat i in 0..2 {
             point A[i] = (0.25 m * cos(i * 120 deg + 10 deg), 0.25 m * sin(i * 120 deg + 10 deg))
@@ -287,7 +287,7 @@ fn tables_are_printed() {
     let poles = analysis::poles(&system, &modes).expect("poles");
     let at = ["0", "1.5", "1.6"].map(|f| Frequency::hertz(&number(f))).to_vec();
     let sweep = Sweep { inputs: vec![0], outputs: vec![0, 1], at, ..Sweep::default() };
-    let table = analysis::table(&Roads::of(&system, &modes), &poles, &sweep);
+    let table = analysis::table(&Methods::of(&system, &modes), &poles, &sweep);
     insta::assert_snapshot!(vibc::backend::transfer::csv(&system, &table));
     insta::assert_snapshot!(vibc::backend::transfer::json("absorber", &system, &table));
     insta::assert_snapshot!(report::all_laid_out(
@@ -308,7 +308,7 @@ fn tables_are_printed() {
     let poles = analysis::poles(&free, &modes).expect("poles");
     insta::assert_snapshot!(vibc::backend::transfer::csv(
         &free,
-        &analysis::table(&Roads::of(&free, &modes), &poles, &sweep)
+        &analysis::table(&Methods::of(&free, &modes), &poles, &sweep)
     ));
 }
 
@@ -318,11 +318,11 @@ fn sums_over_modes_agree_with_solutions() {
     let system = with_every_pair(super::systems::chain(8, "10", "100000", "50"));
     let modes = analysis::modes(&system).expect("a regular system");
     let poles = analysis::poles(&system, &modes).expect("poles");
-    let roads = Roads::of(&system, &modes);
+    let methods = Methods::of(&system, &modes);
     let at: Vec<Frequency> = (1..40).map(|i| Frequency::hertz(&(&Number::from(i) / &Number::from(2)))).collect();
     let table = |tolerance| {
         let sweep = Sweep { inputs: vec![0, 3], outputs: vec![3, 7], at: at.clone(), tolerance, ..Sweep::default() };
-        analysis::table(&roads, &poles, &sweep)
+        analysis::table(&methods, &poles, &sweep)
     };
     let direct = Transfer::of(&system);
     for (tolerance, table) in [(1e-12, table(Some(1e-12))), (1e-17, table(None))] {

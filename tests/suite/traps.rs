@@ -97,7 +97,7 @@ fn terms_hold_what_assembled_matrices_lose_even_in_double_double() {
 /// Squaring exp(A h) - 1 to the end leaves no digit of a motion that has decayed. Critically damped at 2/s, after 40 s:
 /// (1 + 80) exp(-80), 1e-33 of the start, must have correct digits.
 #[test]
-fn what_has_decayed_keeps_its_digits() {
+fn decayed_motions_keep_their_digits() {
     let mut b = Builder::numbered(1);
     b.mass(0, &number("1"));
     b.spring(None, 0, &number("4"));
@@ -114,7 +114,7 @@ fn what_has_decayed_keeps_its_digits() {
 /// A shift mu m added to a stiff diagonal is lost before signs are counted: for 120 masses in stiff pairs on soft
 /// springs, the lowest modes are those of 60 double masses, and none is missed.
 #[test]
-fn a_shift_is_kept_apart_from_stiff_diagonals() {
+fn a_shift_keeps_its_digits_next_to_stiff_diagonals() {
     let n = 120;
     let system = chain(n, |i| number(if i % 2 == 1 { "1e17" } else { "1" }));
     // Accurate enough for comparison with the closed form in binary64, whose own rounding error is a few 1e-16.

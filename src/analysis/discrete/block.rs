@@ -41,7 +41,7 @@ impl Direct {
     }
 
     /// Whether any direct effect uses u, u' and u'' of an input.
-    pub fn seen(&self, input: usize) -> [bool; 3] {
+    pub fn used_orders(&self, input: usize) -> [bool; 3] {
         let any = |m: &Matrix<Dd>| m.column(input).iter().any(|x| !x.is_zero());
         [0, 1, 2].map(|p| any(&self.outputs[p]) || self.state.get(p).is_some_and(any))
     }
@@ -58,7 +58,7 @@ pub struct Split {
 
 impl Split {
     /// Whether an input has any effect.
-    pub fn feels(&self, input: usize) -> bool {
+    pub fn has_effect(&self, input: usize) -> bool {
         let column = |m: &Matrix<Dd>| m.column(input).iter().any(|x| !x.is_zero());
         self.blocks.iter().any(|block| column(&block.b)) || self.direct.outputs.iter().any(column)
     }

@@ -135,7 +135,7 @@ impl Maker<'_> {
         let propagator = propagator(&block.a, self.step)?;
         let (mut drive, shift) = self.drive(block, &propagator);
         for (chain, signal) in self.chains.iter().zip(signals) {
-            let effect = product(&chain.on(block, Dd::ONE, self.step)?, &signal.inverse);
+            let effect = product(&chain.effect_on(block, Dd::ONE, self.step)?, &signal.inverse);
             drive.extend((0..chain.size()).map(|k| (Operand::Signal(signal.first + k), effect.column(k).to_vec())));
         }
         drive.retain(|(_, column)| column.iter().any(|x| !x.is_zero()));
@@ -219,7 +219,7 @@ impl Maker<'_> {
         let input = (0..block.size()).map(|i| by_state(&drive, i)).collect();
         if let Form::Pair(lift) = &form {
             // x follows v, so only the remaining effect of inputs is added to it.
-            drive.iter_mut().for_each(|(_, column)| beyond(column, Dd::from(lift.p)));
+            drive.iter_mut().for_each(|(_, column)| subtract_multiple(column, Dd::from(lift.p)));
         }
         let (c, back) = (clean_product(&block.c, &inverse), clean_product(&block.back, &inverse));
         let to = clean_product(&s, &block.to);
@@ -313,7 +313,12 @@ impl Maker<'_> {
     }
 
     /// The part of a cell's states that is due to inputs and signals: to (E0 u + E1 u').
-    pub fn taken(&self, made: &Made, direct: &Direct, signals: &[MadeSignal]) -> Vec<Vec<(Operand, f64)>> {
+    pub fn input_contributions(
+        &self,
+        made: &Made,
+        direct: &Direct,
+        signals: &[MadeSignal],
+    ) -> Vec<Vec<(Operand, f64)>> {
         let factors = [&direct.state[0], &direct.state[1]].map(|e| clean_product(&made.to, e));
         let rows = self.rows(&factors, signals);
         rows.iter().map(|row| rounded_terms(row, self.precision)).collect()
@@ -347,7 +352,7 @@ fn transformed(s: &Matrix<Dd>, columns: &Columns) -> Columns {
 }
 
 /// Subtracts p times the second row from the first.
-fn beyond(column: &mut [Dd], p: Dd) {
+fn subtract_multiple(column: &mut [Dd], p: Dd) {
     let follows = p * column[1];
     let rest = column[0] - follows;
     // Coordinates were chosen to make this zero.

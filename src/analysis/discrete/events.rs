@@ -5,9 +5,9 @@
 use crate::analysis::discrete::Event;
 use crate::analysis::discrete::block::{Block, product};
 use crate::analysis::discrete::cell::{Made, MadeSignal};
-use crate::analysis::discrete::hold::moved;
+use crate::analysis::discrete::hold::propagate;
+use crate::analysis::discrete::pieces::FeedThroughOrders;
 use crate::analysis::discrete::pieces::MOST_EVENTS;
-use crate::analysis::discrete::pieces::Seen;
 use crate::analysis::discrete::precision::Precision;
 use crate::analysis::discrete::signals::Signals;
 use crate::base::Dd;
@@ -26,18 +26,18 @@ pub fn changes(
     blocks: &[Block],
     made_signals: &[MadeSignal],
     made: &[Made],
-    seen: impl Fn(usize) -> Seen,
+    seen: impl Fn(usize) -> FeedThroughOrders,
     h: Dd,
 ) -> Result<Vec<(u64, Vec<Dd>)>, Fault> {
-    let mut ticks: BTreeSet<u64> = signals.blows.iter().map(|blow| blow.when.tick).collect();
+    let mut ticks: BTreeSet<u64> = signals.impulses.iter().map(|impulse| impulse.when.tick).collect();
     for chain in &signals.chains {
         ticks.extend(chain.ticks());
         if ticks.len() > MOST_EVENTS {
             return Err(Fault::TooMany { input: chain.input });
         }
     }
-    if let Some(blow) = signals.blows.first().filter(|_| ticks.len() > MOST_EVENTS) {
-        return Err(Fault::TooMany { input: blow.input });
+    if let Some(impulse) = signals.impulses.first().filter(|_| ticks.len() > MOST_EVENTS) {
+        return Err(Fault::TooMany { input: impulse.input });
     }
     let change = |tick: u64| -> Option<Vec<Dd>> {
         let mut change = Vec::new();
@@ -53,9 +53,9 @@ pub fn changes(
                 let lacking = chain.correction(block, tick, seen(chain.input), h)?;
                 own.iter_mut().zip(lacking).for_each(|(sum, x)| *sum += x);
             }
-            for blow in signals.blows_at(tick) {
-                let moment: Vec<Dd> = block.b.column(blow.input).iter().map(|&b| b * blow.value).collect();
-                let moved = moved(&block.a, &moment, blow.when.before * h)?;
+            for impulse in signals.impulses_at(tick) {
+                let moment: Vec<Dd> = block.b.column(impulse.input).iter().map(|&b| b * impulse.value).collect();
+                let moved = propagate(&block.a, &moment, impulse.when.before * h)?;
                 own.iter_mut().zip(moved).for_each(|(sum, x)| *sum += x);
             }
             change.extend(image(&made.s, &own));

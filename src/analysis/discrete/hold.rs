@@ -63,7 +63,7 @@ pub fn coupled(a: &Matrix<Dd>, drive: &Matrix<Dd>, r: &Matrix<Dd>, steps: Dd, h:
 }
 
 /// exp(A t) x
-pub fn moved(a: &Matrix<Dd>, x: &[Dd], t: Dd) -> Option<Vec<Dd>> {
+pub fn propagate(a: &Matrix<Dd>, x: &[Dd], t: Dd) -> Option<Vec<Dd>> {
     let n = a.rows();
     let scale = balance(a);
     let e = exponential(Matrix::from_fn(n, n, |i, j| (a[(i, j)] * t).scale(scale[j] / scale[i])))?;

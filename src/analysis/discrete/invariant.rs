@@ -31,14 +31,14 @@ const HORIZON: f64 = 1.0;
 
 /// The blocks of a system.
 pub fn split(system: &LinearSystem, poles: &Poles) -> Result<Split, AnalysisError> {
-    let space = StateSpace::of(system, &held(system), HORIZON)?;
+    let space = StateSpace::of(system, &held_inputs(system), HORIZON)?;
     let own = Continuous::of(system, &space);
     let size = own.a.rows();
     let groups = groups(&poles.list);
     let count: usize = groups.iter().map(Group::size).sum();
     let bases = if count == size { basis(&own.a, &groups) } else { None };
     if let Some((t, inverse, d)) = bases {
-        return Ok(own.apart(&groups, &t, &inverse, &d));
+        return Ok(own.into_blocks(&groups, &t, &inverse, &d));
     }
     if size > MOST_DENSE {
         return Err(AnalysisError::too_many_states(system, size, MOST_DENSE));
@@ -46,13 +46,13 @@ pub fn split(system: &LinearSystem, poles: &Poles) -> Result<Split, AnalysisErro
     let one = Group { poles: poles.list.iter().map(complex).collect(), paired: false };
     let same = Matrix::identity(size);
     let d = own.a.clone();
-    let mut split = own.apart(&[one], &same, &same, &d);
+    let mut split = own.into_blocks(&[one], &same, &same, &d);
     split.method = "one dense step: poles are too close together to be separated";
     Ok(split)
 }
 
 /// u, u' and u'' of every input as states.
-fn held(system: &LinearSystem) -> Exogenous {
+fn held_inputs(system: &LinearSystem) -> Exogenous {
     let count = 3 * system.inputs.len();
     let inputs = || system.inputs.iter().enumerate();
     Exogenous {
@@ -120,7 +120,7 @@ impl Continuous {
     }
 
     /// The blocks in the coordinates T.
-    fn apart(self, groups: &[Group], t: &Matrix<Dd>, inverse: &Matrix<Dd>, d: &Matrix<Dd>) -> Split {
+    fn into_blocks(self, groups: &[Group], t: &Matrix<Dd>, inverse: &Matrix<Dd>, d: &Matrix<Dd>) -> Split {
         let (b, c) = (clean_product(inverse, &self.b), clean_product(&self.c, t));
         let (to, back) = (clean_product(inverse, &self.to), clean_product(&self.back, t));
         let mut first = 0;

@@ -9,9 +9,9 @@
 //! 3. [`hold`], [`lift`]: one step of each block, in the form that loses fewest digits
 //! 4. [`rounding`]: a bound of the effect of the target's rounding; [`beside`]: its actual effect, if the run is known
 
-mod beside;
 pub mod block;
 pub mod cell;
+mod comparison;
 pub mod equations;
 mod events;
 pub mod hold;
@@ -29,14 +29,14 @@ mod turn;
 pub use cell::{Cell, Form, Operand};
 pub use lift::{Decay, Lift};
 pub use precision::Precision;
-pub use reduce::{Left, Why};
+pub use reduce::{DroppedBlock, Why};
 pub use rounding::Rounding;
 pub use signals::Signals;
 
 use crate::analysis::answer::Modes;
-use crate::analysis::discrete::beside::Exact;
 use crate::analysis::discrete::block::{Direct, Split};
 use crate::analysis::discrete::cell::{Maker, add_columns, rounded_terms};
+use crate::analysis::discrete::comparison::Exact;
 use crate::analysis::discrete::events::Fault;
 use crate::analysis::discrete::turn::too_far;
 use crate::analysis::error::AnalysisError;
@@ -118,7 +118,7 @@ pub struct DiscreteSystem {
     pub set: Vec<bool>,
     /// Outputs that would follow the derivative of an input; an input that is held has none.
     pub without_slope: Vec<usize>,
-    pub left: Vec<Left>,
+    pub left: Vec<DroppedBlock>,
     pub rounding: Rounding,
     /// The effect of rounding on code without inputs, run from its start.
     pub measured: Vec<Measured>,
@@ -176,11 +176,11 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     let start = start(system);
     let signals = Signals::of(&options.internal, &options.step, options.until.as_ref())
         .map_err(|long| AnalysisError::signal_too_long(system, long.input))?;
-    if let Some(input) = signals.blow_on_base(system) {
-        return Err(AnalysisError::blow_on_base(system, input));
+    if let Some(input) = signals.base_with_impulse(system) {
+        return Err(AnalysisError::impulse_on_base(system, input));
     }
     let left = reduce::reduce(&mut split, &start, options);
-    let signals = signals.useful(|input| split.feels(input));
+    let signals = signals.retain_effective(|input| split.has_effect(input));
     let step = options.step.to_ball().mid;
     let turning = split.blocks.iter().any(|block| block.a.rows() == 2 && too_far(&block.a.map(|x| x * step)));
     if turning || signals.chains.iter().any(|chain| chain.angle.is_some() && too_far(&chain.generator)) {
@@ -214,8 +214,8 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     if !(0..system.outputs.len()).all(|i| options.precision.keeps(seen(i))) {
         return Err(out_of_range());
     }
-    let taken = made.iter().flat_map(|made| maker.taken(made, &split.direct, &made_signals)).collect();
-    let changes = events::changes(&signals, &split.blocks, &made_signals, &made, |j| split.direct.seen(j), step);
+    let taken = made.iter().flat_map(|made| maker.input_contributions(made, &split.direct, &made_signals)).collect();
+    let changes = events::changes(&signals, &split.blocks, &made_signals, &made, |j| split.direct.used_orders(j), step);
     let changes = changes.map_err(|fault| match fault {
         Fault::TooMany { input } => AnalysisError::signal_too_long(system, input),
         Fault::OutOfRange => out_of_range(),
@@ -272,7 +272,7 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     }
     if discrete.inputs.is_empty() {
         let last = options.until.as_ref().map(|until| (until / &options.step).to_f64() as u64);
-        discrete.measured = beside::measured(&discrete, &exact, last);
+        discrete.measured = comparison::measure_rounding(&discrete, &exact, last);
     }
     Ok(discrete)
 }

@@ -175,7 +175,7 @@ impl Oscillator<'_> {
         add(&mut direct.state[1], &product(&back, &e1));
         let rate = k.hi.abs().sqrt().max(c.hi.abs());
         let block = Block { name, rate, a, b, c: rows, to, back };
-        found.blocks.extend(apart(block, k, c));
+        found.blocks.extend(split_real_rates(block, k, c));
     }
 
     /// x . column, exactly zero if only rounding error is left.
@@ -199,7 +199,7 @@ fn length(column: &[(CoordinateId, Number)]) -> f64 {
 }
 
 /// Separates two well separated real rates: the slower one is k over the faster one, so it keeps its digits.
-fn apart(block: Block, k: Dd, c: Dd) -> Vec<Block> {
+fn split_real_rates(block: Block, k: Dd, c: Dd) -> Vec<Block> {
     let half = c * 0.5;
     let square = half * half - k;
     if square.hi <= (APART * half.hi).powi(2) || square.hi <= 0.0 {

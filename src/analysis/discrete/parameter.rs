@@ -128,9 +128,9 @@ fn polynomial(x: &[Number], y: &[Number]) -> Option<Polynomial> {
     let slope = |a: usize, b: usize| &(&y[b] - &y[a]) / &(&x[b] - &x[a]);
     let (first, second) = (slope(0, 1), slope(1, 2));
     let bend = &(&second - &first) / &(&x[2] - &x[0]);
-    let c2 = nothing(bend, &y[0], &x[0].square());
-    let c1 = nothing(&first - &(&c2 * &(&x[0] + &x[1])), &y[0], &x[0]);
-    let c0 = nothing(&(&y[0] - &(&c1 * &x[0])) - &(&c2 * &x[0].square()), &y[0], &Number::ONE);
+    let c2 = cleaned_coefficient(bend, &y[0], &x[0].square());
+    let c1 = cleaned_coefficient(&first - &(&c2 * &(&x[0] + &x[1])), &y[0], &x[0]);
+    let c0 = cleaned_coefficient(&(&y[0] - &(&c1 * &x[0])) - &(&c2 * &x[0].square()), &y[0], &Number::ONE);
     let at = |x: &Number| &(&(&(&c2 * x) + &c1) * x) + &c0;
     let fits = x.iter().zip(y).all(|(x, y)| {
         let difference = (&at(x) - y).to_ball();
@@ -140,7 +140,7 @@ fn polynomial(x: &[Number], y: &[Number]) -> Option<Polynomial> {
 }
 
 /// A coefficient whose contribution is below the rounding error of the values is zero.
-fn nothing(c: Number, y: &Number, x: &Number) -> Number {
+fn cleaned_coefficient(c: Number, y: &Number, x: &Number) -> Number {
     let term: Ball = (&c * x).to_ball();
     let small = !y.is_zero() && term.mid.hi.abs() <= 1e-24 * y.to_ball().magnitude();
     if small || c.to_ball().contains_zero() { Number::ZERO } else { c }

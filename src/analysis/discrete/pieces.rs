@@ -9,7 +9,7 @@
 //! that outputs read are kept for that step, and the blocks get the rest at its end.
 
 use crate::analysis::discrete::block::Block;
-use crate::analysis::discrete::hold::{coupled, moved};
+use crate::analysis::discrete::hold::{coupled, propagate};
 use crate::analysis::response::signal::{self, Piece, Source};
 use crate::base::{Dd, Number};
 use crate::kernel::dense::Matrix;
@@ -149,7 +149,7 @@ pub struct Spread {
 }
 
 /// Whether outputs read u, u' and u'' directly.
-pub type Seen = [bool; 3];
+pub type FeedThroughOrders = [bool; 3];
 
 impl Chain {
     pub fn size(&self) -> usize {
@@ -157,13 +157,13 @@ impl Chain {
     }
 
     /// The effect of the chain's states on those of a block in `steps` steps.
-    pub fn on(&self, block: &Block, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
+    pub fn effect_on(&self, block: &Block, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
         let drive = Matrix::from_fn(block.size(), self.size(), |i, j| block.b[(i, self.input)] * self.rows[0][j]);
         coupled(&block.a, &drive, &self.generator, steps, h)
     }
 
     /// The knots strictly between a sample and the next one.
-    fn within(&self, tick: u64) -> &[Knot] {
+    fn knots_within(&self, tick: u64) -> &[Knot] {
         let first = self.knots.partition_point(|knot| knot.when.tick <= tick);
         let rest = &self.knots[first..];
         let count = rest.partition_point(|knot| knot.when.tick == tick + 1 && !knot.when.before.is_zero());
@@ -182,11 +182,11 @@ impl Chain {
     /// Whether the piece at a sample ends before the next one, and would be huge there.
     fn is_cut(&self, tick: u64) -> bool {
         let beyond: f64 = self.at(tick).iter().skip(1).map(|x| x.hi.abs()).sum();
-        !self.within(tick).is_empty() && beyond > MOST_BEYOND * self.largest
+        !self.knots_within(tick).is_empty() && beyond > MOST_BEYOND * self.largest
     }
 
     /// The states with which a step begins.
-    pub fn used(&self, tick: u64, seen: Seen) -> Vec<Dd> {
+    pub fn used(&self, tick: u64, seen: FeedThroughOrders) -> Vec<Dd> {
         let mut states = self.at(tick);
         if self.is_cut(tick) {
             let keep = |k: usize| k == 0 || seen.get(k).is_some_and(|&seen| seen);
@@ -220,10 +220,10 @@ impl Chain {
 
     /// The effect of the signal on a block in the step to a sample, minus the effect of its states at the previous
     /// sample.
-    pub fn correction(&self, block: &Block, tick: u64, seen: Seen, h: Dd) -> Option<Vec<Dd>> {
+    pub fn correction(&self, block: &Block, tick: u64, seen: FeedThroughOrders, h: Dd) -> Option<Vec<Dd>> {
         let mut sum = vec![Dd::ZERO; block.size()];
         let Some(last) = tick.checked_sub(1) else { return Some(sum) };
-        let within = self.within(last);
+        let within = self.knots_within(last);
         if !self.is_cut(last) {
             for knot in within {
                 let own = self.forced(block, vec![Dd::ZERO; block.size()], &knot.jump, knot.when.before, h)?;
@@ -255,7 +255,7 @@ impl Chain {
         if turned > MOST_PARTS {
             let forces = Matrix::from_fn(size, self.size(), |i, j| block.b[(i, self.input)] * self.rows[0][j]);
             let forced = coupled(&block.a, &forces, &self.generator, steps, h)?;
-            let own = moved(&block.a, &w, steps * h)?;
+            let own = propagate(&block.a, &w, steps * h)?;
             let of = |i: usize| (0..self.size()).fold(Dd::ZERO, |sum, j| sum + forced[(i, j)] * states[j]);
             return Some(own.into_iter().enumerate().map(|(i, x)| x + of(i)).collect());
         }

@@ -10,7 +10,7 @@ use crate::kernel::dense::Matrix;
 
 /// A block that is not emitted.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Left {
+pub struct DroppedBlock {
     pub name: String,
     pub states: usize,
     pub why: Why,
@@ -30,7 +30,7 @@ pub enum Why {
 const FREQUENCIES: usize = 257;
 
 /// Drops the blocks that are not worth emitting.
-pub fn reduce(split: &mut Split, start: &[Dd], options: &Options) -> Vec<Left> {
+pub fn reduce(split: &mut Split, start: &[Dd], options: &Options) -> Vec<DroppedBlock> {
     let mut left = Vec::new();
     if options.unpruned {
         return left;
@@ -47,7 +47,7 @@ pub fn reduce(split: &mut Split, start: &[Dd], options: &Options) -> Vec<Left> {
             None
         };
         match why {
-            Some(why) => left.push(Left { name: block.name.clone(), states: block.size(), why }),
+            Some(why) => left.push(DroppedBlock { name: block.name.clone(), states: block.size(), why }),
             None => kept.push(block),
         }
     }
@@ -74,7 +74,7 @@ fn starts(block: &Block, start: &[Dd]) -> bool {
 }
 
 /// Drops blocks in ascending order of their contribution, while the sum of the dropped ones stays below the tolerance.
-fn drop_small(split: &mut Split, start: &[Dd], tolerance: f64, highest: f64, left: &mut Vec<Left>) {
+fn drop_small(split: &mut Split, start: &[Dd], tolerance: f64, highest: f64, left: &mut Vec<DroppedBlock>) {
     let frequencies: Vec<f64> = (0..FREQUENCIES).map(|i| highest * i as f64 / (FREQUENCIES - 1) as f64).collect();
     // Peaks are near the poles.
     let rates = split.blocks.iter().map(|block| block.rate).filter(|&rate| rate < highest);
@@ -99,7 +99,7 @@ fn drop_small(split: &mut Split, start: &[Dd], tolerance: f64, highest: f64, lef
         match dropped.zip(static_part(&block)) {
             Some((share, gain)) => {
                 add(&mut split.direct.outputs[0], &gain);
-                left.push(Left { name: block.name.clone(), states: block.size(), why: Why::Small(share) });
+                left.push(DroppedBlock { name: block.name.clone(), states: block.size(), why: Why::Small(share) });
             }
             None => kept.push(block),
         }

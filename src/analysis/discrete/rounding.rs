@@ -29,7 +29,7 @@ const DOUBLINGS: usize = 40;
 impl Rounding {
     /// The bound after `steps` steps: |emitted - exact| is at most this times the sum of the largest contributions that
     /// the cells and the inputs have made to the output.
-    pub fn after(&self, steps: u64) -> f64 {
+    pub fn error_after(&self, steps: u64) -> f64 {
         let doublings = (64 - steps.leading_zeros()) as usize;
         let worst = self.cells.iter().map(|(step, sums)| step * sums[doublings.min(DOUBLINGS)]);
         self.output + worst.fold(0.0, larger)
@@ -165,7 +165,7 @@ mod tests {
 
     /// The error of the first state after `steps` steps if all rounding errors conspire, in units of the roundoff and
     /// of the largest magnitude of the state.
-    fn conspiring(form: &Form, start: &[f64], steps: usize) -> f64 {
+    fn worst_case(form: &Form, start: &[f64], steps: usize) -> f64 {
         let n = start.len();
         let unit = |j: usize| (0..n).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
         let columns: Vec<Vec<f64>> = (0..n).map(|j| step(form, &unit(j)).0).collect();
@@ -191,7 +191,7 @@ mod tests {
     /// Conspiring rounding errors stay below the bound, and come near it: oscillators without and with damping, turning
     /// by little and by more than a quarter, critical ones, single states, a dense step.
     #[test]
-    fn the_bound_is_above_what_conspiring_roundings_do_and_not_far() {
+    fn the_bound_exceeds_the_worst_roundings_but_not_by_far() {
         let mut forms: Vec<(Form, Vec<f64>)> = Vec::new();
         let oscillators = [(400.0, 0.0), (400.0, 2.0), (1e4, 0.0), (4e4, 3.0), (9e4, 0.0), (1.0, 0.0), (4e4, 100.0)];
         for (k, c) in oscillators.into_iter().chain([(1e4, 200.0), (100.0, 20.0)]) {
@@ -207,8 +207,8 @@ mod tests {
         for (form, start) in &forms {
             for steps in [1023, 65535] {
                 let bound = rounding(&[cell(form.clone(), start.len())], &[], Precision::Double);
-                let bound = (bound.after(steps) - bound.output) / Precision::Double.unit();
-                let worst = conspiring(form, start, steps as usize);
+                let bound = (bound.error_after(steps) - bound.output) / Precision::Double.unit();
+                let worst = worst_case(form, start, steps as usize);
                 let over = bound / worst;
                 assert!((1.0..100.0).contains(&over), "{form:?}, {steps}: {bound:e} for {worst:e}");
                 ratios.push(over);

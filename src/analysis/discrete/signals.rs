@@ -12,7 +12,7 @@ use crate::system::{LinearSystem, Signal};
 
 /// An impulse on an input.
 #[derive(Clone, Debug)]
-pub struct Blow {
+pub struct Impulse {
     pub input: usize,
     pub value: Dd,
     pub when: When,
@@ -23,7 +23,7 @@ pub struct Blow {
 pub struct Signals {
     pub chains: Vec<Chain>,
     /// Ascending.
-    pub blows: Vec<Blow>,
+    pub impulses: Vec<Impulse>,
 }
 
 /// Error: the signal of this input needs too many pieces for emitted code.
@@ -51,36 +51,36 @@ impl Signals {
                     }
                     (_, Source::Impulse { value, at }) if felt(at) => {
                         let when = When::of(at, step).ok_or(too_long)?;
-                        signals.blows.push(Blow { input, value: value.mid, when });
+                        signals.impulses.push(Impulse { input, value: value.mid, when });
                     }
                     _ => {}
                 }
             }
         }
-        signals.blows.sort_by_key(|blow| blow.when.tick);
+        signals.impulses.sort_by_key(|impulse| impulse.when.tick);
         Ok(signals)
     }
 
     /// The impulses in the step to a sample.
-    pub fn blows_at(&self, tick: u64) -> &[Blow] {
-        let first = self.blows.partition_point(|blow| blow.when.tick < tick);
-        let count = self.blows[first..].partition_point(|blow| blow.when.tick == tick);
-        &self.blows[first..first + count]
+    pub fn impulses_at(&self, tick: u64) -> &[Impulse] {
+        let first = self.impulses.partition_point(|impulse| impulse.when.tick < tick);
+        let count = self.impulses[first..].partition_point(|impulse| impulse.when.tick == tick);
+        &self.impulses[first..first + count]
     }
 
     /// An input that prescribes a motion and has an impulse, which would need infinite forces.
-    pub fn blow_on_base(&self, system: &LinearSystem) -> Option<usize> {
+    pub fn base_with_impulse(&self, system: &LinearSystem) -> Option<usize> {
         let moves = |input: usize| {
             let b = &system.inputs[input].b;
             !(b[1].is_empty() && b[2].is_empty())
         };
-        self.blows.iter().map(|blow| blow.input).find(|&input| moves(input))
+        self.impulses.iter().map(|impulse| impulse.input).find(|&input| moves(input))
     }
 
     /// Keeps the signals of inputs that have an effect.
-    pub fn useful(mut self, felt: impl Fn(usize) -> bool) -> Signals {
+    pub fn retain_effective(mut self, felt: impl Fn(usize) -> bool) -> Signals {
         self.chains.retain(|chain| felt(chain.input));
-        self.blows.retain(|blow| felt(blow.input));
+        self.impulses.retain(|impulse| felt(impulse.input));
         self
     }
 }

@@ -151,7 +151,7 @@ mod tests {
 
     /// A step of a million periods and 1e-9 rad: the remainder keeps its digits.
     #[test]
-    fn what_is_left_of_whole_turns_keeps_its_digits() {
+    fn the_phase_after_whole_turns_keeps_its_digits() {
         let over = Dd::from(1e-9);
         let w = Dd::PI * 2e6 + over;
         let a = Matrix::from_fn(2, 2, |i, j| [[Dd::ZERO, w], [-w, Dd::ZERO]][i][j]);

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rod_on_its_tip_buckles_under_what_its_spring_holds() {
+    fn a_rod_on_its_tip_buckles_at_the_limit_of_its_spring() {
         let [five, two, down, up] = ["5", "2", "9.81", "0.4905"].map(Number::from);
         check(&rods([&five, &two], [&-&down, &-&up], "0.1"), roots(5.0, 2.0, -9.81, -0.4905)[0]);
     }
@@ -139,7 +139,7 @@ mod tests {
     /// A rod that hangs in spite of a negative spring: it would not stand without its weight, and at 4.28 times the
     /// weight the other rod falls.
     #[test]
-    fn what_stands_by_its_loads_alone_buckles_under_more_of_them() {
+    fn a_rod_held_by_its_loads_buckles_under_more() {
         let [one, two, hangs, stands] = ["1", "2", "9.81", "0.4905"].map(Number::from);
         let system = rods([&-&one, &two], [&hangs, &-&stands], "0.1");
         let roots = roots(-1.0, 2.0, 9.81, -0.4905);
@@ -149,7 +149,7 @@ mod tests {
 
     /// Neither rod stands, with or without its loads: there is no factor.
     #[test]
-    fn what_has_fallen_has_no_factor() {
+    fn a_buckled_system_has_no_factor() {
         let [one, two, stands] = ["1", "2", "0.4905"].map(Number::from);
         assert!(buckling(&rods([&-&one, &-&two], [&-&stands, &-&stands], "0.1")).is_none());
     }
@@ -170,7 +170,7 @@ mod tests {
 
     /// An eigenvalue of 2 +- 0.5 may be 2.5.
     #[test]
-    fn what_is_not_known_of_an_eigenvalue_is_in_the_factor() {
+    fn uncertainty_of_an_eigenvalue_is_in_the_factor() {
         use crate::analysis::answer::Route;
         use crate::analysis::modes::pair::Displacements;
         let value = Eigenvalue::Near { value: 2.0.into(), radius: 0.5, positive: false };

@@ -368,7 +368,7 @@ mod tests {
     /// A row (1, e) with |e| <= 1e-3 in K and another in M join modes of 1 and 3: with +e in one and -e in the other the first
     /// eigenvalue is (4 + 8e^2 - 2 sqrt(...))/..., less than 1 by 2e^2, from (K - M)_12 = 2e across a gap of 2.
     #[test]
-    fn what_is_not_known_of_both_forms_adds_up_between_modes() {
+    fn uncertainties_of_both_forms_add_up_between_modes() {
         let (mut system, e) = (blank(2), Number::Ball(Ball::new(Dd::ZERO, 1e-3)));
         push(&mut system.k, "3", 1, None);
         push(&mut system.m, "1", 1, None);
@@ -385,7 +385,7 @@ mod tests {
 
     /// A spring of 0 within 1e-3 between two equal oscillators moves one of their squares by up to 2e-3.
     #[test]
-    fn what_is_not_known_between_equal_modes_is_in_their_radius() {
+    fn uncertainty_between_equal_modes_is_in_their_radius() {
         let mut system = blank(2);
         for i in 0..2 {
             push(&mut system.m, "1", i, None);
@@ -458,7 +458,7 @@ mod tests {
     /// Eigenvalues 1, 10 and 12; the first and last vectors are half of each mode. Both quotients are 6.5, so the exact
     /// quotient of 10 would be counted as the third.
     #[test]
-    fn modes_beside_poor_ones_are_not_counted() {
+    fn modes_next_to_poor_ones_are_not_counted() {
         let k = [("1", 0, None), ("10", 1, None), ("12", 2, None)];
         let x = vectors(&[&[1.0, 0.0, 1.0], &[0.0, 1.0, 0.0], &[1.0, 0.0, -1.0]]);
         check(&k, &UNIT_MASSES, &x, &[1.0, 10.0, 12.0]);
@@ -468,7 +468,7 @@ mod tests {
     /// is 0.1 and would give a radius of 0.01; the eigenvalue is 1.5 + sqrt(0.96)/1.92, farther away, where the
     /// coupling is larger. Repeated with a hundredth and with a hundred times the stiffness.
     #[test]
-    fn a_radius_holds_over_all_that_was_assumed() {
+    fn a_radius_holds_for_all_assumed_matrices() {
         let m = [("0.2", 0, Some(1)), ("0.8", 0, None), ("0.8", 1, None)];
         let half = 0.96f64.sqrt() / 1.92;
         for (unit, [joined, first, second]) in

@@ -63,16 +63,16 @@ pub fn condense(m: &Form, k: &Form, n: usize, vectors: &[Vec<Rational>]) -> Resu
     vectors.iter().for_each(|(at, _)| is_own[*at] = true);
     let kept: Vec<usize> = (0..n).filter(|i| !is_own[*i]).collect();
     let squares = k.terms().iter().map(|term| in_new_coordinates(k, term, &vectors)).collect();
-    let mut squares = joined(squares);
+    let mut squares = merge_proportional(squares);
     let (mut steps, mut room) = (Vec::new(), 2 * squares.len());
     for (at, _) in &vectors {
         if squares.len() > room {
-            squares = joined(squares);
+            squares = merge_proportional(squares);
             room = 2 * squares.len();
         }
         steps.push(eliminate(&mut squares, *at)?);
     }
-    let squares = joined(squares);
+    let squares = merge_proportional(squares);
     let mut places = vec![None; n];
     kept.iter().enumerate().for_each(|(place, i)| places[*i] = Some(CoordinateId(place as u32)));
     let local = |i: usize| places[i];
@@ -182,21 +182,21 @@ fn eliminate(squares: &mut Vec<Square>, at: usize) -> Result<Step, Stuck> {
     }
     for (index, t) in split.iter().enumerate() {
         for u in &split[index + 1..] {
-            let row = combined(&t.factor, &u.rest, &-&u.factor, &t.rest);
+            let row = linear_combination(&t.factor, &u.rest, &-&u.factor, &t.rest);
             if !row.is_empty() {
                 squares.push(Square { weight: &(&t.weight * &u.weight) * &inverse, row });
             }
         }
     }
-    let row = split
-        .iter()
-        .fold(Row::new(), |sum, t| combined(&Number::ONE, &sum, &-&(&(&t.weight * &t.factor) * &inverse), &t.rest));
+    let row = split.iter().fold(Row::new(), |sum, t| {
+        linear_combination(&Number::ONE, &sum, &-&(&(&t.weight * &t.factor) * &inverse), &t.rest)
+    });
     Ok(Step { at, row: Some(row) })
 }
 
 /// Adds up squares of proportional rows, as far as rows are exact; applies Lagrange's reduction if that leaves more
 /// squares than a symmetric matrix has entries.
-fn joined(squares: Vec<Square>) -> Vec<Square> {
+fn merge_proportional(squares: Vec<Square>) -> Vec<Square> {
     let mut of_row: BTreeMap<Vec<(usize, Rational)>, Number> = BTreeMap::new();
     let mut joined = Vec::new();
     for square in squares {
@@ -213,12 +213,12 @@ fn joined(squares: Vec<Square>) -> Vec<Square> {
     joined.extend(of_row.map(|(row, weight)| Square { weight, row: in_numbers(row) }));
     let coordinates: BTreeSet<usize> = joined.iter().flat_map(|square| &square.row).map(|(i, _)| *i).collect();
     let entries = coordinates.len() * (coordinates.len() + 1) / 2;
-    if joined.len() <= entries { joined } else { reduced(&joined, &coordinates).unwrap_or(joined) }
+    if joined.len() <= entries { joined } else { lagrange_reduction(&joined, &coordinates).unwrap_or(joined) }
 }
 
 /// Lagrange's reduction of a sum of exact squares: one square for each pivot on the diagonal, in order. `None` if a
 /// number is not exact, or if a pivot vanishes but its row does not.
-fn reduced(squares: &[Square], coordinates: &BTreeSet<usize>) -> Option<Vec<Square>> {
+fn lagrange_reduction(squares: &[Square], coordinates: &BTreeSet<usize>) -> Option<Vec<Square>> {
     let mut matrix: BTreeMap<(usize, usize), Number> = BTreeMap::new();
     for square in squares {
         square.weight.exact()?;
@@ -284,7 +284,7 @@ impl Split {
 }
 
 /// a x + b y for sparse rows, without entries that are exactly zero.
-fn combined(a: &Number, x: &[(usize, Number)], b: &Number, y: &[(usize, Number)]) -> Row {
+fn linear_combination(a: &Number, x: &[(usize, Number)], b: &Number, y: &[(usize, Number)]) -> Row {
     let mut sum: Row = x.iter().map(|(i, x)| (*i, a * x)).collect();
     for (i, y) in y {
         let part = b * y;

@@ -44,7 +44,7 @@ pub fn distance_from_diagonal(k: &Gram, m: &Gram, rigid: usize) -> f64 {
 
 /// One Newton step. `estimates`, if given, are eigenvalues known better (relative to themselves) than the quotients of
 /// X; disproportionately large couplings then wait for the next step.
-pub fn improved(x: &Matrix<Triple>, k: &Gram, m: &Gram, estimates: Option<&[f64]>) -> Matrix<Triple> {
+pub fn newton_step(x: &Matrix<Triple>, k: &Gram, m: &Gram, estimates: Option<&[f64]>) -> Matrix<Triple> {
     let n = x.columns();
     let lambda = match estimates {
         Some(known) => known.iter().map(|&x| Dd::from(x)).collect(),
@@ -60,7 +60,7 @@ pub fn improved(x: &Matrix<Triple>, k: &Gram, m: &Gram, estimates: Option<&[f64]
         let apart = estimates.is_some() && gap > 1e-6 * lambda[i].hi.abs().min(lambda[j].hi.abs());
         (gap == 0.0 || large(i, j) || large(j, i)) && !apart
     });
-    let mut result = groups.turned(x, k, m);
+    let mut result = groups.rotate_groups(x, k, m);
     for j in 0..n {
         let mut change = vec![Dd::ZERO; x.rows()];
         for i in (0..n).filter(|&i| !groups.joined(i, j)) {
@@ -85,7 +85,7 @@ const TINY: f64 = 4.0 * f64::EPSILON;
 /// whose errors are the squares of those of X, need no such step. It is cheap, because binary64 is enough for such
 /// small couplings; larger ones belong to modes too close for the formula, and are left alone. Entries that are exactly
 /// zero stay zero.
-pub fn polished(x: &Matrix<Triple>, k: &Gram, m: &Gram) -> Matrix<Triple> {
+pub fn refine_shapes(x: &Matrix<Triple>, k: &Gram, m: &Gram) -> Matrix<Triple> {
     let (n, lambda) = (x.columns(), quotients(k, m));
     let light = x.map(|x| x.hi());
     let mut result = x.clone();
@@ -131,7 +131,7 @@ impl Groups {
     }
 
     /// X with each group's columns M-orthonormal and its block of K diagonal; single columns normalised.
-    fn turned(&self, x: &Matrix<Triple>, k: &Gram, m: &Gram) -> Matrix<Triple> {
+    fn rotate_groups(&self, x: &Matrix<Triple>, k: &Gram, m: &Gram) -> Matrix<Triple> {
         let mut result = x.clone();
         for members in &self.members {
             match members.as_slice() {

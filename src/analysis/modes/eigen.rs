@@ -180,7 +180,7 @@ impl<'a> Problem<'a> {
             if distance <= target {
                 break;
             }
-            let x = correction::improved(&start.x, &k, &m, start.estimates.as_deref());
+            let x = correction::newton_step(&start.x, &k, &m, start.estimates.as_deref());
             let (next_k, next_m) = self.pencil(&x);
             let next = self.distance(&next_k, &next_m);
             // A first step from estimates may have to put the quotients into order before they improve.
@@ -223,7 +223,7 @@ impl<'a> Problem<'a> {
         let certain = candidate.list.iter().filter(|e| may_be_zero(e)).count() <= self.rigid.dimension - known;
         let union = candidate.list.iter().filter(|e| e.column < known || may_be_zero(e));
         let union = union.map(|e| (e.lambda.hi().abs() + e.radius) * SLACK).fold(0.0, larger);
-        let x = correction::polished(&candidate.start.x, &candidate.k, &candidate.m);
+        let x = correction::refine_shapes(&candidate.start.x, &candidate.k, &candidate.m);
         let pair = |e: &Enclosure| {
             let rigid = e.column < known || (certain && may_be_zero(e));
             let radius = if may_be_zero(e) { (e.lambda.hi().abs() + union) * SLACK } else { e.radius };

@@ -33,7 +33,7 @@ impl Image {
     }
 
     /// Whether the image of a number preserves the relations that it has with others.
-    pub fn knows(&self, number: &Number) -> bool {
+    pub fn preserves(&self, number: &Number) -> bool {
         match number {
             Number::Exact(_) => true,
             Number::Surd(surd) => self.roots.iter().any(|(d, _)| *d == surd.root),

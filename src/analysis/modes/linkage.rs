@@ -48,12 +48,12 @@ impl Linkage {
 pub fn modes(system: &LinearSystem, request: &Request) -> Result<Modes, AnalysisError> {
     match Linkage::of(system) {
         Some(linkage) => modes_as(&linkage.system, request).map(|modes| linkage.in_angles(system, modes)),
-        None => modes_as(&written_out(system)?, request),
+        None => modes_as(&write_out_rows(system)?, request),
     }
 }
 
 /// Rewrites the system with rows over coordinates alone, if no faster method applies and the rows are not too long.
-pub fn written_out(system: &LinearSystem) -> Result<LinearSystem, AnalysisError> {
+pub fn write_out_rows(system: &LinearSystem) -> Result<LinearSystem, AnalysisError> {
     let (count, limit, at) = (system.n(), MAX_DENSE, place(system, 0));
     system.clone().flattened(MOST_WRITTEN_OUT).map_err(|_| AnalysisError::NotSparse { count, limit, at })
 }
@@ -223,7 +223,7 @@ fn stands_for(system: &LinearSystem) -> StandsFor {
     let followers = followers(system);
     let mut found = StandsFor { of_coordinate: vec![Motion::Itself; n], by_row: vec![None; system.chain.len()] };
     for (place, row) in system.chain.iter().enumerate() {
-        let Some(j) = own(row, n) else { continue };
+        let Some(j) = own_coordinate(row, n) else { continue };
         let better = match found.of_coordinate[j as usize] {
             Motion::OfRow(other) => followers[place] > followers[other as usize],
             _ => true,
@@ -238,7 +238,7 @@ fn stands_for(system: &LinearSystem) -> StandsFor {
     }
     for (t, term) in system.m.terms().iter().enumerate() {
         let row = system.m.row(term);
-        if let Some(j) = own(row, n).filter(|_| row.len() > 1)
+        if let Some(j) = own_coordinate(row, n).filter(|_| row.len() > 1)
             && found.of_coordinate[j as usize] == Motion::Itself
         {
             found.of_coordinate[j as usize] = Motion::OfTerm(t as u32);
@@ -248,7 +248,7 @@ fn stands_for(system: &LinearSystem) -> StandsFor {
 }
 
 /// The coordinate whose own contribution a row adds to its carrier's motion: the last one, because carriers come first.
-fn own(row: &[(CoordinateId, Number)], n: usize) -> Option<u32> {
+fn own_coordinate(row: &[(CoordinateId, Number)], n: usize) -> Option<u32> {
     let (j, a) = row.iter().filter(|(i, _)| i.index() < n).max_by_key(|(i, _)| *i)?;
     a.exact().is_some().then_some(j.0)
 }
@@ -367,12 +367,12 @@ mod tests {
 
     /// Uneven rods, each hanging on the one that `carrier` names (none: the ground), at a fraction of that rod's
     /// length.
-    fn hanging(carriers: &[(usize, &str)]) -> LinearSystem {
+    fn hanging_links(carriers: &[(usize, &str)]) -> LinearSystem {
         let n = carriers.len();
         hanging_with(carriers, |i| number(i, 2), |i| Number::from(format!("{}.7", 3 * (n - i)).as_str()))
     }
 
-    /// Like `hanging`, with these masses and with stiffnesses against the ground.
+    /// Like `hanging_links`, with these masses and with stiffnesses against the ground.
     fn hanging_with(
         carriers: &[(usize, &str)],
         mass: impl Fn(usize) -> Number,
@@ -425,7 +425,7 @@ mod tests {
 
     #[test]
     fn a_row_of_rods_is_a_tree_of_springs_and_coupled_inertia() {
-        let system = hanging(&row(14));
+        let system = hanging_links(&row(14));
         let inner = inner(&system);
         let (m, k) = (Terms::of(&inner.m), Terms::of(&inner.k));
         let forest = Forest::of(&m, &k, inner.n()).expect("a tree");
@@ -476,8 +476,8 @@ mod tests {
 
     /// Shapes and shares in the angles of the links agree with those of the system with rows written out.
     #[test]
-    fn modes_are_told_in_the_coordinates_of_the_links() {
-        let system = hanging(&row(9));
+    fn modes_are_reported_in_link_angles() {
+        let system = hanging_links(&row(9));
         let flat = system.clone().flattened(u64::MAX).expect("small");
         let request = Request::default();
         let (found, known) = (modes_as(&system, &request).expect("modes"), modes_as(&flat, &request).expect("modes"));
@@ -493,7 +493,7 @@ mod tests {
     /// A damper between two links joins the modes; poles do not depend on the coordinates.
     #[test]
     fn damped_poles_are_those_of_the_rows_written_out() {
-        let mut system = hanging(&row(9));
+        let mut system = hanging_links(&row(9));
         push(&mut system.c, "0.03", 4, Some(5));
         let flat = system.clone().flattened(u64::MAX).expect("small");
         let of = |system: &LinearSystem| modal(system, &Request::default()).expect("poles").poles.list;
@@ -513,7 +513,7 @@ mod tests {
         let n = 130;
         let carriers: Vec<(usize, &str)> =
             (0..n).map(|i| if i == 0 { (usize::MAX, "1") } else { ((i - 1) / 2, ["1", "0.4"][i % 2]) }).collect();
-        let mut system = hanging(&carriers);
+        let mut system = hanging_links(&carriers);
         for i in (5..n).step_by(3) {
             push(&mut system.k, "2.3", i, Some((i - 1) / 2));
         }

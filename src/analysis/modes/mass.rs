@@ -50,7 +50,7 @@ mod tests {
     use crate::system::{CoordinateId, Nature};
 
     #[test]
-    fn what_stands_beside_the_diagonal_is_seen() {
+    fn off_diagonal_entries_are_seen() {
         assert!(!is_diagonal(&Matrix::filled(2, 2, Dd::ONE)) && is_diagonal(&Matrix::identity(2)));
     }
 

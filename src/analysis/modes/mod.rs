@@ -79,7 +79,7 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
         return linkage::modes(system, request);
     }
     let parts = if request.together { vec![Part::whole(system)] } else { independent_undamped(system) };
-    let request = &Request { which: settled(request.which, system.n(), &parts), ..*request };
+    let request = &Request { which: resolve_usual(request.which, system.n(), &parts), ..*request };
     if system.n() > MAX_ALL && request.which == Which::All {
         let (count, limit) = (system.n(), MAX_ALL);
         return Err(AnalysisError::TooManyCoordinates { count, limit, at: place(system, 0) });
@@ -116,15 +116,15 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
 }
 
 /// The request with [`Which::Usual`] resolved for this system.
-pub(in crate::analysis) fn which_of(system: &LinearSystem, which: Which) -> Which {
+pub(in crate::analysis) fn resolve(system: &LinearSystem, which: Which) -> Which {
     match which {
-        Which::Usual => settled(which, system.n(), &independent_undamped(system)),
+        Which::Usual => resolve_usual(which, system.n(), &independent_undamped(system)),
         which => which,
     }
 }
 
 /// Resolves [`Which::Usual`] by the size of the system.
-fn settled(which: Which, n: usize, parts: &[Part]) -> Which {
+fn resolve_usual(which: Which, n: usize, parts: &[Part]) -> Which {
     let largest = parts.iter().map(|part| part.coordinates.len()).max().unwrap_or(0);
     match which {
         Which::Usual if n <= MAX_ALL && largest <= MAX_UNASKED => Which::All,
@@ -182,7 +182,7 @@ fn ordinary_pairs(
     };
     if n > MIN_SPARSE
         && in_part
-        && let Some(Found { pairs, before }) = sparse::some(forms.stiffness, forms.masses, n, request)
+        && let Some(Found { pairs, before }) = sparse::requested_pairs(forms.stiffness, forms.masses, n, request)
         // Whether an eigenvalue is exactly zero is decided by the other methods.
         && (n > MAX_DENSE || !pairs.iter().any(|pair| may_be_zero(&pair.value)))
     {

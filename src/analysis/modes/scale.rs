@@ -180,7 +180,7 @@ mod tests {
 
     /// The bound of the result covers the rounding on the way back.
     #[test]
-    fn what_underflow_takes_is_in_the_bound() {
+    fn underflow_is_in_the_bound() {
         let value = Triple::from(1.0 + f64::EPSILON) + Triple::from(1e-30);
         let (back, bound) = scaled(value, 1e-31, -1000).expect("a normal number");
         assert_eq!(back.hi(), (1.0 + f64::EPSILON) * by_power(1.0, -1000));

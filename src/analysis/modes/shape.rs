@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn of_many_shares_the_largest_are_told() {
+    fn only_the_largest_of_many_shares_are_reported() {
         let parts: Vec<f64> = (0..2000).map(|i| f64::from(i % 100)).collect();
         let shares = largest_first(&parts, |_| true, |i| i);
         let expected: Vec<usize> = (0..10).map(|i| 99 + 100 * i).collect();

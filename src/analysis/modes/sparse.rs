@@ -10,8 +10,8 @@ use crate::analysis::modes::tree::{self, forest::Forest};
 use crate::kernel::triple::Triple;
 
 /// The requested eigenpairs; `None` if no sparse method suits the part.
-pub fn some(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {
-    of_tree(stiffness, masses, n, request).or_else(|| mesh::some(stiffness, masses, n, request))
+pub fn requested_pairs(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {
+    of_tree(stiffness, masses, n, request).or_else(|| mesh::requested_pairs(stiffness, masses, n, request))
 }
 
 fn of_tree(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {

@@ -27,8 +27,8 @@ pub fn splits(modes: &Modes) -> Vec<Split> {
     let close = |((lower, a), b): ((usize, &Mode), &Mode)| {
         let oscillate = a.kind == ModeKind::Oscillation && b.kind == ModeKind::Oscillation;
         let omega = b.omega - a.omega;
-        let told = oscillate && omega.is_positive() && omega.magnitude() <= CLOSE * b.omega.mignitude();
-        told.then_some(Split { lower, omega })
+        let separate = oscillate && omega.is_positive() && omega.magnitude() <= CLOSE * b.omega.mignitude();
+        separate.then_some(Split { lower, omega })
     };
     neighbours.filter_map(close).collect()
 }

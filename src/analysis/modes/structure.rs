@@ -39,8 +39,9 @@ pub struct NullSpace {
 pub fn null_space(form: &Form, n: usize) -> NullSpace {
     let positive = form.terms().iter().all(|term| term.weight.is_positive());
     let images = Image::all_of(form);
-    let rational = matter(form, positive).all(|number| number.exact().is_some());
-    let exact = rational || matter(form, positive).all(|number| images.iter().all(|image| image.knows(number)));
+    let rational = relevant_numbers(form, positive).all(|number| number.exact().is_some());
+    let exact =
+        rational || relevant_numbers(form, positive).all(|number| images.iter().all(|image| image.preserves(number)));
     let most = if rational { images.len() } else { 2 };
     let mut best: Option<Echelon> = None;
     let mut space = NullSpace { vectors: Vec::new(), dimension: n, exact, free: (0..n).collect() };
@@ -60,7 +61,7 @@ pub fn null_space(form: &Form, n: usize) -> NullSpace {
 }
 
 /// The numbers that determine the null space: without the weights if all are positive.
-fn matter(form: &Form, positive: bool) -> impl Iterator<Item = &Number> {
+fn relevant_numbers(form: &Form, positive: bool) -> impl Iterator<Item = &Number> {
     form.terms().iter().flat_map(move |term| {
         let weight = (!positive).then_some(&term.weight);
         weight.into_iter().chain(form.row(term).iter().map(|(_, a)| a))

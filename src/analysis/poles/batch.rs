@@ -5,7 +5,7 @@
 //!
 //! Newton's method for Q(s) x = 0, y^H dy = 0 by elimination of the border: with u = Q(s0)^-1 r and v = Q(s0)^-1 Q'(s)
 //! y, ds = -y^H u / y^H v and dy = -u - v ds. At the pole itself u and v would be rounding errors along the vector y
-//! only, so s0 is placed a little beside it: at a relative distance d, rounding leaves 1e-16 / d of the error and the
+//! only, so s0 is placed slightly next to it: at a relative distance d, rounding leaves 1e-16 / d of the error and the
 //! distance leaves d (Govaerts and Pryce, SIAM J. Numer. Anal. 30 (1993) 470, on bordered systems by block
 //! elimination). See docs/method/poles.md#general-systems.
 
@@ -20,13 +20,13 @@ use crate::kernel::dense::product::View;
 
 /// The relative distance of s0 from the pole: somewhat below the square root of the unit roundoff, because other poles
 /// are nearer than zero is.
-const BESIDE: f64 = 2e-9;
-/// The least error reduction that is assumed of a step: [`BESIDE`] allows no better, though a very good start may
+const OFFSET: f64 = 2e-9;
+/// The least error reduction that is assumed of a step: [`OFFSET`] allows no better, though a very good start may
 /// suggest it.
 const CONTRACTION: f64 = 1e-7;
 /// Each step gains some seven of thirty digits.
 const MOST_STEPS: usize = 6;
-/// A start farther from its pole than this gains nothing from a step whose equations are set up beside it.
+/// A start farther from its pole than this gains nothing from a step whose equations are set up next to it.
 const FAR: f64 = 1e-4;
 /// Refined, but not to the last digit.
 const REFINED: f64 = 1e-20;
@@ -55,22 +55,22 @@ fn side_by_side(pencil: &Pencil<Dd>, basis: &Basis, family: &Family) -> Vec<Opti
     let starts: Vec<Complex<f64>> = family.list.iter().map(|&(s, _)| s).collect();
     let y = normalised(displacements(basis, &starts, &family.vectors()));
     let mut pairs = expanded(basis, &starts, &y);
-    let beside: Vec<Complex<f64>> = starts.iter().map(|&s| next_to(s)).collect();
-    let v = solve(basis, family, &beside, slopes(basis, &starts, &y));
+    let neighbours: Vec<Complex<f64>> = starts.iter().map(|&s| next_to(s)).collect();
+    let v = solve(basis, family, &neighbours, slopes(basis, &starts, &y));
     // Before the first step the relative error is at most one.
     let mut states = vec![State::Moving { last: 1.0 }; pairs.len()];
     for _ in 0..MOST_STEPS {
         if !states.iter().any(|state| matches!(state, State::Moving { .. })) {
             break;
         }
-        let u = solve(basis, family, &beside, residuals(pencil, basis, &pairs, &states));
+        let u = solve(basis, family, &neighbours, residuals(pencil, basis, &pairs, &states));
         let (dy, ds) = corrections(&y, &u, &v);
         let dx = dy.after(View::of(&basis.shapes));
         for (j, state) in states.iter_mut().enumerate() {
             if let State::Moving { last } = *state {
                 apply(&mut pairs[j], &dx, ds[j], j);
                 let size = (ds[j].abs() / pairs[j].s.to_f64().abs()).max(column_norm(&dy, j));
-                *state = after(size, last);
+                *state = state_after(size, last);
             }
         }
     }
@@ -90,7 +90,7 @@ fn side_by_side(pencil: &Pencil<Dd>, basis: &Basis, family: &Family) -> Vec<Opti
 
 /// The state after a step of relative size `size` that followed one of size `last`. The remaining error is taken as
 /// `size` times the contraction `size / last`, but at least times [`CONTRACTION`].
-fn after(size: f64, last: f64) -> State {
+fn state_after(size: f64, last: f64) -> State {
     let contraction = size / last;
     if size < SETTLED || size * contraction.max(CONTRACTION) < SETTLED || (size < REFINED && contraction > 0.25) {
         State::Settled
@@ -101,9 +101,9 @@ fn after(size: f64, last: f64) -> State {
     }
 }
 
-/// A point beside s; a real s stays real.
+/// A point next to s; a real s stays real.
 fn next_to(s: Complex<f64>) -> Complex<f64> {
-    if s.im == 0.0 { s.scale(1.0 + BESIDE) } else { s * Complex::new(1.0 + BESIDE, 0.5 * BESIDE) }
+    if s.im == 0.0 { s.scale(1.0 + OFFSET) } else { s * Complex::new(1.0 + OFFSET, 0.5 * OFFSET) }
 }
 
 /// Modal displacements y of states (e, v) = (|omega| y, s y), from whichever of the two loses less by the division.

@@ -81,7 +81,7 @@ impl Basis {
             Some(Family::of(SchurForm::of(inverse)?, Some(dense)))
         });
         match (fast, slow) {
-            (Some(fast), Some(slow)) => joined(fast, slow),
+            (Some(fast), Some(slow)) => merge_families(fast, slow),
             (Some(family), None) | (None, Some(family)) => Spectrum { families: vec![family] },
             (None, None) => Spectrum { families: Vec::new() },
         }
@@ -228,7 +228,7 @@ fn upper(z: Complex<f64>) -> Complex<f64> {
 }
 
 /// The slow eigenvalues of one list followed by the fast ones of the other, cut where the two agree best.
-fn joined(mut fast: Family, mut slow: Family) -> Spectrum {
+fn merge_families(mut fast: Family, mut slow: Family) -> Spectrum {
     let dimension = |family: &Family| family.list.iter().map(|(s, _)| width(*s)).sum::<usize>();
     if dimension(&slow) != dimension(&fast) {
         return Spectrum { families: vec![fast] };

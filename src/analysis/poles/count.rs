@@ -50,7 +50,7 @@ impl Tally {
     }
 
     /// Records a pole of which nothing is certain.
-    pub fn doubt(&mut self) {
+    pub fn add_uncertain(&mut self) {
         self.broken = true;
     }
 
@@ -80,7 +80,7 @@ mod tests {
             let mut tally = Tally::default();
             tally.part(2, finite, infinite);
             if doubt {
-                tally.doubt();
+                tally.add_uncertain();
             }
             assert_eq!(tally.counted(2), None, "{finite} {infinite} {doubt}");
         }

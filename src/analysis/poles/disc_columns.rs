@@ -20,7 +20,7 @@ pub const UP: f64 = 1.0 + 1.0 / (1u64 << 30) as f64;
 
 /// A complex number in binary64 and a bound of its distance from the true one.
 #[derive(Clone, Copy, Debug)]
-pub struct Near {
+pub struct Bounded {
     pub value: Complex<f64>,
     pub error: f64,
     /// An upper bound of the modulus of both numbers.
@@ -29,11 +29,11 @@ pub struct Near {
 
 /// One vector z = (x, v), scaled.
 pub struct Column {
-    x: Vec<Near>,
+    x: Vec<Bounded>,
     /// Stretches of the terms of M for x and for v, and of C for x.
-    mx: Vec<Near>,
-    mv: Vec<Near>,
-    cx: Vec<Near>,
+    mx: Vec<Bounded>,
+    mv: Vec<Bounded>,
+    cx: Vec<Bounded>,
 }
 
 /// An exact rigid motion N: the forces w (a . N) of the terms of M and of C, and the factor of its column.
@@ -59,14 +59,14 @@ pub struct Columns {
     pub centres: Vec<Complex<Ball>>,
 }
 
-impl Near {
-    pub fn of(z: Complex<Precise>, factor: Complex<f64>) -> Near {
+impl Bounded {
+    pub fn of(z: Complex<Precise>, factor: Complex<f64>) -> Bounded {
         let near = z.to_f64();
         let value = near * factor;
         let (length, scale) = (near.abs(), factor.abs());
         let radius = Complex::new(z.re.radius, z.im.radius).abs() * UP;
         let error = (radius + 8.0 * U * length) * scale * UP + f64::MIN_POSITIVE;
-        Near { value, error, size: (value.abs() + error) * UP }
+        Bounded { value, error, size: (value.abs() + error) * UP }
     }
 
     /// A lower bound of the modulus of the true number.
@@ -74,51 +74,51 @@ impl Near {
         self.value.abs() * (2.0 - UP) - self.error * UP
     }
 
-    fn conj(self) -> Near {
-        Near { value: self.value.conj(), ..self }
+    fn conj(self) -> Bounded {
+        Bounded { value: self.value.conj(), ..self }
     }
 }
 
 impl Column {
     fn of_pair(pair: &Pair, applied: &Application<Precise>, factor: Complex<f64>) -> Column {
         let s = Complex::new(Precise::of_dd(pair.s.re), Precise::of_dd(pair.s.im));
-        let scaled = |stretches: &[Complex<Precise>]| stretches.iter().map(|&z| Near::of(z, factor)).collect();
+        let scaled = |stretches: &[Complex<Precise>]| stretches.iter().map(|&z| Bounded::of(z, factor)).collect();
         let entry = |i: usize| {
             let x = pair.x.entry(i);
-            Near::of(Complex::new(Precise::of_dd(x.re), Precise::of_dd(x.im)), factor)
+            Bounded::of(Complex::new(Precise::of_dd(x.re), Precise::of_dd(x.im)), factor)
         };
         Column {
             mx: scaled(&applied.m_stretch),
-            mv: applied.m_stretch.iter().map(|&z| Near::of(z * s, factor)).collect(),
+            mv: applied.m_stretch.iter().map(|&z| Bounded::of(z * s, factor)).collect(),
             cx: scaled(&applied.c_stretch),
             x: (0..pair.x.re.len()).map(entry).collect(),
         }
     }
 
     fn conj(&self) -> Column {
-        let conj = |list: &[Near]| list.iter().map(|near| near.conj()).collect();
+        let conj = |list: &[Bounded]| list.iter().map(|near| near.conj()).collect();
         Column { mx: conj(&self.mx), mv: conj(&self.mv), cx: conj(&self.cx), x: conj(&self.x) }
     }
 
     /// z = a (N, t N) of an exact rigid motion N.
     fn of_motion(pencil: &Pencil<Precise>, motion: &[Precise], a: Complex<f64>, rate: f64) -> Column {
-        let scaled = |squares: &Squares<Precise>, rate: f64| -> Vec<Near> {
+        let scaled = |squares: &Squares<Precise>, rate: f64| -> Vec<Bounded> {
             let rate = Precise { value: rate.into(), radius: 0.0 };
-            (0..squares.len()).map(|t| Near::of(Complex::real(squares.stretch_of(t, motion) * rate), a)).collect()
+            (0..squares.len()).map(|t| Bounded::of(Complex::real(squares.stretch_of(t, motion) * rate), a)).collect()
         };
         Column {
             mx: scaled(&pencil.m, 1.0),
             mv: scaled(&pencil.m, rate),
             cx: scaled(&pencil.c, 1.0),
-            x: motion.iter().map(|&x| Near::of(Complex::real(x), a)).collect(),
+            x: motion.iter().map(|&x| Bounded::of(Complex::real(x), a)).collect(),
         }
     }
 
     /// B_ij = x_i^T M v_j + v_i^T M x_j + x_i^T C x_j.
-    pub fn product(&self, other: &Column, pencil: &Pencil<Precise>) -> Near {
+    pub fn product(&self, other: &Column, pencil: &Pencil<Precise>) -> Bounded {
         let gamma = (4 * (pencil.m.len() + pencil.c.len()) + 16) as f64 * U;
         let (mut sum, mut error) = (Complex::ZERO, f64::MIN_POSITIVE);
-        let mut add = |w: &Precise, a: &Near, b: &Near| {
+        let mut add = |w: &Precise, a: &Bounded, b: &Bounded| {
             let weight = w.to_f64();
             sum = sum + (a.value * b.value).scale(weight);
             let relative = a.size * b.error + a.error * b.size + gamma * a.size * b.size + f64::MIN_POSITIVE;
@@ -132,18 +132,18 @@ impl Column {
             add(w, &self.cx[t], &other.cx[t]);
         }
         let error = error * UP;
-        Near { value: sum, error, size: (sum.abs() + error) * UP }
+        Bounded { value: sum, error, size: (sum.abs() + error) * UP }
     }
 }
 
 /// Bounds of |x_i . f_p|: a row for each column i, a column for each force p.
-pub fn dot_products(columns: &Columns, forces: &[Vec<Near>]) -> Matrix<f64> {
-    type Part = fn(&Near) -> f64;
-    let table = |list: &[&[Near]], part: Part| {
+pub fn dot_products(columns: &Columns, forces: &[Vec<Bounded>]) -> Matrix<f64> {
+    type Part = fn(&Bounded) -> f64;
+    let table = |list: &[&[Bounded]], part: Part| {
         Matrix::from_fn(list.first().map_or(0, |x| x.len()), list.len(), |i, j| part(&list[j][i]))
     };
-    let x: Vec<&[Near]> = columns.list.iter().map(|column| column.x.as_slice()).collect();
-    let f: Vec<&[Near]> = forces.iter().map(Vec::as_slice).collect();
+    let x: Vec<&[Bounded]> = columns.list.iter().map(|column| column.x.as_slice()).collect();
+    let f: Vec<&[Bounded]> = forces.iter().map(Vec::as_slice).collect();
     let (re, im): (Part, Part) = (|near| near.value.re, |near| near.value.im);
     let (x_re, x_im, f_re, f_im) = (table(&x, re), table(&x, im), table(&f, re), table(&f, im));
     let times = |a: &Matrix<f64>, b: &Matrix<f64>| product(View::of(a).transposed(), View::of(b));
@@ -180,7 +180,7 @@ impl Motion {
         };
         let force = (s * sum(&self.inertia, &applied.m_stretch) + sum(&self.drag, &applied.c_stretch)) * s;
         // The product of the factors is rounded once more.
-        Near::of(force, factor * self.factor).size * (1.0 + 8.0 * U)
+        Bounded::of(force, factor * self.factor).size * (1.0 + 8.0 * U)
     }
 }
 
@@ -284,18 +284,18 @@ mod tests {
     use super::*;
     use crate::kernel::triple::Triple;
 
-    fn near(value: f64, error: f64) -> Near {
-        Near { value: Complex::real(value), error, size: (value.abs() + error) * UP }
+    fn near(value: f64, error: f64) -> Bounded {
+        Bounded { value: Complex::real(value), error, size: (value.abs() + error) * UP }
     }
 
-    fn column(x: &[Near]) -> Column {
+    fn column(x: &[Bounded]) -> Column {
         Column { x: x.to_vec(), mx: x.to_vec(), mv: x.to_vec(), cx: x.to_vec() }
     }
 
     /// The true products may lie anywhere within the errors of the factors, and sums are rounded.
     #[test]
     fn a_product_of_columns_is_bounded() {
-        let bound = |x: &[Near], f: &[Near]| {
+        let bound = |x: &[Bounded], f: &[Bounded]| {
             let columns = Columns {
                 list: vec![column(x)],
                 rigid: Vec::new(),
@@ -335,7 +335,7 @@ mod tests {
             Precise { value: Triple::from(3.0), radius: 1e-5 },
             Precise { value: Triple::from(4.0), radius: 0.0 },
         );
-        let scaled = Near::of(z, Complex::new(0.0, 2.0));
+        let scaled = Bounded::of(z, Complex::new(0.0, 2.0));
         assert!(scaled.error >= 2e-5 && scaled.size >= 10.0 + 2e-5 && scaled.least() <= 10.0 - 2e-5);
     }
 }

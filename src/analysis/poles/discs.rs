@@ -10,7 +10,7 @@
 //! are small. Residuals are evaluated in triple words with their radius; sums in binary64 carry an explicit bound of
 //! their rounding errors.
 
-use crate::analysis::poles::disc_columns::{Columns, Near, U, UP, dot_products};
+use crate::analysis::poles::disc_columns::{Bounded, Columns, U, UP, dot_products};
 use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::rigid::RigidMotions;
@@ -89,10 +89,10 @@ impl Table {
 /// Bounds of |R_ij| = |x_i^T r_j|; zero for the columns of rigid motions.
 fn residual_products(columns: &Columns, pairs: &[Pair], applied: &[Application<Precise>]) -> Table {
     let mut table = Table::new(columns.list.len());
-    let forces: Vec<Vec<Near>> = applied
+    let forces: Vec<Vec<Bounded>> = applied
         .iter()
         .zip(&columns.factors)
-        .map(|(applied, &factor)| applied.force.iter().map(|&f| Near::of(f, factor)).collect())
+        .map(|(applied, &factor)| applied.force.iter().map(|&f| Bounded::of(f, factor)).collect())
         .collect();
     let products = dot_products(columns, &forces);
     for (p, applied) in applied.iter().enumerate() {
@@ -107,7 +107,7 @@ fn residual_products(columns: &Columns, pairs: &[Pair], applied: &[Application<P
             table.set(columns.mirror[i], conj, bound);
         }
         // x_k^T Q(s_k) x_k as a sum of energies gives a sharper bound of the diagonal.
-        let energy = Near::of(applied.energy, factor * factor);
+        let energy = Bounded::of(applied.energy, factor * factor);
         let bound = table.at(at, at).min(energy.size * (1.0 + 8.0 * U));
         table.set(at, at, bound);
         table.set(conj, conj, bound);
@@ -117,7 +117,7 @@ fn residual_products(columns: &Columns, pairs: &[Pair], applied: &[Application<P
 
 /// Bounds of the deviation of B from a diagonal matrix.
 struct Deviation {
-    diagonal: Vec<Near>,
+    diagonal: Vec<Bounded>,
     /// Bounds G_ij of |B_ij| / |B_ii| off the diagonal.
     off: Table,
     /// The largest row sum of G.
@@ -127,7 +127,7 @@ struct Deviation {
 /// `None` if B may be singular.
 fn deviation(pencil: &Pencil<Precise>, columns: &Columns, r: &Table) -> Option<Deviation> {
     let n = columns.list.len();
-    let diagonal: Vec<Near> = columns.list.iter().map(|column| column.product(column, pencil)).collect();
+    let diagonal: Vec<Bounded> = columns.list.iter().map(|column| column.product(column, pencil)).collect();
     let mut off = Table::new(n);
     for j in 0..n {
         for i in 0..j {
@@ -203,7 +203,9 @@ fn gershgorin(known: &Certificate, pairs: &[Pair], applied: &[Application<Precis
     let radii: Vec<f64> = (0..n).map(|k| t.column(k)[first..].iter().sum::<f64>() * UP).collect();
     let clusters = clusters(first, n, |i, k| columns.gap(i, k) <= (radii[i] + radii[k]) * UP);
     let disc = |(p, &(k, conj)): (usize, &(usize, usize))| match clusters[k] {
-        None => known.alone(&radii, k, &pairs[p], known.rayleigh_step(k, columns.factors[p], applied[p].energy)),
+        None => {
+            known.isolated_disc(&radii, k, &pairs[p], known.rayleigh_step(k, columns.factors[p], applied[p].energy))
+        }
         cluster => {
             let radius = union_radius(&clusters, cluster, &radii, &columns.centres, k);
             around(&pairs[p], radius, [cluster, clusters[conj]])
@@ -215,8 +217,8 @@ fn gershgorin(known: &Certificate, pairs: &[Pair], applied: &[Application<Precis
 impl Certificate {
     /// A disc that overlaps no other, around s_k - R_kk / B_kk; the part of that centre that double-double cannot hold
     /// is added to the radius.
-    fn alone(&self, radii: &[f64], k: usize, pair: &Pair, step: Near) -> Disc {
-        let radius = (self.shrunk(radii, k) + self.t.own[k] + step.error) * UP;
+    fn isolated_disc(&self, radii: &[f64], k: usize, pair: &Pair, step: Bounded) -> Disc {
+        let radius = (self.shrunk_radius(radii, k) + self.t.own[k] + step.error) * UP;
         let enclose = |s: Dd, step: f64| {
             let (mid, rest) = (Triple::from(s) + Triple::from(step)).split();
             Ball::new(mid, (radius + rest.abs() + mid.hi.abs() * (2.0 * Triple::ERROR)) * UP)
@@ -228,7 +230,7 @@ impl Certificate {
     /// sum_{i != k} |T_ik| tau: scaling column k by tau and row k by 1 / tau is a similarity, and while disc k stays
     /// clear of the others it contains exactly its own pole. With tau = 2 max T_ki / (gap - radii) each other disc
     /// grows by less than its gap.
-    fn shrunk(&self, radii: &[f64], k: usize) -> f64 {
+    fn shrunk_radius(&self, radii: &[f64], k: usize) -> f64 {
         let (t, first) = (&self.t.t, self.columns.rigid.len());
         let mut tau = 1e-290f64;
         let mut others = 0.0;
@@ -241,13 +243,13 @@ impl Certificate {
     }
 
     /// -R_kk / B_kk, the step of the Rayleigh quotient, with its error; `energy` is x^T Q(s) x.
-    fn rayleigh_step(&self, k: usize, factor: Complex<f64>, energy: Complex<Precise>) -> Near {
-        let (b, r) = (self.b.diagonal[k], Near::of(energy, factor * factor));
+    fn rayleigh_step(&self, k: usize, factor: Complex<f64>, energy: Complex<Precise>) -> Bounded {
+        let (b, r) = (self.b.diagonal[k], Bounded::of(energy, factor * factor));
         let value = -(r.value * b.value.recip());
         // |factor^2| and the quotient carry a few rounding errors.
         let rounding = 32.0 * U * r.size;
         let error = (r.error + rounding + value.abs() * b.error * UP) / b.least() * UP;
-        Near { value, error, size: (value.abs() + error) * UP }
+        Bounded { value, error, size: (value.abs() + error) * UP }
     }
 }
 

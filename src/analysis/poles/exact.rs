@@ -105,15 +105,15 @@ pub fn half_planes_of(system: &LinearSystem, part: &Part, local: &[u32]) -> Opti
 /// there for any vector u: if it does not vanish, there is only one such vector.
 fn with_multiplicity(factor: &Polynomial, multiplicity: usize, matrices: &Matrices) -> Option<Vec<ExactRoot>> {
     if multiplicity == 1 {
-        return found(factor, 1, false);
+        return roots_of_factor(factor, 1, false);
     }
     let several = factor.gcd(&matrices.characteristic(true))?;
-    let mut roots = found(&factor.divided_by(&several)?, multiplicity, true)?;
-    roots.extend(found(&several, multiplicity, false)?);
+    let mut roots = roots_of_factor(&factor.divided_by(&several)?, multiplicity, true)?;
+    roots.extend(roots_of_factor(&several, multiplicity, false)?);
     Some(roots)
 }
 
-fn found(factor: &Polynomial, multiplicity: usize, defective: bool) -> Option<Vec<ExactRoot>> {
+fn roots_of_factor(factor: &Polynomial, multiplicity: usize, defective: bool) -> Option<Vec<ExactRoot>> {
     let root = |(s, real)| ExactRoot { s, multiplicity, real, defective };
     Some(roots(factor)?.into_iter().map(root).collect())
 }
@@ -188,7 +188,7 @@ fn roots(f: &Polynomial) -> Option<Vec<(Complex<Ball>, bool)>> {
     let mut bits = FIRST_BITS;
     while bits <= MOST_BITS {
         iterate(f, &slope, &mut values, bits);
-        if let Some(roots) = separated(f, &slope, &values) {
+        if let Some(roots) = disjoint_discs(f, &slope, &values) {
             return Some(roots);
         }
         bits *= 2;
@@ -337,7 +337,7 @@ fn is_less(a: &Float, b: &Float) -> bool {
 /// conjugate of its root, which is therefore the root itself; one clear of the real axis contains one root of a
 /// conjugate pair. Sturm's chain counts the real roots independently. `None` if discs touch, or leave digits open that
 /// double-double can represent.
-fn separated(f: &Polynomial, slope: &Polynomial, values: &[ComplexFloat]) -> Option<Vec<(Complex<Ball>, bool)>> {
+fn disjoint_discs(f: &Polynomial, slope: &Polynomial, values: &[ComplexFloat]) -> Option<Vec<(Complex<Ball>, bool)>> {
     let discs: Vec<Rooted> = values.iter().map(|z| Rooted::around(f, slope, z)).collect::<Option<_>>()?;
     let apart = |(i, a): (usize, &Rooted)| discs[..i].iter().all(|b| a.is_apart_from(b));
     let on_or_off_the_axis = |disc: &Rooted| disc.is_real() || disc.is_clear_of_the_axis();
@@ -386,14 +386,14 @@ mod tests {
     }
 
     #[test]
-    fn the_hull_tells_the_sizes_of_roots() {
+    fn the_hull_gives_the_sizes_of_roots() {
         // (s + 1)(s + 2^20)
         let f = polynomial(&[1 << 20, 1 + (1 << 20), 1]);
         assert_eq!(upper_hull(&f), [(0, 21), (1, 21), (2, 1)]);
     }
 
     #[test]
-    fn roots_closer_than_double_double_are_told_apart() {
+    fn roots_closer_than_double_double_are_separated() {
         // (10^20 s - 10^20 - 1)(s - 1) and a pair.
         let big = BigInt::from(10).pow(40u32);
         let near = Polynomial::new(vec![&big + 1, -(&big * BigInt::from(2) + BigInt::one()), big]);
@@ -417,12 +417,12 @@ mod tests {
 
     /// Discs that meet, a missing disc, and discs on and off the axis that contain the same root prove nothing.
     #[test]
-    fn values_that_are_not_apart_are_no_roots() {
+    fn values_that_are_not_separated_are_not_roots() {
         // (s + 1)(s + 3)
         let f = polynomial(&[3, 4, 1]);
         let slope = f.derivative();
         let tiny = 1e-80;
-        let separated = |values: &[ComplexFloat]| separated(&f, &slope, values);
+        let separated = |values: &[ComplexFloat]| disjoint_discs(&f, &slope, values);
         assert_eq!(separated(&[value(-1.0, 0.0), value(-3.0, 0.0)]).map(|list| list.len()), Some(2));
         assert!(separated(&[value(-1.0, 0.0), value(-1.0, tiny)]).is_none(), "one twice");
         assert!(separated(&[value(-1.0, tiny), value(-1.0, -tiny)]).is_none(), "a real one as a pair");
@@ -435,13 +435,13 @@ mod tests {
 
     /// Discs that meet are not separated roots, also for values whose squares exceed binary64.
     #[test]
-    fn large_values_are_told_apart_exactly() {
+    fn large_values_are_separated_exactly() {
         let big = BigInt::from(10).pow(160u32);
         // (s + b)(s + 3 b)
         let f = Polynomial::new(vec![BigInt::from(3) * &big * &big, BigInt::from(4) * &big, BigInt::one()]);
         let at = |times: i64| ComplexFloat::new(Float::from(BigInt::from(-times) * &big), Float::zero());
-        assert_eq!(separated(&f, &f.derivative(), &[at(1), at(3)]).map(|list| list.len()), Some(2));
-        assert!(separated(&f, &f.derivative(), &[at(1), at(1)]).is_none());
+        assert_eq!(disjoint_discs(&f, &f.derivative(), &[at(1), at(3)]).map(|list| list.len()), Some(2));
+        assert!(disjoint_discs(&f, &f.derivative(), &[at(1), at(1)]).is_none());
     }
 
     /// The nearest root of (s + 1)^3 is exactly as far away as n |f / f'| says: no smaller radius would do.
@@ -454,7 +454,7 @@ mod tests {
 
     /// Discs of radius 1 whose centres are 1.5 apart meet, although each is outside the other's centre.
     #[test]
-    fn discs_that_meet_are_not_apart() {
+    fn discs_that_meet_are_not_disjoint() {
         let disc = |at: f64, radius: f64| Rooted { z: value(at, 0.0), radius: Float::from(radius) };
         assert!(!disc(0.0, 1.0).is_apart_from(&disc(1.5, 1.0)));
         assert!(disc(0.0, 0.5).is_apart_from(&disc(1.5, 0.5)));

@@ -27,7 +27,7 @@ pub struct PoleList {
 }
 
 /// The known facts about a pole that is not exactly zero.
-struct Known {
+struct PoleFacts {
     s: Complex<Ball>,
     kind: PoleKind,
     cluster: Option<u32>,
@@ -60,7 +60,7 @@ impl PoleList {
             ModeKind::Undetermined => [(mode.omega, mode.omega, PoleKind::Undetermined); 2],
         };
         for ((re, im, kind), cluster) in ends.into_iter().zip(sides) {
-            self.push(Known { s: Complex::new(re, im), kind, cluster, defective: false, route: mode.route });
+            self.push(PoleFacts { s: Complex::new(re, im), kind, cluster, defective: false, route: mode.route });
         }
     }
 
@@ -85,7 +85,7 @@ impl PoleList {
         for _ in 0..count {
             let s = Complex::new(anything, anything);
             let kind = PoleKind::Undetermined;
-            self.push(Known { s, kind, cluster: None, defective: false, route: Route::Refined });
+            self.push(PoleFacts { s, kind, cluster: None, defective: false, route: Route::Refined });
         }
     }
 
@@ -103,7 +103,7 @@ impl PoleList {
     pub fn end_part(&mut self, coordinates: usize) {
         self.tally.part(coordinates, self.list.len() - self.first, self.infinite);
         if !self.list[self.first..].iter().all(is_enclosed) {
-            self.tally.doubt();
+            self.tally.add_uncertain();
         }
         (self.first, self.infinite) = (self.list.len(), 0);
         self.ends.push(self.first);
@@ -112,9 +112,9 @@ impl PoleList {
     /// Adds the roots of a quadratic.
     pub fn quadratic(&mut self, roots: Roots, passive: Passive) {
         let (pair, together, defective) = match roots {
-            Roots::Apart(pair) => (pair, false, false),
+            Roots::Distinct(pair) => (pair, false, false),
             Roots::Double(root) => ([root, root], true, true),
-            Roots::Together(pair) => (pair, true, false),
+            Roots::Unseparated(pair) => (pair, true, false),
         };
         let cluster = together.then(|| self.new_cluster());
         for root in pair {
@@ -138,7 +138,7 @@ impl PoleList {
             PoleKind::Undetermined => complex_kind(Complex::new(re, im), passive),
             kind => kind,
         };
-        self.push(Known { s: Complex::new(re, im), kind, cluster, defective, route: Route::Decoupled });
+        self.push(PoleFacts { s: Complex::new(re, im), kind, cluster, defective, route: Route::Decoupled });
     }
 
     /// Adds the discs of a part's pairs, each marked if its centre is real.
@@ -148,7 +148,7 @@ impl PoleList {
             let [cluster, conjugate] = disc.clusters.map(|cluster| self.numbered(first, cluster));
             // A disc around a real centre that contains one pole also contains its conjugate: so the pole is real.
             let im = if real && cluster.is_none() { Ball::ZERO } else { disc.s.im };
-            let known = |im: Ball, cluster: Option<u32>| Known {
+            let known = |im: Ball, cluster: Option<u32>| PoleFacts {
                 s: Complex::new(disc.s.re, im),
                 kind: if real { real_kind(disc.s.re, passive) } else { complex_kind(disc.s, passive) },
                 cluster,
@@ -176,7 +176,7 @@ impl PoleList {
     fn exact_side(&mut self, root: &ExactRoot, im: Ball, passive: Passive) {
         let cluster = (root.multiplicity > 1).then(|| self.new_cluster());
         for _ in 0..root.multiplicity {
-            self.push(Known {
+            self.push(PoleFacts {
                 s: Complex::new(root.s.re, im),
                 kind: if root.real { real_kind(root.s.re, passive) } else { complex_kind(root.s, passive) },
                 cluster,
@@ -198,8 +198,8 @@ impl PoleList {
         Some(number)
     }
 
-    fn push(&mut self, known: Known) {
-        let (re, im) = (not_told_from_zero(known.s.re, known.s.im), known.s.im);
+    fn push(&mut self, known: PoleFacts) {
+        let (re, im) = (centred_if_sign_unknown(known.s.re, known.s.im), known.s.im);
         if re.is_zero() && im.is_zero() {
             return self.zeros(1);
         }
@@ -327,7 +327,7 @@ fn meet(a: &Pole, b: &Pole) -> bool {
 }
 
 /// If the real part of an oscillation cannot be distinguished from zero, it is shown as zero with a bound.
-fn not_told_from_zero(re: Ball, im: Ball) -> Ball {
+fn centred_if_sign_unknown(re: Ball, im: Ball) -> Ball {
     if re.contains_zero() && re.rad.is_finite() && !im.is_zero() { Ball::new(Dd::ZERO, re.magnitude()) } else { re }
 }
 
@@ -406,9 +406,9 @@ mod tests {
     /// A real part of 1 +- 3 is reported as zero with a radius that contains 4.
     #[test]
     fn a_real_part_about_zero_keeps_all_of_its_enclosure() {
-        let told = not_told_from_zero(Ball::new(Dd::from(1.0), 3.0), Ball::ONE);
-        assert!(told.mid.is_zero() && told.rad >= 4.0, "{told:?}");
-        assert_eq!(not_told_from_zero(Ball::new(Dd::from(1.0), 3.0), Ball::ZERO).mid, Dd::from(1.0));
+        let reported = centred_if_sign_unknown(Ball::new(Dd::from(1.0), 3.0), Ball::ONE);
+        assert!(reported.mid.is_zero() && reported.rad >= 4.0, "{reported:?}");
+        assert_eq!(centred_if_sign_unknown(Ball::new(Dd::from(1.0), 3.0), Ball::ZERO).mid, Dd::from(1.0));
     }
 
     /// A pole whose enclosure crosses the axis is of a certain kind only if nothing can grow.

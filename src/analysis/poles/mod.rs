@@ -108,7 +108,7 @@ pub fn poles_of(system: &LinearSystem, whole: &Part, modes: &Modes) -> Poles {
         decoupled(modes, &damping).into_iter().for_each(|roots| found.quadratic(roots, passive));
         without_inertia(modes, &damping, passive, &mut found);
     }
-    beside_others(found, system, modes)
+    finish_partial(found, system, modes)
 }
 
 /// The poles of the listed modes with this damping ratio for each oscillation, added to the effect of dampers; `None`
@@ -136,7 +136,7 @@ pub fn poles_by_ratio(system: &LinearSystem, whole: &Part, modes: &Modes, ratio:
         }
     }
     without_inertia(modes, &base, passive, &mut found);
-    Some(beside_others(found, system, modes))
+    Some(finish_partial(found, system, modes))
 }
 
 /// Poles of motions without inertia for C = alpha M + beta K: det Q = (1 + beta s)^n det(sigma M + K), sigma = (s² +
@@ -152,7 +152,7 @@ fn without_inertia(modes: &Modes, damping: &Proportional, passive: Passive, foun
 }
 
 /// The poles that were found, with the number of those that were not.
-fn beside_others(mut found: PoleList, system: &LinearSystem, modes: &Modes) -> Poles {
+fn finish_partial(mut found: PoleList, system: &LinearSystem, modes: &Modes) -> Poles {
     let left_out = found.missing(2 * system.n());
     if modes.is_complete() {
         found.end_part(system.n());
@@ -182,7 +182,7 @@ fn followed(system: &LinearSystem, whole: &Part, modes: &Modes, wanted: usize, t
     let free = rigid == 1 && [&system.k, &system.c].iter().all(|form| ignores_translation(form));
     found.zeros(if free { 2 } else { rigid });
     found.refined(discs.into_iter().map(|disc| (false, disc)), Passive::of(system, whole, modes));
-    Some(Poles { followed: true, ..beside_others(found, system, modes) })
+    Some(Poles { followed: true, ..finish_partial(found, system, modes) })
 }
 
 /// Whether an equal displacement of all coordinates stretches no term, decided exactly.
@@ -286,7 +286,7 @@ impl Portion<'_> {
     fn decoupled(&self, modes: &Modes, damping: &Proportional, found: &mut PoleList) {
         let list = decoupled(modes, damping);
         // With omega^2 known only as a ball it may be open whether the damping is critical.
-        if list.iter().any(|roots| matches!(roots, Roots::Together(_))) && self.exact(modes, found) {
+        if list.iter().any(|roots| matches!(roots, Roots::Unseparated(_))) && self.exact(modes, found) {
             return;
         }
         let passive = self.passive(modes);

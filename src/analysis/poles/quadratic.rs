@@ -20,11 +20,11 @@ pub struct Root {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Roots {
     /// Distinct roots, each certain by itself.
-    Apart([Root; 2]),
+    Distinct([Root; 2]),
     /// A double root, exactly.
     Double(Root),
     /// Two roots that the digits of m, c and k do not separate.
-    Together([Root; 2]),
+    Unseparated([Root; 2]),
 }
 
 impl Roots {
@@ -32,9 +32,9 @@ impl Roots {
     pub fn times(self, rate: Ball) -> Roots {
         let scaled = |root: Root| Root { re: root.re * rate, im: root.im * rate, ..root };
         match self {
-            Roots::Apart(pair) => Roots::Apart(pair.map(scaled)),
+            Roots::Distinct(pair) => Roots::Distinct(pair.map(scaled)),
             Roots::Double(root) => Roots::Double(scaled(root)),
-            Roots::Together(pair) => Roots::Together(pair.map(scaled)),
+            Roots::Unseparated(pair) => Roots::Unseparated(pair.map(scaled)),
         }
     }
 }
@@ -50,7 +50,7 @@ pub fn roots(m: &Number, c: &Number, k: &Number) -> Roots {
         () if discriminant.is_positive() => real_pair(m, c, k, &discriminant),
         () => return undecided(m, c, &discriminant),
     };
-    Roots::Apart(sharpened(pair, [m, c, k].map(Precise::of)))
+    Roots::Distinct(sharpened(pair, [m, c, k].map(Precise::of)))
 }
 
 /// Sharpens the bounds of the roots: p(s) = m (s - s_1)(s - s_2), so any s is within |p(s)| / (m |s - s_2|) of s_1. p is
@@ -113,7 +113,7 @@ fn undecided(m: &Number, c: &Number, discriminant: &Number) -> Roots {
     let radius = spread.magnitude();
     let re = re.widen(radius);
     let root = Root { re, im: Ball::new(Dd::ZERO, radius), kind: real_root(re).kind };
-    Roots::Together([root, root])
+    Roots::Unseparated([root, root])
 }
 
 /// The square root of a number that is certainly positive.
@@ -150,7 +150,7 @@ mod tests {
         roots(&number(m), &number(c), &number(k))
     }
 
-    fn near(ball: Ball, value: f64) -> bool {
+    fn is_near(ball: Ball, value: f64) -> bool {
         (ball.to_f64() - value).abs() <= 1e-15 * value.abs()
     }
 
@@ -158,44 +158,44 @@ mod tests {
     fn critical_damping_is_recognised_exactly() {
         let Roots::Double(a) = of("0.3", "1.2", "1.2") else { panic!("0.3 s^2 + 1.2 s + 1.2 is 0.3 (s + 2)^2") };
         assert_eq!((a.im, a.kind), (Ball::ZERO, PoleKind::Overdamped));
-        assert!(near(a.re, -2.0));
+        assert!(is_near(a.re, -2.0));
         assert!(matches!(
             of("1", "3.999999999999999999999999999999", "4"),
-            Roots::Apart([Root { kind: PoleKind::Oscillation, .. }, _])
+            Roots::Distinct([Root { kind: PoleKind::Oscillation, .. }, _])
         ));
         assert!(matches!(
             of("1", "4.000000000000000000000000000001", "4"),
-            Roots::Apart([Root { kind: PoleKind::Overdamped, .. }, _])
+            Roots::Distinct([Root { kind: PoleKind::Overdamped, .. }, _])
         ));
     }
 
     #[test]
-    fn a_slow_root_beside_a_fast_one_keeps_its_digits() {
-        let Roots::Apart([fast, slow]) = of("1", "1e8", "1") else { panic!("two real roots") };
-        assert!(near(fast.re, -1e8) && near(slow.re, -1e-8));
+    fn a_slow_root_next_to_a_fast_one_keeps_its_digits() {
+        let Roots::Distinct([fast, slow]) = of("1", "1e8", "1") else { panic!("two real roots") };
+        assert!(is_near(fast.re, -1e8) && is_near(slow.re, -1e-8));
         assert!(slow.re.relative_error() < 1e-28);
     }
 
     #[test]
     fn negative_stiffness_diverges_and_negative_damping_flutters() {
-        let Roots::Apart([decay, growth]) = of("1", "0", "-4") else { panic!("two real roots") };
+        let Roots::Distinct([decay, growth]) = of("1", "0", "-4") else { panic!("two real roots") };
         assert_eq!((decay.kind, growth.kind), (PoleKind::Overdamped, PoleKind::Divergence));
-        assert!(near(growth.re, 2.0));
-        let Roots::Apart([a, _]) = of("1", "-0.1", "4") else { panic!("a pair") };
+        assert!(is_near(growth.re, 2.0));
+        let Roots::Distinct([a, _]) = of("1", "-0.1", "4") else { panic!("a pair") };
         assert_eq!(a.kind, PoleKind::Flutter);
     }
 
     #[test]
     fn a_free_mass_behind_a_damper_has_one_pole_at_zero() {
-        let Roots::Apart([decay, rigid]) = of("2", "3", "0") else { panic!("two real roots") };
-        assert!(near(decay.re, -1.5));
+        let Roots::Distinct([decay, rigid]) = of("2", "3", "0") else { panic!("two real roots") };
+        assert!(is_near(decay.re, -1.5));
         assert_eq!((rigid.kind, rigid.re), (PoleKind::Rigid, Ball::ZERO));
     }
 
     #[test]
-    fn a_discriminant_of_unknown_sign_leaves_the_pair_together() {
+    fn a_discriminant_of_unknown_sign_leaves_the_pair_unseparated() {
         let c = Number::Ball(Ball::new(Dd::from(4.0), 1e-20));
-        let Roots::Together([a, _]) = roots(&Number::ONE, &c, &number("4")) else { panic!("not to be told apart") };
+        let Roots::Unseparated([a, _]) = roots(&Number::ONE, &c, &number("4")) else { panic!("not to be separated") };
         assert!(a.re.rad > 1e-11 && a.re.rad < 1e-9);
     }
 }

@@ -28,19 +28,19 @@ pub fn rigid_motions(part: &LinearSystem) -> RigidMotions {
 fn uncoupled(part: &LinearSystem, motions: RigidMotions) -> RigidMotions {
     let mut free: Vec<Vec<Number>> = Vec::new();
     for motion in motions.free {
-        free.push(without(&part.m, motion, &free));
+        free.push(orthogonal_to(&part.m, motion, &free));
     }
     let mut dragged: Vec<Vec<Number>> = Vec::new();
     for motion in motions.dragged {
         // Adding free motions does not change the drag.
-        let motion = without(&part.m, motion, &free);
-        dragged.push(without(&part.c, motion, &dragged));
+        let motion = orthogonal_to(&part.m, motion, &free);
+        dragged.push(orthogonal_to(&part.c, motion, &dragged));
     }
     RigidMotions { free, dragged }
 }
 
 /// The motion minus its components along others, in the product x^T F y.
-fn without(form: &Form, mut motion: Vec<Number>, others: &[Vec<Number>]) -> Vec<Number> {
+fn orthogonal_to(form: &Form, mut motion: Vec<Number>, others: &[Vec<Number>]) -> Vec<Number> {
     for other in others {
         let factor = -product(form, &motion, other) / product(form, other, other);
         let Some(factor) = Rational::from_f64(factor).filter(|factor| !factor.is_zero()) else { continue };
@@ -70,10 +70,10 @@ fn any_basis(part: &LinearSystem) -> RigidMotions {
     let free = if part.k.terms().iter().all(|term| term.weight.is_positive()) {
         null_space(&with_dampers(part), n).vectors
     } else {
-        let weights = null_space(&felt(part, &motions), motions.len()).vectors;
+        let weights = null_space(&damper_rows(part, &motions), motions.len()).vectors;
         weights.iter().map(|weights| combination(&motions, weights, n)).collect()
     };
-    let dragged = completing(&free, &motions);
+    let dragged = complement_of(&free, &motions);
     RigidMotions { free: exact(free), dragged: exact(dragged) }
 }
 
@@ -123,7 +123,7 @@ fn with_dampers(part: &LinearSystem) -> Form {
 }
 
 /// The dampers' rows in terms of the weights y of motions: their stretches for sum y_j N_j.
-fn felt(part: &LinearSystem, motions: &[Vec<Rational>]) -> Form {
+fn damper_rows(part: &LinearSystem, motions: &[Vec<Rational>]) -> Form {
     let mut form = Form::new();
     push_rows(&mut form, part, |row| {
         let stretch = |motion: &Vec<Rational>| {
@@ -148,7 +148,7 @@ fn combination(vectors: &[Vec<Rational>], weights: &[Rational], n: usize) -> Vec
 }
 
 /// The motions that are independent of the free ones and of each other: each is reduced by those kept before.
-fn completing(free: &[Vec<Rational>], motions: &[Vec<Rational>]) -> Vec<Vec<Rational>> {
+fn complement_of(free: &[Vec<Rational>], motions: &[Vec<Rational>]) -> Vec<Vec<Rational>> {
     let mut reduced: Vec<(usize, Vec<Rational>)> = Vec::new();
     let mut kept = Vec::new();
     for (at, vector) in free.iter().chain(motions).enumerate() {
@@ -178,7 +178,7 @@ mod tests {
     fn free_motions_are_completed_by_independent_ones() {
         let vector = |entries: [i64; 3]| entries.map(Rational::from).to_vec();
         let motions = [vector([1, 0, 0]), vector([0, 1, 1]), vector([1, 1, 1])];
-        assert_eq!(completing(&[vector([2, 2, 2])], &motions[..2]), [vector([1, 0, 0])]);
-        assert_eq!(completing(&[], &motions), motions[..2]);
+        assert_eq!(complement_of(&[vector([2, 2, 2])], &motions[..2]), [vector([1, 0, 0])]);
+        assert_eq!(complement_of(&[], &motions), motions[..2]);
     }
 }

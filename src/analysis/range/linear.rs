@@ -45,7 +45,7 @@ impl JetMatrix {
 }
 
 /// A^-1 B and its derivative; `None` if A may be singular somewhere in the range.
-pub fn solved(a: &JetMatrix, b: &JetMatrix) -> Option<JetMatrix> {
+pub fn solve(a: &JetMatrix, b: &JetMatrix) -> Option<JetMatrix> {
     if !a.value.is_finite() || !b.value.is_finite() {
         return None;
     }
@@ -105,7 +105,7 @@ pub fn bordered(a: &JetMatrix, sizes: &[f64], count: usize) -> Option<Bordered> 
         value: Matrix::from_fn(n + count, count, |i, j| if i == n + j { Ball::ONE } else { Ball::ZERO }),
         slope: Matrix::none(n + count, count),
     };
-    let found = solved(&all, &right)?;
+    let found = solve(&all, &right)?;
     // D A D (D^-1 x) = ..., so x is D times the computed solution.
     let unscaled = |i: usize, jet: Jet| Jet { value: jet.value * scale[i], slope: jet.slope * scale[i] };
     let x = of_jets(n, count, |i, j| unscaled(i, found.entry(i, j)));
@@ -162,7 +162,7 @@ mod tests {
         let entries = [[p.clone(), Number::ONE], [Number::ONE, Number::from(2)]];
         let a = JetMatrix::from_fn(2, 2, |i, j| entries[i][j].clone());
         let b = JetMatrix::from_fn(2, 1, |i, _| if i == 0 { Number::ONE } else { Number::ZERO });
-        let x = solved(&a, &b).expect("regular");
+        let x = solve(&a, &b).expect("regular");
         for p in [1.9, 1.95, 2.0, 2.1] {
             let under = 2.0 * p - 1.0;
             for (i, part) in [2.0, -1.0].into_iter().enumerate() {
@@ -174,7 +174,7 @@ mod tests {
         assert!(x.value[(0, 0)].rad < 0.1);
         let singular =
             JetMatrix::from_fn(2, 2, |i, j| if i == 0 && j == 0 { ball(0.5, 0.1) } else { entries[i][j].clone() });
-        assert!(solved(&singular, &b).is_none());
+        assert!(solve(&singular, &b).is_none());
     }
 
     /// diag(p - 3, 5): s changes its sign at 3, and nowhere else.

@@ -8,7 +8,7 @@ use crate::base::{Ball, Dd, Jet, Number, larger, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::system::{CoordinateId, Form, LinearSystem};
-use linear::{JetMatrix, bordered, solved};
+use linear::{JetMatrix, bordered, solve};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Limit of coordinates: the equations are dense, and solved in balls.
@@ -74,7 +74,7 @@ impl<'a> Family<'a> {
         let shifted = |i: usize, j: usize| &self.k[i][j] - &(omega_squared * &self.m[i][j]);
         let n = self.system.n();
         let sizes = self.sizes(omega_squared.enclosure().magnitude().sqrt());
-        Some(self.known(bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.s.entry(0, 0)))
+        Some(self.known_jet(bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.s.entry(0, 0)))
     }
 
     /// The null vectors of K - omega^2 M as columns, if it has `count` of them for the omega^2 in this ball. `None` if
@@ -100,7 +100,7 @@ impl<'a> Family<'a> {
         let count = x.columns();
         let (slope, mass) = self.reduced(omega_squared, x);
         let still = |value: Matrix<Ball>| JetMatrix { slope: Matrix::none(value.rows(), value.columns()), value };
-        let quotient = solved(&still(mass.clone()), &still(slope.clone()))?.value;
+        let quotient = solve(&still(mass.clone()), &still(slope.clone()))?.value;
         let trace = (0..count).fold(Ball::ZERO, |sum, i| sum + quotient[(i, i)]);
         let mean = trace / Ball::from(count as f64);
         // Gershgorin: no eigenvalue is farther from the mean than the largest row sum.
@@ -219,7 +219,7 @@ impl<'a> Family<'a> {
     }
 
     fn phasor(&self, re: &Jet, im: &Jet) -> Phasor {
-        Phasor { re: number(self.known(re.clone())), im: number(self.known(im.clone())) }
+        Phasor { re: number(self.known_jet(re.clone())), im: number(self.known_jet(im.clone())) }
     }
 
     /// An entry of K - omega^2 M + i omega C.
@@ -248,13 +248,13 @@ impl<'a> Family<'a> {
     }
 
     /// The number with an unknown derivative, if derivatives were lost.
-    fn known(&self, jet: Jet) -> Jet {
+    fn known_jet(&self, jet: Jet) -> Jet {
         if self.lost { Jet { slope: Ball::new(Dd::ZERO, f64::INFINITY), ..jet } } else { jet }
     }
 
-    /// Like `known`, for a number that was computed from those of the system.
-    pub fn told(&self, number: &Number) -> Jet {
-        self.known(Jet::of(number))
+    /// Like `known_jet`, for a number that was computed from those of the system.
+    pub fn jet_of(&self, number: &Number) -> Jet {
+        self.known_jet(Jet::of(number))
     }
 }
 
@@ -314,7 +314,7 @@ fn complex_solved(
         }
     });
     let right = JetMatrix::from_fn(2 * n, 1, |i, _| if i < n { right(i).re } else { right(i - n).im });
-    let found = solved(&matrix, &right)?;
+    let found = solve(&matrix, &right)?;
     Some((0..n).map(|i| (found.entry(i, 0), found.entry(n + i, 0))).collect())
 }
 
@@ -404,8 +404,8 @@ mod tests {
         let found = slope(false).expect("a slope");
         assert!((found.to_f64() + 0.25).abs() <= found.rad && found.rad < 1e-6, "{found:?}");
         assert_eq!(slope(true), None);
-        let told = Family::of(&system, true).expect("small").told(&parameter(2.0));
-        assert!(told.slope.rad.is_infinite() && told.value.is_finite());
+        let jet = Family::of(&system, true).expect("small").jet_of(&parameter(2.0));
+        assert!(jet.slope.rad.is_infinite() && jet.value.is_finite());
     }
 
     /// -c/2 +- i sqrt(4 - c^2) / 2 at c = 1.2: the real part has the slope -1/2.

@@ -25,7 +25,7 @@ pub struct Channel {
 const MANY_TURNS: f64 = 1e5;
 
 /// The sudden effect of a source.
-pub enum Blow {
+pub enum SuddenChange {
     None,
     Impulse(Ball),
     /// Jumps of u and u'.
@@ -51,13 +51,13 @@ impl Channel {
         }
     }
 
-    pub fn turn_on(&mut self, piece: usize) -> Blow {
+    pub fn turn_on(&mut self, piece: usize) -> SuddenChange {
         let before = self.active.replace(piece);
         match &self.source {
-            Source::Impulse { value, .. } => Blow::Impulse(*value),
+            Source::Impulse { value, .. } => SuddenChange::Impulse(*value),
             Source::Harmonic { amplitude, omega, at, .. } => {
                 let state = self.state(at);
-                Blow::Jump([*amplitude * state[0], *amplitude * *omega * state[1]])
+                SuddenChange::Jump([*amplitude * state[0], *amplitude * *omega * state[1]])
             }
             Source::Pieces { pieces, .. } if pieces[piece].jump => {
                 let new = &pieces[piece];
@@ -67,9 +67,9 @@ impl Channel {
                     let then = old.as_ref().map_or(Number::ZERO, |old| old[k].clone());
                     (&now - &then).to_ball()
                 };
-                Blow::Jump([difference(0), difference(1)])
+                SuddenChange::Jump([difference(0), difference(1)])
             }
-            Source::Pieces { .. } => Blow::None,
+            Source::Pieces { .. } => SuddenChange::None,
         }
     }
 

@@ -30,7 +30,7 @@ const KEPT: usize = 8;
 
 /// The outcome of following a course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Followed {
+pub enum Outcome {
     ToTheEnd,
     /// The output has an infinite value: an impulse on an acceleration, a jump on a velocity.
     Infinite,
@@ -44,12 +44,12 @@ pub(super) fn stretches(
     drives: &[Vec<Signal>],
     output: usize,
     until: &Number,
-    pass: &mut dyn FnMut(&mut Run, &Number) -> Result<Followed, AnalysisError>,
-) -> Result<Followed, AnalysisError> {
+    pass: &mut dyn FnMut(&mut Run, &Number) -> Result<Outcome, AnalysisError>,
+) -> Result<Outcome, AnalysisError> {
     let times = [Number::ZERO, until.clone()];
     let mut run = Run::of(system, drives, &times)?;
     if feeds_through_a_jump(system, drives, output) {
-        return Ok(Followed::Infinite);
+        return Ok(Outcome::Infinite);
     }
     for (time, stop) in run.stops(&times) {
         if (&time - until).is_positive() {
@@ -58,7 +58,7 @@ pub(super) fn stretches(
         if (&time - &run.now).is_positive() {
             run.set_sources();
             match pass(&mut run, &time)? {
-                Followed::ToTheEnd => run.now = time,
+                Outcome::ToTheEnd => run.now = time,
                 other => return Ok(other),
             }
         }
@@ -67,11 +67,11 @@ pub(super) fn stretches(
             let before: Vec<Dd> = run.z.clone();
             run.event(channel, piece)?;
             if is_infinite(&run, &before, output) {
-                return Ok(Followed::Infinite);
+                return Ok(Outcome::Infinite);
             }
         }
     }
-    Ok(Followed::ToTheEnd)
+    Ok(Outcome::ToTheEnd)
 }
 
 /// Looks for the largest value of an output from 0 to `until`.
@@ -81,17 +81,17 @@ pub fn follow(
     output: usize,
     until: &Number,
     largest: &mut Largest,
-) -> Result<Followed, AnalysisError> {
+) -> Result<Outcome, AnalysisError> {
     let mut known: Vec<Rc<Stretch>> = Vec::new();
     let (mut pieces, mut fine) = (0.0, MOST_FINE);
     stretches(system, drives, output, until, &mut |run, to| {
         let stretch = stretch(&mut known, run, output, to)?;
         pieces += stretch.count as f64;
         if pieces > MOST_PIECES {
-            return Ok(Followed::TooLong);
+            return Ok(Outcome::TooLong);
         }
         stretch.follow(run, output, to, largest, &mut fine)?;
-        Ok(Followed::ToTheEnd)
+        Ok(Outcome::ToTheEnd)
     })
 }
 
@@ -192,12 +192,12 @@ impl Stretch {
             let z: Vec<Dd> = self.states.iter().map(|&i| run.z[i]).collect();
             let error = (run.trail.error + run.source_error) * UP;
             let to_come = self.norms[0] * (length(&z) + error) * 1.7;
-            if is_free && largest.has(to_come) {
+            if is_free && largest.reaches(to_come) {
                 return run.advance(to);
             }
             let approximations = run.approximation_errors() * self.h.to_f64() * self.growth * UP;
             let pieces = BLOCK.min(self.count - done);
-            let from = Start { z: &z, error, approximations, fed: run.fed(output) };
+            let from = Start { z: &z, error, approximations, fed: run.feed_through_error(output) };
             self.block(&from, pieces, largest, fine);
             done += pieces;
             match &whole_block {
@@ -221,7 +221,7 @@ impl Stretch {
             let length = size(&z);
             let terms = self.rough_terms(&z);
             let curve = Curve::rough(&terms, self.left_out(ROUGH, length, error, from) + self.rounding(length));
-            if let Some(high) = largest.look(&curve) {
+            if let Some(high) = largest.bound_rough(&curve) {
                 wanted.push((piece, high));
             }
             if piece + 1 == pieces {
@@ -234,17 +234,17 @@ impl Stretch {
             error = (self.step.norm * error + rounding * (length + error) + from.approximations) * UP;
             z = next;
         }
-        self.look_closer(from, &wanted, largest, fine);
+        self.bound_more_closely(from, &wanted, largest, fine);
     }
 
     /// Evaluates in two words the pieces that may contain the largest value; each comes with its upper bound from
     /// binary64.
-    fn look_closer(&self, from: &Start, wanted: &[(usize, f64)], largest: &mut Largest, fine: &mut usize) {
+    fn bound_more_closely(&self, from: &Start, wanted: &[(usize, f64)], largest: &mut Largest, fine: &mut usize) {
         let n = self.states.len();
         let (mut z, mut error, mut at) = (from.z.to_vec(), from.error, 0);
         let rounding = (n as f64 + 4.0) * UNIT * self.step.absolute_norm + self.step.error;
         for &(piece, high) in wanted {
-            if largest.has(high) {
+            if largest.reaches(high) {
                 continue;
             }
             if *fine == 0 {
@@ -264,7 +264,7 @@ impl Stretch {
             let length = length(&z);
             let terms: Vec<Dd> = self.rows[..FINE].iter().map(|row| dot(row, &z)).collect();
             let rounding = (n as f64 + 6.0) * UNIT * self.norms[..FINE].iter().sum::<f64>() * length;
-            largest.look_closer(&Curve::fine(&terms, self.left_out(FINE, length, error, from) + rounding));
+            largest.bound_fine(&Curve::fine(&terms, self.left_out(FINE, length, error, from) + rounding));
         }
     }
 

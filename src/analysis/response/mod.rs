@@ -8,16 +8,16 @@ mod channel;
 pub(in crate::analysis) mod course;
 mod decoupled;
 pub(in crate::analysis) mod exponential;
+mod findings;
 pub(in crate::analysis) mod propagator;
 pub mod signal;
 pub(in crate::analysis) mod square;
 mod sum;
-mod told;
 mod trail;
 
 use crate::analysis::answer::Modes;
 use crate::analysis::error::AnalysisError;
-use crate::analysis::response::channel::{Blow, Channel, channels, derivatives, exogenous, fed_approximations};
+use crate::analysis::response::channel::{Channel, SuddenChange, channels, derivatives, exogenous, fed_approximations};
 use crate::analysis::response::exponential::growth;
 use crate::analysis::response::propagator::{StateSpace, dense};
 use crate::analysis::response::signal::order;
@@ -30,7 +30,7 @@ use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::rc::Rc;
 
-pub use told::{Unsettled, findings, moved};
+pub use findings::{Unsettled, findings, moving_outputs};
 
 /// The outputs at the requested times.
 #[derive(Clone, Debug)]
@@ -107,16 +107,20 @@ pub fn respond_with(
     }
     let is_worth_it = times.len() * system.n() >= decoupled::WORTH_IT;
     let apart = if is_worth_it { decoupled::respond(system, modes, drives, times) } else { None };
-    let mut history = apart.map_or_else(|| together(system, drives, times), Ok)?;
+    let mut history = apart.map_or_else(|| respond_by_matrix_exponential(system, drives, times), Ok)?;
     // An output that nothing reaches is exactly zero, not a rounding error of other motions.
-    for (output, _) in moved(system, drives).iter().enumerate().filter(|(_, is_moved)| !**is_moved) {
+    for (output, _) in moving_outputs(system, drives).iter().enumerate().filter(|(_, is_moved)| !**is_moved) {
         history.values.iter_mut().for_each(|row| row[output] = Ball::ZERO);
     }
     Ok(history)
 }
 
 /// The motion by the general method: all coordinates at once, with any damping.
-fn together(system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<History, AnalysisError> {
+fn respond_by_matrix_exponential(
+    system: &LinearSystem,
+    drives: &[Vec<Signal>],
+    times: &[Number],
+) -> Result<History, AnalysisError> {
     let mut run = Run::of(system, drives, times)?;
     let mut values = Vec::with_capacity(times.len());
     for (time, stop) in run.stops(times) {
@@ -306,15 +310,15 @@ impl<'a> Run<'a> {
         let input = &self.system.inputs[self.channels[channel].input];
         let n = self.system.n();
         let (g0, g1) = match self.channels[channel].turn_on(piece) {
-            Blow::None => return Ok(()),
-            Blow::Impulse(value) => {
+            SuddenChange::None => return Ok(()),
+            SuddenChange::Impulse(value) => {
                 if !(input.b[1].is_empty() && input.b[2].is_empty()) {
-                    return Err(AnalysisError::blow_on_base(self.system, self.channels[channel].input));
+                    return Err(AnalysisError::impulse_on_base(self.system, self.channels[channel].input));
                 }
                 let g0: Vec<Ball> = dense(&input.b[0], n).into_iter().map(|b| b * value).collect();
                 (g0, vec![Ball::ZERO; n])
             }
-            Blow::Jump([u, rate]) => {
+            SuddenChange::Jump([u, rate]) => {
                 let (b1, b2) = (dense(&input.b[1], n), dense(&input.b[2], n));
                 let g0 = b1.iter().zip(&b2).map(|(&b1, &b2)| b1 * u + b2 * rate).collect();
                 (g0, b2.iter().map(|&b| b * u).collect())
@@ -323,7 +327,8 @@ impl<'a> Run<'a> {
         if g0.iter().chain(&g1).all(Ball::is_zero) {
             return Ok(());
         }
-        let change = self.space.blow(&g0, &g1).ok_or_else(|| AnalysisError::out_of_range(self.system))?;
+        let change =
+            self.space.impulse_response_jump(&g0, &g1).ok_or_else(|| AnalysisError::out_of_range(self.system))?;
         self.add(&change);
         Ok(())
     }
@@ -337,8 +342,8 @@ impl<'a> Run<'a> {
             let b = &self.system.inputs[channel.input].b;
             let zeros = vec![Ball::ZERO; self.system.n()];
             let size = |k: usize| {
-                let blow = self.space.blow(&dense(&b[k], self.system.n()), &zeros);
-                blow.map_or(f64::INFINITY, |z| z.iter().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt())
+                let impulse = self.space.impulse_response_jump(&dense(&b[k], self.system.n()), &zeros);
+                impulse.map_or(f64::INFINITY, |z| z.iter().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt())
             };
             (0..3).filter(|&k| !b[k].is_empty()).map(|k| size(k) * channel.approximation(k)).sum()
         };
@@ -346,7 +351,7 @@ impl<'a> Run<'a> {
     }
 
     /// Error of the sources' approximations in an output with direct feed-through.
-    fn fed(&self, output: usize) -> f64 {
+    fn feed_through_error(&self, output: usize) -> f64 {
         let mechanical = self.space.mechanical;
         let factor = |state: usize| self.outputs[(output, mechanical + state)].magnitude() / self.space.scale[state];
         fed_approximations(&self.channels, factor)
@@ -363,7 +368,10 @@ impl<'a> Run<'a> {
                 let square = factor.magnitude().powi(2);
                 if j < mechanical { own += square } else { sources += square }
             }
-            y.widen((own.sqrt() * self.trail.error + sources.sqrt() * self.source_error + self.fed(row)) * UP)
+            y.widen(
+                (own.sqrt() * self.trail.error + sources.sqrt() * self.source_error + self.feed_through_error(row))
+                    * UP,
+            )
         };
         (0..self.outputs.rows()).map(of).collect()
     }

@@ -158,7 +158,7 @@ impl StateSpace {
 
     /// The effect of an impulse: forces g0 delta + g1 delta' (delta the unit impulse) change q and q' by M dq = g1, C_0
     /// dq_0 = g0 - C dq on coordinates without mass, M dq' = g0 - C dq.
-    pub fn blow(&self, g0: &[Ball], g1: &[Ball]) -> Option<Vec<Ball>> {
+    pub fn impulse_response_jump(&self, g0: &[Ball], g1: &[Ball]) -> Option<Vec<Ball>> {
         let n = g0.len();
         let (heavy, damped) = (&self.parts.heavy, &self.parts.damped);
         let column = |values: &[Ball], of: &[usize]| Matrix::from_fn(of.len(), 1, |i, _| values[of[i]]);

@@ -369,7 +369,7 @@ mod tests {
     /// At the end of each piece, the remainder of the polynomial is larger than rounding and no larger than reported;
     /// likewise for its slopes.
     #[test]
-    fn what_a_chirp_leaves_out_is_told() {
+    fn the_remainder_of_a_chirp_is_reported() {
         let n = |text: &str| Number::from(text);
         let chirp = Signal::Chirp {
             value: n("3"),

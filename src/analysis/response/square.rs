@@ -2,7 +2,7 @@
 //! Q(t) = int_0^t exp(A s)^T c^T c exp(A s) ds, and Q doubles its time as exp(A t) does: Q(2 t) = Q(t) + exp(A t)^T
 //! Q(t) exp(A t). In: a run, an output, a time. Out: a ball. See docs/method/measures.md#peak-and-rms.
 
-use super::course::{Followed, stretches};
+use super::course::{Outcome, stretches};
 use super::exponential::{Exponential, Generator, growth};
 use super::{Run, UNIT, UP, length};
 use crate::analysis::error::AnalysisError;
@@ -36,7 +36,7 @@ pub fn mean_square(
     drives: &[Vec<Signal>],
     output: usize,
     until: &Number,
-) -> Result<(Followed, Option<Ball>), AnalysisError> {
+) -> Result<(Outcome, Option<Ball>), AnalysisError> {
     let mut known: Vec<Rc<Square>> = Vec::new();
     let mut sum = Ball::ZERO;
     // The integral of the square of the error that the sources' approximations cause in the output.
@@ -45,12 +45,12 @@ pub fn mean_square(
         let square = ready(&mut known, run, output, to)?;
         sum = sum + square.of(run);
         let time = (to - &run.now).to_f64() * UP;
-        let late = square.row * run.approximation_errors() * time * square.growth + run.fed(output);
+        let late = square.row * run.approximation_errors() * time * square.growth + run.feed_through_error(output);
         apart += late * late * time * UP;
         run.advance(to)?;
-        Ok(Followed::ToTheEnd)
+        Ok(Outcome::ToTheEnd)
     })?;
-    if followed != Followed::ToTheEnd || !sum.is_finite() {
+    if followed != Outcome::ToTheEnd || !sum.is_finite() {
         return Ok((followed, None));
     }
     // | |y| - |y~| | <= |y - y~| in the mean, so the squares differ by at most 2 |y~| d + d^2.
@@ -66,7 +66,8 @@ fn ready(known: &mut Vec<Rc<Square>>, run: &Run, output: usize, to: &Number) -> 
     if let Some(square) = known.iter().find(|square| square.time == time && square.states == states) {
         return Ok(square.clone());
     }
-    let square = Square::over(run, output, time, states).ok_or_else(|| AnalysisError::out_of_range(run.system))?;
+    let square =
+        Square::enclose_over(run, output, time, states).ok_or_else(|| AnalysisError::out_of_range(run.system))?;
     if known.len() == KEPT {
         known.remove(0);
     }
@@ -76,7 +77,7 @@ fn ready(known: &mut Vec<Rc<Square>>, run: &Run, output: usize, to: &Number) -> 
 }
 
 impl Square {
-    fn over(run: &Run, output: usize, time: Number, states: Vec<usize>) -> Option<Square> {
+    fn enclose_over(run: &Run, output: usize, time: Number, states: Vec<usize>) -> Option<Square> {
         let generator = run.space.generator(&states);
         let row: Vec<Ball> = states.iter().map(|&i| run.outputs[(output, i)]).collect();
         let t = time.to_ball();

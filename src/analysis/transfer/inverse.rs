@@ -277,7 +277,7 @@ mod tests {
 
     /// (1 1/2; 1/2 1) with every entry uncertain by 0.3 may be singular, whatever its unit.
     #[test]
-    fn what_may_be_singular_has_no_proven_inverse_in_any_unit() {
+    fn a_possibly_singular_matrix_has_no_proven_inverse_in_any_unit() {
         for unit in [1e-20, 1.0, 1e20] {
             let uncertain = |by: f64| {
                 let mut entries = symmetric(2, |i, j| if i == j { unit } else { 0.5 * unit });
@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn what_double_precision_cannot_invert_double_double_can() {
+    fn double_double_inverts_where_double_precision_cannot() {
         let entries = symmetric(2, |i, j| if i == j { 1.0 } else { 1.0 - 1e-16 });
         assert!(Inverse::<Complex<f64>>::of(2, &entries).is_none());
         assert!(Inverse::<Complex<Dd>>::of(2, &entries).is_some());

@@ -154,7 +154,7 @@ impl Disc {
         Disc { value: value.mid(), radius: value.radius() }
     }
 
-    fn known(self) -> Gain {
+    fn into_gain(self) -> Gain {
         if self.radius.is_finite() { Gain::Finite(self) } else { Gain::Unknown }
     }
 
@@ -190,7 +190,7 @@ impl<'a> Transfer<'a> {
     }
 
     /// H of one input and one output by its zeros and poles, if exact arithmetic finds them.
-    pub fn exactly(&self, input: usize, output: usize) -> Option<&Exactly> {
+    pub fn zero_pole_form(&self, input: usize, output: usize) -> Option<&Exactly> {
         let found = || {
             if self.system.n() > MOST_WITH_PARTS {
                 return None;
@@ -225,27 +225,35 @@ impl<'a> Transfer<'a> {
         }
         let entries = self.entries_at(frequency);
         self.eliminate(&entries, frequency, inputs, outputs, &mut gains);
-        if settled(&gains) || self.system.n() > MOST_DENSE {
+        if all_settled(&gains) || self.system.n() > MOST_DENSE {
             return gains;
         }
         self.solve_with(Inverse::<Complex<f64>>::of(self.system.n(), &entries), frequency, inputs, outputs, &mut gains);
-        if !settled(&gains) {
+        if !all_settled(&gains) {
             let inverse = Inverse::<Complex<Dd>>::of(self.system.n(), &entries);
             self.solve_with(inverse, frequency, inputs, outputs, &mut gains);
         }
         if gains.iter().flatten().any(|gain| *gain == Gain::Unknown) {
             exact::solve(self.system, frequency, inputs, outputs, &mut gains);
         }
-        self.mend(frequency, inputs, outputs, &mut gains);
+        self.improve_by_zeros_and_poles(frequency, inputs, outputs, &mut gains);
         gains
     }
 
     /// Next to a very lightly damped pole, zeros and poles may give better values than elimination.
-    fn mend(&self, frequency: &Frequency, inputs: &[usize], outputs: &[usize], gains: &mut [Vec<Gain>]) {
+    fn improve_by_zeros_and_poles(
+        &self,
+        frequency: &Frequency,
+        inputs: &[usize],
+        outputs: &[usize],
+        gains: &mut [Vec<Gain>],
+    ) {
         for (&input, row) in inputs.iter().zip(gains) {
             for (&output, gain) in outputs.iter().zip(row).filter(|(_, gain)| is_poor(gain)) {
-                *gain =
-                    better(*gain, self.exactly(input, output).map_or(Gain::Unknown, |product| product.gain(frequency)));
+                *gain = better(
+                    *gain,
+                    self.zero_pole_form(input, output).map_or(Gain::Unknown, |product| product.gain(frequency)),
+                );
             }
         }
     }
@@ -253,11 +261,17 @@ impl<'a> Transfer<'a> {
     /// H at many frequencies, in one list: for each frequency every input, for each input every output. Several
     /// frequencies are computed at once if dampers resist every motion; otherwise each is computed as in
     /// [`Transfer::between`].
-    pub fn many(&self, frequencies: &[Frequency], inputs: &[usize], outputs: &[usize], tolerance: f64) -> Vec<Gain> {
-        let road = TwoSided::of(self);
+    pub fn at_frequencies(
+        &self,
+        frequencies: &[Frequency],
+        inputs: &[usize],
+        outputs: &[usize],
+        tolerance: f64,
+    ) -> Vec<Gain> {
+        let method = TwoSided::of(self);
         let pairs = inputs.len() * outputs.len();
         in_pieces(frequencies, self.system.n(), |some| {
-            let mut gains = self.swept(road.as_ref(), some, inputs, outputs, tolerance);
+            let mut gains = self.swept(method.as_ref(), some, inputs, outputs, tolerance);
             for (frequency, gains) in some.iter().zip(gains.chunks_mut(pairs.max(1))) {
                 if worst_radius(gains) > tolerance {
                     gains.copy_from_slice(&self.between(frequency, inputs, outputs).concat());
@@ -267,7 +281,7 @@ impl<'a> Transfer<'a> {
         })
     }
 
-    /// The values of the two-sided method, in the order of [`Transfer::many`]; unknown if it proves nothing.
+    /// The values of the two-sided method, in the order of [`Transfer::at_frequencies`]; unknown if it proves nothing.
     fn side_by_side(
         &self,
         frequencies: &[Frequency],
@@ -275,21 +289,21 @@ impl<'a> Transfer<'a> {
         outputs: &[usize],
         tolerance: f64,
     ) -> Vec<Gain> {
-        let road = TwoSided::of(self);
-        in_pieces(frequencies, self.system.n(), |some| self.swept(road.as_ref(), some, inputs, outputs, tolerance))
+        let method = TwoSided::of(self);
+        in_pieces(frequencies, self.system.n(), |some| self.swept(method.as_ref(), some, inputs, outputs, tolerance))
     }
 
     fn swept(
         &self,
-        road: Option<&TwoSided>,
+        method: Option<&TwoSided>,
         frequencies: &[Frequency],
         inputs: &[usize],
         outputs: &[usize],
         tolerance: f64,
     ) -> Vec<Gain> {
-        match road {
-            Some(road) => {
-                road.sweep(self, frequencies, inputs, outputs, tolerance).into_iter().map(Disc::known).collect()
+        match method {
+            Some(method) => {
+                method.sweep(self, frequencies, inputs, outputs, tolerance).into_iter().map(Disc::into_gain).collect()
             }
             None => vec![Gain::Unknown; frequencies.len() * inputs.len() * outputs.len()],
         }
@@ -359,7 +373,7 @@ impl<'a> Transfer<'a> {
             if worst < last {
                 gains = next;
             }
-            if settled(std::slice::from_ref(&gains)) || worst.is_nan() || worst > 0.5 * last {
+            if all_settled(std::slice::from_ref(&gains)) || worst.is_nan() || worst > 0.5 * last {
                 break;
             }
             last = worst;
@@ -480,7 +494,7 @@ fn better(gain: Gain, other: Gain) -> Gain {
 }
 
 /// Whether every value is correct in binary64.
-fn settled(gains: &[Vec<Gain>]) -> bool {
+fn all_settled(gains: &[Vec<Gain>]) -> bool {
     gains.iter().all(|row| worst_radius(row) <= SETTLED)
 }
 
@@ -578,7 +592,7 @@ mod tests {
     /// 4.7e297 kg on 5e-9 N/m: the product of displacement and mass exceeds binary64, so that a residual is meaningless
     /// and the enclosure from elimination stands. H = 1 / (k - m omega^2) in exact arithmetic.
     #[test]
-    fn what_overflows_in_a_residual_is_no_bound() {
+    fn an_overflow_in_a_residual_gives_no_bound() {
         let (m, k, omega) = ("4.66694e297", "5e-9", "1.0367255756846e-153");
         let system = oscillator(m, "0", k);
         let [m, k, omega] = [m, k, omega].map(Number::from);

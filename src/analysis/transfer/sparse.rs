@@ -381,7 +381,7 @@ mod tests {
 
     /// A chain is eliminated from both ends, a star from its rays; a ring has no end.
     #[test]
-    fn a_tree_is_taken_from_its_leaves() {
+    fn a_tree_is_eliminated_from_its_leaves() {
         let both =
             |pairs: &[(u32, u32)]| -> Vec<(u32, u32)> { pairs.iter().flat_map(|&(i, j)| [(i, j), (j, i)]).collect() };
         assert_eq!(leaves_first(4, &both(&[(0, 1), (1, 2), (2, 3)])), Some(vec![0, 2, 3, 1]));
@@ -450,7 +450,7 @@ mod tests {
 
     /// A product that underflows is not known to be zero, and the radius of a product with a small factor is small.
     #[test]
-    fn what_underflows_keeps_a_radius() {
+    fn underflow_keeps_a_radius() {
         let real = |x: f64, radius: f64| Disc { value: Complex { re: Dd::from(x), im: Dd::ZERO }, radius };
         let product = real(1e-200, 0.0).times(real(1e-150, 0.0));
         assert!(product.radius > 0.0 && !product.is_zero());

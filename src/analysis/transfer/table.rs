@@ -55,7 +55,7 @@ const STAR: [f64; 9] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
 /// Chooses the cheapest sufficient method for each value: a sum over modes in binary64 or in double-double, or the
 /// solution.
 #[derive(Clone, Debug)]
-pub struct Roads<'a> {
+pub struct Methods<'a> {
     system: &'a LinearSystem,
     transfer: Transfer<'a>,
     sum: Option<ModalSum>,
@@ -71,9 +71,9 @@ struct Pair<'a> {
 /// Fewer frequencies than this are computed one by one.
 const WORTH_SETTING_UP: usize = 8;
 
-impl<'a> Roads<'a> {
-    pub fn of(system: &'a LinearSystem, modes: &Modes) -> Roads<'a> {
-        Roads { system, transfer: Transfer::of(system), sum: ModalSum::of(system, modes) }
+impl<'a> Methods<'a> {
+    pub fn of(system: &'a LinearSystem, modes: &Modes) -> Methods<'a> {
+        Methods { system, transfer: Transfer::of(system), sum: ModalSum::of(system, modes) }
     }
 
     /// The gains at one frequency, `[input][output]`.
@@ -81,7 +81,7 @@ impl<'a> Roads<'a> {
         let tolerance = sweep.tolerance.unwrap_or(TO_THE_LAST_DIGIT);
         let by_pair = |pair: &Pair| -> Option<Gain> {
             let good = |gain: &Gain| gain.disc().is_some_and(|disc| disc.relative_error() <= tolerance);
-            let exactly = pair.exactly.map(|road| road.gain(frequency)).filter(good);
+            let exactly = pair.exactly.map(|method| method.gain(frequency)).filter(good);
             let by_modes = || {
                 let (sum, modal) = self.sum.as_ref().zip(pair.modal.as_ref())?;
                 let fast = (tolerance >= FAST_ABOVE).then(|| sum.fast(modal, frequency)).filter(good);
@@ -135,7 +135,7 @@ impl<'a> Roads<'a> {
     fn pairs(&self, sweep: &Sweep, refined: bool) -> Pairs<'_> {
         let pair = |input: usize, output: usize| Pair {
             modal: self.sum.as_ref().map(|sum| sum.pair(self.system, input, output)),
-            exactly: if refined { self.transfer.exactly(input, output) } else { None },
+            exactly: if refined { self.transfer.zero_pole_form(input, output) } else { None },
         };
         let row = |&input: &usize| sweep.outputs.iter().map(|&output| pair(input, output)).collect();
         sweep.inputs.iter().map(row).collect()
@@ -146,18 +146,18 @@ impl<'a> Roads<'a> {
 type Pairs<'a> = Vec<Vec<Pair<'a>>>;
 
 /// Computes a table.
-pub fn table(roads: &Roads, poles: &Poles, sweep: &Sweep) -> Table {
+pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
     let refined = sweep.at.is_empty() && sweep.points.is_none();
-    let pairs = roads.pairs(sweep, refined);
-    let mut rows = roads.rows(&pairs, sweep, &frequencies(poles, sweep));
-    let extrema = refined.then(|| extrema(roads, poles, sweep, &pairs, &rows));
+    let pairs = methods.pairs(sweep, refined);
+    let mut rows = methods.rows(&pairs, sweep, &frequencies(poles, sweep));
+    let extrema = refined.then(|| extrema(methods, poles, sweep, &pairs, &rows));
     if let Some(extrema) = &extrema {
         let at = extrema.iter().flatten().flat_map(|extrema| &extrema.list);
         // The binary64 number that is printed: next to a lightly damped pole |H| differs there from the value at the
         // peak itself.
         let more = at
             .filter_map(|extremum| from_f64(extremum.frequency.to_f64()))
-            .map(|hertz| Row { gains: roads.gains(&pairs, sweep, &Frequency::hertz(&hertz)), frequency: hertz });
+            .map(|hertz| Row { gains: methods.gains(&pairs, sweep, &Frequency::hertz(&hertz)), frequency: hertz });
         rows.extend(more);
         sort(&mut rows);
     }
@@ -165,25 +165,25 @@ pub fn table(roads: &Roads, poles: &Poles, sweep: &Sweep) -> Table {
 }
 
 /// The extrema of each pair, `[input][output]`.
-fn extrema(roads: &Roads, poles: &Poles, sweep: &Sweep, pairs: &Pairs, rows: &[Row]) -> Vec<Vec<Extrema>> {
+fn extrema(methods: &Methods, poles: &Poles, sweep: &Sweep, pairs: &Pairs, rows: &[Row]) -> Vec<Vec<Extrema>> {
     let (low, high) = sweep.range.clone().unwrap_or_else(|| default_range(poles));
     let omega = |hertz: &Number| Frequency::hertz(hertz).omega;
     let (low, high) = (omega(&low), omega(&high));
     let of_pair = |i: usize, o: usize| {
-        let found = pairs[i][o].exactly.map(|road| road.extrema(low, high));
+        let found = pairs[i][o].exactly.map(|method| method.extrema(low, high));
         if let Some(found) = found.as_ref().filter(|found| found.complete.is_some()) {
             return found.clone();
         }
         let along_path = || {
-            let factored = factored(&roads.transfer, poles, sweep.inputs[i], sweep.outputs[o])?;
+            let factored = factored(&methods.transfer, poles, sweep.inputs[i], sweep.outputs[o])?;
             let found = Exactly::of(&factored)?.extrema(low, high);
             found.complete.is_some().then_some(found)
         };
         if let Some(found) = along_path() {
-            return sharpened(&roads.transfer, sweep.inputs[i], sweep.outputs[o], found);
+            return sharpened(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found);
         }
         let gains: Vec<(f64, Gain)> = rows.iter().map(|row| (row.frequency.to_f64(), row.gains[i][o])).collect();
-        let others = bracketed(&roads.transfer, sweep.inputs[i], sweep.outputs[o], poles, &gains);
+        let others = bracketed(&methods.transfer, sweep.inputs[i], sweep.outputs[o], poles, &gains);
         found.map_or(others.clone(), |found| found.with(others.list))
     };
     (0..sweep.inputs.len()).map(|i| (0..sweep.outputs.len()).map(|o| of_pair(i, o)).collect()).collect()

@@ -252,14 +252,14 @@ impl Figure {
 
 /// The modal report.
 pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
-    let account = answer.account.as_ref().map(|account| parts::explained(account, &answer.system));
+    let account = answer.account.as_ref().map(|account| parts::account_section(account, &answer.system));
     let sections = [
         questions::solved(&answer.solved),
         questions::required(&answer.requirements),
         rest::section(answer, options),
         equations::section(answer, options),
         modes::section(answer, options),
-        modes::shares(answer),
+        modes::split_lines(answer),
         poles::section(answer, options),
         sensitivities::section(answer),
         parts::section(answer),

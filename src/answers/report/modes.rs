@@ -24,13 +24,13 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
     if !answer.modes.list.is_empty() {
         blocks.push(line!["undamped modes (", scaling(options.normalise, &answer.system), ")"].into());
         blocks.push(table(answer, options).into());
-        blocks.extend(more(answer).map(Block::from));
+        blocks.extend(omitted_line(answer).map(Block::from));
     }
     blocks.extend(left_out(answer).map(Block::from));
     if !answer.modes.list.is_empty() {
         blocks.extend(clusters(answer).into_iter().map(Block::from));
         blocks.extend(beats(answer, options).map(Block::from));
-        blocks.extend(sensitive(answer).map(Block::from));
+        blocks.extend(sensitive_lines(answer).map(Block::from));
         blocks.extend(without_inertia(answer.modes.infinite).map(Block::from));
     }
     Section::new("Undamped modes", blocks)
@@ -59,14 +59,14 @@ fn scaling(normalise: Normalise, system: &LinearSystem) -> &'static str {
 /// The table with a column for each coordinate, if there are few, and a narrower one with the largest entries in a single
 /// column.
 fn table(answer: &ModalAnswer, options: &Options) -> Table {
-    let short = filled(answer, options, false);
+    let short = fill_table(answer, options, false);
     if answer.system.n() > MOST_COLUMNS {
         return short;
     }
-    Table { narrower: Some(Box::new(short)), ..filled(answer, options, true) }
+    Table { narrower: Some(Box::new(short)), ..fill_table(answer, options, true) }
 }
 
-fn filled(answer: &ModalAnswer, options: &Options, columns: bool) -> Table {
+fn fill_table(answer: &ModalAnswer, options: &Options, columns: bool) -> Table {
     let system = &answer.system;
     let mut table = Table::new()
         .column("mode", "", Align::Right)
@@ -143,7 +143,7 @@ fn largest_entries(system: &LinearSystem, shape: &[Unproven]) -> Cell {
 }
 
 /// The modes that the table leaves out.
-fn more(answer: &ModalAnswer) -> Option<Line> {
+fn omitted_line(answer: &ModalAnswer) -> Option<Line> {
     let list = &answer.modes.list;
     let highest = list.last().filter(|_| list.len() > MOST)?;
     let highest = Figure::ball(derived::hertz(highest.omega), 4).unit("Hz");
@@ -218,7 +218,7 @@ fn range(first: usize, last: usize) -> Line {
 }
 
 /// Frequencies that the model's numbers determine less accurately than they are computed.
-fn sensitive(answer: &ModalAnswer) -> impl Iterator<Item = Line> {
+fn sensitive_lines(answer: &ModalAnswer) -> impl Iterator<Item = Line> {
     const WORTH_TELLING: f64 = 100.0;
     let factors = answer.modes.numbered().filter_map(|(number, mode)| Some((number, mode.input_condition?)));
     factors.filter(|(_, factor)| factor.0 >= WORTH_TELLING).take(MOST).map(|(number, factor)| {
@@ -233,7 +233,7 @@ fn sensitive(answer: &ModalAnswer) -> impl Iterator<Item = Line> {
 }
 
 /// A description of each mode: what moves in it, and what holds it.
-pub fn shares(answer: &ModalAnswer) -> Section {
+pub fn split_lines(answer: &ModalAnswer) -> Section {
     const HEADING: &str = "Which mode is which";
     if answer.system.n() < 2 || answer.modes.list.is_empty() {
         return Section::new(HEADING, []);

@@ -67,7 +67,7 @@ fn names(system: &LinearSystem, net: &Net) -> Line {
 }
 
 /// An account of what was kept and what was left out.
-pub fn explained(account: &Account, system: &LinearSystem) -> Section {
+pub fn account_section(account: &Account, system: &LinearSystem) -> Section {
     let mut blocks = remarks("kept", &account.kept);
     if account.left_out.is_empty() {
         blocks.push(Block::Line("left out: nothing".into()));
@@ -82,7 +82,7 @@ pub fn explained(account: &Account, system: &LinearSystem) -> Section {
 
 /// What was kept of a model and what was left out, with its parts, if there is no other report.
 pub fn explanation(model: &str, account: &Account, system: &LinearSystem) -> Report {
-    let mut section = explained(account, system);
+    let mut section = account_section(account, system);
     let nets = nets(system);
     if nets.len() > 1 {
         section.blocks.push(falls_into(nets.len()).into());

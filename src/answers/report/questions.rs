@@ -36,13 +36,16 @@ pub fn solved(list: &[Solved]) -> Section {
             solved.relative_slope().map_or_else(Cell::default, |slope| derivative(&slope, FEW).into()),
         ]);
     }
-    let remarks = list.iter().filter_map(others).chain(followed(list.iter().find_map(|solved| solved.until.as_ref())));
+    let remarks = list
+        .iter()
+        .filter_map(unproven_line)
+        .chain(simulated_time_line(list.iter().find_map(|solved| solved.until.as_ref())));
     let blocks = [Block::Line("solved".into()), table.into()];
     Section::new(HEADING, blocks.into_iter().chain(remarks.map(Block::from)))
 }
 
 /// What is not proven about the range in which a value was searched for.
-fn others(solved: &Solved) -> Option<Line> {
+fn unproven_line(solved: &Solved) -> Option<Line> {
     let name = solved.parameter.clone();
     match &solved.others {
         Others::None(_) => None,
@@ -51,7 +54,7 @@ fn others(solved: &Solved) -> Option<Line> {
             Some(line![name, ": the one found; undetermined in ", parts, ", elsewhere there is no other"])
         }
         Others::Unknown => {
-            Some(line![name, ": the one found with ", solved.looked_at, " values tried; others are not excluded"])
+            Some(line![name, ": the one found with ", solved.evaluations, " values tried; others are not excluded"])
         }
     }
 }
@@ -60,7 +63,7 @@ fn others(solved: &Solved) -> Option<Line> {
 pub fn derivative(derivative: &Derivative, digits: usize) -> Line {
     match derivative {
         Derivative::Enclosed(ball) => Figure::ball(*ball, digits).into(),
-        Derivative::Seen(seen) => line!["≈", unproven(*seen)],
+        Derivative::Estimated(seen) => line!["≈", unproven(*seen)],
     }
 }
 
@@ -84,12 +87,12 @@ pub fn requirements(file: &str, list: &[Requirement]) -> Option<Report> {
 }
 
 fn blocks(list: &[Requirement]) -> impl Iterator<Item = Block> {
-    let followed = followed(list.iter().find_map(|requirement| requirement.until.as_ref()));
+    let followed = simulated_time_line(list.iter().find_map(|requirement| requirement.until.as_ref()));
     [Block::Table(table(list))].into_iter().chain(followed.map(Block::from))
 }
 
 /// The simulated time for `peak` and `rms`, if one of them is used.
-fn followed(until: Option<&Number>) -> Option<Line> {
+fn simulated_time_line(until: Option<&Number>) -> Option<Line> {
     let until = Figure::number(until?.clone(), DIGITS).unit("s");
     Some(line!["peak and rms are of the motion up to ", until, " (--until)"])
 }
@@ -122,7 +125,9 @@ fn cells(requirement: &Requirement) -> Vec<Cell> {
     vec![
         Named { text: requirement.text.clone(), place: Some(requirement.span) }.into(),
         holds.into(),
-        value.as_ref().map_or_else(|| requirement.told().into_owned().into(), |value| figure(value, DIGITS).into()),
+        value
+            .as_ref()
+            .map_or_else(|| requirement.value_text().into_owned().into(), |value| figure(value, DIGITS).into()),
         limit.as_ref().map(|limit| figure(limit, DIGITS)).into(),
         limit.as_ref().map_or_else(Cell::default, |limit| limit.unit.to_string().into()),
         margin.map(|margin| Figure::ball(margin, FEW)).into(),

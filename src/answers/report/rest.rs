@@ -47,7 +47,8 @@ fn displacement(answer: &ModalAnswer) -> Vec<Block> {
         let value = Figure::number(value.clone(), DIGITS);
         table.row(vec![coordinate(&answer.system, of).into(), value.into(), in_unit.into()]);
     }
-    let mut blocks = vec![line!["rest: displaced from the drawing by up to ", farthest(answer), trust(answer)].into()];
+    let mut blocks =
+        vec![line!["rest: displaced from the drawing by up to ", farthest(answer), proof_status(answer)].into()];
     if !answer.rest.is_proven() {
         let caution = "no number below has a bound: all refer to the scene linearised here, and it may rest elsewhere";
         blocks.push(Block::Item(caution.into()));
@@ -79,7 +80,7 @@ fn farthest(answer: &ModalAnswer) -> Line {
 /// The drawing is the rest; with the tensions that hold it, if these were found.
 fn as_drawn(answer: &ModalAnswer) -> Vec<Block> {
     let rest = &answer.rest;
-    let trust = if rest.is_proven() && rest.residual == 0.0 { Line::default() } else { trust(answer) };
+    let trust = if rest.is_proven() && rest.residual == 0.0 { Line::default() } else { proof_status(answer) };
     let mut pulling: Vec<&Tension> = rest.tensions.iter().filter(|found| !found.tension.is_zero()).collect();
     if pulling.is_empty() {
         return vec![line!["rest: as drawn", trust].into()];
@@ -105,7 +106,7 @@ fn as_drawn(answer: &ModalAnswer) -> Vec<Block> {
 }
 
 /// What is known about a rest that was computed.
-fn trust(answer: &ModalAnswer) -> Line {
+fn proof_status(answer: &ModalAnswer) -> Line {
     let rest = &answer.rest;
     let proven = if rest.is_proven() { ", proven, " } else { ", NOT proven, " };
     let left = match rest.residual {

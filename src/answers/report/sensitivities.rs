@@ -41,10 +41,10 @@ fn cells(sensitivity: &Sensitivity) -> Vec<Cell> {
     let value = Figure::number(shown.exact.clone().unwrap_or(Number::Ball(shown.number)), VALUE);
     let slopes = sensitivity.frequencies.iter().take(MOST_COLUMNS).chain(sensitivity.ratios.iter().take(MOST_COLUMNS));
     let cells = vec![sensitivity.parameter.clone().into(), value.into(), shown.unit.to_string().into()];
-    cells.into_iter().chain(slopes.map(|slope| Cell::from(worded(slope)))).collect()
+    cells.into_iter().chain(slopes.map(|slope| Cell::from(slope_text(slope)))).collect()
 }
 
-fn worded(slope: &Option<Slope>) -> Line {
+fn slope_text(slope: &Option<Slope>) -> Line {
     match slope {
         None => Line::default(),
         Some(Slope::Splits(_)) => "splits".into(),

@@ -15,10 +15,10 @@ pub fn csv(bench: &Bench) -> String {
     let mut text = String::from("question,method,ordinary,time_s,error,bound,pareto,chosen,note\n");
     let field = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:e}"));
     for entry in &bench.entries {
-        let Entry { question, road, ordinary, seconds, error, bound, pareto, chosen, note } = entry;
+        let Entry { question, method, ordinary, seconds, error, bound, pareto, chosen, note } = entry;
         let fields = [
             question.name().to_string(),
-            quoted(road),
+            quoted(method),
             ordinary.to_string(),
             field(Some(*seconds)),
             field(*error),
@@ -116,7 +116,7 @@ fn table<'a>(entries: impl Iterator<Item = &'a Entry>) -> String {
         let shown = |value: Option<f64>| value.map_or(String::new(), scientific);
         table.row(vec![
             mark,
-            entry.road.clone(),
+            entry.method.clone(),
             duration(entry.seconds),
             entry.error.map_or("fails".into(), scientific),
             shown(entry.bound),

@@ -53,7 +53,7 @@ fn panel(question: Question, entries: &[&Entry]) -> Panel {
     let line = |(number, entry): (usize, &&Entry)| {
         let note = if entry.note.is_empty() { String::new() } else { format!(" ({})", entry.note) };
         let chosen = if entry.chosen { " — taken by itself" } else { "" };
-        let text = format!("{number}  {}{note}{chosen}", entry.road);
+        let text = format!("{number}  {}{note}{chosen}", entry.method);
         Line { style: style(entry), sample: Sample::Shape(shape(entry)), text }
     };
     Panel {

@@ -131,7 +131,7 @@ pub fn mode_caption(number: u32, mode: &Mode, proven: bool) -> String {
         }
         ModeKind::Rigid => format!("mode {number}: rigid"),
         ModeKind::Divergence => format!("mode {number}: diverges at {omega} 1/s"),
-        ModeKind::Undetermined => format!("mode {number}: not known to swing or diverge"),
+        ModeKind::Undetermined => format!("mode {number}: undetermined (oscillates or diverges)"),
     }
 }
 

@@ -3,7 +3,9 @@
 
 use super::header::of_equations;
 use super::names::{identifiers, model_identifier};
-use super::plan::{Expression, Factor, Field, Index, Operations, Plan, Statement, Style, Target, plus, tidy, total};
+use super::plan::{
+    Expression, Factor, Field, Index, Operations, Plan, Statement, Style, Target, plus, remove_unused, total,
+};
 use crate::analysis::discrete::Port;
 use crate::analysis::discrete::equations::Equations;
 
@@ -21,7 +23,7 @@ pub fn plan(model: &str, equations: &Equations) -> Plan {
     let outputs = equations.seen.iter().any(|[_, _, accelerations]| !accelerations.is_empty());
     let mut observe = if outputs { written.accelerations() } else { Vec::new() };
     observe.extend(written.outputs());
-    let observe = tidy(observe);
+    let observe = remove_unused(observe);
     let mut derivative = written.accelerations();
     for i in 0..equations.coordinates.len() {
         derivative.push(Statement::Assign(Target::DisplacementRate(Index::At(i)), Expression::Velocity(Index::At(i))));

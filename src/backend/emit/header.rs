@@ -4,7 +4,7 @@
 use super::plan::Operations;
 use crate::analysis::discrete::equations::Equations;
 use crate::analysis::discrete::parameter::Parameterised;
-use crate::analysis::discrete::{DiscreteSystem, Hold, Left, Port, Precision, Why};
+use crate::analysis::discrete::{DiscreteSystem, DroppedBlock, Hold, Port, Precision, Why};
 use crate::backend::decimal::upper;
 use crate::backend::diagnostics::readable;
 
@@ -31,11 +31,11 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
     lines.extend(error(system));
     if let Some(tolerance) = system.tolerance {
         lines.push(format!(
-            "tolerance  {tolerance:?}: what is left out for it adds at most {} to an output, beside its largest gain, for",
+            "tolerance  {tolerance:?}: omitted parts change an output by at most {} of its largest gain, for",
             upper(system.left.iter().map(share).sum())
         ));
         lines.push(format!(
-            "           harmonic inputs up to {:?} Hz; just after a step or an impulse an output may lack more",
+            "           harmonic inputs up to {:?} Hz; just after a step or an impulse the change may be larger",
             0.5 / system.step
         ));
     }
@@ -46,23 +46,23 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
         ));
     }
     lines.push(format!("cost       {} states; {operations} a step", system.states()));
-    lines.extend(left(&system.left));
+    lines.extend(dropped_lines(&system.left));
     lines
 }
 
 /// The effect of rounding: measured if the run is known, a bound if inputs come from outside.
 fn error(system: &DiscreteSystem) -> Vec<String> {
-    let told: Vec<String> = (system.measured.iter())
+    let lines: Vec<String> = (system.measured.iter())
         .map(|measured| format!("{} in {} steps", upper(measured.error), measured.steps))
         .collect();
-    if let Some((last, others)) = told.split_last() {
+    if let Some((last, others)) = lines.split_last() {
         let before = if others.is_empty() { String::new() } else { format!("{} and ", others.join(", ")) };
         return vec![
             format!("error      no integrator's; from `init` on, rounding takes at most {before}{last} of the"),
             "           largest value of any output (found by the same steps in double-double beside it)".into(),
         ];
     }
-    let bound = |steps| upper(system.rounding.after(steps));
+    let bound = |steps| upper(system.rounding.error_after(steps));
     vec![
         format!(
             "error      no integrator's; rounding at most {} after 1e3 steps and {} after 1e5, relative to the sum of",
@@ -80,8 +80,7 @@ pub fn of_equations(model: &str, equations: &Equations, operations: Operations) 
     lines.extend(ports("input", &equations.inputs));
     lines.extend(ports("output", &equations.outputs));
     lines.push(
-        "method     the right-hand side of a first-order system, for an integrator of your own; its error is the"
-            .into(),
+        "method     the right-hand side of a first-order system, for your own integrator; its error is the".into(),
     );
     lines.push("           integrator's. Deviations from rest, linearised there.".into());
     let precision = match equations.precision {
@@ -105,9 +104,9 @@ pub fn of_parameter(model: &str, system: &Parameterised, step: f64, operations: 
         system.range.0, system.range.1
     ));
     lines.push(
-        "method     one dense step; `set_parameter` assembles it anew and takes the matrix exponential in the".into(),
+        "method     one dense step; `set_parameter` reassembles it and computes the matrix exponential in the".into(),
     );
-    lines.push("           code's own precision, by a number of operations that does not depend on the value".into());
+    lines.push("           code's own precision, in a number of operations that does not depend on the value".into());
     lines.push(format!("step       {step:?} s, inputs are held from sample to sample"));
     lines.push(format!("cost       {} states; {operations} a step", 2 * system.coordinates.len()));
     lines.push("error      no integrator's; what rounding of the exponential costs is not bounded here".into());
@@ -122,18 +121,18 @@ fn ports(what: &str, ports: &[Port]) -> Vec<String> {
     ports.iter().map(|port| format!("{what:<9}  {}{}", readable(&port.name), unit(port))).collect()
 }
 
-fn share(left: &Left) -> f64 {
+fn share(left: &DroppedBlock) -> f64 {
     match left.why {
         Why::Small(share) => share,
         Why::Unreached | Why::Unseen => 0.0,
     }
 }
 
-fn left(left: &[Left]) -> Vec<String> {
-    let line = |left: &Left| {
+fn dropped_lines(left: &[DroppedBlock]) -> Vec<String> {
+    let line = |left: &DroppedBlock| {
         let why = match left.why {
             Why::Unreached => "no input reaches it, and it starts at rest".to_string(),
-            Why::Unseen => "no output sees it".to_string(),
+            Why::Unseen => "no output depends on it".to_string(),
             Why::Small(share) => format!("it contributes at most {}, its static part is kept", upper(share)),
         };
         format!("left out   {}: {why}", left.name)

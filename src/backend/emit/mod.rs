@@ -40,8 +40,8 @@ const INIT: &str = "The state at t = 0: the model's initial state.";
 const RESET: &str = "Back to t = 0.";
 const STEP: &str =
     "The outputs at the present sample, with the inputs of that sample; then the state advances to the next sample.";
-const SET_STATE: &str = "The motion at the coming sample. What the header lists as not emitted is left out of it.";
-const GET_STATE: &str = "The motion at the coming sample, as it is while the inputs keep their last values.";
+const SET_STATE: &str = "The motion at the next sample, without the parts that the header lists as not emitted.";
+const GET_STATE: &str = "The motion at the next sample if the inputs keep their last values.";
 const SET_PARAMETER: &str = "The parameter from the next step on, SI; the motion continues from its present state.";
 const DERIVATIVE: &str = "The derivative of the motion: velocities and accelerations.";
 const OBSERVE: &str = "The outputs.";

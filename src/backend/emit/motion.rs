@@ -78,7 +78,7 @@ impl Motion<'_> {
 
     /// A state minus the contributions of the last inputs and of the signals.
     fn without_inputs(&self, state: usize, value: Option<Expression>) -> Option<Expression> {
-        self.system.taken[state].iter().fold(value, |so_far, (operand, taken)| match self.now(*operand) {
+        self.system.taken[state].iter().fold(value, |so_far, (operand, taken)| match self.current_value(*operand) {
             Some(of) => Some(plus(so_far, Factor::Number(-taken), of)),
             None => so_far,
         })
@@ -86,14 +86,14 @@ impl Motion<'_> {
 
     /// A displacement or velocity plus the contributions of the last inputs and of the signals.
     fn with_inputs(&self, j: usize, value: Option<Expression>) -> Option<Expression> {
-        self.system.offset[j].iter().fold(value, |so_far, (operand, e)| match self.now(*operand) {
+        self.system.offset[j].iter().fold(value, |so_far, (operand, e)| match self.current_value(*operand) {
             Some(of) => Some(plus(so_far, Factor::Number(*e), of)),
             None => so_far,
         })
     }
 
     /// An operand between two steps; inputs that keep their last values have zero slope.
-    fn now(&self, operand: Operand) -> Option<Expression> {
+    fn current_value(&self, operand: Operand) -> Option<Expression> {
         let last = |input: usize| Expression::state("last", Index::At(input));
         match operand {
             Operand::Input(input) => Some(last(input)),

@@ -7,7 +7,7 @@ use super::names::{identifiers, model_identifier};
 use super::plan::{
     Array, Expression as E, Factor, Field, Index, Operations, Plan, Start, Statement, Style, Table, Target, plus,
 };
-use super::plan::{product, sum, tidy, total};
+use super::plan::{product, remove_unused, sum, total};
 use crate::analysis::discrete::parameter::{Parameterised, Polynomial};
 use crate::analysis::discrete::{Port, Precision};
 
@@ -31,18 +31,18 @@ pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision
         let names = identifiers(ports.iter().map(|port| port.name.as_str()));
         names.into_iter().zip(ports).map(|(identifier, port)| Field { identifier, note: note(port) }).collect()
     };
-    let once = tidy(written.step());
+    let once = remove_unused(written.step());
     let plan = Plan {
         name: model_identifier(model),
         precision,
-        style: Style::Parameter { value: system.value, statements: tidy(written.set_parameter()) },
+        style: Style::Parameter { value: system.value, statements: remove_unused(written.set_parameter()) },
         header: of_parameter(model, system, step, Operations::of(&once)),
         inputs: fields(&system.inputs),
         outputs: fields(&system.outputs),
         coordinates: fields(&system.coordinates),
         state: vec![
             array("x", Start::Numbers(x), "displacements, then scaled velocities"),
-            array("e", zeros(2 * n * width), "what one step adds to x, row by row over x and the inputs"),
+            array("e", zeros(2 * n * width), "change of x in one step, row by row over x and the inputs"),
             array("c", zeros(outputs * width), "what the outputs see, row by row over x and the inputs"),
         ],
         tables: vec![Table {

@@ -268,7 +268,7 @@ impl fmt::Display for Operations {
 }
 
 /// Removes constants that are never read, and turns locals that never change into constants.
-pub fn tidy(list: Vec<Statement>) -> Vec<Statement> {
+pub fn remove_unused(list: Vec<Statement>) -> Vec<Statement> {
     let mut changed: BTreeSet<String> = BTreeSet::new();
     list.iter().for_each(|statement| statement.changed(&mut changed));
     let constant = |statement| match statement {

@@ -9,7 +9,7 @@ use super::names::{identifiers, model_identifier};
 use super::plan::{
     Array, Expression, Factor, Field, Index, Operations, Plan, Slot, Start, Statement, Style, Table, Target,
 };
-use super::plan::{plus, product, sum, tidy, total};
+use super::plan::{plus, product, remove_unused, sum, total};
 use crate::analysis::discrete::{Cell, Decay, DiscreteSystem, Form, Lift, Operand, Port};
 
 /// The plan of a discrete system.
@@ -17,7 +17,7 @@ pub fn plan(model: &str, system: &DiscreteSystem) -> Plan {
     let mut planner = Planner::new(system);
     planner.locals();
     (0..system.signals).for_each(|cell| planner.cell(cell));
-    planner.at_once();
+    planner.add_feed_through();
     let (loops, single) = groups(&system.cells, system.signals);
     loops.iter().for_each(|group| planner.group(group));
     single.iter().for_each(|&cell| planner.cell(cell));
@@ -25,7 +25,7 @@ pub fn plan(model: &str, system: &DiscreteSystem) -> Plan {
     let state = planner.arrays();
     let events = planner.events(&state);
     let (set_state, get_state) = motion::functions(system, &planner.slots, &state, &mut planner.tables);
-    let step = tidy(planner.step);
+    let step = remove_unused(planner.step);
     Plan {
         name: model_identifier(model),
         precision: system.precision,
@@ -174,7 +174,7 @@ impl<'a> Planner<'a> {
     }
 
     /// The name of an operand in a comment.
-    fn called(&self, operand: Operand) -> String {
+    fn operand_name(&self, operand: Operand) -> String {
         let input = |j: usize| &self.system.inputs[j].name;
         match operand {
             Operand::Input(j) => input(j).clone(),
@@ -185,16 +185,16 @@ impl<'a> Planner<'a> {
     }
 
     /// Adds the direct feed-through of inputs to the outputs.
-    fn at_once(&mut self) {
+    fn add_feed_through(&mut self) {
         for i in 0..self.outputs.len() {
             let terms = self.system.direct[i].iter().map(|&(operand, d)| (Factor::Number(d), self.operand(operand)));
             let terms = terms.collect();
-            self.see(i, terms);
+            self.add_to_output(i, terms);
         }
     }
 
     /// Adds terms to an output.
-    fn see(&mut self, output: usize, terms: Vec<(Factor, Expression)>) {
+    fn add_to_output(&mut self, output: usize, terms: Vec<(Factor, Expression)>) {
         let name = format!("y_{}", self.outputs[output]);
         let begun = self.begun[output];
         let so_far = begun.then(|| Expression::local(name.clone()));
@@ -246,20 +246,20 @@ impl<'a> Planner<'a> {
             k: if lift.k == 0.0 {
                 unused.clone()
             } else {
-                tables.table("K", "restoring: k of v - c v - k x", of_lift(|lift| lift.k))
+                tables.table("K", "restoring: k in v - c v - k x", of_lift(|lift| lift.k))
             },
             decay: if decays {
-                tables.table("C", "decay: c of v - c v, or what is kept of v", of_lift(|lift| lift.decay.value()))
+                tables.table("C", "decay: c in v - c v, or the factor of v", of_lift(|lift| lift.decay.value()))
             } else {
                 unused.clone()
             },
-            p: if lift.p == 1.0 { unused } else { tables.table("P", "advance: p of x + p v", of_lift(|lift| lift.p)) },
+            p: if lift.p == 1.0 { unused } else { tables.table("P", "advance: p in x + p v", of_lift(|lift| lift.p)) },
             input: [0, 1].map(|offset| {
                 let factor = |at: usize, operand: Operand, g: f64, tables: &mut Tables| match g {
                     1.0 => Factor::Number(1.0),
                     _ => {
                         let name = format!("{}{at}_", ["GX", "GV"][offset]);
-                        let note = format!("what {} adds to {}", self.called(operand), ["x", "v"][offset]);
+                        let note = format!("contribution of {} to {}", self.operand_name(operand), ["x", "v"][offset]);
                         Factor::Table(tables.table(&name, &note, move |cell| cell.input[offset][at].1))
                     }
                 };
@@ -276,7 +276,7 @@ impl<'a> Planner<'a> {
             for (offset, of) in [(0, "x"), (1, "v")] {
                 if first.output[offset].iter().any(|(seen, _)| *seen == output) {
                     let name = format!("{}_{}_", ["YX", "YV"][offset], output);
-                    let note = format!("what {} sees of {of}", self.system.outputs[output].name);
+                    let note = format!("{}: factors of {of}", self.system.outputs[output].name);
                     let factor = tables.table(&name, &note, move |cell| {
                         cell.output[offset].iter().find(|(seen, _)| *seen == output).map_or(0.0, |(_, value)| *value)
                     });
@@ -317,7 +317,7 @@ impl<'a> Planner<'a> {
         for output in 0..self.outputs.len() {
             let factor = |i: usize| cell.output[i].iter().find(|(seen, _)| *seen == output).map(|(_, factor)| *factor);
             let terms = (0..cell.size()).filter_map(|i| Some((Factor::Number(factor(i)?), local(i)))).collect();
-            self.see(output, terms);
+            self.add_to_output(output, terms);
         }
         let input = |i: usize| -> Vec<(f64, Expression)> {
             cell.input[i].iter().map(|&(operand, g)| (g, self.operand(operand))).collect()
@@ -373,7 +373,7 @@ impl<'a> Planner<'a> {
     /// The end of a step: sums of lanes, stored inputs, outputs.
     fn end(&mut self) {
         for (output, lanes) in std::mem::take(&mut self.lanes) {
-            self.see(output, vec![(Factor::Number(1.0), lanes)]);
+            self.add_to_output(output, vec![(Factor::Number(1.0), lanes)]);
         }
         if self.system.remembers() {
             for (j, input) in self.inputs.iter().enumerate() {
@@ -426,7 +426,7 @@ impl<'a> Planner<'a> {
                 let places = (0..numbers.len()).filter(|&at| set[at] || moves(at));
                 body.extend(places.map(|at| change(Index::At(at), set[at])));
             }
-            let note = "what each event sets or adds to the states".to_string();
+            let note = "new states or changes of the states at each event".to_string();
             self.tables.push(Table { name, columns: numbers.len(), values: rows, note });
         }
         // After the step that ends at the event's sample, so that the state that is read there includes it.

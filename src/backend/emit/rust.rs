@@ -205,7 +205,7 @@ fn steps(plan: &Plan) -> String {
         "    /// {}\n    pub fn reset(&mut self) {{\n        *self = State::init();\n    }}\n\n",
         super::RESET
     );
-    let step = observing(&words, &plan.step);
+    let step = body_returning_outputs(&words, &plan.step);
     let inputs = inputs(plan, &step);
     text += &format!("    /// {}\n    #[inline]\n    pub fn step(&mut self{inputs}) -> Outputs {{\n", super::STEP);
     text += &(step + "    }\n\n");
@@ -232,7 +232,7 @@ fn equations(plan: &Plan, start: &[(f64, f64)]) -> String {
     text += &format!("    }}\n\n    /// {}\n    pub fn derivative(&self{given}) -> Motion {{\n", super::DERIVATIVE);
     text += &line(2, &format!("let mut derivative = Motion {{ displacement: [0.0; {n}], velocity: [0.0; {n}] }};"));
     text += &(derivative + "        derivative\n    }\n\n");
-    let observe = observing(&words, &plan.observe);
+    let observe = body_returning_outputs(&words, &plan.observe);
     let given = inputs(plan, &observe);
     text += &format!("    /// {}\n    pub fn observe(&self{given}) -> Outputs {{\n", super::OBSERVE);
     text += &(observe + "    }\n}\n");
@@ -240,7 +240,7 @@ fn equations(plan: &Plan, start: &[(f64, f64)]) -> String {
 }
 
 /// Statements that end with the outputs, as a body that returns them.
-fn observing(words: &Rust, list: &[Statement]) -> String {
+fn body_returning_outputs(words: &Rust, list: &[Statement]) -> String {
     let first = list.iter().position(|statement| matches!(statement, Statement::Assign(Target::Output(_), _)));
     let (before, outputs) = list.split_at(first.unwrap_or(list.len()));
     let mut text = statements(words, before, 2) + &line(2, "Outputs {");

@@ -54,7 +54,7 @@ impl<'a> Builder<'a> {
                 }
                 let whole = factored.rest.scaled(&factored.number);
                 let is_divided = factored.product.factors().iter().any(|(_, exponent)| *exponent < 0);
-                let number = if is_divided { over_one_bar(&whole) } else { taken_out(&whole) };
+                let number = if is_divided { over_one_bar(&whole) } else { common_numeric_factor(&whole) };
                 let mut inner = whole.scaled(&number.recip().unwrap_or(Rational::ONE));
                 let all_negative = inner.terms().iter().all(|(_, c)| c.signum() < 0);
                 if all_negative {
@@ -363,7 +363,7 @@ fn over_one_bar(sum: &Sum) -> Rational {
 const MOST_COMMON: i64 = 60;
 
 /// The number that is factored out: the common divisor of all numerators, over a denominator that all terms have.
-fn taken_out(sum: &Sum) -> Rational {
+fn common_numeric_factor(sum: &Sum) -> Rational {
     let fractions: Option<Vec<(i64, i64)>> = sum.terms().iter().map(|(_, c)| c.to_fraction()).collect();
     let Some(fractions) = fractions else { return Rational::ONE };
     // Decimals are not treated as fractions.

@@ -52,8 +52,11 @@ pub fn document(equations: &Equations) -> Document {
         writer.solutions(),
     ];
     let n = equations.linear.coordinates.len();
-    let title =
-        format!("{} · equations of motion, {n} {}", equations.model, if n == 1 { "freedom" } else { "freedoms" });
+    let title = format!(
+        "{} · equations of motion, {n} {}",
+        equations.model,
+        if n == 1 { "degree of freedom" } else { "degrees of freedom" }
+    );
     Document { title, sections: sections.into_iter().filter(|section| !section.items.is_empty()).collect() }
 }
 

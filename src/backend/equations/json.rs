@@ -139,7 +139,7 @@ impl Terms<'_> {
     }
 
     fn sum(&self, sum: &Sum) -> Term {
-        match self.equations.names.worth(sum) {
+        match self.equations.names.value_of(sum) {
             Some(value) => self.term(sum, &value),
             None => Term { value: JsonNumber::NULL, bound: JsonNumber::NULL, ..self.term(sum, &Number::ZERO) },
         }

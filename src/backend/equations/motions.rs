@@ -8,7 +8,7 @@ use crate::elements::Order;
 use crate::equations::energy::{Element, Stretch};
 use crate::equations::lagrange::{Equation, Line};
 use crate::equations::loops::Ratio;
-use crate::equations::names::{Label, class, still};
+use crate::equations::names::{Label, class, without_motion};
 use crate::symbols::{Factor, Lengths, Sum, Symbol};
 
 impl Writer<'_> {
@@ -212,7 +212,7 @@ impl Writer<'_> {
             equation.plain.terms().iter().filter(|(product, _)| !product.mentions(&is_dynamic)).cloned().collect();
         let constant = Sum::of_terms(constant);
         let varying = &equation.plain - &constant;
-        let balanced = equation.lines.is_empty() && equation.reactions.is_empty() && still(&varying).is_zero();
+        let balanced = equation.lines.is_empty() && equation.reactions.is_empty() && without_motion(&varying).is_zero();
         if balanced { varying } else { equation.plain.clone() }
     }
 

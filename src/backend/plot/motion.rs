@@ -29,7 +29,7 @@ fn of_unit(system: &LinearSystem, history: &History, unit: &str) -> Panel {
         .enumerate()
         .map(|(number, (index, _))| {
             let values = history.values.iter().map(|row| row[*index].mid.to_f64());
-            Curve { points: thinned(times.iter().copied().zip(values).collect()), style: Style::Curve(number) }
+            Curve { points: column_extremes(times.iter().copied().zip(values).collect()), style: Style::Curve(number) }
         })
         .collect();
     let values = curves.iter().flat_map(|curve| curve.points.iter().map(|(_, value)| *value));
@@ -50,7 +50,7 @@ fn of_unit(system: &LinearSystem, history: &History, unit: &str) -> Panel {
 }
 
 /// The first, the lowest, the highest and the last of the samples in each column, in their order.
-fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+fn column_extremes(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let each = points.len().div_ceil(COLUMNS);
     if each <= 4 {
         return points;
@@ -79,7 +79,7 @@ mod tests {
     fn thinning_keeps_every_extreme() {
         let points: Vec<(f64, f64)> =
             (0..100_000).map(|k| (f64::from(k), if k == 54_321 { 9.0 } else { 0.0 })).collect();
-        let kept = thinned(points);
+        let kept = column_extremes(points);
         assert!(kept.len() <= 4 * COLUMNS && kept.contains(&(54_321.0, 9.0)));
         assert!(kept.windows(2).all(|pair| pair[0].0 < pair[1].0));
     }

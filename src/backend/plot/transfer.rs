@@ -94,7 +94,7 @@ impl<'a> Shown<'a> {
     fn phases(&self) -> Panel {
         let each = || self.table.outputs.iter().enumerate();
         let curve = |(place, _): (usize, &usize)| Curve {
-            points: unwrapped(self.curve(place, angle).into_iter()),
+            points: with_gaps_at_jumps(self.curve(place, angle).into_iter()),
             style: Style::Curve(place),
         };
         let entry = |(place, output): (usize, &usize)| Entry {
@@ -132,7 +132,7 @@ fn angle(gain: Gain) -> f64 {
 }
 
 /// The curve with gaps where the phase jumps.
-fn unwrapped(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+fn with_gaps_at_jumps(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let mut list: Vec<(f64, f64)> = Vec::new();
     for (f, phase) in points {
         if list.last().is_some_and(|(_, before)| (phase - before).abs() > WRAP) {

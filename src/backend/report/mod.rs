@@ -26,7 +26,7 @@ pub fn text(answer: &ModalAnswer, options: &Options) -> String {
 
 /// A report in `width` columns; a name that is longer than a line is not broken. Ends in a line feed.
 pub fn laid_out(report: &Report, width: usize) -> String {
-    let mut text = wrap::filled(&plain::line(&report.title), 0, INDENT, width);
+    let mut text = wrap::fill_lines(&plain::line(&report.title), 0, INDENT, width);
     for (number, section) in report.sections.iter().enumerate() {
         // A report of one table follows its title without an empty line.
         let apart = number > 0 || !matches!(section.blocks.first(), Some(Block::Table(_)));
@@ -45,8 +45,8 @@ pub fn all_laid_out(reports: &[Report], width: usize) -> String {
 
 fn block(block: &Block, width: usize) -> String {
     match block {
-        Block::Line(line) => wrap::filled(&plain::line(line), INDENT, INDENT + HANGING, width),
-        Block::Item(line) => wrap::filled(&plain::line(line), ITEM, ITEM + HANGING, width),
+        Block::Line(line) => wrap::fill_lines(&plain::line(line), INDENT, INDENT + HANGING, width),
+        Block::Item(line) => wrap::fill_lines(&plain::line(line), ITEM, ITEM + HANGING, width),
         Block::Table(table) => table::text(table, INDENT, width),
         Block::Matrices(list) => matrices::text(list, INDENT, width),
     }
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unstable_rest_is_said_loudly() {
+    fn an_unstable_rest_is_reported_prominently() {
         insta::assert_snapshot!(text(&samples::upright_rod(), &Options::default()));
     }
 

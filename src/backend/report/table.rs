@@ -5,7 +5,7 @@
 //! finally several tables one below the other, each with the first column.
 
 use super::super::plain;
-use super::wrap::{characters, filled, folded, longest_word};
+use super::wrap::{characters, fill_lines, longest_word, wrap_lines};
 use crate::answers::report::{self, Align};
 use std::fmt::Write;
 
@@ -39,7 +39,7 @@ pub fn text(table: &report::Table, indent: usize, width: usize) -> String {
     }
     match &table.narrower {
         Some(narrower) => text(narrower, indent, width),
-        None => whole.squeezed(indent, room),
+        None => whole.fit_to(indent, room),
     }
 }
 
@@ -85,13 +85,13 @@ impl Table {
     }
 
     /// The table within the room, narrowed as described in the module's documentation.
-    fn squeezed(mut self, indent: usize, room: usize) -> String {
+    fn fit_to(mut self, indent: usize, room: usize) -> String {
         self.fold_titles(|align| align != Align::Left);
-        let said_once = if self.width() > room { self.lift_uniform() } else { Vec::new() };
+        let shown_once = if self.width() > room { self.lift_uniform() } else { Vec::new() };
         if sum(&self.least()) > room {
             self.fold_titles(|align| align == Align::Left);
         }
-        let below = said_once.iter().map(|line| filled(line, indent, 2 * indent + GAP, indent + room));
+        let below = shown_once.iter().map(|line| fill_lines(line, indent, 2 * indent + GAP, indent + room));
         self.split(room).iter().map(|piece| piece.text_within(indent, room)).chain(below).collect()
     }
 
@@ -199,7 +199,8 @@ impl Table {
             line(self.columns.iter().zip(layouts).map(|(column, layout)| layout.title(&column.unit)).collect());
         }
         for row in &self.rows {
-            let cells: Vec<Vec<&str>> = row.iter().zip(layouts).map(|(cell, layout)| layout.fitting(cell)).collect();
+            let cells: Vec<Vec<&str>> =
+                row.iter().zip(layouts).map(|(cell, layout)| layout.fitting_lines(cell)).collect();
             let height = cells.iter().map(Vec::len).max().unwrap_or(0);
             for i in 0..height {
                 let at = |cell: &Vec<&str>| cell.get(i).copied().unwrap_or_default().to_string();
@@ -257,9 +258,9 @@ impl Layout {
     }
 
     /// The longest wording that fits; if none does, the shortest one, broken into lines.
-    fn fitting<'a>(&self, wordings: &'a [String]) -> Vec<&'a str> {
+    fn fitting_lines<'a>(&self, wordings: &'a [String]) -> Vec<&'a str> {
         match wordings.iter().find(|wording| characters(wording) <= self.width).or(wordings.last()) {
-            Some(wording) if self.align == Align::Left => folded(wording, self.width),
+            Some(wording) if self.align == Align::Left => wrap_lines(wording, self.width),
             Some(wording) => vec![wording],
             None => Vec::new(),
         }
@@ -317,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn points_stand_below_each_other_and_names_keep_their_width() {
+    fn decimal_points_align_and_names_keep_their_width() {
         let expected = "
 part          ω   n
         [rad/s]
@@ -342,11 +343,11 @@ part   n
 rod   20
 
 ";
-        assert_eq!(table().squeezed(0, 15), expected.trim_start_matches('\n'));
+        assert_eq!(table().fit_to(0, 15), expected.trim_start_matches('\n'));
     }
 
     #[test]
-    fn text_is_worded_shorter_then_broken_and_what_is_everywhere_is_said_once() {
+    fn text_is_shortened_then_wrapped_and_common_notes_appear_once() {
         let mut table = Table::new()
             .column("n", "", Align::Right)
             .column("decay time", "[s]", Align::Point)
@@ -366,6 +367,6 @@ n   time  what moves in it
 kind: oscillation in each
   row
 ";
-        assert_eq!(table.squeezed(0, 26), expected.trim_start_matches('\n'));
+        assert_eq!(table.fit_to(0, 26), expected.trim_start_matches('\n'));
     }
 }

@@ -6,12 +6,12 @@ pub fn characters(text: &str) -> usize {
 }
 
 /// Lines of at most `width` columns, the first one indented by `first`, the others by `others`; each ends in a line feed.
-pub fn filled(text: &str, first: usize, others: usize, width: usize) -> String {
+pub fn fill_lines(text: &str, first: usize, others: usize, width: usize) -> String {
     let mut lines = String::new();
     let mut indent = first;
     let mut rest = text;
     loop {
-        let (line, after) = broken(rest, width.saturating_sub(indent));
+        let (line, after) = split_at_width(rest, width.saturating_sub(indent));
         lines += &format!("{:indent$}{line}\n", "");
         (rest, indent) = (after, others);
         if rest.is_empty() {
@@ -21,11 +21,11 @@ pub fn filled(text: &str, first: usize, others: usize, width: usize) -> String {
 }
 
 /// The lines of a text of this width.
-pub fn folded(text: &str, width: usize) -> Vec<&str> {
-    let (mut line, mut rest) = broken(text, width);
+pub fn wrap_lines(text: &str, width: usize) -> Vec<&str> {
+    let (mut line, mut rest) = split_at_width(text, width);
     let mut lines = vec![line];
     while !rest.is_empty() {
-        (line, rest) = broken(rest, width);
+        (line, rest) = split_at_width(rest, width);
         lines.push(line);
     }
     lines
@@ -39,7 +39,7 @@ pub fn longest_word(text: &str) -> usize {
 }
 
 /// The part that fits into the first line, and the rest. A word that is longer than the line is not broken.
-fn broken(text: &str, width: usize) -> (&str, &str) {
+fn split_at_width(text: &str, width: usize) -> (&str, &str) {
     if characters(text) <= width {
         return (text, "");
     }
@@ -63,16 +63,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_are_filled_and_what_belongs_together_stays_together() {
-        assert_eq!(filled("one two three four", 0, 2, 9), "one two\n  three\n  four\n");
-        assert_eq!(filled("q = (a [m], b [m])", 2, 4, 12), "  q =\n    (a [m],\n    b [m])\n");
-        assert_eq!(filled("12.5\u{a0}Hz to 13.5\u{a0}Hz", 0, 0, 8), "12.5\u{a0}Hz\nto\n13.5\u{a0}Hz\n");
+    fn lines_are_filled_and_related_words_are_not_split() {
+        assert_eq!(fill_lines("one two three four", 0, 2, 9), "one two\n  three\n  four\n");
+        assert_eq!(fill_lines("q = (a [m], b [m])", 2, 4, 12), "  q =\n    (a [m],\n    b [m])\n");
+        assert_eq!(fill_lines("12.5\u{a0}Hz to 13.5\u{a0}Hz", 0, 0, 8), "12.5\u{a0}Hz\nto\n13.5\u{a0}Hz\n");
     }
 
     #[test]
     fn a_long_word_stays_whole() {
-        assert_eq!(folded("a abcdefghij b", 4), ["a", "abcdefghij", "b"]);
-        assert_eq!(folded("", 4), [""]);
+        assert_eq!(wrap_lines("a abcdefghij b", 4), ["a", "abcdefghij", "b"]);
+        assert_eq!(wrap_lines("", 4), [""]);
         assert_eq!(longest_word("a abcdefghij [m] b"), "abcdefghij [m]".len());
         assert_eq!(longest_word(""), 0);
     }

@@ -311,7 +311,7 @@ mod tests {
 
     /// What overflows, or is a product with what nothing is known of, is unknown: it has no sign, and its bounds are infinite.
     #[test]
-    fn what_is_no_number_proves_nothing() {
+    fn nan_proves_nothing() {
         let unknown = Ball::new(Dd::from(5.0), f64::INFINITY);
         let huge = Ball::from(1e300);
         let none = [Ball::ONE * unknown, unknown * Ball::ONE, huge * huge, huge * huge - huge * huge, unknown / huge];
@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn dividing_by_a_ball_around_zero_tells_nothing() {
+    fn dividing_by_a_ball_around_zero_gives_no_enclosure() {
         let q = Ball::ONE / Ball::new(Dd::ZERO, 1.0);
         assert!(q.rad.is_infinite());
     }

@@ -498,7 +498,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_real_value_has_none() {
+    fn functions_outside_their_real_domain_have_no_value() {
         assert_eq!((-&Number::ONE).sqrt(), None);
         assert_eq!(Number::ZERO.ln(), None);
         assert_eq!(Number::ZERO.powi(-1), None);

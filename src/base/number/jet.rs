@@ -135,14 +135,14 @@ mod tests {
     }
 
     #[test]
-    fn what_cancels_is_zero() {
+    fn cancelled_terms_are_zero() {
         let x = Jet::of_parameter(Ball::from(3.0));
         assert!((&(&x - &x) * &Number::from(5)).is_zero());
         assert!(!(&x - &Number::from(3)).is_zero(), "it is zero at the middle alone");
     }
 
     #[test]
-    fn a_lost_derivative_is_told() {
+    fn a_lost_derivative_is_reported() {
         let x = Jet::of_parameter(Ball::from(3.0));
         assert!(!watched(|| (&x * &x).is_positive()).1);
         assert!(watched(|| x.to_ball()).1);

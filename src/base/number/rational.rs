@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_literal_is_refused() {
+    fn non_literals_are_refused() {
         for text in ["", ".", "e5", "1e", "1e999999999999", "1e5000", "0x1", "1.2.3", "nan", "-1"] {
             assert_eq!(Rational::from_decimal(text), None, "{text}");
         }

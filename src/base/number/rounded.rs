@@ -82,11 +82,11 @@ mod tests {
     fn the_bound_is_of_the_number_that_is_printed() {
         // A third as a double-double is known to 32 digits; printed as binary64 it is wrong in the 17th.
         let third = Number::from(Rational::new(1, 3));
-        let told = Rounded::of_number(&third).expect("finite");
-        let error = &third - &Number::from(Rational::from_f64(told.value()).expect("finite"));
+        let rounded = Rounded::of_number(&third).expect("finite");
+        let error = &third - &Number::from(Rational::from_f64(rounded.value()).expect("finite"));
         let error = error.to_f64().abs();
-        assert!(error > 1e-17 && error <= told.bound() && told.bound() <= 1.01 * error);
-        assert!(error * 3.0 <= told.relative_bound() && told.relative_bound() <= 3.1 * error);
+        assert!(error > 1e-17 && error <= rounded.bound() && rounded.bound() <= 1.01 * error);
+        assert!(error * 3.0 <= rounded.relative_bound() && rounded.relative_bound() <= 3.1 * error);
     }
 
     /// 1/3 with a radius of 1e-10, and the bound of the number that is printed for it.
@@ -99,17 +99,17 @@ mod tests {
 
     #[test]
     fn a_radius_and_a_rounding_add_up() {
-        let told = Rounded::of(Ball::new(Dd { hi: 1.0, lo: 1e-17 }, 2e-17)).expect("finite");
-        assert_eq!(told.value(), 1.0);
-        assert!(told.bound() >= 3e-17 && told.bound() < 3.000_001e-17);
+        let rounded = Rounded::of(Ball::new(Dd { hi: 1.0, lo: 1e-17 }, 2e-17)).expect("finite");
+        assert_eq!(rounded.value(), 1.0);
+        assert!(rounded.bound() >= 3e-17 && rounded.bound() < 3.000_001e-17);
     }
 
     #[test]
     fn exact_numbers_have_no_error_and_zero_has_no_sign() {
         for x in [0.0, -0.0, 1.5, -3e300, 5e-324] {
-            let told = Rounded::of(Ball::from(x)).expect("finite");
-            assert_eq!((told.value().to_bits(), told.bound()), ((x + 0.0).to_bits(), 0.0));
-            assert_eq!(told.relative_bound(), 0.0);
+            let rounded = Rounded::of(Ball::from(x)).expect("finite");
+            assert_eq!((rounded.value().to_bits(), rounded.bound()), ((x + 0.0).to_bits(), 0.0));
+            assert_eq!(rounded.relative_bound(), 0.0);
         }
     }
 
@@ -123,14 +123,14 @@ mod tests {
 
     #[test]
     fn the_least_numbers_keep_a_bound() {
-        let told = Rounded::of(Ball::new(Dd::from(1e-310), 5e-324)).expect("finite");
-        assert!(told.bound() >= 5e-324 && told.relative_bound() > 0.0);
+        let rounded = Rounded::of(Ball::new(Dd::from(1e-310), 5e-324)).expect("finite");
+        assert!(rounded.bound() >= 5e-324 && rounded.relative_bound() > 0.0);
     }
 
     /// 1 + 2^-54 is no binary64: its nearest, 1, would be too small a bound.
     #[test]
     fn a_bound_is_rounded_upwards() {
-        let told = Rounded::of(Ball::new(Dd { hi: 1.0, lo: 0.5f64.powi(54) }, 1.0)).expect("finite");
-        assert!(told.value() == 1.0 && told.bound() > 1.0, "{told:?}");
+        let rounded = Rounded::of(Ball::new(Dd { hi: 1.0, lo: 0.5f64.powi(54) }, 1.0)).expect("finite");
+        assert!(rounded.value() == 1.0 && rounded.bound() > 1.0, "{rounded:?}");
     }
 }

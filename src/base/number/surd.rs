@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cancels_cancels_exactly() {
+    fn surds_cancel_exactly() {
         let root = |n: i64| Number::from(n).sqrt().expect("positive");
         assert_eq!(&root(2) * &root(2), Number::from(2));
         assert_eq!(&(&root(2) * &root(3)) - &root(6), Number::ZERO);

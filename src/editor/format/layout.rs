@@ -1,7 +1,7 @@
 //! Turns declarations into lines: on one line if it fits, otherwise each field on its own line. See spec.md#layout.
 
 use super::items::Item;
-use super::spacing::{Piece, Role, apart, joined, pieces};
+use super::spacing::{Piece, Role, joined, needs_space, pieces};
 use super::{INDENT, WIDTH};
 use crate::editor::tokens::Token;
 use crate::syntax::tree::Tree;
@@ -66,7 +66,7 @@ impl Layout<'_> {
             Item::Open { tokens, comment } => {
                 let head = pieces(self.text, &self.tokens[tokens.clone()]);
                 let line = joined(head.iter().filter(|piece| piece.role != Role::LineEnd));
-                self.alone(|layout| match has_comment(&head) {
+                self.in_own_group(|layout| match has_comment(&head) {
                     true => layout.as_written(&head, *comment),
                     false => layout.push(Content::Plain(line), *comment),
                 });
@@ -74,13 +74,13 @@ impl Layout<'_> {
             }
             Item::Close { comment } => {
                 self.level = self.level.saturating_sub(1);
-                self.alone(|layout| layout.push(Content::Plain("}".into()), *comment));
+                self.in_own_group(|layout| layout.push(Content::Plain("}".into()), *comment));
             }
         }
     }
 
     /// Puts lines into a group of their own.
-    fn alone(&mut self, lines: impl FnOnce(&mut Self)) {
+    fn in_own_group(&mut self, lines: impl FnOnce(&mut Self)) {
         self.group += 1;
         lines(self);
         self.group += 1;
@@ -110,7 +110,7 @@ impl Layout<'_> {
         }
         let braces =
             braces(&all).filter(|braces| !has_comment(&all[..braces.start]) && !has_comment(&all[braces.end..]));
-        self.alone(|layout| match braces {
+        self.in_own_group(|layout| match braces {
             Some(braces) => layout.fields(&all, braces, comment),
             None if is_plain && !all.iter().any(|piece| piece.role == Role::LineEnd) => {
                 layout.push(content(&line), comment)
@@ -200,7 +200,7 @@ impl Layout<'_> {
         }
         let beside = self.take_comment(all, &mut end);
         if has_comment(field) {
-            self.alone(|layout| layout.written_lines(field, beside));
+            self.in_own_group(|layout| layout.written_lines(field, beside));
             return end;
         }
         let line: Vec<Piece> = field.iter().filter(|piece| piece.role != Role::LineEnd).cloned().collect();
@@ -281,7 +281,7 @@ fn content(line: &[Piece]) -> Content {
         Role::Relation => (Sort::Value, cut),
         _ => (Sort::Fields, cut),
     };
-    debug_assert!(apart(&line[0], &line[1]), "a blank stands after a keyword");
+    debug_assert!(needs_space(&line[0], &line[1]), "a blank stands after a keyword");
     let (keyword, name) = (line[0].text.clone(), joined(&line[1..cut]));
     Content::Named { keyword, name, sort, rest: joined(&line[rest..]) }
 }

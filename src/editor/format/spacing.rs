@@ -56,7 +56,7 @@ pub(super) fn pieces(text: &str, tokens: &[Token]) -> Vec<Piece> {
 }
 
 /// Whether there is a space between these two pieces.
-pub(super) fn apart(left: &Piece, right: &Piece) -> bool {
+pub(super) fn needs_space(left: &Piece, right: &Piece) -> bool {
     match (left.role, right.role) {
         (_, Role::Comma | Role::Colon | Role::Glue) | (Role::Glue | Role::Minus, _) => false,
         (Role::Open('(' | '['), _) | (_, Role::Open('[')) | (Role::Word, Role::Open('(')) => false,
@@ -74,7 +74,7 @@ pub(super) fn joined<'p>(pieces: impl IntoIterator<Item = &'p Piece>) -> String 
     let mut line = String::new();
     let mut last: Option<&Piece> = None;
     for piece in pieces {
-        if last.is_some_and(|last| apart(last, piece)) {
+        if last.is_some_and(|last| needs_space(last, piece)) {
             line.push(' ');
         }
         line += &piece.text;

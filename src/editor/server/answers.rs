@@ -163,14 +163,14 @@ pub fn is_quick_fix(kind: &lsp::CodeActionKind) -> bool {
 
 pub fn action(
     title: String,
-    mended: lsp::Diagnostic,
+    fixed: lsp::Diagnostic,
     edit: lsp::WorkspaceEdit,
     is_preferred: bool,
 ) -> lsp::CodeActionResponse {
     let action = lsp::CodeAction {
         title,
         kind: Some(lsp::CodeActionKind::QuickFix),
-        diagnostics: Some(vec![mended]),
+        diagnostics: Some(vec![fixed]),
         is_preferred: is_preferred.then_some(true),
         edit: Some(edit),
         ..lsp::CodeAction::default()
@@ -179,14 +179,14 @@ pub fn action(
 }
 
 /// The action that shows a code's page.
-pub fn explain(code: &str, told: lsp::Diagnostic) -> lsp::CodeActionResponse {
+pub fn explain(code: &str, diagnostic: lsp::Diagnostic) -> lsp::CodeActionResponse {
     let title = format!("explain {code}");
     let arguments = Some(vec![code.into()]);
     let command = lsp::Command { title: title.clone(), command: EXPLAIN.into(), arguments, tooltip: None };
     let action = lsp::CodeAction {
         title,
         kind: Some(lsp::CodeActionKind::QuickFix),
-        diagnostics: Some(vec![told]),
+        diagnostics: Some(vec![diagnostic]),
         command: Some(command),
         ..lsp::CodeAction::default()
     };

@@ -44,7 +44,7 @@ pub enum Leave {
 
 /// Serves a client until it disconnects.
 pub fn serve(connection: &Connection, read: &Read) -> Leave {
-    let Some((id, params)) = introduced(connection) else { return Leave::Unannounced };
+    let Some((id, params)) = wait_for_initialize(connection) else { return Leave::Unannounced };
     let folders = folders(&params);
     let capabilities = &params["capabilities"];
     let offered = position_encodings(&capabilities["general"]["positionEncodings"]);
@@ -68,7 +68,7 @@ pub fn serve(connection: &Connection, read: &Read) -> Leave {
 }
 
 /// Waits for `initialize`; `None` if the client disconnects first.
-fn introduced(connection: &Connection) -> Option<(RequestId, Value)> {
+fn wait_for_initialize(connection: &Connection) -> Option<(RequestId, Value)> {
     loop {
         match connection.receiver.recv().ok()? {
             Message::Request(request) if request.method == "initialize" => return Some((request.id, request.params)),
@@ -77,7 +77,7 @@ fn introduced(connection: &Connection) -> Option<(RequestId, Value)> {
                 // A client that has disconnected reads nothing; the next receive reports it.
                 let _ = connection.sender.send(Response::new_err(request.id, code, why.into()).into());
             }
-            Message::Notification(told) if told.method == "exit" => return None,
+            Message::Notification(notification) if notification.method == "exit" => return None,
             Message::Notification(_) | Message::Response(_) => {}
         }
     }
@@ -293,8 +293,9 @@ impl Server<'_> {
         }
         self.texts[index].revision += 1;
         let before = self.texts[index].document.take();
-        let made =
-            catch_unwind(AssertUnwindSafe(|| made(&self.texts, index, before.as_ref(), self.read, &self.folders)));
+        let made = catch_unwind(AssertUnwindSafe(|| {
+            document_of(&self.texts, index, before.as_ref(), self.read, &self.folders)
+        }));
         let text = &mut self.texts[index];
         let Ok(document) = made else {
             return self.log(format!("a defect of vibc in `{}`", self.texts[index].uri.0));
@@ -365,7 +366,7 @@ fn invalid(why: &str) -> Refusal {
 
 /// The document of a text, with the tables and files of components that it names. They lie below a folder that is open; where
 /// none is, beside the text, which has to be a file for that. A file that is open counts as it stands in the editor.
-fn made(texts: &[Text], index: usize, before: Option<&Document>, read: &Read, folders: &[String]) -> Document {
+fn document_of(texts: &[Text], index: usize, before: Option<&Document>, read: &Read, folders: &[String]) -> Document {
     let text = &texts[index];
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model(path(&text.uri), text.text.clone()));
@@ -395,7 +396,7 @@ fn made(texts: &[Text], index: usize, before: Option<&Document>, read: &Read, fo
     });
     for of in sources.models().collect::<Vec<_>>() {
         for written in crate::table_files(&sources, of) {
-            let name = sources.file(of).beside(&written);
+            let name = sources.file(of).relative_name(&written);
             if sources.len() >= MOST_FILES {
                 break;
             }

@@ -5,7 +5,7 @@ use super::{Refusal, Server};
 use crate::backend::explain;
 use crate::base::Diagnostic;
 use crate::editor::document::Document;
-use crate::editor::{completion, highlight, hints, hover, mends, names, preview, signature, symbols};
+use crate::editor::{completion, fixes, highlight, hints, hover, names, preview, signature, symbols};
 use gen_lsp_types::{
     CodeActionParams, CodeActionRequest, CompletionRequest, DefinitionRequest, DocumentFormattingRequest,
     DocumentHighlight, DocumentHighlightRequest, DocumentSymbolRequest, ExecuteCommandParams, ExecuteCommandRequest,
@@ -22,34 +22,36 @@ type Answer<R> = Result<<R as Request>::Result, Refusal>;
 impl Server<'_> {
     pub(super) fn answer(&mut self, method: &str, params: Value) -> Result<Value, Refusal> {
         match method {
-            "textDocument/hover" => self.asked::<HoverRequest>(params, |s, p| s.hover(p.text_document_position_params)),
-            "textDocument/inlayHint" => self.asked::<InlayHintRequest>(params, |s, p| {
+            "textDocument/hover" => {
+                self.answer_request::<HoverRequest>(params, |s, p| s.hover(p.text_document_position_params))
+            }
+            "textDocument/inlayHint" => self.answer_request::<InlayHintRequest>(params, |s, p| {
                 let (document, range) = s.part(&p.text_document.uri, p.range)?;
                 let wanted =
                     hints::hints(document).into_iter().filter(|hint| range.start <= hint.at && hint.at <= range.end);
                 Ok(Some(wanted.map(|hint| answers::hint(document, s.encoding, hint)).collect()))
             }),
             "textDocument/completion" => {
-                self.asked::<CompletionRequest>(params, |s, p| s.completion(p.text_document_position_params))
+                self.answer_request::<CompletionRequest>(params, |s, p| s.completion(p.text_document_position_params))
             }
-            "textDocument/definition" => self.asked::<DefinitionRequest>(params, |s, p| {
+            "textDocument/definition" => self.answer_request::<DefinitionRequest>(params, |s, p| {
                 let places = s.places(&p.text_document_position_params, names::declarations)?;
                 Ok(Some(gen_lsp_types::Definition::LocationList(places).into()))
             }),
-            "textDocument/references" => self.asked::<ReferencesRequest>(params, |s, p| {
+            "textDocument/references" => self.answer_request::<ReferencesRequest>(params, |s, p| {
                 let all = p.context.include_declaration;
                 let find = |document: &Document, name| names::references(document, name, all);
                 s.places(&p.text_document_position_params, find).map(Some)
             }),
-            "textDocument/documentHighlight" => self.asked::<DocumentHighlightRequest>(params, |s, p| {
+            "textDocument/documentHighlight" => self.answer_request::<DocumentHighlightRequest>(params, |s, p| {
                 let find = |document: &Document, name| names::references(document, name, true);
                 let places = s.places(&p.text_document_position_params, find)?;
                 Ok(Some(places.into_iter().map(|place| DocumentHighlight { range: place.range, kind: None }).collect()))
             }),
-            "textDocument/prepareRename" => {
-                self.asked::<PrepareRenameRequest>(params, |s, p| s.prepare_rename(&p.text_document_position_params))
-            }
-            "textDocument/rename" => self.asked::<RenameRequest>(params, |s, p| {
+            "textDocument/prepareRename" => self.answer_request::<PrepareRenameRequest>(params, |s, p| {
+                s.prepare_rename(&p.text_document_position_params)
+            }),
+            "textDocument/rename" => self.answer_request::<RenameRequest>(params, |s, p| {
                 let (document, offset) = s.at(&p.text_document_position_params)?;
                 let name = names::name_at(document, offset).ok_or_else(|| refused("there is no name here".into()))?;
                 let ranges = names::rename(document, name, &p.new_name).map_err(refused)?;
@@ -57,21 +59,21 @@ impl Server<'_> {
                 let uri = &p.text_document_position_params.text_document.uri;
                 Ok(Some(answers::workspace_edit(document, s.encoding, uri, edits)))
             }),
-            "textDocument/documentSymbol" => self.asked::<DocumentSymbolRequest>(params, |s, p| {
+            "textDocument/documentSymbol" => self.answer_request::<DocumentSymbolRequest>(params, |s, p| {
                 let document = s.document(&p.text_document.uri)?;
                 let list = symbols::symbols(document).into_iter();
                 let list: Vec<_> = list.map(|symbol| answers::symbol(document, s.encoding, symbol)).collect();
                 Ok(Some(list.into()))
             }),
-            "textDocument/semanticTokens/full" => self.asked::<SemanticTokensRequest>(params, |s, p| {
+            "textDocument/semanticTokens/full" => self.answer_request::<SemanticTokensRequest>(params, |s, p| {
                 let document = s.document(&p.text_document.uri)?;
                 Ok(Some(answers::tokens(document, s.encoding, &highlight::pieces(document))))
             }),
-            "textDocument/foldingRange" => self.asked::<FoldingRangeRequest>(params, |s, p| {
+            "textDocument/foldingRange" => self.answer_request::<FoldingRangeRequest>(params, |s, p| {
                 let document = s.document(&p.text_document.uri)?;
                 Ok(Some(symbols::folds(document).iter().map(|fold| answers::fold(document, fold)).collect()))
             }),
-            "textDocument/formatting" => self.asked::<DocumentFormattingRequest>(params, |s, p| {
+            "textDocument/formatting" => self.answer_request::<DocumentFormattingRequest>(params, |s, p| {
                 let document = s.document(&p.text_document.uri)?;
                 let laid_out = crate::format(&document.sources, document.file);
                 if laid_out.answer.is_none() {
@@ -79,19 +81,19 @@ impl Server<'_> {
                 }
                 Ok(laid_out.answer.map(|text| answers::difference(document, s.encoding, &text)))
             }),
-            "textDocument/signatureHelp" => self.asked::<SignatureHelpRequest>(params, |s, p| {
+            "textDocument/signatureHelp" => self.answer_request::<SignatureHelpRequest>(params, |s, p| {
                 let (document, offset) = s.at(&p.text_document_position_params)?;
                 Ok(signature::signature(document, offset).map(answers::signature))
             }),
             "vibc/page" => self.page(&params),
-            "textDocument/codeAction" => self.asked::<CodeActionRequest>(params, |s, p| s.actions(&p)),
-            "workspace/executeCommand" => self.asked::<ExecuteCommandRequest>(params, |s, p| s.execute(&p)),
+            "textDocument/codeAction" => self.answer_request::<CodeActionRequest>(params, |s, p| s.actions(&p)),
+            "workspace/executeCommand" => self.answer_request::<ExecuteCommandRequest>(params, |s, p| s.execute(&p)),
             _ => Err(Refusal { code: ErrorCode::MethodNotFound, message: format!("`{method}` is not known") }),
         }
     }
 
     /// Reads the parameters, brings every text up to date, and gets the answer.
-    fn asked<R: Request>(
+    fn answer_request<R: Request>(
         &mut self,
         params: Value,
         ask: impl FnOnce(&Self, R::Params) -> Answer<R>,
@@ -133,7 +135,7 @@ impl Server<'_> {
 
     fn completion(&self, place: TextDocumentPositionParams) -> Answer<CompletionRequest> {
         let (document, offset) = self.at(&place)?;
-        let range = self.encoding.range(document, completion::typed(document, offset));
+        let range = self.encoding.range(document, completion::typed_prefix(document, offset));
         let items = completion::items(document, offset).into_iter().enumerate();
         let items: Vec<_> = items.map(|(order, item)| answers::item(order, item, range)).collect();
         Ok(Some(items.into()))
@@ -170,12 +172,12 @@ impl Server<'_> {
             if !touches(answers::place(document, finding)) {
                 continue;
             }
-            let told = answers::diagnostic(document, self.encoding, uri, finding);
-            for (order, action) in mends::actions(document, finding).into_iter().enumerate() {
+            let diagnostic = answers::diagnostic(document, self.encoding, uri, finding);
+            for (order, action) in fixes::actions(document, finding).into_iter().enumerate() {
                 let edit = answers::workspace_edit(document, self.encoding, uri, action.edits);
-                actions.push(answers::action(action.title, told.clone(), edit, order == 0));
+                actions.push(answers::action(action.title, diagnostic.clone(), edit, order == 0));
             }
-            actions.push(answers::explain(finding.code.0, told));
+            actions.push(answers::explain(finding.code.0, diagnostic));
         }
         Ok(Some(actions))
     }

@@ -105,7 +105,7 @@ impl Point<'_> {
             // Nothing that moves is inside.
             Factor::Pi | Factor::Call(..) => {
                 let value = Sum::term(crate::symbols::Product::of(factor.clone(), 1), Rational::ONE);
-                Some(Jet::constant(self.equations.names.worth(&value)?.to_ball()))
+                Some(Jet::constant(self.equations.names.value_of(&value)?.to_ball()))
             }
         }
     }
@@ -131,7 +131,7 @@ pub fn verify(equations: &Equations) -> Result<(), EquationsError> {
         let free = equations.motion.free;
         let step = free.div_ceil(MOST_EQUATIONS).max(1);
         for index in (0..free).step_by(step) {
-            let Some((written, derived)) = state.both(index) else { continue };
+            let Some((written, derived)) = state.both_values(index) else { continue };
             if !agree(&written, &derived) {
                 return Err(state.defect(index, "the equation", &written, &derived));
             }
@@ -224,10 +224,10 @@ impl<'a> State<'a> {
     fn projected(&self, reduced: &Reduced, equation: &Equation) -> Option<(Number, Number)> {
         let point = self.point(Perturbed::Nothing, Perturbed::Nothing)?;
         let written = Number::Ball(point.written(equation)?);
-        let (_, mut derived) = self.both(equation.coordinate)?;
+        let (_, mut derived) = self.both_values(equation.coordinate)?;
         for follow in &reduced.follows {
             if let Some(ratio) = follow.ratios.iter().find(|ratio| ratio.by == equation.coordinate) {
-                let (_, other) = self.both(follow.coordinate)?;
+                let (_, other) = self.both_values(follow.coordinate)?;
                 derived = &derived + &(&Number::Ball(self.value(&ratio.short())?) * &other);
             }
         }
@@ -248,10 +248,10 @@ impl<'a> State<'a> {
             for order in 0..3 {
                 let mut jet = Jet::constant(values[order]);
                 let one = |on: bool| if on { Ball::from(1.0) } else { Ball::from(0.0) };
-                jet.a = one(a.is(number, order));
+                jet.a = one(a.matches(number, order));
                 jet.b = match b {
                     Perturbed::AlongMotion if order < 2 => values[order + 1],
-                    other => one(other.is(number, order)),
+                    other => one(other.matches(number, order)),
                 };
                 motions.insert(coordinate.symbols[order], jet);
             }
@@ -263,7 +263,7 @@ impl<'a> State<'a> {
     }
 
     /// An equation as written, and by derivatives of the energies; `None` where a length or a root is not above zero there.
-    fn both(&self, index: usize) -> Option<(Number, Number)> {
+    fn both_values(&self, index: usize) -> Option<(Number, Number)> {
         let (equations, energies) = (self.equations, &self.equations.energies);
         let momentum = self.point(Perturbed::Velocity(index), Perturbed::AlongMotion)?;
         let inerters = energies.elements.iter().filter(|element| element.order == Order::Acceleration);
@@ -331,7 +331,7 @@ enum Perturbed {
 }
 
 impl Perturbed {
-    fn is(self, number: usize, order: usize) -> bool {
+    fn matches(self, number: usize, order: usize) -> bool {
         match self {
             Perturbed::Displacement(index) => number == index && order == 0,
             Perturbed::Velocity(index) => number == index && order == 1,

@@ -64,7 +64,7 @@ impl Matrices {
 fn rows(equations: &Equations, output: &Output, system: &LinearSystem) -> Result<(), EquationsError> {
     let Some(theirs) = system.outputs.get(output.number) else { return Ok(()) };
     let compare = |own: &Sum, other: &Number, of: String| {
-        let value = equations.names.worth(own).unwrap_or(Number::ZERO);
+        let value = equations.names.value_of(own).unwrap_or(Number::ZERO);
         let what = || format!("{}[{of}]", output.name);
         if agree(&value, other) { Ok(()) } else { Err(defect(output.span, what(), &value, other)) }
     };
@@ -130,7 +130,7 @@ fn transfer_function(
     system: &LinearSystem,
 ) -> Result<(), EquationsError> {
     let (part, output) = (&equations.parts[transfer.part], &equations.outputs[transfer.output]);
-    let worth = |sums: &[Sum]| sums.iter().map(|sum| equations.names.worth(sum)).collect::<Option<Polynomial>>();
+    let worth = |sums: &[Sum]| sums.iter().map(|sum| equations.names.value_of(sum)).collect::<Option<Polynomial>>();
     let (over, under) = match transfer.numerator.is_empty() {
         true => (Some(transfer.numbers.clone()), Some(part.numbers.clone())),
         false => (worth(&transfer.reduced.0), worth(&transfer.reduced.1)),

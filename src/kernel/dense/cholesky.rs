@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_positive_definite_is_found() {
+    fn indefinite_matrices_are_found() {
         let m = Matrix::from_fn(2, 2, |_, _| Dd::ONE / Dd::from(3.0));
         assert_eq!(factor(m.clone(), rounding(2)), Err(1));
         assert_eq!(factor(m, 1e-20), Err(1));

@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn an_indefinite_matrix_is_told_and_a_shift_mends_it() {
+    fn an_indefinite_matrix_is_reported_and_a_shift_fixes_it() {
         let mut matrix = Symmetric::pattern(2, &[(0, 0), (1, 1), (0, 1)]);
         matrix.fill([1.0, 1.0, 2.0]);
         assert!(matrix.factor(|_| 0.0, 0.0).is_err());

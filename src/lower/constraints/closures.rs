@@ -11,7 +11,7 @@ use crate::lower::loads;
 use crate::model::scene::{Couple, Joint, Motion, MotionTerm, Scene};
 
 /// Every equation of a scene.
-pub fn all(scene: &Scene, kinematics: &Kinematics) -> Vec<Constraint> {
+pub fn constraint_equations(scene: &Scene, kinematics: &Kinematics) -> Vec<Constraint> {
     let mut list = Vec::new();
     for id in &kinematics.tree.closing {
         let equations = of_joint(kinematics, &scene.joints[id.index()]);
@@ -25,7 +25,7 @@ pub fn all(scene: &Scene, kinematics: &Kinematics) -> Vec<Constraint> {
 }
 
 fn of_joint(kinematics: &Kinematics, joint: &Joint) -> Vec<Equation<Number>> {
-    let held = joint.held();
+    let held = joint.constrained_motions();
     let pieces = [0, 1].map(|end| kinematics.tree.piece(joint.ends[end].part));
     let angles = pieces.map(|piece| kinematics.angle(piece));
     // Parts without relative rotation may be compared at any known point.
@@ -33,7 +33,7 @@ fn of_joint(kinematics: &Kinematics, joint: &Joint) -> Vec<Equation<Number>> {
     let given = |end: usize| joint.ends[end].at.as_deref();
     let at = given(0).or_else(|| given(1)).or_else(|| anchor(0)).or_else(|| anchor(1));
     let mut path = Path::default();
-    kinematics.way(End { piece: pieces[0], at }, End { piece: pieces[1], at }, &mut path);
+    kinematics.path_between(End { piece: pieces[0], at }, End { piece: pieces[1], at }, &mut path);
     let component = |direction: Vector<Number>, carrier| {
         let components = vec![Component { path: path.clone(), direction, carrier }];
         Equation { components, turns: Vec::new() }
@@ -57,7 +57,7 @@ fn of_couple(kinematics: &Kinematics, couple: &Couple) -> Equation<Number> {
         match motion {
             Motion::Point { part, at, direction, .. } => {
                 let mut path = Path::default();
-                loads::absolute(kinematics, kinematics.point(*part, at.as_ref()), &mut path);
+                loads::path_from_ground(kinematics, kinematics.point(*part, at.as_ref()), &mut path);
                 let direction = Vector::of(direction).scaled(coefficient);
                 equation.components.push(Component { path, direction, carrier: None });
             }

@@ -28,7 +28,7 @@ type Open = BTreeMap<Index, Number>;
 
 /// A constraint that depends on earlier ones except for its prescribed (base-motion) entries.
 #[derive(Clone, Debug)]
-pub struct Left {
+pub struct DependentRow {
     /// The number of the row.
     pub row: u32,
     /// The factors of the rows that add up to it: its own is 1.
@@ -44,7 +44,7 @@ pub struct Left {
 pub struct Elimination {
     /// For each dependent coordinate d, q_d + sum of entry times q_i = 0 over the coordinates that are not dependent.
     pub solved: BTreeMap<Index, Row>,
-    pub left: Vec<Left>,
+    pub left: Vec<DependentRow>,
     /// The row at which [`MAX_ENTRIES`] was exceeded; later rows were not processed.
     pub full: Option<u32>,
     /// Number of entries of all equations and combinations together; entries with many digits count more than once.
@@ -91,7 +91,7 @@ const SHORT: u64 = 512;
 
 impl Work {
     /// Counts the product or quotient that made a number, and returns the number in the form in which it is kept.
-    fn kept(&mut self, number: Number) -> Number {
+    fn round_if_costly(&mut self, number: Number) -> Number {
         let bits = bits(&number);
         self.0 += (1 + bits / 128).pow(2);
         if bits > SHORT && self.0 > MAX_WORK { Number::Ball(number.to_ball()) } else { number }
@@ -103,7 +103,7 @@ impl Work {
 pub fn eliminate(rows: Vec<Vec<(Index, Number)>>, free: usize, unit: impl Fn(Index) -> f64) -> Elimination {
     let mut elimination = Elimination::default();
     for (number, row) in rows.into_iter().enumerate() {
-        elimination.take(number as u32, row, free as Index, &unit);
+        elimination.eliminate_row(number as u32, row, free as Index, &unit);
         if elimination.is_full(number as u32) {
             return elimination;
         }
@@ -123,11 +123,11 @@ impl Elimination {
         self.full.is_some()
     }
 
-    fn take(&mut self, number: u32, row: Vec<(Index, Number)>, free: Index, unit: &impl Fn(Index) -> f64) {
+    fn eliminate_row(&mut self, number: u32, row: Vec<(Index, Number)>, free: Index, unit: &impl Fn(Index) -> f64) {
         let weight = |(coordinate, entry): (&Index, &Number)| entry.to_f64().abs() * unit(*coordinate);
         let mut row: Open = row.into_iter().collect();
         let before = row.iter().map(weight).fold(0.0, f64::max);
-        let less = self.free_of_pivots(&mut row);
+        let less = self.eliminate_pivots(&mut row);
         let is_something = |entry: &(&Index, &Number)| {
             !entry.1.may_be_zero() && weight(*entry) > if entry.1.exact().is_some() { 0.0 } else { NOTHING * before }
         };
@@ -140,11 +140,11 @@ impl Elimination {
             });
             let driven = row.into_iter().filter(|(coordinate, _)| *coordinate >= free).collect();
             let less = less.into_iter().map(|(step, factor)| (step, -&factor)).collect();
-            let mut combination = self.multiplied_out(less);
+            let mut combination = self.expand_steps(less);
             // The rows of these steps come before this one.
             combination.push((number, Number::ONE));
             self.entries += size(&combination);
-            return self.left.push(Left { row: number, combination, driven, unclear });
+            return self.left.push(DependentRow { row: number, combination, driven, unclear });
         };
         let scale = normalise(&mut row, pivot, &mut self.work);
         let row: Row = row.into_iter().collect();
@@ -155,7 +155,7 @@ impl Elimination {
 
     /// Eliminates every pivot from a row, and returns the steps used with their factors. Their rows contain only pivots
     /// of later steps, so each is used once.
-    fn free_of_pivots(&mut self, row: &mut Open) -> Vec<(usize, Number)> {
+    fn eliminate_pivots(&mut self, row: &mut Open) -> Vec<(usize, Number)> {
         let mut less = Vec::new();
         let mut waiting: BTreeSet<usize> = row.keys().filter_map(|i| self.step_of.get(i)).copied().collect();
         while let Some(number) = waiting.pop_first() {
@@ -177,7 +177,7 @@ impl Elimination {
             for other in pivots {
                 subtract(&mut row, other, &self.solved[&other], &mut self.work);
             }
-            self.remember(pivot, row);
+            self.store_equation(pivot, row);
             if self.is_full(self.steps[number].number) {
                 return;
             }
@@ -185,18 +185,18 @@ impl Elimination {
     }
 
     /// Makes a coordinate dependent by means of an equation that contains it.
-    fn adopt(&mut self, pivot: Index, mut equation: Open) {
+    fn make_dependent(&mut self, pivot: Index, mut equation: Open) {
         normalise(&mut equation, pivot, &mut self.work);
         let equation: Row = equation.into_iter().collect();
         for user in self.users.remove(&pivot).unwrap_or_default() {
-            let Some(mut other) = self.forget(user) else { continue };
+            let Some(mut other) = self.remove_equation(user) else { continue };
             subtract(&mut other, pivot, &equation, &mut self.work);
-            self.remember(user, other);
+            self.store_equation(user, other);
         }
-        self.remember(pivot, equation.into_iter().collect());
+        self.store_equation(pivot, equation.into_iter().collect());
     }
 
-    fn remember(&mut self, dependent: Index, equation: Open) {
+    fn store_equation(&mut self, dependent: Index, equation: Open) {
         let equation: Row = equation.into_iter().collect();
         self.entries += size(&equation);
         for (coordinate, _) in &equation {
@@ -205,7 +205,7 @@ impl Elimination {
         self.solved.insert(dependent, equation);
     }
 
-    fn forget(&mut self, dependent: Index) -> Option<Open> {
+    fn remove_equation(&mut self, dependent: Index) -> Option<Open> {
         let equation = self.solved.remove(&dependent)?;
         self.entries -= size(&equation);
         for (coordinate, _) in &equation {
@@ -227,10 +227,10 @@ impl Elimination {
             let largest = entries.max_by(|a, b| ratio(a).total_cmp(&ratio(b)).then(a.0.cmp(&b.0)));
             let Some((coordinate, _)) = largest.filter(|entry| ratio(entry) > MARGIN) else { continue };
             let coordinate = *coordinate;
-            let Some(mut equation) = self.forget(dependent) else { continue };
+            let Some(mut equation) = self.remove_equation(dependent) else { continue };
             equation.insert(dependent, Number::ONE);
             waiting.extend(self.users.get(&coordinate).into_iter().flatten());
-            self.adopt(coordinate, equation);
+            self.make_dependent(coordinate, equation);
             waiting.insert(coordinate);
             if self.is_full(self.steps.last().map_or(0, |step| step.number)) {
                 return;
@@ -247,7 +247,7 @@ impl Elimination {
             let Some(row) = self.solved.get(dependent) else { continue };
             add(&mut left, *dependent, factor);
             for (coordinate, entry) in row {
-                add(&mut left, *coordinate, &work.kept(factor * entry));
+                add(&mut left, *coordinate, &work.round_if_costly(factor * entry));
             }
         }
         // Expresses the sum in equations of the forward pass: among the remaining steps, only the earliest contains its
@@ -261,18 +261,18 @@ impl Elimination {
                 of_steps.insert(number, factor);
             }
         }
-        self.multiplied_out(of_steps)
+        self.expand_steps(of_steps)
     }
 
     /// A sum of equations of the forward pass, given by their factors, as a sum of the constraints' gradients.
-    fn multiplied_out(&self, mut of_steps: BTreeMap<usize, Number>) -> Combination {
+    fn expand_steps(&self, mut of_steps: BTreeMap<usize, Number>) -> Combination {
         let mut work = self.work;
         let mut combination = Combination::new();
         while let Some((number, factor)) = of_steps.pop_last() {
             let step = &self.steps[number];
-            let factor = work.kept(&factor * &step.scale);
+            let factor = work.round_if_costly(&factor * &step.scale);
             for (earlier, less) in &step.less {
-                add(&mut of_steps, *earlier, &-&work.kept(&factor * less));
+                add(&mut of_steps, *earlier, &-&work.round_if_costly(&factor * less));
             }
             if !factor.is_zero() {
                 combination.push((step.number, factor));
@@ -288,7 +288,7 @@ impl Elimination {
 fn normalise(row: &mut Open, coordinate: Index, work: &mut Work) -> Number {
     let Some(factor) = row.remove(&coordinate) else { return Number::ONE };
     for entry in row.values_mut() {
-        *entry = work.kept(&*entry / &factor);
+        *entry = work.round_if_costly(&*entry / &factor);
     }
     &Number::ONE / &factor
 }
@@ -297,7 +297,7 @@ fn normalise(row: &mut Open, coordinate: Index, work: &mut Work) -> Number {
 fn subtract(row: &mut Open, coordinate: Index, by: &Row, work: &mut Work) -> Option<Number> {
     let factor = row.remove(&coordinate)?;
     for (other, entry) in by {
-        add(row, *other, &-&work.kept(&factor * entry));
+        add(row, *other, &-&work.round_if_costly(&factor * entry));
     }
     Some(factor)
 }
@@ -414,13 +414,13 @@ mod tests {
         let mut work = Work(MAX_WORK);
         let (mut kept, mut exact) = (Number::ONE, Rational::from(1));
         for _ in 0..200 {
-            kept = work.kept(&kept * &ratio);
+            kept = work.round_if_costly(&kept * &ratio);
             exact = &exact * ratio.exact().expect("exact");
         }
         assert!(kept.exact().is_none() && bits(&Number::from(exact.clone())) > SHORT);
         assert!((kept.to_ball() - exact.to_ball()).contains_zero());
         assert!(kept.to_ball().relative_error() < 1e-25);
         let mut fresh = Work::default();
-        assert_eq!(fresh.kept(Number::from(exact.clone())), Number::from(exact));
+        assert_eq!(fresh.round_if_costly(Number::from(exact.clone())), Number::from(exact));
     }
 }

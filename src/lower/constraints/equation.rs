@@ -15,7 +15,7 @@
 
 use crate::base::Number;
 use crate::elements::{Scalar, Vector};
-use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
+use crate::lower::kinematics::{Index, Kinematics, Path, PathEvaluation, State};
 
 /// A constraint, in the number type in which it is evaluated.
 #[derive(Clone, Debug)]
@@ -74,7 +74,12 @@ impl Equation<Number> {
 
 impl<S: Scalar> Equation<S> {
     /// g and its gradient: one entry per coordinate, ascending, without zeros.
-    pub fn measure(&self, kinematics: &Kinematics, state: &State<S>, reach: &mut Reach<S>) -> (S, Vec<(Index, S)>) {
+    pub fn measure(
+        &self,
+        kinematics: &Kinematics,
+        state: &State<S>,
+        reach: &mut PathEvaluation<S>,
+    ) -> (S, Vec<(Index, S)>) {
         let mut value = S::zero();
         let mut row: Vec<(Index, S)> = Vec::new();
         let mut part = Vec::new();
@@ -93,7 +98,7 @@ impl<S: Scalar> Equation<S> {
             value = value.plus(&factor.times(state.value(*angle)));
             row.push((*angle, factor.clone()));
         }
-        (value, summed(row))
+        (value, merge_entries(row))
     }
 
     /// `multiplier` times the second derivative. Each pair of coordinates is visited in one order only, but possibly more
@@ -103,7 +108,7 @@ impl<S: Scalar> Equation<S> {
         kinematics: &Kinematics,
         state: &State<S>,
         multiplier: &S,
-        reach: &mut Reach<S>,
+        reach: &mut PathEvaluation<S>,
         mut visit: impl FnMut(Index, Index, S),
     ) {
         for component in &self.components {
@@ -138,7 +143,7 @@ impl<S: Scalar> Component<S> {
 }
 
 /// Sums the entries of each coordinate: one per coordinate, ascending, without zeros.
-pub fn summed<S: Scalar>(mut row: Vec<(Index, S)>) -> Vec<(Index, S)> {
+pub fn merge_entries<S: Scalar>(mut row: Vec<(Index, S)>) -> Vec<(Index, S)> {
     row.sort_by_key(|(coordinate, _)| *coordinate);
     let mut sums: Vec<(Index, S)> = Vec::with_capacity(row.len());
     for (coordinate, value) in row {

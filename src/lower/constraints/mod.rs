@@ -18,7 +18,7 @@ pub use rank::Why;
 pub use reduction::Reduction;
 
 use super::error::LowerError;
-use super::kinematics::{Index, Kinematics, Reach, State};
+use super::kinematics::{Index, Kinematics, PathEvaluation, State};
 use crate::base::{Diagnostic, Name, Number, Span};
 use crate::model::scene::{JointId, Scene};
 use elimination::Elimination;
@@ -54,14 +54,14 @@ pub struct Constraints {
 
 /// The constraints of a scene, with notes on redundant ones.
 pub fn build(scene: &Scene, kinematics: &Kinematics) -> Result<(Constraints, Vec<Diagnostic>), Vec<LowerError>> {
-    let list = closures::all(scene, kinematics);
+    let list = closures::constraint_equations(scene, kinematics);
     if list.is_empty() {
         return Ok((Constraints::default(), Vec::new()));
     }
     let longest = list.iter().map(|constraint| constraint.equation.length()).fold(0.0, f64::max);
     let length = if longest > 0.0 { longest } else { 1.0 };
     let all = Constraints { list, redundant: Vec::new(), length };
-    rank::sorted(scene, kinematics, all)
+    rank::classify(scene, kinematics, all)
 }
 
 impl Source {
@@ -92,7 +92,7 @@ impl Constraints {
         kinematics: &Kinematics,
         state: &State<Number>,
     ) -> Result<Elimination, Vec<LowerError>> {
-        let mut reach = Reach::default();
+        let mut reach = PathEvaluation::default();
         let rows = self.list.iter().map(|c| c.equation.measure(kinematics, state, &mut reach).1).collect();
         let elimination = elimination::eliminate(rows, kinematics.n(), |coordinate| self.unit(kinematics, coordinate));
         let span = |row: u32| self.list[row as usize].source.span(scene);
@@ -118,25 +118,25 @@ impl Constraints {
         state: &State<Number>,
     ) -> Result<Reduction, Vec<LowerError>> {
         if self.is_empty() {
-            return Ok(Reduction::all(kinematics.n()));
+            return Ok(Reduction::unconstrained(kinematics.n()));
         }
         let elimination = self.eliminate(scene, kinematics, state)?;
         if let Some(left) = elimination.left.first() {
-            return Err(vec![rank::singular(scene, kinematics, self, left)]);
+            return Err(vec![rank::singular_error(scene, kinematics, self, left)]);
         }
         Ok(Reduction::new(kinematics.n(), elimination))
     }
 
     /// Whether every equation, including redundant ones, holds exactly at a state.
     pub fn hold_exactly(&self, kinematics: &Kinematics, state: &State<Number>) -> bool {
-        let mut reach = Reach::default();
+        let mut reach = PathEvaluation::default();
         let mut all = self.list.iter().chain(&self.redundant);
         state.is_drawn() || all.all(|c| c.equation.measure(kinematics, state, &mut reach).0.is_zero())
     }
 
     /// The error for constraints that cannot be satisfied near the drawing with the bases where they are held.
     pub fn open(&self, scene: &Scene, kinematics: &Kinematics, numbers: &[u32]) -> LowerError {
-        rank::wrong(scene, kinematics, self, numbers, Why::Open)
+        rank::conflict_error(scene, kinematics, self, numbers, Why::Open)
     }
 
     pub fn are_linear(&self) -> bool {
@@ -150,14 +150,14 @@ impl Constraints {
         kinematics: &Kinematics,
         state: &State<Number>,
     ) -> Result<(), Vec<LowerError>> {
-        let mut reach = Reach::default();
+        let mut reach = PathEvaluation::default();
         let broken = self.redundant.iter().find(|constraint| {
             let left = constraint.equation.measure(kinematics, state, &mut reach).0;
             !left.may_be_zero() && left.to_f64().abs() > NOTHING * self.length
         });
         match broken {
             None => Ok(()),
-            Some(constraint) => Err(vec![rank::broken(scene, kinematics, self, constraint.source)]),
+            Some(constraint) => Err(vec![rank::broken_error(scene, kinematics, self, constraint.source)]),
         }
     }
 }

@@ -6,11 +6,11 @@
 //! only, no motion is left: the joints lock each other (conflict). If it has both signs, several motions branch off here
 //! (the rank drops), as with all links in line.
 
-use super::elimination::{Elimination, Left, Row};
+use super::elimination::{DependentRow, Elimination, Row};
 use super::{Constraints, Reduction, Source};
 use crate::base::{Diagnostic, Number, Span, Vec3};
 use crate::lower::error::{self, LowerError};
-use crate::lower::kinematics::{Index, Kinematics, Reach, State};
+use crate::lower::kinematics::{Index, Kinematics, PathEvaluation, State};
 use crate::model::scene::Scene;
 use nalgebra::DMatrix;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,12 +23,12 @@ const NOTHING: f64 = 1e-15;
 const MOST_FACTORS: usize = 1_000_000;
 
 /// Separates the constraints into independent and redundant ones, with a note for each source of the latter.
-pub fn sorted(
+pub fn classify(
     scene: &Scene,
     kinematics: &Kinematics,
     mut all: Constraints,
 ) -> Result<(Constraints, Vec<Diagnostic>), Vec<LowerError>> {
-    let elimination = all.eliminate(scene, kinematics, &State::drawn())?;
+    let elimination = all.eliminate(scene, kinematics, &State::as_drawn())?;
     let mut errors: BTreeMap<Source, LowerError> = BTreeMap::new();
     let mut redundant: BTreeMap<Source, Vec<Source>> = BTreeMap::new();
     for left in &elimination.left {
@@ -84,7 +84,7 @@ fn meaning(
     kinematics: &Kinematics,
     all: &Constraints,
     elimination: &Elimination,
-    left: &Left,
+    left: &DependentRow,
 ) -> Meaning {
     if left.unclear {
         return Meaning::Wrong(Why::Unclear);
@@ -107,7 +107,7 @@ fn second_derivative(
     kinematics: &Kinematics,
     all: &Constraints,
     elimination: &Elimination,
-    left: &Left,
+    left: &DependentRow,
 ) -> BTreeMap<(Index, Index), Number> {
     let mut form: BTreeMap<(Index, Index), (Number, f64)> = BTreeMap::new();
     let mut add = |a: Index, b: Index, value: Number| {
@@ -119,7 +119,7 @@ fn second_derivative(
         Some(row) => row.iter().map(|(i, entry)| (*i, -entry)).collect(),
         None => Row::from([(coordinate, Number::ONE)]),
     };
-    let (state, mut reach) = (State::drawn(), Reach::default());
+    let (state, mut reach) = (State::as_drawn(), PathEvaluation::default());
     for (constraint, factor) in &left.combination {
         let equation = &all.list[*constraint as usize].equation;
         equation.curvature(kinematics, &state, factor, &mut reach, |i, j, value| {
@@ -168,7 +168,7 @@ fn opposed(
     elimination: &Elimination,
 ) -> Vec<(Source, LowerError)> {
     let (mut errors, mut named, mut left) = (Vec::new(), BTreeSet::new(), MOST_FACTORS);
-    let (mut reach, state) = (Reach::default(), State::drawn());
+    let (mut reach, state) = (PathEvaluation::default(), State::as_drawn());
     for (coordinate, _) in elimination.solved.iter().filter(|(_, row)| row.is_empty()) {
         if named.contains(coordinate) || left == 0 {
             continue;
@@ -194,19 +194,25 @@ fn opposed(
 }
 
 /// The error for some constraints.
-pub fn wrong(scene: &Scene, kinematics: &Kinematics, all: &Constraints, numbers: &[u32], why: Why) -> LowerError {
+pub fn conflict_error(
+    scene: &Scene,
+    kinematics: &Kinematics,
+    all: &Constraints,
+    numbers: &[u32],
+    why: Why,
+) -> LowerError {
     let sources = sources(all, numbers.iter());
     loops(scene, kinematics, sources[0], &sources, why)
 }
 
 /// The error for a constraint that follows from the others as drawn, but not at rest.
-pub fn broken(scene: &Scene, kinematics: &Kinematics, all: &Constraints, source: Source) -> LowerError {
+pub fn broken_error(scene: &Scene, kinematics: &Kinematics, all: &Constraints, source: Source) -> LowerError {
     let numbers: Vec<u32> = (0..all.list.len() as u32).collect();
     loops(scene, kinematics, source, &sources(all, numbers.iter()), Why::Locked)
 }
 
 /// The error for a rest at which constraints that are independent in the drawing are dependent.
-pub fn singular(scene: &Scene, kinematics: &Kinematics, all: &Constraints, left: &Left) -> LowerError {
+pub fn singular_error(scene: &Scene, kinematics: &Kinematics, all: &Constraints, left: &DependentRow) -> LowerError {
     let source = all.list[left.row as usize].source;
     loops(scene, kinematics, source, &sources(all, left.combination.iter().map(|(number, _)| number)), Why::Branching)
 }
@@ -220,7 +226,7 @@ fn sources<'a>(all: &Constraints, numbers: impl Iterator<Item = &'a u32>) -> Vec
 }
 
 /// Names and places of the members of the loops of some constraints: those of `first` before the others.
-fn named(scene: &Scene, kinematics: &Kinematics, first: Source, sources: &[Source]) -> Vec<(String, Span)> {
+fn name_of(scene: &Scene, kinematics: &Kinematics, first: Source, sources: &[Source]) -> Vec<(String, Span)> {
     let mut all: Vec<Source> = vec![first];
     for source in [first].iter().chain(sources) {
         let members = match source {
@@ -237,11 +243,11 @@ fn named(scene: &Scene, kinematics: &Kinematics, first: Source, sources: &[Sourc
 }
 
 fn loops(scene: &Scene, kinematics: &Kinematics, first: Source, sources: &[Source], why: Why) -> LowerError {
-    LowerError::Loop { joints: named(scene, kinematics, first, sources), why }
+    LowerError::Loop { joints: name_of(scene, kinematics, first, sources), why }
 }
 
 fn note(scene: &Scene, kinematics: &Kinematics, source: Source, others: &[Source]) -> Diagnostic {
-    error::redundant(&named(scene, kinematics, source, others))
+    error::redundant(&name_of(scene, kinematics, source, others))
 }
 
 /// Whether the loops have at least three pivots and all of them are on one line as drawn.
@@ -267,6 +273,6 @@ impl Constraints {
             return Ok(());
         }
         let all: Vec<u32> = (0..self.list.len() as u32).collect();
-        Err(vec![wrong(scene, kinematics, self, &all, Why::Locked)])
+        Err(vec![conflict_error(scene, kinematics, self, &all, Why::Locked)])
     }
 }

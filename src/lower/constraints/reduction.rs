@@ -3,7 +3,7 @@
 //! See docs/method/kinematics.md#independent-coordinates and docs/method/linearisation.md#constraint-forces.
 
 use super::elimination::{Elimination, Row};
-use super::equation::summed;
+use super::equation::merge_entries;
 use crate::base::Number;
 use crate::lower::kinematics::{Index, Kinematics, State};
 use crate::system::CoordinateId;
@@ -26,7 +26,7 @@ const DEPENDENT: u32 = u32::MAX;
 
 impl Reduction {
     /// Without constraints: every coordinate of the tree is a coordinate of the system.
-    pub fn all(free: usize) -> Reduction {
+    pub fn unconstrained(free: usize) -> Reduction {
         Reduction {
             free,
             elimination: Elimination::default(),
@@ -105,7 +105,7 @@ impl Reduction {
                 None => reduced.push((coordinate, value)),
             }
         }
-        *row = summed(reduced);
+        *row = merge_entries(reduced);
     }
 
     /// Generalised forces reduced to the independent coordinates; zero on the dependent ones.

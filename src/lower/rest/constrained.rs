@@ -6,11 +6,11 @@
 //! and lambda the multipliers that minimise the remainder grad V + G^T lambda. A step p = Z y minimises V + lambda g
 //! within a trust radius, and Newton steps across the constraints bring it back onto g = 0. Every step lowers the energy.
 
-use super::newton::{BALANCED, Descended, FIRST_RADIUS, LARGEST_RADIUS, MAX_STEPS, STILL};
+use super::newton::{BALANCED, DescentResult, FIRST_RADIUS, LARGEST_RADIUS, MAX_STEPS, NEGLIGIBLE_STEP};
 use super::potential::{Detail, ELSEWHERE, Energy, Potential};
-use super::trust::{Region, Shifted};
+use super::trust::{Region, ShiftedMatrix};
 use crate::lower::constraints::equation::Equation;
-use crate::lower::kinematics::{Index, Kinematics, Reach, State};
+use crate::lower::kinematics::{Index, Kinematics, PathEvaluation, State};
 use nalgebra::linalg::{Cholesky, QR};
 use nalgebra::{DMatrix, DVector, Dyn};
 
@@ -29,19 +29,19 @@ pub struct Descent<'a> {
 /// Limit on the Newton steps across the constraints, after which a step counts as too long to be brought back.
 const MAX_RETURNS: u32 = 30;
 /// Permitted violation of a constraint, in radians or lengths of the part: rounding errors of sums of a few lengths.
-const CLOSED: f64 = 1e-14;
+const CLOSURE_TOLERANCE: f64 = 1e-14;
 /// Radians or lengths beyond which the part counts as falling.
-const AWAY: f64 = 1e6;
+const FALLEN: f64 = 1e6;
 
 /// The result of the descent.
-pub enum Ended {
-    Settled(Descended),
+pub enum ConstrainedResult {
+    Settled(DescentResult),
     /// No position near the drawing satisfies the constraints.
     Open,
 }
 
 /// The data for a step, in units of motion: radians, lengths of the part.
-struct Here {
+struct Evaluation {
     energy: Energy<f64>,
     /// grad V + G^T lambda.
     left: DVector<f64>,
@@ -54,32 +54,32 @@ struct Here {
 
 impl Descent<'_> {
     /// `moves`: whether some force is certainly unbalanced as drawn.
-    pub fn run(mut self, moves: bool) -> Ended {
+    pub fn run(mut self, moves: bool) -> ConstrainedResult {
         if !self.comes_back() {
-            return Ended::Open;
+            return ConstrainedResult::Open;
         }
-        let mut here = self.look();
+        let mut here = self.evaluate();
         if !moves {
-            return Ended::Settled(self.ended(true, 0, here));
+            return ConstrainedResult::Settled(self.outcome(true, 0, here));
         }
         let mut radius = FIRST_RADIUS;
         for steps in 0..MAX_STEPS {
             let gradient = here.basis.transpose() * &here.left;
             if self.imbalance(&here) <= BALANCED {
-                return Ended::Settled(self.ended(true, steps, here));
+                return ConstrainedResult::Settled(self.outcome(true, steps, here));
             }
-            let noise = BALANCED * self.acting(&here).amax();
+            let noise = BALANCED * self.total_magnitudes(&here).amax();
             let Some((step, predicted)) = step(&here.curvature, &gradient, noise, radius) else { break };
             let (before, length) = (self.values(), step.norm());
             self.walk(&(&here.basis * step));
             let back = self.comes_back();
-            let next = self.look();
+            let next = self.evaluate();
             let noise = 1e-15 * (here.energy.size + next.energy.size);
             if back && predicted <= noise {
                 // The energies can no longer decide, so the forces do.
                 if self.imbalance(&next) > 0.5 * self.imbalance(&here) {
                     self.put(&before);
-                    return Ended::Settled(self.ended(true, steps, here));
+                    return ConstrainedResult::Settled(self.outcome(true, steps, here));
                 }
                 here = next;
                 continue;
@@ -96,24 +96,24 @@ impl Descent<'_> {
                     radius = length / 4.0;
                 }
             }
-            if length <= STILL {
-                return Ended::Settled(self.ended(true, steps + 1, here));
+            if length <= NEGLIGIBLE_STEP {
+                return ConstrainedResult::Settled(self.outcome(true, steps + 1, here));
             }
             let measured = self.values();
-            if measured.iter().zip(self.coordinates).any(|(value, i)| (value / self.unit(*i)).abs() > AWAY) {
+            if measured.iter().zip(self.coordinates).any(|(value, i)| (value / self.unit(*i)).abs() > FALLEN) {
                 break;
             }
         }
-        Ended::Settled(self.ended(false, MAX_STEPS, here))
+        ConstrainedResult::Settled(self.outcome(false, MAX_STEPS, here))
     }
 
     /// The unbalanced forces are reported as the gradient.
-    fn ended(&self, settled: bool, steps: u32, here: Here) -> Descended {
+    fn outcome(&self, settled: bool, steps: u32, here: Evaluation) -> DescentResult {
         let mut energy = here.energy;
         for (place, coordinate) in self.coordinates.iter().enumerate() {
             energy.gradient[place] = here.left[place] / self.unit(*coordinate);
         }
-        Descended { settled, steps, energy }
+        DescentResult { settled, steps, energy }
     }
 
     fn unit(&self, coordinate: Index) -> f64 {
@@ -142,7 +142,7 @@ impl Descent<'_> {
 
     /// g and G, with lengths in units of the part's length.
     fn constraints(&self) -> (DVector<f64>, DMatrix<f64>) {
-        let mut reach = Reach::default();
+        let mut reach = PathEvaluation::default();
         let mut values = DVector::zeros(self.equations.len());
         let mut rows = DMatrix::zeros(self.equations.len(), self.coordinates.len());
         for (k, equation) in self.equations.iter().enumerate() {
@@ -165,11 +165,11 @@ impl Descent<'_> {
         for _ in 0..MAX_RETURNS {
             let (values, rows) = self.constraints();
             let off = values.amax();
-            if off <= CLOSED {
+            if off <= CLOSURE_TOLERANCE {
                 return true;
             }
             // Near the end, rounding errors stop the convergence.
-            if off.is_nan() || (off >= last && off < 1e3 * CLOSED) {
+            if off.is_nan() || (off >= last && off < 1e3 * CLOSURE_TOLERANCE) {
                 return off.is_finite();
             }
             if off > 1e3 * last {
@@ -183,7 +183,7 @@ impl Descent<'_> {
         false
     }
 
-    fn look(&self) -> Here {
+    fn evaluate(&self) -> Evaluation {
         let n = self.coordinates.len();
         let energy = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Curvature);
         let units = self.units();
@@ -203,7 +203,7 @@ impl Descent<'_> {
         for (i, j, value) in &energy.curvature {
             add(*i, *j, *value);
         }
-        let mut reach = Reach::default();
+        let mut reach = PathEvaluation::default();
         for (equation, multiplier) in self.equations.iter().zip(multipliers.iter()) {
             let scale = if equation.components.is_empty() { 1.0 } else { 1.0 / self.length };
             equation.curvature(self.kinematics, self.state, &(multiplier * scale), &mut reach, |i, j, value| {
@@ -214,12 +214,12 @@ impl Descent<'_> {
             });
         }
         let curvature = basis.transpose() * curvature * &basis;
-        Here { energy, left, basis, curvature, multipliers }
+        Evaluation { energy, left, basis, curvature, multipliers }
     }
 
     /// The largest unbalanced force, relative to the forces that act on its coordinate, including reactions.
-    fn imbalance(&self, here: &Here) -> f64 {
-        let acting = self.acting(here);
+    fn imbalance(&self, here: &Evaluation) -> f64 {
+        let acting = self.total_magnitudes(here);
         let relative = |place: usize| {
             let left = here.left[place].abs();
             if left == 0.0 { 0.0 } else { left / acting[place] }
@@ -228,7 +228,7 @@ impl Descent<'_> {
     }
 
     /// The sum of the magnitudes of all forces and reactions on each coordinate.
-    fn acting(&self, here: &Here) -> DVector<f64> {
+    fn total_magnitudes(&self, here: &Evaluation) -> DVector<f64> {
         let (_, rows) = self.constraints();
         let reactions = rows.map(f64::abs).transpose() * here.multipliers.map(f64::abs);
         let forces = here.energy.forces.iter().zip(self.coordinates).map(|(force, i)| force * self.unit(*i));
@@ -265,7 +265,7 @@ fn step(curvature: &DMatrix<f64>, gradient: &DVector<f64>, noise: f64, radius: f
 
 struct Dense<'a>(&'a DMatrix<f64>);
 
-impl Shifted for Dense<'_> {
+impl ShiftedMatrix for Dense<'_> {
     type Factors = Cholesky<f64, Dyn>;
 
     fn factor(&self, shift: f64) -> Option<Cholesky<f64, Dyn>> {

@@ -76,7 +76,7 @@ fn prove(
         return None;
     }
     part.place(moving, middle, |i| radius * scale[i] * up::FEW);
-    let within = Scaled::by(scale.clone(), entries(part.energy(local, n, Detail::Curvature)));
+    let within = Scaled::with_scale(scale.clone(), entries(part.energy(local, n, Detail::Curvature)));
     Proven::convexity(force, within?.least_eigenvalue(sigma)?, radius)
 }
 

@@ -30,11 +30,11 @@ impl Scaled {
             diagonal[*i as usize] += value.to_f64();
         }
         let usable = diagonal.iter().all(|entry| *entry > 0.0 && entry.is_finite());
-        usable.then(|| Scaled::by(diagonal.iter().map(|entry| entry.sqrt().recip()).collect(), entries))?
+        usable.then(|| Scaled::with_scale(diagonal.iter().map(|entry| entry.sqrt().recip()).collect(), entries))?
     }
 
     /// H with a given scale; `None` if an entry is not finite.
-    pub fn by(scale: Vec<f64>, mut entries: Vec<(u32, u32, Ball)>) -> Option<Scaled> {
+    pub fn with_scale(scale: Vec<f64>, mut entries: Vec<(u32, u32, Ball)>) -> Option<Scaled> {
         let place = |(i, j, _): &(u32, u32, Ball)| (*i.max(j), *i.min(j));
         entries.sort_by_key(place);
         let mut result = Scaled { places: Vec::new(), middles: Vec::new(), spreads: Vec::new(), scale };

@@ -7,7 +7,7 @@
 //! r_e^T / |d_e|^2. All of this is rational if the drawing is. If only one spring acts on a coordinate, its rate follows
 //! directly and is found first: the statically determinate part takes time proportional to its size.
 
-use super::linear::{Stiffness, solved};
+use super::linear::{Stiffness, solve_proven};
 use super::potential::Detail;
 use super::proof::Proven;
 use super::{Tension, survey};
@@ -15,8 +15,8 @@ use crate::base::{Ball, Number};
 use crate::elements::Scalar;
 use crate::lower::constraints::Reduction;
 use crate::lower::error::{LowerError, Unbalanced};
-use crate::lower::kinematics::{Index, Kinematics, Reach, State};
-use crate::lower::loads::{self, Between};
+use crate::lower::kinematics::{Index, Kinematics, PathEvaluation, State};
+use crate::lower::loads::{self, EndPath};
 use crate::model::scene::{ElementId, Geometry, Law, Scene, SpringRest};
 use crate::system::Label;
 
@@ -261,7 +261,7 @@ impl<'a> Balance<'a> {
             squares.push(Ball::from(1.0) / length_squared.to_ball(), row);
         }
         let forces: Vec<Ball> = part.iter().map(|i| self.forces[*i as usize].to_ball()).collect();
-        let solution = match solved(&squares, &forces) {
+        let solution = match solve_proven(&squares, &forces) {
             Ok(solution) => solution,
             Err(row) => return self.judge(part[row], &Number::Ball(forces[row])),
         };
@@ -317,7 +317,7 @@ fn gives_tension(law: &Law) -> bool {
 
 /// The springs whose tension is not given and that act on some coordinate.
 fn columns(scene: &Scene, kinematics: &Kinematics, reduction: &Reduction, state: &State<Number>) -> Vec<Column> {
-    let (mut between, mut reach, mut row) = (Between::default(), Reach::default(), Vec::new());
+    let (mut between, mut reach, mut row) = (EndPath::default(), PathEvaluation::default(), Vec::new());
     let mut columns = Vec::new();
     for (element, declared) in scene.elements.iter().enumerate() {
         let Some((stiffness, rest @ SpringRest::AsDrawn)) = declared.law.spring() else { continue };

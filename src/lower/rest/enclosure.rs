@@ -43,7 +43,7 @@ impl<'a> Refinement<'a> {
         for (coordinate, value) in self.coordinates.iter().zip(values) {
             self.set(*coordinate, Ball::from(*value));
         }
-        let moving = self.moving(local, values);
+        let moving = self.moving_coordinates(local, values);
         // The places of the coordinates that move, numbered on their own; the others are fixed.
         for coordinate in self.coordinates {
             local[*coordinate as usize] = ELSEWHERE;
@@ -70,7 +70,7 @@ impl<'a> Refinement<'a> {
 
     /// The coordinates that leave the drawing. One that returned to it is exactly there only if no force acts on it
     /// there, wherever the others are: its force is then a sum of exact zeros.
-    fn moving(&mut self, local: &[u32], values: &[f64]) -> Vec<Index> {
+    fn moving_coordinates(&mut self, local: &[u32], values: &[f64]) -> Vec<Index> {
         let coordinates = self.coordinates;
         let near = |i: Index| NEAR * if self.kinematics.is_angle(i) { 1.0 } else { self.length };
         let mut stays: Vec<bool> = coordinates.iter().zip(values).map(|(i, value)| value.abs() < near(*i)).collect();

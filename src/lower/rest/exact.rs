@@ -16,13 +16,13 @@ pub fn simplest(ball: Ball, known: f64) -> Option<Rational> {
     let middle = &Rational::from_f64(ball.mid.hi)? + &Rational::from_f64(ball.mid.lo)?;
     let radius = Rational::from_f64(ball.rad.max(ball.mid.hi.abs() * known))?;
     let (low, high) = ((&middle - &radius).to_big(), (&middle + &radius).to_big());
-    let found = if middle.signum() < 0 { -between(-high, -low)? } else { between(low, high)? };
+    let found = if middle.signum() < 0 { -simplest_between(-high, -low)? } else { simplest_between(low, high)? };
     let small = found.numer().bits() <= MAX_BITS && found.denom().bits() <= MAX_BITS;
     small.then(|| Rational::from(found))
 }
 
 /// The simplest fraction in [low, high], 0 <= low: descent in the Stern-Brocot tree by continued fractions.
-fn between(mut low: BigRational, mut high: BigRational) -> Option<BigRational> {
+fn simplest_between(mut low: BigRational, mut high: BigRational) -> Option<BigRational> {
     let mut quotients: Vec<BigInt> = Vec::new();
     // Each quotient removes at least one bit from the denominator, and two steps remove more.
     for _ in 0..2 * MAX_BITS {

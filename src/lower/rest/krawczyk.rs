@@ -190,7 +190,7 @@ mod tests {
     }
 
     /// Whether the root of z^2 = c near a start is proven, and the final box.
-    fn told(c: &str, start: f64) -> (bool, Ball) {
+    fn solve_case(c: &str, start: f64) -> (bool, Ball) {
         let c = match c.strip_prefix('-') {
             Some(c) => -&Number::from(c),
             None => Number::from(c),
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn a_simple_root_is_in_its_box() {
         for (c, start) in [("3", 1.7320508), ("0.3", 0.547722557), ("1e-10", 1.0000001e-5)] {
-            let (proven, z) = told(c, start);
+            let (proven, z) = solve_case(c, start);
             assert!(proven && z.rad < 1e-25 * z.mid.hi && z.rad > 0.0, "{c}: {z:?}");
             // The squares of the two ends are on different sides of c.
             let end = |side: f64| Number::Ball(Ball::exact(z.mid + Dd::from(side * z.rad)));
@@ -219,16 +219,16 @@ mod tests {
     /// A double root, and no root at all: a derivative that changes its sign in the box proves nothing.
     #[test]
     fn a_double_root_and_none_are_not_proven() {
-        assert!(!told("0", 1e-12).0);
+        assert!(!solve_case("0", 1e-12).0);
         for c in ["-1e-6", "-1e-14", "-1e-24"] {
             for start in [1e-3, 1e-7, 1e-12] {
-                assert!(!told(c, start).0, "{c} {start:e}");
+                assert!(!solve_case(c, start).0, "{c} {start:e}");
             }
         }
     }
 
     #[test]
-    fn motions_that_nothing_holds_are_found() {
+    fn unrestrained_motions_are_found() {
         let matrix = DMatrix::from_row_slice(2, 2, &[1.0, -1.0, -1.0, 1.0]);
         let inverse = Inverse::of(&matrix, &[1.0, 1.0]).expect("finite");
         assert!(inverse.is_singular());

@@ -26,7 +26,7 @@ pub struct Solved {
 }
 
 /// Coordinates with a force that nothing balances, N or N m.
-pub type Left = Vec<(Index, f64)>;
+pub type UnbalancedForces = Vec<(Index, f64)>;
 
 /// The stiffness of a part, in local numbers.
 pub struct Stiffness {
@@ -43,7 +43,7 @@ pub fn solve(
     system: &LinearSystem,
     survey: &Survey,
     parts: &[&Part],
-) -> Vec<Result<Solved, Left>> {
+) -> Vec<Result<Solved, UnbalancedForces>> {
     let members: Vec<Vec<Index>> = parts.iter().map(|part| independent(part, reduction)).collect();
     let mut stiffness: Vec<Stiffness> = members.iter().map(|members| Stiffness::new(members.len())).collect();
     // Part and place in it of each coordinate of the system.
@@ -80,8 +80,8 @@ fn force(kinematics: &Kinematics, survey: &Survey, coordinate: Index) -> Ball {
     }
 }
 
-fn solve_part(members: &[Index], stiffness: &Stiffness, forces: Vec<Ball>) -> Result<Solved, Left> {
-    let solution = solved(stiffness, &forces).map_err(|row| vec![(members[row], forces[row].to_f64())])?;
+fn solve_part(members: &[Index], stiffness: &Stiffness, forces: Vec<Ball>) -> Result<Solved, UnbalancedForces> {
+    let solution = solve_proven(stiffness, &forces).map_err(|row| vec![(members[row], forces[row].to_f64())])?;
     let displacement = members.iter().zip(&solution.values).map(|(i, value)| (*i, Number::Ball(*value)));
     Ok(Solved { displacement: displacement.collect(), residual: solution.residual, proven: solution.proven })
 }
@@ -95,7 +95,7 @@ pub struct Solution {
 }
 
 /// Solves K q = f, or names the row of a pivot that is rounding only.
-pub fn solved(stiffness: &Stiffness, forces: &[Ball]) -> Result<Solution, usize> {
+pub fn solve_proven(stiffness: &Stiffness, forces: &[Ball]) -> Result<Solution, usize> {
     let factors = stiffness.factors()?;
     let mut middle = vec![Dd::ZERO; forces.len()];
     let mut last = f64::INFINITY;
@@ -221,7 +221,7 @@ mod tests {
 
     /// The solution for sum w a a^T of rational numbers with q_i = (i + 1) / 3, which is not a binary number; and the
     /// true values.
-    fn told(n: usize, squares: &[(i64, Vec<(u32, i64)>)]) -> (Solution, Vec<Number>) {
+    fn solve_case(n: usize, squares: &[(i64, Vec<(u32, i64)>)]) -> (Solution, Vec<Number>) {
         let truth: Vec<Number> = (0..n as i64).map(|i| Number::from(Rational::new(i + 1, 3))).collect();
         let mut forces = vec![Number::ZERO; n];
         let mut all = Stiffness::new(n);
@@ -234,11 +234,11 @@ mod tests {
             }
         }
         let forces: Vec<Ball> = forces.iter().map(Number::to_ball).collect();
-        (solved(&all, &forces).unwrap_or_else(|row| panic!("row {row}")), truth)
+        (solve_proven(&all, &forces).unwrap_or_else(|row| panic!("row {row}")), truth)
     }
 
     fn check(n: usize, squares: &[(i64, Vec<(u32, i64)>)]) {
-        let (solution, truth) = told(n, squares);
+        let (solution, truth) = solve_case(n, squares);
         assert!(solution.proven.is_some());
         for (value, truth) in solution.values.iter().zip(&truth) {
             let part = |x: f64| Number::from(Rational::from_f64(x).expect("finite"));
@@ -268,21 +268,21 @@ mod tests {
 
     /// So nearly singular that no lower bound of the eigenvalues remains: solved, but not proven.
     #[test]
-    fn what_rounding_may_make_singular_is_not_proven() {
+    fn nearly_singular_matrices_are_not_proven_regular() {
         let both = (1_000_000_000_000_000, vec![(0, 1), (1, 1)]);
-        let (solution, _) = told(2, &[both, (7, vec![(0, 1)])]);
+        let (solution, _) = solve_case(2, &[both, (7, vec![(0, 1)])]);
         assert!(solution.proven.is_none());
     }
 
     /// A force of 1 +- 0.1 on a spring of 1: the displacement may be 1.1.
     #[test]
-    fn what_is_not_known_of_a_force_is_not_known_of_the_rest() {
+    fn uncertainty_of_a_force_is_in_the_rest() {
         for row in [vec![(0, Ball::ONE)], vec![(0, Ball::ONE), (1, -Ball::ONE), (2, Ball::ONE)]] {
             let mut squares = Stiffness::new(3);
             (0..3).for_each(|i| squares.push(Ball::ONE, [(i, Ball::ONE)].into_iter()));
             squares.push(Ball::ZERO, row.into_iter());
             let forces = [Ball::ONE.widen(0.1), Ball::ZERO, Ball::ZERO];
-            let value = solved(&squares, &forces).unwrap_or_else(|row| panic!("row {row}")).values[0];
+            let value = solve_proven(&squares, &forces).unwrap_or_else(|row| panic!("row {row}")).values[0];
             assert!((value.mid.hi - 1.1).abs() <= value.rad + 1e-15, "{value:?}");
         }
     }

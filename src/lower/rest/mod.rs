@@ -34,7 +34,7 @@ use crate::model::scene::{ElementId, Scene};
 use crate::system::{Coordinate, CoordinateKind, Label, LinearSystem};
 pub use drawn::Held;
 use enclosure::{MAX_DENSE, Refined, Refinement};
-use newton::{Descended, Descent};
+use newton::{Descent, DescentResult};
 pub use proof::Proven;
 pub use slack::Slack;
 use survey::{Part, Survey};
@@ -82,7 +82,7 @@ pub struct Dependent {
 
 /// A rest whose large linear parts have not been solved yet.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct PartialRest {
     rest: Rest,
     /// All coordinates at rest, except those of large linear parts, which are as drawn: no term depends on them.
     pub state: State<Number>,
@@ -94,11 +94,11 @@ pub struct Found {
 }
 
 /// The rest of a scene.
-pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -> Result<Found, Vec<LowerError>> {
-    let state = loads::drawn(scene, kinematics);
-    let mut found = Found { rest: Rest::unloaded(), state, survey: None, held: None, slack: Slack::default() };
+pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -> Result<PartialRest, Vec<LowerError>> {
+    let state = loads::state_as_drawn(scene, kinematics);
+    let mut found = PartialRest { rest: Rest::unloaded(), state, survey: None, held: None, slack: Slack::default() };
     if scene.rest_as_drawn.is_some() {
-        return found.held_as_drawn(scene, kinematics, constraints);
+        return found.hold_drawing(scene, kinematics, constraints);
     }
     if !is_loaded(scene) {
         return Ok(found);
@@ -132,14 +132,14 @@ fn is_loaded(scene: &Scene) -> bool {
         || scene.inputs.iter().any(|input| loads::constant(input).is_some())
 }
 
-impl Found {
+impl PartialRest {
     /// The drawing is declared to be the rest: only the tensions that hold it are searched for.
-    fn held_as_drawn(
+    fn hold_drawing(
         mut self,
         scene: &Scene,
         kinematics: &Kinematics,
         constraints: &Constraints,
-    ) -> Result<Found, Vec<LowerError>> {
+    ) -> Result<PartialRest, Vec<LowerError>> {
         let reduction = constraints.reduction(scene, kinematics, &self.state)?;
         if !constraints.hold_exactly(kinematics, &self.state) {
             let all: Vec<u32> = (0..constraints.list.len() as u32).collect();
@@ -220,11 +220,11 @@ impl Found {
             state: &mut *steering,
         };
         let descended = match descent.run(part.unbalanced) {
-            constrained::Ended::Open => return Err(constraints.open(scene, kinematics, &part.constraints)),
-            constrained::Ended::Settled(descended) if !descended.settled => {
+            constrained::ConstrainedResult::Open => return Err(constraints.open(scene, kinematics, &part.constraints)),
+            constrained::ConstrainedResult::Settled(descended) if !descended.settled => {
                 return Err(no_rest(scene, kinematics, part, &descended));
             }
-            constrained::Ended::Settled(descended) => descended,
+            constrained::ConstrainedResult::Settled(descended) => descended,
         };
         let values: Vec<f64> = coordinates.iter().map(|i| *steering.value(*i)).collect();
         let (potential, equations) = (&part.potential, equations().collect());
@@ -247,8 +247,8 @@ impl Found {
         reduction: &Reduction,
         system: &LinearSystem,
     ) -> Result<(Rest, State<Number>), Vec<LowerError>> {
-        let Found { mut rest, mut state, survey, .. } = self;
-        let moved = |coordinate: Index| measured(kinematics, coordinate, state.value(coordinate));
+        let PartialRest { mut rest, mut state, survey, .. } = self;
+        let moved = |coordinate: Index| to_metres(kinematics, coordinate, state.value(coordinate));
         rest.displacement = (0..reduction.n()).map(|place| moved(reduction.at(place))).collect();
         rest.dependent = reduction
             .dependent()
@@ -257,10 +257,10 @@ impl Found {
         let Some(survey) = survey else { return Ok((rest, state)) };
         let large: Vec<&Part> = survey.parts.iter().filter(|part| part.is_large_and_linear()).collect();
         for solved in linear::solve(kinematics, reduction, system, &survey, &large) {
-            let solved = solved.map_err(|left| vec![falls(scene, kinematics, &left)])?;
+            let solved = solved.map_err(|left| vec![falls_error(scene, kinematics, &left)])?;
             for (coordinate, value) in solved.displacement {
                 if let Some(place) = reduction.place(coordinate) {
-                    state.set(kinematics, coordinate, unmeasured(kinematics, coordinate, &value));
+                    state.set(kinematics, coordinate, to_coordinate_units(kinematics, coordinate, &value));
                     rest.displacement[place.index()] = value;
                 }
             }
@@ -269,7 +269,7 @@ impl Found {
             rest.proven = Proven::and(rest.proven, solved.proven);
         }
         let held = large.iter().filter(|part| !part.constraints.is_empty()).flat_map(|part| &part.coordinates);
-        rest.let_follow(kinematics, reduction, &mut state, held.copied());
+        rest.place_dependent(kinematics, reduction, &mut state, held.copied());
         Ok((rest, state))
     }
 }
@@ -294,7 +294,7 @@ impl Rest {
     }
 
     /// Moves the dependent coordinates of linear parts to where the independent ones and the bases put them.
-    fn let_follow(
+    fn place_dependent(
         &mut self,
         kinematics: &Kinematics,
         reduction: &Reduction,
@@ -304,11 +304,11 @@ impl Rest {
         for coordinate in coordinates {
             let Some((number, row)) = reduction.equation(coordinate) else { continue };
             let value = |(i, entry): &(Index, Number)| match reduction.place(*i) {
-                Some(place) => entry * &unmeasured(kinematics, *i, &self.displacement[place.index()]),
+                Some(place) => entry * &to_coordinate_units(kinematics, *i, &self.displacement[place.index()]),
                 None => entry * state.value(*i),
             };
             let sum = row.iter().map(value).fold(Number::ZERO, |sum, value| &sum - &value);
-            self.dependent[number].displacement = measured(kinematics, coordinate, &sum);
+            self.dependent[number].displacement = to_metres(kinematics, coordinate, &sum);
             state.set(kinematics, coordinate, sum);
         }
     }
@@ -321,7 +321,7 @@ impl Part {
 }
 
 /// A value of a coordinate in metres or radians.
-fn measured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Number {
+fn to_metres(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Number {
     match kinematics.length_squared(coordinate) {
         Some(length_squared) if !value.is_zero() => value * &length_squared.root(),
         _ => value.clone(),
@@ -329,7 +329,7 @@ fn measured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Numbe
 }
 
 /// A value of a coordinate in units of its direction's length.
-fn unmeasured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Number {
+fn to_coordinate_units(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Number {
     match kinematics.length_squared(coordinate) {
         Some(length_squared) if !value.is_zero() => value / &length_squared.root(),
         _ => value.clone(),
@@ -337,15 +337,21 @@ fn unmeasured(kinematics: &Kinematics, coordinate: Index, value: &Number) -> Num
 }
 
 /// The descent from the drawing; none if no force is certainly unbalanced.
-fn descend(kinematics: &Kinematics, part: &Part, local: &[u32], drawn: Vec<f64>, state: &mut State<f64>) -> Descended {
+fn descend(
+    kinematics: &Kinematics,
+    part: &Part,
+    local: &[u32],
+    drawn: Vec<f64>,
+    state: &mut State<f64>,
+) -> DescentResult {
     let potential = part.potential.converted();
     let length = part.length();
     let (coordinates, linear) = (&part.coordinates[..], part.linear);
     let descent = Descent { kinematics, coordinates, local, potential, state, drawn, length, linear };
-    if part.unbalanced { descent.run() } else { descent.stay() }
+    if part.unbalanced { descent.run() } else { descent.remain_as_drawn() }
 }
 
-fn no_rest(scene: &Scene, kinematics: &Kinematics, part: &Part, descended: &Descended) -> LowerError {
+fn no_rest(scene: &Scene, kinematics: &Kinematics, part: &Part, descended: &DescentResult) -> LowerError {
     let energy = &descended.energy;
     let relative = |place: usize| energy.gradient[place].abs() / energy.forces[place].max(f64::MIN_POSITIVE);
     // Forces that remain unbalanced after many steps are far above their rounding errors.
@@ -359,10 +365,10 @@ fn no_rest(scene: &Scene, kinematics: &Kinematics, part: &Part, descended: &Desc
     if falling.is_empty() {
         return unbalanced(scene, kinematics, &left, NoRestReason::NotSettled);
     }
-    falls(scene, kinematics, &falling)
+    falls_error(scene, kinematics, &falling)
 }
 
-fn falls(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)]) -> LowerError {
+fn falls_error(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)]) -> LowerError {
     unbalanced(scene, kinematics, left, NoRestReason::Falls)
 }
 

@@ -6,7 +6,7 @@
 //! the model's own numbers, which are not rounding errors however small they are.
 
 use super::potential::{Detail, Energy, Potential};
-use super::trust::{Region, Shifted, Step};
+use super::trust::{Region, ShiftedMatrix, Step};
 use crate::kernel::sparse::ldl::{Factors, Symmetric};
 use crate::lower::kinematics::{Index, Kinematics, State};
 
@@ -26,7 +26,7 @@ pub struct Descent<'a> {
 
 /// The result of the descent.
 #[derive(Clone, Debug)]
-pub struct Descended {
+pub struct DescentResult {
     pub settled: bool,
     pub steps: u32,
     pub energy: Energy<f64>,
@@ -36,7 +36,7 @@ pub struct Descended {
 pub const MAX_STEPS: u32 = 500;
 /// A step this small in the measure D changes nothing that binary64 can resolve: positions have a rounding error of
 /// 1e-16.
-pub const STILL: f64 = 1e-13;
+pub const NEGLIGIBLE_STEP: f64 = 1e-13;
 /// Forces that balance up to this share of their magnitudes: rounding errors of sums of a few terms.
 pub const BALANCED: f64 = 1e-14;
 /// Forces that are unbalanced by more than this share of their magnitudes after the last step are not rounding errors.
@@ -45,22 +45,22 @@ pub const FIRST_RADIUS: f64 = 0.5;
 /// Angles turn by no more than about this in one step, so that no rest is skipped.
 pub const LARGEST_RADIUS: f64 = 1.0;
 /// Lengths of the part beyond which it counts as falling.
-const AWAY: f64 = 1e6;
+const FALLEN: f64 = 1e6;
 /// A pivot below this share of the terms it was made from is a rounding error.
 pub const LEAST_PIVOT: f64 = 1e-13;
 
 impl Descent<'_> {
-    pub fn run(mut self) -> Descended {
+    pub fn run(mut self) -> DescentResult {
         let measure = self.measure();
         let turning = self.coordinates.iter().any(|&coordinate| self.kinematics.is_angle(coordinate));
-        let mut radius = if self.linear { AWAY } else { FIRST_RADIUS };
+        let mut radius = if self.linear { FALLEN } else { FIRST_RADIUS };
         let mut matrix = Matrix::default();
         let mut energy = self.energy(Detail::Curvature);
         energy.gradient.clone_from(&self.drawn);
         for steps in 0..MAX_STEPS {
             matrix.take(&energy);
             if imbalance(&energy) <= BALANCED && (steps > 0 || !matrix.is_a_hill(&measure)) {
-                return Descended { settled: true, steps, energy };
+                return DescentResult { settled: true, steps, energy };
             }
             let unsure = if steps == 0 { 0.0 } else { BALANCED };
             let noise: Vec<f64> = energy.forces.iter().map(|force| unsure * force).collect();
@@ -74,7 +74,7 @@ impl Descent<'_> {
                 // The energies can no longer decide, so the forces do.
                 if imbalance(&next) > 0.5 * imbalance(&energy) {
                     self.put(&before);
-                    return Descended { settled: true, steps, energy };
+                    return DescentResult { settled: true, steps, energy };
                 }
                 energy = next;
                 continue;
@@ -86,22 +86,22 @@ impl Descent<'_> {
             } else {
                 energy = next;
                 if gain > 0.75 {
-                    let largest = if turning { LARGEST_RADIUS } else { AWAY };
+                    let largest = if turning { LARGEST_RADIUS } else { FALLEN };
                     radius = radius.max(2.0 * step.length).min(largest);
                 } else if gain < 0.25 {
                     radius = step.length / 4.0;
                 }
             }
-            if step.length <= STILL {
+            if step.length <= NEGLIGIBLE_STEP {
                 // Steps that do not help shrink too, toward a place with a kink: where a spring that still pulls has no length.
                 let settled = imbalance(&energy) <= KINKED;
-                return Descended { settled, steps: steps + 1, energy };
+                return DescentResult { settled, steps: steps + 1, energy };
             }
             if self.is_away(&measure) {
                 break;
             }
         }
-        Descended { settled: false, steps: MAX_STEPS, energy }
+        DescentResult { settled: false, steps: MAX_STEPS, energy }
     }
 
     fn energy(&self, detail: Detail) -> Energy<f64> {
@@ -124,8 +124,8 @@ impl Descent<'_> {
     }
 
     /// The part stays as drawn, since no force is certainly unbalanced.
-    pub fn stay(self) -> Descended {
-        Descended { settled: true, steps: 0, energy: self.energy(Detail::Sizes) }
+    pub fn remain_as_drawn(self) -> DescentResult {
+        DescentResult { settled: true, steps: 0, energy: self.energy(Detail::Sizes) }
     }
 
     /// The diagonal of D: 1 for an angle, 1 / length^2 for a translation.
@@ -136,7 +136,7 @@ impl Descent<'_> {
     }
 
     fn is_away(&self, measure: &[f64]) -> bool {
-        let far = |(coordinate, weight): (&Index, &f64)| self.state.value(*coordinate).abs() * weight.sqrt() > AWAY;
+        let far = |(coordinate, weight): (&Index, &f64)| self.state.value(*coordinate).abs() * weight.sqrt() > FALLEN;
         self.coordinates.iter().zip(measure).any(far)
     }
 }
@@ -200,7 +200,7 @@ struct Measured<'a> {
     measure: &'a [f64],
 }
 
-impl Shifted for Measured<'_> {
+impl ShiftedMatrix for Measured<'_> {
     type Factors = Factors;
 
     fn factor(&self, shift: f64) -> Option<Factors> {

@@ -3,13 +3,13 @@
 
 use crate::base::Number;
 use crate::elements::{DeadForce, Scalar, Spring, Stretch, Vector};
-use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
-use crate::lower::loads::{self, Between};
+use crate::lower::kinematics::{Index, Kinematics, Path, PathEvaluation, State};
+use crate::lower::loads::{self, EndPath};
 
 /// The sources of potential energy of a set of coordinates.
 #[derive(Clone, Debug)]
 pub struct Potential<S> {
-    pub springs: Vec<(Spring<S>, Between<S>)>,
+    pub springs: Vec<(Spring<S>, EndPath<S>)>,
     /// Weights and constant forces.
     pub dead: Vec<(DeadForce<S>, Path<S>)>,
     /// Constant torques on angles.
@@ -92,7 +92,7 @@ pub struct Sum<'a, S> {
     local: &'a [u32],
     detail: Detail,
     pub energy: Energy<S>,
-    reach: Reach<S>,
+    reach: PathEvaluation<S>,
     row: Vec<(Index, S)>,
 }
 
@@ -111,10 +111,10 @@ impl<'a, S: Scalar> Sum<'a, S> {
             size: 0.0,
             curvature: Vec::new(),
         };
-        Sum { kinematics, state, local, detail, energy, reach: Reach::default(), row: Vec::new() }
+        Sum { kinematics, state, local, detail, energy, reach: PathEvaluation::default(), row: Vec::new() }
     }
 
-    pub fn spring(&mut self, spring: &Spring<S>, between: &Between<S>) {
+    pub fn spring(&mut self, spring: &Spring<S>, between: &EndPath<S>) {
         self.reach.measure(self.kinematics, self.state, &between.path);
         let stretched = spring.stretch.at(&self.reach.displacement, &between.turn(self.state));
         self.value(spring.energy(&stretched));

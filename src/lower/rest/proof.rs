@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_positive_proves_nothing() {
+    fn non_positive_residuals_prove_nothing() {
         assert!(Proven::convexity(0.9, 1.0, 1.0).is_some() && Proven::definiteness(1e-300).is_some());
         for (force, least, radius) in [(1.0, 1.0, 1.0), (0.0, 0.0, 1.0), (0.0, -1.0, 1.0), (f64::NAN, 1.0, 1.0)] {
             assert_eq!(Proven::convexity(force, least, radius), None);

@@ -11,7 +11,7 @@ use super::potential::{Detail, ELSEWHERE, Potential};
 use super::proof::Proven;
 use crate::base::{Ball, Dd, Number, Rational};
 use crate::lower::constraints::equation::Equation;
-use crate::lower::kinematics::{Index, Kinematics, Reach, State};
+use crate::lower::kinematics::{Index, Kinematics, PathEvaluation, State};
 use nalgebra::{DMatrix, DVector};
 
 /// A part with constraints near its rest.
@@ -112,7 +112,7 @@ impl Balance<'_> {
 
     /// g and its gradient over the places of the part.
     fn measured(&self) -> Vec<(Number, Vec<(u32, Number)>)> {
-        let mut reach = Reach::default();
+        let mut reach = PathEvaluation::default();
         let of = |equation: &&Equation<Number>| {
             let (value, row) = equation.measure(self.kinematics, self.state, &mut reach);
             let placed = row.into_iter().map(|(coordinate, entry)| (self.local[coordinate as usize], entry));
@@ -166,7 +166,7 @@ impl Equations for Balance<'_> {
     fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>) {
         let n = self.coordinates.len();
         let mut entries = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Curvature).curvature;
-        let mut reach = Reach::default();
+        let mut reach = PathEvaluation::default();
         for (equation, multiplier) in self.equations.iter().zip(&self.multipliers) {
             equation.curvature(self.kinematics, self.state, multiplier, &mut reach, |i, j, value| {
                 let (i, j) = (self.local[i as usize], self.local[j as usize]);

@@ -17,8 +17,8 @@ use super::reactions::equilibrium;
 use super::survey::Part;
 use crate::base::{Ball, Dd, Number};
 use crate::elements::{Scalar, Spring};
-use crate::lower::kinematics::{Index, Kinematics, Reach, State};
-use crate::lower::loads::{self, Between};
+use crate::lower::kinematics::{Index, Kinematics, PathEvaluation, State};
+use crate::lower::loads::{self, EndPath};
 use nalgebra::DMatrix;
 
 /// The coordinates of parts that rest without any tension.
@@ -30,7 +30,7 @@ pub struct Slack {
 
 impl Slack {
     /// Whether a spring has exactly no tension at rest.
-    pub fn has(&self, kinematics: &Kinematics, between: &Between<Number>) -> bool {
+    pub fn contains(&self, kinematics: &Kinematics, between: &EndPath<Number>) -> bool {
         let of = |i: Index| self.of.get(i as usize) == Some(&true);
         !self.of.is_empty()
             && (between.path.coordinates(kinematics).any(|(i, angle)| of(i) || angle.is_some_and(of))
@@ -48,7 +48,7 @@ const MAX_DENSE: usize = 300;
 /// Limit on the Newton steps: each gains sixteen digits at the end, but more of them are needed on a curved path.
 const MAX_STEPS: usize = 20;
 /// Relative size of a step after which another would change nothing.
-const STILL: f64 = 1e-20;
+const NEGLIGIBLE_STEP: f64 = 1e-20;
 
 /// Moves the part to a rest without tension near the values found in binary64, and proves it; if it cannot, leaves the
 /// state where it was.
@@ -102,7 +102,7 @@ impl Nearest<'_> {
             self.place(&middle, &|_| 0.0);
             let (slope, _) = self.slope();
             let inverse = Inverse::of(&slope, &equilibrium(&slope)).filter(|inverse| !inverse.is_singular())?;
-            if inverse.refine(self, &mut middle) <= STILL {
+            if inverse.refine(self, &mut middle) <= NEGLIGIBLE_STEP {
                 return inverse.prove(self, &middle);
             }
         }
@@ -116,7 +116,7 @@ impl Nearest<'_> {
 
     /// The potential with the gradient sum lambda grad e: each spring has a tension but no stiffness.
     fn pulls(&self) -> Potential<Number> {
-        let pull = |((spring, between), multiplier): (&(Spring<Number>, Between<Number>), &Number)| {
+        let pull = |((spring, between), multiplier): (&(Spring<Number>, EndPath<Number>), &Number)| {
             let (stretch, preload) = (spring.stretch.clone(), multiplier.clone());
             (Spring { stretch, stiffness: Number::ZERO, preload }, between.clone())
         };
@@ -126,8 +126,8 @@ impl Nearest<'_> {
 
     /// The stretch of each spring beyond its free length, and its gradient over the places of the part.
     fn stretches(&self) -> Vec<(Number, Vec<(u32, Number)>)> {
-        let (mut reach, mut row) = (Reach::default(), Vec::new());
-        let of = |(spring, between): &(Spring<Number>, Between<Number>)| {
+        let (mut reach, mut row) = (PathEvaluation::default(), Vec::new());
+        let of = |(spring, between): &(Spring<Number>, EndPath<Number>)| {
             reach.measure(self.kinematics, self.state, &between.path);
             let stretched = spring.stretch.at(&reach.displacement, &between.turn(self.state));
             let length = loads::slope(&stretched, &reach, between, &mut row).root();

@@ -8,8 +8,8 @@ use super::potential::{Detail, ELSEWHERE, Energy, Potential, Sum};
 use crate::base::Number;
 use crate::elements::{DeadForce, Stretch};
 use crate::lower::constraints::Constraints;
-use crate::lower::kinematics::{Index, Kinematics, Path, Reach, State};
-use crate::lower::loads::{self, Between, Load};
+use crate::lower::kinematics::{Index, Kinematics, Path, PathEvaluation, State};
+use crate::lower::loads::{self, EndPath, Load};
 use crate::model::scene::Scene;
 
 /// A set of coupled coordinates with a load on at least one of them.
@@ -150,7 +150,7 @@ impl Survey {
 }
 
 /// The coordinates that a spring depends on.
-fn coordinates<'a>(kinematics: &'a Kinematics, between: &'a Between<Number>) -> impl Iterator<Item = Index> + 'a {
+fn coordinates<'a>(kinematics: &'a Kinematics, between: &'a EndPath<Number>) -> impl Iterator<Item = Index> + 'a {
     let way = between.path.coordinates(kinematics).flat_map(|(coordinate, angle)| [Some(coordinate), angle]);
     way.flatten().chain(between.angles.into_iter().flatten())
 }
@@ -238,7 +238,7 @@ impl<'a> Sets<'a> {
     fn tie_constraints(&mut self, constraints: &Constraints, state: &State<Number>) -> Vec<usize> {
         let n = self.parents.len();
         let kinematics = self.kinematics;
-        let mut reach = Reach::default();
+        let mut reach = PathEvaluation::default();
         let mut displaced = Vec::new();
         for constraint in &constraints.list {
             let equation = &constraint.equation;

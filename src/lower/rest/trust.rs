@@ -9,7 +9,7 @@
 //! even on top of a hill.
 
 /// H + s D in factored form.
-pub trait Shifted {
+pub trait ShiftedMatrix {
     type Factors;
 
     /// `None` if the shifted matrix is not positive definite to working precision.
@@ -51,18 +51,18 @@ const MAX_TRIALS: usize = 200;
 /// The least shift, as a share of the scale: smaller negative curvature is a rounding error.
 const LEAST_SHIFT: f64 = 1e-10;
 /// A step that ends beyond the edge by up to this factor counts as inside the region.
-const BEYOND: f64 = 1.1;
+const OVERSHOOT: f64 = 1.1;
 /// A step that reaches this share of the way to the edge is long enough if H is not positive definite.
 const FAR_ENOUGH: f64 = 0.1;
 /// Shifts this close to each other count as equal: the factors cannot distinguish them.
-const TOGETHER: f64 = 1e-12;
+const EQUAL_SHIFTS: f64 = 1e-12;
 /// The share of a step below which rounding makes it indistinguishable from zero.
 const ROUNDING: f64 = 1e-13;
 const INVERSE_STEPS: usize = 3;
 
 impl Region<'_> {
     /// `None` if no shift yields a step: numbers are outside the range of binary64.
-    pub fn step<M: Shifted>(&self, matrix: &M) -> Option<Step> {
+    pub fn step<M: ShiftedMatrix>(&self, matrix: &M) -> Option<Step> {
         // A shift for which H + s D is not positive definite.
         let mut low: Option<f64> = None;
         let mut short: Option<Short<M::Factors>> = None;
@@ -71,8 +71,8 @@ impl Region<'_> {
             let Some(factors) = matrix.factor(shift) else {
                 low = Some(shift);
                 shift = match &short {
-                    Some(found) if found.shift - shift <= TOGETHER * found.shift => break,
-                    Some(found) => between(shift, found.shift),
+                    Some(found) if found.shift - shift <= EQUAL_SHIFTS * found.shift => break,
+                    Some(found) => midpoint(shift, found.shift),
                     None if shift == 0.0 => LEAST_SHIFT * self.scale,
                     None => 4.0 * shift,
                 };
@@ -82,7 +82,7 @@ impl Region<'_> {
             if !step.length.is_finite() || shift > 1e30 * self.scale {
                 return None;
             }
-            let fits = step.length <= BEYOND * self.radius;
+            let fits = step.length <= OVERSHOOT * self.radius;
             let negative = low.filter(|low| *low >= LEAST_SHIFT * self.scale);
             if fits && (negative.is_none() || step.length >= FAR_ENOUGH * self.radius) {
                 return Some(step);
@@ -92,17 +92,17 @@ impl Region<'_> {
                 shift = next;
                 continue;
             };
-            let together = shift - low <= TOGETHER * shift || self.gradient.iter().all(|pull| *pull == 0.0);
+            let together = shift - low <= EQUAL_SHIFTS * shift || self.gradient.iter().all(|pull| *pull == 0.0);
             short = Some(Short { shift, factors, step });
             if together {
                 break;
             }
-            shift = if next > low && next < shift { next } else { between(low, shift) };
+            shift = if next > low && next < shift { next } else { midpoint(low, shift) };
         }
         short.map(|short| self.led_downhill(matrix, short))
     }
 
-    fn at<M: Shifted>(&self, matrix: &M, factors: &M::Factors, shift: f64) -> Step {
+    fn at<M: ShiftedMatrix>(&self, matrix: &M, factors: &M::Factors, shift: f64) -> Step {
         let mut direction: Vec<f64> = self.gradient.iter().map(|pull| -pull).collect();
         matrix.solve(factors, &mut direction);
         let length = self.norm(&direction);
@@ -111,7 +111,7 @@ impl Region<'_> {
     }
 
     /// One Newton step of 1 / |p(shift)| towards 1 / radius.
-    fn correction<M: Shifted>(&self, matrix: &M, factors: &M::Factors, step: &Step) -> f64 {
+    fn correction<M: ShiftedMatrix>(&self, matrix: &M, factors: &M::Factors, step: &Step) -> f64 {
         let weighted = self.weighted(&step.direction);
         let mut response = weighted.clone();
         matrix.solve(factors, &mut response);
@@ -120,7 +120,7 @@ impl Region<'_> {
 
     /// A short step, continued along the direction of most negative curvature to the edge; the step itself if the
     /// gradient does not show which way is downhill.
-    fn led_downhill<M: Shifted>(&self, matrix: &M, short: Short<M::Factors>) -> Step {
+    fn led_downhill<M: ShiftedMatrix>(&self, matrix: &M, short: Short<M::Factors>) -> Step {
         let Short { shift, factors, step } = short;
         // A start that is not orthogonal to z because of some symmetry.
         let start = |(i, weight): (usize, &f64)| (1.0 + 0.1 * (i % 7) as f64) / weight.sqrt();
@@ -142,9 +142,9 @@ impl Region<'_> {
         // other directions.
         let along = dot(&self.weighted(&z), &step.direction);
         let noise: f64 = self.noise.iter().zip(&z).map(|(noise, z)| noise * z.abs()).sum();
-        let is_told = along.abs() > ROUNDING * step.length + noise / above;
+        let is_reported = along.abs() > ROUNDING * step.length + noise / above;
         let curvature = above - shift;
-        if !(is_told && curvature < 0.0 && self.radius > step.length) {
+        if !(is_reported && curvature < 0.0 && self.radius > step.length) {
             return step;
         }
         let way = along.signum() * (self.radius - step.length);
@@ -167,7 +167,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// A number between two; their geometric mean if they are far apart.
-fn between(low: f64, high: f64) -> f64 {
+fn midpoint(low: f64, high: f64) -> f64 {
     if high > 4.0 * low && low > 0.0 { low.sqrt() * high.sqrt() } else { 0.5 * (low + high) }
 }
 
@@ -178,7 +178,7 @@ mod tests {
     /// diag(h) with D = 1.
     struct Diagonal(Vec<f64>);
 
-    impl Shifted for Diagonal {
+    impl ShiftedMatrix for Diagonal {
         type Factors = Vec<f64>;
 
         fn factor(&self, shift: f64) -> Option<Vec<f64>> {

@@ -77,7 +77,7 @@ fn with_suggestion(diagnostic: Diagnostic, suggestion: Option<String>, help: Opt
     match (suggestion, help) {
         (Some(word), _) => {
             let at = diagnostic.primary.span;
-            diagnostic.help(format!("did you mean `{word}`?")).mend(at, Change::Replace(word))
+            diagnostic.help(format!("did you mean `{word}`?")).fix(at, Change::Replace(word))
         }
         (None, Some(help)) => diagnostic.help(help),
         (None, None) => diagnostic,
@@ -94,7 +94,7 @@ fn short(value: f64) -> String {
     format!("{value:.4e}").parse::<f64>().unwrap_or(value).to_string()
 }
 
-fn named(dimension: Dimension) -> String {
+fn name_phrase(dimension: Dimension) -> String {
     dimension.noun().map_or_else(|| format!("a quantity in {dimension}"), str::to_string)
 }
 

@@ -87,7 +87,7 @@ impl NameError {
             ReversedBounds { span, first, last } => {
                 error("vib::repeat::reversed", span, "the last value of the index is below the first one")
                     .help(format!("write `{last}..{first}`"))
-                    .mend(span, Change::Replace(format!("{last}..{first}")))
+                    .fix(span, Change::Replace(format!("{last}..{first}")))
             }
             NoEqualsSign { span } => {
                 error("vib::setting::form", span, "this is not a setting").help("write `NAME=VALUE`, such as `k=12N/m`")
@@ -109,7 +109,7 @@ impl NameError {
                 error("vib::setting::duplicate", span, format!("{what} is declared twice"))
                     .related(first, "declared first here")
                     .help("keep one of them")
-                    .mend(span, Change::DropDeclaration)
+                    .fix(span, Change::DropDeclaration)
             }
             UnknownField { span, word, suggestion, known } => {
                 let help = suggestion.is_none().then(|| format!("known here: {}", listed(&known)));
@@ -120,19 +120,19 @@ impl NameError {
                 error("vib::field::duplicate", span, format!("`{word}` is given twice"))
                     .related(first, "given first here")
                     .help("keep one of them")
-                    .mend(span, Change::DropField)
+                    .fix(span, Change::DropField)
             }
             FieldWithoutValue { span, word } => error("vib::field::value", span, format!("`{word}` needs a value"))
                 .help(format!("write `{word} = ...`")),
             FlagWithValue { span, word } => error("vib::field::value", span, format!("`{word}` takes no value"))
                 .help(format!("write `{word}` alone"))
-                .mend(span, Change::DropValue),
+                .fix(span, Change::DropValue),
             AboutElsewhere { span } => error("vib::field::value", span, "`about` belongs to `inertia` only")
                 .help("write `inertia = 0.8 kg*m^2 about A`"),
             FieldMissing { span, expected } => {
                 error("vib::field::missing", span, format!("{} is missing here", expected.noun))
                     .help(format!("add `{}`", expected.example))
-                    .mend_by_field(span, &[expected.example])
+                    .fix_by_field(span, &[expected.example])
             }
             NotABody { span, word, found, declared } => {
                 error("vib::part::kind", span, format!("`{word}` is {found}, not a body"))
@@ -165,12 +165,12 @@ fn duplicate(span: Span, name: &str, first: Option<Span>) -> Diagnostic {
     let diagnostic = error("vib::name::duplicate", span, format!("`{name}` is declared twice"));
     match first {
         Some(first) if first == span => {
-            diagnostic.help(format!("each repetition needs its own name: write `{name}[i]`")).mend(span, Change::Rename)
+            diagnostic.help(format!("each repetition needs its own name: write `{name}[i]`")).fix(span, Change::Rename)
         }
         Some(first) => diagnostic
             .related(first, "declared first here")
             .help("choose another name for one of them")
-            .mend(span, Change::Rename),
+            .fix(span, Change::Rename),
         None => diagnostic.help("the enclosing `repeat` already uses this index: choose another one"),
     }
 }

@@ -86,7 +86,7 @@ impl PartError {
             InertiaWithoutPlace { span, name } => {
                 error("vib::body::no_place", span, "an inertia about a point needs the place of the centre of mass")
                     .help(format!("give `{name}` its centre, such as `at = (0.4 m, 0)`"))
-                    .mend_by_field(span, &["at = (0.4 m, 0)"])
+                    .fix_by_field(span, &["at = (0.4 m, 0)"])
             }
             InertiaTooSmall { span, least, given } => {
                 error("vib::inertia::too_small", span, "the mass alone has more inertia about that point")
@@ -97,7 +97,7 @@ impl PartError {
                 error("vib::body::given_twice", span, format!("the shape already determines {what}"))
                     .related(other, "from this shape")
                     .help("keep one of them")
-                    .mend(span, Change::DropField)
+                    .fix(span, Change::DropField)
             }
             UnknownShape { span, suggestion } => {
                 let forms = || SHAPES.iter().map(|shape| format!("`{}`", shape.function.form)).collect::<Vec<_>>();
@@ -112,14 +112,14 @@ impl PartError {
             FreeAndMore { span, free } => error("vib::body::freedom", span, "`free` already includes every motion")
                 .related(free, "here")
                 .help("keep `free`, or the single motions")
-                .mend(span, Change::DropField)
-                .mend(free, Change::DropField),
+                .fix(span, Change::DropField)
+                .fix(free, Change::DropField),
             MovesWhere { span } => error("vib::body::freedom", span, "the direction of its motion is not clear")
                 .help("write `moves x`, `moves y`, `moves x y` or `moves along (1, 1)`"),
             BaseWithoutMotion { span, name } => {
                 error("vib::base::no_motion", span, format!("the base `{name}` has no motion"))
                     .help("write `moves x`, `moves y` or `turns` in it; a support that never moves is `ground`")
-                    .mend_by_field(span, &["moves x", "moves y", "turns"])
+                    .fix_by_field(span, &["moves x", "moves y", "turns"])
             }
             NoFreedom { span, name } => error(
                 "vib::body::no_freedom",
@@ -130,17 +130,17 @@ impl PartError {
             .help(format!(
                 "say how it moves, such as `moves x`, or connect it with a joint: `pivot p: ground@(0, 0) -- {name}`"
             ))
-            .mend_by_field(span, &["moves x", "moves y", "turns", "free"]),
+            .fix_by_field(span, &["moves x", "moves y", "turns", "free"]),
             PropertyMissing { span, name, what, freedom } => property_missing(span, &name, what, freedom),
             CentreMissing { span, name } => {
                 error("vib::body::no_place", span, format!("`{name}` turns, but its centre of mass is not known"))
                     .label("no position")
                     .help("give the centre of mass: `at = (0, -1 m)`, or `shape = rod(A, B)`")
-                    .mend_by_field(span, &["at = (0, -1 m)"])
+                    .fix_by_field(span, &["at = (0, -1 m)"])
             }
             Empty { span } => error("vib::scene::empty", span, "there is no body in this model")
                 .help("declare one, such as `body block { mass = 1 kg, moves x }`")
-                .mend(span, Change::Declare("body block { mass = 1 kg, moves x }")),
+                .fix(span, Change::Declare("body block { mass = 1 kg, moves x }")),
             JointOfOnePart { span, part } => {
                 error("vib::joint::equal_ends", span, format!("both ends of the joint are on `{part}`"))
                     .help("a joint connects two different parts")
@@ -148,13 +148,13 @@ impl PartError {
             SlideWithoutDirection { span, kind } => {
                 error("vib::joint::direction", span, format!("a {} needs a direction", kind.keyword))
                     .help(format!("add it: `{}`", kind.form))
-                    .mend(span, Change::Append(" along (1, 0)"))
-                    .mend(span, Change::Append(" along (0, 1)"))
+                    .fix(span, Change::Append(" along (1, 0)"))
+                    .fix(span, Change::Append(" along (0, 1)"))
             }
             PivotWithoutPlace { span, part } => {
                 error("vib::joint::no_place", span, "the place of the pivot is not known")
                     .help(format!("write the point after one of the ends: `{part}@(0, 0)`"))
-                    .mend(span, Change::After("@(0, 0)".into()))
+                    .fix(span, Change::After("@(0, 0)".into()))
             }
             EndsApart { spans, places } => ends_apart(spans, places),
             EqualEnds { span, part } => error("vib::element::equal_ends", span, format!("both ends are on `{part}`"))
@@ -162,26 +162,26 @@ impl PartError {
             ZeroLength { span } => error("vib::element::zero_length", span, "the two ends are the same point as drawn")
                 .label("no line between them")
                 .help("draw the ends apart, or give a fixed direction: `along = x`")
-                .mend_by_field(span, &["along = x", "along = y"]),
+                .fix_by_field(span, &["along = x", "along = y"]),
             DirectionUnknown { span, part } => {
                 error("vib::element::direction_unknown", span, "the direction in which this acts is not known")
                     .label(format!("`{part}` has no position"))
                     .help(format!("give the end a point, `{part}@(0, 0)`, or give a direction: `along = x`"))
-                    .mend_by_field(span, &["along = x", "along = y"])
+                    .fix_by_field(span, &["along = x", "along = y"])
             }
             DirectionOfTorsion { span, kind } => {
                 let (noun, unit) = (kind.coefficient().expected(false).noun, kind.unit(false));
                 error("vib::element::torsion_along", span, "a torsional element has no direction")
                     .help(format!("leave `along` out, or write {noun} in {unit}"))
-                    .mend(span, Change::DropField)
+                    .fix(span, Change::DropField)
             }
             NoEndTurns { span, torsional } => no_end_turns(span, torsional),
             FreeLengthAndPreload { span, free } => {
                 error("vib::spring::free_length_and_preload", span, "a spring has a free length or a preload, not both")
                     .related(free, "the free length")
                     .help("keep one: the other follows from it and the drawing")
-                    .mend(span, Change::DropField)
-                    .mend(free, Change::DropField)
+                    .fix(span, Change::DropField)
+                    .fix(free, Change::DropField)
             }
             NoDrawnLength { span } => error(
                 "vib::spring::no_length",
@@ -210,8 +210,8 @@ impl PartError {
             ForceWithoutDirection { span } => {
                 error("vib::input::direction_unknown", span, "the direction of this force is not known")
                     .help("add it: `along x` or `along (1, 1)`")
-                    .mend(span, Change::After(" along x".into()))
-                    .mend(span, Change::After(" along y".into()))
+                    .fix(span, Change::After(" along x".into()))
+                    .fix(span, Change::After(" along y".into()))
             }
             InputWithoutEffect { span, part } => {
                 error("vib::input::no_effect", span, format!("this moves nothing on `{part}`"))
@@ -261,12 +261,12 @@ impl PartError {
                     .help("give the unit in the heading, as in `acceleration [m/s^2]`, or in the call: `table(\"file.csv\", 1 g0)`")
             }
             TableWithoutUnit { span, read } => {
-                let message = format!("this table says no unit: its values are read as {read} in SI units");
+                let message = format!("this table does not give a unit: its values are read as {read} in SI units");
                 Diagnostic::warning(Code::model("vib::table::unit"), span, message)
                     .help("give the unit in the call, as in `table(\"file.csv\", 1 kN)`, or in the heading, as in `force [kN]`")
             }
             TableUnitUnknown { span, named } => {
-                error("vib::unit::unknown", span, "what stands in the brackets of this heading is no unit")
+                error("vib::unit::unknown", span, "the brackets of this heading do not contain a unit")
                     .related(named, "the table is named here")
                     .help("write a unit in square brackets, as in `acceleration [m/s^2]`")
             }
@@ -275,13 +275,13 @@ impl PartError {
                     .related(heading, "the heading")
                     .help("keep one of them, or make them agree")
             }
-            TableUnitZero { span } => error("vib::table::scale", span, "a table in multiples of nothing has no values")
-                .help("write what a 1 in the table stands for, such as `1 mm`"),
-            TableSpeed { span } => error("vib::table::scale", span, "the speed along a table is not above zero")
-                .help("write how fast the distance in the first column is covered, such as `speed = 20 m/s`"),
+            TableUnitZero { span } => error("vib::table::scale", span, "the unit of a table cannot be zero")
+                .help("write the unit of the values, such as `1 mm`"),
+            TableSpeed { span } => error("vib::table::scale", span, "the speed along a table must be positive")
+                .help("write the speed along the first column, such as `speed = 20 m/s`"),
             TableFirstColumn { span, named, is_distance } => {
                 let (message, help) = if is_distance {
-                    ("the first column of this table is a distance", "say how fast it is covered: `speed = 20 m/s`")
+                    ("the first column of this table is a distance", "give the speed: `speed = 20 m/s`")
                 } else {
                     (
                         "the first column of this table is not in a unit of time or, with a speed, of length",
@@ -298,9 +298,9 @@ impl PartError {
                 error("vib::signal::constant_rate", span, format!("a base that has {noun} at rest is never at rest"))
                     .help("write `step(...)` for one that starts at a time, or a constant displacement")
             }
-            DelayInSum { span } => error("vib::signal::delayed", span, "`delayed` stands alone, and not in a sum")
-                .help("add to the signal of the input that it is delayed from"),
-            DelayNegative { span } => error("vib::signal::delayed", span, "a signal cannot be had before it comes")
+            DelayInSum { span } => error("vib::signal::delayed", span, "`delayed` cannot be part of a sum")
+                .help("add the other signals to the input from which it is delayed"),
+            DelayNegative { span } => error("vib::signal::delayed", span, "a delay cannot be negative")
                 .help("swap the two inputs, and give the later one the delay"),
             DelayOfOtherKind { span, name, declared } => error(
                 "vib::signal::delayed",
@@ -308,7 +308,9 @@ impl PartError {
                 format!("`{name}` is an input of another kind"),
             )
             .related(declared, "declared here")
-            .help("a force is delayed from a force, a torque from a torque, a motion along a line from another one"),
+            .help(
+                "a force can be delayed from a force, a torque from a torque, a translation of a base from another one",
+            ),
             DelayOfNothing { span, name, declared } => {
                 error("vib::signal::delayed", span, format!("`{name}` has no signal"))
                     .related(declared, "declared here")
@@ -316,7 +318,7 @@ impl PartError {
             }
             DelayOfItself { span, name } => {
                 error("vib::signal::cycle", span, format!("the signal of `{name}` is delayed from itself"))
-                    .help("give one of the inputs in this circle a signal of its own")
+                    .help("give one of the inputs in this cycle its own signal")
             }
             NotATable { span, line } => error("vib::table::row", span, "this file is not a table")
                 .label(format!("its line {line} is not a time and a value"))
@@ -340,15 +342,16 @@ fn table_row(span: Span, found: RowFault, named: Span) -> Diagnostic {
 
 /// `torsional` is the coefficient of an element whose unit requires a rotation.
 fn no_end_turns(span: Span, torsional: Option<(Span, &'static Kind)>) -> Diagnostic {
-    let told = error("vib::element::no_end_turns", span, "none of these parts can turn");
+    let diagnostic = error("vib::element::no_end_turns", span, "none of these parts can turn");
     let turns = "let a body turn: `turns`, `free` or a pivot";
     match torsional {
         Some((value, kind)) => {
             let (noun, unit) = (kind.coefficient().expected(false).noun, kind.unit(false));
-            told.related(value, "its unit makes the element torsional")
+            diagnostic
+                .related(value, "its unit makes the element torsional")
                 .help(format!("{turns}; {noun} along a line is in {unit}"))
         }
-        None => told.help(turns),
+        None => diagnostic.help(turns),
     }
 }
 
@@ -360,7 +363,7 @@ fn property_missing(span: Span, name: &str, what: &str, freedom: &str) -> Diagno
     error(code, span, format!("`{name}` {freedom}, but its {what} is missing"))
         .label(format!("needs its {what}"))
         .help(format!("add `{example}`"))
-        .mend_by_field(span, &[example])
+        .fix_by_field(span, &[example])
 }
 
 fn ends_apart(spans: [Span; 2], places: [(f64, f64); 2]) -> Diagnostic {

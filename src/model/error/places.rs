@@ -1,6 +1,6 @@
 //! Errors of components, of their places and of the files that they come from.
 
-use super::{error, kind_noun, listed, named, with_suggestion};
+use super::{error, kind_noun, listed, name_phrase, with_suggestion};
 use crate::base::{Code, Diagnostic, Dimension, Span};
 use crate::model::scope::DefinitionKind;
 
@@ -155,7 +155,7 @@ impl PlaceError {
             }
             UseCycle { span, files } => {
                 error("vib::use::cycle", span, format!("the file uses itself: {}", files.join(" -> ")))
-                    .help("put the components that both need into a file of their own")
+                    .help("put the components that both need into a third file")
             }
             UnknownComponent { span, word, suggestion, known } => {
                 let message = format!("there is no component `{word}`");
@@ -167,25 +167,25 @@ impl PlaceError {
                 with_suggestion(error("vib::component::unknown", span, message), suggestion, Some(help))
             }
             DuplicateComponent { span, word, others } => {
-                let told = error("vib::component::duplicate", span, format!("there are two components `{word}`"));
-                let told = others.into_iter().fold(told, |told, other| told.related(other, "one of this name is declared here"));
-                told.help("rename one of them")
+                let diagnostic = error("vib::component::duplicate", span, format!("there are two components `{word}`"));
+                let diagnostic = others.into_iter().fold(diagnostic, |diagnostic, other| diagnostic.related(other, "one of this name is declared here"));
+                diagnostic.help("rename one of them")
             }
             Recursion { span, chain } => {
                 error("vib::component::recursion", span, format!("the component contains itself: {}", chain.join(" -> ")))
-                    .help("a component places other components only; write rows of them with `repeat`")
+                    .help("a component can place only other components; use `repeat` for rows of them")
             }
             TooDeep { span, limit } => {
                 error("vib::component::recursion", span, format!("components contain each other more than {limit} levels deep"))
                     .help("place some of them in the scene")
             }
             Forbidden { span, keyword, reason, help } => {
-                error("vib::component::forbidden", span, format!("`{keyword}` may not stand in a component: {reason}"))
+                error("vib::component::forbidden", span, format!("`{keyword}` is not allowed in a component: {reason}"))
                     .help(help)
             }
             MotionName { span, word } => {
                 error("vib::component::motion_name", span, format!("`{word}` is the name of a motion"))
-                    .label("a part or output in a component is called so")
+                    .label("it is used as the name of a part or output in a component")
                     .help(format!("choose another name: from outside, `front.{word}` would mean two things"))
             }
             Undetermined { span, word } => {
@@ -193,17 +193,17 @@ impl PlaceError {
                     .help(format!("write its unit or a default: `{word}: kg`, `{word} = 1 kg`, `{word}: 1` for a plain number"))
             }
             UnlikeUnit { span, unit, found, wanted } => {
-                let found = found.map_or("a point".to_string(), named);
-                error("vib::component::dimension", span, format!("the default is {found}, and the unit says {}", named(wanted)))
+                let found = found.map_or("a point".to_string(), name_phrase);
+                error("vib::component::dimension", span, format!("the default is {found}, but the unit is that of {}", name_phrase(wanted)))
                     .related(unit, "the unit")
-                    .help("change one of them; a default alone says the dimension too")
+                    .help("change or remove one of them: a default is enough")
             }
             MissingArguments { span, component, missing, example } => {
                 let words: Vec<&str> = missing.iter().map(|(word, _)| word.as_str()).collect();
                 let message = format!("the component `{component}` needs {}", listed(&words));
-                let told = error("vib::place::missing", span, message);
-                let told = missing.iter().fold(told, |told, (_, at)| told.related(*at, "declared here, without a default"));
-                told.help(format!("write `{component}({example})`"))
+                let diagnostic = error("vib::place::missing", span, message);
+                let diagnostic = missing.iter().fold(diagnostic, |diagnostic, (_, at)| diagnostic.related(*at, "declared here, without a default"));
+                diagnostic.help(format!("write `{component}({example})`"))
             }
             UnknownArgument { span, word, component, suggestion, known } => {
                 let message = format!("the component `{component}` has no parameter or port `{word}`");
@@ -222,43 +222,43 @@ impl PlaceError {
                     .help("name a body, a base or `ground`")
             }
             PortKind { span, word, found, declared } => {
-                error("vib::part::kind", span, format!("`{word}` is {found}, no body"))
+                error("vib::part::kind", span, format!("`{word}` is {found}, not a body"))
                     .related(declared, "declared here")
                     .help("a port takes a body, a base or `ground`")
             }
             NoPosition { span, component, needs } => {
-                error("vib::place::position", span, format!("the component `{component}` has positions, and this place has none"))
+                error("vib::place::position", span, format!("the component `{component}` contains positions, but its place has none"))
                     .related(needs, "this is a position")
-                    .help("say where its origin comes to lie: `at (0, 0)`")
+                    .help("write the position of its origin: `at (0, 0)`")
             }
-            MirrorAxis { span } => error("vib::place::mirrored", span, "a component is mirrored along x or y")
+            MirrorAxis { span } => error("vib::place::mirrored", span, "a component can be mirrored only along x or y")
                 .help("write `mirrored x`, which changes the sign of its x, or `mirrored y`"),
             GivenBySolve { span, word, given } => {
-                error("vib::place::solved", span, format!("`{word}` has a value already: its place gives it"))
+                error("vib::place::solved", span, format!("`{word}` already has a value, given where its component is placed"))
                     .related(given, "given here")
-                    .help("leave it out at the place, or give it there as a `param` and solve for that")
+                    .help("omit it there, or pass a `param` of the scene and solve for that")
             }
             VectorOfPlace { span, word, declared } => {
-                error("vib::place::vector", span, format!("`{word}` can be read as a place or as a difference of two places"))
+                error("vib::place::vector", span, format!("`{word}` could be a position or a difference of two positions"))
                     .related(declared, "declared with `let`")
-                    .help("a place would move with the component, a difference would only turn: declare it as a `point`")
+                    .help("a position moves with the component, a difference only turns with it: declare it as a `point`")
             }
             UnknownMember { span, word, of, component, wanted, suggestion } => {
                 let code = if wanted == "parameter or point" { "vib::name::unknown" } else { "vib::part::unknown" };
-                let told = error(code, span, format!("`{of}` has no {wanted} `{word}`"));
-                with_suggestion(told.related(component, "its component"), suggestion, None)
+                let diagnostic = error(code, span, format!("`{of}` has no {wanted} `{word}`"));
+                with_suggestion(diagnostic.related(component, "its component"), suggestion, None)
             }
             OtherMember { span, word, found, wanted, declared } => {
-                error("vib::part::kind", span, format!("`{word}` is {found}, no {wanted}"))
+                error("vib::part::kind", span, format!("`{word}` is {found}, not a {wanted}"))
                     .related(declared, "declared here")
             }
             NoPlace { span, word } => {
-                error("vib::part::kind", span, format!("`{word}` is no place of a component: it has no parts or parameters"))
-                    .help("what stands before a `.` here is the name of a `place`")
+                error("vib::part::kind", span, format!("`{word}` is not a place of a component: it has no parts or parameters"))
+                    .help("write the name of a `place` before the `.`")
             }
             TurnedMotion { span, word } => {
-                error("vib::place::turned_input", span, format!("the motion `{word}` of this base is no input of the scene here"))
-                    .help("the base moves along x and y of the scene, and its component is turned: measure from outside, or give the component two bases")
+                error("vib::place::turned_input", span, format!("the motion `{word}` of this base is not an input of the scene"))
+                    .help("the base moves along x and y of the scene, but its component is turned: write the measure in the scene, or use two bases")
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Errors of motions and measures, and warnings about declarations without effect.
 
-use super::{error, kind_noun, listed, named, with_suggestion};
+use super::{error, kind_noun, listed, name_phrase, with_suggestion};
 use crate::base::{Change, Code, Diagnostic, Dimension, Span};
 use crate::kinds::Function;
 use crate::model::scope::DefinitionKind;
@@ -100,7 +100,7 @@ impl QuestionError {
                     .help("name an output, or a motion such as `table.y`")
             }
             ModeNumber { span } => {
-                error("vib::measure::mode", span, "modes are numbered from 1").mend(span, Change::Replace("1".into()))
+                error("vib::measure::mode", span, "modes are numbered from 1").fix(span, Change::Replace("1".into()))
             }
             RangeReversed { span } => {
                 error("vib::solve::range", span, "the range is empty").help("write the lower bound first")
@@ -130,7 +130,7 @@ impl QuestionError {
                     .help("measures that are numbers may be added, subtracted, multiplied and divided")
             }
             MeasuresDiffer { span, left, right } => {
-                let (left, right) = (named(left), named(right));
+                let (left, right) = (name_phrase(left), name_phrase(right));
                 error("vib::unit::mismatch", span, format!("{left} and {right} cannot be added or compared"))
                     .help("compare measures of one dimension")
             }
@@ -139,7 +139,7 @@ impl QuestionError {
                 let message = format!("this {word} of `{name}` {why}");
                 Diagnostic::warning(Code::model("vib::unused::property"), span, message)
                     .help("remove it, or add the degree of freedom that uses it")
-                    .mend(span, Change::DropField)
+                    .fix(span, Change::DropField)
             }
             IdleGravity { span } => {
                 Diagnostic::note(Code::model("vib::unused::gravity"), span, "gravity has no effect in this scene")
@@ -155,5 +155,5 @@ fn unused(span: Span, name: &str, kind: DefinitionKind) -> Diagnostic {
     };
     Diagnostic::warning(code, span, format!("the {} `{name}` is never used", kind_noun(kind)))
         .help("use it, or remove it")
-        .mend(span, Change::DropDeclaration)
+        .fix(span, Change::DropDeclaration)
 }

@@ -1,6 +1,6 @@
 //! Errors of values and units.
 
-use super::{error, named, short, unit_or_none};
+use super::{error, name_phrase, short, unit_or_none};
 use crate::base::{Angle, Change, Code, Diagnostic, Dimension, Span};
 use crate::model::expect::Expected;
 use crate::model::value::Fault;
@@ -54,8 +54,8 @@ impl ValueError {
                 error("vib::unit::ambiguous", span, "this unit can be read in two ways")
                     .label(format!("({head})*{tail} or {}?", below(&head, &tail)))
                     .help(format!("write `{}` or `{divided}`", swapped(&head, &tail)))
-                    .mend(span, Change::Replace(swapped(&head, &tail)))
-                    .mend(span, Change::Replace(divided))
+                    .fix(span, Change::Replace(swapped(&head, &tail)))
+                    .fix(span, Change::Replace(divided))
             }
             UnitMalformed { span } => error("vib::unit::malformed", span, "this is not a unit")
                 .help("write a unit without blanks, as in `N*s/m^2`"),
@@ -96,13 +96,13 @@ impl ValueError {
             NoDirection { span } => error("vib::direction::zero", span, "this vector has no direction")
                 .label("zero")
                 .help("write `x`, `y` or a vector that is not zero, such as `(1, 1)`"),
-            UnlikeDeclared { span, found, wanted, declared } => unlike_declared(span, found, wanted, declared),
+            UnlikeDeclared { span, found, wanted, declared } => kind_mismatch(span, found, wanted, declared),
             ReadingLike { span, declared } => {
                 let unit = if declared == Angle::Cycles { "Hz" } else { "rad/s" };
                 error("vib::unit::frequency", span, "this is in 1/s: are these radians or cycles?")
                     .label(format!("the parameter is declared in {unit}"))
                     .help(format!("write the unit, such as `10 {unit}`"))
-                    .mend(span, Change::Times(if declared == Angle::Cycles { "1 rev" } else { "1 rad" }))
+                    .fix(span, Change::Times(if declared == Angle::Cycles { "1 rev" } else { "1 rad" }))
             }
             Negative { span, what } => error("vib::value::negative", span, format!("{what} cannot be negative")),
         }
@@ -115,7 +115,7 @@ fn unit_unknown(span: Span, symbol: &str, suggestion: Option<String>, is_value: 
         (true, _) => {
             diagnostic.help(format!("`{symbol}` is a parameter: write spaces around `*` or `/` to calculate with it"))
         }
-        (false, Some(meant)) => diagnostic.help(format!("did you mean `{meant}`?")).mend(span, Change::Replace(meant)),
+        (false, Some(meant)) => diagnostic.help(format!("did you mean `{meant}`?")).fix(span, Change::Replace(meant)),
         (false, None) => {
             diagnostic.help("a word directly after a number is its unit; to multiply, write ` * ` with spaces")
         }
@@ -142,7 +142,7 @@ fn unit_missing(span: Span, number: &str, expected: Expected) -> Diagnostic {
     error("vib::unit::missing", span, format!("{} is expected here, this number has no unit", expected.noun))
         .label("a plain number")
         .help(format!("write the unit after it, such as `{number} {unit}`"))
-        .mend(span, Change::After(format!(" {unit}")))
+        .fix(span, Change::After(format!(" {unit}")))
 }
 
 fn unit_mismatch(span: Span, found: Dimension, expected: Expected, declared: Option<(String, Span)>) -> Diagnostic {
@@ -155,7 +155,7 @@ fn unit_mismatch(span: Span, found: Dimension, expected: Expected, declared: Opt
     if let Some((name, place)) = declared {
         diagnostic = diagnostic.related(place, format!("`{name}` is declared here"));
         if found.is_none() {
-            diagnostic = diagnostic.mend(place, Change::Unit(expected.dimension.usual_unit()));
+            diagnostic = diagnostic.fix(place, Change::Unit(expected.dimension.usual_unit()));
         }
     }
     diagnostic
@@ -165,11 +165,11 @@ fn cycles_for_radians(span: Span, value: f64, expected: Expected, declared: Opti
     let noun = expected.noun.split_once(' ').map_or(expected.noun, |(_, noun)| noun);
     let read = format!("{} {}", short(value), unit_or_none(expected.dimension));
     let message = format!("this {noun} has a factor in cycles, not radians: it is read as {read}");
-    let told = Diagnostic::warning(Code::model("vib::unit::cycles"), span, message);
-    let told = declared
+    let diagnostic = Diagnostic::warning(Code::model("vib::unit::cycles"), span, message);
+    let diagnostic = declared
         .into_iter()
-        .fold(told, |told, (name, place)| told.related(place, format!("`{name}` is declared here")));
-    told.help("1 Hz is 2*pi rad/s: write `2*pi*f` for a frequency `f` in Hz, or declare it in rad/s")
+        .fold(diagnostic, |diagnostic, (name, place)| diagnostic.related(place, format!("`{name}` is declared here")));
+    diagnostic.help("1 Hz is 2*pi rad/s: write `2*pi*f` for a frequency `f` in Hz, or declare it in rad/s")
 }
 
 fn frequency_reading(span: Span, value: f64) -> Diagnostic {
@@ -178,12 +178,12 @@ fn frequency_reading(span: Span, value: f64) -> Diagnostic {
     error("vib::unit::frequency", span, "this is in 1/s: are these radians or cycles?")
         .label(format!("{value} rad/s = {hertz} Hz, or {value} Hz?"))
         .help("multiply by `1 rad` if it is an angular frequency, such as sqrt(k/m), or by `1 rev` if it counts cycles")
-        .mend(span, Change::Times("1 rad"))
-        .mend(span, Change::Times("1 rev"))
+        .fix(span, Change::Times("1 rad"))
+        .fix(span, Change::Times("1 rev"))
 }
 
 /// An operator as a verb.
-fn verb(operator: Binary) -> &'static str {
+fn verb_of(operator: Binary) -> &'static str {
     match operator {
         Binary::Add => "added to",
         Binary::Subtract => "subtracted from",
@@ -194,7 +194,7 @@ fn verb(operator: Binary) -> &'static str {
 fn operation(fault: Fault, operator: Binary, left: Span, right: Span) -> Diagnostic {
     match fault {
         Fault::Dimensions(a, b) => {
-            let message = format!("{} cannot be {} {}", named(b), verb(operator), named(a));
+            let message = format!("{} cannot be {} {}", name_phrase(b), verb_of(operator), name_phrase(a));
             error("vib::unit::mismatch", right, message)
                 .label(unit_or_none(b))
                 .related(left, unit_or_none(a))
@@ -223,11 +223,11 @@ fn operation(fault: Fault, operator: Binary, left: Span, right: Span) -> Diagnos
 fn function_fault(fault: Fault, function: &str, argument: Span, span: Span) -> Diagnostic {
     match fault {
         Fault::NotPlain(found) => {
-            let message = format!("`{function}` takes a plain number or an angle, this is {}", named(found));
+            let message = format!("`{function}` takes a plain number or an angle, this is {}", name_phrase(found));
             error("vib::unit::mismatch", argument, message).label(unit_or_none(found))
         }
         Fault::Dimensions(a, b) => {
-            let message = format!("`{function}` compares {} with {}", named(a), named(b));
+            let message = format!("`{function}` compares {} with {}", name_phrase(a), name_phrase(b));
             error("vib::unit::mismatch", span, message).help("all arguments need the same unit")
         }
         Fault::Kind { needed, found } => {
@@ -246,10 +246,14 @@ fn pair(fault: Fault, left: Span, right: Span) -> Diagnostic {
     let Fault::Dimensions(a, b) = fault else {
         return operation(fault, Binary::Add, left, right);
     };
-    error("vib::unit::mismatch", right, format!("this is {}, the first component is {}", named(b), named(a)))
-        .label(unit_or_none(b))
-        .related(left, unit_or_none(a))
-        .help("both components need the same unit; a bare 0 fits any")
+    error(
+        "vib::unit::mismatch",
+        right,
+        format!("this is {}, the first component is {}", name_phrase(b), name_phrase(a)),
+    )
+    .label(unit_or_none(b))
+    .related(left, unit_or_none(a))
+    .help("both components need the same unit; a bare 0 fits any")
 }
 
 fn argument_count(span: Span, function: &str, expected: usize, found: usize) -> Diagnostic {
@@ -265,15 +269,15 @@ fn components(span: Span, found: usize) -> Diagnostic {
     error("vib::value::components", span, "a point has two coordinates").help("write (x, y)")
 }
 
-fn unlike_declared(span: Span, found: Dimension, wanted: Dimension, declared: Option<(String, Span)>) -> Diagnostic {
+fn kind_mismatch(span: Span, found: Dimension, wanted: Dimension, declared: Option<(String, Span)>) -> Diagnostic {
     let unit = wanted.usual_unit();
     let (message, help) = match unit.as_str() {
         "" => (
-            format!("a plain number is expected here, this is {}", named(found)),
+            format!("a plain number is expected here, this is {}", name_phrase(found)),
             "write it without a unit".to_string(),
         ),
         _ => (
-            format!("{} is expected here, this is {}", named(wanted), named(found)),
+            format!("{} is expected here, this is {}", name_phrase(wanted), name_phrase(found)),
             format!("write it in {unit} or another unit of that kind"),
         ),
     };

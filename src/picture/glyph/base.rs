@@ -2,7 +2,7 @@
 
 use super::arrow;
 use super::ground::hatched;
-use super::{Of, Sheet};
+use super::{Sheet, Subject};
 use crate::picture::figure::{Kind, Pen, Ride, Stroke};
 use crate::picture::geometry::Point;
 use crate::picture::layout::Outline;
@@ -22,7 +22,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
     let mut strokes = hatched(at.towards(side, -half), at.towards(side, half), along.times(-1.0));
     strokes.extend(placed.arms.iter().map(|arm| super::rod::link(at, stage.point(number, *arm))));
     let name = sheet.says.display(base.name);
-    let of = Of { title: format!("base {name}, moved from outside"), span: Some(base.span) };
+    let of = Subject { title: format!("base {name}, moved from outside"), span: Some(base.span) };
     sheet.push_riding(Kind::Base, of, vec![(Ride::With(number), strokes)]);
     sheet.label(name, Some(base.span), at, placed.outline.half(), &[along.times(-1.0)]);
 }
@@ -36,13 +36,13 @@ pub fn arrow(sheet: &mut Sheet, stage: &Stage, index: usize, translation: Option
     let at = stage.place(number);
     let name = sheet.says.display(base.name);
     let Some(translation) = translation.and_then(|which| base.translations.get(which)) else {
-        let of = Of { title: format!("the angle of {name} is prescribed"), span: Some(base.span) };
+        let of = Subject { title: format!("the angle of {name} is prescribed"), span: Some(base.span) };
         let tries = arrow::offsets(half + 10.0).flat_map(|radius| arrow::arcs(at, radius, Pen::Thin, true));
         sheet.choose(Kind::Base, of, tries.collect(), room);
         return;
     };
     let direction = placed.direction(super::super::layout::straight(&translation.direction)).unwrap_or(along);
-    let of = Of { title: format!("{name}.{} is prescribed", translation.motion), span: Some(base.span) };
+    let of = Subject { title: format!("{name}.{} is prescribed", translation.motion), span: Some(base.span) };
     let side = along.across();
     let places = [1.0, -1.0].into_iter().flat_map(|sign| {
         arrow::offsets(10.0).map(move |off| at.towards(side, sign * (half + off)).towards(along, -3.0))

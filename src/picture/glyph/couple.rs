@@ -1,6 +1,6 @@
 //! A coupling: a dashed line between its motions; a pair of gears where two disks touch that turn against each other.
 
-use super::{Of, Sheet, gear};
+use super::{Sheet, Subject, gear};
 use crate::model::scene::{Motion, Part};
 use crate::picture::figure::{Hold, Kind, Pen, Ride, Stroke};
 use crate::picture::geometry::Point;
@@ -10,7 +10,7 @@ use crate::picture::stage::Stage;
 pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
     let couple = &sheet.scene.couples[index];
     let name = sheet.says.display(couple.name);
-    let of = Of { title: format!("coupling {name}"), span: Some(couple.span) };
+    let of = Subject { title: format!("coupling {name}"), span: Some(couple.span) };
     let parts = sheet.parts_of();
     let mut points: Vec<(usize, Point)> = Vec::new();
     for term in &couple.terms {
@@ -48,7 +48,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
             at.towards(along, placed.outline.reach(at.minus(stage.place(number)), along))
         };
         let ends = [edge(a, from, along), edge(b, to, along.times(-1.0))];
-        let ride = Ride::Between([Hold::on(a, ends[0]), Hold::on(b, ends[1])]);
+        let ride = Ride::Between([Hold::at_part(a, ends[0]), Hold::at_part(b, ends[1])]);
         strokes.push((ride, vec![Stroke::line(ends, Pen::Dashed)]));
     }
     let Some((ride, ends)) = strokes.first().and_then(|(ride, own)| match &own[..] {
@@ -59,7 +59,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
         let Some((number, at)) = points.first().copied() else { return };
         let half = stage.layout.parts[number].outline.half();
         let line = [at.plus(Point::new(half.x + 4.0, -half.y)), at.plus(Point::new(half.x + 4.0, half.y))];
-        let ride = Ride::At(Hold::on(number, at));
+        let ride = Ride::At(Hold::at_part(number, at));
         sheet.push_riding(Kind::Couple, of, vec![(ride, vec![Stroke::line(line, Pen::Dashed)])]);
         return sheet.label(name, Some(couple.span), line[0], Point::new(2.0, 2.0), &[Point::new(1.0, 0.0)]);
     };

@@ -1,6 +1,6 @@
 //! A force: an arrow that pulls at the body, or pushes it where there is no room on that side.
 
-use super::{Of, Sheet, arrow};
+use super::{Sheet, Subject, arrow};
 use crate::base::Vec3;
 use crate::model::scene::{Attachment, Input};
 use crate::picture::figure::{Kind, Pen, Stroke};
@@ -29,7 +29,7 @@ pub fn along(
 }
 
 /// Apart, along the line between two points.
-pub fn between(sheet: &mut Sheet, stage: &Stage, input: &Input, ends: &[Attachment; 2], room: &mut Occupied) {
+pub fn draw_between(sheet: &mut Sheet, stage: &Stage, input: &Input, ends: &[Attachment; 2], room: &mut Occupied) {
     let [a, b] = [0, 1].map(|end| point(sheet, stage, &ends[end]).1);
     let apart = b.minus(a).unit().unwrap_or(Point::new(1.0, 0.0));
     one(sheet, stage, input, &ends[0], apart.times(-1.0), true, room);
@@ -63,7 +63,7 @@ fn one(
         }
     }
     let name = sheet.says.display(input.name);
-    let of = Of { title: format!("force {name} on {}", sheet.says.part_name(end.part)), span: Some(input.span) };
+    let of = Subject { title: format!("force {name} on {}", sheet.says.part_name(end.part)), span: Some(input.span) };
     let Some(bounds) = sheet.choose(Kind::Force, of, tries, room) else { return };
     if named {
         sheet.label_beside(name, Some(input.span), bounds, &[Point::new(0.0, -1.0), direction]);

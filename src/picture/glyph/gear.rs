@@ -42,8 +42,8 @@ pub fn strokes(stage: &Stage, terms: &[MotionTerm], parts: &Parts) -> Option<Tee
 /// Teeth round a wheel; one of them, or the middle of a gap, where the other wheel touches it.
 fn teeth(centre: Point, radius: f64, towards: Point, offset: f64) -> Vec<Stroke> {
     let count = (2.0 * PI * radius / PITCH).round().max(6.0);
-    let step = Turn::by(2.0 * PI / count);
-    let mut arm = towards.turned(Turn::by(2.0 * PI / count * offset));
+    let step = Turn::from_angle(2.0 * PI / count);
+    let mut arm = towards.turned(Turn::from_angle(2.0 * PI / count * offset));
     let mut strokes = Vec::new();
     for _ in 0..count as usize {
         strokes.push(Stroke::line([centre.towards(arm, radius), centre.towards(arm, radius + TOOTH)], Pen::Normal));

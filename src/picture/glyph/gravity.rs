@@ -1,6 +1,6 @@
 //! Gravity: one arrow beside the scene, with `g`.
 
-use super::{Of, Sheet, arrow};
+use super::{Sheet, Subject, arrow};
 use crate::picture::figure::{Kind, Pen};
 use crate::picture::geometry::{Bounds, Point};
 use crate::picture::layout::straight;
@@ -24,7 +24,8 @@ pub fn draw(sheet: &mut Sheet, bounds: Bounds, room: &mut Occupied) {
     let tries = tries.collect();
     let size = gravity.dot(gravity);
     let size = size.sqrt().unwrap_or(size);
-    let of = Of { title: format!("gravity, {} m/s^2", (sheet.request.digits)(&size)), span: sheet.scene.gravity_span };
+    let of =
+        Subject { title: format!("gravity, {} m/s^2", (sheet.request.digits)(&size)), span: sheet.scene.gravity_span };
     let text = match sheet.request.values {
         true => format!("g = {} m/s^2", (sheet.request.digits)(&size)),
         false => "g".into(),

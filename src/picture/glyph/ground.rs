@@ -1,6 +1,6 @@
 //! The ground: a line with hatching behind it, across what is held there. Elements that end side by side share one.
 
-use super::{Of, Sheet};
+use super::{Sheet, Subject};
 use crate::picture::Detail;
 use crate::picture::figure::{Kind, Pen, Stroke};
 use crate::picture::geometry::Point;
@@ -57,7 +57,7 @@ pub fn walls(sheet: &mut Sheet, stage: &Stage) {
                     vec![Stroke::line([first.towards(along, -4.0), last.towards(along, 4.0)], Pen::Normal)]
                 }
             };
-            sheet.push(Kind::Ground, Of { title: "ground".into(), span: None }, strokes);
+            sheet.push(Kind::Ground, Subject { title: "ground".into(), span: None }, strokes);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! An initial motion: a faint arrow the way that it displaces or moves its body.
 
 use super::couple::direction;
-use super::{Of, Sheet, arrow, values};
+use super::{Sheet, Subject, arrow, values};
 use crate::model::scene::{Initial, Motion, Part};
 use crate::picture::figure::{Kind, Pen, Stroke};
 use crate::picture::geometry::Point;
@@ -45,7 +45,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, initial: &Initial, room: &mut Occu
         let name = sheet.says.part_name(Part::Body(initial.body));
         let says =
             format!("{}({name}) = {}", values::motion_word(motion), values::motion_value(sheet.says, motion, value));
-        let of = Of { title: format!("initial: {says}"), span: Some(initial.span) };
+        let of = Subject { title: format!("initial: {says}"), span: Some(initial.span) };
         let Some(bounds) = sheet.choose(Kind::Initial, of, tries, room) else { continue };
         if sheet.request.values {
             let text =

@@ -50,7 +50,7 @@ pub struct Sheet<'a> {
 
 /// What a glyph is of.
 #[derive(Clone, Debug)]
-pub struct Of {
+pub struct Subject {
     pub title: String,
     pub span: Option<Span>,
 }
@@ -61,12 +61,12 @@ impl<'a> Sheet<'a> {
     }
 
     /// What stands still, whatever moves.
-    pub fn push(&mut self, kind: Kind, of: Of, strokes: Vec<Stroke>) {
+    pub fn push(&mut self, kind: Kind, of: Subject, strokes: Vec<Stroke>) {
         self.push_riding(kind, of, vec![(Ride::Still, strokes)]);
     }
 
     /// Strokes with what they move with.
-    pub fn push_riding(&mut self, kind: Kind, of: Of, list: Vec<(Ride, Vec<Stroke>)>) {
+    pub fn push_riding(&mut self, kind: Kind, of: Subject, list: Vec<(Ride, Vec<Stroke>)>) {
         let (mut strokes, mut rides) = (Vec::new(), Vec::new());
         for (ride, own) in list.into_iter().filter(|(_, own)| !own.is_empty()) {
             if ride != Ride::Still || !rides.is_empty() {
@@ -78,7 +78,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// Names the item of the glyph that was pushed last, and what its label moves with.
-    fn is(&mut self, item: Item) {
+    fn name_item(&mut self, item: Item) {
         if let Some(glyph) = self.glyphs.last_mut() {
             glyph.item = Some(item);
         }
@@ -153,7 +153,7 @@ impl<'a> Sheet<'a> {
         let placed = &self.layout.parts[number];
         let at = stage.place(number);
         let body = &self.scene.bodies[index];
-        let of = Of { title: values::body_title(self.says, body), span: Some(body.span) };
+        let of = Subject { title: values::body_title(self.says, body), span: Some(body.span) };
         let arms = placed.arms.iter().map(|arm| rod::link(at, stage.point(number, *arm)));
         let mut strokes: Vec<Stroke> = arms.collect();
         let turned = |v: Point| stage.vector(number, v);
@@ -171,7 +171,7 @@ impl<'a> Sheet<'a> {
         };
         strokes.extend(own);
         self.push_riding(kind, of, vec![(Ride::With(number), strokes)]);
-        self.is(Item::Body(index));
+        self.name_item(Item::Body(index));
         let (half, best) = match &placed.outline {
             Outline::Rod { arm } => {
                 let side = turned(*arm).across().unit().unwrap_or_default();
@@ -181,13 +181,13 @@ impl<'a> Sheet<'a> {
         };
         let text = values::body_label(self.says, body);
         self.label(text, Some(body.span), at, half, &best);
-        self.rides(Ride::At(Hold::on(number, at)));
+        self.rides(Ride::At(Hold::at_part(number, at)));
     }
 
     fn element(&mut self, stage: &Stage, index: usize) {
         let element = &self.scene.elements[index];
         let link = &self.layout.links[index];
-        let of = Of { title: values::element_title(self.says, element), span: Some(element.span) };
+        let of = Subject { title: values::element_title(self.says, element), span: Some(element.span) };
         let turns = element.geometry == Geometry::Torsion;
         let [a, b] = [&link.feet[0], &link.feet[1]]
             .map(|foot| if turns { stage.carried(foot.part, foot.at) } else { stage.point(foot.part, foot.at) });
@@ -198,7 +198,7 @@ impl<'a> Sheet<'a> {
         let between = Ride::Between([hold(&link.feet[0], a), hold(&link.feet[1], b)]);
         if self.detail >= Detail::Plain {
             self.push_riding(kind(element), of, vec![(between, vec![Stroke::line([a, b], Pen::Thin)])]);
-            return self.is(Item::Element(index));
+            return self.name_item(Item::Element(index));
         }
         let mut strokes: Vec<(Ride, Vec<Stroke>)> = leads(stage, link).collect();
         if let Some(place) = link.round {
@@ -210,10 +210,10 @@ impl<'a> Sheet<'a> {
             let reach = own.iter().fold(Bounds::EMPTY, |bounds, stroke| bounds.and(stroke.bounds()));
             // Round a pivot, whose place is a point of each of its parts.
             let held = if link.feet[0].part == GROUND { &link.feet[1] } else { &link.feet[0] };
-            let ride = Ride::At(Hold::on(held.part, a));
+            let ride = Ride::At(Hold::at_part(held.part, a));
             strokes.push((ride, own));
             self.push_riding(kind(element), of, strokes);
-            self.is(Item::Element(index));
+            self.name_item(Item::Element(index));
             let text = values::element_label(self.says, element);
             self.label_tie(
                 text,
@@ -233,7 +233,7 @@ impl<'a> Sheet<'a> {
         };
         strokes.push((between, own));
         self.push_riding(kind(element), of, strokes);
-        self.is(Item::Element(index));
+        self.name_item(Item::Element(index));
         let along = b.minus(a).unit().unwrap_or(Point::new(1.0, 0.0));
         let side = if along.across().y <= 0.0 { along.across() } else { along.across().times(-1.0) };
         let (reach, half) = (b.distance(a) * 0.25, half + 1.0);
@@ -258,7 +258,7 @@ impl<'a> Sheet<'a> {
                 // A mode is the motion without any load.
                 InputKind::Force { .. } | InputKind::ForceBetween { .. } | InputKind::Torque { .. } if is_mode => {}
                 InputKind::Force { ends, direction } => force::along(self, stage, input, ends, direction, room),
-                InputKind::ForceBetween { ends } => force::between(self, stage, input, ends, room),
+                InputKind::ForceBetween { ends } => force::draw_between(self, stage, input, ends, room),
                 InputKind::Torque { ends } => torque::draw(self, stage, input, ends, room),
             }
         }
@@ -283,7 +283,7 @@ impl<'a> Sheet<'a> {
 
     /// One path for all elements and one for all bodies.
     fn bare(&mut self, stage: &Stage) {
-        let title = |what: &str, count: usize| Of { title: format!("{count} {what}"), span: None };
+        let title = |what: &str, count: usize| Subject { title: format!("{count} {what}"), span: None };
         let lines = self.layout.links.iter().map(|link| {
             let [a, b] = [0, 1].map(|end| stage.point(link.feet[end].part, link.feet[end].at));
             Stroke::line([a, b], Pen::Thin)
@@ -301,7 +301,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// The first of some ways to draw a glyph that touches nothing; the first of all where every one does.
-    pub fn choose(&mut self, kind: Kind, of: Of, tries: Vec<Vec<Stroke>>, room: &mut Occupied) -> Option<Bounds> {
+    pub fn choose(&mut self, kind: Kind, of: Subject, tries: Vec<Vec<Stroke>>, room: &mut Occupied) -> Option<Bounds> {
         let is_free = |strokes: &Vec<Stroke>| {
             let bounds = strokes.iter().fold(Bounds::EMPTY, |bounds, stroke| bounds.and(stroke.bounds()));
             room.is_free(&bounds.grown(2.0))

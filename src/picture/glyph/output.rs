@@ -1,7 +1,7 @@
 //! An output: a thin coordinate arrow with its name. Outputs of one motion share an arrow, whatever derivative they are of.
 
 use super::couple::direction;
-use super::{Of, Sheet, arrow};
+use super::{Sheet, Subject, arrow};
 use crate::base::Span;
 use crate::model::scene::{Motion, Part};
 use crate::picture::figure::{Kind, Pen, Stroke};
@@ -56,7 +56,7 @@ pub fn draw_all(sheet: &mut Sheet, stage: &Stage, room: &mut Occupied) {
     }
     for entry in entries {
         let names = entry.names.join(", ");
-        let of = Of { title: format!("output {names}"), span: Some(entry.span) };
+        let of = Subject { title: format!("output {names}"), span: Some(entry.span) };
         let (tries, best) = match entry.shown {
             Shown::Moves { part, at, direction } => (straight(stage, part, at, direction), direction),
             Shown::Turns { part } => {

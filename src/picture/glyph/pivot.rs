@@ -1,7 +1,7 @@
 //! A pivot: a small circle; on the ground with its bearing.
 
 use super::ground::hatched;
-use super::{Of, Sheet};
+use super::{Sheet, Subject};
 use crate::model::scene::Part;
 use crate::picture::Detail;
 use crate::picture::figure::{Hold, Kind, Pen, Ride, Stroke};
@@ -34,9 +34,9 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
         strokes.extend(hatched(left.minus(beyond), right.plus(beyond), down));
     }
     let pin = vec![Stroke::circle(at, RADIUS, Pen::Paper)];
-    let ride = Ride::At(Hold::on(held, at));
+    let ride = Ride::At(Hold::at_part(held, at));
     let (name, [a, b]) = (sheet.says.display(joint.name), [0, 1].map(|end| sheet.says.part_name(joint.ends[end].part)));
-    let of = Of { title: format!("pivot {name}: {a} and {b} turn about it"), span: Some(joint.span) };
+    let of = Subject { title: format!("pivot {name}: {a} and {b} turn about it"), span: Some(joint.span) };
     let half = if on_ground { Point::new(RADIUS + 1.0, RADIUS + 1.0) } else { Point::new(RADIUS, RADIUS) };
     sheet.push_riding(Kind::Pivot, of, vec![(Ride::Still, strokes), (ride, pin)]);
     sheet.label_tie(

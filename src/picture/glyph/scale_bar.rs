@@ -1,6 +1,6 @@
 //! The scale: a bar of a round length, with its unit.
 
-use super::{Of, Sheet, arrow};
+use super::{Sheet, Subject, arrow};
 use crate::picture::figure::{Kind, Pen, Stroke};
 use crate::picture::geometry::{Bounds, Point};
 use crate::picture::occupied::Occupied;
@@ -18,7 +18,7 @@ pub fn draw(sheet: &mut Sheet, bounds: Bounds, room: &mut Occupied) {
         let mark = |x: f64| Stroke::line([Point::new(x, y - 4.0), Point::new(x, y + 4.0)], Pen::Normal);
         vec![Stroke::line([Point::new(left, y), Point::new(right, y)], Pen::Normal), mark(left), mark(right)]
     });
-    let of = Of { title: format!("scale: {text}"), span: None };
+    let of = Subject { title: format!("scale: {text}"), span: None };
     if let Some(bounds) = sheet.choose(Kind::ScaleBar, of, tries.collect(), room) {
         sheet.label_beside(text, None, bounds, &[Point::new(1.0, 0.0), Point::new(0.0, 1.0)]);
     }

@@ -1,7 +1,7 @@
 //! A slide: a rail with hatching along its direction, beside the body that runs on it.
 
 use super::ground::hatched;
-use super::{Of, Sheet};
+use super::{Sheet, Subject};
 use crate::base::Vec3;
 use crate::model::scene::Part;
 use crate::picture::figure::{Hold, Kind, Pen, Ride, Stroke};
@@ -39,9 +39,9 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize, along: &Vec3) {
         strokes.push(Stroke::line([nearest, at], Pen::Thin));
     }
     let (name, [a, b]) = (sheet.says.display(joint.name), [0, 1].map(|end| sheet.says.part_name(joint.ends[end].part)));
-    let of = Of { title: format!("slide {name}: {b} runs along {a}"), span: Some(joint.span) };
+    let of = Subject { title: format!("slide {name}: {b} runs along {a}"), span: Some(joint.span) };
     sheet.push_riding(Kind::Slide, of, vec![(Ride::With(rail), strokes)]);
     let at = ends[1];
     sheet.label(name, Some(joint.span), at, Point::new(2.0, 8.0), &[direction, aside]);
-    sheet.rides(Ride::At(Hold::on(rail, at)));
+    sheet.rides(Ride::At(Hold::at_part(rail, at)));
 }

@@ -1,7 +1,7 @@
 //! A torque: a curved arrow about the body, counter-clockwise on the first end and clockwise on the second.
 
 use super::force::point;
-use super::{Of, Sheet, arrow};
+use super::{Sheet, Subject, arrow};
 use crate::model::scene::{Attachment, Input};
 use crate::picture::figure::{Kind, Pen};
 use crate::picture::layout::Outline;
@@ -22,7 +22,8 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, input: &Input, ends: &[Attachment]
             _ => arrow::arcs_back(at, radius, Pen::Normal),
         });
         let name = sheet.says.display(input.name);
-        let of = Of { title: format!("torque {name} on {}", sheet.says.part_name(end.part)), span: Some(input.span) };
+        let of =
+            Subject { title: format!("torque {name} on {}", sheet.says.part_name(end.part)), span: Some(input.span) };
         let tries = tries.collect();
         let Some(bounds) = sheet.choose(Kind::Torque, of, tries, room) else { continue };
         if number == 0 {

@@ -66,11 +66,11 @@ pub fn element_title(says: &Says, element: &Element) -> String {
     let word = element.law.kind.keyword;
     let [a, b] = [0, 1].map(|end| says.part_name(element.ends[end].part));
     let name = says.display(element.name);
-    format!("{word} {name}: {}, {a} to {b}{}", value(says, element), does(says, element.name))
+    format!("{word} {name}: {}, {a} to {b}{}", value(says, element), mode_motion(says, element.name))
 }
 
-fn does(says: &Says, name: Name) -> String {
-    says.request.does(name).map_or(String::new(), |does| format!("; {does}"))
+fn mode_motion(says: &Says, name: Name) -> String {
+    says.request.mode_motion(name).map_or(String::new(), |does| format!("; {does}"))
 }
 
 fn body_values(says: &Says, body: &Body) -> Option<String> {
@@ -90,7 +90,7 @@ pub fn body_label(says: &Says, body: &Body) -> String {
 pub fn body_title(says: &Says, body: &Body) -> String {
     let name = says.display(body.name);
     let values = body_values(says, body).map_or(String::new(), |values| format!(": {values}"));
-    format!("body {name}{values}{}", does(says, body.name))
+    format!("body {name}{values}{}", mode_motion(says, body.name))
 }
 
 /// The letter of a motion: `x`, `vy`, `angle`, `omega`.

@@ -1,6 +1,6 @@
 //! A weld: a filled dot, with a stiff line to the parts that it makes one.
 
-use super::{Of, Sheet};
+use super::{Sheet, Subject};
 use crate::picture::figure::{Hold, Kind, Pen, Ride, Stroke};
 use crate::picture::geometry::Point;
 use crate::picture::stage::Stage;
@@ -24,8 +24,8 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
     }
     strokes.push(Stroke::circle(at, RADIUS, Pen::Solid));
     let (name, [a, b]) = (sheet.says.display(joint.name), [0, 1].map(|end| sheet.says.part_name(joint.ends[end].part)));
-    let of = Of { title: format!("weld {name}: {a} and {b} move as one"), span: Some(joint.span) };
+    let of = Subject { title: format!("weld {name}: {a} and {b} move as one"), span: Some(joint.span) };
     sheet.push_riding(Kind::Weld, of, vec![(Ride::With(held), strokes)]);
     sheet.label_tie(name, Some(joint.span), at, Point::new(RADIUS, RADIUS), &[]);
-    sheet.rides(Ride::At(Hold::on(held, at)));
+    sheet.rides(Ride::At(Hold::at_part(held, at)));
 }

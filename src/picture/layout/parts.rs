@@ -105,7 +105,7 @@ impl Parts {
 
     /// The points of the scene that belong to each part, its own place first. Those of the ground are left out.
     pub fn known_points(&self, scene: &Scene) -> Result<Vec<Vec<[f64; 2]>>, Refusal> {
-        let mut known = Known { parts: *self, scene, points: vec![Vec::new(); self.count()] };
+        let mut known = PlacedParts { parts: *self, scene, points: vec![Vec::new(); self.count()] };
         for (index, body) in scene.bodies.iter().enumerate() {
             if let Some(centre) = body.centre.as_deref() {
                 known.add(1 + index, centre)?;
@@ -139,7 +139,7 @@ impl Parts {
     }
 }
 
-struct Known<'a> {
+struct PlacedParts<'a> {
     parts: Parts,
     scene: &'a Scene,
     points: Vec<Vec<[f64; 2]>>,
@@ -148,7 +148,7 @@ struct Known<'a> {
 /// Different points of one part that are looked through for a known one; a part with more keeps some twice.
 const MOST_COMPARED: usize = 64;
 
-impl Known<'_> {
+impl PlacedParts<'_> {
     fn attach(&mut self, end: &Attachment) -> Result<(), Refusal> {
         match end.at.as_deref() {
             Some(at) => self.add(self.parts.number(end.part), at),

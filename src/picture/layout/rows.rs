@@ -114,7 +114,7 @@ impl<'a> Row<'a> {
         let folds = Folds::of(&families, upright);
         let count = families.members.len();
         let at = (0..count).map(|member| folds.at(&families, member)).collect();
-        let way = (0..count).map(|member| folds.way(families.column[member])).collect();
+        let way = (0..count).map(|member| folds.direction_of(families.column[member])).collect();
         let outline = (0..count).map(|member| families.outline(member)).collect();
         let mut row = Row { scene, parts, members: families.members.clone(), at, outline, way, links: Vec::new() };
         row.tie(graph, &families, &folds);

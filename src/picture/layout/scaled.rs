@@ -231,8 +231,8 @@ impl Drawing<'_> {
             for tie in &tied[from] {
                 if !self.is_placed[tie.number] {
                     let at = match tie.element {
-                        Some(index) => self.beside(index, tie.number, from, tie.end),
-                        None => self.upon(tie.number, from),
+                        Some(index) => self.free_place(index, tie.number, from, tie.end),
+                        None => self.support_point(tie.number, from),
                     };
                     self.settle(tie.number, at);
                     order.push(tie.number);
@@ -241,7 +241,7 @@ impl Drawing<'_> {
             next += 1;
         }
         // What is left hangs on nothing that has a place, in a scene too large for rows.
-        let bounds = self.taken();
+        let bounds = self.occupied();
         let mut next = Point::new(bounds.low.x, bounds.high.y + REACH + 40.0);
         for number in 1..self.parts.count() {
             if !self.is_placed[number] && self.detail > Detail::Full {
@@ -289,7 +289,7 @@ impl Drawing<'_> {
         let half = own.outline.half().dot(Point::new(along.x.abs(), along.y.abs()));
         let mut tries = self.tries(held, from, first, half).map(|at| at.minus(own.at));
         let is_free = |by: &Point| self.is_free(&block.bounds.shifted(*by), member);
-        let below = Point::new(from.x - own.at.x, self.taken().high.y + REACH - block.bounds.low.y);
+        let below = Point::new(from.x - own.at.x, self.occupied().high.y + REACH - block.bounds.low.y);
         let by = tries.find(is_free).unwrap_or(below);
         block.shift(by);
         self.put(block)
@@ -297,7 +297,7 @@ impl Drawing<'_> {
 
     /// Below what is drawn, those that nothing ties to it.
     fn set_apart(&mut self, blocks: Vec<Block>) -> Vec<(usize, Link)> {
-        let taken = self.taken();
+        let taken = self.occupied();
         let mut below = Below { down: taken.high.y + REACH + 40.0, left: taken.low.x, right: taken.low.x };
         let (level, upright): (Vec<_>, Vec<_>) = blocks.into_iter().partition(Block::is_level);
         let mut links = Vec::new();
@@ -322,7 +322,7 @@ impl Drawing<'_> {
         self.is_placed[number] = true;
     }
 
-    fn taken(&self) -> Bounds {
+    fn occupied(&self) -> Bounds {
         let placed = (1..self.parts.count()).filter(|number| self.is_placed[*number]);
         let bounds = placed.fold(Bounds::EMPTY, |bounds, number| bounds.and(self.bounds(number)));
         if bounds.is_empty() { Bounds::of(&[Point::default()]) } else { bounds }
@@ -335,7 +335,7 @@ impl Drawing<'_> {
     }
 
     /// Upon what a joint ties it to.
-    fn upon(&self, number: usize, tied: usize) -> Point {
+    fn support_point(&self, number: usize, tied: usize) -> Point {
         let apart = self.placed[number].outline.half().y + self.placed[tied].outline.half().y + 6.0;
         self.placed[tied].at.plus(Point::new(0.0, -apart))
     }
@@ -347,7 +347,7 @@ impl Drawing<'_> {
     }
 
     /// A free place for a part at the far end of an element.
-    fn beside(&self, element: usize, number: usize, tied: usize, end: usize) -> Point {
+    fn free_place(&self, element: usize, number: usize, tied: usize, end: usize) -> Point {
         let element = &self.scene.elements[element];
         let from = self.map_end(&element.ends[end]).unwrap_or(self.placed[tied].at);
         let along =

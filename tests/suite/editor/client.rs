@@ -125,9 +125,9 @@ impl Client {
     /// The findings of the open version.
     pub fn findings(&mut self) -> Vec<Value> {
         loop {
-            let told = self.hear("textDocument/publishDiagnostics");
-            if told["version"] == json!(self.version) {
-                return told["diagnostics"].as_array().cloned().unwrap_or_default();
+            let reported = self.hear("textDocument/publishDiagnostics");
+            if reported["version"] == json!(self.version) {
+                return reported["diagnostics"].as_array().cloned().unwrap_or_default();
             }
         }
     }

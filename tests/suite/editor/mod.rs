@@ -1,7 +1,7 @@
 //! The language server as a client sees it, request by request. See docs/editors.md.
 
 mod client;
-mod mends;
+mod fixes;
 mod process;
 mod requests;
 mod robust;

@@ -54,9 +54,13 @@ fn an_editor_starts_asks_and_says_goodbye() {
         let document = json!({ "uri": uri, "languageId": "vib", "version": version, "text": text(file) });
         let method = "textDocument/didOpen";
         write(&mut input, json!({ "jsonrpc": "2.0", "method": method, "params": { "textDocument": document } }));
-        let told = read(&mut output);
-        let found = told["params"]["diagnostics"].as_array().expect("findings").iter();
-        assert_eq!(found.map(|finding| finding["code"].as_str().unwrap_or("")).collect::<Vec<_>>(), codes, "{told}");
+        let reported = read(&mut output);
+        let found = reported["params"]["diagnostics"].as_array().expect("findings").iter();
+        assert_eq!(
+            found.map(|finding| finding["code"].as_str().unwrap_or("")).collect::<Vec<_>>(),
+            codes,
+            "{reported}"
+        );
     }
     write(&mut input, json!({ "jsonrpc": "2.0", "id": 2, "method": "shutdown" }));
     assert_eq!(read(&mut output)["id"], 2);
@@ -108,8 +112,11 @@ fn a_server_outlives_whatever_it_is_sent() {
     let body = opened("untitled:1", 1, "@").to_string().replace('@', text);
     input.write_all(b"\r\n").expect("the program reads");
     input.write_all(&framed(body.as_bytes())).and_then(|()| input.flush()).expect("the program reads");
-    let told = read(&mut output);
-    assert_eq!((&told["method"], &told["params"]["version"]), (&json!("textDocument/publishDiagnostics"), &json!(1)));
+    let reported = read(&mut output);
+    assert_eq!(
+        (&reported["method"], &reported["params"]["version"]),
+        (&json!("textDocument/publishDiagnostics"), &json!(1))
+    );
     // Requests in the wrong order are refused, each with its own id.
     write(&mut input, json!({ "jsonrpc": "2.0", "id": 7, "method": "initialize", "params": {} }));
     assert_eq!(read(&mut output)["error"]["code"], request);
@@ -124,7 +131,7 @@ fn a_server_outlives_whatever_it_is_sent() {
 }
 
 #[test]
-fn a_client_that_leaves_without_a_word_is_no_success() {
+fn a_client_that_disconnects_without_exit_is_a_failure() {
     let (mut child, mut input, mut output) = started();
     write(&mut input, json!({ "jsonrpc": "2.0", "id": 4, "method": "textDocument/hover", "params": {} }));
     assert_eq!(read(&mut output)["error"]["code"], -32002, "nobody has introduced himself");
@@ -136,7 +143,7 @@ fn a_client_that_leaves_without_a_word_is_no_success() {
 }
 
 #[test]
-fn tables_are_read_below_the_open_folder_alone() {
+fn tables_are_read_only_below_the_open_folder() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let at = |name: &str| folder.path().join(name);
     std::fs::create_dir_all(at("open/models")).expect("a folder");
@@ -158,9 +165,9 @@ fn tables_are_read_below_the_open_folder_alone() {
         let (mut child, mut input, mut output) = greeted(params);
         for (version, (file, is_read)) in (1..).zip(reads) {
             write(&mut input, opened(&uri("open/models/m.vib"), version, &text(file)));
-            let told = read(&mut output);
-            let found = told["params"]["diagnostics"].as_array().expect("findings");
-            assert_eq!(found.is_empty(), is_read, "{file}: {told}");
+            let reported = read(&mut output);
+            let found = reported["params"]["diagnostics"].as_array().expect("findings");
+            assert_eq!(found.is_empty(), is_read, "{file}: {reported}");
         }
         drop(input);
         assert_eq!(child.wait().expect("it ends").code(), Some(1));

@@ -29,7 +29,7 @@ fn strings(values: &Value, field: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_server_says_what_it_can() {
+fn the_server_lists_its_capabilities() {
     let client = Client::open("");
     let can = &client.capabilities["capabilities"];
     for provider in [
@@ -70,7 +70,7 @@ fn a_body_shows_its_equations_of_motion() {
 }
 
 #[test]
-fn columns_count_what_was_agreed_on() {
+fn columns_count_in_the_negotiated_encoding() {
     // 𝛼 is two units of UTF-16, four bytes, and in a comment.
     let text = "param a = 1 /* \n/// 𝛼ω\nparam ω = 1 kgg // 𝛼\nbody b { mass = ω, moves x }\n";
     let encodings = |list: Value| json!({ "general": { "positionEncodings": list } });
@@ -114,7 +114,7 @@ fn findings_come_with_codes_places_and_pages() {
 }
 
 #[test]
-fn a_page_is_told_on_demand() {
+fn a_page_is_sent_on_request() {
     let mut client = Client::open("");
     let page = client
         .ask("workspace/executeCommand", json!({ "command": "vibc.explain", "arguments": ["vib::unit::missing"] }));
@@ -152,7 +152,7 @@ fn kinetic_energy_is_of_bodies() {
 }
 
 #[test]
-fn the_pointer_shows_what_a_part_does() {
+fn hover_describes_a_part() {
     let mut client = Client::open(&example("cart"));
     let block = hover(&mut client, "block {", 0);
     for fact in ["mass 1 kg", "degrees of freedom: `block.x`", "| 1 | 0.3435 Hz | 26 % |", "| 2 | 0.5964 Hz | 63 % |"] {
@@ -170,12 +170,15 @@ fn the_pointer_shows_what_a_part_does() {
 }
 
 #[test]
-fn a_spring_tells_its_tension_at_rest() {
+fn a_spring_shows_its_tension_at_rest() {
     // 2 kg hang on 100 N/m with a free length of 0.5 m, drawn 0.4 m long.
     let text = "gravity 10 m/s^2\nbody b { mass = 2 kg, at = (0, -0.4 m), moves y }\nspring s: ground@(0, 0) -- b { k = 100 N/m, free_length = 0.5 m }\n";
     let mut client = Client::open(text);
-    let told = hover(&mut client, "s: ground", 0);
-    assert!(told.contains("stretch 0.2 m from its free length, 0.3 m from the drawing, tension 20 N"), "{told}");
+    let reported = hover(&mut client, "s: ground", 0);
+    assert!(
+        reported.contains("stretch 0.2 m from its free length, 0.3 m from the drawing, tension 20 N"),
+        "{reported}"
+    );
 }
 
 fn hints(client: &mut Client) -> Vec<(u64, String)> {
@@ -214,7 +217,7 @@ fn a_rest_that_is_not_proven_has_no_hints_of_numbers() {
 }
 
 #[test]
-fn hints_show_what_was_solved_and_how_requirements_stand() {
+fn hints_show_solutions_and_requirements() {
     let mut client = Client::open(OSCILLATOR);
     let hints = hints(&mut client);
     let at = |line: u64| hints.iter().find(|(at, _)| *at == line).map_or("", |(_, text)| text);
@@ -285,7 +288,7 @@ output y = block.x
 }
 
 #[test]
-fn what_is_completed_takes_the_place_of_what_was_typed() {
+fn a_completion_replaces_the_typed_prefix() {
     let mut client = Client::open("spring t: ground -- block { k = 10 kN");
     let items = client.ask("textDocument/completion", client.behind("10 kN"));
     let item = items.as_array().unwrap().iter().find(|item| item["label"] == "kN/m").expect("kN/m").clone();
@@ -329,7 +332,7 @@ fn names_lead_to_their_declarations() {
 }
 
 #[test]
-fn a_name_is_changed_wherever_it_stands() {
+fn a_name_is_renamed_everywhere() {
     let mut client = Client::open(NAMES);
     let rename = |client: &mut Client, mark: &str, new: &str| {
         let mut params = client.at(mark, 0);
@@ -356,8 +359,8 @@ fn a_name_is_changed_wherever_it_stands() {
     ] {
         let mut params = client.at(mark, 0);
         params["newName"] = json!(new);
-        let told = client.refusal("textDocument/rename", params);
-        assert!(told.contains(reason), "{mark} to {new}: {told}");
+        let reported = client.refusal("textDocument/rename", params);
+        assert!(reported.contains(reason), "{mark} to {new}: {reported}");
     }
 }
 
@@ -417,7 +420,7 @@ fn every_word_and_number_has_a_colour() {
 }
 
 #[test]
-fn a_text_is_laid_out_and_a_broken_one_left_alone() {
+fn a_text_is_formatted_unless_it_has_a_syntax_error() {
     let loose = "model  m\n\nparam k=1 N/m\nparam mass = 1 kg\nbody b{mass=mass,moves x}\n";
     let mut client = Client::open(loose);
     let options = json!({ "textDocument": { "uri": URI }, "options": { "tabSize": 2, "insertSpaces": true } });
@@ -430,12 +433,12 @@ fn a_text_is_laid_out_and_a_broken_one_left_alone() {
     assert_eq!(client.ask("textDocument/formatting", options.clone()), json!([]));
     client.change("param k = \n");
     assert!(client.ask("textDocument/formatting", options).is_null());
-    let said = client.hear("window/showMessage")["message"].to_string();
-    assert!(said.contains("fix the syntax error in line 1 first"), "{said}");
+    let messages = client.hear("window/showMessage")["message"].to_string();
+    assert!(messages.contains("fix the syntax error in line 1 first"), "{messages}");
 }
 
 #[test]
-fn what_is_not_known_is_refused_and_the_server_goes_on() {
+fn unknown_requests_are_refused_and_the_server_continues() {
     let mut client = Client::open("param k = 1 N/m\n");
     assert!(client.refusal("textDocument/unheardOf", json!({})).contains("is not known"));
     client.refusal("textDocument/hover", json!({ "textDocument": 3 }));
@@ -449,7 +452,7 @@ fn what_is_not_known_is_refused_and_the_server_goes_on() {
 
 /// The poles of a thousand masses with a few dampers are not computed: their frequencies are shown as undamped ones.
 #[test]
-fn what_is_not_computed_is_not_shown_as_if_it_were() {
+fn missing_poles_are_not_shown() {
     let chain = "body m[1] { mass = 1 kg, moves x }
 spring k[1]: ground -- m[1] { k = 100 N/m }
 repeat i in 2..1000 {

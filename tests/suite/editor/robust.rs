@@ -6,7 +6,7 @@ use crate::independent::random_scenes::Random;
 use serde_json::json;
 use vibc::base::{SourceFile, Sources};
 use vibc::editor::document::Document;
-use vibc::editor::{completion, highlight, hints, hover, mends, names, symbols};
+use vibc::editor::{completion, fixes, highlight, hints, hover, names, symbols};
 
 const CART: &str = include_str!("../../../examples/cart.vib");
 
@@ -17,7 +17,7 @@ fn ask_everything(text: &str, places: impl Iterator<Item = usize>) {
     let document = Document::new(sources, file, None);
     for at in places.filter(|at| text.is_char_boundary(*at)) {
         hover::hover(&document, at);
-        let typed = completion::typed(&document, at);
+        let typed = completion::typed_prefix(&document, at);
         assert!(text.get(typed.clone()).is_some() && typed.end == at, "{typed:?} of {text}");
         completion::items(&document, at);
         if let Some(name) = names::name_at(&document, at) {
@@ -27,7 +27,7 @@ fn ask_everything(text: &str, places: impl Iterator<Item = usize>) {
         }
     }
     for finding in &document.findings {
-        for action in mends::actions(&document, finding) {
+        for action in fixes::actions(&document, finding) {
             assert!(action.edits.iter().all(|(range, _)| text.get(range.clone()).is_some()), "{action:?} of {text}");
         }
     }
@@ -75,7 +75,7 @@ fn random_models_are_answered_everywhere() {
 
 /// A line that does not parse does not affect the others.
 #[test]
-fn broken_text_keeps_what_is_known() {
+fn broken_text_keeps_the_last_results() {
     let mut client = Client::open(CART);
     client.findings();
     let broken = CART.replace("damper d: ground@W -- block@A { c = b }", "damper d: ground@W -- block@A { c = ");

@@ -29,9 +29,9 @@ fn chosen(answer: &Answer) -> Vec<Chosen> {
     answer.lowered.system.coordinates.iter().map(of).collect()
 }
 
-fn second_road(answer: &Answer, start: &[Dd]) -> Linearised {
-    let road = Formulation::new(answer.scene.scene());
-    road.linearised(&chosen(answer), start).expect("Newton's iteration finds a rest from one")
+fn second_formulation(answer: &Answer, start: &[Dd]) -> Linearised {
+    let method = Formulation::new(answer.scene.scene());
+    method.linearised(&chosen(answer), start).expect("Newton's iteration finds a rest from one")
 }
 
 fn displacement(answer: &Answer) -> Vec<Dd> {
@@ -74,14 +74,14 @@ fn assert_equal(found: &Matrix, truth: &Matrix, tolerance: f64, what: &str) {
 }
 
 /// Compares M, C, K, B, P, D and the rest of both formulations.
-fn assert_two_roads_meet(answer: &Answer, text: &str) {
-    assert_two_roads_meet_within(answer, TOLERANCE, text);
+fn assert_formulations_agree(answer: &Answer, text: &str) {
+    assert_formulations_agree_within(answer, TOLERANCE, text);
 }
 
-pub fn assert_two_roads_meet_within(answer: &Answer, tolerance: f64, text: &str) {
+pub fn assert_formulations_agree_within(answer: &Answer, tolerance: f64, text: &str) {
     let system = &answer.lowered.system;
     let n = system.n();
-    let second = second_road(answer, &displacement(answer));
+    let second = second_formulation(answer, &displacement(answer));
     // A rest found by lowering is one: Newton's iteration started there stays.
     assert!(second.distance < tolerance, "moves on by {:e} in\n{text}", second.distance);
     let names = system.coordinate_names();
@@ -108,7 +108,7 @@ pub fn assert_two_roads_meet_within(answer: &Answer, tolerance: f64, text: &str)
 /// Newton's iteration from the drawing reaches the same rest, for scenes with small loads.
 fn assert_rest_from_the_drawing(answer: &Answer, text: &str) {
     let start = vec![Dd::ZERO; answer.lowered.system.n()];
-    let second = second_road(answer, &start);
+    let second = second_formulation(answer, &start);
     for (found, truth) in answer.lowered.rest.displacement.iter().zip(&second.rest) {
         let found = found.to_ball();
         let off = (found.mid - *truth).abs().to_f64();
@@ -122,7 +122,7 @@ fn random_trees_at_rest_as_drawn() {
     for seed in 1..=40 {
         let text = random_scenes::tree(seed, 5, false);
         let answer = ask(&text);
-        assert_two_roads_meet(&answer, &text);
+        assert_formulations_agree(&answer, &text);
         assert_rest_from_the_drawing(&answer, &text);
     }
 }
@@ -131,7 +131,7 @@ fn random_trees_at_rest_as_drawn() {
 fn random_networks() {
     for seed in 1..=40 {
         let text = random_scenes::network(seed, 8);
-        assert_two_roads_meet(&ask(&text), &text);
+        assert_formulations_agree(&ask(&text), &text);
     }
 }
 
@@ -146,7 +146,7 @@ fn random_trees_under_loads() {
     for seed in 1..=40 {
         let text = random_scenes::tree(seed, 5, true);
         let answer = ask(&text);
-        assert_two_roads_meet(&answer, &text);
+        assert_formulations_agree(&answer, &text);
         assert_rest_from_the_drawing(&answer, &text);
     }
 }
@@ -165,7 +165,7 @@ damper d: ground@(-4 m, 1 m) -- c@(3 m, 2 m) {{ c = 0.7 N*s/m }}
 output tip = c@(3 m, 2 m).x"
         );
         let answer = ask(&text);
-        assert_two_roads_meet(&answer, &text);
+        assert_formulations_agree(&answer, &text);
         assert!(answer.omegas().iter().all(|omega| *omega > 0.0), "hangs: {:?}", answer.omegas());
     }
 }
@@ -187,5 +187,5 @@ spring u: shaft@(3 m, 1 m) -- table@(0.5 m, 0.6 m) { k = 20 N/m }
 output shake = table@(0.5 m, 0.6 m).vy - floor.vy
 output lean = table.angle - shaft.angle
 output grip = u.force + d.force";
-    assert_two_roads_meet(&ask(text), text);
+    assert_formulations_agree(&ask(text), text);
 }

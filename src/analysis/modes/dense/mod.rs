@@ -71,7 +71,7 @@ pub fn eigenpairs(problem: &Problem) -> Option<(Vec<Pair>, bool)> {
         if worst <= problem.tolerance.min(PRINTED) && !best.is_blurred(SPLIT) && !best.is_mixed() {
             break;
         }
-        let Some(x) = step::improved(&best.x, &best.pencil) else { break };
+        let Some(x) = step::newton_step(&best.x, &best.pencil) else { break };
         let next = Candidate::of(&pencil, x);
         if rigid.dimension < next.may_be_zero().count() {
             rigid = problem.rigid(next.may_be_zero().count());
@@ -192,8 +192,9 @@ impl Candidate {
     /// The largest relative bound, not counting `zeros` eigenvalues that are zero.
     fn worst(&self, zeros: usize) -> f64 {
         let zeros = if self.may_be_zero().count() <= zeros { zeros } else { 0 };
-        let told = (0..self.radii.len()).filter(|&i| zeros == 0 || !self.holds_zero(i));
-        told.map(|i| self.radii[i] / self.pencil.theta[i].hi.abs())
+        let separate = (0..self.radii.len()).filter(|&i| zeros == 0 || !self.holds_zero(i));
+        separate
+            .map(|i| self.radii[i] / self.pencil.theta[i].hi.abs())
             .fold(0.0, |worst, x| if x.is_nan() { f64::INFINITY } else { worst.max(x) })
     }
 
@@ -203,8 +204,8 @@ impl Candidate {
         (1..self.radii.len()).any(|i| {
             let radii = self.radii[i - 1] + self.radii[i];
             let gap = (self.pencil.theta[i] - self.pencil.theta[i - 1]).hi;
-            let told = gap <= 0.01 * size(i) && !(self.holds_zero(i - 1) && self.holds_zero(i));
-            told && radii > part * gap && radii > REPEATED * size(i)
+            let separate = gap <= 0.01 * size(i) && !(self.holds_zero(i - 1) && self.holds_zero(i));
+            separate && radii > part * gap && radii > REPEATED * size(i)
         })
     }
 

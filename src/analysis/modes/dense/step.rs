@@ -16,7 +16,7 @@ use crate::kernel::symmetric;
 const SMALL: f64 = 1e-4;
 
 /// The vectors after the step; `None` if numbers overflowed.
-pub fn improved(x: &Matrix<f64>, pencil: &Reduced) -> Option<Matrix<f64>> {
+pub fn newton_step(x: &Matrix<f64>, pencil: &Reduced) -> Option<Matrix<f64>> {
     let n = x.columns();
     let w = |i: usize, j: usize| -pencil.p[(i, j)] / (pencil.theta[i] - pencil.theta[j]).hi;
     let mut group: Vec<usize> = (0..n).collect();

@@ -94,7 +94,7 @@ fn compare(system: &LinearSystem, reached: f64) -> f64 {
 }
 
 #[test]
-fn networks_have_the_frequencies_of_the_road_for_small_ones() {
+fn networks_agree_with_the_method_for_small_parts() {
     // The rounding bound of a sum is a few hundred times the rounding error on average. After a step, which the third
     // case takes, only that bound is left, and the errors are far below it.
     let cases = [(0, true, 1e-23, 1e3), (8, true, 1e-18, 1e3), (16, true, 1e-12, 1e7), (6, false, 1e-20, 1e3)];
@@ -132,7 +132,7 @@ fn repeated_frequencies_are_certified_as_a_group() {
 
 /// Two equal nets joined by springs a trillion times softer: each frequency occurs twice, with a tiny difference.
 #[test]
-fn close_frequencies_are_told_apart() {
+fn close_frequencies_are_separated() {
     let (half, mut digits, mut system) = (32, Digits(5), blank(64));
     for i in 0..half {
         let (mass, ground) = (digits.decimal(0), digits.decimal(2));
@@ -150,7 +150,7 @@ fn close_frequencies_are_told_apart() {
 
 /// Compares a chain with the method for trees, whose bounds have an independent proof.
 #[test]
-fn a_chain_has_the_frequencies_of_the_road_for_trees() {
+fn a_chain_agrees_with_the_tree_method() {
     let mut system = blank(101);
     for i in 0..101 {
         push(&mut system.m, "0.3", i, None);
@@ -186,7 +186,7 @@ fn bounds_hold_for_poor_vectors() {
             assert!(error <= radius + good.radii[i], "{size}: {error:e} {radius:e}");
         }
         // One Newton step recovers the accuracy.
-        let next = Candidate::of(&pencil, step::improved(&poor.x, &poor.pencil).expect("finite"));
+        let next = Candidate::of(&pencil, step::newton_step(&poor.x, &poor.pencil).expect("finite"));
         assert!(next.worst(0) < 1e-4 * poor.worst(0).min(1.0));
     }
 }

@@ -36,7 +36,7 @@ pub fn runs(lambda: &[f64]) -> Vec<Range<usize>> {
 }
 
 /// The vectors of the single modes in the span of `x`; `None` if `x` does not span it to working accuracy.
-pub fn separated(stiffness: &Terms, masses: &Terms, x: &[Vec<Dd>]) -> Option<Vec<Vec<Dd>>> {
+pub fn separate_close_modes(stiffness: &Terms, masses: &Terms, x: &[Vec<Dd>]) -> Option<Vec<Vec<Dd>>> {
     let n = x.first()?.len();
     let columns = Matrix::from_fn(n, x.len(), |i, j| Triple::from(x[j][i]));
     let (mut k, m) = (Gram::of(stiffness, &columns).mid, Gram::of(masses, &columns).mid);
@@ -78,7 +78,7 @@ mod tests {
     /// Two oscillators that differ by 1e-14 and are coupled by 1e-14, K = [1 + 1e-14, -1e-14; -1e-14, 1 + 2e-14]: from
     /// any mixture of the two, the modes are those of [1, -1; -1, 2], x2 / x1 = (sqrt 5 - 1) / 2 and -(sqrt 5 + 1) / 2.
     #[test]
-    fn a_mixture_is_taken_apart() {
+    fn mixed_modes_are_separated() {
         let mut system = blank(2);
         (0..2).for_each(|i| push(&mut system.m, "1", i, None));
         push(&mut system.k, "1", 0, None);
@@ -86,14 +86,14 @@ mod tests {
         push(&mut system.k, "1e-14", 0, Some(1));
         let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
         let mixed = [[0.8, 0.6], [-0.6, 0.8]].map(|x| x.map(Dd::from).to_vec());
-        let found = separated(&k, &m, &mixed).expect("a basis");
+        let found = separate_close_modes(&k, &m, &mixed).expect("a basis");
         let ratio = |x: &[Dd]| (x[1] / x[0]).to_f64();
         assert!((ratio(&found[0]) - (5f64.sqrt() - 1.0) / 2.0).abs() < 1e-14, "{}", ratio(&found[0]));
         assert!((ratio(&found[1]) + (5f64.sqrt() + 1.0) / 2.0).abs() < 1e-14, "{}", ratio(&found[1]));
     }
 
     #[test]
-    fn close_neighbours_run_together() {
+    fn close_neighbours_form_one_run() {
         assert_eq!(runs(&[1.0, 1.0 + 1e-9, 1.0 + 2e-9, 2.0, 3.0, 3.0]), [0..3, 4..6]);
         assert!(runs(&[-1.0, 1.0, 2.0]).is_empty() && runs(&[]).is_empty());
     }

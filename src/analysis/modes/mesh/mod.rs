@@ -45,11 +45,11 @@ const CONVERGED: f64 = 1e-11;
 const MOST_NUMBERS: usize = 200_000_000;
 
 /// The requested eigenpairs; `None` if this method does not find them.
-pub fn some(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {
+pub fn requested_pairs(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Option<Found> {
     if !(stiffness.is_finite() && masses.is_finite()) {
         return None;
     }
-    Mesh::of(stiffness, masses, n)?.some(request)
+    Mesh::of(stiffness, masses, n)?.requested_pairs(request)
 }
 
 /// A part as networks and terms.
@@ -95,7 +95,7 @@ impl<'a> Mesh<'a> {
         Some(Mesh { stiffness, masses, k, m, pattern, scale, rigid })
     }
 
-    fn some(&self, request: &Request) -> Option<Found> {
+    fn requested_pairs(&self, request: &Request) -> Option<Found> {
         let n = self.k.n();
         let wanted = match request.which {
             Which::Within(band) => {
@@ -116,7 +116,7 @@ impl<'a> Mesh<'a> {
         let mut krylov = Krylov::new(&factors, &self.m, sigma, &self.rigid)?;
         let cut = self.cut(&mut krylov, wanted.min(n), most)?;
         let vectors: Vec<Vec<f64>> = cut.ritz.iter().map(|ritz| krylov.vector(ritz)).collect();
-        let pairs = self.certified(&factors, &cut, vectors, request.tolerance)?;
+        let pairs = self.certify(&factors, &cut, vectors, request.tolerance)?;
         Some(Found { pairs, before: Before::default() })
     }
 
@@ -218,7 +218,7 @@ impl<'a> Mesh<'a> {
     }
 
     /// The modes of the cut with their bounds, corrected if their residuals require it.
-    fn certified(&self, factors: &Factors, cut: &Cut, vectors: Vec<Vec<f64>>, tolerance: f64) -> Option<Vec<Pair>> {
+    fn certify(&self, factors: &Factors, cut: &Cut, vectors: Vec<Vec<f64>>, tolerance: f64) -> Option<Vec<Pair>> {
         let (k, m) = (Multiplier::of(self.stiffness, self.k.n()), Multiplier::of(self.masses, self.k.n()));
         let lambda: Vec<f64> = cut.ritz.iter().map(|ritz| ritz.lambda).collect();
         let runs = close::runs(&lambda[self.rigid.len().min(lambda.len())..]);
@@ -260,7 +260,9 @@ impl<'a> Mesh<'a> {
             basis.push(x);
         }
         for run in runs {
-            let Some(apart) = close::separated(self.stiffness, self.masses, &basis[run.clone()]) else { continue };
+            let Some(apart) = close::separate_close_modes(self.stiffness, self.masses, &basis[run.clone()]) else {
+                continue;
+            };
             for (index, x) in run.zip(apart) {
                 let theta = residual(&k, &m, &x, Dd::from(lambda[index]), &self.scale).quotient;
                 norms[index] = residual(&k, &m, &x, theta, &self.scale).norm;
@@ -404,7 +406,7 @@ mod tests {
             let system = net(9, decades, held);
             let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
             let request = Request { which: Which::Lowest(6), tolerance: 1e-14, ..Request::default() };
-            let found = some(&k, &m, system.n(), &request).expect("a net").pairs;
+            let found = requested_pairs(&k, &m, system.n(), &request).expect("a net").pairs;
             assert!(found.len() >= 6);
             for (pair, (truth, known)) in found.iter().zip(dense(&system)) {
                 let Eigenvalue::Near { value, radius, .. } = pair.value else {
@@ -511,7 +513,7 @@ mod tests {
         system.k.push(k, Nature::Property, Number::from("5"), [one(0, "1")]);
         let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
         let request = Request { which: Which::Lowest(5), ..Request::default() };
-        let found = some(&k, &m, n, &request).expect("positive definite").pairs;
+        let found = requested_pairs(&k, &m, n, &request).expect("positive definite").pairs;
         for (pair, (truth, known)) in found.iter().zip(dense(&system)) {
             let Eigenvalue::Near { value, radius, .. } = pair.value else { panic!("it is held") };
             assert!((value - truth).hi().abs() <= radius + known);
@@ -521,7 +523,7 @@ mod tests {
 
     /// Springs to the ground of either sign: the lowest modes diverge.
     #[test]
-    fn motions_that_run_away_are_found_first() {
+    fn diverging_motions_are_found_first() {
         let mut system = net(9, 2, true);
         let label = system.coordinates[0].name;
         let k = system.k.source(label);
@@ -531,7 +533,7 @@ mod tests {
         }
         let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
         let request = Request { which: Which::Lowest(6), ..Request::default() };
-        let found = some(&k, &m, system.n(), &request).expect("a net").pairs;
+        let found = requested_pairs(&k, &m, system.n(), &request).expect("a net").pairs;
         let truth = dense(&system);
         assert!(truth[0].0.hi() < 0.0 && truth[5].0.hi() > 0.0);
         for (pair, (truth, known)) in found.iter().zip(truth) {
@@ -560,7 +562,7 @@ mod tests {
         }
         let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
         let request = Request { which: Which::Lowest(12), ..Request::default() };
-        let found = some(&k, &m, system.n(), &request).expect("a net").pairs;
+        let found = requested_pairs(&k, &m, system.n(), &request).expect("a net").pairs;
         for (pair, (truth, known)) in found.iter().zip(dense(&system)) {
             let Eigenvalue::Near { value, radius, .. } = pair.value else { panic!("it is held") };
             assert!((value - truth).hi().abs() <= radius + known);

@@ -20,9 +20,9 @@
 //! See docs/method/modes.md#large-trees.
 
 use crate::analysis::modes::mesh::close::CLOSE;
-use crate::analysis::modes::tree::beside::Beside;
 use crate::analysis::modes::tree::forest::{Forest, Node};
-use crate::analysis::modes::tree::impedance::taken;
+use crate::analysis::modes::tree::impedance::pop_sum;
+use crate::analysis::modes::tree::lanes::Lanes;
 use crate::base::{Dd, up};
 use crate::kernel::pairwise::PairwiseSum;
 use crate::kernel::real::Float;
@@ -43,7 +43,7 @@ pub struct Tree {
 impl Tree {
     pub fn of(forest: &Forest) -> Tree {
         let (_, breadth) = forest.depth_and_breadth();
-        let data = [f64::ERROR, Dd::ERROR].map(|error| forest.moved_by(forest.uncertainty + 4.0 * error));
+        let data = [f64::ERROR, Dd::ERROR].map(|error| forest.eigenvalue_sensitivity(forest.uncertainty + 4.0 * error));
         Tree { breadth: breadth as f64, coupled: forest.coupled, data }
     }
 
@@ -102,7 +102,7 @@ pub fn enclosed<T: Float, const W: usize>(
     let (held, inertia) = (energies.strain.total(), energies.inertia.total());
     let holding = T::of_dd(Dd::from(frames[0].holding));
     let strain = held + inertia * holding;
-    let mu = Beside(from_fn(|lane| inertia.0[lane] / strain.0[lane]));
+    let mu = Lanes(from_fn(|lane| inertia.0[lane] / strain.0[lane]));
     let residual = residual(nodes, x, mu, holding, tree);
     // If parts of M have both signs, their errors are relative to kappa x^T M x.
     let sums = energies.strain.relative_error(T::ERROR) + energies.inertia.relative_error(T::ERROR);
@@ -115,12 +115,12 @@ pub fn enclosed<T: Float, const W: usize>(
         let quotient = (strain.0[lane] / inertia.0[lane]).to_f64();
         let sound = inertia.0[lane].to_f64() >= LEAST_INERTIA && in_range(quotient) && in_range(frames[lane].least);
         let error = if sound && nodes.len() <= MOST_NODES { error } else { f64::INFINITY };
-        near(strain.0[lane], inertia.0[lane], error, rounding, tree, &frames[lane])
+        enclose_near(strain.0[lane], inertia.0[lane], error, rounding, tree, &frames[lane])
     })
 }
 
 /// The eigenvalue near strain / inertia, with the error of the vector in the norm of K and the rounding of the two.
-fn near<T: Float>(strain: T, inertia: T, error: f64, rounding: f64, tree: &Tree, frame: &Frame) -> Enclosed {
+fn enclose_near<T: Float>(strain: T, inertia: T, error: f64, rounding: f64, tree: &Tree, frame: &Frame) -> Enclosed {
     let shifted = strain / inertia;
     // e^2 / mu^2, all in the norm of K; the least distance of 1 / mu to its neighbours' on either side.
     let square = (error * shifted.to_f64()).powi(2) / strain.to_f64() * UP;
@@ -137,17 +137,17 @@ fn near<T: Float>(strain: T, inertia: T, error: f64, rounding: f64, tree: &Tree,
 
 /// x^T K x and x^T M x.
 struct Energies<T, const W: usize> {
-    strain: PairwiseSum<Beside<T, W>>,
-    inertia: PairwiseSum<Beside<T, W>>,
+    strain: PairwiseSum<Lanes<T, W>>,
+    inertia: PairwiseSum<Lanes<T, W>>,
 }
 
 impl<T: Float, const W: usize> Energies<T, W> {
     fn of(nodes: &[Node<T>], x: &[[T; W]]) -> Energies<T, W> {
-        let sum = || PairwiseSum::from_zero(Beside::all(T::ZERO));
+        let sum = || PairwiseSum::from_zero(Lanes::all(T::ZERO));
         let mut energies = Energies { strain: sum(), inertia: sum() };
         for (node, &own) in nodes.iter().zip(x) {
             // The root's stiffness and coupling are zero.
-            let (own, parent) = (Beside(own), Beside(x[node.parent as usize]));
+            let (own, parent) = (Lanes(own), Lanes(x[node.parent as usize]));
             let b = own - parent;
             let (square, stretched) = (own * own, b * b);
             energies.inertia.add(square * node.mass - stretched * node.coupling);
@@ -159,27 +159,27 @@ impl<T: Float, const W: usize> Energies<T, W> {
 
 /// Bounds of |K^-1 (M x - r) - mu x|_K and of |r|_(M^-1).
 struct Residual<const W: usize> {
-    elastic: Beside<f64, W>,
-    unbalanced: Beside<f64, W>,
+    elastic: Lanes<f64, W>,
+    unbalanced: Lanes<f64, W>,
 }
 
 /// The forces that balance M x - mu V x from the leaves to the root, and what rounding leaves unbalanced.
 fn residual<T: Float, const W: usize>(
     nodes: &[Node<T>],
     x: &[[T; W]],
-    mu: Beside<T, W>,
+    mu: Lanes<T, W>,
     holding: T,
     tree: &Tree,
 ) -> Residual<W> {
-    let none = (Beside::all(T::ZERO), Beside::all(0.0));
-    let mut stack: Vec<(Beside<T, W>, Beside<f64, W>)> = Vec::new();
-    let sum = || PairwiseSum::from_zero(Beside::<f64, W>::all(0.0));
+    let none = (Lanes::all(T::ZERO), Lanes::all(0.0));
+    let mut stack: Vec<(Lanes<T, W>, Lanes<f64, W>)> = Vec::new();
+    let sum = || PairwiseSum::from_zero(Lanes::<f64, W>::all(0.0));
     let (mut unbalanced, mut complementary) = (sum(), sum());
     // Each balance has a product and a sum for each child, and five roundings of its own.
     let rounding = (tree.breadth + 8.0) * T::ERROR;
     for (node, &own) in nodes.iter().zip(x) {
-        let own = Beside(own);
-        let (load, size) = taken(&mut stack, node.children, none, |a, b| (a.0 + b.0, a.1 + b.1));
+        let own = Lanes(own);
+        let (load, size) = pop_sum(&mut stack, node.children, none, |a, b| (a.0 + b.0, a.1 + b.1));
         let inertia = own * node.mass;
         let ground = mu * (own * (node.ground + holding * node.mass));
         // The force in the spring to the parent, and that of the coupled inertia along it.
@@ -194,10 +194,10 @@ fn residual<T: Float, const W: usize>(
         if node.is_root() {
             continue;
         }
-        let b = own - Beside(x[node.parent as usize]);
+        let b = own - Lanes(x[node.parent as usize]);
         let stiffness = node.stiffness - holding * node.coupling;
         if stiffness.to_f64() < 0.5 * node.stiffness.to_f64() {
-            let unknown = Beside::all(f64::INFINITY);
+            let unknown = Lanes::all(f64::INFINITY);
             return Residual { elastic: unknown, unbalanced: unknown };
         }
         let (elastic, inertial) = (mu * (b * stiffness), b * node.coupling);
@@ -206,7 +206,7 @@ fn residual<T: Float, const W: usize>(
         complementary.add(difference * difference * (1.0 / stiffness.to_f64()));
         stack.push((force, force.sizes()));
     }
-    let root = |sum: PairwiseSum<Beside<f64, W>>| Beside(sum.total().0.map(|sum| (sum * UP).sqrt() * UP));
+    let root = |sum: PairwiseSum<Lanes<f64, W>>| Lanes(sum.total().0.map(|sum| (sum * UP).sqrt() * UP));
     Residual { elastic: root(complementary), unbalanced: root(unbalanced) }
 }
 
@@ -236,7 +236,7 @@ mod tests {
     }
 
     /// The j-th mode, with every second entry off by `slip`, and the last entry 1.
-    fn found(n: usize, j: usize, slip: f64, frame: Frame) -> Enclosed {
+    fn perturbed_mode(n: usize, j: usize, slip: f64, frame: Frame) -> Enclosed {
         let last = (angle(n, j) * n as f64).sin();
         let entry = |i: usize| (angle(n, j) * (i + 1) as f64).sin() / last;
         let x: Vec<[f64; 1]> = (0..n).map(|i| [entry(i) * (1.0 + if i % 2 == 0 { slip } else { 0.0 })]).collect();
@@ -255,7 +255,7 @@ mod tests {
     fn truth_is_enclosed_from_poor_vectors_too() {
         for slip in [0.0, 1e-7, 1e-5, 1e-3] {
             for j in 1..=3 {
-                let (found, truth) = (found(9, j, slip, frame(9, j)), truth(9, j));
+                let (found, truth) = (perturbed_mode(9, j, slip, frame(9, j)), truth(9, j));
                 let error = (found.lambda.hi() - truth).abs();
                 assert!(error <= found.radius, "{slip:e}: {error:e} {:e}", found.radius);
                 assert!(found.radius <= (1e3 * slip * slip + 1e-13) * truth, "{slip:e}: {:e}", found.radius / truth);
@@ -267,13 +267,13 @@ mod tests {
     /// If a neighbour may be as close as the vector is inaccurate, nothing is reported; nor if numbers leave the range
     /// in which the bounds hold.
     #[test]
-    fn without_room_or_range_nothing_is_told() {
+    fn without_a_gap_or_out_of_range_nothing_is_reported() {
         let here = frame(9, 2);
         let crowded = Frame { next: Some(truth(9, 2) * (1.0 + 1e-9)), ..here };
-        assert_eq!(found(9, 2, 1e-3, crowded).relative(), f64::INFINITY);
-        let beside = Frame { next: Some(truth(9, 2) * (1.0 - 1e-9)), ..here };
-        assert_eq!(found(9, 2, 1e-3, beside).relative(), f64::INFINITY);
-        assert_eq!(found(9, 2, 1e-3, Frame { least: 1e-80, ..here }).relative(), f64::INFINITY);
+        assert_eq!(perturbed_mode(9, 2, 1e-3, crowded).relative(), f64::INFINITY);
+        let close = Frame { next: Some(truth(9, 2) * (1.0 - 1e-9)), ..here };
+        assert_eq!(perturbed_mode(9, 2, 1e-3, close).relative(), f64::INFINITY);
+        assert_eq!(perturbed_mode(9, 2, 1e-3, Frame { least: 1e-80, ..here }).relative(), f64::INFINITY);
         let tree = Tree { breadth: 1.0, coupled: 1.0, data: [0.0; 2] };
         let small: Vec<Node<f64>> = chain(9).iter().map(|node| Node { mass: 1e-90, ..*node }).collect();
         let [found] = enclosed(&small, &[[1.0]; 9], &tree, &[here]);

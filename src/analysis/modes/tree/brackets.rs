@@ -53,7 +53,7 @@ impl<'a> Brackets<'a> {
     pub fn new(forest: &Forest, nodes: &'a [Node<f64>]) -> Brackets<'a> {
         let (depth, breadth) = forest.depth_and_breadth();
         let rounding = (depth as f64 + 1.0) * (breadth as f64 + 12.0) * f64::ERROR;
-        let eta = forest.moved_by(rounding + forest.uncertainty);
+        let eta = forest.eigenvalue_sensitivity(rounding + forest.uncertainty);
         let highest = highest(nodes) * forest.coupled;
         Brackets { nodes, eta, highest, rigid: i64::from(forest.floats), points: Vec::new() }
     }
@@ -77,7 +77,8 @@ impl<'a> Brackets<'a> {
         let (from, to) = (self.rigid + wanted.start as i64, self.rigid + wanted.end as i64);
         if self.points.len() < LANES {
             let (low, high) = (self.highest * LEAST, self.highest);
-            let places: Vec<f64> = (0..LANES).map(|at| between(low, high, at as f64 / (LANES - 1) as f64)).collect();
+            let places: Vec<f64> =
+                (0..LANES).map(|at| interpolate(low, high, at as f64 / (LANES - 1) as f64)).collect();
             self.count(&places)?;
         }
         if self.points[0].1 != self.rigid {
@@ -145,7 +146,7 @@ impl<'a> Brackets<'a> {
             }
             // A bracket of half this width could be wrong by eta at either end.
             let least = 4.0 * self.eta * high;
-            if above > below + 1 || high - low > (narrow * self.room(i).min(low)).max(least) {
+            if above > below + 1 || high - low > (narrow * self.gap_around(i).min(low)).max(least) {
                 open.push((i, (above.min(to) - below.max(from)) as usize));
             }
         }
@@ -153,7 +154,7 @@ impl<'a> Brackets<'a> {
     }
 
     /// The distance from interval i to the neighbouring eigenvalues: at least one interval without any lies between.
-    fn room(&self, i: usize) -> f64 {
+    fn gap_around(&self, i: usize) -> f64 {
         let points = &self.points;
         let below = (0..i).rev().find(|&j| points[j].1 < points[i].1).map(|j| points[i].0 - points[j + 1].0);
         let above =
@@ -178,14 +179,14 @@ impl<'a> Brackets<'a> {
             given += share;
             let i = interval.0;
             let (low, high) = (self.points[i].0, self.points[i + 1].0);
-            places.extend((1..=share).map(|part| between(low, high, part as f64 / (share + 1) as f64)));
+            places.extend((1..=share).map(|part| interpolate(low, high, part as f64 / (share + 1) as f64)));
         }
         places
     }
 }
 
 /// A point between two shifts.
-fn between(low: f64, high: f64, part: f64) -> f64 {
+fn interpolate(low: f64, high: f64, part: f64) -> f64 {
     let place = match high > FAR * low {
         // The bits of positive numbers grow like their logarithms, and are the same on every machine.
         true => f64::from_bits(low.to_bits() + (part * (high.to_bits() - low.to_bits()) as f64) as u64),

@@ -115,7 +115,7 @@ impl Forest {
     /// those on two form a spanning tree (parallel springs count as one), and each mass acts on one coordinate or on
     /// two that a spring joins.
     pub fn of(masses: &Terms, stiffness: &Terms, n: usize) -> Option<Forest> {
-        let mut known = Known { relative: [0.0; 2], in_range: true };
+        let mut known = Rounder { relative: [0.0; 2], in_range: true };
         let mut ground = vec![Sum::default(); n];
         let mut edges: Vec<Edge> = Vec::with_capacity(n);
         for t in 0..stiffness.len() {
@@ -237,7 +237,7 @@ impl Forest {
 
     /// A bound of the relative change of an eigenvalue if all numbers change by at most the relative `change`, if it is
     /// small.
-    pub fn moved_by(&self, change: f64) -> f64 {
+    pub fn eigenvalue_sensitivity(&self, change: f64) -> f64 {
         change * (1.0 + self.coupled) * 1.01
     }
 }
@@ -352,14 +352,14 @@ fn is_ratio(x: f64) -> bool {
 }
 
 /// Conversion of numbers to double-double, with the error that this causes.
-struct Known {
+struct Rounder {
     /// Largest relative errors of a weight and of a factor.
     relative: [f64; 2],
     /// Whether squares of all factors keep their low words.
     in_range: bool,
 }
 
-impl Known {
+impl Rounder {
     fn positive(&mut self, weight: Precise) -> Option<Dd> {
         let value = self.taken(weight, 0);
         (value.hi > 0.0).then_some(value)

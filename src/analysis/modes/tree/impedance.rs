@@ -115,7 +115,7 @@ impl<const W: usize> Handed<W> {
 
 /// Pops the last `count` values of a stack and returns their sum.
 #[inline]
-pub fn taken<T: Copy>(stack: &mut Vec<T>, count: u32, zero: T, add: impl Fn(T, T) -> T) -> T {
+pub fn pop_sum<T: Copy>(stack: &mut Vec<T>, count: u32, zero: T, add: impl Fn(T, T) -> T) -> T {
     let mut sum = zero;
     for _ in 0..count {
         sum = add(sum, stack.pop().expect("children come before their parent"));
@@ -157,10 +157,10 @@ pub struct Twisted<T> {
 
 /// The null vector at a shift, up to the residual at the node where that is least beside the inertia, where it is 1. The root
 /// may hardly move in a mode; this node does. `at` chooses it instead.
-pub fn twisted<T: Float>(nodes: &[Node<T>], shift: T, at: Option<usize>) -> Twisted<T> {
+pub fn twisted_null_vector<T: Float>(nodes: &[Node<T>], shift: T, at: Option<usize>) -> Twisted<T> {
     let root = nodes.len() - 1;
     let links: Vec<T> = nodes.iter().map(|node| node.link(shift)).collect();
-    let mut felt = felt(nodes, shift, &links);
+    let mut felt = impedances(nodes, shift, &links);
     let at = at.unwrap_or_else(|| least_residual(nodes, &felt, &links));
     // Nodes on the path from there to the root are eliminated in the reverse direction.
     let mut way = vec![at];
@@ -216,10 +216,10 @@ fn away_from_zero(d: f64, stiffness: f64) -> f64 {
 }
 
 /// v of each node.
-fn felt<T: Float>(nodes: &[Node<T>], shift: T, links: &[T]) -> Vec<T> {
+fn impedances<T: Float>(nodes: &[Node<T>], shift: T, links: &[T]) -> Vec<T> {
     let mut stack = Vec::new();
     let one = |(node, &link): (&Node<T>, &T)| {
-        let v = node.own(shift) + taken(&mut stack, node.children, T::ZERO, |a, b| a + b);
+        let v = node.own(shift) + pop_sum(&mut stack, node.children, T::ZERO, |a, b| a + b);
         stack.push(in_a_row(v, link, node.stiffness).1);
         v
     };
@@ -265,12 +265,12 @@ mod tests {
     }
 
     #[test]
-    fn null_vectors_leave_what_is_felt_at_their_node() {
+    fn null_vectors_leave_the_residual_at_their_node() {
         let nodes = row(&[[1.3, 7.0, 0.2], [2.1, 3.0, -0.1], [0.7, 1.0, 0.0]]);
-        let at_root = twisted(&nodes, 1.1, Some(2));
+        let at_root = twisted_null_vector(&nodes, 1.1, Some(2));
         assert!((at_root.residual - root(&nodes, [1.1; 8]).0[0]).abs() < 1e-14);
         for at in 0..3 {
-            let Twisted { x, residual, .. } = twisted(&nodes, 1.1, Some(at));
+            let Twisted { x, residual, .. } = twisted_null_vector(&nodes, 1.1, Some(at));
             let edge = |i: usize| (nodes[i].stiffness + 1.1 * nodes[i].coupling) * (x[i] - x[i + 1]);
             let own = |i: usize| (nodes[i].ground - 1.1 * nodes[i].mass) * x[i];
             let forces = [own(0) + edge(0), own(1) + edge(1) - edge(0), own(2) - edge(1)];

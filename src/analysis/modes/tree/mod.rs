@@ -8,18 +8,18 @@
 //!
 //! See docs/method/modes.md#large-trees.
 
-pub mod beside;
 pub mod bounds;
 pub mod brackets;
 pub mod forest;
 pub mod impedance;
+pub mod lanes;
 
 use crate::analysis::modes::pair::Displacements;
 use crate::analysis::modes::request::Band;
 use crate::analysis::modes::tree::bounds::{Enclosed, Frame, Tree, enclosed};
 use crate::analysis::modes::tree::brackets::{Bracket, Brackets};
 use crate::analysis::modes::tree::forest::{Forest, Node};
-use crate::analysis::modes::tree::impedance::{root, shapes, twisted};
+use crate::analysis::modes::tree::impedance::{root, shapes, twisted_null_vector};
 use crate::base::Dd;
 use crate::kernel::real::Float;
 use crate::kernel::triple::Triple;
@@ -116,7 +116,7 @@ impl<'a> Search<'a> {
             let list = brackets.narrow(&bracketed, narrow)?;
             let frames: Vec<Frame> = (0..list.len()).map(|k| brackets.frame(&list, k)).collect();
             let chosen = first..first + wanted.len();
-            match self.certified(&list[chosen.clone()], &frames[chosen], tolerance) {
+            match self.certify(&list[chosen.clone()], &frames[chosen], tolerance) {
                 Ok(modes) => return Some(modes),
                 Err(Lack::Bracket) => {}
                 Err(Lack::Bound) => return None,
@@ -126,7 +126,7 @@ impl<'a> Search<'a> {
     }
 
     /// The modes in the brackets, eight at a time in binary64, and one by one if that is not enough.
-    fn certified(&self, brackets: &[Bracket], frames: &[Frame], tolerance: f64) -> Result<Vec<TreeMode>, Lack> {
+    fn certify(&self, brackets: &[Bracket], frames: &[Frame], tolerance: f64) -> Result<Vec<TreeMode>, Lack> {
         let mut all = Vec::with_capacity(brackets.len());
         let mut room = Vec::new();
         for (brackets, frames) in brackets.chunks(8).zip(frames.chunks(8)) {
@@ -150,8 +150,8 @@ impl<'a> Search<'a> {
                         let x = Displacements::Plain(shapes.next().unwrap_or_default());
                         TreeMode { lambda, radius, x }
                     }
-                    (true, false) => self.precisely(shifts[lane], frame).ok_or(Lack::Bound)?,
-                    (false, _) => self.apart(bracket, frame, tolerance)?,
+                    (true, false) => self.mode_in_double_double(shifts[lane], frame).ok_or(Lack::Bound)?,
+                    (false, _) => self.mode_at_twist(bracket, frame, tolerance)?,
                 });
             }
         }
@@ -176,24 +176,24 @@ impl<'a> Search<'a> {
     }
 
     /// A mode in which the root hardly moves.
-    fn apart(&self, bracket: &Bracket, frame: &Frame, tolerance: f64) -> Result<TreeMode, Lack> {
+    fn mode_at_twist(&self, bracket: &Bracket, frame: &Frame, tolerance: f64) -> Result<TreeMode, Lack> {
         let Vector { shift, x } = self.twisted(bracket).ok_or(Lack::Bracket)?;
         let room: Vec<[f64; 1]> = x.iter().map(|&x| [x]).collect();
         let [found] = enclosed(&self.nodes, &room, &self.tree, &[*frame]);
         if found.relative() > tolerance || frame.is_close(bracket.middle()) {
-            return self.precisely(shift, frame).ok_or(Lack::Bound);
+            return self.mode_in_double_double(shift, frame).ok_or(Lack::Bound);
         }
         let x = by_coordinate(self.forest, |i| x[i] * (self.sigma(i).hi * found.scale.hi), 0.0);
         Ok(TreeMode { lambda: found.lambda, radius: found.radius, x: Displacements::Plain(x) })
     }
 
     /// A mode near a shift in double-double.
-    fn precisely(&self, shift: f64, frame: &Frame) -> Option<TreeMode> {
+    fn mode_in_double_double(&self, shift: f64, frame: &Frame) -> Option<TreeMode> {
         let nodes = self.forest.nodes_in::<Dd>();
         let (mut shift, mut at) = (Dd::from(shift), None);
         // Two steps if the neighbours are far; more if the shift is hardly nearer to one eigenvalue than to another.
         for _ in 0..MAX_ITERATIONS {
-            let next = twisted(&nodes, shift, at);
+            let next = twisted_null_vector(&nodes, shift, at);
             let change = next.residual / inertia(&nodes, &next.x);
             shift += change;
             if at.is_some() && change.abs().to_f64() <= SETTLED * shift.abs().to_f64() {
@@ -201,7 +201,7 @@ impl<'a> Search<'a> {
             }
             at = Some(next.at);
         }
-        let x: Vec<[Dd; 1]> = twisted(&nodes, shift, at).x.into_iter().map(|x| [x]).collect();
+        let x: Vec<[Dd; 1]> = twisted_null_vector(&nodes, shift, at).x.into_iter().map(|x| [x]).collect();
         let [found] = enclosed(&nodes, &x, &self.tree, &[*frame]);
         let x = by_coordinate(self.forest, |i| Triple::from(x[i][0] * (self.sigma(i) * found.scale)), Triple::ZERO);
         let x = Displacements::Precise(x);
@@ -234,13 +234,13 @@ impl<'a> Search<'a> {
     fn twisted(&self, bracket: &Bracket) -> Option<Vector> {
         let mut shift = bracket.middle();
         for _ in 0..MAX_ITERATIONS {
-            let found = twisted(&self.nodes, shift, None);
+            let found = twisted_null_vector(&self.nodes, shift, None);
             let next = shift + found.residual / inertia(&self.nodes, &found.x);
             if !bracket.contains(next) {
                 return None;
             }
             if is_settled(shift, next) {
-                return Some(Vector { shift: next, x: twisted(&self.nodes, next, None).x });
+                return Some(Vector { shift: next, x: twisted_null_vector(&self.nodes, next, None).x });
             }
             shift = next;
         }

@@ -53,7 +53,7 @@ pub fn targeted(
         let proved = frame.as_ref().and_then(|frame| disc(frame, &large.exact, &pair, start.mode, tolerance));
         Some(proved.unwrap_or_else(|| unproved(pair.s.to_ball())))
     });
-    Some(apart(found.collect()))
+    Some(discard_overlapping(found.collect()))
 }
 
 /// Starts from the undamped oscillations.
@@ -99,7 +99,7 @@ fn unproved(s: Complex<Ball>) -> Disc {
 }
 
 /// Discs that meet may contain the same pole: then neither is proved.
-fn apart(discs: Vec<Disc>) -> Vec<Disc> {
+fn discard_overlapping(discs: Vec<Disc>) -> Vec<Disc> {
     let meets = |i: usize, j: usize| {
         let d = discs[i].s - discs[j].s;
         i != j && discs[i].is_certified() && discs[j].is_certified() && d.re.contains_zero() && d.im.contains_zero()
@@ -159,7 +159,7 @@ mod tests {
     }
 
     /// The number of known poles within a disc.
-    fn held(disc: &Disc, truth: &[Pole]) -> usize {
+    fn poles_within(disc: &Disc, truth: &[Pole]) -> usize {
         let room = |pole: &Pole| disc.s.radius() + pole.re.rad.hypot(pole.im.rad);
         truth.iter().filter(|pole| distance(disc, pole) <= room(pole)).count()
     }
@@ -177,7 +177,7 @@ mod tests {
             assert_eq!(discs.len(), if is_held { 12 } else { 11 });
             for disc in &discs {
                 assert!(disc.is_certified(), "{k_decades} {c}: {disc:?}");
-                assert_eq!(held(disc, &truth), 1, "{disc:?}");
+                assert_eq!(poles_within(disc, &truth), 1, "{disc:?}");
                 assert!(disc.s.radius() <= 1e-20 * disc.s.mid().to_f64().abs(), "{disc:?}");
             }
         }
@@ -195,7 +195,7 @@ mod tests {
             found += discs.len();
             for disc in discs.iter().filter(|disc| disc.is_certified()) {
                 proved += 1;
-                assert_eq!(held(disc, &truth), 1, "seed {seed}: {disc:?}");
+                assert_eq!(poles_within(disc, &truth), 1, "seed {seed}: {disc:?}");
             }
         }
         assert!(2 * proved > found, "{proved} of {found}");
@@ -223,7 +223,7 @@ mod tests {
                     assert!(size > 1e-6, "{size:e}");
                     continue;
                 };
-                assert_eq!(held(&disc, &truth), 1, "{size:e} {disc:?}");
+                assert_eq!(poles_within(&disc, &truth), 1, "{size:e} {disc:?}");
                 assert!(disc.s.radius() > 1e-4 * size * size * omega, "{size:e} {disc:?}");
             }
         }
@@ -232,7 +232,7 @@ mod tests {
     /// A vector that is a mixture of two motions, a number between two poles, and pairs that are far off: a circle
     /// without a proof by Rouche's theorem gives no disc.
     #[test]
-    fn what_is_no_pole_gets_no_disc() {
+    fn non_poles_get_no_disc() {
         let system = band(40, 2, -2, 2, true, 5);
         let all = modes(&system).expect("modes");
         let truth = poles(&system, &all).expect("poles").list;
@@ -255,7 +255,7 @@ mod tests {
                 let mut slip = || size * (digits.below(2001) as f64 / 1000.0 - 1.0);
                 (0..40).for_each(|i| pair.x.add(i, Complex::new(slip(), slip())));
                 match disc(&frame, &large.exact, &pair, index, 1e-12) {
-                    Some(disc) => assert_eq!(held(&disc, &truth), 1, "{size:e} {disc:?}"),
+                    Some(disc) => assert_eq!(poles_within(&disc, &truth), 1, "{size:e} {disc:?}"),
                     None => refused += 1,
                 }
             }

@@ -52,7 +52,7 @@ simd! {
             let count = ROOM.min(batch.count - start);
             match batch.step {
                 Some(step) => steps::<V>(batch, step, state, start, count, &mut times),
-                None => stand(state, &mut times),
+                None => store_current(state, &mut times),
             }
             for (row, output) in batch.rows.iter().zip(0..) {
                 let (hi, lo) = outputs_at::<V>(row, &times);
@@ -99,7 +99,7 @@ fn steps<V: Vector>(batch: &Batch, step: &Step, state: &mut State, start: usize,
 }
 
 /// Stores the current state as that of the first time.
-fn stand(state: &State, times: &mut [Times]) {
+fn store_current(state: &State, times: &mut [Times]) {
     for (component, z) in state.z.iter().enumerate() {
         for i in 0..z.hi.len() {
             let number = &mut times[2 * i + component];

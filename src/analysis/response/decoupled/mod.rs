@@ -11,7 +11,7 @@ mod lanes;
 mod oscillators;
 mod step;
 
-use super::channel::{Blow, Channel, channels};
+use super::channel::{Channel, SuddenChange, channels};
 use super::trail::Trail;
 use super::{History, UP};
 use crate::analysis::answer::Modes;
@@ -228,7 +228,7 @@ impl<'a> Run<'a> {
         if !h.is_positive() {
             return None;
         }
-        let on = self.on();
+        let on = self.active_states();
         if let Some(step) = self.steps.iter().find(|step| step.h == *h && step.on == on) {
             return Some(step.clone());
         }
@@ -241,14 +241,14 @@ impl<'a> Run<'a> {
     }
 
     /// The indices of the active sources' states.
-    fn on(&self) -> Vec<usize> {
+    fn active_states(&self) -> Vec<usize> {
         self.channels.iter().flat_map(|c| c.first..c.first + c.states_on()).collect()
     }
 
     /// The sources' states at the beginning of a batch and at each of its times: harmonics are rotated, starting from
     /// their formula; constants stay; other polynomials are evaluated.
     fn driving(&self, step: Option<&Step>, moments: &[Moment]) -> Driving {
-        let on = self.on();
+        let on = self.active_states();
         let count = moments.len();
         let mut driving = Driving {
             states: vec![Dd::ZERO; (count + 1) * on.len()],
@@ -312,7 +312,7 @@ impl<'a> Run<'a> {
                 let row = self.outputs.iter().zip(&samples.values[sample * outputs..]).zip(&fed).map(
                     |((output, &value), fed)| {
                         let value = output.with_sources(value, w, &self.channels);
-                        let off = Off {
+                        let off = OutputErrors {
                             z: size,
                             error: error + moved,
                             w: driving.norms[at],
@@ -338,14 +338,14 @@ impl<'a> Run<'a> {
         let zeros = || vec![Ball::ZERO; of.count()];
         let times = |x: Vec<Ball>, value: Ball| -> Vec<Ball> { x.into_iter().map(|x| x * value).collect() };
         let (eta, mut rate) = match self.channels[channel].turn_on(piece) {
-            Blow::None => return Some(()),
-            Blow::Impulse(value) => {
+            SuddenChange::None => return Some(()),
+            SuddenChange::Impulse(value) => {
                 if !(input.b[1].is_empty() && input.b[2].is_empty()) {
                     return None;
                 }
                 (zeros(), times(of.participation(&input.b[0]), value))
             }
-            Blow::Jump([u, speed]) => {
+            SuddenChange::Jump([u, speed]) => {
                 let (b1, b2) = (of.participation(&input.b[1]), of.participation(&input.b[2]));
                 let kick = b1.iter().zip(&b2).map(|(&b1, &b2)| b1 * u + b2 * speed).collect();
                 (times(b2, u), kick)
@@ -378,7 +378,7 @@ impl<'a> Run<'a> {
 }
 
 /// Error bounds of an output's parts.
-struct Off {
+struct OutputErrors {
     z: f64,
     error: f64,
     w: f64,
@@ -444,7 +444,7 @@ fn taylor(derivatives: &[Ball], t: Ball) -> Ball {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::response::together;
+    use crate::analysis::response::respond_by_matrix_exponential;
     use crate::analysis::test_systems::{blank, push};
     use crate::system::CoordinateId;
     use crate::system::{Course, Table};
@@ -478,8 +478,8 @@ mod tests {
     /// Checks that the enclosures of both methods overlap; returns the largest bound relative to the largest value of
     /// its output.
     fn meets(what: &str, system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> f64 {
-        let apart = respond(system, None, drives, times).unwrap_or_else(|| panic!("{what}: no such road"));
-        let whole = together(system, drives, times).expect("a motion");
+        let apart = respond(system, None, drives, times).unwrap_or_else(|| panic!("{what}: no such method"));
+        let whole = respond_by_matrix_exponential(system, drives, times).expect("a motion");
         let mut worst: f64 = 0.0;
         for output in 0..system.outputs.len() {
             let column = || apart.values.iter().map(|row| row[output]);
@@ -605,7 +605,7 @@ mod tests {
     /// A damper that couples the modes slightly, by one part in 10^8 to 10^28: whichever method is chosen, the digits
     /// are correct.
     #[test]
-    fn modes_that_are_nearly_apart_keep_their_digits() {
+    fn nearly_separated_modes_keep_their_digits() {
         for digits in (8..=28).step_by(2) {
             let mut system = chain(3, true, "0.7");
             push(&mut system.c, &format!("1e-{digits}"), 2, None);
@@ -628,7 +628,7 @@ mod tests {
         let drives = [vec![harmonic("4", "0.5")]];
         let times = grid("1000", "0.1");
         let apart = respond(&system, None, &drives, &times).expect("modes apart");
-        let whole = together(&system, &drives, &times[10_000..]).expect("a motion");
+        let whole = respond_by_matrix_exponential(&system, &drives, &times[10_000..]).expect("a motion");
         for (a, b) in apart.values[10_000].iter().zip(&whole.values[0]) {
             assert!((*a - *b).contains_zero(), "{a:?} {b:?}");
             assert!(a.relative_error() < 1e-19, "{a:?}");

@@ -1,7 +1,7 @@
 //! A system as uncoupled oscillators: the parameters of each, the forces of the sources on them, the outputs as rows
 //! over them, and bounds of what is neglected. See docs/method/response.md#modal-steps.
 
-use super::{Off, Row};
+use super::{OutputErrors, Row};
 use crate::analysis::answer::Modes;
 use crate::analysis::modes::modes;
 use crate::analysis::response::channel::{Channel, derivatives, exogenous, fed_approximations};
@@ -299,7 +299,7 @@ impl Output {
     }
 
     /// The bound of a value.
-    pub fn radius(&self, off: &Off, value: Dd) -> f64 {
+    pub fn radius(&self, off: &OutputErrors, value: Dd) -> f64 {
         let own = self.norm * off.error + (self.radii + self.rounding) * (off.z + off.error);
         let sums = (self.sources.len() as f64 + 2.0) * UNIT * (self.source_norm * off.w + value.hi.abs());
         let fed = if self.source_norm == 0.0 {

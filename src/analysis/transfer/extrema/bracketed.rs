@@ -42,11 +42,11 @@ pub fn bracketed(transfer: &Transfer, input: usize, output: usize, poles: &Poles
     let range = (first.0 * two_pi * down::FEW, last.0 * two_pi * up::FEW);
     let infinite = axis_poles(poles, range);
     let holds_pole = |(low, high): Interval| infinite.iter().any(|pole| (low..=high).contains(&pole.to_f64()));
-    let mut list: Vec<Extremum> = (told_brackets(gains).into_iter())
+    let mut list: Vec<Extremum> = (significant_brackets(gains).into_iter())
         .filter(|(bracket, _)| !holds_pole(*bracket))
         .filter_map(|(bracket, kind)| Some(pair.extremum(pair.root(bracket, kind)?, kind)))
         .collect();
-    for pole in infinite.into_iter().filter(|pole| pair.sees(*pole, poles)) {
+    for pole in infinite.into_iter().filter(|pole| pair.has_pole_at(*pole, poles)) {
         let frequency = hertz(pole);
         list.push(Extremum { kind: FeatureKind::Peak, frequency, gain: Gain::Infinite, width: None });
     }
@@ -62,7 +62,7 @@ pub fn sharpened(transfer: &Transfer, input: usize, output: usize, mut found: Ex
     for index in 0..found.list.len() {
         let Extremum { kind, frequency, gain, .. } = found.list[index];
         let singular = gain == Gain::Infinite || gain.disc().is_some_and(|disc| disc.radius == 0.0);
-        let beside = [index.checked_sub(1), Some(index + 1)].map(|i| Some(found.list.get(i?)?.frequency));
+        let neighbours = [index.checked_sub(1), Some(index + 1)].map(|i| Some(found.list.get(i?)?.frequency));
         let omega = (frequency * Ball::from(2.0) * Ball::PI).widen(f64::MIN_POSITIVE);
         let reach = omega.rad.max(omega.to_f64() * 1e-13);
         let better = match singular {
@@ -73,7 +73,7 @@ pub fn sharpened(transfer: &Transfer, input: usize, output: usize, mut found: Ex
         // A root of the slope that lies within the ball of one extremum and of no other belongs to that extremum.
         let apart = |other: &Ball| !(*other - better.frequency).contains_zero();
         let same = (better.frequency.mid - frequency.mid).abs().to_f64() + better.frequency.rad <= frequency.rad;
-        if same && beside.iter().flatten().all(apart) {
+        if same && neighbours.iter().flatten().all(apart) {
             found.list[index].frequency = better.frequency;
             found.list[index].gain = better.gain;
         }
@@ -89,13 +89,13 @@ fn axis_poles(poles: &Poles, (low, high): Interval) -> Vec<Ball> {
 
 /// The maxima and minima of the grid between two values with at least one correct digit: between others there is only
 /// rounding error.
-fn told_brackets(gains: &[(f64, Gain)]) -> Vec<(Interval, FeatureKind)> {
+fn significant_brackets(gains: &[(f64, Gain)]) -> Vec<(Interval, FeatureKind)> {
     let two_pi = 2.0 * std::f64::consts::PI;
-    let is_told = |gain: Gain| gain.disc().is_some_and(|disc| disc.relative_error() <= 0.1);
+    let is_reported = |gain: Gain| gain.disc().is_some_and(|disc| disc.relative_error() <= 0.1);
     let size = |gain: Gain| gain.disc().map_or(f64::INFINITY, |disc| disc.value.to_f64().abs());
     let of_three = |three: &[(f64, Gain)]| {
         let [(low, left), (_, here), (high, right)] = three else { return None };
-        if !is_told(*left) || !is_told(*right) {
+        if !is_reported(*left) || !is_reported(*right) {
             return None;
         }
         let [left, here, right] = [*left, *here, *right].map(size);
@@ -165,7 +165,7 @@ impl Pair<'_> {
     fn rough_root(&self, (mut low, mut high): Interval, before: i8) -> f64 {
         let mut omega = 0.5 * (low + high);
         for _ in 0..MOST_STEPS {
-            let Some(jet) = Jet::roughly(self.transfer, omega, self.input, self.output) else { break };
+            let Some(jet) = Jet::in_binary64(self.transfer, omega, self.input, self.output) else { break };
             let (slope, curvature) = (jet.slope().to_f64(), jet.curvature().to_f64());
             if (slope > 0.0) == (before > 0) {
                 low = omega;
@@ -193,7 +193,7 @@ impl Pair<'_> {
 
     /// Whether H has a pole at a pole of the system on the axis: if it had none, |H| within a circle would be at most
     /// its maximum on the circle (the maximum principle). No other pole may be near.
-    fn sees(&self, pole: Ball, poles: &Poles) -> bool {
+    fn has_pole_at(&self, pole: Ball, poles: &Poles) -> bool {
         let radius = pole.to_f64() * CIRCLE;
         let centre = Complex::new(Ball::ZERO, pole);
         let far = |other: &crate::analysis::answer::Pole| {
@@ -268,9 +268,9 @@ mod tests {
             };
             let transfer = Transfer::of(&system);
             let pair = Pair { transfer: &transfer, input: 0, output: 0 };
-            assert!(!pair.sees(near(omega), &poles), "{omega}");
+            assert!(!pair.has_pole_at(near(omega), &poles), "{omega}");
             // A pole with a neighbour within the circle is not reported.
-            assert_eq!(pair.sees(near(1.0), &poles), omega == 2.0);
+            assert_eq!(pair.has_pole_at(near(1.0), &poles), omega == 2.0);
         }
     }
 }

@@ -53,11 +53,11 @@ pub struct Factored {
 }
 
 /// a0 + a1 s + a2 s^2
-type Entry = [Known; 3];
+type Entry = [MidRadius; 3];
 
 /// The midpoint of an enclosure, and its radius.
 #[derive(Clone, Debug)]
-struct Known {
+struct MidRadius {
     middle: Rational,
     radius: f64,
 }
@@ -98,7 +98,7 @@ impl Denominator {
         // det [Q, b; -p^T, d] = det Q (d + p^T Q^-1 b)
         let mut rows = self.q.clone();
         rows.iter_mut().zip(b).for_each(|(row, b)| row.push(b));
-        let negated = |entry: Entry| entry.map(|x| Known { middle: -&x.middle, ..x });
+        let negated = |entry: Entry| entry.map(|x| MidRadius { middle: -&x.middle, ..x });
         rows.push(p.into_iter().map(negated).chain([through(system, input, output)?]).collect());
         let numerator = Determinant::of(&rows, 2 * n + 2)?;
         if numerator.polynomial.middle.is_zero() {
@@ -150,7 +150,7 @@ impl Determinant {
         let (s, found) = values.iter().enumerate().find(|(_, value)| !value.is_zero())?;
         let all = (0..rows.len()).fold(BigInt::one(), |power, _| power * &common);
         let factor = BigRational::new(found.clone(), all * value(&middle, s as i64));
-        let sized = |x: &Known| Sized { size: x.middle.to_f64().abs() * up::FEW, radius: x.radius };
+        let sized = |x: &MidRadius| Sized { size: x.middle.to_f64().abs() * up::FEW, radius: x.radius };
         let radii = if is_exact {
             Vec::new()
         } else {
@@ -167,20 +167,20 @@ fn value(f: &Polynomial, s: i64) -> BigInt {
     f.coefficients().iter().rev().fold(BigInt::zero(), |sum, a| sum * s + a)
 }
 
-impl Known {
+impl MidRadius {
     /// `None` if nothing is known of the number.
-    fn of(number: &Number) -> Option<Known> {
+    fn of(number: &Number) -> Option<MidRadius> {
         if let Some(exact) = number.exact() {
-            return Some(Known { middle: exact.clone(), radius: 0.0 });
+            return Some(MidRadius { middle: exact.clone(), radius: 0.0 });
         }
         let Ball { mid: Dd { hi, lo }, rad } = number.to_ball();
         let middle = &Rational::from_f64(hi)? + &Rational::from_f64(lo)?;
-        rad.is_finite().then_some(Known { middle, radius: rad })
+        rad.is_finite().then_some(MidRadius { middle, radius: rad })
     }
 }
 
 fn entry(numbers: [Number; 3]) -> Option<Entry> {
-    let [a, b, c] = numbers.each_ref().map(Known::of);
+    let [a, b, c] = numbers.each_ref().map(MidRadius::of);
     Some([a?, b?, c?])
 }
 
@@ -228,7 +228,7 @@ mod tests {
 
     /// A stiffness known to 1e-3: the enclosure of the gain contains that for 4.001 too.
     #[test]
-    fn what_is_not_known_of_a_stiffness_is_not_known_of_the_gain() {
+    fn uncertainty_of_a_stiffness_is_in_the_gain() {
         let gain = |stiffness: Number| {
             let mut system = oscillator("1", "0.5", "4");
             let term = system.k.terms()[0].clone();
@@ -239,8 +239,8 @@ mod tests {
             let factored = Denominator::of(&system, &[0]).expect("roots").pair(&system, 0, 0).expect("roots");
             Exactly::of(&factored).expect("in range").gain(&Frequency::radians(&Number::ONE)).disc().expect("finite")
         };
-        let (told, truth) = (gain(Number::Ball(Ball::from(4.0).widen(1e-3))), gain(Number::from("4.001")));
-        let error = (told.value - truth.value).to_f64().abs();
-        assert!(error > 1e-5 && error <= told.radius && told.radius < 0.01, "{error:e} {:e}", told.radius);
+        let (reported, truth) = (gain(Number::Ball(Ball::from(4.0).widen(1e-3))), gain(Number::from("4.001")));
+        let error = (reported.value - truth.value).to_f64().abs();
+        assert!(error > 1e-5 && error <= reported.radius && reported.radius < 0.01, "{error:e} {:e}", reported.radius);
     }
 }

@@ -23,16 +23,16 @@ impl Jet {
 
     /// H and its derivatives anywhere in the complex plane; `None` if Q may be singular.
     pub fn at(transfer: &Transfer, s: Complex<Ball>, input: usize, output: usize) -> Option<Jet> {
-        Jet::by(transfer, s, (input, output), rectangle)
+        Jet::from_entries(transfer, s, (input, output), rectangle)
     }
 
     /// H and its derivatives in binary64, without bounds: to approach a place where an enclosure is worth its cost.
-    pub fn roughly(transfer: &Transfer, omega: f64, input: usize, output: usize) -> Option<Jet> {
+    pub fn in_binary64(transfer: &Transfer, omega: f64, input: usize, output: usize) -> Option<Jet> {
         let exactly = |z: Complex<f64>| Complex::new(Ball::from(z.re), Ball::from(z.im));
-        Jet::by(transfer, Complex::new(Ball::ZERO, Ball::from(omega)), (input, output), exactly)
+        Jet::from_entries(transfer, Complex::new(Ball::ZERO, Ball::from(omega)), (input, output), exactly)
     }
 
-    fn by<T: Scalar>(
+    fn from_entries<T: Scalar>(
         transfer: &Transfer,
         s: Complex<Ball>,
         (input, output): (usize, usize),

@@ -88,7 +88,7 @@ mod tests {
     use crate::analysis::transfer::Gain;
 
     #[test]
-    fn what_two_roads_find_is_there_once() {
+    fn a_feature_found_by_two_methods_is_listed_once() {
         let at = |hertz: f64| Extremum {
             kind: FeatureKind::Peak,
             frequency: Ball::from(hertz).widen(1e-12),

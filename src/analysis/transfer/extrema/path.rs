@@ -42,13 +42,13 @@ pub fn factored(transfer: &Transfer, all: &Poles, input: usize, output: usize) -
     let net = Net::of(transfer);
     let of_part = |part: &[usize]| match part.len() == system.n() {
         true => roots_of(all),
-        false => of_held(system, part, &[]),
+        false => poles_with_held(system, part, &[]),
     };
     let (zeros, poles) = if let Some((seen, power)) = same_row(system, input, output) {
         let part = net.part(seen.iter().map(|(i, _)| *i));
         let (pivot, _) = seen.last()?;
         let left: Vec<usize> = part.iter().copied().filter(|k| k != pivot).collect();
-        let mut zeros = of_held(system, &left, &seen)?;
+        let mut zeros = poles_with_held(system, &left, &seen)?;
         zeros.extend((power > 0).then(|| real(Ball::ZERO, power)));
         (zeros, of_part(&part)?)
     } else {
@@ -57,7 +57,7 @@ pub fn factored(transfer: &Transfer, all: &Poles, input: usize, output: usize) -
         let part = net.part([i]);
         let path = if i == j { vec![i] } else { net.path(i, j, &part)? };
         let left: Vec<usize> = part.iter().copied().filter(|k| !path.contains(k)).collect();
-        let mut zeros = of_held(system, &left, &[])?;
+        let mut zeros = poles_with_held(system, &left, &[])?;
         let along = path.windows(2).map(|ends| net.entry(ends[0], ends[1]));
         for entry in along.chain([Some(b), Some(p)]) {
             zeros.extend(roots_of_entry(entry?)?);
@@ -167,7 +167,7 @@ impl Net<'_> {
 
 /// The poles of the `kept` coordinates with all others held; if `row` is given, its last coordinate moves so that the
 /// row sees nothing.
-fn of_held(system: &LinearSystem, kept: &[usize], row: &[(usize, Number)]) -> Option<Vec<Root>> {
+fn poles_with_held(system: &LinearSystem, kept: &[usize], row: &[(usize, Number)]) -> Option<Vec<Root>> {
     if kept.is_empty() {
         return Some(Vec::new());
     }

@@ -90,8 +90,8 @@ impl Exactly {
         if !omega.is_zero() && !RANGE.contains(&omega.mid.to_f64()) {
             return Gain::Unknown;
         }
-        let after = self.anchors.partition_point(|anchor| anchor.near(0.0) < omega.to_f64());
-        let distance = |i: usize| (self.anchors[i].near(0.0) - omega.to_f64()).abs();
+        let after = self.anchors.partition_point(|anchor| anchor.approximate(0.0) < omega.to_f64());
+        let distance = |i: usize| (self.anchors[i].approximate(0.0) - omega.to_f64()).abs();
         let nearest = if after == self.anchors.len() || (after > 0 && distance(after - 1) < distance(after)) {
             after - 1
         } else {
@@ -142,7 +142,7 @@ impl Exactly {
     fn open(&self, search: &Search, low: f64, high: f64) -> Vec<(f64, f64)> {
         let mut list: Vec<(f64, f64)> = Vec::new();
         for interval in &search.open {
-            let ends = [interval.low, interval.high].map(|t| self.anchors[interval.anchor].near(t));
+            let ends = [interval.low, interval.high].map(|t| self.anchors[interval.anchor].approximate(t));
             let (from, to) = (ends[0].next_down().max(low), ends[1].next_up().min(high));
             if from > to {
                 continue;
@@ -257,7 +257,7 @@ impl Exactly {
         let before = index.checked_sub(1).map(|i| located[i].at);
         let left = self.crossing(factor, at, before, search, false)?;
         let right = self.crossing(factor, at, located.get(index + 1).map(|next| next.at), search, true)?;
-        let between = self.anchors[left.anchor].to(&self.anchors[right.anchor]);
+        let between = self.anchors[left.anchor].distance_to(&self.anchors[right.anchor]);
         Some(if left.anchor == right.anchor { right.t - left.t } else { right.t - left.t + between })
     }
 
@@ -370,14 +370,14 @@ mod tests {
     use crate::base::Number;
     use crate::system::LinearSystem;
 
-    fn exactly(system: &LinearSystem, input: usize, output: usize) -> Exactly {
+    fn exact_transfer(system: &LinearSystem, input: usize, output: usize) -> Exactly {
         let coordinates: Vec<u32> = (0..system.n() as u32).collect();
         let denominator = Denominator::of(system, &coordinates).expect("rational");
         Exactly::of(&denominator.pair(system, input, output).expect("roots")).expect("in range")
     }
 
     fn all(system: &LinearSystem, input: usize, output: usize) -> Extrema {
-        exactly(system, input, output).extrema(Ball::from(1e-6), Ball::from(1e6))
+        exact_transfer(system, input, output).extrema(Ball::from(1e-6), Ball::from(1e6))
     }
 
     /// m = 1, k = 1, c = 2 zeta: a peak at sqrt(1 - 2 zeta^2) of height 1 / (2 zeta sqrt(1 - zeta^2)); |H|^2 is half of
@@ -396,9 +396,9 @@ mod tests {
             let square = zeta.square();
             let root = (&one - &square).sqrt().expect("positive");
             let near = &one - &(&square * &Number::from(2));
-            let agree = |name: &str, told: Ball, truth: Ball, most: f64| {
-                assert!((told - truth).contains_zero(), "{exponent} {name}: {told:?} {truth:?}");
-                assert!(told.relative_error() < most, "{exponent} {name}: {:e}", told.relative_error());
+            let agree = |name: &str, reported: Ball, truth: Ball, most: f64| {
+                assert!((reported - truth).contains_zero(), "{exponent} {name}: {reported:?} {truth:?}");
+                assert!(reported.relative_error() < most, "{exponent} {name}: {:e}", reported.relative_error());
             };
             let two_pi = Ball::from(2.0) * Ball::PI;
             agree("frequency", peak.frequency * two_pi, near.sqrt().expect("positive").to_ball(), 1e-25);
@@ -422,10 +422,10 @@ mod tests {
 
     /// At a frequency next to the peak of an oscillator with zeta = 1e-20: 1 / (k - omega^2 + i omega c).
     #[test]
-    fn beside_a_pole_all_digits_are_there() {
+    fn near_a_pole_all_digits_are_kept() {
         let system = oscillator("1", "2e-20", "1");
         let omega = Number::from("1.00000000000000000003");
-        let gain = exactly(&system, 0, 0).gain(&Frequency::radians(&omega));
+        let gain = exact_transfer(&system, 0, 0).gain(&Frequency::radians(&omega));
         let re = &Number::ONE - &omega.square();
         let im = &omega * &Number::from("2e-20");
         let norm = &re.square() + &im.square();
@@ -445,7 +445,7 @@ mod tests {
         }
         let found = all(&system, 0, 0);
         assert!(found.complete.is_some());
-        let told: Vec<(FeatureKind, bool, f64)> = (found.list.iter())
+        let reported: Vec<(FeatureKind, bool, f64)> = (found.list.iter())
             .map(|e| (e.kind, e.gain == Gain::Infinite, (e.frequency * Ball::from(2.0) * Ball::PI).to_f64()))
             .collect();
         // omega^2 = (3 -+ sqrt 5) / 2; only the second mass stands still at 1 rad/s.
@@ -455,9 +455,12 @@ mod tests {
             (FeatureKind::Antiresonance, false, 1.0),
             (FeatureKind::Peak, true, ((3.0 + root) / 2.0).sqrt()),
         ];
-        assert_eq!(told.len(), 3, "{told:?}");
-        for (told, expected) in told.iter().zip(expected) {
-            assert!((told.0, told.1) == (expected.0, expected.1) && (told.2 - expected.2).abs() < 1e-15, "{told:?}");
+        assert_eq!(reported.len(), 3, "{reported:?}");
+        for (reported, expected) in reported.iter().zip(expected) {
+            assert!(
+                (reported.0, reported.1) == (expected.0, expected.1) && (reported.2 - expected.2).abs() < 1e-15,
+                "{reported:?}"
+            );
         }
         assert_eq!(found.list[1].gain, Gain::Finite(Disc { value: Complex::ZERO, radius: 0.0 }));
     }
@@ -475,13 +478,13 @@ mod tests {
         let mut system = oscillator("1", "1", "1");
         system.k = crate::system::Form::new();
         push(&mut system.k, "0.5", 0, None);
-        let found = exactly(&system, 0, 0).extrema(Ball::from(1e-3), Ball::from(1e6));
+        let found = exact_transfer(&system, 0, 0).extrema(Ball::from(1e-3), Ball::from(1e6));
         assert!(found.list.is_empty() && found.complete.is_some(), "{found:?}");
     }
 
     /// Two pendulums, one below the other, whose numbers come from sines, with a relative uncertainty of 1e-31.
     #[test]
-    fn enclosed_numbers_tell_the_same() {
+    fn enclosed_numbers_give_the_same_extremum() {
         let mut system = blank(2);
         let source = system.m.source(system.coordinates[0].name);
         let at = |i: u32, x: &str| (crate::system::CoordinateId(i), Number::from(x));
@@ -495,9 +498,10 @@ mod tests {
         system.k.push(source, nature, around(9.81), [at(1, "1")]);
         let found = all(&system, 1, 1);
         assert!(found.complete.is_some(), "{found:?}");
-        let told: Vec<(FeatureKind, bool)> = found.list.iter().map(|e| (e.kind, e.gain == Gain::Infinite)).collect();
+        let reported: Vec<(FeatureKind, bool)> =
+            found.list.iter().map(|e| (e.kind, e.gain == Gain::Infinite)).collect();
         use FeatureKind::{Antiresonance, Peak};
-        assert_eq!(told, [(Peak, true), (Antiresonance, false), (Peak, true)]);
+        assert_eq!(reported, [(Peak, true), (Antiresonance, false), (Peak, true)]);
     }
 
     /// Poles at re +- i im, with a radius of uncertainty.
@@ -526,21 +530,28 @@ mod tests {
     /// Poles known to 0.05: the enclosures of the peak, its height and its width also cover poles anywhere in there, or
     /// the list is not reported as complete.
     #[test]
-    fn what_a_pole_may_be_is_in_what_is_told() {
+    fn uncertainty_of_a_pole_is_in_the_extremum() {
         for radius in [1e-9, 1e-4, 0.05] {
-            let (told, truth) = (resonance(-0.1, 1.0, radius), resonance(-0.1 - 0.7 * radius, 1.0 + 0.7 * radius, 0.0));
-            let [told, truth] = [told, truth].map(|exactly| exactly.extrema(Ball::from(1e-3), Ball::from(1e3)));
+            let (reported, truth) =
+                (resonance(-0.1, 1.0, radius), resonance(-0.1 - 0.7 * radius, 1.0 + 0.7 * radius, 0.0));
+            let [reported, truth] = [reported, truth].map(|exactly| exactly.extrema(Ball::from(1e-3), Ball::from(1e3)));
             let [peak] = &truth.list[..] else { panic!("{truth:?}") };
             assert!(truth.complete.is_some());
-            let Some(found) = told.list.first() else {
-                assert!(told.complete.is_none(), "{told:?}");
+            let Some(found) = reported.list.first() else {
+                assert!(reported.complete.is_none(), "{reported:?}");
                 continue;
             };
             assert!((found.frequency - peak.frequency).contains_zero(), "{radius} {found:?} {peak:?}");
             let gain = |e: &Extremum| e.gain.disc().map(|disc| disc.gain());
-            assert!(gain(found).is_none_or(|told| (told - gain(peak).expect("finite")).contains_zero()), "{radius}");
-            assert!(found.width.is_none_or(|told| (told - peak.width.expect("a width")).contains_zero()), "{radius}");
-            assert!(radius > 1e-6 || (gain(found).is_some() && found.width.is_some() && told.complete.is_some()));
+            assert!(
+                gain(found).is_none_or(|reported| (reported - gain(peak).expect("finite")).contains_zero()),
+                "{radius}"
+            );
+            assert!(
+                found.width.is_none_or(|reported| (reported - peak.width.expect("a width")).contains_zero()),
+                "{radius}"
+            );
+            assert!(radius > 1e-6 || (gain(found).is_some() && found.width.is_some() && reported.complete.is_some()));
         }
     }
 
@@ -552,7 +563,7 @@ mod tests {
         let square = 1.0 + 0.33f64 * 0.33;
         let (near, apart) = (1.0 - 2.0 * 0.33 * 0.33 / square, 2.0 * 0.33 / square);
         let width = (square * (near + apart)).sqrt() - (square * (near - apart)).sqrt();
-        let told = peak.width.expect("a width").to_f64() * 2.0 * std::f64::consts::PI;
-        assert!((told - width).abs() < 1e-14, "{told} {width}");
+        let reported = peak.width.expect("a width").to_f64() * 2.0 * std::f64::consts::PI;
+        assert!((reported - width).abs() < 1e-14, "{reported} {width}");
     }
 }

@@ -311,7 +311,7 @@ mod tests {
         x.to_ball(0.0).to_f64()
     }
 
-    fn told(f: &Polynomial) -> Vec<(f64, f64, usize, Place)> {
+    fn reported(f: &Polynomial) -> Vec<(f64, f64, usize, Place)> {
         let mut list: Vec<_> = (roots(&Coefficients::exact(f.clone())).expect("roots").iter())
             .map(|root| (rounded(&root.centre.re), rounded(&root.centre.im), root.multiplicity, root.place))
             .collect();
@@ -332,7 +332,7 @@ mod tests {
             (0.0, 2.0, 1, Place::Axis),
             (3.0, 0.0, 1, Place::Real),
         ];
-        assert_eq!(told(&f), expected);
+        assert_eq!(reported(&f), expected);
     }
 
     /// 10^60 s^2 + 2 s + 10^60: a damping ratio of 1e-60 is not zero.
@@ -348,7 +348,7 @@ mod tests {
     fn repeated_roots_are_counted() {
         // (s^2 + 1)^2 (s + 2)^3
         let f = polynomial(&[8, 12, 22, 25, 20, 14, 6, 1]);
-        assert_eq!(told(&f), [(-2.0, 0.0, 3, Place::Real), (0.0, 1.0, 2, Place::Axis)]);
+        assert_eq!(reported(&f), [(-2.0, 0.0, 3, Place::Real), (0.0, 1.0, 2, Place::Axis)]);
     }
 
     /// s^2 + 2 s + 5 with coefficients off by 1e-3: the discs contain the roots of s^2 + 2.001 s + 5.001.
@@ -392,7 +392,7 @@ mod tests {
 
     /// Discs of radius 1 whose centres are 1.5 apart meet, although each is outside the other's centre.
     #[test]
-    fn discs_that_meet_are_not_apart() {
+    fn discs_that_meet_are_not_disjoint() {
         let disc =
             |at: f64| Disc { centre: ComplexFloat::new(Float::from(at), Float::zero()), radius: Float::from(1.0) };
         assert!(!disc(0.0).is_apart_from(&disc(1.5)) && disc(0.0).is_apart_from(&disc(2.5)));

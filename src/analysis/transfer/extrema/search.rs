@@ -55,10 +55,10 @@ fn segments(anchors: &[Anchor], top: f64) -> Vec<Interval> {
     let mut list = Vec::with_capacity(anchors.len());
     for (i, anchor) in anchors.iter().enumerate() {
         let Some(next) = anchors.get(i + 1) else {
-            list.push(Interval { anchor: i, low, high: (top - anchor.near(0.0)).max(1e-3 * top) });
+            list.push(Interval { anchor: i, low, high: (top - anchor.approximate(0.0)).max(1e-3 * top) });
             break;
         };
-        let gap = anchor.to(next);
+        let gap = anchor.distance_to(next);
         let high = (1.0 - CUT) * gap.to_f64();
         list.push(Interval { anchor: i, low, high });
         low = (crate::base::Dd::from(high) - gap.mid).to_f64().next_down() - gap.rad;
@@ -69,7 +69,7 @@ fn segments(anchors: &[Anchor], top: f64) -> Vec<Interval> {
 impl Search {
     fn segment(&mut self, anchor: &Anchor, whole: Interval) {
         let Some(weight) = anchor.singular() else { return self.intervals(anchor, whole) };
-        let Some(reach) = alone_within(anchor, weight, whole) else {
+        let Some(reach) = dominated_radius(anchor, weight, whole) else {
             self.open.push(whole);
             return;
         };
@@ -107,7 +107,8 @@ impl Search {
 
     /// Counts an interval that is cut, and returns whether the limit is exceeded.
     fn is_spent(&mut self, anchor: &Anchor, interval: Interval) -> bool {
-        let inside = anchor.near(interval.high) >= self.range.0 && anchor.near(interval.low) <= self.range.1;
+        let inside =
+            anchor.approximate(interval.high) >= self.range.0 && anchor.approximate(interval.low) <= self.range.1;
         let (count, most) = if inside { (&mut self.cells, MOST_CELLS) } else { (&mut self.beyond, MOST_BEYOND) };
         *count += 1;
         *count > most
@@ -130,10 +131,10 @@ impl Search {
 
 /// The distance from a singular root within which its term w / t outweighs all others of g, so that g has no root
 /// there.
-fn alone_within(anchor: &Anchor, weight: f64, whole: Interval) -> Option<f64> {
+fn dominated_radius(anchor: &Anchor, weight: f64, whole: Interval) -> Option<f64> {
     let mut reach = if whole.low < 0.0 { whole.high.min(-whole.low) } else { whole.high };
     while reach > f64::MIN_POSITIVE {
-        let rest = anchor.cell(0.0, reach, false).most();
+        let rest = anchor.cell(0.0, reach, false).magnitude_bound();
         if rest * reach * up::THOUSANDS < weight.abs() {
             return Some(reach);
         }
@@ -170,7 +171,7 @@ mod tests {
             Found::Singular { .. } => None,
         });
         brackets.chain(&search.open).any(|interval| {
-            let [low, high] = [interval.low, interval.high].map(|t| anchors[interval.anchor].near(t));
+            let [low, high] = [interval.low, interval.high].map(|t| anchors[interval.anchor].approximate(t));
             (low..=high).contains(&omega)
         })
     }
@@ -188,7 +189,7 @@ mod tests {
     /// 1 / ((s^2 + 1)(s - p)^2 (s - p*)^2 ...) with p = -1e-4 + 1.1i: |H| is infinite at 1 and has a valley near 1.033,
     /// at a third of the distance to 1.1.
     #[test]
-    fn a_valley_beside_an_undamped_pole_is_not_passed_over() {
+    fn a_minimum_next_to_an_undamped_pole_is_found() {
         let poles = vec![root(0.0, 1.0, 0.0, 1, Place::Axis), root(-1e-4, 1.1, 0.0, 2, Place::Pair)];
         let (anchors, search) = searched(Vec::new(), poles);
         assert!(search.open.is_empty(), "{search:?}");

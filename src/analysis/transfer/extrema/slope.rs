@@ -68,7 +68,7 @@ pub fn anchors(factored: &Factored) -> Vec<Anchor> {
     std::iter::once(None).chain(list.into_iter().map(Some)).map(|own| Anchor::of(factored, own)).collect()
 }
 
-fn above(radius: &Float) -> f64 {
+fn rounded_up(radius: &Float) -> f64 {
     // The conversion rounds towards zero; the result must not be too small, nor zero.
     radius.to_f64() * (1.0 + 4.0 * f64::EPSILON) + f64::MIN_POSITIVE
 }
@@ -81,7 +81,7 @@ impl Anchor {
 
     fn of(factored: &Factored, own: Option<&Root>) -> Anchor {
         let place = own.map_or(Float::zero(), |root| root.centre.im.clone());
-        let radius = own.map_or(0.0, |root| above(&root.radius));
+        let radius = own.map_or(0.0, |root| rounded_up(&root.radius));
         let mut anchor = Anchor { place, radius, per_unit: 1.0 / factored.unit, terms: Vec::new() };
         for (roots, sign) in [(&factored.zeros, 1.0), (&factored.poles, -1.0)] {
             for root in roots {
@@ -92,7 +92,7 @@ impl Anchor {
     }
 
     fn add(&mut self, root: &Root, weight: f64, is_own: bool) {
-        let radius = if root.radius.is_zero() { 0.0 } else { above(&root.radius) };
+        let radius = if root.radius.is_zero() { 0.0 } else { rounded_up(&root.radius) };
         let re = if root.centre.re.is_zero() { Ball::ZERO } else { root.centre.re.to_ball(radius) };
         let mut push = |im: Float| {
             let difference = &im - &self.place;
@@ -118,12 +118,12 @@ impl Anchor {
     }
 
     /// omega in binary64.
-    pub fn near(&self, t: f64) -> f64 {
+    pub fn approximate(&self, t: f64) -> f64 {
         self.place.to_f64() + t
     }
 
     /// The distance to another anchor, with its uncertainty.
-    pub fn to(&self, other: &Anchor) -> Ball {
+    pub fn distance_to(&self, other: &Anchor) -> Ball {
         let difference = &other.place - &self.place;
         if difference.is_zero() { Ball::ZERO } else { difference.to_ball(self.radius + other.radius) }
     }
@@ -311,7 +311,7 @@ impl Cell {
     }
 
     /// A bound of |g| over the interval.
-    pub fn most(&self) -> f64 {
+    pub fn magnitude_bound(&self) -> f64 {
         let swing = self.half * (self.slope.abs() + self.slope_error) + self.half * self.half * self.curvature;
         (self.g.abs() + self.g_error + swing) * up::THOUSANDS
     }
@@ -354,7 +354,7 @@ mod tests {
     /// Poles at -1 +- 2i have their peak at sqrt 3 = 1.732; poles at -1 +- 1.96i would have it at 1.686. With a radius
     /// of 0.1 the sign of the slope of ln |H| at 1.7 is not known.
     #[test]
-    fn what_a_root_may_be_is_in_the_sign() {
+    fn uncertainty_of_a_root_is_in_the_sign() {
         let at = 1.7;
         let known = of_poles(vec![pair(-1.0, 2.0, 0.0)]);
         assert!(known.cell(at, 0.0, true).has_no_root() && known.sign(at) == 1);

@@ -33,7 +33,7 @@ pub fn supremum(
     range: Option<(&Number, &Number)>,
 ) -> Result<Supremum, &'static str> {
     let own;
-    let exactly = match transfer.exactly(input, output) {
+    let exactly = match transfer.zero_pole_form(input, output) {
         Some(exactly) => exactly,
         None => {
             let of_path = || Exactly::of(&factored(transfer, poles?, input, output)?);
@@ -52,9 +52,9 @@ pub fn supremum(
         }
     };
     // An extremum at an end may lie on either side of it: it is looked for a little further out.
-    let beside = |omega: Ball| Ball::from(omega.magnitude() * 1e-12);
+    let margin = |omega: Ball| Ball::from(omega.magnitude() * 1e-12);
     let Extrema { list, complete, .. } =
-        exactly.extrema(low.omega - beside(low.omega), high.omega + beside(high.omega));
+        exactly.extrema(low.omega - margin(low.omega), high.omega + margin(high.omega));
     complete.ok_or(UNPROVED)?;
     let is_within = |extremum: &Extremum| {
         let omega = extremum.frequency * Ball::PI * Ball::from(2.0);

@@ -248,15 +248,15 @@ mod tests {
     /// Compares with the solution in discs: at the force and far from it, at resonances and between, at both
     /// accuracies.
     #[test]
-    fn the_value_is_enclosed_and_right_to_the_last_digit() {
+    fn the_value_is_enclosed_and_correct_to_the_last_digit() {
         for n in [1, 2, 9, 300] {
             let system = chain(n);
             let transfer = Transfer::of(&system);
-            let road = TwoSided::of(&transfer).expect("dampers on all");
+            let method = TwoSided::of(&transfer).expect("dampers on all");
             let hertz = |i: i64| Frequency::hertz(&(&Number::from(i) / &Number::from(7)));
             let frequencies: Vec<Frequency> = (1..30).map(hertz).collect();
             for (outputs, tolerance) in [([0, n - 1], 1e-17), ([n / 2, 0], 1e-10)] {
-                let discs = road.sweep(&transfer, &frequencies, &[0], &outputs, tolerance);
+                let discs = method.sweep(&transfer, &frequencies, &[0], &outputs, tolerance);
                 for (discs, f) in discs.chunks(2).zip(&frequencies) {
                     let truth = transfer.between(f, &[0], &outputs);
                     for (disc, truth) in discs.iter().zip(&truth[0]) {
@@ -299,7 +299,7 @@ mod tests {
         for n in [1, 2, 5, 12] {
             let system = chain(n);
             let transfer = Transfer::of(&system);
-            let road = TwoSided::of(&transfer).expect("dampers on all");
+            let method = TwoSided::of(&transfer).expect("dampers on all");
             for step in 1..20 {
                 let omega = &Number::from(step) / &Number::from(7);
                 let spring = |i: usize| -> Pair {
@@ -324,7 +324,7 @@ mod tests {
                 let truth = recip(&pivot.expect("at least one"));
                 let truth = Complex::new(truth.0.to_ball(), truth.1.to_ball());
                 for tolerance in [1e-17, 1e-10] {
-                    let disc = road.sweep(&transfer, &[Frequency::radians(&omega)], &[n - 1], &[n - 1], tolerance)[0];
+                    let disc = method.sweep(&transfer, &[Frequency::radians(&omega)], &[n - 1], &[n - 1], tolerance)[0];
                     let error = (disc.value - truth.mid()).to_f64().abs();
                     assert!(error <= disc.radius + truth.radius(), "{n} {step}: {error:e} {:e}", disc.radius);
                     // Without its radius the value would be refuted.
@@ -340,16 +340,16 @@ mod tests {
     fn a_lane_does_not_depend_on_its_neighbours() {
         let system = chain(40);
         let transfer = Transfer::of(&system);
-        let road = TwoSided::of(&transfer).expect("dampers on all");
+        let method = TwoSided::of(&transfer).expect("dampers on all");
         let frequencies: Vec<Frequency> = (1..20).map(|i| Frequency::hertz(&Number::from(i))).collect();
-        let together = road.sweep(&transfer, &frequencies, &[0], &[39], 1e-17);
+        let together = method.sweep(&transfer, &frequencies, &[0], &[39], 1e-17);
         for (f, disc) in frequencies.iter().zip(together) {
-            assert_eq!(road.sweep(&transfer, std::slice::from_ref(f), &[0], &[39], 1e-17), [disc]);
+            assert_eq!(method.sweep(&transfer, std::slice::from_ref(f), &[0], &[39], 1e-17), [disc]);
         }
     }
 
     #[test]
-    fn what_no_damper_resists_is_refused() {
+    fn undamped_motions_are_refused() {
         let mut system = chain(3);
         system.c = crate::system::Form::new();
         push(&mut system.c, "1", 0, None);

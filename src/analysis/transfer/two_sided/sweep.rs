@@ -191,7 +191,7 @@ impl<'a, V: Vector> Sweep<'a, V> {
         let outputs = self.readings.len();
         let mut good = true;
         for (y, result) in self.results.iter_mut().enumerate() {
-            finish(result, point, &self.readings[y], x, self.t[y]);
+            finish_pair(result, point, &self.readings[y], x, self.t[y]);
             let (re, im, radius) = (result.re, result.im, result.radius.to_array());
             let (re, im) = ([re.hi.to_array(), re.lo.to_array()], [im.hi.to_array(), im.lo.to_array()]);
             for lane in 0..V::WIDTH {
@@ -419,13 +419,13 @@ fn residual_norm<V: Vector>(
 
 /// A sum of products, accumulated next to a number that is larger than all of it.
 #[derive(Clone, Copy)]
-struct Beside<V> {
+struct ShiftedSum<V> {
     sum: V,
     rest: V,
     low: V,
 }
 
-impl<V: Vector> Beside<V> {
+impl<V: Vector> ShiftedSum<V> {
     /// Adds x y.
     #[inline(always)]
     fn add(&mut self, x: V, y: V) {
@@ -437,7 +437,7 @@ impl<V: Vector> Beside<V> {
 }
 
 #[expect(clippy::too_many_arguments, reason = "parts of one structure, borrowed apart")]
-/// z^T (b - Q x) for each output, its error, and |b - Q x|^2 (stored until `finish`); b - Q x itself into `rest`.
+/// z^T (b - Q x) for each output, its error, and |b - Q x|^2 (stored until `finish_pair`); b - Q x itself into `rest`.
 #[inline(always)]
 fn pair<V: Vector, const PARTS: usize>(
     entries: &Entries<V>,
@@ -465,7 +465,7 @@ fn pair<V: Vector, const PARTS: usize>(
             size = size + right.size;
         }
         let larger = size * V::splat(4.0);
-        let start = Beside { sum: larger, rest: V::splat(0.0), low: V::splat(0.0) };
+        let start = ShiftedSum { sum: larger, rest: V::splat(0.0), low: V::splat(0.0) };
         let (mut re, mut im) = (start, start);
         for &(j, which) in row {
             let q = entries.exact(point, which);
@@ -508,14 +508,14 @@ fn pair<V: Vector, const PARTS: usize>(
         }
     }
     for result in results.iter_mut() {
-        // The norm is kept in an unused field until `finish`.
+        // The norm is kept in an unused field until `finish_pair`.
         result.re.lo = norm;
     }
 }
 
 /// Adds p^T x and the bound of the product of residuals.
 #[inline(always)]
-fn finish<V: Vector>(result: &mut Result<V>, point: &Point<V>, reading: &Sparse, x: &[&[Pair<V>]], t: V) {
+fn finish_pair<V: Vector>(result: &mut Result<V>, point: &Point<V>, reading: &Sparse, x: &[&[Pair<V>]], t: V) {
     let (correction, norm) = (Pair { re: result.re.hi, im: result.im.hi }, result.re.lo);
     let (mut re, mut im, mut size) = (Double::zero(), Double::zero(), V::splat(0.0));
     for (place, entry) in reading {

@@ -132,7 +132,7 @@ impl<'a> Families<'a> {
     }
 
     /// Between a member and the next one across, px: names stand between them, on both sides where elements stand in pairs.
-    fn beside(&self, member: usize, next: usize) -> f64 {
+    fn gap_between(&self, member: usize, next: usize) -> f64 {
         if !self.upright {
             return BETWEEN;
         }
@@ -158,7 +158,7 @@ impl<'a> Families<'a> {
     }
 
     /// Between two rows of a fold, px.
-    pub fn apart(&self) -> f64 {
+    pub fn row_gap(&self) -> f64 {
         let widest = self.name.iter().chain(&self.tie).fold(0.0, |widest: f64, name| widest.max(*name));
         let pairs = (0..self.tie.len()).filter(|member| self.is_paired[*member]);
         let before = pairs.map(|member| self.tie[member] + SPARE).fold(0.0, f64::max);
@@ -279,12 +279,12 @@ impl<'a> Families<'a> {
             let (meshed, followers): (Vec<usize>, Vec<usize>) =
                 children[member].iter().partition(|child| self.meshed[**child]);
             let total: f64 = followers.iter().map(|child| room[*child][0] + room[*child][1]).sum::<f64>()
-                + followers.windows(2).map(|pair| self.beside(pair[0], pair[1])).sum::<f64>();
+                + followers.windows(2).map(|pair| self.gap_between(pair[0], pair[1])).sum::<f64>();
             let mut at = -total / 2.0;
             for (number, &child) in followers.iter().enumerate() {
                 shift[child] = at + room[child][0];
                 let next = followers.get(number + 1);
-                at += room[child][0] + room[child][1] + next.map_or(0.0, |next| self.beside(child, *next));
+                at += room[child][0] + room[child][1] + next.map_or(0.0, |next| self.gap_between(child, *next));
             }
             // The first and the last equally far from the middle.
             if let (Some(&first), Some(&last)) = (followers.first(), followers.last()) {
@@ -322,7 +322,7 @@ impl<'a> Families<'a> {
                 Some(parent) => self.across[parent] + shift[member],
                 None => {
                     let at = next + room[member][0];
-                    next = at + room[member][1] + self.beside(member, member);
+                    next = at + room[member][1] + self.gap_between(member, member);
                     at
                 }
             };

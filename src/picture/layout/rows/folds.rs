@@ -19,7 +19,7 @@ impl Folds {
         let columns = families.columns();
         // Long ropes fold into something square.
         let whole: f64 = (1..columns).map(|column| families.step(column)).sum();
-        let square = (whole * (families.apart() + 40.0)).sqrt();
+        let square = (whole * (families.row_gap() + 40.0)).sqrt();
         let rows = rows(families, square.max(LONGEST[usize::from(upright)]));
         let mut along: Vec<f64> = vec![0.0; columns];
         for column in 1..columns {
@@ -40,7 +40,7 @@ impl Folds {
         }
         let mut shifts: Vec<f64> = vec![0.0; count];
         for row in 1..count {
-            shifts[row] = shifts[row - 1] + extents[row - 1][1] - extents[row][0] + families.apart();
+            shifts[row] = shifts[row - 1] + extents[row - 1][1] - extents[row][0] + families.row_gap();
         }
         Folds { rows, along, shifts }
     }
@@ -54,7 +54,7 @@ impl Folds {
         column == 0
     }
 
-    pub fn way(&self, column: usize) -> f64 {
+    pub fn direction_of(&self, column: usize) -> f64 {
         if self.rows[column].is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 

@@ -1,14 +1,14 @@
 //! The lines `solve`: finds every unknown, on its own if possible, otherwise together with others. In: the text and its
 //! scene. Out: a value for each unknown, or an error. See docs/method/measures.md.
 
-use super::alone::extremes;
-use super::answer::{Derivative, Others, Shown, Solved, shown, told};
+use super::answer::{Derivative, Others, Shown, Solved, shown, shown_text};
 use super::derivative::{slope, step};
-use super::error::{AskedError, Reach, Told};
+use super::error::{AskedError, Phrase, ReachedRange};
 use super::newton;
-use super::over::{Asked, Centre, Over};
-use super::search::{Difference, Look, Root, Seen};
-use super::trial::{Known, Text};
+use super::one_unknown::extremes;
+use super::range_enclosure::{Centre, QuestionOverRange, RangeEnclosure};
+use super::search::{Difference, Evaluation, Root, SearchResult};
+use super::trial::{Facts, Text};
 use crate::analysis::Measurement;
 use crate::analysis::derived::hertz;
 use crate::base::{Ball, Dd, Jet, Number, Quantity, Rational, Unproven, up};
@@ -29,15 +29,15 @@ pub struct Settled {
 /// Finds every unknown.
 pub fn solve(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedError>> {
     let solves = &scene.scene().solves;
-    let twice = twice(solves);
+    let twice = duplicate_unknowns(solves);
     if !twice.is_empty() {
         return Err(twice);
     }
     let mut unknowns = Unknowns::of(*text, solves, scene.scene().bodies.len());
     for group in unknowns.groups()? {
         match group[..] {
-            [(equation, unknown)] => unknowns.alone(equation, unknown)?,
-            _ => newton::together(&mut unknowns, &group)?,
+            [(equation, unknown)] => unknowns.solve_one(equation, unknown)?,
+            _ => newton::solve_group(&mut unknowns, &group)?,
         }
     }
     let solved = (0..solves.len()).map(|i| unknowns.report(i)).collect();
@@ -50,7 +50,7 @@ pub fn solve(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedErro
 }
 
 /// Errors for parameters that are solved for more than once.
-fn twice(solves: &[Solve]) -> Vec<AskedError> {
+fn duplicate_unknowns(solves: &[Solve]) -> Vec<AskedError> {
     let again = solves.iter().enumerate().filter_map(|(i, solve)| {
         let first = solves[..i].iter().find(|first| first.parameter.name == solve.parameter.name)?;
         Some(AskedError::Twice { span: solve.span, name: solve.parameter.name.clone(), first: first.span })
@@ -69,7 +69,7 @@ pub struct Unknowns<'a> {
     /// What is known about other values in the ranges.
     pub others: Vec<Others>,
     /// Number of values at which each was evaluated.
-    pub looks: Vec<usize>,
+    pub evaluations: Vec<usize>,
     /// The equation that was solved for each unknown.
     equation: Vec<usize>,
     /// Bodies of the scene.
@@ -92,7 +92,7 @@ impl<'a> Unknowns<'a> {
             values: solves.iter().map(start).collect(),
             within: vec![None; solves.len()],
             others: vec![Others::Unknown; solves.len()],
-            looks: vec![0; solves.len()],
+            evaluations: vec![0; solves.len()],
             equation: (0..solves.len()).collect(),
             parts,
         }
@@ -132,16 +132,16 @@ impl<'a> Unknowns<'a> {
     }
 
     /// What is known about an equation's measure while one unknown lies in a range.
-    pub fn over(&self, equation: usize, unknown: usize, range: Ball) -> Over {
+    pub fn enclose_over(&self, equation: usize, unknown: usize, range: Ball) -> RangeEnclosure {
         let mut values = self.values.clone();
         values[unknown] = Jet::of_parameter(range);
-        self.asked(equation, &values, |asked| asked.over()).unwrap_or_else(Over::silent)
+        self.ask(equation, &values, |asked| asked.enclose_measure()).unwrap_or_else(RangeEnclosure::silent)
     }
 
     /// Applies `tell` to an equation's measure while some of the values are ranges.
-    pub fn asked<T>(&self, equation: usize, values: &[Number], tell: impl FnOnce(&Asked) -> T) -> Option<T> {
+    pub fn ask<T>(&self, equation: usize, values: &[Number], tell: impl FnOnce(&QuestionOverRange) -> T) -> Option<T> {
         let choose = |scene: &CheckedScene| scene.scene().solves.get(equation).map(|solve| solve.question.clone());
-        self.text.over(&self.settings_at(values), choose, tell)
+        self.text.enclose_over(&self.settings_at(values), choose, tell)
     }
 
     /// The eigenvalue or the pole that an equation's measure depends on.
@@ -156,7 +156,7 @@ impl<'a> Unknowns<'a> {
         values[unknown] = value.clone();
         let Ok(scene) = self.text.scene(&self.settings_at(&values)) else { return false };
         let Some(solve) = scene.scene().solves.get(equation) else { return false };
-        self.text.compared(&scene, &solve.question, Known::default()) == Some(std::cmp::Ordering::Equal)
+        self.text.compared(&scene, &solve.question, Facts::default()) == Some(std::cmp::Ordering::Equal)
     }
 
     /// Limit on the evaluations over parts of a range, for a scene of this size.
@@ -228,14 +228,14 @@ impl<'a> Unknowns<'a> {
     }
 
     /// Sets an unknown to the shortest number in its own unit that the bound allows.
-    pub fn take(&mut self, equation: usize, unknown: usize, root: &Root, looks: usize, others: Others) {
+    pub fn take(&mut self, equation: usize, unknown: usize, root: &Root, evaluations: usize, others: Others) {
         let solve = &self.solves[unknown];
         let value = shortest(root, solve.parameter.unit.factor.as_ref());
         let away = (value.to_ball() - Ball::exact(root.near)).magnitude();
         self.within[unknown] = root.proof.map(|_| (root.within + away) * up::THOUSANDS);
         self.others[unknown] = others;
         self.values[unknown] = value;
-        self.looks[unknown] = looks;
+        self.evaluations[unknown] = evaluations;
         self.equation[unknown] = equation;
     }
 
@@ -253,50 +253,52 @@ impl<'a> Unknowns<'a> {
     fn unsettled_part(&self, unknown: usize) -> Option<AskedError> {
         let Others::Unsettled(parts) = &self.others[unknown] else { return None };
         let solve = &self.solves[unknown];
-        let (name, value) = (solve.parameter.name.clone(), self.told(unknown, &self.values[unknown]));
+        let (name, value) = (solve.parameter.name.clone(), self.value_text(unknown, &self.values[unknown]));
         Some(AskedError::Unsettled { span: solve.span, name, value, parts: parts.clone() })
     }
 
     /// The error if the model is refused with the values that were found.
     fn refused(&self, why: String) -> AskedError {
         let Solve { parameter, span, question, low, high } = &self.solves[0];
-        let range = (self.told(0, low), self.told(0, high));
+        let range = (self.value_text(0, low), self.value_text(0, high));
         let (measure, name) = (self.measure(question), parameter.name.clone());
         AskedError::NoValue { span: *span, measure, name, range, why }
     }
 
     /// The error for a measure that never reaches its target, as far as is known.
-    pub fn no_root(&self, equation: usize, unknown: usize, seen: &Seen, proven: bool) -> AskedError {
+    pub fn no_root(&self, equation: usize, unknown: usize, seen: &SearchResult, proven: bool) -> AskedError {
         let solve = &self.solves[unknown];
         let question = &self.solves[equation].question;
         let (measure, name) = (self.measure(question), solve.parameter.name.clone());
-        let range = (self.told(unknown, &solve.low), self.told(unknown, &solve.high));
-        let gap = seen.looks.iter().find_map(|look| match &look.difference {
+        let range = (self.value_text(unknown, &solve.low), self.value_text(unknown, &solve.high));
+        let gap = seen.evaluations.iter().find_map(|evaluation| match &evaluation.difference {
             Difference::None(why) => Some(why.clone()),
             _ => None,
         });
-        let Some((least, largest)) = extremes(&seen.looks) else {
+        let Some((least, largest)) = extremes(&seen.evaluations) else {
             return AskedError::NoValue { span: solve.span, measure, name, range, why: gap.unwrap_or_default() };
         };
-        if constant(&seen.looks) {
+        if constant(&seen.evaluations) {
             return self.independent(equation, unknown);
         }
-        let at = |look: &Look| (self.reached(equation, &look.difference), self.told(unknown, &look.at));
+        let at = |evaluation: &Evaluation| {
+            (self.reached(equation, &evaluation.difference), self.value_text(unknown, &evaluation.at))
+        };
         let jump = seen.jumps.first();
-        let reach = Reach {
+        let reach = ReachedRange {
             least: at(least),
             largest: at(largest),
-            jump: jump.and_then(|&x| Rational::from_f64(x)).map(|x| self.told(unknown, &Number::from(x))),
+            jump: jump.and_then(|&x| Rational::from_f64(x)).map(|x| self.value_text(unknown, &Number::from(x))),
             gap,
             proven,
-            looks: seen.count,
+            evaluations: seen.count,
         };
         AskedError::NoRoot { span: solve.span, measure, target: self.target(equation), name, range, reach }
     }
 
     /// A value of an unknown as text, in its own unit.
-    pub fn told(&self, unknown: usize, value: &Number) -> Told {
-        told(&shown(value, &self.solves[unknown].parameter.unit, false))
+    pub fn value_text(&self, unknown: usize, value: &Number) -> Phrase {
+        shown_text(&shown(value, &self.solves[unknown].parameter.unit, false))
     }
 
     /// The measure as it is written.
@@ -305,12 +307,12 @@ impl<'a> Unknowns<'a> {
     }
 
     /// The target of a measure as text.
-    pub fn target(&self, equation: usize) -> Told {
-        told(&self.in_unit(equation, &self.solves[equation].question.value))
+    pub fn target(&self, equation: usize) -> Phrase {
+        shown_text(&self.in_unit(equation, &self.solves[equation].question.value))
     }
 
     /// The value of a measure that differs from its target by this much, as text.
-    pub fn reached(&self, equation: usize, difference: &Difference) -> Told {
+    pub fn reached(&self, equation: usize, difference: &Difference) -> Phrase {
         let question = &self.solves[equation].question;
         match difference {
             // The difference is of a quantity that changes sign in place of the measure.
@@ -322,12 +324,12 @@ impl<'a> Unknowns<'a> {
             Difference::Known(ball)
                 if question.value.is_zero() && matches!(question.measure, Measure::Frequency { .. }) =>
             {
-                let told = told(&self.in_unit(equation, &Number::Ball(hertz(ball.abs().sqrt()))));
-                if ball.is_negative() { format!("diverging (growth rate {told})") } else { told }
+                let text = shown_text(&self.in_unit(equation, &Number::Ball(hertz(ball.abs().sqrt()))));
+                if ball.is_negative() { format!("diverging (growth rate {text})") } else { text }
             }
             Difference::Known(ball) => {
                 let value = self.solves[equation].question.value.to_ball() + *ball;
-                told(&self.in_unit(equation, &Number::Ball(value)))
+                shown_text(&self.in_unit(equation, &Number::Ball(value)))
             }
             Difference::Infinite => "infinity".to_string(),
             Difference::None(why) => why.clone(),
@@ -359,8 +361,8 @@ impl<'a> Unknowns<'a> {
             in_radians: question.radians.is_some(),
             residual: residual.unwrap_or(Ball::new(Dd::ZERO, f64::INFINITY)),
             slope,
-            looked_at: self.looks[unknown],
-            until: self.text.followed(&question.measure),
+            evaluations: self.evaluations[unknown],
+            until: self.text.simulated_time(&question.measure),
         }
     }
 }
@@ -370,7 +372,7 @@ impl Unknowns<'_> {
     fn residual(&self, equation: usize, value: &Number) -> Option<Ball> {
         let unknown = self.equation.iter().position(|&known| known == equation)?;
         let question = &self.solves[equation].question;
-        let crossing = known(self.difference(equation, unknown, value));
+        let crossing = finite_value(self.difference(equation, unknown, value));
         match &question.measure {
             Measure::Frequency { .. } if question.value.is_zero() => {
                 let square = crossing?;
@@ -380,7 +382,7 @@ impl Unknowns<'_> {
             Measure::DampingRatio { .. } if question.value.is_one() => {
                 let settings = self.settings();
                 let measured = self.text.measure(&settings, |_| vec![question.clone()]).ok()?.pop()?;
-                known(difference(question, measured))
+                finite_value(difference(question, measured))
             }
             _ => crossing,
         }
@@ -400,18 +402,18 @@ impl Unknowns<'_> {
         values[unknown] = value.clone();
         let centre = self.centre(equation, &values);
         values[unknown] = Jet::of_parameter(value.enclosure());
-        if let Some(slope) = centre.and_then(|centre| self.asked(equation, &values, |asked| asked.slope(&centre))?) {
+        if let Some(slope) = centre.and_then(|centre| self.ask(equation, &values, |asked| asked.slope(&centre))?) {
             return Some(Derivative::Enclosed(slope));
         }
         let relative = residual.map_or(1.0, |ball| ball.rad / question.value.to_f64().abs().max(f64::MIN_POSITIVE));
         let h = step(value, &Number::ONE, relative);
-        let at = |x: Number| known(self.difference(equation, unknown, &x));
+        let at = |x: Number| finite_value(self.difference(equation, unknown, &x));
         let seen = slope(at(value - &h), residual, at(value + &h), &h).ok()?;
-        Some(Derivative::Seen(Unproven(seen.to_f64())))
+        Some(Derivative::Estimated(Unproven(seen.to_f64())))
     }
 }
 
-pub fn known(difference: Difference) -> Option<Ball> {
+pub fn finite_value(difference: Difference) -> Option<Ball> {
     match difference {
         Difference::Known(ball) if ball.is_finite() => Some(ball),
         _ => None,
@@ -443,8 +445,8 @@ pub fn difference(question: &Question, measured: Measurement) -> Difference {
 }
 
 /// Whether all evaluations gave the same enclosure.
-pub fn constant(looks: &[Look]) -> bool {
-    looks.len() > 1 && looks.windows(2).all(|pair| pair[0].difference == pair[1].difference)
+pub fn constant(evaluations: &[Evaluation]) -> bool {
+    evaluations.len() > 1 && evaluations.windows(2).all(|pair| pair[0].difference == pair[1].difference)
 }
 
 /// low + (high - low) part / whole
@@ -459,7 +461,7 @@ pub fn shortest(root: &Root, factor: Option<&Number>) -> Number {
     let target = Ball::exact(root.near) / factor.to_ball();
     let candidates = (1..=MOST_DIGITS).filter_map(|digits| decimal(target.mid, digits)).map(|d| &d * factor);
     let mut near = candidates.filter(|value| (value.to_ball() - Ball::exact(root.near)).magnitude() <= root.within);
-    near.next().unwrap_or_else(|| super::search::exactly(root.near))
+    near.next().unwrap_or_else(|| super::search::to_fraction(root.near))
 }
 
 const MOST_DIGITS: i32 = 33;
@@ -469,7 +471,7 @@ fn decimal(x: Dd, digits: i32) -> Option<Number> {
     let text = format!("{:e}", x.hi);
     let exponent: i32 = text.split_once('e')?.1.parse().ok()?;
     let shift = digits - 1 - exponent;
-    let Number::Exact(exact) = super::search::exactly(x) else { return None };
+    let Number::Exact(exact) = super::search::to_fraction(x) else { return None };
     let power = Rational::from_decimal(&format!("1e{shift}"))?;
     let whole = (&exact * &power).to_big().round().to_integer();
     Rational::from_decimal(&format!("{whole}e{}", -shift)).map(Number::from)
@@ -482,7 +484,7 @@ fn pairing(depends: &[Vec<bool>]) -> Option<Vec<usize>> {
     // The unknown in the equation's own line is tried first.
     for equation in 0..count {
         let mut tried = vec![false; count];
-        if !claim(depends, equation, &mut owner, &mut tried) {
+        if !assign_unknown(depends, equation, &mut owner, &mut tried) {
             return None;
         }
     }
@@ -497,7 +499,7 @@ fn pairing(depends: &[Vec<bool>]) -> Option<Vec<usize>> {
 
 /// Gives an equation an unknown, reassigning others if necessary (Kuhn's augmenting paths; recurses at most once per
 /// line).
-fn claim(depends: &[Vec<bool>], equation: usize, owner: &mut [Option<usize>], tried: &mut [bool]) -> bool {
+fn assign_unknown(depends: &[Vec<bool>], equation: usize, owner: &mut [Option<usize>], tried: &mut [bool]) -> bool {
     let own_first = std::iter::once(equation).chain((0..depends.len()).filter(|&unknown| unknown != equation));
     for unknown in own_first.collect::<Vec<_>>() {
         if !depends[equation][unknown] || tried[unknown] {
@@ -506,7 +508,7 @@ fn claim(depends: &[Vec<bool>], equation: usize, owner: &mut [Option<usize>], tr
         tried[unknown] = true;
         let free = match owner[unknown] {
             None => true,
-            Some(other) => claim(depends, other, owner, tried),
+            Some(other) => assign_unknown(depends, other, owner, tried),
         };
         if free {
             owner[unknown] = Some(equation);
@@ -544,7 +546,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_shortest_number_within_the_bound_is_taken() {
+    fn the_shortest_number_within_the_bound_is_printed() {
         let root = Root::seen(Dd::from(800.0) + Dd::from(1e-26), 1e-25);
         assert_eq!(shortest(&root, None), Number::from(800));
         let third = Root::seen(Dd::ONE / Dd::from(3.0), 1e-6);

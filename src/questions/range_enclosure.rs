@@ -11,7 +11,7 @@ use crate::system::Signal;
 
 /// What is known about a measure over a range of a parameter.
 #[derive(Clone, Debug)]
-pub struct Over {
+pub struct RangeEnclosure {
     /// A number that is zero wherever the measure is at its target, and its derivative.
     test: Option<Jet>,
     /// Set if all eigenvalues move in one direction, or at least not in the other.
@@ -22,7 +22,7 @@ pub struct Over {
     hopeless: bool,
 }
 
-impl Over {
+impl RangeEnclosure {
     /// Whether the measure reaches the target nowhere in the range.
     pub fn excludes(&self) -> bool {
         self.apart || self.test.as_ref().is_some_and(|test| test.value.is_finite() && !test.value.contains_zero())
@@ -41,12 +41,12 @@ impl Over {
 
     /// For a measure that is known as a function.
     #[cfg(test)]
-    pub fn sample(value: Ball, slope: Ball) -> Over {
-        Over { test: Some(Jet { value, slope }), ..Over::silent() }
+    pub fn sample(value: Ball, slope: Ball) -> RangeEnclosure {
+        RangeEnclosure { test: Some(Jet { value, slope }), ..RangeEnclosure::silent() }
     }
 
-    pub fn silent() -> Over {
-        Over { test: None, course: None, apart: false, hopeless: false }
+    pub fn silent() -> RangeEnclosure {
+        RangeEnclosure { test: None, course: None, apart: false, hopeless: false }
     }
 
     /// Whether nothing was found out.
@@ -62,7 +62,7 @@ pub struct Drive<'a> {
 }
 
 /// A question asked of a family of systems.
-pub struct Asked<'a> {
+pub struct QuestionOverRange<'a> {
     /// `None` if the system has too many coordinates for dense equations.
     pub family: Option<&'a Family<'a>>,
     pub course: Option<Course>,
@@ -125,25 +125,26 @@ fn reach(moved: &[Moved], radius: &[f64]) -> (f64, f64) {
     })
 }
 
-impl Asked<'_> {
+impl QuestionOverRange<'_> {
     /// What is known about the measure over the range that the family stands for.
-    pub fn over(&self) -> Over {
-        let test = |test: Option<Jet>| Over { test, course: None, apart: false, hopeless: self.family.is_none() };
-        let told = |number: Option<Number>| self.family.and_then(|family| Some(family.told(&number?)));
+    pub fn enclose_measure(&self) -> RangeEnclosure {
+        let test =
+            |test: Option<Jet>| RangeEnclosure { test, course: None, apart: false, hopeless: self.family.is_none() };
+        let jet = |number: Option<Number>| self.family.and_then(|family| Some(family.jet_of(&number?)));
         let target = &self.question.value;
         match self.probe {
             Probe::Frequency(_) | Probe::Square(_) => {
                 let square = (target * &two_pi()).square();
                 let course = self.course.filter(|_| !matches!(target, Number::Jet(_)));
-                Over {
+                RangeEnclosure {
                     test: self.family.and_then(|family| family.resonance(&square)),
                     course,
                     apart: false,
                     hopeless: self.family.is_none() && course.is_none(),
                 }
             }
-            Probe::Critical(1) => test(told(self.family.and_then(Family::single_discriminant))),
-            Probe::Damping(1) => test(told(self.family.and_then(Family::single_ratio).map(|ratio| &ratio - target))),
+            Probe::Critical(1) => test(jet(self.family.and_then(Family::single_discriminant))),
+            Probe::Damping(1) => test(jet(self.family.and_then(Family::single_ratio).map(|ratio| &ratio - target))),
             Probe::Gain(..) | Probe::Amplitude(_) => {
                 let direct = || Some(&self.phasor()?.squared() - &target.square());
                 // Near a resonance: the force that would bring the motion to the target, minus the actual force.
@@ -152,13 +153,13 @@ impl Asked<'_> {
                     let wanted = force.checked_div(target)?;
                     Some(&z.squared() - &wanted.square())
                 };
-                test(told(direct().or_else(inverse)))
+                test(jet(direct().or_else(inverse)))
             }
             Probe::Phase(..) => {
                 let direct = || self.phasor()?.turned(&Number::ONE, &-target);
                 let turned = direct().or_else(|| self.inverse()?.0.turned(&Number::ONE, target));
                 let apart = turned.as_ref().is_some_and(|z| z.re.is_negative());
-                Over { apart, ..test(told(turned.map(|z| z.im))) }
+                RangeEnclosure { apart, ..test(jet(turned.map(|z| z.im))) }
             }
             Probe::Static(_) => {
                 let direct = || Some(&self.phasor()?.re - target);
@@ -166,7 +167,7 @@ impl Asked<'_> {
                     let (z, force) = self.inverse()?;
                     Some(&z.re - &force.checked_div(target)?)
                 };
-                test(told(direct().or_else(inverse)))
+                test(jet(direct().or_else(inverse)))
             }
             Probe::Damping(_)
             | Probe::Critical(_)
@@ -175,7 +176,7 @@ impl Asked<'_> {
             | Probe::PeakGain(..)
             | Probe::Rest(_)
             | Probe::Combined(_)
-            | Probe::Stable => Over { hopeless: true, ..test(None) },
+            | Probe::Stable => RangeEnclosure { hopeless: true, ..test(None) },
         }
     }
 
@@ -187,9 +188,9 @@ impl Asked<'_> {
                 family.response(*input, *output, &(at * &two_pi()))
             }
             Probe::Static(output) => {
-                lasting(family, self.drive.loads, *output).map(|re| Phasor { re, im: Number::ZERO })
+                lasting_response(family, self.drive.loads, *output).map(|re| Phasor { re, im: Number::ZERO })
             }
-            Probe::Amplitude(output) => swing(family, self.drive.signals, *output),
+            Probe::Amplitude(output) => harmonic_response(family, self.drive.signals, *output),
             _ => None,
         }
     }
@@ -247,9 +248,9 @@ impl Asked<'_> {
                 ratio_slope((re, im), (re_slope, im_slope))
             }
             _ => {
-                let told = |number: Number| self.family.map(|family| family.told(&number));
+                let jet = |number: Number| self.family.map(|family| family.jet_of(&number));
                 let z = self.phasor()?;
-                let (re, im) = (told(z.re)?, told(z.im)?);
+                let (re, im) = (jet(z.re)?, jet(z.im)?);
                 let square = re.value.square() + im.value.square();
                 match self.probe {
                     Probe::Static(_) => re.slope,
@@ -278,14 +279,14 @@ pub fn ratio_slope((re, im): (Ball, Ball), (re_slope, im_slope): (Ball, Ball)) -
 }
 
 /// sum H(0) load
-fn lasting(family: &Family, loads: &[(usize, Number)], output: usize) -> Option<Number> {
+fn lasting_response(family: &Family, loads: &[(usize, Number)], output: usize) -> Option<Number> {
     loads.iter().filter(|(_, load)| !load.is_zero()).try_fold(Number::ZERO, |sum, (input, load)| {
         Some(&sum + &(load * &family.response(*input, output, &Number::ZERO)?.re))
     })
 }
 
 /// The motion under harmonic signals that all have the same frequency.
-fn swing(family: &Family, signals: &[Vec<Signal>], output: usize) -> Option<Phasor> {
+fn harmonic_response(family: &Family, signals: &[Vec<Signal>], output: usize) -> Option<Phasor> {
     let mut known: Option<&Number> = None;
     let mut sum = Phasor::ZERO;
     for (input, signals) in signals.iter().enumerate() {

@@ -29,7 +29,7 @@ const FEW: u64 = 1000;
 const MANY: u64 = 100_000;
 
 /// Error bounds after few steps and after many, or after as many as time allows.
-pub fn measured(system: &DiscreteSystem, exact: &Exact, last: Option<u64>) -> Vec<Measured> {
+pub fn measure_rounding(system: &DiscreteSystem, exact: &Exact, last: Option<u64>) -> Vec<Measured> {
     let products = |cell: &ExactCell| cell.f.rows() * cell.f.rows() + cell.input.iter().map(Vec::len).sum::<usize>();
     let mut run = Run::new(system, exact);
     let looks = run.seen.iter().map(Vec::len).sum::<usize>();
@@ -79,14 +79,14 @@ impl<'a> Run<'a> {
             sizes: zeros.clone(),
             errors: zeros,
             outputs: vec![0.0; system.outputs.len()],
-            seen: (0..system.outputs.len()).map(|output| seen(system, output).collect()).collect(),
+            seen: (0..system.outputs.len()).map(|output| states_read_by(system, output).collect()).collect(),
         };
-        run.look();
+        run.record_extremes();
         run
     }
 
     /// Updates the largest values and errors.
-    fn look(&mut self) {
+    fn record_extremes(&mut self) {
         for (i, (&state, &truth)) in self.states.iter().zip(&self.true_states).enumerate() {
             self.sizes[i] = self.sizes[i].max(state.abs());
             self.errors[i] = self.errors[i].max((truth - Dd::from(state)).hi.abs());
@@ -104,7 +104,7 @@ impl<'a> Run<'a> {
         for (cell, exact) in self.system.cells.iter().zip(&self.exact.cells) {
             let first = next.len();
             let range = first..first + cell.size();
-            emitted(cell, &self.states, first, precision, &mut next);
+            emitted_step(cell, &self.states, first, precision, &mut next);
             let own = &self.true_states[range];
             for (i, input) in exact.input.iter().enumerate() {
                 let driven = input.iter().fold(Dd::ZERO, |sum, &(operand, g)| match operand {
@@ -127,7 +127,7 @@ impl<'a> Run<'a> {
             }
             self.event += 1;
         }
-        self.look();
+        self.record_extremes();
     }
 
     /// The largest error of an output, relative to its largest value.
@@ -148,7 +148,7 @@ impl<'a> Run<'a> {
 }
 
 /// The states that an output reads, by their index among all, with their factors.
-fn seen(system: &DiscreteSystem, output: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+fn states_read_by(system: &DiscreteSystem, output: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
     let direct = system.direct[output].iter().filter_map(|&(operand, c)| match operand {
         Operand::Signal(state) => Some((state, c)),
         _ => None,
@@ -169,7 +169,7 @@ fn round(precision: Precision, x: f64) -> f64 {
 }
 
 /// Takes a step of a cell exactly like the emitted code.
-fn emitted(cell: &Cell, states: &[f64], first: usize, precision: Precision, next: &mut Vec<f64>) {
+fn emitted_step(cell: &Cell, states: &[f64], first: usize, precision: Precision, next: &mut Vec<f64>) {
     let round = |x: f64| round(precision, x);
     let plus = |so_far: Option<f64>, factor: f64, of: f64| {
         let term = if factor.abs() == 1.0 { factor * of } else { round(factor * of) };

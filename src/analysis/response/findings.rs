@@ -8,7 +8,7 @@ use crate::system::{Form, LinearSystem, Signal};
 
 /// For each output, whether a signal or an initial state reaches it: through masses, dampers and springs from
 /// coordinate to coordinate, or directly. An output that nothing reaches is always zero.
-pub fn moved(system: &LinearSystem, drives: &[Vec<Signal>]) -> Vec<bool> {
+pub fn moving_outputs(system: &LinearSystem, drives: &[Vec<Signal>]) -> Vec<bool> {
     let mut parts = Parts((0..system.n()).collect());
     for form in [&system.m, &system.c, &system.k] {
         parts.join_all(form);
@@ -74,7 +74,7 @@ const SETTLED: f64 = 1.0 / (1u64 << 50) as f64;
 
 /// The statistics of an output's samples.
 #[derive(Clone, Debug, Default)]
-struct Seen {
+struct SampleStatistics {
     unknown: usize,
     first_unknown: Option<usize>,
     largest: f64,
@@ -82,8 +82,8 @@ struct Seen {
     widest: (f64, usize),
 }
 
-impl Seen {
-    fn look(&mut self, sample: usize, value: &Ball) {
+impl SampleStatistics {
+    fn record(&mut self, sample: usize, value: &Ball) {
         if !value.is_finite() {
             self.unknown += 1;
             self.first_unknown.get_or_insert(sample);
@@ -99,18 +99,18 @@ impl Seen {
 impl History {
     /// The outputs that are less accurate than binary64, relative to their own magnitude.
     pub fn unsettled(&self) -> Vec<Unsettled> {
-        let mut outputs = vec![Seen::default(); self.values.first().map_or(0, Vec::len)];
+        let mut outputs = vec![SampleStatistics::default(); self.values.first().map_or(0, Vec::len)];
         // Row by row, in the order of memory.
         for (sample, row) in self.values.iter().enumerate() {
-            outputs.iter_mut().zip(row).for_each(|(seen, value)| seen.look(sample, value));
+            outputs.iter_mut().zip(row).for_each(|(seen, value)| seen.record(sample, value));
         }
-        let told = |(output, seen): (usize, Seen)| {
+        let unsettled = |(output, seen): (usize, SampleStatistics)| {
             let (bound, sample) = seen.widest;
             let at = self.times[seen.first_unknown.unwrap_or(sample)].clone();
-            let is_told = seen.unknown > 0 || bound > SETTLED * seen.largest;
-            is_told.then_some(Unsettled { output, unknown: seen.unknown, bound, at, largest: seen.largest })
+            let is_reported = seen.unknown > 0 || bound > SETTLED * seen.largest;
+            is_reported.then_some(Unsettled { output, unknown: seen.unknown, bound, at, largest: seen.largest })
         };
-        outputs.into_iter().enumerate().filter_map(told).collect()
+        outputs.into_iter().enumerate().filter_map(unsettled).collect()
     }
 }
 
@@ -121,7 +121,7 @@ const UNSETTLED: Code = Code::limit("vib::motion::unsettled");
 
 /// The findings about a motion; `places` are those of the outputs.
 pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History, places: &[Span]) -> Vec<Diagnostic> {
-    let moved = moved(system, drives);
+    let moved = moving_outputs(system, drives);
     let name = |output: usize| system.display(system.outputs[output].name);
     let mut list: Vec<Diagnostic> = Vec::new();
     if let (false, Some(&first)) = (moved.contains(&true), places.first()) {
@@ -135,7 +135,7 @@ pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History
         let help = "drive the part of the model to which it belongs, or remove it";
         list.push(Diagnostic::warning(STILL, place, message).help(help));
     }
-    let told = history.unsettled().into_iter().map(|found| {
+    let reported = history.unsettled().into_iter().map(|found| {
         let (name, place) = (name(found.output), places[found.output]);
         let at = found.at.to_f64();
         if found.unknown > 0 {
@@ -153,7 +153,7 @@ pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History
         Diagnostic::warning(UNSETTLED, place, message)
             .help("the CSV has only certain digits; `--bounds` adds the bound of each sample")
     });
-    list.extend(told);
+    list.extend(reported);
     list
 }
 
@@ -167,7 +167,7 @@ mod tests {
 
     /// Two uncoupled oscillators: a force on one moves only that one, a spring between them makes it move both.
     #[test]
-    fn what_nothing_reaches_does_not_move() {
+    fn unreached_outputs_do_not_move() {
         let mut system = blank(2);
         for i in 0..2 {
             push(&mut system.m, "1", i, None);
@@ -175,18 +175,18 @@ mod tests {
         }
         let step = |value: &str| Signal::Step { value: Number::from(value), at: Number::ZERO };
         let drives = |value: &str| vec![vec![step(value)], Vec::new()];
-        assert_eq!(moved(&system, &drives("1")), [true, false]);
-        assert_eq!(moved(&system, &drives("0")), [false, false]);
-        assert_eq!(moved(&system, &[]), [false, false]);
+        assert_eq!(moving_outputs(&system, &drives("1")), [true, false]);
+        assert_eq!(moving_outputs(&system, &drives("0")), [false, false]);
+        assert_eq!(moving_outputs(&system, &[]), [false, false]);
         let times = [Number::ZERO, Number::ONE];
         let history = respond(&system, &drives("1"), &times).expect("a motion");
         assert!(history.values.iter().all(|row| row[1].is_zero()));
         push(&mut system.k, "1", 0, Some(1));
-        assert_eq!(moved(&system, &drives("1")), [true, true]);
+        assert_eq!(moving_outputs(&system, &drives("1")), [true, true]);
     }
 
     #[test]
-    fn bounds_beyond_binary64_are_told() {
+    fn bounds_outside_binary64_are_reported() {
         let rows = |radii: [f64; 2]| radii.iter().map(|&rad| vec![Ball::new(Ball::PI.mid, rad)]).collect();
         let times = vec![Number::ZERO, Number::ONE];
         let of = |radii: [f64; 2]| History { times: times.clone(), values: rows(radii) }.unsettled();

@@ -12,8 +12,8 @@ fn actions(client: &mut Client, finding: &Value) -> Vec<Value> {
     });
     let actions = client.ask("textDocument/codeAction", params);
     let own = actions.as_array().expect("actions").iter().filter(|action| {
-        let mended = &action["diagnostics"][0];
-        mended["code"] == finding["code"] && mended["range"] == finding["range"]
+        let fixed = &action["diagnostics"][0];
+        fixed["code"] == finding["code"] && fixed["range"] == finding["range"]
     });
     own.cloned().collect()
 }
@@ -67,7 +67,7 @@ const MENDED: [&str; 39] = [
 ];
 
 #[test]
-fn each_fix_mends_its_finding() {
+fn each_fix_removes_its_finding() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics");
     let mut models: Vec<_> =
         fs::read_dir(folder).expect("models").map(|entry| entry.expect("an entry").path()).collect();
@@ -79,7 +79,7 @@ fn each_fix_mends_its_finding() {
         let Ok(text) = fs::read_to_string(&path) else { continue };
         let mut client = Client::open(&text);
         let findings = client.findings();
-        let mut mended = 0;
+        let mut fixed = 0;
         for finding in &findings {
             for action in actions(&mut client, finding).iter().filter(|action| action.get("edit").is_some()) {
                 let edited = client.edited(&action["edit"]);
@@ -95,10 +95,10 @@ fn each_fix_mends_its_finding() {
                 if after >= before || breaks {
                     wrong.push(format!("{stem}: `{}` gives {left:?}:\n{edited}", action["title"]));
                 }
-                mended += 1;
+                fixed += 1;
             }
         }
-        if MENDED.contains(&stem.as_str()) && mended == 0 {
+        if MENDED.contains(&stem.as_str()) && fixed == 0 {
             wrong.push(format!("{stem}: no fix for {:?}", codes(&findings)));
         }
     }
@@ -117,7 +117,7 @@ fn the_likeliest_fix_is_preferred_and_the_page_is_offered() {
 }
 
 #[test]
-fn fixes_are_what_one_would_type() {
+fn fixes_are_what_a_user_would_type() {
     for (text, fixed) in [
         ("body b { mass = 2, moves x }", "body b { mass = 2 kg, moves x }"),
         ("param m = 2\nbody b { mass = m, moves x }", "param m = 2 kg\nbody b { mass = m, moves x }"),
@@ -145,6 +145,7 @@ fn fixes_are_what_one_would_type() {
         ),
         ("k = 1 N/m", "param k = 1 N/m"),
         ("param k = 1 N/m # stiff", "param k = 1 N/m // stiff"),
+        ("param k = 5 1/s", "param k = 5 /s"),
     ] {
         let whole = |text: &str| format!("{text}\nbody other {{ mass = 1 kg, moves x }}\n");
         let mut client = Client::open(&whole(text));

@@ -5,8 +5,8 @@
 use super::answer::Others;
 use super::cover::{Cover, Covered, Part, Rest};
 use super::error::AskedError;
-use super::search::{Difference, Look, Root, Seen, exactly, narrow, search, sign};
-use super::together::{Unknowns, constant, shortest};
+use super::search::{Difference, Evaluation, Root, SearchResult, narrow, search, sign, to_fraction};
+use super::unknowns::{Unknowns, constant, shortest};
 use crate::base::{Ball, Dd, Number};
 
 /// Rounds of searching for roots that were missed.
@@ -19,14 +19,15 @@ struct Search<'a, 'b> {
     unknowns: &'a Unknowns<'b>,
     equation: usize,
     unknown: usize,
-    seen: Seen,
+    seen: SearchResult,
     rest: Rest,
 }
 
 impl Unknowns<'_> {
     /// Solves one equation for one unknown.
-    pub fn alone(&mut self, equation: usize, unknown: usize) -> Result<(), Vec<AskedError>> {
-        let mut search = Search { unknowns: self, equation, unknown, seen: Seen::default(), rest: Rest::Unknown };
+    pub fn solve_one(&mut self, equation: usize, unknown: usize) -> Result<(), Vec<AskedError>> {
+        let mut search =
+            Search { unknowns: self, equation, unknown, seen: SearchResult::default(), rest: Rest::Unknown };
         search.run();
         let (seen, others) = search.judged().map_err(|error| vec![*error])?;
         self.take(equation, unknown, &seen.roots[0], seen.count, others);
@@ -48,21 +49,21 @@ impl Search<'_, '_> {
     fn run(&mut self) {
         let (low, high) = (self.ends().0.clone(), self.ends().1.clone());
         let whole = Part { low: low.enclosure().mid, high: high.enclosure().mid };
-        let monotone = self.unknowns.over(self.equation, self.unknown, whole.ball()).is_monotone();
-        self.seen = if monotone { narrow(&low, &high, &|at| self.measure(at)) } else { Seen::default() };
+        let monotone = self.unknowns.enclose_over(self.equation, self.unknown, whole.ball()).is_monotone();
+        self.seen = if monotone { narrow(&low, &high, &|at| self.measure(at)) } else { SearchResult::default() };
         if self.seen.roots.is_empty() && !(monotone && self.lies_on_one_side()) {
             self.seen = search(&low, &high, &|at| self.measure(at));
         }
-        if constant(&self.seen.looks) {
+        if constant(&self.seen.evaluations) {
             return;
         }
         self.settle_touches();
         for _ in 0..MOST_ROUNDS {
             let covered = self.cover(whole);
-            self.seen.count += covered.looks;
+            self.seen.count += covered.evaluations;
             let before = self.seen.roots.len();
             for part in &covered.missed {
-                let found = narrow(&exactly(part.low), &exactly(part.high), &|at| self.measure(at));
+                let found = narrow(&to_fraction(part.low), &to_fraction(part.high), &|at| self.measure(at));
                 self.seen.count += found.count;
                 self.seen.jumps.extend(found.jumps);
                 found.roots.into_iter().for_each(|root| self.seen.add(Some(root)));
@@ -87,7 +88,7 @@ impl Search<'_, '_> {
 
     /// Whether the measure lies on the same side at all evaluations.
     fn lies_on_one_side(&self) -> bool {
-        let sides: Vec<_> = self.seen.looks.iter().map(|look| sign(&look.difference)).collect();
+        let sides: Vec<_> = self.seen.evaluations.iter().map(|evaluation| sign(&evaluation.difference)).collect();
         sides.iter().all(|side| side.is_some_and(|side| side.is_ne()) && *side == sides[0])
     }
 
@@ -112,7 +113,7 @@ impl Search<'_, '_> {
                 let near = short.enclosure().mid;
                 self.seen.roots.retain(|root| root.proof.is_some() || (root.near - near).hi.abs() > touch.within * 4.0);
                 let rounding = near.hi.abs() * 2f64.powi(-100);
-                self.seen.add(Some(Root { near, within: rounding, proof: Some(super::search::Crossing::met()) }));
+                self.seen.add(Some(Root { near, within: rounding, proof: Some(super::search::Crossing::exact()) }));
             }
         }
         self.seen.roots.sort_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
@@ -132,8 +133,8 @@ impl Search<'_, '_> {
         if whole.high > from {
             parts.push(Part { low: from, high: whole.high });
         }
-        let over = |range: Ball| self.unknowns.over(self.equation, self.unknown, range);
-        let side = |at: Dd| sign(&self.measure(&exactly(at)));
+        let over = |range: Ball| self.unknowns.enclose_over(self.equation, self.unknown, range);
+        let side = |at: Dd| sign(&self.measure(&to_fraction(at)));
         let most = self.unknowns.effort();
         let mut covered = Cover { over: &over, side: &side, most }.settle(parts);
         if let Rest::Open(open) = &mut covered.rest {
@@ -152,23 +153,28 @@ impl Search<'_, '_> {
                 }
             });
         }
-        covered.rest = covered.rest.emptied();
+        covered.rest = covered.rest.or_proof();
         covered
     }
 
     /// The value, or the error.
-    fn judged(self) -> Result<(Seen, Others), Box<AskedError>> {
+    fn judged(self) -> Result<(SearchResult, Others), Box<AskedError>> {
         let Search { unknowns, equation, unknown, seen, rest } = self;
         let proven = matches!(rest, Rest::Empty(_));
-        if constant(&seen.looks) {
+        if constant(&seen.evaluations) {
             return Err(Box::new(unknowns.no_root(equation, unknown, &seen, proven)));
         }
         let touch = seen.roots.iter().find(|root| root.proof.is_none());
         let solve = &unknowns.solves[unknown];
-        let told_parts = |parts: &[Part]| -> Vec<(String, String)> {
+        let part_texts = |parts: &[Part]| -> Vec<(String, String)> {
             parts
                 .iter()
-                .map(|part| (unknowns.told(unknown, &exactly(part.low)), unknowns.told(unknown, &exactly(part.high))))
+                .map(|part| {
+                    (
+                        unknowns.value_text(unknown, &to_fraction(part.low)),
+                        unknowns.value_text(unknown, &to_fraction(part.high)),
+                    )
+                })
                 .collect()
         };
         let several = || AskedError::SeveralRoots {
@@ -180,7 +186,7 @@ impl Search<'_, '_> {
                 .roots
                 .iter()
                 .filter(|root| root.proof.is_some())
-                .map(|root| unknowns.told(unknown, &exactly(root.near)))
+                .map(|root| unknowns.value_text(unknown, &to_fraction(root.near)))
                 .collect(),
             all: proven && touch.is_none(),
         };
@@ -194,7 +200,7 @@ impl Search<'_, '_> {
                 measure: unknowns.measure(&unknowns.solves[equation].question),
                 target: unknowns.target(equation),
                 name: solve.parameter.name.clone(),
-                at: unknowns.told(unknown, &exactly(touch.near)),
+                at: unknowns.value_text(unknown, &to_fraction(touch.near)),
             }));
         }
         if certain == 0 {
@@ -204,14 +210,14 @@ impl Search<'_, '_> {
                     measure: unknowns.measure(&unknowns.solves[equation].question),
                     target: unknowns.target(equation),
                     name: solve.parameter.name.clone(),
-                    parts: told_parts(parts),
+                    parts: part_texts(parts),
                 },
                 _ => unknowns.no_root(equation, unknown, &seen, proven),
             }));
         }
         let others = match rest {
             Rest::Empty(proof) => Others::None(proof),
-            Rest::Open(parts) => Others::Unsettled(told_parts(&parts)),
+            Rest::Open(parts) => Others::Unsettled(part_texts(&parts)),
             Rest::Unknown => Others::Unknown,
         };
         Ok((seen, others))
@@ -219,13 +225,13 @@ impl Search<'_, '_> {
 }
 
 /// The evaluations with the least and the largest difference, for messages.
-pub fn extremes(looks: &[Look]) -> Option<(&Look, &Look)> {
-    let size = |look: &&Look| match &look.difference {
+pub fn extremes(evaluations: &[Evaluation]) -> Option<(&Evaluation, &Evaluation)> {
+    let size = |evaluation: &&Evaluation| match &evaluation.difference {
         Difference::Known(ball) => ball.to_f64(),
         Difference::Infinite => f64::INFINITY,
         Difference::None(_) => f64::NAN,
     };
-    let known = || looks.iter().filter(|look| !size(look).is_nan());
+    let known = || evaluations.iter().filter(|evaluation| !size(evaluation).is_nan());
     let least = known().min_by(|a, b| size(a).total_cmp(&size(b)))?;
     let largest = known().max_by(|a, b| size(a).total_cmp(&size(b)))?;
     Some((least, largest))

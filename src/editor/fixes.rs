@@ -4,7 +4,7 @@ use super::document::Document;
 use super::names::is_word;
 use super::roles::Role;
 use super::tokens::TokenKind;
-use crate::base::{Change, Diagnostic, Mend};
+use crate::base::{Change, Diagnostic, Fix};
 use crate::syntax::tree::FieldValue;
 use crate::syntax::words;
 use std::ops::Range;
@@ -19,13 +19,13 @@ pub struct Action {
 
 /// All edits that may fix a finding, the likeliest first.
 pub fn actions(document: &Document, finding: &Diagnostic) -> Vec<Action> {
-    let own = finding.mends.iter().filter(|mend| mend.at.file() == document.file);
-    own.filter_map(|mend| action(document, mend)).collect()
+    let own = finding.fixes.iter().filter(|fix| fix.at.file() == document.file);
+    own.filter_map(|fix| action(document, fix)).collect()
 }
 
-fn action(document: &Document, mend: &Mend) -> Option<Action> {
-    let at = mend.at.range();
-    let (title, range, text) = match &mend.change {
+fn action(document: &Document, fix: &Fix) -> Option<Action> {
+    let at = fix.at.range();
+    let (title, range, text) = match &fix.change {
         Change::Replace(text) if text.is_empty() => {
             ("delete it".to_string(), without_blanks(document.text(), at), String::new())
         }

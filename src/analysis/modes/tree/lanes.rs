@@ -5,18 +5,18 @@ use std::ops::{Add, Mul, Sub};
 
 /// One number for each of several modes. The loops over lanes compile to vector instructions.
 #[derive(Clone, Copy, Debug)]
-pub struct Beside<T, const W: usize>(pub [T; W]);
+pub struct Lanes<T, const W: usize>(pub [T; W]);
 
-impl<T: Float, const W: usize> Beside<T, W> {
+impl<T: Float, const W: usize> Lanes<T, W> {
     #[inline(always)]
     pub fn all(x: T) -> Self {
-        Beside([x; W])
+        Lanes([x; W])
     }
 
     /// The magnitude of each leading word.
     #[inline(always)]
-    pub fn sizes(self) -> Beside<f64, W> {
-        let mut sizes = Beside([0.0; W]);
+    pub fn sizes(self) -> Lanes<f64, W> {
+        let mut sizes = Lanes([0.0; W]);
         for lane in 0..W {
             sizes.0[lane] = self.0[lane].to_f64().abs();
         }
@@ -24,7 +24,7 @@ impl<T: Float, const W: usize> Beside<T, W> {
     }
 }
 
-impl<T: Float, const W: usize> Add for Beside<T, W> {
+impl<T: Float, const W: usize> Add for Lanes<T, W> {
     type Output = Self;
     #[inline(always)]
     fn add(mut self, other: Self) -> Self {
@@ -35,7 +35,7 @@ impl<T: Float, const W: usize> Add for Beside<T, W> {
     }
 }
 
-impl<T: Float, const W: usize> Sub for Beside<T, W> {
+impl<T: Float, const W: usize> Sub for Lanes<T, W> {
     type Output = Self;
     #[inline(always)]
     fn sub(mut self, other: Self) -> Self {
@@ -46,7 +46,7 @@ impl<T: Float, const W: usize> Sub for Beside<T, W> {
     }
 }
 
-impl<T: Float, const W: usize> Mul for Beside<T, W> {
+impl<T: Float, const W: usize> Mul for Lanes<T, W> {
     type Output = Self;
     #[inline(always)]
     fn mul(mut self, other: Self) -> Self {
@@ -57,7 +57,7 @@ impl<T: Float, const W: usize> Mul for Beside<T, W> {
     }
 }
 
-impl<T: Float, const W: usize> Mul<T> for Beside<T, W> {
+impl<T: Float, const W: usize> Mul<T> for Lanes<T, W> {
     type Output = Self;
     #[inline(always)]
     fn mul(mut self, factor: T) -> Self {
