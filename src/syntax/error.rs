@@ -351,7 +351,7 @@ impl Remark {
             (Remark::Hash, _) => write("//"),
             (Remark::FieldColon, _) => write(" ="),
             (Remark::UnitGlued, _) => None,
-            (Remark::UnitWithOne, _) => write(""),
+            (Remark::UnitWithOne, _) => write(found.strip_prefix('1')?),
             (Remark::UnitOfNoNumber, _) => Some(Change::Replace(format!("* 1 {found}"))),
             (Remark::OperatorMissing, _) => Some(Change::Replace(format!("* {found}"))),
             (_, Expected::Separator) => Some(Change::Replace(format!(", {found}"))),

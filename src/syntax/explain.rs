@@ -144,9 +144,13 @@ impl Reader<'_> {
 
     /// The problem that something else than `expected` stands at the current position.
     fn problem(&self, expected: Expected) -> Problem {
-        let at = token_range(self.text, self.at);
+        let remark = self.remark(expected);
+        let at = match remark {
+            Remark::UnitWithOne => self.at..self.at + self.unit_length(),
+            _ => token_range(self.text, self.at),
+        };
         let found = (!at.is_empty()).then(|| quoted_source(&self.text[at.clone()]));
-        Problem { remark: self.remark(expected), at, found, expected }
+        Problem { remark, at, found, expected }
     }
 
     fn problem_with(&self, expected: Expected, remark: Remark) -> Problem {
@@ -213,8 +217,12 @@ impl Reader<'_> {
 
     /// Whether a unit, and nothing else, comes before the next blank, bracket or comma.
     fn starts_unit(&self) -> bool {
-        let end = self.rest().find([' ', '\t', '\n', ',', ')', '}', '=']).unwrap_or(self.rest().len());
-        unit::parse(&self.rest()[..end]).is_ok()
+        unit::parse(&self.rest()[..self.unit_length()]).is_ok()
+    }
+
+    /// The length of what could be a unit at the current position.
+    fn unit_length(&self) -> usize {
+        self.rest().find([' ', '\t', '\n', ',', ')', '}', '=']).unwrap_or(self.rest().len())
     }
 
     fn ends_with_value(&self) -> bool {
