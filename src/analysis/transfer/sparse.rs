@@ -5,7 +5,7 @@
 //! at a frequency. Out: x as discs. See docs/method/transfer.md.
 //!
 //! The elimination order is approximate minimum degree (Amestoy, Davis, Duff 1996), for trees from the leaves inwards;
-//! the elimination is up-looking (Davis, *LDL*, ACM TOMS 31 (2005) 587).
+//! the elimination is up-looking, along the [elimination tree](crate::kernel::sparse::tree).
 
 use crate::analysis::transfer::Disc;
 use crate::analysis::transfer::inverse::Entry;
@@ -13,6 +13,7 @@ use crate::base::{Ball, Dd, down, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::simd::simd;
 use crate::kernel::sparse::order::least_fill;
+use crate::kernel::sparse::tree::EliminationTree;
 
 /// The order and the pattern of L.
 #[derive(Clone, Debug)]
@@ -22,9 +23,7 @@ pub struct Pattern {
     place: Vec<usize>,
     /// The entries of each column on or above the diagonal, as (row, index of the entry), in the order of elimination.
     columns: Vec<Vec<(usize, usize)>>,
-    parent: Vec<usize>,
-    /// Index at which each column of L begins.
-    starts: Vec<usize>,
+    tree: EliminationTree,
 }
 
 /// The arithmetic of an elimination: [`Disc`] proves, binary64 steers.
@@ -80,31 +79,8 @@ impl Pattern {
                 columns[j].push((i, index));
             }
         }
-        let (mut parent, mut flag, mut counts) = (vec![NONE; n], vec![NONE; n], vec![0usize; n]);
-        let mut total = 0;
-        for k in 0..n {
-            flag[k] = k;
-            for &(row, _) in &columns[k] {
-                let mut i = row;
-                while flag[i] != k {
-                    if parent[i] == NONE {
-                        parent[i] = k;
-                    }
-                    counts[i] += 1;
-                    total += 1;
-                    flag[i] = k;
-                    i = parent[i];
-                }
-            }
-            if total > MOST_ENTRIES {
-                return None;
-            }
-        }
-        let mut starts = vec![0; n + 1];
-        for i in 0..n {
-            starts[i + 1] = starts[i] + counts[i];
-        }
-        Some(Pattern { n, place, columns, parent, starts })
+        let tree = EliminationTree::of(n, |k| rows_of(&columns[k]), MOST_ENTRIES)?;
+        Some(Pattern { n, place, columns, tree })
     }
 
     /// The position of a coordinate in the elimination.
@@ -115,61 +91,50 @@ impl Pattern {
     /// The steps of [`Pattern::factor`], without numbers.
     pub fn symbolic(&self) -> Symbolic {
         let n = self.n;
-        let (mut filled, mut flag) = (self.starts[..n].to_vec(), vec![NONE; n]);
-        let mut below = vec![0u32; self.starts[n]];
-        let (mut path, mut touched) = (Vec::new(), Vec::new());
+        let starts = self.tree.starts();
+        let mut filled = starts[..n].to_vec();
+        let mut below = vec![0u32; starts[n]];
+        let mut walk = self.tree.walk();
         let mut plan = Vec::with_capacity(n);
         for k in 0..n {
-            self.reach(k, &mut flag, &mut path, &mut touched);
-            let mut needs = Vec::with_capacity(touched.len());
-            for &i in touched.iter().rev() {
-                needs.push((i as u32, filled[i] as u32));
-                below[filled[i]] = k as u32;
-                filled[i] += 1;
+            let mut needs = Vec::new();
+            for &i in walk.row(k, rows_of(&self.columns[k])) {
+                let at = i as usize;
+                needs.push((i, filled[at] as u32));
+                below[filled[at]] = k as u32;
+                filled[at] += 1;
             }
             plan.push(needs);
         }
-        Symbolic { touched: plan, starts: self.starts.iter().map(|&start| start as u32).collect(), below }
+        Symbolic { touched: plan, starts: starts.iter().map(|&start| start as u32).collect(), below }
     }
 
     /// `None` if a pivot may be zero.
     pub fn factor<T: Scalar>(&self, entries: &[Entry]) -> Option<Factors<'_, T>> {
         Some(Factors { pattern: self, lower: T::eliminate(self, entries)? })
     }
+}
 
-    /// The columns of L that row k needs, in the order of elimination.
-    fn reach(&self, k: usize, flag: &mut [usize], path: &mut Vec<usize>, touched: &mut Vec<usize>) {
-        touched.clear();
-        flag[k] = k;
-        for &(row, _) in &self.columns[k] {
-            let mut i = row;
-            path.clear();
-            while flag[i] != k {
-                path.push(i);
-                flag[i] = k;
-                i = self.parent[i];
-            }
-            // A path leads up the elimination tree; the newest path goes before the earlier ones.
-            touched.extend(path.iter().rev());
-        }
-    }
+/// The rows of a column of Q.
+fn rows_of(column: &[(usize, usize)]) -> impl Iterator<Item = u32> + use<'_> {
+    column.iter().map(|&(row, _)| row as u32)
 }
 
 #[inline(always)]
 fn eliminated<T: Scalar>(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<T>> {
-    let (n, starts) = (pattern.n, &pattern.starts);
-    let (mut filled, mut flag) = (starts[..n].to_vec(), vec![NONE; n]);
+    let (n, starts) = (pattern.n, pattern.tree.starts());
+    let mut filled = starts[..n].to_vec();
     let (mut rows, mut l) = (vec![0u32; starts[n]], vec![T::ZERO; starts[n]]);
     let mut y = vec![T::ZERO; n];
     let mut reciprocal: Vec<T> = Vec::with_capacity(n);
-    let (mut path, mut touched) = (Vec::new(), Vec::new());
+    let mut walk = pattern.tree.walk();
     for k in 0..n {
-        pattern.reach(k, &mut flag, &mut path, &mut touched);
         for &(row, index) in &pattern.columns[k] {
             y[row] = T::of(entries[index].value);
         }
         let mut pivot = std::mem::replace(&mut y[k], T::ZERO);
-        for &i in touched.iter().rev() {
+        for &i in walk.row(k, rows_of(&pattern.columns[k])) {
+            let i = i as usize;
             let value = std::mem::replace(&mut y[i], T::ZERO);
             for p in starts[i]..filled[i] {
                 let at = rows[p] as usize;
@@ -188,18 +153,19 @@ fn eliminated<T: Scalar>(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<T
 /// x <- (L D L^T)^-1 x, in the order of elimination.
 #[inline(always)]
 fn substituted<T: Scalar>(pattern: &Pattern, lower: &Lower<T>, x: &mut [T]) {
+    let starts = pattern.tree.starts();
     for j in 0..pattern.n {
         if x[j].is_zero() {
             continue;
         }
-        for p in pattern.starts[j]..pattern.starts[j + 1] {
+        for p in starts[j]..starts[j + 1] {
             let at = lower.rows[p] as usize;
             x[at] = x[at].minus(lower.l[p].times(x[j]));
         }
     }
     for j in (0..pattern.n).rev() {
         let mut value = x[j].times(lower.reciprocal[j]);
-        for p in pattern.starts[j]..pattern.starts[j + 1] {
+        for p in starts[j]..starts[j + 1] {
             value = value.minus(lower.l[p].times(x[lower.rows[p] as usize]));
         }
         x[j] = value;

@@ -2,10 +2,10 @@
 //! of one triangle. Out: the factors, or the pivot that was not positive. It only steers: results are refined with exact
 //! residuals.
 //!
-//! Up-looking factorisation along the elimination tree: T. A. Davis, *Algorithm 849: a concise sparse Cholesky
-//! factorization package*, ACM TOMS 31 (2005) 587-591. The order is that of approximate minimum degree.
+//! Up-looking factorisation along the [elimination tree](super::tree). The order is that of approximate minimum degree.
 
 use crate::kernel::sparse::order::least_fill;
+use crate::kernel::sparse::tree::EliminationTree;
 
 /// A symmetric matrix: the upper triangle by columns, rows ascending, in the order of elimination.
 #[derive(Clone, Debug)]
@@ -18,6 +18,7 @@ pub struct Symmetric {
     values: Vec<f64>,
     /// For each given entry, its index in `values`.
     slots: Vec<u32>,
+    tree: EliminationTree,
 }
 
 /// The factors of a matrix.
@@ -61,8 +62,10 @@ impl Symmetric {
                 slots[slot as usize] = (rows.len() - 1) as u32;
             }
         }
+        let column = |k: usize| rows[starts[k]..starts[k + 1]].iter().copied();
+        let tree = EliminationTree::of(n, column, usize::MAX).expect("any number of entries is allowed");
         let values = vec![0.0; rows.len()];
-        Symmetric { n, place, starts, rows, values, slots }
+        Symmetric { n, place, starts, rows, values, slots, tree }
     }
 
     /// Sets the values of the entries, in the order in which they were given to `pattern`; values at the same place are
@@ -87,11 +90,7 @@ impl Symmetric {
         for (row, place) in self.place.iter().enumerate() {
             row_of[*place as usize] = row;
         }
-        let (parents, counts) = self.elimination_tree();
-        let mut starts = vec![0usize; n + 1];
-        for k in 0..n {
-            starts[k + 1] = starts[k] + counts[k];
-        }
+        let starts = self.tree.starts().to_vec();
         let mut factors = Factors {
             place: self.place.clone(),
             rows: vec![0; starts[n]],
@@ -101,25 +100,15 @@ impl Symmetric {
         };
         let mut filled = starts;
         let mut y = vec![0.0; n];
-        let mut mark = vec![usize::MAX; n];
-        let mut pattern: Vec<u32> = Vec::new();
-        let mut way: Vec<u32> = Vec::new();
+        let mut walk = self.tree.walk();
         for k in 0..n {
-            mark[k] = k;
-            pattern.clear();
-            let mut pivot = shift(row_of[k]);
-            for at in self.starts[k]..self.starts[k + 1] {
-                let i = self.rows[at] as usize;
-                if i == k {
-                    pivot += self.values[at];
-                    continue;
-                }
-                y[i] += self.values[at];
-                reach(i, k, &parents, &mut mark, &mut way, &mut pattern);
+            let column = self.starts[k]..self.starts[k + 1];
+            for at in column.clone() {
+                y[self.rows[at] as usize] += self.values[at];
             }
+            let mut pivot = shift(row_of[k]) + std::mem::replace(&mut y[k], 0.0);
             let mut made_from = pivot.abs();
-            // Descendants come before ancestors when the pattern is read backwards.
-            for &i in pattern.iter().rev() {
+            for &i in walk.row(k, self.rows[column].iter().copied()) {
                 let i = i as usize;
                 let yi = std::mem::replace(&mut y[i], 0.0);
                 for at in factors.starts[i]..filled[i] {
@@ -139,40 +128,6 @@ impl Symmetric {
         }
         Ok(factors)
     }
-
-    /// Parent of each column in the elimination tree, and the number of entries of each column of L.
-    fn elimination_tree(&self) -> (Vec<usize>, Vec<usize>) {
-        let mut parents = vec![usize::MAX; self.n];
-        let mut counts = vec![0usize; self.n];
-        let mut mark = vec![usize::MAX; self.n];
-        for k in 0..self.n {
-            mark[k] = k;
-            for at in self.starts[k]..self.starts[k + 1] {
-                let mut i = self.rows[at] as usize;
-                while mark[i] != k {
-                    if parents[i] == usize::MAX {
-                        parents[i] = k;
-                    }
-                    counts[i] += 1;
-                    mark[i] = k;
-                    i = parents[i];
-                }
-            }
-        }
-        (parents, counts)
-    }
-}
-
-/// Appends the path from i up the tree, as far as the first marked column, to the pattern; it is stored backwards.
-fn reach(i: usize, k: usize, parents: &[usize], mark: &mut [usize], way: &mut Vec<u32>, pattern: &mut Vec<u32>) {
-    let mut at = i;
-    way.clear();
-    while mark[at] != k {
-        way.push(at as u32);
-        mark[at] = k;
-        at = parents[at];
-    }
-    pattern.extend(way.iter().rev());
 }
 
 impl Factors {

@@ -2,3 +2,4 @@
 
 pub mod ldl;
 pub mod order;
+pub mod tree;
