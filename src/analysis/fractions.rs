@@ -12,6 +12,8 @@ use crate::analysis::transfer::table::Table;
 use crate::analysis::transfer::{Gain, feed_through};
 use crate::base::Number;
 use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::lu::Lu;
 use crate::system::{CoordinateId, Form, LinearSystem};
 
 /// Systems of more coordinates have no shapes of damped motions: each takes n^3 operations.
@@ -70,7 +72,7 @@ impl Pencil {
             .map(|i| Complex::new(1.0 + 0.37 * libm::sin(i as f64), 0.23 * libm::cos(1.7 * i as f64)))
             .collect();
         for _ in 0..STEPS {
-            shape = factors.solve(&shape);
+            factors.solve(&mut shape);
             let largest = shape.iter().copied().reduce(|a, b| if b.one_norm() > a.one_norm() { b } else { a })?;
             if largest.one_norm() == 0.0 || !largest.one_norm().is_finite() {
                 return None;
@@ -96,11 +98,10 @@ impl Pencil {
     }
 }
 
-/// Q(s), scaled to a diagonal near one, by Gaussian elimination with row exchanges.
+/// Q(s) scaled to a diagonal near one, D Q(s) D, as its triangular factors.
 struct Factors {
-    n: usize,
-    entries: Vec<Complex<f64>>,
-    order: Vec<usize>,
+    lu: Lu<Complex<f64>>,
+    /// D
     scale: Vec<f64>,
 }
 
@@ -117,53 +118,20 @@ impl Factors {
             .collect();
         let scale = scale?;
         let square = s * s;
-        let entry = |at: usize| {
+        let q = Matrix::from_fn(n, n, |i, j| {
+            let at = i * n + j;
             let sum = square.scale(pencil.m[at]) + s.scale(pencil.c[at]) + Complex::new(pencil.k[at], 0.0);
-            sum.scale(scale[at / n] * scale[at % n])
-        };
-        let mut entries: Vec<Complex<f64>> = (0..n * n).map(entry).collect();
-        let mut order: Vec<usize> = (0..n).collect();
-        for column in 0..n {
-            let size = |row: &usize| entries[row * n + column].one_norm();
-            let pivot = (column..n).reduce(|a, b| if size(&b) > size(&a) { b } else { a })?;
-            if pivot != column {
-                (0..n).for_each(|j| entries.swap(pivot * n + j, column * n + j));
-                order.swap(pivot, column);
-            }
-            // At a pole the last pivot vanishes; what is small in its place gives the null vector.
-            if entries[column * n + column].one_norm() < f64::EPSILON {
-                entries[column * n + column] = Complex::new(f64::EPSILON, 0.0);
-            }
-            let inverse = entries[column * n + column].recip();
-            for row in column + 1..n {
-                let factor = entries[row * n + column] * inverse;
-                if factor.one_norm() == 0.0 {
-                    continue;
-                }
-                entries[row * n + column] = factor;
-                for j in column + 1..n {
-                    entries[row * n + j] = entries[row * n + j] - factor * entries[column * n + j];
-                }
-            }
-        }
-        Some(Factors { n, entries, order, scale })
+            sum.scale(scale[i] * scale[j])
+        });
+        Some(Factors { lu: Lu::nearly_singular(q)?, scale })
     }
 
-    fn solve(&self, right: &[Complex<f64>]) -> Vec<Complex<f64>> {
-        let n = self.n;
-        let mut x: Vec<Complex<f64>> = self.order.iter().map(|&row| right[row].scale(self.scale[row])).collect();
-        for row in 0..n {
-            for j in 0..row {
-                x[row] = x[row] - self.entries[row * n + j] * x[j];
-            }
-        }
-        for row in (0..n).rev() {
-            for j in row + 1..n {
-                x[row] = x[row] - self.entries[row * n + j] * x[j];
-            }
-            x[row] = x[row] * self.entries[row * n + row].recip();
-        }
-        x.iter().zip(&self.scale).map(|(x, scale)| x.scale(*scale)).collect()
+    /// x <- Q(s)^-1 x
+    fn solve(&self, x: &mut [Complex<f64>]) {
+        let scaled = |x: &mut [Complex<f64>]| x.iter_mut().zip(&self.scale).for_each(|(x, d)| *x = x.scale(*d));
+        scaled(x);
+        self.lu.solve(x);
+        scaled(x);
     }
 }
 
