@@ -141,8 +141,8 @@ fn transfer() {
             let modes = analysis::modes(&system).expect("a regular system");
             let sum = ModalSum::of(&system, &modes).expect("proportional damping");
             let pair = sum.pair(&system, 0, 0);
-            row("sum over modes, binary64", time(|| sum.fast(black_box(&pair), black_box(&f))));
-            row("sum over modes, many", time(|| sum.fast_many(black_box(&pair), black_box(&frequencies))) / 1e4);
+            row("sum over modes, binary64", time(|| sum.fast(black_box(&pair), std::slice::from_ref(black_box(&f)))));
+            row("sum over modes, many", time(|| sum.fast(black_box(&pair), black_box(&frequencies))) / 1e4);
             row("sum over modes, double-double", time(|| sum.accurate(black_box(&pair), black_box(&f))));
         }
     }

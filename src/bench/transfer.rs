@@ -26,7 +26,7 @@ pub fn transfer(system: &LinearSystem, reference: &Reference, clock: &mut Clock)
     entries.push(of_vibc("vibc, several frequencies at once", &gains, &truth, seconds));
     if let Some(sum) = ModalSum::of(system, &reference.modes) {
         let pair = sum.pair(system, 0, 0);
-        let (gains, seconds) = timed(clock, || sum.fast_many(&pair, &frequencies));
+        let (gains, seconds) = timed(clock, || sum.fast(&pair, &frequencies));
         entries.push(
             of_vibc("vibc, sum over modes in binary64", &gains, &truth, seconds).note("without the time for the modes"),
         );

@@ -84,8 +84,7 @@ impl<'a> Methods<'a> {
             let exactly = pair.exactly.map(|method| method.gain(frequency)).filter(good);
             let by_modes = || {
                 let (sum, modal) = self.sum.as_ref().zip(pair.modal.as_ref())?;
-                let fast = (tolerance >= FAST_ABOVE).then(|| sum.fast(modal, frequency)).filter(good);
-                fast.or_else(|| Some(sum.accurate(modal, frequency)).filter(good))
+                Some(sum.accurate(modal, frequency)).filter(good)
             };
             exactly.or_else(by_modes)
         };
@@ -105,7 +104,7 @@ impl<'a> Methods<'a> {
         if let Some(sum) = self.sum.as_ref().filter(|_| tolerance >= FAST_ABOVE) {
             for (at, pair) in pairs.iter().flatten().enumerate() {
                 let Some(modal) = &pair.modal else { continue };
-                for (row, gain) in rows.iter_mut().zip(sum.fast_many(modal, frequencies)) {
+                for (row, gain) in rows.iter_mut().zip(sum.fast(modal, frequencies)) {
                     row[at] = gain;
                 }
             }

@@ -17,11 +17,6 @@ pub struct Sum {
     pub b: f64,
 }
 
-/// The sums at one frequency.
-pub fn one(modes: &ModalSum, residues: &Residues, w: Dd) -> Sum {
-    sum::<f64>(modes, residues, &[w; MOST]).at(0)
-}
-
 simd! {
     /// At many frequencies.
     pub fn sums<V: Vector>(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
