@@ -4,6 +4,7 @@ pub mod diagnostic;
 pub mod dimension;
 pub mod field;
 pub mod line_index;
+pub mod manual;
 pub mod name;
 pub mod number;
 pub mod readable;
@@ -16,6 +17,7 @@ pub use diagnostic::{Change, Code, Diagnostic, Diagnostics, Failure, Fix, Label,
 pub use dimension::{Angle, Dimension, Quantity};
 pub use field::{Expected, Field, Takes};
 pub use line_index::LineIndex;
+pub use manual::Manual;
 pub use name::{Name, Place, Symbol, Words};
 pub use number::{Ball, Dd, Jet, Literals, Number, Rational, Rounded, Unproven, down, larger, rounding, up};
 pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};

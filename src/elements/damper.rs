@@ -2,18 +2,20 @@
 //! stiffness. See docs/method/linearisation.md.
 
 use super::kind::{ALONG, Kind, Negative, Order};
-use crate::base::{Code, Dimension, Expected, Field};
+use crate::base::{Code, Dimension, Expected, Field, Manual};
 
 pub const KIND: Kind = Kind {
     keyword: "damper",
     noun: "a damper",
     plural: "dampers",
     form: "damper d: ground -- block { c = 5 N*s/m }",
-    forms: "damper d: ground -- block { c = 5 N*s/m }\ndamper t: ground -- rod { c = 2 N*m*s/rad }",
-    summary: "A viscous damper between two parts; torsional if its coefficient is in N*m*s/rad.",
-    rules: "It acts in the fixed direction `along = x`, if that is given. Otherwise it acts on the line between its ends where \
-            they have different known places, and otherwise along the one line on which both parts can move.",
-    heading: "Springs and dampers",
+    manual: Manual {
+        forms: "damper d: ground -- block { c = 5 N*s/m }\ndamper t: ground -- rod { c = 2 N*m*s/rad }",
+        summary: "A viscous damper between two parts; torsional if its coefficient is in N*m*s/rad.",
+        rules: "It acts in the fixed direction `along = x`, if that is given. Otherwise it acts on the line between its ends where \
+                they have different known places, and otherwise along the one line on which both parts can move.",
+        heading: "Springs and dampers",
+    },
     synonyms: &["dashpot"],
     fields: &[
         Field::either(

@@ -2,17 +2,19 @@
 //! names kinds by hand.
 
 use super::kind::{ALONG, Kind, Negative, Order};
-use crate::base::{Dimension, Expected, Field};
+use crate::base::{Dimension, Expected, Field, Manual};
 
 pub const KIND: Kind = Kind {
     keyword: "gadget",
     noun: "a gadget",
     plural: "gadgets",
     form: "gadget g: ground -- block { grip = 4 N*s/m }",
-    forms: "gadget g: ground -- block { grip = 4 N*s/m }",
-    summary: "A gadget between two parts.",
-    rules: "It stands for the next kind of element.",
-    heading: "Springs and dampers",
+    manual: Manual {
+        forms: "gadget g: ground -- block { grip = 4 N*s/m }",
+        summary: "A gadget between two parts.",
+        rules: "It stands for the next kind of element.",
+        heading: "Springs and dampers",
+    },
     synonyms: &["gizmo"],
     fields: &[
         Field::either(

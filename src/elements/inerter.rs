@@ -5,21 +5,23 @@
 //! docs/method/linearisation.md.
 
 use super::kind::{ALONG, Kind, Negative, Order};
-use crate::base::{Dimension, Expected, Field};
+use crate::base::{Dimension, Expected, Field, Manual};
 
 pub const KIND: Kind = Kind {
     keyword: "inerter",
     noun: "an inerter",
     plural: "inerters",
     form: "inerter b: ground -- block { b = 20 kg }",
-    forms: "inerter b: ground -- block { b = 20 kg }\ninerter t: ground -- rod { b = 0.5 kg*m^2 }",
-    summary: "An inerter between two parts: its force is proportional to the relative acceleration of its ends; \
-              torsional if its inertance is in kg*m^2.",
-    rules: "It acts in the fixed direction `along = x`, if that is given. Otherwise it acts on the line between its ends where \
-            they have different known places, and otherwise along the one line on which both parts can move.\n\n\
-            It adds inertia to the motions that stretch it and no weight: gravity does not pull at it, and at rest it has \
-            no force. Its inertance is not negative.",
-    heading: "Springs and dampers",
+    manual: Manual {
+        forms: "inerter b: ground -- block { b = 20 kg }\ninerter t: ground -- rod { b = 0.5 kg*m^2 }",
+        summary: "An inerter between two parts: its force is proportional to the relative acceleration of its ends; \
+                  torsional if its inertance is in kg*m^2.",
+        rules: "It acts in the fixed direction `along = x`, if that is given. Otherwise it acts on the line between its ends where \
+                they have different known places, and otherwise along the one line on which both parts can move.\n\n\
+                It adds inertia to the motions that stretch it and no weight: gravity does not pull at it, and at rest it has \
+                no force. Its inertance is not negative.",
+        heading: "Springs and dampers",
+    },
     synonyms: &["inertor", "flywheel"],
     fields: &[
         Field::either(

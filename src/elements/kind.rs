@@ -6,7 +6,7 @@
 //! columns of the same order, and the p-th derivative of its stretch to outputs of its force. All of it is linear in the
 //! coefficient; derivatives with respect to parameters rely on this.
 
-use crate::base::{Code, Field, Takes};
+use crate::base::{Code, Field, Manual, Takes};
 
 /// A kind of element.
 #[derive(Clone, Copy, Debug)]
@@ -17,14 +17,7 @@ pub struct Kind {
     pub plural: &'static str,
     /// An example of a declaration.
     pub form: &'static str,
-    /// More examples, one per line.
-    pub forms: &'static str,
-    /// What it declares, in one sentence.
-    pub summary: &'static str,
-    /// Its rules, as Markdown paragraphs.
-    pub rules: &'static str,
-    /// The heading of `spec.md` under which it is described in full.
-    pub heading: &'static str,
+    pub manual: Manual,
     /// What other programs and textbooks call it.
     pub synonyms: &'static [&'static str],
     /// The coefficient first, then the other fields.

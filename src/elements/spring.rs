@@ -5,21 +5,23 @@
 
 use super::kind::{ALONG, Kind, Negative, Order};
 use super::{Scalar, Stretch, Stretched};
-use crate::base::{Code, Dimension, Expected, Field};
+use crate::base::{Code, Dimension, Expected, Field, Manual};
 
 pub const KIND: Kind = Kind {
     keyword: "spring",
     noun: "a spring",
     plural: "springs",
     form: "spring s: ground -- block { k = 10 N/m }",
-    forms: "spring s: ground -- block { k = 10 N/m }\nspring t: ground -- rod { k = 3 N*m/rad }",
-    summary: "A linear spring between two parts; torsional if its stiffness is in N*m/rad.",
-    rules: "It acts in the fixed direction `along = x`, if that is given. Otherwise it acts on the line between its ends, with \
-            the geometry of large displacements, where the ends have different known places; and otherwise along the one \
-            line on which both parts can move.\n\n\
-            `free_length` or `preload` (the tension as drawn, pull positive) may be given, not both. With neither the \
-            spring is unstretched as drawn. A negative stiffness is allowed and noted.",
-    heading: "Springs and dampers",
+    manual: Manual {
+        forms: "spring s: ground -- block { k = 10 N/m }\nspring t: ground -- rod { k = 3 N*m/rad }",
+        summary: "A linear spring between two parts; torsional if its stiffness is in N*m/rad.",
+        rules: "It acts in the fixed direction `along = x`, if that is given. Otherwise it acts on the line between its ends, with \
+                the geometry of large displacements, where the ends have different known places; and otherwise along the one \
+                line on which both parts can move.\n\n\
+                `free_length` or `preload` (the tension as drawn, pull positive) may be given, not both. With neither the \
+                spring is unstretched as drawn. A negative stiffness is allowed and noted.",
+        heading: "Springs and dampers",
+    },
     synonyms: &[],
     fields: &[
         Field::either(

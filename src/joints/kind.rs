@@ -1,20 +1,15 @@
 //! The description of a kind of joint: its words, and the degrees of freedom that it leaves between the two parts it
 //! connects. See spec.md and docs/method/kinematics.md.
 
+use crate::base::Manual;
+
 /// A kind of joint.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
     pub keyword: &'static str,
     /// An example of a declaration.
     pub form: &'static str,
-    /// More examples, one per line.
-    pub forms: &'static str,
-    /// What it declares, in one sentence.
-    pub summary: &'static str,
-    /// Its rules, as Markdown paragraphs.
-    pub rules: &'static str,
-    /// The heading of `spec.md` under which it is described in full.
-    pub heading: &'static str,
+    pub manual: Manual,
     /// What other programs and textbooks call it.
     pub synonyms: &'static [&'static str],
     /// Whether the relative rotation is left free.

@@ -4,7 +4,7 @@ use super::functions::{DISPLACEMENT_SIGNAL, FORCE_SIGNAL, TORQUE_SIGNAL};
 use super::motions::INITIAL_FIELDS;
 use super::piece::{Content, Naming, Piece, Space};
 use super::{ElementId, JointId};
-use crate::base::{Dimension, Expected, Field, Takes};
+use crate::base::{Dimension, Expected, Field, Manual, Takes};
 use crate::{elements, joints};
 
 /// A kind of declaration.
@@ -15,14 +15,7 @@ pub struct Declaration {
     pub shape: Shape,
     /// One example of it, to be shown and to be typed.
     pub form: &'static str,
-    /// More examples, one per line.
-    pub forms: &'static str,
-    /// What it declares, in one sentence.
-    pub summary: &'static str,
-    /// Its rules, as Markdown paragraphs.
-    pub rules: &'static str,
-    /// The heading of `spec.md` under which it is described in full.
-    pub heading: &'static str,
+    pub manual: Manual,
     /// What other languages and textbooks call it.
     pub synonyms: &'static [&'static str],
     pub pieces: &'static [Piece],
@@ -110,7 +103,8 @@ impl Declaration {
 
     /// Its page in the manual, as Markdown.
     pub fn page(&self) -> String {
-        format!("# {}\n\n{}\n\n```vib\n{}\n```\n\n{}\n", self.keyword, self.summary, self.forms, self.rules)
+        let Manual { forms, summary, rules, .. } = self.manual;
+        format!("# {}\n\n{summary}\n\n```vib\n{forms}\n```\n\n{rules}\n", self.keyword)
     }
 
     pub fn field(&self, name: &str) -> Option<&'static Field> {
@@ -118,23 +112,14 @@ impl Declaration {
     }
 }
 
-/// The manual's page about a declaration.
-struct Page {
-    forms: &'static str,
-    summary: &'static str,
-    rules: &'static str,
-    heading: &'static str,
-}
-
 const fn declaration(
     shape: Shape,
     keyword: &'static str,
     form: &'static str,
-    page: Page,
+    manual: Manual,
     pieces: &'static [Piece],
 ) -> Declaration {
-    let Page { forms, summary, rules, heading } = page;
-    Declaration { keyword, shape, form, forms, summary, rules, heading, synonyms: &[], pieces, fields: &[] }
+    Declaration { keyword, shape, form, manual, synonyms: &[], pieces, fields: &[] }
 }
 
 const NEW_PART: Naming = Naming::New(Space::Parts);
@@ -195,7 +180,7 @@ const FIRST: [Declaration; 6] = [
         Shape::Model,
         "model",
         "model cart",
-        Page {
+        Manual {
             forms: "model cart",
             summary: "Names the model; reports and emitted code use the name.",
             rules: "Without it the model has the name of its file. At most one per model.",
@@ -209,7 +194,7 @@ const FIRST: [Declaration; 6] = [
             Shape::Param,
             "param",
             "param k = 10 N/m",
-            Page {
+            Manual {
                 forms: "param k = 10 N/m",
                 summary: "Declares a number that the command line may replace: `--set k=12N/m`.",
                 rules: "Order does not matter: a parameter may use names that are declared further down. Parameters that depend on each \
@@ -230,7 +215,7 @@ const FIRST: [Declaration; 6] = [
             Shape::Let,
             "let",
             "let w = sqrt(k / m)",
-            Page {
+            Manual {
                 forms: "let w = sqrt(k / m)",
                 summary: "Names a number or a vector that follows from others; the command line cannot replace it.",
                 rules: "Order does not matter: it may use names that are declared further down.",
@@ -249,7 +234,7 @@ const FIRST: [Declaration; 6] = [
             Shape::Gravity,
             "gravity",
             "gravity 9.81 m/s^2",
-            Page {
+            Manual {
                 forms: "gravity 9.81 m/s^2\ngravity (0, -9.81 m/s^2)",
                 summary: "Switches gravity on. A single number points along -y.",
                 rules: "Without this line there is no gravity. At most one per model.",
@@ -264,7 +249,7 @@ const FIRST: [Declaration; 6] = [
             Shape::Point,
             "point",
             "point A = (0, 1 m)",
-            Page {
+            Manual {
                 forms: "point A = (0, 1 m)",
                 summary: "Names a place in the drawing.",
                 rules: "All places are coordinates (x, y) of one drawing, whatever part they belong to: x to the right, y upwards.",
@@ -285,7 +270,7 @@ const FIRST: [Declaration; 6] = [
             Shape::Body,
             "body",
             "body block { mass = 1 kg, moves x }",
-            Page {
+            Manual {
                 forms: "body block { mass = 1 kg, moves x }\nbody rod { mass = 0.5 kg, shape = rod(A, (0, -2 m)) }",
                 summary: "Declares a rigid body.",
                 rules: "Its freedom clause says how it moves relative to the ground: `moves x`, `moves y`, `moves x y`, \
@@ -308,7 +293,7 @@ const MIDDLE: [Declaration; 1] = [Declaration {
         Shape::Couple,
         "couple",
         "couple r: wheel.angle = -block.x / 0.3 m",
-        Page {
+        Manual {
             forms: "couple r: wheel.angle = -block.x / 0.3 m",
             summary: "Couples motions by a linear relation: gears, racks, rolling wheels, pulleys, levers.",
             rules: "Both sides are sums of displacements and angles of bodies and bases, each times or divided by a number, or a \
@@ -335,7 +320,7 @@ const LAST: [Declaration; 13] = [
             Shape::Base,
             "base",
             "base floor { moves y }",
-            Page {
+            Manual {
                 forms: "base floor { moves y }\nbase floor { moves y } = harmonic(1 mm, 30 Hz)",
                 summary: "A support whose motion is prescribed: an input.",
                 rules: "`moves ...` and `turns` say which motions are prescribed; each is an input. A signal after the braces is a \
@@ -350,7 +335,7 @@ const LAST: [Declaration; 13] = [
             Shape::Force,
             "force",
             "force F: block along x = harmonic(10 N, 1.5 Hz)",
-            Page {
+            Manual {
                 forms: "force F: block@A along x\nforce F: block along x = harmonic(10 N, 1.5 Hz)\nforce F: a -- b",
                 summary: "A force on a part, or between two parts: an input.",
                 rules: "`force F: a -- b` acts between its ends and is positive if it pushes them apart; with `along` it acts on a in \
@@ -367,7 +352,7 @@ const LAST: [Declaration; 13] = [
             Shape::Torque,
             "torque",
             "torque T: rod",
-            Page {
+            Manual {
                 forms: "torque T: rod\ntorque T: rod = step(1 N*m, 0 s)\ntorque T: a -- b",
                 summary: "A torque on a part, or between two parts: an input, positive counter-clockwise.",
                 rules: "`torque T: a -- b` acts on a, and on b in the opposite direction. One end must be able to turn. A signal may follow.",
@@ -382,7 +367,7 @@ const LAST: [Declaration; 13] = [
             Shape::Initial,
             "initial",
             "initial block { x = 16 mm, vx = 0.375 m/s }",
-            Page {
+            Manual {
                 forms: "initial block { x = 16 mm, vx = 0.375 m/s }",
                 summary: "The initial state of a body, measured from rest.",
                 rules: "`x`, `y`, `angle`, `vx`, `vy`, `omega` are motions of the body at t = 0; those not given are zero. \
@@ -398,7 +383,7 @@ const LAST: [Declaration; 13] = [
             Shape::Output,
             "output",
             "output theta = rod.angle",
-            Page {
+            Manual {
                 forms: "output theta = rod.angle\noutput tip = rod@(0, -2 m).x\noutput pull = s.force",
                 summary: "Names a quantity to be reported: a linear combination of motions.",
                 rules: "Motions of a body, a base or a point of either: `x y angle`, `vx vy omega`, `ax ay alpha`; of an \
@@ -418,7 +403,7 @@ const LAST: [Declaration; 13] = [
             Shape::Damping,
             "damping",
             "damping modal 2 %",
-            Page {
+            Manual {
                 forms: "damping modal 2 %\ndamping rayleigh(0.1 /s, 1e-4 s)",
                 summary: "Damping of the whole scene, added to the dampers.",
                 rules: "`modal` gives every mode the same damping ratio; `rayleigh(a, b)` adds a M + b K. Both act against the \
@@ -442,7 +427,7 @@ const LAST: [Declaration; 13] = [
         Shape::Rest,
         "rest",
         "rest as drawn",
-        Page {
+        Manual {
             forms: "rest as drawn",
             summary: "Declares that the drawing is the static equilibrium.",
             rules: "Springs without `preload` and `free_length` get the tensions that make it so: the smallest ones, if \
@@ -457,7 +442,7 @@ const LAST: [Declaration; 13] = [
             Shape::Repeat,
             "repeat",
             "repeat i in 2..100 {",
-            Page {
+            Manual {
                 forms: "repeat i in 2..100 {\n    body m[i] { mass = 1 kg, moves x }\n}",
                 summary: "Declares its body once for each value of an index, bounds included.",
                 rules: "The names declared inside need the index, as in `m[i]`. Inside, `i` is a plain number. The declared \
@@ -480,7 +465,7 @@ const LAST: [Declaration; 13] = [
         Shape::Solve,
         "solve",
         "solve f in 5 Hz .. 29 Hz: gain(floor -> table.y, 30 Hz) = -12 dB",
-        Page {
+        Manual {
             forms: "solve fn in 5 Hz .. 29 Hz: gain(floor -> table.y, 30 Hz) = -12 dB",
             summary: "Finds the value of a parameter in a range at which a measure has a given value.",
             rules: "The rest of the model uses the value found. No root in the range, or more than one, is reported with the values \
@@ -508,7 +493,7 @@ const LAST: [Declaration; 13] = [
             Shape::Require,
             "require",
             "require frequency(1) > 2 Hz",
-            Page {
+            Manual {
                 forms: "require frequency(1) > 2 Hz\nrequire stable",
                 summary: "A check of the model: a measure compared with a value, or `stable`.",
                 rules: "`vibc check` and `vibc analyze` print each requirement with its margin, and exit with status 1 if one fails.",
@@ -523,7 +508,7 @@ const LAST: [Declaration; 13] = [
             Shape::Component,
             "component",
             "component axle(part chassis, m: kg, k = 150 kN/m) {",
-            Page {
+            Manual {
                 forms: "component axle(part chassis, m: kg, k = 150 kN/m) {\n    body wheel { mass = m, moves y }\n    \
                  spring s: wheel -- chassis { k = k }\n}",
                 summary: "Describes a subassembly once, to be placed as often as needed.",
@@ -546,7 +531,7 @@ const LAST: [Declaration; 13] = [
             Shape::Place,
             "place",
             "place front = axle(m = 40 kg) at (1.2 m, 0)",
-            Page {
+            Manual {
                 forms: "place front = axle(chassis = car, m = 40 kg) at (1.2 m, 0)\nplace rear = axle(chassis = car, m = 45 kg) at \
                  (-1.5 m, 0) turned 10 deg\nplace left = axle(chassis = car, m = 40 kg) at (0, 0) mirrored x",
                 summary: "Puts a component into the scene; its names are then `front.wheel`, `front.k`.",
@@ -572,7 +557,7 @@ const LAST: [Declaration; 13] = [
             Shape::Use,
             "use",
             "use \"axles.vib\"",
-            Page {
+            Manual {
                 forms: "use \"axles.vib\"\nuse \"std/absorber.vib\"",
                 summary: "Makes the components of another file known.",
                 rules: "The path is relative to this file; `std/...` are the components that come with the program. Components alone come in: \
@@ -592,8 +577,7 @@ const fn of_joint(place: usize) -> Declaration {
         &[Piece::Blank, PART, COLON, FIRST_END, DASHES, SECOND_END]
     };
     let shape = Shape::Joint(JointId(place as u8));
-    let page = Page { forms: kind.forms, summary: kind.summary, rules: kind.rules, heading: kind.heading };
-    let declaration = declaration(shape, kind.keyword, kind.form, page, pieces);
+    let declaration = declaration(shape, kind.keyword, kind.form, kind.manual, pieces);
     Declaration { synonyms: kind.synonyms, ..declaration }
 }
 
@@ -601,8 +585,7 @@ const fn of_element(place: usize) -> Declaration {
     let kind = elements::KINDS[place];
     let pieces: &[Piece] = &[Piece::Blank, PART, COLON, FIRST_END, DASHES, SECOND_END, Piece::Fields];
     let shape = Shape::Element(ElementId(place as u8));
-    let page = Page { forms: kind.forms, summary: kind.summary, rules: kind.rules, heading: kind.heading };
-    let declaration = declaration(shape, kind.keyword, kind.form, page, pieces);
+    let declaration = declaration(shape, kind.keyword, kind.form, kind.manual, pieces);
     Declaration { synonyms: kind.synonyms, fields: kind.fields, ..declaration }
 }
 

@@ -407,7 +407,7 @@ fn quoted(words: &[&str]) -> Vec<String> {
 /// How a declaration is written. The kinds of damping differ so much that both are shown.
 fn forms(declaration: &Declaration) -> String {
     let chooses = declaration.pieces.iter().any(|piece| matches!(piece, Piece::OneOf(..)));
-    if chooses { declaration.forms.replace('\n', "` or `") } else { declaration.form.into() }
+    if chooses { declaration.manual.forms.replace('\n', "` or `") } else { declaration.form.into() }
 }
 
 fn character_error(at: Span, character: char) -> Diagnostic {

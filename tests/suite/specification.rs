@@ -103,7 +103,7 @@ fn explain_prints_the_page() {
 fn the_forms_of_the_manual_parse() {
     for declaration in &DECLARATIONS {
         let mut sources = Sources::new();
-        let forms = declaration.forms;
+        let forms = declaration.manual.forms;
         let file = sources.add(SourceFile::model(declaration.keyword, forms));
         assert_eq!(syntax::parse(&sources, file).errors.iter().count(), 0, "{forms}");
         let starts = |line: &str| line.starts_with(&format!("{} ", declaration.keyword));
