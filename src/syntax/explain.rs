@@ -335,8 +335,13 @@ impl Reader<'_> {
 
     /// Values up to the closing bracket.
     fn list(&mut self, what: &'static str, closing: char) -> Read {
+        self.separated(closing, |reader| reader.expression(what))
+    }
+
+    /// At least one item, separated by commas, up to the closing bracket.
+    fn separated(&mut self, closing: char, mut item: impl FnMut(&mut Self) -> Read) -> Read {
         loop {
-            self.expression(what)?;
+            item(self)?;
             self.blanks();
             if self.next() == Some(closing) {
                 self.at += 1;
@@ -347,6 +352,18 @@ impl Reader<'_> {
             }
             self.blanks();
         }
+    }
+
+    /// A sign and what follows it, if the sign is there; blanks may precede both.
+    fn optional(&mut self, sign: &str, then: impl FnOnce(&mut Self) -> Read) -> Read {
+        let before = self.at;
+        self.blanks();
+        if !self.eat(sign) {
+            self.at = before;
+            return Ok(());
+        }
+        self.blanks();
+        then(self)
     }
 
     /// `(0.1 /s, 1e-4 s)`
@@ -378,23 +395,10 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// What stands in brackets, separated by commas.
-    fn read_list(&mut self, one: fn(&mut Self) -> Read) -> Read {
+    /// Any number of items, separated by commas, up to the closing bracket.
+    fn read_list(&mut self, item: fn(&mut Self) -> Read) -> Read {
         self.blanks();
-        if self.eat(")") {
-            return Ok(());
-        }
-        loop {
-            one(self)?;
-            self.blanks();
-            if self.eat(")") {
-                return Ok(());
-            }
-            if !self.eat(",") {
-                return Err(self.problem(Expected::Comma(')')));
-            }
-            self.blanks();
-        }
+        if self.eat(")") { Ok(()) } else { self.separated(')', item) }
     }
 
     fn formal(&mut self) -> Read {
@@ -419,14 +423,7 @@ impl Reader<'_> {
         } else {
             self.at = after;
         }
-        let after = self.at;
-        self.blanks();
-        if self.eat("=") {
-            self.blanks();
-            return self.expression("the default");
-        }
-        self.at = after;
-        Ok(())
+        self.optional("=", |reader| reader.expression("the default"))
     }
 
     /// `(m = 40 kg)`
@@ -486,25 +483,12 @@ impl Reader<'_> {
 
     fn end(&mut self, which: &'static str) -> Read {
         self.path(which)?;
-        let after = self.at;
-        self.blanks();
-        if self.eat("@") {
-            return self.place();
-        }
-        self.at = after;
-        Ok(())
+        self.optional("@", Self::place)
     }
 
     /// `-- box`, if present.
     fn other_end(&mut self, which: &'static str) -> Read {
-        let before = self.at;
-        self.blanks();
-        if self.eat("--") {
-            self.blanks();
-            return self.end(which);
-        }
-        self.at = before;
-        Ok(())
+        self.optional("--", |reader| reader.end(which))
     }
 
     /// The point after `@`.
@@ -531,14 +515,7 @@ impl Reader<'_> {
     }
 
     fn signal(&mut self) -> Read {
-        let before = self.at;
-        self.blanks();
-        if self.eat("=") {
-            self.blanks();
-            return self.expression("a signal");
-        }
-        self.at = before;
-        Ok(())
+        self.optional("=", |reader| reader.expression("a signal"))
     }
 
     fn line_end(&mut self) -> Read {
@@ -689,23 +666,11 @@ impl Reader<'_> {
 
     /// Arguments up to the closing bracket.
     fn call(&mut self) -> Read {
-        loop {
-            self.argument_name();
-            self.expression("an argument")?;
-            self.blanks();
-            if self.eat("..") {
-                self.blanks();
-                self.expression("the upper end of the range")?;
-                self.blanks();
-            }
-            if self.eat(")") {
-                return Ok(());
-            }
-            if !self.eat(",") {
-                return Err(self.problem(Expected::Comma(')')));
-            }
-            self.blanks();
-        }
+        self.separated(')', |reader| {
+            reader.argument_name();
+            reader.expression("an argument")?;
+            reader.optional("..", |reader| reader.expression("the upper end of the range"))
+        })
     }
 
     fn reference(&mut self) -> Read {
