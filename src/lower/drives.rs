@@ -43,16 +43,7 @@ fn of_signal(signal: &scene::Signal, course: Course) -> Result<Option<Signal>, L
     Ok(Some(match signal.clone() {
         // A delay of a delay is one delay: the check adds them up.
         scene::Signal::Constant { .. } | scene::Signal::Delayed { .. } => return Ok(None),
-        scene::Signal::Step { value, at } => Signal::Step { value, at },
-        scene::Signal::Impulse { value, at } => Signal::Impulse { value, at },
-        scene::Signal::Ramp { value, from, to } => Signal::Ramp { value, from, to },
-        scene::Signal::Pulse { value, from, to } => Signal::Pulse { value, from, to },
-        scene::Signal::Harmonic { value, frequency, phase } => {
-            Signal::Harmonic { value, frequency, phase, at: Number::ZERO }
-        }
-        scene::Signal::Chirp { value, from, to, duration, at, phase } => {
-            Signal::Chirp { value, from, to, duration, at, phase }
-        }
+        scene::Signal::Function(function) => function,
         scene::Signal::Table { span, rows, .. } => match rows {
             Some(rows) => Signal::Table(Table { times: rows.times.clone(), values: rows.values.clone(), course }),
             None => return Err(LowerError::TableUnread { span }),

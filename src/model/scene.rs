@@ -6,6 +6,7 @@
 //! many more ends than places.
 
 use crate::base::{Name, Number, Quantity, Span, Vec3, Words};
+use crate::system::Signal as Function;
 use crate::{elements, joints};
 use std::sync::Arc;
 
@@ -280,46 +281,13 @@ pub enum InputKind {
     Base { base: BaseId, translation: Option<usize> },
 }
 
-/// A function of time; SI units, angles in radians, frequencies in Hz.
+/// What drives an input, or loads it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Signal {
-    Constant {
-        value: Number,
-    },
-    Step {
-        value: Number,
-        at: Number,
-    },
-    /// `value` is the integral over time.
-    Impulse {
-        value: Number,
-        at: Number,
-    },
-    Ramp {
-        value: Number,
-        from: Number,
-        to: Number,
-    },
-    Pulse {
-        value: Number,
-        from: Number,
-        to: Number,
-    },
-    /// value sin(2 pi frequency t + phase)
-    Harmonic {
-        value: Number,
-        frequency: Number,
-        phase: Number,
-    },
-    /// value sin(2 pi (from t + (to - from) t^2 / (2 duration)) + phase), t from `at` on, for `duration`
-    Chirp {
-        value: Number,
-        from: Number,
-        to: Number,
-        duration: Number,
-        at: Number,
-        phase: Number,
-    },
+    /// A load that belongs to the rest; it drives nothing.
+    Constant { value: Number },
+    /// A function of time that needs nothing else of the model.
+    Function(Function),
     /// Two columns: time in s, value in SI units.
     Table {
         file: String,
@@ -328,24 +296,16 @@ pub enum Signal {
         rows: Option<Arc<TableRows>>,
     },
     /// Other signals, so much later.
-    Delayed {
-        by: Number,
-        signals: Arc<[Signal]>,
-    },
+    Delayed { by: Number, signals: Arc<[Signal]> },
 }
 
 impl Signal {
-    /// The same the other way.
+    /// The signal with the opposite sign.
     pub fn negated(&self) -> Signal {
         let mut signal = self.clone();
         match &mut signal {
-            Signal::Constant { value }
-            | Signal::Step { value, .. }
-            | Signal::Impulse { value, .. }
-            | Signal::Ramp { value, .. }
-            | Signal::Pulse { value, .. }
-            | Signal::Harmonic { value, .. }
-            | Signal::Chirp { value, .. } => *value = -&*value,
+            Signal::Constant { value } => *value = -&*value,
+            Signal::Function(function) => *function = function.negated(),
             Signal::Table { rows, .. } => {
                 if let Some(rows) = rows {
                     let values = rows.values.iter().map(|value| -value).collect();
@@ -355,6 +315,12 @@ impl Signal {
             Signal::Delayed { signals, .. } => *signals = signals.iter().map(Signal::negated).collect(),
         }
         signal
+    }
+}
+
+impl From<Function> for Signal {
+    fn from(function: Function) -> Signal {
+        Signal::Function(function)
     }
 }
 

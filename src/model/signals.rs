@@ -13,6 +13,7 @@ use super::{delays, tables};
 use crate::base::{Dimension, Number, Span};
 use crate::kinds::functions::{self, Named, SIGNALS, SignalKind};
 use crate::syntax::tree::{Binary, ExprId, ExprKind};
+use crate::system::Signal as Function;
 
 const TIME: Expected = Expected::new("a time", Dimension::TIME, "0.5 s");
 const SPEED: Expected = Expected::new("a speed", Dimension::VELOCITY, "20 m/s");
@@ -159,12 +160,12 @@ impl<'a> Check<'a> {
         let time = |check: &mut Check<'a>, index: usize| check.number(given[index], environment, &TIME);
         match called.signal {
             Word::Constant => list.push(Signal::Constant { value: value? }),
-            Word::Step => list.push(Signal::Step { at: time(self, 1)?, value: value? }),
-            Word::Impulse => list.push(Signal::Impulse { at: time(self, 1)?, value: value? }),
+            Word::Step => list.push(Function::Step { at: time(self, 1)?, value: value? }.into()),
+            Word::Impulse => list.push(Function::Impulse { at: time(self, 1)?, value: value? }.into()),
             Word::Ramp | Word::Pulse | Word::HalfSine | Word::Haversine | Word::Sawtooth => {
                 let (from, to) = (time(self, 1)?, time(self, 2)?);
                 self.require_later(&from, &to, given[2], environment)?;
-                list.extend(pulse(called.signal, value?, from, to));
+                list.extend(pulse(called.signal, value?, from, to).into_iter().map(Signal::from));
             }
             Word::Trapezoid => {
                 let times = [time(self, 1)?, time(self, 2)?, time(self, 3)?, time(self, 4)?];
@@ -173,20 +174,21 @@ impl<'a> Check<'a> {
                 }
                 let [from, rise, fall, to] = times;
                 let value = value?;
-                list.push(Signal::Ramp { value: value.clone(), from, to: rise });
-                list.push(Signal::Ramp { value: -&value, from: fall, to });
+                list.push(Function::Ramp { value: value.clone(), from, to: rise }.into());
+                list.push(Function::Ramp { value: -&value, from: fall, to }.into());
             }
             Word::Harmonic => {
                 let frequency = self.frequency(given[1], environment)?;
                 let phase = given.get(2).map(|&phase| self.number(phase, environment, &PHASE)).transpose()?;
-                list.push(Signal::Harmonic { value: value?, frequency, phase: phase.unwrap_or(Number::ZERO) });
+                let (phase, at) = (phase.unwrap_or(Number::ZERO), Number::ZERO);
+                list.push(Function::Harmonic { value: value?, frequency, phase, at }.into());
             }
             Word::Chirp | Word::Table | Word::Delayed => {
                 let (from, to) = (self.frequency(given[1], environment)?, self.frequency(given[2], environment)?);
                 let duration = self.number(given[3], environment, &TIME)?;
                 self.require_later(&Number::ZERO, &duration, given[3], environment)?;
                 let (at, phase) = (Number::ZERO, Number::ZERO);
-                list.push(Signal::Chirp { value: value?, from, to, duration, at, phase });
+                list.push(Function::Chirp { value: value?, from, to, duration, at, phase }.into());
             }
         }
         Ok(())
@@ -262,7 +264,7 @@ impl<'a> Check<'a> {
 }
 
 /// A pulse between two times as a sum of signals that exist.
-fn pulse(signal: functions::Signal, value: Number, from: Number, to: Number) -> Vec<Signal> {
+fn pulse(signal: functions::Signal, value: Number, from: Number, to: Number) -> Vec<Function> {
     use functions::Signal as Word;
     let duration = &to - &from;
     let at = from.clone();
@@ -270,21 +272,21 @@ fn pulse(signal: functions::Signal, value: Number, from: Number, to: Number) -> 
     let wave = |value: Number, halves: i64, phase: Number| {
         let frequency = &Number::from(halves) / &(&duration * &Number::from(2));
         let (from, to, at, duration) = (frequency.clone(), frequency, at.clone(), duration.clone());
-        Signal::Chirp { value, from, to, duration, at, phase }
+        Function::Chirp { value, from, to, duration, at, phase }
     };
     match signal {
-        Word::Ramp => vec![Signal::Ramp { value, from, to }],
+        Word::Ramp => vec![Function::Ramp { value, from, to }],
         Word::HalfSine => vec![wave(value, 1, Number::ZERO)],
         // a (1 - cos) / 2
         Word::Haversine => {
             let half = &value / &Number::from(2);
             let quarter = &Number::pi() / &Number::from(2);
-            vec![Signal::Pulse { value: half.clone(), from, to }, wave(-&half, 2, quarter)]
+            vec![Function::Pulse { value: half.clone(), from, to }, wave(-&half, 2, quarter)]
         }
         Word::Sawtooth => {
-            let end = Signal::Step { value: -&value, at: to.clone() };
-            vec![Signal::Ramp { value, from, to }, end]
+            let end = Function::Step { value: -&value, at: to.clone() };
+            vec![Function::Ramp { value, from, to }, end]
         }
-        _ => vec![Signal::Pulse { value, from, to }],
+        _ => vec![Function::Pulse { value, from, to }],
     }
 }

@@ -5,6 +5,7 @@ use super::scene::*;
 use super::*;
 use crate::base::{Dimension, Number, Rational, SourceFile, SourceKind};
 use crate::syntax;
+use crate::system::Signal as Function;
 
 fn checked_with(text: &str, arguments: &str, settings: &str) -> Checked {
     let mut sources = Sources::new();
@@ -75,7 +76,7 @@ fn hertz(expression: &str) -> Result<Number, Vec<&'static str>> {
     let codes = codes(&checked);
     let Some(scene) = checked.scene else { return Err(codes) };
     match &scene.scene.inputs[0].signal[0] {
-        Signal::Harmonic { frequency, .. } => Ok(frequency.clone()),
+        Signal::Function(Function::Harmonic { frequency, .. }) => Ok(frequency.clone()),
         other => panic!("{other:?}"),
     }
 }
@@ -397,7 +398,7 @@ fn values_from_outside_take_the_place_of_declared_ones() {
     assert_eq!(masses, [Some(exact("0.005")), Some(Number::from(6)), Some(Number::ONE)]);
     assert_eq!(scene.elements[0].law.spring(), Some((&Number::from(24_000), &SpringRest::AsDrawn)));
     let frequency = |signal: &Signal| match signal {
-        Signal::Harmonic { frequency, .. } => frequency.to_f64(),
+        Signal::Function(Function::Harmonic { frequency, .. }) => frequency.to_f64(),
         other => panic!("{other:?}"),
     };
     let frequencies: Vec<f64> = scene.inputs[0].signal.iter().map(frequency).collect();
@@ -629,7 +630,7 @@ fn inputs_come_in_order_with_a_base_for_each_motion() {
     let names: Vec<String> = scene.inputs.iter().map(|input| scene.words.display(input.name)).collect();
     assert_eq!(names, ["F", "f", "f", "f", "T", "G"]);
     assert_eq!(scene.inputs[0].signal.len(), 2);
-    assert!(matches!(scene.inputs[0].signal[1], Signal::Step { .. }));
+    assert!(matches!(scene.inputs[0].signal[1], Signal::Function(Function::Step { .. })));
     assert!(matches!(scene.inputs[3].kind, InputKind::Base { translation: None, .. }));
     assert!(matches!(&scene.inputs[4].kind, InputKind::Torque { ends } if ends.len() == 2));
     assert!(matches!(scene.inputs[5].kind, InputKind::ForceBetween { .. }));

@@ -107,6 +107,22 @@ impl Signal {
         }
     }
 
+    /// The signal with the opposite sign.
+    pub fn negated(&self) -> Signal {
+        let mut signal = self.clone();
+        match &mut signal {
+            Signal::Step { value, .. }
+            | Signal::Impulse { value, .. }
+            | Signal::Ramp { value, .. }
+            | Signal::Pulse { value, .. }
+            | Signal::Harmonic { value, .. }
+            | Signal::Chirp { value, .. } => *value = -&*value,
+            Signal::Table(table) => table.values.iter_mut().for_each(|value| *value = -&*value),
+            Signal::Integral { of, .. } | Signal::Delayed { of, .. } => *of = Box::new(of.negated()),
+        }
+        signal
+    }
+
     /// Whether it is ever other than zero.
     pub fn is_felt(&self) -> bool {
         match self {
