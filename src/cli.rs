@@ -1,15 +1,15 @@
 //! The command line, as clap reads it. See docs/cli.md#streams-and-exit-status.
 
+use crate::analysis::discrete::Precision;
+use crate::analysis::{Band, Frequency, Normalise, Request, Which};
+use crate::backend::explain::PAGES;
+use crate::base::unit::{self, Scale};
+use crate::base::{Angle, Dimension, Literals, Number, Rational};
+use crate::kinds::DECLARATIONS;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsStr;
 use std::path::PathBuf;
-use vibc::analysis::discrete::Precision;
-use vibc::analysis::{Band, Frequency, Normalise, Request, Which};
-use vibc::backend::explain::PAGES;
-use vibc::base::unit::{self, Scale};
-use vibc::base::{Angle, Dimension, Literals, Number, Rational};
-use vibc::kinds::DECLARATIONS;
 
 /// A compiler for mechanical vibrations: from a drawn scene to its modal report.
 #[derive(Debug, Parser)]

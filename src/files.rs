@@ -1,7 +1,6 @@
 //! The files of a run: reads every text within limits, and writes results completely or not at all.
 //! See docs/cli.md#streams-and-exit-status.
 
-use crate::cli::{MessageFormat, Messages, OverrideOptions};
 use crate::{Status, report_error, write_to};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -9,6 +8,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use vibc::backend::diagnostics;
 use vibc::base::{FileId, SourceFile, SourceKind, Sources};
+use vibc::cli::{MessageFormat, Messages, OverrideOptions};
 use vibc::model::Overrides;
 use vibc::syntax::limits;
 

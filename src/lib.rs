@@ -105,6 +105,9 @@ pub mod base;
 pub mod bench;
 #[cfg(feature = "program")]
 #[doc(hidden)]
+pub mod cli;
+#[cfg(feature = "program")]
+#[doc(hidden)]
 pub mod dynamics;
 #[cfg(feature = "program")]
 #[doc(hidden)]

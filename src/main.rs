@@ -1,17 +1,11 @@
 //! The program `vibc`: reads files, calls the library, writes what it returns. Nothing else touches the disk, the standard
 //! streams or the exit status. See docs/cli.md#streams-and-exit-status.
 
-mod cli;
 mod files;
 mod transport;
 mod watch;
 
 use clap::{CommandFactory, Parser};
-use cli::{
-    Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Draw, Emit, Equations, EquationsFormat, Fmt, Format,
-    HoldOption, MessageFormat, Messages, Page, Report, SignalsOption, Simulate, StyleOption, TableFormat, TargetOption,
-    Transfer,
-};
 use files::{Input, open, read, read_all, refuse_overwriting, write_result};
 use std::fs;
 use std::io::{self, IsTerminal, Write};
@@ -24,6 +18,11 @@ use vibc::answers::report;
 use vibc::backend::emit::{Language, Program};
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, SourceFile, SourceKind, Sources};
+use vibc::cli::{
+    self, Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Draw, Emit, Equations, EquationsFormat, Fmt,
+    Format, HoldOption, MessageFormat, Messages, Page, Report, SignalsOption, Simulate, StyleOption, TableFormat,
+    TargetOption, Transfer,
+};
 use vibc::editor::server::{self, Leave, Named};
 use vibc::kinds;
 

@@ -3,7 +3,6 @@
 //!
 //! Pages of other sites cannot reach it: a request has to name this server as its host, and as its origin where it has one.
 
-use crate::cli::{Messages, Watch};
 use crate::files::{Input, read_all};
 use crate::{Status, report_error};
 use notify::{RecursiveMode, Watcher};
@@ -16,6 +15,7 @@ use std::thread;
 use std::time::Duration;
 use tiny_http::{Header, Method, Request, Response, Server};
 use vibc::base::{FileId, Sources};
+use vibc::cli::{Messages, Watch};
 use vibc::{Overview, PageShown};
 
 /// Saving is several events; what comes within this time is one.
