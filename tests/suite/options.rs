@@ -6,10 +6,7 @@ use clap::{Arg, ArgAction, Command, CommandFactory};
 use std::fs;
 use std::process::{self, Stdio};
 use tempfile::TempDir;
-
-#[allow(dead_code)]
-#[path = "../../src/cli.rs"]
-mod cli;
+use vibc::cli;
 
 const SCENE: &str = "model scene\nparam k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n\
                      damper d: ground -- b { c = 0.1 N*s/m }\nforce F: b along x = step(1 N, 0 s)\noutput x = b.x\n\
@@ -213,7 +210,7 @@ fn fault(output: &process::Output, status: i32) -> Option<String> {
         return reported.contains("error").then(|| format!("an error, and status 0: {reported}"));
     }
     let is_one = reported.starts_with("error: ");
-    let is_finding = reported.starts_with("vib::") || reported.is_empty();
+    let is_finding = reported.starts_with("error[vib::") || reported.is_empty();
     let is_clean = is_one || status != 2 && is_finding;
     (!is_clean).then(|| format!("no clean message: {reported}"))
 }

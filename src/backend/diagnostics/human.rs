@@ -2,6 +2,7 @@
 
 use super::excerpt::{CONTEXT, Excerpt};
 use super::places::Places;
+use super::severity_name;
 use crate::base::readable::readable;
 use crate::base::{Diagnostic, Severity, Sources};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
@@ -118,8 +119,9 @@ impl fmt::Display for Drawing {
 impl std::error::Error for Drawing {}
 
 impl miette::Diagnostic for Drawing {
+    /// `error[vib::part::unknown]`: the command line's errors begin with the same word.
     fn code<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        Some(Box::new(self.code))
+        Some(Box::new(format!("{}[{}]", severity_name(self.severity), self.code)))
     }
 
     fn severity(&self) -> Option<miette::Severity> {
