@@ -1,7 +1,9 @@
 //! The code follows ARCHITECTURE.md: what may import what, and what no file may do.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// A file of `src`, without its comments and its unit tests.
 struct Source {
@@ -105,6 +107,7 @@ fn folders_import_what_the_table_names() {
     let table = table();
     let mut wrong = Vec::new();
     let mut seen = Vec::new();
+    let mut used: Vec<(String, String)> = Vec::new();
     for source in sources() {
         let Some(layer) = layer(&source.path) else { continue };
         let Some((own, row)) = table.iter().find(|(name, _)| *name == layer) else {
@@ -114,12 +117,19 @@ fn folders_import_what_the_table_names() {
             if !allowed(&import, own, row) {
                 wrong.push(format!("{} imports {import}", source.path.display()));
             }
+            used.push((layer.clone(), import));
         }
         seen.push(layer);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     for (name, _) in &table {
         assert!(seen.contains(name), "{name} is in the table and not in src");
+    }
+    for (name, row) in &table {
+        for entry in row {
+            let uses = used.iter().any(|(layer, import)| layer == name && allowed(import, entry, &[]));
+            assert!(uses, "{name} may import {entry} and does not");
+        }
     }
 }
 
@@ -259,3 +269,23 @@ fn shapes_leave_as_unproven_numbers() {
 
 /// The layers that write numbers.
 const PRINTING: [&str; 3] = ["answers", "backend", "editor"];
+
+/// The packages that the program is built from, as cargo counts them.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_count_of_packages_is_right() {
+    let count = |more: &[&str]| {
+        let mut cargo = Command::new(env!("CARGO"));
+        let tree = ["tree", "--locked", "--offline", "--prefix", "none", "-e", "normal"];
+        let output = cargo.current_dir(root()).args(tree).args(more).output().expect("cargo");
+        let text = String::from_utf8(output.stdout).expect("UTF-8");
+        let packages: HashSet<Vec<&str>> =
+            text.lines().map(|line| line.split(' ').take(2).collect()).filter(|line: &Vec<_>| line[0] != "").collect();
+        // This one is among them.
+        packages.len() - 1
+    };
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
+    let (all, library) = (count(&[]), count(&["--no-default-features"]));
+    assert!(text.contains(&format!("{all} packages in all on Linux")), "{all}");
+    assert!(text.contains(&format!("({library} without the feature `program`)")), "{library}");
+}
