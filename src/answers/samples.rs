@@ -18,17 +18,9 @@ pub fn cart() -> ModalAnswer {
     let spring = label(&mut words, "s", "");
     let gravity = label(&mut words, "gravity", "");
     let [block, rod] = ["block", "rod"].map(|name| label(&mut words, name, ""));
-    let system = LinearSystem {
-        m: form(&[(block, (1, 1), &[(0, 1)]), (rod, (1, 2), &[(0, 1), (1, 1)])]).with((rod, (1, 6), &[(1, 1)])),
-        c: form(&[(label(&mut words, "d", ""), (5, 1), &[(0, 1)])]),
-        k: form(&[(spring, (10, 1), &[(0, 1)]), (gravity, (981, 200), &[(1, 1)])]),
-        words,
-        coordinates,
-        chain: Vec::new(),
-        inputs: Vec::new(),
-        outputs: Vec::new(),
-        initial: Vec::new(),
-    };
+    let m = form(&[(block, (1, 1), &[(0, 1)]), (rod, (1, 2), &[(0, 1), (1, 1)])]).with((rod, (1, 6), &[(1, 1)]));
+    let c = form(&[(label(&mut words, "d", ""), (5, 1), &[(0, 1)])]);
+    let k = form(&[(spring, (10, 1), &[(0, 1)]), (gravity, (981, 200), &[(1, 1)])]);
     let modes = vec![
         oscillation(
             2.15817927443011,
@@ -49,19 +41,8 @@ pub fn cart() -> ModalAnswer {
         pole(-1.912268381, 2.371873795),
         pole(-1.912268381, -2.371873795),
     ];
-    ModalAnswer {
-        model: "cart".into(),
-        system,
-        rest: as_drawn(2),
-        modes: Modes { list: modes, infinite: 0, ..Modes::default() },
-        poles: all(poles),
-        stability: Verdict::sample(Stability::Stable, Reason::Energy),
-        buckling: None,
-        solved: Vec::new(),
-        requirements: Vec::new(),
-        sensitivities: Vec::new(),
-        account: None,
-    }
+    let system = free(words, coordinates, [m, c, k]);
+    answer("cart", system, modes, poles, Stability::Stable)
 }
 
 /// Two free carts connected by a spring: a rigid-body mode and an oscillation.
@@ -73,29 +54,32 @@ pub fn free_pair() -> ModalAnswer {
     ];
     let spring = label(&mut words, "s", "");
     let [alpha, beta] = ["α", "β"].map(|name| label(&mut words, name, ""));
-    let system = LinearSystem {
-        m: form(&[(alpha, (2, 1), &[(0, 1)]), (beta, (2, 1), &[(1, 1)])]),
-        c: Form::new(),
-        k: form(&[(spring, (4, 1), &[(0, 1), (1, -1)])]),
-        words,
-        coordinates,
-        chain: Vec::new(),
-        inputs: Vec::new(),
-        outputs: Vec::new(),
-        initial: Vec::new(),
-    };
+    let m = form(&[(alpha, (2, 1), &[(0, 1)]), (beta, (2, 1), &[(1, 1)])]);
+    let system = free(words, coordinates, [m, Form::new(), form(&[(spring, (4, 1), &[(0, 1), (1, -1)])])]);
     let half = [(alpha, 0.5), (beta, 0.5)];
     let mut rigid = oscillation(0.0, &[0.5, 0.5], &half, &[]);
     (rigid.kind, rigid.route, rigid.input_condition) = (ModeKind::Rigid, Route::Exact, None);
     (rigid.omega, rigid.omega_squared) = (Ball::ZERO, Ball::ZERO);
     let shaking = oscillation(2.0, &[0.5, -0.5], &half, &[(spring, 1.0)]);
+    let poles = vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)];
+    answer("free pair", system, vec![rigid, shaking], poles, Stability::Neutral)
+}
+
+/// A system without inputs, outputs and initial motion.
+fn free(words: Words, coordinates: Vec<Coordinate>, [m, c, k]: [Form; 3]) -> LinearSystem {
+    let (chain, inputs, outputs, initial) = Default::default();
+    LinearSystem { words, coordinates, m, c, k, chain, inputs, outputs, initial }
+}
+
+/// The answer for a system that is at rest as drawn; it has all poles, and energy decides its stability.
+fn answer(model: &str, system: LinearSystem, modes: Vec<Mode>, poles: Vec<Pole>, stability: Stability) -> ModalAnswer {
     ModalAnswer {
-        model: "free pair".into(),
+        model: model.into(),
+        rest: as_drawn(system.n()),
         system,
-        rest: as_drawn(2),
-        modes: Modes { list: vec![rigid, shaking], infinite: 0, ..Modes::default() },
-        poles: all(vec![zero_pole(), zero_pole(), pole(0.0, 2.0), pole(0.0, -2.0)]),
-        stability: Verdict::sample(Stability::Neutral, Reason::Energy),
+        modes: Modes { list: modes, infinite: 0, ..Modes::default() },
+        poles: all(poles),
+        stability: Verdict::sample(stability, Reason::Energy),
         buckling: None,
         solved: Vec::new(),
         requirements: Vec::new(),

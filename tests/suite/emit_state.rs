@@ -44,7 +44,7 @@ fn linear(text: &str) -> LinearSystem {
 }
 
 /// Compiles `main.c` with the sources of the folder, runs it, and returns the printed numbers.
-fn numbers(folder: &TempDir, main: &str, sources: &[String]) -> Vec<f64> {
+pub fn numbers(folder: &TempDir, main: &str, sources: &[String]) -> Vec<f64> {
     fs::write(folder.path().join("main.c"), main).expect("a file");
     let sources: Vec<&str> = sources.iter().map(String::as_str).collect();
     silently(folder, "gcc", &[&["-std=c99", "-O1", "-o", "program", "main.c"][..], &sources].concat());

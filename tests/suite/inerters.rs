@@ -2,8 +2,12 @@
 //! for rotation, kg*m^2 (Smith, IEEE Trans. Automat. Control 47 (2002) 1648).
 
 use crate::ask::{ask, refusal, try_ask};
+use crate::emit::{emission, options, write};
+use crate::emit_state::numbers;
 use crate::measures::sources;
 use vibc::Study;
+use vibc::analysis::discrete::Options;
+use vibc::backend::emit::{self, Language};
 use vibc::base::Ball;
 use vibc::lower::account;
 use vibc::model::Overrides;
@@ -156,6 +160,32 @@ fn the_motion_has_the_inertance_in_it() {
     );
     holds(found[0], 0.2);
     holds(found[1], 2.0);
+}
+
+/// Emitted C steps through the same motion, x = F/k (1 - cos 2t), and through the inerter's force b F / (m + b) cos 2t.
+#[test]
+fn emitted_code_has_the_inertance_in_it() {
+    let emission = emission(
+        "inert",
+        "body block { mass = 15 kg, moves x }\nspring s: ground -- block { k = 80 N/m }\n\
+         inerter j: ground -- block { b = 5 kg }\nforce F: block along x = step(8 N, 0 s)\n\
+         output x = block.x\noutput f = j.force\n",
+        &Options { built_in: true, ..options("0.01") },
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    write(&folder, &emit::files("inert", &emission.system, Language::C, None));
+    let main = "#include <stdio.h>\n#include \"inert.h\"\n\
+                int main(void) { inert_state s; inert_outputs y; int k; inert_init(&s);\n\
+                for (k = 0; k < 300; k++) { inert_step(&s, &y); printf(\"%.17g %.17g\\n\", y.x, y.f); } return 0; }\n";
+    let found = numbers(&folder, main, &["inert.c".to_string()]);
+    assert_eq!(found.len(), 600);
+    for (k, row) in found.chunks(2).enumerate() {
+        let cosine = (0.02 * k as f64).cos();
+        let truth = [0.1 * (1.0 - cosine), 2.0 * cosine];
+        for (found, truth) in row.iter().zip(truth) {
+            assert!((found - truth).abs() < 1e-13, "{k}: {found:e} is not {truth:e}");
+        }
+    }
 }
 
 /// f = sqrt(k / (m + b)) / 2 pi: df/db = -f / (2 (m + b)); and the b for a frequency is k / omega^2 - m.
