@@ -356,7 +356,7 @@ fn a_force_between_two_bodies_acts_on_both() {
     };
     assert_eq!(column(0), [(0, 1.0), (1, -1.0)]);
     assert_eq!(column(1), [(0, -1.0), (1, 1.0)]);
-    let says = |keyword: &str| vibc::kinds::declaration(keyword).expect("a keyword").rules;
+    let says = |keyword: &str| vibc::kinds::declaration(keyword).expect("a keyword").manual.rules;
     assert!(says("force").contains("with `along` it acts on a in"), "{}", says("force"));
     assert!(says("torque").contains("acts on a, and on b in the opposite direction"), "{}", says("torque"));
 }
