@@ -433,7 +433,7 @@ fn commands() -> Vec<&'static str> {
     program.get_subcommands().map(|command| &*String::from(command.get_name()).leak()).collect()
 }
 
-/// What is explained: codes and keywords.
+/// The topics that can be explained: codes and keywords.
 fn subjects() -> Vec<&'static str> {
     let keywords = DECLARATIONS.iter().map(|declaration| declaration.keyword);
     PAGES.iter().map(|page| page.code).chain(keywords).collect()

@@ -76,7 +76,7 @@ pub fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unre
     Ok(Input { sources, model, overrides: Overrides { arguments, settings, literals: overrides.literals.into() } })
 }
 
-/// What is the same for the same file, whatever path leads to it.
+/// An identity of a file that does not depend on the path to it.
 pub fn key_of(path: &Path) -> Option<String> {
     fs::canonicalize(path).ok().map(|path| path.to_string_lossy().into_owned())
 }
@@ -111,7 +111,7 @@ pub struct Named {
     outside: &'static str,
     /// Bytes that may still be read.
     room: usize,
-    /// What is said where there is no room.
+    /// The message if the limit is reached.
     full: String,
 }
 

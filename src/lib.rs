@@ -606,7 +606,7 @@ fn chain(masses: usize) -> Option<LinearSystem> {
     Some(linear(&sources, model, &Overrides::default()).answer?.1)
 }
 
-/// What a figure shows in addition to the scene as drawn.
+/// Options of a figure, in addition to the scene as drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FigureOptions {
     /// The scene at rest.

@@ -1,6 +1,6 @@
 //! The components that come with the program: the files of `library/`, by the name that a `use` gives them.
 
-/// What `use "std/..."` begins with.
+/// The prefix of the names in `use "std/..."`.
 pub const PREFIX: &str = "std/";
 
 /// Names without the prefix, and texts.

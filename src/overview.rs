@@ -34,7 +34,7 @@ pub struct Overview {
     equations: Option<String>,
 }
 
-/// Scenes of more coordinates stand still: each mode is so many numbers of the page.
+/// Scenes with more coordinates are not animated: each mode would add that many numbers to the page.
 const MOST_MOVING: usize = 120;
 /// Motions of each kind that a page lets move.
 const MOST_MOTIONS: usize = 60;
@@ -76,7 +76,7 @@ pub fn overview(sources: &Sources, model: FileId, overrides: &Overrides, study: 
     })
 }
 
-/// What an editor knows of a model.
+/// The results about a model that an editor already has.
 pub(crate) struct Lowered<'a> {
     pub scene: &'a Scene,
     pub system: &'a LinearSystem,
@@ -210,7 +210,7 @@ impl Overview {
     }
 }
 
-/// The sections of the equations below headings of their own.
+/// The sections of the equations, with headings.
 fn symbols(document: &equations::Document) -> String {
     let section = |section: &equations::Section| {
         format!("<h3>{}</h3>\n{}", draw::escaped(section.heading), equations::mathml_section(section))
@@ -223,7 +223,7 @@ fn symbols(document: &equations::Document) -> String {
 pub struct Shown<'a> {
     /// A newer text than that of the answers, where there is one.
     pub newer: Option<(&'a Sources, FileId)>,
-    /// What is wrong with the newest text.
+    /// The errors of the newest text.
     pub findings: &'a [Diagnostic],
     /// Beside an editor, which shows the text itself.
     pub without_text: bool,

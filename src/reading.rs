@@ -216,7 +216,7 @@ pub fn add_used_files(
                 continue;
             }
             if known.len() > MOST_USED {
-                // What is beyond is said at its own line, and nothing more is added.
+                // The excess is reported at its own line, and nothing more is added.
                 continue;
             }
             let to = sources.add(match content {

@@ -25,7 +25,7 @@ const MOST_LISTENERS: usize = 32;
 /// A line that keeps a silent connection open, and finds out whether anybody is there.
 const BEAT: Duration = Duration::from_secs(15);
 
-/// What is served.
+/// The content that is served.
 #[derive(Default)]
 struct Served {
     page: String,
@@ -73,7 +73,7 @@ pub fn watch(options: &Watch, messages: &Messages) -> Status {
         let mut served = lock(&shared);
         (served.page, served.version) = (page, maker.version);
     }
-    // Without somebody who reads the address nobody finds the page.
+    // If the address cannot be printed, the page cannot be found.
     let mut out = io::stdout();
     if writeln!(out, "http://127.0.0.1:{port}/").and_then(|()| out.flush()).is_err() {
         return Status::Io;
@@ -153,7 +153,7 @@ impl Folders {
         }
     }
 
-    /// Until a file has changed; `false` where nothing will be heard any more.
+    /// Blocks until a file has changed; `false` if no more changes can be reported.
     fn wait_for_change(&self, changes: &Receiver<notify::Result<notify::Event>>) -> bool {
         let is_ours = |event: &notify::Result<notify::Event>| {
             event

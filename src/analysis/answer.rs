@@ -26,7 +26,7 @@ pub enum Route {
     Tree,
     /// The modes of the positive terms first, then Jacobi in their energies: for negative stiffness.
     Energy,
-    /// Classical damping: each mode is an oscillator of its own.
+    /// Classical damping: each mode is an independent oscillator.
     Decoupled,
     /// Companion matrix, then Newton steps with residuals of the terms in double-double.
     Refined,

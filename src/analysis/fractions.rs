@@ -1,4 +1,4 @@
-//! What pictures are drawn from: the shapes of damped motions, and transfer functions as sums of partial fractions, which a
+//! The data behind pictures: the shapes of damped motions, and transfer functions as sums of partial fractions, which a
 //! page can evaluate at any frequency. Binary64, and without bounds: numbers that are printed come from elsewhere. In: a
 //! system with its modes and poles; out: shapes, and fractions that agree with enclosed values of the transfer function.
 //! See docs/method/transfer.md.
@@ -140,7 +140,7 @@ pub fn place(pole: &Pole) -> Complex<f64> {
     Complex::new(pole.re.mid.to_f64(), pole.im.mid.to_f64())
 }
 
-/// What fractions are made from: modes that are oscillators of their own, or simple poles with their shapes.
+/// The source of the fractions: modes that are independent oscillators, or simple poles with their shapes.
 pub enum Parts<'a> {
     Modes(Box<ModalSum>),
     Poles(&'a Pencil, Vec<(Complex<f64>, Vec<Complex<f64>>)>),

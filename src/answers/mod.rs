@@ -24,7 +24,7 @@ pub struct ModalAnswer {
     pub stability: Verdict,
     /// Set if gravity, tensions or reactions reduce the stiffness.
     pub buckling: Option<Buckling>,
-    /// What was kept of the model and what was left out, if requested.
+    /// The parts of the model that were kept and left out, if requested.
     pub account: Option<Account>,
     /// Parameters that were solved for, in order of their lines.
     pub solved: Vec<Solved>,

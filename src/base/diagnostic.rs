@@ -1,6 +1,6 @@
-//! What is said about a model: facts, a code, one primary place, related places, and what to type.
+//! A finding about a model: facts, a code, one primary place, related places, and what to type.
 //!
-//! Every stage has an error enum of its own beside it; this is the form that they all turn into.
+//! Every stage has its own error enum next to it; this is the form into which they are all converted.
 
 use super::source::Span;
 use std::fmt;
@@ -10,14 +10,14 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Code(pub &'static str, Failure);
 
-/// What has failed where errors were found; decides the exit status.
+/// The kind of failure behind an error; decides the exit status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Failure {
     /// The model is wrong.
     Model,
     /// A file that it names could not be read.
     File,
-    /// The model may be right, but a number that it asks for could not be found.
+    /// The model may be right, but a number that it asks for could not be computed.
     Limit,
 }
 
@@ -32,12 +32,12 @@ impl Code {
         Code(name, Failure::File)
     }
 
-    /// The model may be right, but a number that it asks for could not be found.
+    /// The model may be right, but a number that it asks for could not be computed.
     pub const fn limit(name: &'static str) -> Code {
         Code(name, Failure::Limit)
     }
 
-    /// What an error with this code says has failed.
+    /// The kind of failure that an error with this code reports.
     pub const fn failure(self) -> Failure {
         self.1
     }
@@ -49,7 +49,7 @@ impl fmt::Display for Code {
     }
 }
 
-/// How bad it is. Errors stop the stage; warnings and notes do not.
+/// The severity. Errors stop the stage; warnings and notes do not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     Error,
@@ -57,7 +57,7 @@ pub enum Severity {
     Note,
 }
 
-/// A place and what is to be seen there. The text may be empty.
+/// A place with a text about it, which may be empty.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     pub span: Span,
@@ -69,14 +69,14 @@ pub struct Label {
 pub struct Diagnostic {
     pub severity: Severity,
     pub code: Code,
-    /// One sentence without a full stop: the fact.
+    /// The fact, as one sentence without a full stop.
     pub message: String,
     pub primary: Label,
-    /// Where the other one is declared.
+    /// Other places, such as the other declaration.
     pub related: Vec<Label>,
-    /// What to type.
+    /// The help: what to type.
     pub help: Option<String>,
-    /// Edits of the text each of which would fix it, where such are obvious; the likeliest first.
+    /// Obvious edits of the text, each of which would fix it; the likeliest first.
     pub fixes: Vec<Fix>,
 }
 
@@ -87,32 +87,32 @@ pub struct Fix {
     pub change: Change,
 }
 
-/// What to do at a place. Where the place lies in a declaration is the editor's to find.
+/// A change at a place. The editor finds the exact position in the declaration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// Write this in its place; nothing deletes it.
+    /// Replace it by this; an empty text deletes it.
     Replace(String),
-    /// Write this behind it.
+    /// Write this after it.
     After(String),
-    /// Write this unit behind the number that the declaration around it ends with, where it ends with one.
+    /// Write this unit after the number at the end of the enclosing declaration, if it ends with one.
     Unit(String),
     /// Multiply it by this.
     Times(&'static str),
-    /// Close the bracket that stands here.
+    /// Close the bracket at this place.
     Close(char),
-    /// Write this field into the braces of the declaration around it.
+    /// Write this field into the braces of the enclosing declaration.
     AddField(String),
-    /// Write this at the end of the declaration around it.
+    /// Write this at the end of the enclosing declaration.
     Append(&'static str),
-    /// Leave the field out that starts here.
+    /// Delete the field that starts here.
     DropField,
-    /// Leave the value of the field out that starts here.
+    /// Delete the value of the field that starts here.
     DropValue,
-    /// Leave the declaration around it out.
+    /// Delete the enclosing declaration.
     DropDeclaration,
-    /// Give the declared name that stands here another one, or the index of the `repeat` around it.
+    /// Rename the declaration at this place, or give it the index of the enclosing `repeat`.
     Rename,
-    /// Write this as a declaration of its own.
+    /// Write this as a separate declaration.
     Declare(&'static str),
 }
 
@@ -170,7 +170,7 @@ impl Diagnostic {
     }
 }
 
-/// The findings of a run, in the order in which they were made.
+/// The findings of a run, in the order in which they were reported.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Diagnostics {
     list: Vec<Diagnostic>,
@@ -189,7 +189,7 @@ impl Diagnostics {
         self.list.extend(other);
     }
 
-    /// Turns warnings of this code into errors with this help: what they say leaves nothing to go on with.
+    /// Turns warnings of this code into errors with this help, if the run cannot continue after them.
     pub fn refuse(&mut self, code: Code, help: &str) {
         for found in self.list.iter_mut().filter(|found| found.code == code) {
             found.severity = Severity::Error;
@@ -209,7 +209,7 @@ impl Diagnostics {
         self.list.iter()
     }
 
-    /// Sorted by place, then severity; exact repetitions removed.
+    /// The findings sorted by place, then severity, without exact repetitions.
     pub fn sorted(mut self) -> Vec<Diagnostic> {
         self.list.sort_by(|a, b| {
             (a.primary.span.file(), a.primary.span.start(), a.severity, a.code, &a.message).cmp(&(

@@ -1,6 +1,6 @@
 //! Dimensions and quantities: a number in SI with the exponents of kilogram, metre, second and kelvin.
 //!
-//! The angle is no dimension (spec.md#units: `rad` counts as 1 in arithmetic), but it is remembered where it matters:
+//! Angles have no dimension (spec.md#units: `rad` is 1 in arithmetic), but their unit is kept where it matters:
 //! a frequency may have been written in cycles (`Hz`) or in radians (`rad/s`), and where a frequency is expected a value
 //! that is neither (such as `sqrt(k/m)`) is refused.
 
@@ -17,7 +17,7 @@ pub struct Exponent {
 impl Exponent {
     pub const ZERO: Exponent = Exponent { numerator: 0, denominator: 1 };
 
-    /// `None` where it does not fit: exponents beyond a few thousand are mistakes.
+    /// `None` if it does not fit: exponents beyond a few thousand are mistakes.
     fn new(numerator: i64, denominator: i64) -> Option<Exponent> {
         let divisor = num_integer::gcd(numerator, denominator).max(1) * denominator.signum();
         Some(Exponent {
@@ -109,7 +109,7 @@ impl Dimension {
         Some(Dimension { exponents })
     }
 
-    /// What an engineer calls it, with its article: "a stiffness"; `None` for a dimension without a name.
+    /// Its engineering name with an article: "a stiffness"; `None` for a dimension without a name.
     pub fn noun(self) -> Option<&'static str> {
         NOUNS.iter().find(|(dimension, ..)| *dimension == self).map(|(_, noun, _)| *noun)
     }
@@ -123,7 +123,7 @@ impl Dimension {
     }
 }
 
-/// Dimension, noun with article, usual unit. The first match speaks.
+/// Dimension, noun with article, usual unit. The first match is used.
 const NOUNS: [(Dimension, &str, &str); 19] = [
     (Dimension::NONE, "a plain number", ""),
     (Dimension::MASS, "a mass", "kg"),
@@ -175,7 +175,7 @@ impl fmt::Display for Dimension {
     }
 }
 
-/// What the angle in a value was written as.
+/// The unit in which the angle in a value was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Angle {
     /// No angle: `10 N/m`, `sqrt(k/m)`.

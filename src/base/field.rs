@@ -1,4 +1,4 @@
-//! How a field of a declaration is described: its name, what it takes, what to type, and what it says.
+//! The description of a field: its name, its value, an example to type, and its documentation.
 
 use super::Dimension;
 
@@ -8,7 +8,7 @@ pub struct Expected {
     /// With its article: "a mass".
     pub noun: &'static str,
     pub dimension: Dimension,
-    /// What to write, such as `mass = 1 kg`.
+    /// An example to type, such as `mass = 1 kg`.
     pub example: &'static str,
 }
 
@@ -23,7 +23,7 @@ impl Expected {
 pub struct Field {
     pub name: &'static str,
     pub takes: Takes,
-    /// What to write, such as `mass = 1 kg`.
+    /// An example to type, such as `mass = 1 kg`.
     pub example: &'static str,
     /// One or two sentences for editors.
     pub meaning: &'static str,
@@ -33,7 +33,7 @@ pub struct Field {
 #[derive(Clone, Copy, Debug)]
 pub enum Takes {
     Number(Expected),
-    /// A number of an element: along a line, or on the rotation where the element is torsional.
+    /// A number of an element: for a translation, or for a rotation if the element is torsional.
     Either {
         line: Expected,
         turn: Expected,
@@ -46,7 +46,7 @@ pub enum Takes {
     Shape,
     /// The motions that follow `moves`.
     Motions,
-    /// Nothing: the word stands alone.
+    /// No value: the word alone.
     Nothing,
 }
 
@@ -63,7 +63,7 @@ impl Field {
         Field { name, takes, example, meaning }
     }
 
-    /// The number that the field takes; of an element, the one that acts along a line or, where `turns`, on the rotation.
+    /// The number that the field takes; of an element, the translational or, if `turns`, the torsional one.
     pub const fn expected(&self, turns: bool) -> Expected {
         match self.takes {
             Takes::Number(expected) => expected,
@@ -73,13 +73,13 @@ impl Field {
         }
     }
 
-    /// Whether the word may stand without `=`.
+    /// Whether the word may appear without `=`.
     pub fn stands_alone(&self) -> bool {
         matches!(self.takes, Takes::Motions | Takes::Nothing)
     }
 }
 
-/// The place of a field in a table: for constants, so that a name that is not in the table does not compile.
+/// The index of a field in a table, for constants: a name that is not in the table does not compile.
 pub const fn place(fields: &[Field], name: &str) -> usize {
     let mut place = 0;
     while place < fields.len() {

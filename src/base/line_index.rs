@@ -1,11 +1,11 @@
 //! Lines and columns of a text of any size, found without walking through the text for each place: a million findings
-//! in a file of 50 MB cost a million short looks, not a million walks.
+//! in a file of 50 MB cost a million short searches, not a million scans.
 
 use super::source::Position;
 
-/// Where the lines of a text start, and how many characters stand before each block of it.
+/// The starts of the lines of a text, and the number of characters before each of its blocks.
 ///
-/// A line ends with a line feed. Made for one text; asking with another one gives a wrong place, never a panic.
+/// A line ends with a line feed. Valid for one text; with another one the place is wrong, but nothing panics.
 #[derive(Clone, Debug)]
 pub struct LineIndex {
     /// Byte offset of the start of each line; the first is 0.
@@ -14,7 +14,7 @@ pub struct LineIndex {
     characters: Vec<u32>,
 }
 
-/// Bytes that one look walks through at most.
+/// Maximum number of bytes that one search scans.
 const BLOCK: usize = 1024;
 
 impl LineIndex {
@@ -36,12 +36,12 @@ impl LineIndex {
         self.starts.len()
     }
 
-    /// The line, from 0, that holds a byte offset; an offset behind the end is in the last line.
+    /// The line, from 0, that contains a byte offset; an offset beyond the end is in the last line.
     pub fn line(&self, offset: usize) -> usize {
         self.starts.partition_point(|start| *start as usize <= offset) - 1
     }
 
-    /// The bytes of a line, from 0, without its line end. Empty behind the last line.
+    /// The bytes of a line, from 0, without its line end. Empty after the last line.
     pub fn line_range(&self, text: &str, line: usize) -> std::ops::Range<usize> {
         let start_of = |line: usize| self.starts.get(line).map_or(text.len(), |start| *start as usize);
         let (start, next) = (start_of(line), start_of(line + 1));
@@ -59,7 +59,7 @@ impl LineIndex {
         Position { line: line + 1, column: column + 1 }
     }
 
-    /// How many characters start before a byte offset.
+    /// The number of characters that start before a byte offset.
     fn characters_before(&self, text: &str, offset: usize) -> usize {
         let Some(last) = self.characters.len().checked_sub(1) else { return 0 };
         let block = (offset / BLOCK).min(last);

@@ -1,4 +1,4 @@
-//! Words that every layer may use: places in texts, diagnostics, numbers, quantities, names.
+//! Types that every layer may use: places in texts, diagnostics, numbers, quantities, names.
 
 pub mod diagnostic;
 pub mod dimension;

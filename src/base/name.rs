@@ -1,4 +1,4 @@
-//! Names: a word and, where it was declared in a `repeat`, its indices; in a placed component, behind the name of the place.
+//! Names: a word, its indices if it was declared in a `repeat`, and the name of the place if it is in a placed component.
 //! `m[3]`, `net[2][7]`, `front.wheel`, `mount[3].s`.
 
 use std::collections::HashMap;
@@ -8,7 +8,7 @@ use std::fmt::Write;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Symbol(u32);
 
-/// What a name stands in: the scene, or a component at one of its places.
+/// The space of a name: the scene, or a component at one of its places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Place(u32);
 
@@ -20,7 +20,7 @@ impl Place {
 /// At most this many indices follow a word.
 pub const MAX_INDICES: usize = 3;
 
-/// A word with its indices, and where it stands.
+/// A word with its indices and its space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Name {
     pub place: Place,
@@ -35,7 +35,7 @@ impl Name {
         Name { place: Place::SCENE, symbol, count: 0, indices: [0; MAX_INDICES] }
     }
 
-    /// The same word and indices in another place.
+    /// This word with its indices in another place.
     pub fn within(self, place: Place) -> Name {
         Name { place, ..self }
     }
@@ -53,7 +53,7 @@ impl Name {
     }
 }
 
-/// The words of a model. Looked up by text, never walked through, so its order cannot reach a result.
+/// The words of a model. They are looked up by text and never iterated over, so their order cannot affect a result.
 #[derive(Clone, Debug, Default)]
 pub struct Words {
     by_text: HashMap<Box<str>, Symbol>,
@@ -86,7 +86,7 @@ impl Words {
         &self.texts[symbol.0 as usize]
     }
 
-    /// What the names in a component stand in that is placed under this name.
+    /// The space of the names in a component that is placed under this name.
     pub fn place(&mut self, name: Name) -> Place {
         let next = Place(u32::try_from(self.places.len() + 1).expect("the number of places is limited far below"));
         let place = *self.by_name.entry(name).or_insert(next);
@@ -101,7 +101,7 @@ impl Words {
         self.places.get((place.0 as usize).checked_sub(1)?).copied()
     }
 
-    /// The word behind the names of its places: `mount[3].s`.
+    /// The word after the names of its places: `mount[3].s`.
     pub fn without_indices(&self, name: Name) -> String {
         // From the outermost place inwards; each name knows the place around it.
         match self.place_name(name.place) {

@@ -1,10 +1,10 @@
-//! Text of a user's file as it may be shown: what would move a terminal's cursor, change its colours or turn the reading
-//! direction is made visible instead.
+//! Text of a user's file made safe to show: characters that would move a terminal's cursor, change its colours or the reading
+//! direction are made visible instead.
 
 use std::borrow::Cow;
 
 /// Control characters as their pictures (`␛`), characters that are invisible or turn the reading direction as `\u{fffd}`.
-/// Line feeds become spaces too: what is shown is one line.
+/// Line feeds become spaces too: the result is one line.
 pub fn readable(text: &str) -> Cow<'_, str> {
     if text.chars().all(|c| visible(c) == c) {
         Cow::Borrowed(text)
@@ -13,7 +13,7 @@ pub fn readable(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The character itself, or what stands for it.
+/// The character itself, or its visible replacement.
 pub fn visible(c: char) -> char {
     match c {
         '\n' => ' ',

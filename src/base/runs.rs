@@ -1,4 +1,4 @@
-//! How often the stages ran on this thread: unit tests count that no stage runs twice for one answer. Outside of unit tests
+//! Counts the runs of the stages on this thread, so that unit tests can check that no stage runs twice for one answer. Outside unit tests
 //! nothing is counted.
 
 #[cfg(test)]
@@ -9,7 +9,7 @@ thread_local! {
     static RUNS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Notes that a stage begins.
+/// Records that a stage begins.
 #[inline]
 pub fn begins(stage: &'static str) {
     #[cfg(test)]
@@ -18,7 +18,7 @@ pub fn begins(stage: &'static str) {
     let _ = stage;
 }
 
-/// The stages that began on this thread in the meantime, in their order.
+/// The stages that began on this thread meanwhile, in order.
 #[cfg(test)]
 pub fn during(run: impl FnOnce()) -> Vec<&'static str> {
     RUNS.with_borrow_mut(Vec::clear);

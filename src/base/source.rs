@@ -1,4 +1,4 @@
-//! Where a thing was written: files, byte ranges, lines and columns.
+//! Places in source texts: files, byte ranges, lines and columns.
 
 use super::readable::readable;
 use std::collections::HashMap;
@@ -63,14 +63,14 @@ impl Span {
     }
 }
 
-/// What a file of a run is: decides how its places are shown.
+/// The role of a file in a run, which decides how its places are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SourceKind {
     /// A model file, or a file of components.
     Model,
     /// A TOML file of settings.
     Settings,
-    /// The `--set NAME=VALUE` arguments, one a line.
+    /// The `--set NAME=VALUE` arguments, one per line.
     Arguments,
     /// A CSV file that a signal is read from.
     Table,
@@ -87,7 +87,7 @@ pub struct SourceFile {
     pub text: String,
     /// Offset and value of the first byte that is not UTF-8; the text is good up to there.
     pub first_bad_byte: Option<(usize, u8)>,
-    /// Why the file could not be read; its text is empty then.
+    /// The reason why the file could not be read; its text is then empty.
     pub unread: Option<String>,
 }
 
@@ -124,8 +124,8 @@ impl SourceFile {
         self.directory.join(written).to_string_lossy().into_owned()
     }
 
-    /// The file's name without directory and extension: the model's name where it declares none. It is printed, so what
-    /// would steer a terminal is made visible.
+    /// The file's name without directory and extension: the model's name if it declares none. It is printed, so characters
+    /// that would control a terminal are made visible.
     pub fn stem(&self) -> String {
         let stem = Path::new(&self.name).file_stem().map(|stem| stem.to_string_lossy());
         stem.map_or_else(|| "model".into(), |stem| readable(&stem).into_owned())
@@ -149,7 +149,7 @@ fn floor_char_boundary(text: &str, offset: usize) -> usize {
     at
 }
 
-/// A place in a text as people count: from 1, columns in characters.
+/// A place in a text for people: counted from 1, columns in characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Position {
     pub line: usize,
@@ -160,7 +160,7 @@ pub struct Position {
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<SourceFile>,
-    /// What a `use` of a file leads to, by the file and the name as it writes it.
+    /// The target of each `use`, by the file and the name as written in it.
     used: HashMap<(FileId, String), FileId>,
 }
 

@@ -8,7 +8,7 @@ use super::dimension::{Angle, Dimension};
 use super::number::{Number, Rational};
 use std::ops::Range;
 
-/// What a number followed by a unit stands for.
+/// The meaning of a number followed by a unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unit {
     pub scale: Scale,
@@ -16,7 +16,7 @@ pub struct Unit {
     pub angle: Angle,
 }
 
-/// How the number and the SI value belong together.
+/// The relation between the number and the SI value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scale {
     /// value = number times factor.
@@ -28,15 +28,15 @@ pub enum Scale {
 /// Why a unit expression cannot be read. Ranges are bytes of its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum UnitError {
-    /// A word that is no unit.
+    /// A word that is not a unit.
     Unknown { word: Range<usize> },
-    /// `N/m*s`: the metre alone, or the metre and the second, below the line?
+    /// `N/m*s`: is only the metre in the denominator, or the second too?
     Ambiguous { tail: Range<usize> },
     /// Not of the form `N*s/m^2`.
     Malformed { at: Range<usize> },
     /// `dB` with other units.
     DecibelInProduct { word: Range<usize> },
-    /// A power beyond any use.
+    /// A power out of range.
     Power { at: Range<usize> },
 }
 
@@ -46,7 +46,7 @@ struct Entry {
     factor: Factor,
     dimension: Dimension,
     angle: Angle,
-    /// Whether SI prefixes go before it.
+    /// Whether it takes SI prefixes.
     prefixed: bool,
 }
 
@@ -143,7 +143,7 @@ pub fn parse(text: &str) -> Result<Unit, UnitError> {
         let end = text[at..].find(OPERATORS).map_or(text.len(), |offset| at + offset);
         product.times(text, at..end, divide)?;
         if end == text.len() {
-            // Told last: in `2 N/m*L` it is the `L` that is wrong.
+            // Reported last: in `2 N/m*L`, the mistake is the `L`.
             return ambiguous.map_or_else(|| Ok(product.unit()), Err);
         }
         divide = text[end..].starts_with('/');
@@ -173,7 +173,7 @@ struct Product {
 }
 
 impl Product {
-    /// Takes the factor at `range` in, such as `m^2`.
+    /// Multiplies by the factor at `range`, such as `m^2`.
     fn times(&mut self, text: &str, range: Range<usize>, divide: bool) -> Result<(), UnitError> {
         let part = &text[range.clone()];
         let (symbol, power) = symbol_and_power(part).ok_or(UnitError::Malformed { at: range.clone() })?;
@@ -189,7 +189,7 @@ impl Product {
         self.multiply(entry, prefix, power).ok_or(UnitError::Power { at: range })
     }
 
-    /// `None` where a power leaves its range.
+    /// `None` if a power leaves its range.
     fn multiply(&mut self, entry: &Entry, prefix: i32, power: i64) -> Option<()> {
         let exponent = i32::try_from(power).ok().filter(|_| power.abs() <= MAX_POWER)?;
         let one = &entry.factor.number() * &Number::from(10).powi(prefix)?;
@@ -293,10 +293,10 @@ const OTHER_WORDS: [(&str, &str); 34] = [
     ("percent", "%"),
 ];
 
-/// Prefixed units that a suggestion may name, beside those of the table.
+/// Prefixed units that a suggestion may name, in addition to those of the table.
 const COMMON: [&str; 14] = ["kg", "mg", "mm", "cm", "km", "um", "ms", "kN", "MN", "kPa", "MPa", "GPa", "kHz", "mrad"];
 
-/// What was probably meant by a word that is no unit: `hz` is `Hz`, `Nm` is `N*m`.
+/// The unit that was probably meant by an unknown word: `Hz` for `hz`, `N*m` for `Nm`.
 pub fn suggestion(word: &str) -> Option<String> {
     if let Some((_, meant)) = OTHER_WORDS.iter().find(|(other, _)| other.eq_ignore_ascii_case(word)) {
         return Some((*meant).to_string());
@@ -314,12 +314,12 @@ pub fn suggestion(word: &str) -> Option<String> {
         .map(str::to_string)
 }
 
-/// `Nm` as `N*m`, `kgm` as `kg*m`: forces and masses are the units that are written so.
+/// `Nm` as `N*m`, `kgm` as `kg*m`: only forces and masses are written like this.
 fn as_product(word: &str) -> Option<String> {
     let dimension = |symbol: &str| find(symbol).map(|(entry, _)| entry.dimension);
     let are_a_product = |first: &str, second: &str| {
         let (first, second) = (dimension(first), dimension(second));
-        // A mass times a mass is a slip of the finger: `kgg`.
+        // A mass times a mass is a typing error: `kgg`.
         [Some(Dimension::FORCE), Some(Dimension::MASS)].contains(&first) && second.is_some() && first != second
     };
     let mut splits = word.char_indices().skip(1).map(|(at, _)| word.split_at(at));

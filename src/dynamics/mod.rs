@@ -26,7 +26,7 @@ struct ByModes {
     spread: Result<Spread, AnalysisError>,
 }
 
-/// What is kept when the ratio is expressed as terms of C.
+/// The values that are kept when the ratio is expressed as terms of C.
 #[derive(Clone, Debug)]
 struct Spread {
     /// C without the ratio.

@@ -41,7 +41,7 @@ pub fn references(document: &Document, name: usize, with_declarations: bool) -> 
 /// The ranges to change for a new name; an error says why it cannot be used.
 pub fn rename(document: &Document, name: usize, new: &str) -> Result<Vec<Range<usize>>, String> {
     let Some((space, scope)) = document.roles[name].name() else { return Err("there is no name here".into()) };
-    // What is behind the name of a place, here and in other files, is not found by words alone.
+    // Names after the name of a place, here and in other files, cannot be found by words alone.
     let in_component = scope.is_some_and(|scope| document.keyword(scope) == "component");
     if in_component || matches!(space, Space::Places | Space::Components) {
         return Err("names of components and in them are not renamed: places in other files may refer to them".into());

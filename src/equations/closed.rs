@@ -1,4 +1,4 @@
-//! Natural frequencies in closed form, part by part: coordinates that no entry joins are parts of their own. In: the linearised equations;
+//! Natural frequencies in closed form, part by part: coordinates that no entry connects are separate parts. In: the linearised equations;
 //! out: for parts of one and two coordinates the characteristic polynomial in symbols and what solves it, for larger ones its numbers.
 
 use super::polynomial::{self, Polynomial};
@@ -13,11 +13,11 @@ pub struct Part {
     pub places: Vec<usize>,
     /// det(M s^2 + C s + K) by powers of s, the constant first; empty where it is too long or has no symbols.
     pub characteristic: Vec<Sum>,
-    /// The same with numbers, for parts of more coordinates.
+    /// The polynomials with numbers, for parts of more coordinates.
     pub numbers: Polynomial,
     /// det(K - omega^2 M) by powers of -omega^2, the constant first.
     pub undamped: Vec<Sum>,
-    /// What solves it, ascending.
+    /// The solutions, ascending.
     pub squares: Vec<Square>,
     /// c/(2 sqrt(k m)) of a single coordinate with damping.
     pub damping_ratio: Option<(Sum, Number)>,
@@ -99,7 +99,7 @@ fn determinant(entry: &impl Fn(usize, usize) -> Vec<Sum>, places: &[usize]) -> V
     }
 }
 
-/// What solves a_0 - a_2 omega^2 + a_4 omega^4 = 0.
+/// The solutions of a_0 - a_2 omega^2 + a_4 omega^4 = 0.
 fn squares(equations: &Equations, undamped: &[Sum]) -> Vec<Square> {
     let names = &equations.names;
     let quotient = |over: &Sum, under: &Sum| {

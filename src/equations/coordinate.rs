@@ -17,7 +17,7 @@ pub struct Coordinate {
     pub turns: bool,
     /// Displacement, velocity, acceleration.
     pub symbols: [Symbol; 3],
-    /// What the rest adds to it.
+    /// Its value at rest.
     pub rest: Sum,
     /// The input of a prescribed motion.
     pub input: Option<usize>,
@@ -49,7 +49,7 @@ pub fn label(names: &mut Names, coordinates: &[Coordinate], words: &Words) {
     }
 }
 
-/// What a textbook calls a coordinate.
+/// The symbol of a coordinate in textbooks.
 fn letter(coordinate: &Coordinate) -> &'static str {
     let prescribed = matches!(coordinate.owner, Part::Base(_));
     match (coordinate.motion, prescribed) {

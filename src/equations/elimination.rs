@@ -6,7 +6,7 @@ use crate::symbols::Sum;
 /// Left sides with right sides.
 pub type Rows = Vec<(Vec<Sum>, Vec<Sum>)>;
 
-/// Solves rows of (left, right) for so many unknowns; rows that say nothing new are left out, and unknowns beyond are zero.
+/// Solves rows of (left, right) for the given number of unknowns; dependent rows are ignored, undetermined unknowns are zero.
 pub fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Option<Vec<Vec<Sum>>> {
     let mut done: Rows = Vec::new();
     let mut pivots: Vec<usize> = Vec::new();

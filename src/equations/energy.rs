@@ -54,7 +54,7 @@ pub struct Energies {
     pub lengths: Lengths,
     /// For each input that is a force or torque: its name and the displacement that it does work on.
     pub works: Vec<Work>,
-    /// What each body adds to the kinetic energy, for messages.
+    /// The kinetic energy of each body, for messages.
     pub of_bodies: Vec<OfBody>,
 }
 
@@ -350,7 +350,7 @@ fn exact_pair(direction: &Vec3) -> Option<Pair> {
     Some([part(&direction.x)?, part(&direction.y)?])
 }
 
-/// What does not move, left out: it does no work.
+/// The energy without constant terms, which do no work.
 pub fn without_constants(energy: &Sum) -> Sum {
     let moves = |symbol: Symbol| is_motion(symbol);
     Sum::of_terms(energy.terms().iter().filter(|(product, _)| product.mentions(&moves)).cloned().collect())

@@ -13,13 +13,13 @@ pub enum EquationsError {
         coordinates: usize,
         most: usize,
     },
-    /// Kinetic energy would be summed from so many products.
+    /// Number of products in the kinetic energy.
     TooManyProducts {
         span: Span,
         products: usize,
         most: usize,
     },
-    /// Loops of so many constraint equations are not solved in symbols.
+    /// Number of constraint equations of loops that are not solved in symbols.
     LargeLoop {
         span: Span,
         equations: usize,

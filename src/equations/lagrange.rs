@@ -110,7 +110,7 @@ impl Line {
     }
 }
 
-/// What an element pulls with: k (e - e_free) + T, c e' or b e''.
+/// The force of an element: k (e - e_free) + T, c e' or b e''.
 pub fn pull(element: &Element, motion: &Motion) -> Sum {
     let none = Lengths::default();
     match (element.order, &element.stretch) {

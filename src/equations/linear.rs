@@ -23,7 +23,7 @@ pub struct Linear {
     pub lengths: Vec<(Symbol, Sum)>,
 }
 
-/// What an input does to each equation.
+/// The column of an input.
 #[derive(Clone, Debug)]
 pub struct Column {
     /// Among the inputs of the scene.
@@ -103,7 +103,7 @@ pub fn linear(motion: &Motion, energies: &Energies, equations: &[Equation], at_r
     linear
 }
 
-/// What springs, dampers and inerters along lines add.
+/// The contributions of springs, dampers and inerters along lines.
 fn lines(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest: &AtRest, linear: &mut Linear) {
     for (i, equation) in equations.iter().enumerate() {
         for line in &equation.lines {
@@ -148,7 +148,7 @@ fn line_entry(energies: &Energies, line: &super::lagrange::Line, by: Symbol, at_
     (elastic, geometric)
 }
 
-/// What bases and forces do to each equation: on the right side.
+/// The contributions of bases and forces to each equation, on the right side.
 fn columns(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest: &AtRest, linear: &mut Linear) {
     let none = Lengths::default();
     for coordinate in motion.coordinates.iter().skip(motion.free) {

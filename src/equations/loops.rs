@@ -47,7 +47,7 @@ pub struct Ratio {
 }
 
 impl Ratio {
-    /// The ratio as it stands in equations.
+    /// The ratio as written in equations.
     pub fn short(&self) -> Sum {
         self.name.map_or_else(|| self.form.clone(), Sum::name)
     }

@@ -1,7 +1,7 @@
 //! Equations of motion in the model's own symbols: from the checked scene, by the energies. Clause: docs/equations.md.
 //!
 //! # Steps
-//! 1. [`motion`]: where every point is, by a joint tree of its own
+//! 1. [`motion`]: where every point is, by an independent joint tree
 //! 2. [`energy`], [`constraint`]: kinetic energy, potential, dissipation, forces, constraint equations
 //! 3. [`lagrange`]: the equations of motion, nothing approximated
 //! 4. [`rest`]: what the rest has to fulfil, and its closed form where there is one
@@ -81,7 +81,7 @@ pub struct Linearised {
     pub damping: Vec<Vec<Entry>>,
     pub stiffness: Vec<Vec<Entry>>,
     pub inputs: Vec<Column>,
-    /// What dependent coordinates are in the independent ones and the prescribed motions, to first order.
+    /// The dependent coordinates in terms of the independent ones and the prescribed motions, to first order.
     pub dependent: Vec<(usize, Sum)>,
     /// Velocity ratios that have a name, each with its value in symbols.
     pub ratios: Vec<(Symbol, Sum)>,
@@ -100,7 +100,7 @@ pub struct Entry {
 pub const MOST_COORDINATES: usize = 200;
 pub const MOST_PRODUCTS: usize = 60_000;
 
-/// What one pass over the scene derives.
+/// The quantities derived in one pass over the scene.
 struct Derived {
     motion: Motion,
     energies: Energies,
@@ -187,7 +187,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     Ok(equations)
 }
 
-/// What is too large to be read is not written.
+/// Refuses scenes whose equations would be too long to read.
 fn refuse_large(scene: &Scene, lowered: &Lowered) -> Result<(), EquationsError> {
     let span = scene.bodies.first().map_or_else(no_span, |body| body.span);
     let coordinates = lowered.system.n() + lowered.rest.dependent.len();

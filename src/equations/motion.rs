@@ -1,7 +1,7 @@
 //! Where every point is, in the coordinates of the scene: its own joint tree, made from the scene as docs/method/kinematics.md#the-tree says and not
 //! from the lowering. In: the scene and what its numbers were written as; out: places of points and angles of parts as sums.
 //!
-//! A coordinate is measured from rest: at a rest away from the drawing it stands for `q_0 + q`.
+//! A coordinate is measured from rest: at a rest away from the drawing it means `q_0 + q`.
 
 use super::coordinate::{self, Coordinate};
 use super::names::Names;
@@ -35,7 +35,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// `rests` tells what the rest adds to a coordinate.
+    /// `rests` gives the value of a coordinate at rest.
     pub fn new(
         scene: &Scene,
         written: &Written,
@@ -303,7 +303,7 @@ impl<'a> Growth<'a> {
         Some(pieces)
     }
 
-    /// A part that stands on the ground, or a base.
+    /// A part on the ground, or a base.
     fn placed_piece(&self, number: usize, coordinates: &[Coordinate], own: &[usize], names: &Names) -> Option<Piece> {
         let (translations, centre) = match self.part(number) {
             Part::Ground => (&[][..], None),

@@ -12,7 +12,7 @@ pub mod class {
     pub const TENSION: u8 = 32;
     /// Lengths of springs and dampers.
     pub const LENGTH: u8 = 33;
-    /// The same at rest.
+    /// A length at rest.
     pub const REST_LENGTH: u8 = 34;
     /// Where a coordinate rests, measured from the drawing.
     pub const REST: u8 = 35;
@@ -20,7 +20,7 @@ pub mod class {
     pub const MULTIPLIER: u8 = 36;
     /// Velocity ratios that change with the motion.
     pub const RATIO: u8 = 38;
-    /// The same at rest, and ratios that are constant.
+    /// A ratio at rest, or one that is constant.
     pub const REST_RATIO: u8 = 39;
     pub const COORDINATE: u8 = 40;
     pub const VELOCITY: u8 = 41;

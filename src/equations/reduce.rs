@@ -105,7 +105,7 @@ fn at_rest_ratios(follows: &[Follow], index: usize, columns: &[usize]) -> Vec<Su
     columns.iter().map(ratio).collect()
 }
 
-/// What all dependent coordinates are to first order, solved for together.
+/// All dependent coordinates to first order, solved for together.
 fn all_together(
     motion: &Motion,
     constraints: &[Constraint],
@@ -256,7 +256,7 @@ fn reactions(
         debug_assert_eq!(equation.coordinate, *index);
         rows.push((slopes.collect(), vec![-&force]));
     }
-    // Constraints that depend on each other have no reactions of their own: the last ones are taken for zero.
+    // Constraints that depend on each other have no unique reactions: the last ones are set to zero.
     let unknowns = constraints.len().min(others.len());
     let solved = solve(rows, unknowns, names).ok_or(EquationsError::NoForm { span: constraints[0].span })?;
     for (constraint, row) in constraints.iter().zip(solved) {

@@ -52,7 +52,7 @@ impl Numbers {
     }
 }
 
-/// What the rest adds to a coordinate: nothing where the drawing is the rest.
+/// The value of a coordinate at rest: zero if the drawing is the rest.
 pub fn symbol(names: &mut Names, coordinate: &Coordinate, index: usize, numbers: &Numbers) -> Sum {
     let value = numbers.of(coordinate);
     if value.is_zero() {

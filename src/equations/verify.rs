@@ -1,4 +1,4 @@
-//! What is written is compared with what is computed: each entry with the lowered system, and the equations of motion with
+//! Compares the symbols with the numbers: each entry with the lowered system, and the equations of motion with
 //! derivatives of the energies at random states. A difference is a defect of this program, and is reported as one.
 //!
 //! d/dt dT/dq' at a state (q, q', q'') is the mixed derivative of T(q + b q', q' + a e_i + b q'') by a and b at zero: numbers with

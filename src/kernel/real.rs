@@ -1,4 +1,4 @@
-//! What generic algorithms need of a number. [`Real`]: f64, [`Dd`], [`Ball`] and [`Precise`](crate::kernel::triple::Precise),
+//! The operations that generic algorithms need of a number. [`Real`]: f64, [`Dd`], [`Ball`] and [`Precise`](crate::kernel::triple::Precise),
 //! whose constants and sums make complex numbers. [`Float`]: f64 and [`Dd`], which have an order and roots.
 //! [`Scalar`]: the numbers of elimination, real and complex.
 

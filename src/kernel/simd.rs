@@ -483,7 +483,7 @@ mod tests {
         }
     }
 
-    // Memory of their own, so that a sanitizer sees what goes beyond it.
+    // Separate allocations, so that a sanitizer detects accesses beyond them.
 
     #[test]
     #[should_panic]

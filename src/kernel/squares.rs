@@ -55,7 +55,7 @@ impl<W, A> Squares<W, A> {
         &self.factors
     }
 
-    /// The same rows with other numbers.
+    /// These rows with their numbers mapped.
     pub fn map<V, B>(&self, weight: impl FnMut(&W) -> V, factor: impl FnMut(&A) -> B) -> Squares<V, B> {
         Squares {
             weights: self.weights.iter().map(weight).collect(),

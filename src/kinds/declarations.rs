@@ -69,7 +69,7 @@ impl Declaration {
         self.pieces.iter().any(|piece| matches!(piece, Piece::Along))
     }
 
-    /// What its signal is measured in, if it can have one.
+    /// The dimensions of its signal, if it can have one.
     pub fn signal(&self) -> Option<&'static super::SignalKind> {
         self.pieces.iter().find_map(|piece| match piece {
             Piece::Signal(kind) => Some(*kind),
@@ -77,7 +77,7 @@ impl Declaration {
         })
     }
 
-    /// What the name after its keyword does.
+    /// The role of the name after its keyword.
     pub fn naming(&self) -> Option<Naming> {
         self.pieces.iter().find_map(|piece| match piece {
             Piece::Word(naming, _) | Piece::Name(naming, _) | Piece::Path(naming, _) => Some(*naming),

@@ -62,7 +62,7 @@ impl Function {
     }
 }
 
-/// What the signal of an input is measured in.
+/// The dimensions that the signal of an input may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SignalKind {
     pub amplitude: Expected,
@@ -87,7 +87,7 @@ pub const ANGLE_SIGNAL: SignalKind = SignalKind {
     impulse: Expected::new("an angle times a time", Dimension::TIME, "1 rad*s"),
 };
 
-/// What the signal of a base may be: the motion itself, its rate or its acceleration, in this order.
+/// The possible signals of a base: the motion itself, its rate or its acceleration, in this order.
 pub const TRANSLATION_SIGNALS: [SignalKind; 3] = [
     DISPLACEMENT_SIGNAL,
     SignalKind {

@@ -155,7 +155,7 @@ mod tests {
             (sources, file)
         }
 
-        /// What the parser and the check report, as users read it.
+        /// The messages of the parser and the check, as users read them.
         fn reported_messages(text: &str) -> Vec<String> {
             let (sources, file) = sources(text);
             let parsed = syntax::parse(&sources, file);

@@ -3,7 +3,7 @@
 use super::SignalKind;
 use crate::base::Dimension;
 
-/// What a name stands for (spec.md#names): values and parts have a name space each.
+/// The kind of thing that a name denotes (spec.md#names): values and parts have separate name spaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Space {
     /// Parameters, points and indices.

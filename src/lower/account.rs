@@ -1,5 +1,5 @@
 //! An account of what lowering kept of a scene, what it left out, and why. In: a checked scene and its lowering. Out:
-//! lists for users. They are made on demand only, so that a scene that nobody asks about does not pay for them. See
+//! lists for users. They are made on demand only, so that other runs do not pay for them. See
 //! docs/method/system.md#only-what-the-scene-needs.
 //!
 //! Nothing is left out that could change an answer: only terms whose row is zero, weights that do no work, properties
@@ -15,7 +15,7 @@ use crate::model::CheckedScene;
 use crate::model::scene::{Body, BodyId, Element, InputKind, Part, Scene};
 use crate::system::{Form, LinearSystem, Origin};
 
-/// What lowering kept of a model, and what it left out.
+/// The parts of a model that lowering kept and left out.
 #[derive(Clone, Debug, Default)]
 pub struct Account {
     pub kept: Vec<Remark>,

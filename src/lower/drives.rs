@@ -51,7 +51,7 @@ fn of_signal(signal: &scene::Signal, course: Course) -> Result<Option<Signal>, L
     }))
 }
 
-/// The integral of a signal, taken so many times from zero at t = 0, as a sum of signals.
+/// The repeated integral of a signal, from zero at t = 0, as a sum of signals.
 fn integral(signal: Signal, times: u8) -> Vec<Signal> {
     match (signal, times) {
         (signal, 0) => vec![signal],
@@ -69,7 +69,7 @@ fn integral_of_harmonic(value: Number, frequency: Number, phase: Number, at: Num
     // A phase without digits left is one of an unknown sine.
     let sine = |angle: &Number| angle.sin_cos().map_or(Number::Ball(Ball::ZERO.widen(1.0)), |(sine, _)| sine);
     let Some(size) = value.checked_div(&omega) else {
-        // It stands at its first value.
+        // It keeps its first value.
         return integral(Signal::Step { value: &value * &sine(&phase), at }, times);
     };
     let phase = &phase - &(&Number::pi() / &Number::from(2));

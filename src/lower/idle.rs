@@ -1,5 +1,5 @@
 //! Springs, dampers and inputs without effect. In: the items for which the assembly found no place in the system. Out: a
-//! warning for each declaration that tells how it was read. See spec.md#springs-and-dampers.
+//! warning for each declaration, which says how it was read. See spec.md#springs-and-dampers.
 
 use super::assembly::Idle;
 use super::kinematics::Kinematics;

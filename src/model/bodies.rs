@@ -297,8 +297,8 @@ impl<'a> Check<'a> {
         })
     }
 
-    /// What moves in the scene along lines. Of two axes of a turned component it moves along both axes of the scene; a line is
-    /// the scene's x or y where it is parallel to one of these.
+    /// The directions along which a body moves in the scene. A body that moves along both axes of a turned component moves along
+    /// both axes of the scene; a line parallel to the scene's x or y is that axis.
     fn translations(
         &mut self,
         field: Option<&'a Field>,
@@ -411,7 +411,7 @@ impl<'a> Check<'a> {
     }
 }
 
-/// Whether a line has a positive sense: a base moves as it is told, a body either way.
+/// Whether a line has a positive sense: a base moves as prescribed, a body in either direction.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Lines {
     OfBody,

@@ -30,7 +30,7 @@ pub struct Count {
 }
 
 impl Count {
-    /// Adds what stands in a body itself, so many times.
+    /// Adds the counts of a block itself, multiplied by the number of its repetitions.
     pub fn add(&mut self, body: &[Decl], times: u64) {
         let number = |is: fn(&DeclKind) -> bool| body.iter().filter(|decl| is(&decl.kind)).count() as u64;
         let own = number(|kind| !matches!(kind, DeclKind::Repeat { .. })).max(1);
@@ -52,7 +52,7 @@ impl Count {
     }
 }
 
-/// The name that a declaration declares, and a function from the index of the instance to what the name stands for.
+/// The name that a declaration declares, and a function from the index of the instance to the declared item.
 type Declares = Option<(Ident, fn(u32) -> Part)>;
 
 /// The instances of each kind, in order.
@@ -97,7 +97,7 @@ impl<'a> Check<'a> {
         self.tie_ports();
     }
 
-    /// Unrolls a `repeat` that stands in no other if what it unrolls to is not too much.
+    /// Unrolls an outermost `repeat`, if the result is not too large.
     pub fn count_and_unroll(&mut self, repeat: &'a Repeat, environment: Environment) {
         let mut counted = self.counted;
         match self.count(repeat, environment, &mut counted) {

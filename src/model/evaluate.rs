@@ -455,7 +455,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The name that an identifier stands for; its word is added to the table of words.
+    /// The name that an identifier denotes; its word is added to the table of words.
     pub fn name(&mut self, ident: Ident, environment: Environment) -> Evaluated<Name> {
         let symbol = match self.known_symbol(ident.span, environment) {
             Some(symbol) => symbol,

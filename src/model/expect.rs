@@ -79,7 +79,7 @@ impl<'a> Check<'a> {
         self.turned(own, environment)
     }
 
-    /// The same in the axes of the component that it is written in.
+    /// The direction in the axes of the component in which it is written.
     pub fn own_direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
         self.cached(
             expr,

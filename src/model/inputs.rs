@@ -96,7 +96,7 @@ impl<'a> Check<'a> {
             return self.fail(environment, PartError::NoEndTurns { span, torsional: None });
         }
         if self.reverses(environment)? {
-            // Counter-clockwise in a component that is mirrored: what acts on the second end acts the other way.
+            // Counter-clockwise in a component that is mirrored: the torque on the second end has the opposite sign.
             if let [one] = &ends[..] {
                 ends.push(Attachment { part: Part::Ground, at: None, span: one.span });
             }

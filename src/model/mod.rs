@@ -228,9 +228,9 @@ struct Check<'a> {
     lacks_components: bool,
     frames: Vec<Frame>,
     ports: Vec<Port>,
-    /// What the parameters of components are like.
+    /// The dimensions of the parameters of components.
     formals_like: Table<(u32, u32), Evaluated<Option<Scalar>>>,
-    /// Bodies whose line is that of their component the other way.
+    /// Bodies whose line is that of their component in the opposite direction.
     reversed: HashSet<BodyId>,
     walk: Walk,
     memory: Cache,

@@ -239,7 +239,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// `rod.angle`, `rod@(0, -2 m).x`, `s.force`, `front.wheel.y`: what stands before the word of the motion, and that word.
+    /// `rod.angle`, `rod@(0, -2 m).x`, `s.force`, `front.wheel.y`: the path before the word of the motion, and that word.
     fn member(&mut self, base: ExprId, word: Span, environment: Environment) -> Evaluated<Piece> {
         let node = *self.tree.expr(base);
         let (owner, at) = match node.kind {
@@ -382,7 +382,7 @@ impl<'a> Check<'a> {
         word: Span,
         environment: Environment,
     ) -> Evaluated<(Motion, Dimension)> {
-        // At rest the tension does not change, and has a value of its own.
+        // The tension at rest is constant and is not part of the motion.
         let reads_rest = self.reads_rest;
         let name_of = |entry: &(ElementMotion, &'static str, &'static str)| match entry.0 {
             ElementMotion::Force if reads_rest => "tension",

@@ -35,7 +35,7 @@ pub struct Given {
     trials: Table<Name, Scalar>,
     /// Every name in order of mention, with its place.
     names: Vec<(Name, Span)>,
-    /// The same as written, the names of tables around it included.
+    /// The words as written, including the names of the enclosing tables.
     words: Vec<String>,
 }
 

@@ -29,13 +29,13 @@ pub struct FrameId(pub u32);
 /// A component at one of its places.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// What the names inside stand in.
+    /// The space of the names inside.
     pub place: Place,
-    /// `None` where it is not known which, or where something is wrong with the arguments: nothing is said about what is inside.
+    /// `None` if it is unknown or its arguments are wrong: then nothing inside it is reported.
     pub component: Option<u32>,
     /// Where the `place` stands.
     pub outer: Environment,
-    /// What the component's declarations see.
+    /// The environment of the component's declarations.
     pub inside: Environment,
     /// The name that the `place` declares.
     pub span: Span,
@@ -134,7 +134,7 @@ fn is_motion(word: &str) -> bool {
 impl<'a> Check<'a> {
     // ---- Files and components, before anything is placed ----
 
-    /// What is wrong with `use` lines and with components, wherever they are placed.
+    /// Reports errors of `use` lines and of components, independent of their places.
     pub fn components(&mut self) {
         let tree = self.tree;
         if tree.components.is_empty() && tree.uses.is_empty() {
@@ -219,7 +219,7 @@ impl<'a> Check<'a> {
         if let Some(&other) = self.known.by_name.get(&(file, word)) {
             let other = self.tree.component(other).name;
             let own = if at == component.name { Vec::new() } else { vec![component.name] };
-            // Where the file has one of its own, that is the one to rename.
+            // If the file declares one itself, that is the one to rename.
             let (span, others) = match other.file() == file && at != component.name {
                 true => (other, own),
                 false => (at, std::iter::once(other).chain(own).collect()),
@@ -266,7 +266,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// What may not stand in a component, and names that it may not declare.
+    /// Reports declarations that a component may not contain, and names that it may not declare.
     fn component_body(&mut self, body: &'a [Decl]) {
         const WHOLE: (&str, &str) =
             ("it holds for the whole scene", "declare it in the scene, outside of the component");
@@ -374,7 +374,7 @@ impl<'a> Check<'a> {
                 }
             }
         }
-        // What contains a broken one cannot be placed either.
+        // A component that contains a broken one cannot be placed either.
         let mut changed = true;
         while std::mem::take(&mut changed) {
             for (index, inner) in contained.iter().enumerate() {
@@ -406,7 +406,7 @@ impl<'a> Check<'a> {
 
     // ---- Places ----
 
-    /// What the names of an environment stand in.
+    /// The space of the names of an environment.
     pub fn place_of(&self, environment: Environment) -> Place {
         self.environments.frame(environment).map_or(Place::SCENE, |frame| self.frame(frame).place)
     }
@@ -621,7 +621,7 @@ impl<'a> Check<'a> {
         let (span, group) = (formal.name, Group::of_component(component));
         let symbol = self.words.intern(self.sources.slice(span));
         let name = Name::plain(symbol).within(place);
-        // What has a name twice was reported for the component.
+        // Duplicate names were reported for the component.
         match (formal.kind, given) {
             (FormalKind::Port, Some(argument)) => {
                 let port = scope::Part::Port(self.ports.len() as u32);
@@ -666,7 +666,7 @@ impl<'a> Check<'a> {
         like
     }
 
-    /// One of a unit as it stands in the brackets of a component.
+    /// One of a unit as written in the brackets of a component.
     fn of_unit(&mut self, span: Span, environment: Environment) -> Evaluated<Scalar> {
         let text: &'a str = self.sources.slice(span);
         if text == "1" {
@@ -695,7 +695,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The same for a place; may be called in the middle of a walk.
+    /// The frame of a place with its position; may be called in the middle of a walk.
     pub fn placed_frame(&mut self, id: FrameId) -> Evaluated<Arc<Placed>> {
         if let Some(placed) = &self.frame(id).placed {
             return placed.clone();
@@ -969,7 +969,7 @@ impl<'a> Check<'a> {
             ExprKind::Member { base, .. } => (node.span, Some(base)),
             _ => (self.word_of(node.span), None),
         };
-        // What stands before that may be no place already.
+        // The word before it may already not be a place.
         if let Some(inner) = inner {
             let frame = self.frame_before(inner, environment)?;
             if self.frame(frame).component.is_none() {

@@ -353,7 +353,7 @@ pub struct Initial {
 
 #[derive(Clone, Debug)]
 pub enum Damping {
-    /// The same damping ratio for every mode.
+    /// One damping ratio for every mode.
     Modal { ratio: Number, span: Span },
     /// C = alpha M + beta K, 1/s and s.
     Rayleigh { alpha: Number, beta: Number, span: Span },
@@ -485,7 +485,7 @@ pub enum Arithmetic {
 }
 
 impl<M> Combined<M> {
-    /// The same expression of other things.
+    /// The expression with its operands mapped.
     pub fn map<N>(&self, f: &mut impl FnMut(&M) -> N) -> Combined<N> {
         match self {
             Combined::Measure(measure) => Combined::Measure(f(measure)),

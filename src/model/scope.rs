@@ -161,11 +161,11 @@ pub enum Part {
     Place(FrameId),
     /// A part that a component ties to.
     Port(u32),
-    /// What a port may be, beside bodies and bases.
+    /// The ground, a possible target of a port like bodies and bases.
     Ground,
 }
 
-/// What shares the words that messages suggest: the scene, or a component at all its places.
+/// The scope of the words that messages suggest: the scene, or a component at all its places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Group(u32);
 

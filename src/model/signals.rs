@@ -19,7 +19,7 @@ const TIME: Expected = Expected::new("a time", Dimension::TIME, "0.5 s");
 const SPEED: Expected = Expected::new("a speed", Dimension::VELOCITY, "20 m/s");
 const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "30 deg");
 
-/// What drives an input.
+/// The signals that drive an input.
 #[derive(Debug, Default)]
 pub struct Signals {
     pub list: Vec<Signal>,
@@ -139,7 +139,7 @@ impl<'a> Check<'a> {
         Ok(found.and_then(|found| kinds.iter().position(|kind| of(kind).dimension == found)))
     }
 
-    /// Adds the signals that a call stands for.
+    /// Adds the signals that a call denotes.
     fn signal_of(
         &mut self,
         called: &Called,
@@ -268,7 +268,7 @@ fn pulse(signal: functions::Signal, value: Number, from: Number, to: Number) -> 
     use functions::Signal as Word;
     let duration = &to - &from;
     let at = from.clone();
-    // So many half turns on the way.
+    // Number of half turns in between.
     let wave = |value: Number, halves: i64, phase: Number| {
         let frequency = &Number::from(halves) / &(&duration * &Number::from(2));
         let (from, to, at, duration) = (frequency.clone(), frequency, at.clone(), duration.clone());

@@ -28,10 +28,10 @@ const ACCELERATIONS: [&str; 7] = ["acceleration", "accel", "acc", "beschleunigun
 /// Lower-case words of a heading that name a velocity.
 const VELOCITIES: [&str; 5] = ["velocity", "vel", "geschwindigkeit", "speed", "v"];
 
-/// What a model says of a table that it names.
+/// The unit and speed that a model gives for a table.
 pub struct TableRequest<'e> {
     pub named: Span,
-    /// What a 1 in the table stands for, SI, and where it is written.
+    /// The SI value of a 1 in the table, and where it is written.
     pub unit: Option<(Number, Span)>,
     /// The first column is a distance that is covered at this speed, m/s.
     pub speed: Option<Number>,

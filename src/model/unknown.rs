@@ -71,7 +71,7 @@ impl<'a> Check<'a> {
         NameError::UnknownValue { span: word, word: text.to_string(), suggestion, help }
     }
 
-    /// What a word is that was used like a parameter.
+    /// Describes a word that was used like a parameter.
     fn describe_as_value(&self, text: &str, environment: Environment) -> Option<String> {
         if self.outside {
             return Some("a value from outside cannot use names of the model: write a number with its unit".into());

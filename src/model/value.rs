@@ -80,7 +80,7 @@ impl Scalar {
         Scalar { cycles: -1.0, ..Scalar::new(Quantity::plain(Number::pi())) }
     }
 
-    /// The same value with this many cycles as factors; a value in radians has none.
+    /// This value with this many cycles as factors; a value in radians has none.
     fn of_cycles(self, cycles: f64) -> Scalar {
         let is_angle = self.quantity.angle == Angle::Radians;
         Scalar { cycles: if is_angle { 0.0 } else { cycles }, ..self }
@@ -375,7 +375,7 @@ fn extreme(values: &[Value], largest: bool) -> Result<Value, Fault> {
 }
 
 fn extreme_of_two(a: &Value, b: &Value, largest: bool) -> Result<Value, Fault> {
-    // The sum tells whether they can be compared, and gives the dimension and the angle.
+    // Their sum exists if they can be compared, and gives the dimension and the angle.
     let Value::Scalar(mut result) = add(a, b)? else { return Ok(a.clone()) };
     let (p, q) = (&quantity(a)?.si, &quantity(b)?.si);
     result.quantity.si = match q.compare(p) {

@@ -50,7 +50,7 @@ impl Written {
     }
 }
 
-/// A name that stands for a number.
+/// A name of a number.
 #[derive(Clone, Debug)]
 pub struct Named {
     pub symbol: Symbol,

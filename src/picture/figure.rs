@@ -86,7 +86,7 @@ impl Ride {
     }
 }
 
-/// What a glyph stands for.
+/// The kind of item that a glyph represents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     Rod,

@@ -1,5 +1,5 @@
-//! The scene as a figure of a textbook: where everything stands on the page, what it is drawn as, and where its name is
-//! written. In: a checked scene, and how its parts stand at rest or move in a mode; out: a [`Figure`], a plain value that
+//! The scene as a textbook figure: the layout of the page, the glyphs, and the places of the names.
+//! In: a checked scene, and the poses of its parts at rest or in a mode; out: a [`Figure`], a plain value that
 //! a backend writes. See docs/draw.md.
 //!
 //! # Steps

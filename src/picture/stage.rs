@@ -40,7 +40,7 @@ impl<'a> Stage<'a> {
         Stage { layout, moved: Vec::new(), amount: 0.0 }
     }
 
-    /// At rest, moved by so many times the shape.
+    /// At rest, displaced by a multiple of the shape.
     pub fn at(parts: Parts, layout: &'a Layout, poses: &Poses, amount: f64) -> Stage<'a> {
         let pieces = pieces(poses, amount);
         let moved = (0..parts.count()).map(|number| {

@@ -16,7 +16,7 @@ use crate::model::scene::{Parameter, Question, Require};
 const MOST_TRIED: usize = 200;
 /// At most this many parameters are searched for a value.
 const MOST_ADVISED: usize = 4;
-/// At most this many parameters are tried if the requirement has no number that gives a direction.
+/// Maximum number of parameters that are tried if the requirement has no slope.
 const MAX_FACTORS: usize = 12;
 /// A value more than this many times the present one is not worth advising.
 const MOST_RAISED: f64 = 1000.0;

@@ -19,11 +19,11 @@ pub struct Solved {
     pub unit: Written,
     /// Bound of |value - root|, SI; `None` if none is proven.
     pub bound: Option<f64>,
-    /// What is known of other values in the range.
+    /// Whether other values in the range are excluded.
     pub others: Others,
     /// The measure as written.
     pub measure: String,
-    /// What the measure should be, and the unit in which that is shown.
+    /// The wanted value of the measure, and the unit in which it is shown.
     pub target: Number,
     pub target_unit: Written,
     /// Whether measure and target are frequencies written in rad/s.

@@ -16,7 +16,7 @@ pub struct Part {
     pub high: Dd,
 }
 
-/// What is known about the rest of a range, apart from the roots that were found.
+/// The status of the rest of a range, apart from the roots that were found.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rest {
     /// There is no other root in it.
@@ -36,7 +36,7 @@ const SILENT: usize = 48;
 /// At most this many parts are reported.
 const MOST_PARTS: usize = 8;
 
-/// What is needed to settle parts of a range.
+/// The measure as functions of parts and of numbers, which decide parts of a range.
 pub struct Cover<'a> {
     /// The measure over a part.
     pub over: &'a dyn Fn(Ball) -> RangeEnclosure,

@@ -1,4 +1,4 @@
-//! What a model asks: parameters to be solved for, requirements, and which parameters affect them. In: the text, which is
+//! The questions of a model: parameters to be solved for, requirements, and which parameters affect them. In: the text, which is
 //! evaluated with parameters at other values. Out: the scene with the parameters that were solved for, and an answer or a
 //! finding for each line. See docs/method/measures.md.
 //!

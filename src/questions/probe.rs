@@ -10,7 +10,7 @@ use crate::lower::{Lowered, Readout};
 use crate::model::scene::{Combined, Measure, MotionTerm, Question, Scene, Signal};
 use crate::system::{LinearSystem, Signal as DrivenBy};
 
-/// What to measure of the system.
+/// The measure to be computed from the system.
 #[derive(Clone, Debug)]
 pub enum Probe {
     Frequency(usize),

@@ -9,7 +9,7 @@ use crate::kernel::complex::Complex;
 use crate::model::scene::Question;
 use crate::system::Signal;
 
-/// What is known about a measure over a range of a parameter.
+/// An enclosure of a measure over a range of a parameter.
 #[derive(Clone, Debug)]
 pub struct RangeEnclosure {
     /// A number that is zero wherever the measure is at its target, and its derivative.
@@ -126,7 +126,7 @@ fn reach(moved: &[Moved], radius: &[f64]) -> (f64, f64) {
 }
 
 impl QuestionOverRange<'_> {
-    /// What is known about the measure over the range that the family stands for.
+    /// Encloses the measure over the range of the family.
     pub fn enclose_measure(&self) -> RangeEnclosure {
         let test =
             |test: Option<Jet>| RangeEnclosure { test, course: None, apart: false, hopeless: self.family.is_none() };

@@ -28,7 +28,7 @@ pub struct Text<'a> {
     pub until: Option<&'a Number>,
 }
 
-/// What measures of signals need in addition to the system.
+/// The data that measures of signals need in addition to the system.
 #[derive(Clone, Debug, Default)]
 pub struct Context {
     pub drives: Vec<Vec<Signal>>,
@@ -36,7 +36,7 @@ pub struct Context {
     pub until: Option<Number>,
 }
 
-/// What is already known about a scene and need not be computed again.
+/// Results about a scene that need not be computed again.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Facts<'a> {
     pub system: Option<&'a WrittenOut>,
@@ -106,7 +106,7 @@ impl Text<'_> {
         found.ok()?
     }
 
-    /// What is known about the measure of a question while some of the values are ranges ([`crate::base::Jet`]).
+    /// Encloses the measure of a question while some of the values are ranges ([`crate::base::Jet`]).
     pub fn enclose_over<T>(
         &self,
         values: &[Setting],

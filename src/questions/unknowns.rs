@@ -66,7 +66,7 @@ pub struct Unknowns<'a> {
     pub values: Vec<Number>,
     /// Bounds of the distances from the roots, SI; `None` if none is proven.
     pub within: Vec<Option<f64>>,
-    /// What is known about other values in the ranges.
+    /// Whether other values in the ranges are excluded.
     pub others: Vec<Others>,
     /// Number of values at which each was evaluated.
     pub evaluations: Vec<usize>,
@@ -131,7 +131,7 @@ impl<'a> Unknowns<'a> {
         self.differences(&[equation], &values).pop().unwrap_or(Difference::None(String::new()))
     }
 
-    /// What is known about an equation's measure while one unknown lies in a range.
+    /// Encloses an equation's measure while one unknown lies in a range.
     pub fn enclose_over(&self, equation: usize, unknown: usize, range: Ball) -> RangeEnclosure {
         let mut values = self.values.clone();
         values[unknown] = Jet::of_parameter(range);

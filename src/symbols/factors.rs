@@ -31,7 +31,7 @@ pub(super) fn content(terms: &[(Product, Rational)]) -> (Sum, Sum) {
         return (Sum::term(first.clone(), leading.clone()), Sum::one());
     }
     let mut shared: Vec<(Factor, i32)> = first.0.iter().filter(|(factor, _)| !factor.is_wave()).cloned().collect();
-    // A factor that only some terms are divided by is taken out too: nobody writes quotients within quotients.
+    // A divisor of only some terms is factored out too, so that there are no quotients within quotients.
     for (product, _) in others {
         for (factor, exponent) in &product.0 {
             if *exponent < 0 && !shared.iter().any(|(known, _)| known == factor) && first.exponent(factor) == 0 {

@@ -4,7 +4,7 @@ use super::{Sum, Symbol};
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-/// What a product is made of. The order of the variants is the order of factors.
+/// A factor of a product. The order of the variants is the order of factors.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Factor {
     Pi,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 const MOST_FACTOR: i64 = 1000;
 
 impl Sum {
-    /// The square root. Squares of numbers are taken out; those of names are not, whose sign nobody knows here.
+    /// The square root. Squares of numbers are taken out; those of names are not, because their sign is unknown here.
     pub fn root(&self) -> Sum {
         if self.is_zero() {
             return Sum::ZERO;
@@ -52,7 +52,7 @@ impl Sum {
 
 /// Term by term: the first is a square, each further one is what is left over twice the first.
 fn root_of_several(square: &Sum, terms: &[(Product, Rational)]) -> Option<Sum> {
-    /// Roots of so many terms are looked for.
+    /// Maximum number of terms of a root that is searched for.
     const MOST_TERMS: usize = 6;
     // The greatest product is the square of the greatest.
     let greatest = |terms: &[(Product, Rational)]| terms.iter().max_by(|a, b| a.0.by_degree(&b.0)).cloned();
@@ -72,7 +72,7 @@ fn root_of_several(square: &Sum, terms: &[(Product, Rational)]) -> Option<Sum> {
     (square - &root.square()).is_zero().then_some(root)
 }
 
-/// The same, numerator and denominator each on its own: what stands beside names stays a quotient.
+/// The root of numerator and denominator separately: factors next to names stay a quotient.
 fn split_parts(number: &Rational) -> (Rational, Rational) {
     let Some((numerator, denominator)) = number.to_fraction() else { return (Rational::ONE, number.clone()) };
     let (over, inside) = split_square(&Rational::from(numerator));

@@ -191,7 +191,7 @@ impl Sum {
         parts.into_iter().map(|(chosen, terms)| (chosen, Sum::of_terms(terms))).collect()
     }
 
-    /// The same with names replaced.
+    /// The sum with names replaced.
     pub fn replaced(&self, by: &impl Fn(Symbol) -> Option<Sum>) -> Sum {
         let mentioned = |symbol: Symbol| by(symbol).is_some();
         let mut kept = Vec::new();
@@ -222,7 +222,7 @@ impl Factor {
         }
     }
 
-    /// A whole sum stands for itself here, its exponent says that it is divided by.
+    /// A whole sum as a factor; its exponent says that it is a divisor.
     fn replaced(&self, by: &impl Fn(Symbol) -> Option<Sum>) -> Sum {
         match self {
             Factor::Pi => Sum::pi(),

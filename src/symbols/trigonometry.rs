@@ -60,7 +60,7 @@ fn quarters(turns: &Rational) -> (u8, Rational) {
 }
 
 impl Sum {
-    /// The same with sines of 30, 45 and 60 degrees written as numbers and roots. Before, they are kept: products with other sines
+    /// The sum with sines of 30, 45 and 60 degrees written as numbers and roots. Before, they are kept: products with other sines
     /// then find the angles that add up.
     pub fn evaluated(&self) -> Sum {
         let is_constant =

@@ -24,7 +24,7 @@ pub(super) enum Built {
     Head(Head),
 }
 
-/// What stands before the `{` of a body of declarations, which follow one by one.
+/// The head of a block of declarations, before its `{`.
 pub(super) enum Head {
     Repeat(RepeatHead),
     Component(ComponentHead),

@@ -112,7 +112,7 @@ pub enum Intent {
     Nothing,
 }
 
-/// What the grammar expects at a place.
+/// The tokens that the grammar expects at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expected {
     /// A blank after a keyword.
@@ -143,7 +143,7 @@ pub enum Expected {
 pub enum Remark {
     /// How the declaration is written.
     Form(&'static Declaration),
-    /// What to type instead of a look-alike character.
+    /// The replacement of a look-alike character.
     Write(&'static str),
     Plus,
     Power,

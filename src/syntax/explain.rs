@@ -69,7 +69,7 @@ pub(super) fn quoted_source(thing: &str) -> String {
     }
 }
 
-/// What to type instead of a character that looks like one of the language.
+/// The character of the language that a look-alike should be replaced by.
 fn look_alike(c: char) -> Option<&'static str> {
     Some(match c {
         '\u{2212}' | '\u{2010}'..='\u{2015}' => "`-`",
@@ -142,7 +142,7 @@ impl Reader<'_> {
         self.at += self.rest().bytes().take_while(|b| matches!(b, b' ' | b'\t' | b'\r')).count();
     }
 
-    /// The problem that something else than `expected` stands at the current position.
+    /// The problem that something other than `expected` is at the current position.
     fn problem(&self, expected: Expected) -> Problem {
         let remark = self.remark(expected);
         let at = match remark {
@@ -157,7 +157,7 @@ impl Reader<'_> {
         Problem { remark, ..self.problem(expected) }
     }
 
-    /// The hint for what stands at the current position instead of what is expected.
+    /// The hint for the text at the current position, where something else is expected.
     fn remark(&self, expected: Expected) -> Remark {
         let Some(next) = self.next() else {
             let operator = matches!(self.last_visible(), Some('+' | '-' | '*' | '/' | '^' | '=' | '<' | '>' | ','));
@@ -276,7 +276,7 @@ impl Reader<'_> {
         })
     }
 
-    /// What comes first after the keyword and its blank.
+    /// The first token after the keyword and its blank.
     fn first(&self) -> Expected {
         match self.declaration.pieces.get(1) {
             Some(Piece::Word(_, whose) | Piece::Name(_, whose) | Piece::Path(_, whose)) => Expected::Name(whose),

@@ -53,7 +53,7 @@ pub fn parse(sources: &Sources, file: FileId) -> Parsed {
         if is_model {
             parsed.errors.extend(more.errors);
         } else {
-            // Nothing of it is a declaration: what it holds is nobody's business.
+            // No part of it is a declaration, so its contents are not shown.
             parsed.tree.broken.retain(|span| span.file() != used);
             parsed.tree.no_models.push(used);
         }

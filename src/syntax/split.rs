@@ -192,7 +192,7 @@ impl<'a> Pieces<'a> {
         None
     }
 
-    /// Steps over a comment on a line of its own or after a declaration. On a line of its own, three slashes make it
+    /// Steps over a comment on a separate line or after a declaration. On a separate line, three slashes make it
     /// documentation.
     fn comment_between(&mut self) -> Option<Range<usize>> {
         let start = self.at;

@@ -154,7 +154,7 @@ pub struct Component {
     pub body: Vec<Decl>,
 }
 
-/// What a component takes at its places.
+/// A port or a parameter of a component.
 #[derive(Clone, Copy, Debug)]
 pub struct Formal {
     pub name: Span,
@@ -452,7 +452,7 @@ impl Tree {
         self.docs.push(((doc.file(), decl_start as u32), doc));
     }
 
-    /// What follows is parsed from another file.
+    /// Sorts the doc comments of this file by position, before another file is parsed.
     pub(super) fn sort_docs(&mut self) {
         self.docs.sort_unstable_by_key(|(start, _)| *start);
     }

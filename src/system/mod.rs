@@ -33,7 +33,7 @@ pub struct Coordinate {
     pub span: Span,
 }
 
-/// What a coordinate measures, which decides its unit: m or rad.
+/// The kind of a coordinate, which decides its unit: m or rad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateKind {
     Translation,

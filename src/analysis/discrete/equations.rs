@@ -43,9 +43,9 @@ pub struct Stretch {
 /// Why there are no equations.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoEquations {
-    /// A coordinate that has no mass of its own.
+    /// A coordinate without mass.
     Massless { coordinate: String },
-    /// Inertia couples so many coordinates that L has too many numbers for emitted code.
+    /// Inertia couples too many coordinates: L has too many numbers for emitted code.
     TooMany,
     /// A number outside the range of the precision.
     OutOfRange { precision: &'static str },

@@ -1,4 +1,4 @@
-//! Exact elimination of motions without inertia: they follow the others without any force of their own.
+//! Exact elimination of motions without inertia: they follow the others without adding a force.
 //!
 //! In: M, K and independent exact null vectors of M. Out: forms M', K' on fewer coordinates, and the way back.
 //!
@@ -44,7 +44,7 @@ struct Square {
     row: Row,
 }
 
-/// Why motions cannot be eliminated; each variant names the coordinate that stands for one of them.
+/// Why motions cannot be eliminated; each variant names a coordinate of one of them.
 pub enum Stuck {
     /// The coordinate cannot be eliminated on its own.
     Undetermined(usize),

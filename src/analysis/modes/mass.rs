@@ -37,7 +37,7 @@ pub fn doubtful(terms: &Terms, n: usize) -> Option<usize> {
     (0..n).find(|&i| doubt[i] > 0.0 && doubt[i] >= size[i].abs())
 }
 
-/// Whether nothing stands beside the diagonal.
+/// Whether all off-diagonal entries are zero.
 pub fn is_diagonal(matrix: &Matrix<Dd>) -> bool {
     (0..matrix.columns()).all(|j| matrix.column(j).iter().enumerate().all(|(i, x)| i == j || x.is_zero()))
 }

@@ -77,7 +77,7 @@ fn numbers(n: usize, parts: &[Part]) -> Vec<usize> {
     number
 }
 
-/// A part as a system of its own: without inputs and outputs, its coordinates numbered by `local`.
+/// A part as a separate system: without inputs and outputs, its coordinates numbered by `local`.
 pub fn as_system(system: &LinearSystem, part: &Part, local: &[u32]) -> LinearSystem {
     LinearSystem {
         words: system.words.clone(),

@@ -178,7 +178,7 @@ fn assembled(form: &Form, terms: &[u32], local: &[u32], n: usize) -> Option<Vec<
 }
 
 /// The roots of a polynomial without repeated or zero roots: one of each conjugate pair and the real ones (marked),
-/// ascending in magnitude, each in a disc of its own.
+/// ascending in magnitude, each in a separate disc.
 fn roots(f: &Polynomial) -> Option<Vec<(Complex<Ball>, bool)>> {
     if f.degree() == 0 {
         return Some(Vec::new());

@@ -22,7 +22,7 @@ pub struct PoleList {
     tally: Tally,
     /// Index at which the current part begins.
     first: usize,
-    /// Indices at which the poles of each part end, and those of each mode that is an oscillator of its own.
+    /// Indices at which the poles of each part end, and those of each mode that is an independent oscillator.
     ends: Vec<usize>,
 }
 
@@ -278,7 +278,7 @@ impl PoleList {
         (0..self.list.len()).for_each(|i| members[joined.root(i)] += 1);
         for i in 0..self.list.len() {
             let root = joined.root(i);
-            // A pole that cannot be distinguished from its conjugate may be a cluster of its own.
+            // A pole that cannot be distinguished from its conjugate may be a cluster by itself.
             if members[root] > 1 {
                 self.list[i].cluster = Some(self.next_cluster + root as u32);
             }

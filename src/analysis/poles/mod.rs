@@ -190,7 +190,7 @@ fn ignores_translation(form: &Form) -> bool {
     form.terms().iter().all(|term| form.row(term).iter().fold(Number::ZERO, |sum, (_, a)| &sum + a).is_zero())
 }
 
-/// Whether each mode has poles of its own: there is no damping, or damping is proportional.
+/// Whether each mode has separate poles: there is no damping, or damping is proportional.
 pub fn are_of_modes(system: &LinearSystem, whole: &Part) -> bool {
     system.c.is_empty() || proportional(system, whole).is_some()
 }

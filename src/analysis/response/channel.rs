@@ -1,5 +1,5 @@
 //! The state of a source that drives an input: which of its pieces is active, the sudden changes when that switches,
-//! and its part in the equations of motion: states with a generator of their own, forces, and rows for the outputs that
+//! and its part in the equations of motion: states with a generator, forces, and rows for the outputs that
 //! it feeds directly.
 
 use super::propagator::Exogenous;

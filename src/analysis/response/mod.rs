@@ -1,5 +1,5 @@
 //! The motion in time under initial states and signals, exact at the requested times: z(t + h) = exp(A h) z(t), with
-//! the states of the sources set anew at every stop, so that nothing is integrated numerically. In: a system, a signal
+//! the states of the sources reset at every stop, so that nothing is integrated numerically. In: a system, a signal
 //! for each input, times. Out: every output at every time as a ball. See docs/method/response.md.
 //!
 //! Signals are zero before t = 0, where the initial state holds; a jump has happened at its time.

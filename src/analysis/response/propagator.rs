@@ -30,7 +30,7 @@ pub struct Exogenous {
     pub generator: Vec<(usize, usize, Ball)>,
     /// Force on each coordinate: coordinate, state, factor.
     pub force: Vec<(usize, usize, Ball)>,
-    /// The longest time for which state i acts before it is set anew.
+    /// The longest time for which state i acts before it is reset.
     pub longest: Vec<f64>,
     /// Whether state i is the derivative of state i - 1 (a chain), so that its scale follows.
     pub chained: Vec<bool>,

@@ -199,7 +199,7 @@ fn chirp(wave: &Wave, step: Option<&Number>) -> Result<Source, TooManyPieces> {
     Ok(pieces_from_zero(pieces, lost, rise))
 }
 
-/// What a chirp is made of.
+/// The parameters of a chirp.
 struct Wave<'a> {
     value: &'a Number,
     from: &'a Number,
@@ -291,7 +291,7 @@ impl Source {
         Source::Pieces { order: order + 1, pieces: made, error, rise }
     }
 
-    /// The same so much later.
+    /// The signal delayed by a time.
     fn delayed(self, by: &Number) -> Source {
         match self {
             Source::Pieces { order, mut pieces, error, rise } => {

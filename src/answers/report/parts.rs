@@ -80,7 +80,7 @@ pub fn account_section(account: &Account, system: &LinearSystem) -> Section {
     Section::new("What was kept of the model", blocks)
 }
 
-/// What was kept of a model and what was left out, with its parts, if there is no other report.
+/// The parts of a model that were kept and left out, for runs without another report.
 pub fn explanation(model: &str, account: &Account, system: &LinearSystem) -> Report {
     let mut section = account_section(account, system);
     let nets = nets(system);

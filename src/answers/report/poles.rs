@@ -107,7 +107,7 @@ fn infinite(answer: &ModalAnswer) -> Option<Line> {
     }
 }
 
-/// The completeness of the list is a claim of its own.
+/// The completeness of the list is a separate claim.
 fn not_proved(answer: &ModalAnswer) -> Option<Line> {
     if !answer.poles.is_uncounted() {
         return None;

@@ -44,7 +44,7 @@ pub fn solved(list: &[Solved]) -> Section {
     Section::new(HEADING, blocks.into_iter().chain(remarks.map(Block::from)))
 }
 
-/// What is not proven about the range in which a value was searched for.
+/// The parts of the searched range for which nothing is proven.
 fn unproven_line(solved: &Solved) -> Option<Line> {
     let name = solved.parameter.clone();
     match &solved.others {

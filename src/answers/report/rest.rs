@@ -105,7 +105,7 @@ fn as_drawn(answer: &ModalAnswer) -> Vec<Block> {
     blocks
 }
 
-/// What is known about a rest that was computed.
+/// The proof status of a computed rest.
 fn proof_status(answer: &ModalAnswer) -> Line {
     let rest = &answer.rest;
     let proven = if rest.is_proven() { ", proven, " } else { ", NOT proven, " };

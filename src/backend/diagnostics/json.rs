@@ -16,7 +16,7 @@ struct Line<'a> {
     column: usize,
     end_line: usize,
     end_column: usize,
-    /// What the label says about the place; empty if the message says it all.
+    /// The text of the label; empty if the message is enough.
     label: &'a str,
     help: Option<&'a str>,
     related: Vec<Related<'a>>,

@@ -178,7 +178,7 @@ fn strokes(text: &mut String, strokes: &[Stroke]) {
     for stroke in strokes {
         match stroke {
             Stroke::Line { points, closed, pen } => {
-                // A line that covers the objects behind it is a path of its own.
+                // A line that covers the objects behind it is a separate path.
                 let covers = pen.fills() && *pen != Pen::Solid;
                 if open != Some(*pen) || covers {
                     close(text, &mut open);

@@ -1,4 +1,4 @@
-//! Rust: `NAME.rs`, a module or a crate of its own, without `std`. See docs/method/emit.md.
+//! Rust: `NAME.rs`, a module or a crate, without `std`. See docs/method/emit.md.
 
 use super::File;
 use super::plan::{Field, Plan, Start, Statement, Style, Table, Target};

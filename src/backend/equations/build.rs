@@ -348,7 +348,7 @@ fn number(text: &str, value: &Rational) -> Formula {
     if value.is_integer() { Formula::Number(value.clone()) } else { Formula::Decimal(text.to_string()) }
 }
 
-/// What is taken out of a sum that stands over a fraction bar: nobody writes quotients on it.
+/// The common numeric factor of a sum above a fraction bar, so that the sum contains no quotients.
 fn over_one_bar(sum: &Sum) -> Rational {
     let fractions: Option<Vec<(i64, i64)>> = sum.terms().iter().map(|(_, c)| c.to_fraction()).collect();
     let Some(fractions) = fractions else { return Rational::ONE };

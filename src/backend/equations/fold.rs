@@ -9,7 +9,7 @@ use crate::equations::names::{Label, Names};
 const LEAST_ROWS: usize = 3;
 const LEAST_TERMS: usize = 4;
 
-/// A letter for the index that no name of the model has.
+/// A letter for the index that is not used by the model.
 pub fn index_letter(names: &Names) -> &'static str {
     let is_free = |letter: &&str| !names.is_taken(letter);
     ["i", "j", "n"].into_iter().find(is_free).unwrap_or("i")
@@ -85,7 +85,7 @@ fn runs(formulas: &[Formula], least: usize, letter: &str) -> Vec<Run> {
 /// Two formulas side by side.
 struct Comparison<'a> {
     letter: &'a str,
-    /// The number that the index stands for in the first of them: that of the first name that changes.
+    /// The value of the index in the first of them: that of the first name that changes.
     anchor: Option<i64>,
 }
 

@@ -1,4 +1,4 @@
-//! Equations in MathML, which browsers display without scripts: a page of its own, or sections for a report.
+//! Equations in MathML, which browsers display without scripts: a complete page, or sections for a report.
 
 use super::document::{Document, Inline, Section};
 use super::formula::{Formula, Running, greek_letter};

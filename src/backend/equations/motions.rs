@@ -129,7 +129,7 @@ impl Writer<'_> {
         fold::rows(rows, fold::index_letter(&self.equations.names)).into_iter().map(item).collect()
     }
 
-    /// What the rates of those lengths are that dampers and inerters answer.
+    /// The rates of the lengths on which dampers and inerters act.
     fn length_rates(&self) -> Vec<Item> {
         let none = Lengths::default();
         let motion = &self.equations.motion;
@@ -179,7 +179,7 @@ impl Writer<'_> {
         items
     }
 
-    /// Accelerations first, then what squares of rates, rates and positions do; what is prescribed stands on the right.
+    /// Accelerations first, then terms in squares of rates, rates and positions; prescribed terms are on the right.
     pub fn equation(&self, equation: &Equation) -> Formula {
         let plain = self.without_balance(equation);
         let (mut left, mut right) = (Vec::new(), Vec::new());

@@ -232,7 +232,7 @@ fn fraction(over: Formula, under: Formula) -> Formula {
     }
 }
 
-/// Coefficients without fractions, over a whole number: nobody writes quotients on a fraction bar.
+/// Coefficients without fractions, over a whole number, so that the numerator contains no quotients.
 fn over_whole_number(coefficients: &[Sum]) -> (Vec<Sum>, Rational) {
     let mut numbers = coefficients.iter().flat_map(|sum| sum.terms()).map(|(_, number)| number.to_fraction());
     let common = numbers.try_fold(1i64, |all, number| {

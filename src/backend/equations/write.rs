@@ -79,7 +79,7 @@ pub trait Language {
     fn title(&self, text: &str) -> String;
     fn heading(&self, text: &str) -> String;
     fn paragraph(&self, inner: &str) -> String;
-    /// A formula on a line of its own, followed by its note.
+    /// A formula on a separate line, followed by its note.
     fn display(&self, formula: &Formula, note: &[Inline]) -> String;
     fn display_matrix(&self, name: &Formula, rows: &[Vec<Formula>]) -> String;
 }

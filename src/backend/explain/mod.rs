@@ -16,7 +16,7 @@ pub fn explain(asked: &str) -> Result<String, Unknown> {
     }
 }
 
-/// Every code on a line of its own, in alphabetical order.
+/// All codes, one per line, in alphabetical order.
 pub fn codes() -> String {
     PAGES.iter().map(|page| format!("{}\n", page.code)).collect()
 }

@@ -204,7 +204,7 @@ fn motion(of: &Answers, shown: &MotionShown, lines: &Lines) -> String {
     format!("<h2>Motion</h2>\n{choice}{plot}{}", of_report(&shown.report, lines))
 }
 
-/// What is wrong, each with the line that it is about.
+/// The errors, each with its line.
 fn findings(page: &Page) -> String {
     let errors: Vec<&Diagnostic> = page.findings.iter().filter(|finding| finding.severity == Severity::Error).collect();
     if errors.is_empty() {

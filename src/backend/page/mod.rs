@@ -25,7 +25,7 @@ pub struct Text<'a> {
     pub model: FileId,
 }
 
-/// What a page holds.
+/// The contents of a page.
 pub struct Page<'a> {
     /// The model's name.
     pub name: &'a str,
@@ -41,14 +41,14 @@ pub struct Page<'a> {
     pub answers: Option<Answers<'a>>,
 }
 
-/// What a model without errors has.
+/// The answers for a model without errors.
 pub struct Answers<'a> {
     pub system: &'a LinearSystem,
     /// Or why there is none.
     pub figure: Result<&'a (Figure, Moving), &'a str>,
     pub movements: &'a Movements,
     pub report: &'a Report,
-    /// What made the entries of M, C and K, row by row.
+    /// The declarations behind the entries of M, C and K, row by row.
     pub entries: &'a [Vec<Vec<Option<Span>>>],
     /// Sections with MathML, as `backend::equations` makes them.
     pub equations: Option<&'a str>,

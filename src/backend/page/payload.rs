@@ -1,4 +1,4 @@
-//! What the page's script moves and draws: plain numbers of pictures, rounded to seven digits. Numbers that are read stand in
+//! The data that the page's script animates and draws: plain numbers, rounded to seven digits. Numbers that are read stand in
 //! the tables of the report, with their bounds.
 
 use super::{Answers, Movement, Movements, Page};

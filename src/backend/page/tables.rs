@@ -54,7 +54,7 @@ fn table(table: &Table, lines: &Lines) -> String {
     let head = |column: &Column| {
         let unit =
             if column.unit.is_empty() { String::new() } else { format!("<small>{}</small>", escaped(column.unit)) };
-        // A column of units or signs has no title of its own.
+        // A column of units or signs has no title.
         match line(&column.title, lines) + &unit {
             title if title.is_empty() => "<td></td>".to_string(),
             title => format!("<th scope=\"col\"{}>{title}</th>", class(column)),

@@ -136,7 +136,7 @@ impl Table {
         self.layouts().iter().enumerate().map(least).collect()
     }
 
-    /// Tables that fit, each with the first column; a column that fits nowhere gets a table of its own.
+    /// Tables that fit, each with the first column; a column that fits nowhere gets a separate table.
     fn split(&self, room: usize) -> Vec<Table> {
         let least = self.least();
         let mut pieces: Vec<Vec<usize>> = Vec::new();

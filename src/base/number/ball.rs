@@ -1,6 +1,6 @@
 //! Ball arithmetic: a double-double midpoint and a radius that encloses the true value,
 //! |x - mid| <= rad. Every operation adds a rigorous bound of its own rounding (see [`Dd::EPSILON`]),
-//! so whatever is computed with balls carries an error bound that holds. See docs/method/numbers.md.
+//! so every number computed with balls carries an error bound that holds. See docs/method/numbers.md.
 //!
 //! A ball of radius zero is exact. Zero times anything finite is exactly zero, and the sum with an exact zero is exact,
 //! so that structural zeros stay structural.
@@ -22,14 +22,14 @@ const UP: f64 = 1.0 + 1.0 / (1u64 << 49) as f64;
 /// Covers the loss of a product's low part near the bottom of the exponent range.
 const UNDERFLOW: f64 = 1e-318;
 
-/// What the reciprocal of a number loses of itself where it is nearly subnormal: eight steps of binary64, 4e-323, in an order in
-/// which nothing here is subnormal, for processors are slow at that.
+/// Error of a nearly subnormal reciprocal: eight steps of binary64, 4e-323, written in an order in
+/// which no intermediate number is subnormal, because processors are slow with these.
 #[inline]
 fn lost_of_reciprocal(x: f64) -> f64 {
     x.abs().max(1e280) * 1e-300 * 4e-23
 }
 
-/// What the remainder of a square root loses of the number, in the same way.
+/// Error of the remainder of a square root by underflow.
 #[inline]
 fn lost_of_remainder(x: f64) -> f64 {
     4e-23 / (x.abs().min(1e-280) * 1e300)
@@ -41,13 +41,13 @@ fn rounding(mid: Dd) -> f64 {
     mid.hi.abs() * (2.0 * Dd::EPSILON) + UNDERFLOW
 }
 
-/// A bound as it is, infinite where it is no number: what came of infinities says nothing, and must not compare as if it did.
+/// The bound itself, or infinity for NaN: a result of infinities must not compare like a bound.
 #[inline]
 fn bound(x: f64) -> f64 {
     if x.is_nan() { f64::INFINITY } else { x }
 }
 
-/// The larger of two bounds, infinite where one of them is no number (`f64::max` would take the other).
+/// The larger of two bounds, infinite if one of them is NaN (`f64::max` would return the other).
 #[inline]
 pub fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
@@ -88,7 +88,7 @@ impl Ball {
 
     #[inline]
     pub fn contains_zero(&self) -> bool {
-        // A midpoint that is no number excludes nothing.
+        // A NaN midpoint excludes nothing.
         let away = self.mid.hi.abs() * down::FEW > self.rad;
         !away
     }
@@ -138,7 +138,7 @@ impl Ball {
         Ball { mid: self.mid, rad: bound((self.rad + by) * UP) }
     }
 
-    /// Square root of a ball that holds no negative number in its midpoint; the part below zero is cut off.
+    /// Square root of a ball whose midpoint is not negative; the part below zero is cut off.
     pub fn sqrt(self) -> Ball {
         if self.is_zero() {
             return Ball::ZERO;
@@ -208,14 +208,14 @@ impl Mul for Ball {
         }
         let mid = self.mid * b.mid;
         let spread = self.rad * (b.mid.hi.abs() * UP + b.rad) + self.mid.hi.abs() * b.rad * UP;
-        // Zero times infinity is no number.
+        // Zero times infinity is NaN.
         Ball { mid, rad: bound((spread + rounding(mid)) * UP) }
     }
 }
 
 impl Div for Ball {
     type Output = Ball;
-    /// The quotient; a radius of infinity where the divisor contains zero.
+    /// The quotient; its radius is infinite if the divisor contains zero.
     #[inline]
     fn div(self, b: Ball) -> Ball {
         if self.is_zero() && !b.contains_zero() {
@@ -309,7 +309,7 @@ mod tests {
         }
     }
 
-    /// What overflows, or is a product with what nothing is known of, is unknown: it has no sign, and its bounds are infinite.
+    /// An overflow, or a product with an unknown number, is unknown: it has no sign, and its bounds are infinite.
     #[test]
     fn nan_proves_nothing() {
         let unknown = Ball::new(Dd::from(5.0), f64::INFINITY);

@@ -5,7 +5,7 @@ use super::surd::Surd;
 use super::{Ball, Dd, Jet, MAX_EXACT_BITS, Number, Rational};
 
 impl Number {
-    /// Non-negative square root; `None` where the number is or may be negative.
+    /// Non-negative square root; `None` if the number is or may be negative.
     pub fn sqrt(&self) -> Option<Number> {
         if let Number::Exact(value) = self {
             if value.signum() < 0 {
@@ -33,7 +33,7 @@ impl Number {
         (ball.is_zero() || self.is_positive()).then(|| Number::Ball(ball.sqrt()))
     }
 
-    /// An integer power; `None` for a negative power of what may be zero.
+    /// An integer power; `None` for a negative power of a number that may be zero.
     pub fn powi(&self, power: i32) -> Option<Number> {
         if power < 0 && self.may_be_zero() {
             return None;
@@ -60,7 +60,7 @@ impl Number {
     }
 
     /// A real power of a positive number: exp(power ln self); integer powers and square roots keep what is exact.
-    /// `None` where the value is not a real number.
+    /// `None` if the value is not a real number.
     pub fn pow(&self, power: &Number) -> Option<Number> {
         if let Number::Exact(value) = power {
             if let Some(n) = value.to_i64().and_then(|n| i32::try_from(n).ok()) {
@@ -77,7 +77,7 @@ impl Number {
         (power * &self.ln()?).exp()
     }
 
-    /// Natural logarithm; `None` for what is or may be zero or negative.
+    /// Natural logarithm; `None` for a number that is or may be zero or negative.
     pub fn ln(&self) -> Option<Number> {
         if self.is_one() {
             return Some(Number::ZERO);
@@ -103,7 +103,7 @@ impl Number {
         })
     }
 
-    /// Sine and cosine of an angle in radians; `None` where not even its quadrant is known.
+    /// Sine and cosine of an angle in radians; `None` if not even its quadrant is known.
     pub fn sin_cos(&self) -> Option<(Number, Number)> {
         if self.is_zero() {
             return Some((Number::ZERO, Number::ONE));
@@ -114,7 +114,7 @@ impl Number {
         let ball = self.enclosure();
         let (s, c) = match self {
             Number::Exact(value) if ball.mid.hi.abs() > NEAR => wide::sin_cos(&value.to_big(), 0.0),
-            // A range of angles may go round the circle.
+            // A range of angles may contain a whole turn.
             Number::Jet(_) if ball.rad > LEAST_KNOWN => (Ball::ZERO.widen(1.0), Ball::ZERO.widen(1.0)),
             _ if !ball.is_finite() || ball.rad > LEAST_KNOWN => return None,
             _ if ball.mid.hi.abs() > NEAR => wide::sin_cos_of_ball(ball)?,
@@ -189,7 +189,7 @@ fn in_the_first_eighth(fraction: &Rational) -> (Number, Number) {
     }
 }
 
-/// The direction (x, y) in twelfths of pi, in (-12, 12], where it is a multiple of pi/6 or pi/4 for certain.
+/// The direction (x, y) in twelfths of pi, in (-12, 12], if it is certainly a multiple of pi/6 or pi/4.
 fn twelfths_of_pi(y: &Number, x: &Number) -> Option<i64> {
     let upwards = if y.is_positive() {
         1
@@ -212,7 +212,7 @@ fn twelfths_of_pi(y: &Number, x: &Number) -> Option<i64> {
     Some(upwards * if x.is_positive() { rise } else { 12 - rise })
 }
 
-/// Up to this angle the multiples of pi/2 are taken off in double-double; beyond it as integers, to as many digits of pi
+/// Up to this angle, multiples of pi/2 are subtracted in double-double; beyond it in integers, with as many digits of pi
 /// as the angle has before its point and forty more.
 const NEAR: f64 = 1e5;
 /// An angle that is off by more than this may be in any quadrant.
@@ -222,7 +222,7 @@ const LEAST_KNOWN: f64 = 1.0;
 fn exp(x: Ball) -> Ball {
     let k = (x.mid.hi / std::f64::consts::LN_2).round();
     let r = (x - Ball::LN_2 * Ball::from(k)) * Ball::from(1.0 / 64.0);
-    // Beyond it the terms that are left out are more than twice the first of them.
+    // Beyond it, the omitted terms are more than twice the first of them.
     if r.magnitude() > 7.0 {
         return Ball::new(Dd::ZERO, f64::INFINITY);
     }
@@ -281,7 +281,7 @@ fn turned(quarters: i64, (sine, cosine): (Ball, Ball)) -> (Ball, Ball) {
 /// sin r = r sum (-r^2)^i / (2i+1)!, cos r = sum (-r^2)^i / (2i)!: sixteen terms leave less than |r|^32 / 32!.
 fn near_zero(r: Ball) -> (Ball, Ball) {
     if r.magnitude() > 2.0 {
-        // So wide that nothing is known.
+        // Too wide: nothing is known.
         return (Ball::new(Dd::ZERO, 1.0), Ball::new(Dd::ZERO, 1.0));
     }
     let r2 = r.square();
@@ -310,7 +310,7 @@ mod wide {
     use num_rational::BigRational;
     use num_traits::ToPrimitive;
 
-    /// Bits behind the point of what is left.
+    /// Fractional bits of the remainder.
     const BEHIND: u64 = 120;
 
     pub fn sin_cos_of_ball(angle: Ball) -> Option<(Ball, Ball)> {
@@ -553,7 +553,7 @@ mod tests {
             let c = c.to_ball();
             assert!((c.to_f64() + 4.687_165_924_254_627e-19).abs() < 1e-33 && c.rad < 1e-34, "{c:?}");
         }
-        // What is off by a little has an enclosure that is off by no less, and what is off by more is not told.
+        // A slightly uncertain argument has an enclosure at least as wide; a very uncertain one has no value.
         let wide = Number::Ball(Ball::new(Dd::from(1e12), 1e-3)).sin_cos().expect("an angle").0.to_ball();
         for end in [-1e-3, 1e-3] {
             let truth = Number::Ball(Ball::exact(Dd::new(1e12, end))).sin_cos().expect("an angle").0.to_ball();
@@ -562,7 +562,7 @@ mod tests {
         assert_eq!(Number::Ball(Ball::new(Dd::from(1e12), 1.5)).sin_cos(), None);
     }
 
-    /// Sixteen terms at the largest angle that the series takes: what they leave out is seen, and is in the radius.
+    /// Sixteen terms at the largest argument of the series: the omitted terms are visible, and are in the radius.
     #[test]
     fn the_remainder_of_the_series_is_in_the_radius() {
         let (s, c) = near_zero(Ball::from(1.99));
@@ -576,7 +576,7 @@ mod tests {
         assert!(off > 0.9 * c.rad, "a tenth of the radius would do: {off:e} {:e}", c.rad);
     }
 
-    /// Series that are cut off, over ranges as wide as the parameters of `solve` have: both ends are held.
+    /// Truncated series over ranges as wide as those of `solve`: both ends are enclosed.
     #[test]
     fn wide_ranges_are_held_to_their_ends() {
         // exp(200), exp(600)
@@ -587,10 +587,10 @@ mod tests {
         // ln(1/2) = -ln 2
         let found = ln(Ball::ONE.widen(0.5));
         assert!(found.mid.to_f64() - found.rad <= -std::f64::consts::LN_2, "{found:?}");
-        // 1 of the sine, where the angle is anything.
+        // For an unknown angle, the sine is at most 1.
         let (sine, cosine) = Jet::of_parameter(Ball::ZERO.widen(2.0)).sin_cos().expect("a range");
         assert!(sine.enclosure().magnitude() >= 1.0 && cosine.enclosure().magnitude() >= 1.0);
-        // Between pi and -pi there is a leap.
+        // The angle jumps between pi and -pi.
         assert_eq!(Number::atan2(&Jet::of_parameter(Ball::ZERO.widen(0.1)), &Number::from(-1)), None);
     }
 }

@@ -3,8 +3,8 @@
 //! in `value` and its derivative in `slope` (automatic differentiation in ball arithmetic: L. B. Rall, *Automatic
 //! Differentiation*, LNCS 120, 1981). See docs/method/numbers.md.
 //!
-//! Where a number is turned into a plain ball its derivative is lost; [`watched`] tells whether that happened, so that what
-//! was computed from such a ball is not taken for constant.
+//! If a number is converted into a plain ball, its derivative is lost; [`watched`] reports whether that happened, so that a result
+//! computed from such a ball is not taken for constant.
 
 use super::rounding::up;
 use super::{Ball, Dd, Number};
@@ -24,7 +24,7 @@ thread_local! {
     static LOST: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs something and tells whether it lost a derivative on the way.
+/// Runs a function and reports whether it lost a derivative.
 pub fn watched<T>(run: impl FnOnce() -> T) -> (T, bool) {
     let before = LOST.replace(false);
     let result = run();
@@ -70,7 +70,7 @@ pub(super) fn sum(a: &Number, b: &Number) -> Number {
 }
 
 pub(super) fn product(a: &Number, b: &Number) -> Number {
-    // The same number, not only one with the same enclosures.
+    // Identical numbers, not only numbers with the same enclosures.
     let same = std::ptr::eq(a, b);
     let (a, b) = (Jet::of(a), Jet::of(b));
     if same {

@@ -1,4 +1,4 @@
-//! Groups tokens into declarations, comments on lines of their own, and blank lines. See spec.md#declarations.
+//! Groups tokens into declarations, comments on separate lines, and blank lines. See spec.md#declarations.
 
 use crate::editor::tokens::{Token, TokenKind};
 use crate::syntax::words;

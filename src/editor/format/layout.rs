@@ -79,7 +79,7 @@ impl Layout<'_> {
         }
     }
 
-    /// Puts lines into a group of their own.
+    /// Puts lines into a separate group.
     fn in_own_group(&mut self, lines: impl FnOnce(&mut Self)) {
         self.group += 1;
         lines(self);
@@ -148,7 +148,7 @@ impl Layout<'_> {
         line
     }
 
-    /// `body b {`, each field on a line of its own, `}`.
+    /// `body b {`, each field on a separate line, `}`.
     fn fields(&mut self, all: &[Piece], braces: Range<usize>, comment: Option<usize>) {
         let mut at = braces.start + 1;
         let head = joined(all[..at].iter().filter(|piece| piece.role != Role::LineEnd));

@@ -22,7 +22,7 @@ use serde_json::Value;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread;
 
-/// What a model names a file for.
+/// The purpose for which a model names a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Named {
     Table,
@@ -365,7 +365,7 @@ fn invalid(why: &str) -> Refusal {
 }
 
 /// The document of a text, with the tables and files of components that it names. They lie below a folder that is open; where
-/// none is, beside the text, which has to be a file for that. A file that is open counts as it stands in the editor.
+/// none is, beside the text, which has to be a file for that. A file that is open is read from the editor.
 fn document_of(texts: &[Text], index: usize, before: Option<&Document>, read: &Read, folders: &[String]) -> Document {
     let text = &texts[index];
     let mut sources = Sources::new();

@@ -320,7 +320,7 @@ impl Point<'_> {
     }
 }
 
-/// What a nilpotent part moves.
+/// The quantity that a nilpotent part perturbs.
 #[derive(Clone, Copy)]
 enum Perturbed {
     Displacement(usize),

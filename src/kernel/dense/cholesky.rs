@@ -35,7 +35,7 @@ pub fn upper(a: &Matrix<Dd>, least: f64) -> Option<Matrix<Dd>> {
     Some(Matrix::from_fn(l.columns(), l.columns(), |i, j| if i <= j { l[(j, i)] } else { Dd::ZERO }))
 }
 
-/// What rounding leaves of a pivot that is zero, relative to its diagonal entry, in n steps.
+/// The rounding error of a zero pivot after n steps, relative to its diagonal entry.
 pub fn rounding(n: usize) -> f64 {
     n as f64 * 16.0 * Dd::EPSILON
 }

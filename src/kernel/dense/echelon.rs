@@ -160,7 +160,7 @@ mod tests {
         assert_eq!(solution(&a, &b), Some(([1, 0, 0].map(Rational::from).to_vec(), true)));
     }
 
-    /// The same form modulo a prime: the fractions' residues.
+    /// Modulo a prime, the echelon form consists of the fractions' residues.
     #[test]
     fn residues_have_the_form_of_the_fractions() {
         let field = crate::kernel::residues::PRIMES[0];

@@ -64,7 +64,7 @@ fn orthogonalise_pair<T: Float>(
     turn.apply(g, p, q);
     let change = turn.tangent * c;
     for (j, before, after) in [(p, a, a - change), (q, b, b + change)] {
-        // What is left of a cancellation is measured anew: it may even have come out negative.
+        // The rest after a cancellation is computed again: it may even be negative.
         squares[j] = if after.to_f64() > 0.1 * before.to_f64() { after } else { T::dot(g.column(j), g.column(j)) };
     }
     Some(turn)

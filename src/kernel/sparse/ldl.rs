@@ -31,7 +31,7 @@ pub struct Factors {
     pivots: Vec<f64>,
 }
 
-/// What stopped a factorisation: the row of the pivot that is not positive.
+/// A failed factorisation: the row of the pivot that is not positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotPositive {
     pub row: usize,

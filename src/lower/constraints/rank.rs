@@ -60,7 +60,7 @@ enum Meaning {
     Wrong(Why),
 }
 
-/// What is wrong with joints or couplings that overconstrain parts.
+/// The ways in which joints or couplings overconstrain parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
     /// They lock each other.
@@ -127,7 +127,7 @@ fn second_derivative(
             for (a, left) in &first {
                 for (b, right) in &second {
                     let product = &(&value * left) * right;
-                    // A pair of two coordinates stands for both places; a diagonal entry reached from both sides counts
+                    // A pair of two coordinates represents both places; a diagonal entry reached from both sides counts
                     // twice.
                     match (i == j, a == b) {
                         (true, false) if a > b => {}

@@ -7,7 +7,7 @@ use crate::model::scope::DefinitionKind;
 /// A file of components that could not be read.
 pub const USE_UNREADABLE: Code = Code::file("vib::use::unreadable");
 
-/// What is wrong with a component, a place or a `use`.
+/// Errors of components, places and `use` lines.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlaceError {
     /// The file that a `use` names.
@@ -145,7 +145,7 @@ pub enum PlaceError {
 }
 
 impl PlaceError {
-    /// What is said about it.
+    /// The error as a diagnostic.
     pub fn diagnostic(self) -> Diagnostic {
         use PlaceError::*;
         match self {

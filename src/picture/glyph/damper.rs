@@ -12,7 +12,7 @@ pub fn strokes(a: Point, b: Point) -> Vec<Stroke> {
     let side = along.across();
     let half = HALF.min(length / 4.0);
     let cup = (length * 0.34).clamp(4.0, 24.0);
-    // The cup stands in the middle, and the piston in the middle of the cup.
+    // The cup is in the middle, and the piston in the middle of the cup.
     let (open, bottom) = (a.towards(along, (length - cup) / 2.0), a.towards(along, (length + cup) / 2.0));
     let piston = open.middle(bottom);
     let walls =

@@ -122,7 +122,7 @@ fn beside_element(stage: &Stage, index: usize) -> Vec<Vec<Stroke>> {
     for off in arrow::offsets(13.0).flat_map(|off| [off, -off]) {
         let beside = a.middle(b).towards(along.across(), off);
         tries.push(arrow(beside, LENGTH));
-        // Beside its ends, where its name stands at its middle.
+        // Next to its ends if its name is at its middle.
         let aside = a.distance(b) * 0.3;
         tries.extend([aside, -aside].map(|aside| arrow(beside.towards(along, aside), SHORT)));
     }

@@ -23,7 +23,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
     // Its bearing stands still with the ground.
     let mut strokes = Vec::new();
     if on_ground && sheet.detail < Detail::Plain {
-        // Away from what hangs or stands on it, upwards or downwards.
+        // Away from the parts that it carries, upwards or downwards.
         let body = stage.layout.parts[held].at.minus(stage.layout.joints[index]);
         let away = if body.y.abs() < body.x.abs() * 0.2 || body.y < 0.0 { 1.0 } else { -1.0 };
         let down = Point::new(0.0, away);

@@ -50,7 +50,7 @@ pub fn layout(scene: &Scene, parts: &Parts) -> Layout {
     Layout { parts: placed, links, joints, scale: None }
 }
 
-/// Breadth first from what stands on bases and on the ground, in order of declaration.
+/// Breadth first from the parts on bases and on the ground, in order of declaration.
 fn order(scene: &Scene, parts: &Parts) -> Vec<usize> {
     let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); parts.count()];
     let elements = scene.elements.iter().map(|element| &element.ends);

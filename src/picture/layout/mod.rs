@@ -1,7 +1,7 @@
 //! Where parts stand on the page and where elements end, as drawn. In: a scene; out: a [`Layout`].
 //!
-//! A scene with coordinates is drawn to scale ([`scaled`]). A part of it that has none stands beside what it is tied to; several
-//! connected ones are laid out as a scene of their own beside or below the others. A scene without any is laid out in rows along its motion ([`rows`]); a large one on a grid ([`grid`]).
+//! A scene with coordinates is drawn to scale ([`scaled`]). A part of it that has none is placed next to the part to which it is attached; several
+//! connected ones are laid out as a separate scene next to or below the others. A scene without any is laid out in rows along its motion ([`rows`]); a large one on a grid ([`grid`]).
 
 mod grid;
 mod links;

@@ -215,7 +215,7 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Elements that pass by others run in a lane of their own below the row; `None` is the ground.
+    /// Elements that pass others run in a separate lane below the row; `None` is the ground.
     fn tie_below(&mut self, bundle: &Bundle, ends: [Option<usize>; 2], lanes: &mut Lanes) {
         for strand in &bundle.strands {
             let x = ends.map(|end| end.map(|member| self.at[member].x));
@@ -249,7 +249,7 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// The elements of a strand between two feet, those of its ends; what is between them stands at equal distances.
+    /// The elements of a strand between two feet, those of its ends; the elements in between are placed at equal distances.
     fn push(&mut self, strand: &Strand, feet: [Foot; 2], way: f64) {
         let count = strand.elements.len();
         let [start, end] = [feet[0].at, feet[1].at];

@@ -1,4 +1,4 @@
-//! A scene with coordinates, to scale. A part without any stands beside what it is tied to; groups of connected parts without
+//! A scene with coordinates, to scale. A part without any is placed next to the part to which it is attached; groups of connected parts without
 //! any are laid out by [`rows`] and set at the end of the element that ties them, or below.
 
 use super::links::{self, Tie};

@@ -1,4 +1,4 @@
-//! The motion of a system whose damping does not couple its modes: each mode is an oscillator of its own, so a step
+//! The motion of a system whose damping does not couple its modes: each mode is an independent oscillator, so a step
 //! needs two by two numbers a mode instead of a full matrix, and several modes and several times are computed in
 //! parallel. In: a system, signals, times. Out: the result of the general method, with bounds as good, or nothing if
 //! that cannot be proven here. See docs/method/response.md#modal-steps.

@@ -1,5 +1,5 @@
 //! The roots of a polynomial with integer coefficients, as many as its degree: each with its multiplicity, and whether
-//! it lies on the real or on the imaginary axis, exactly. In: a polynomial. Out: centres with so many digits that the
+//! it lies on the real or on the imaginary axis, exactly. In: a polynomial. Out: centres with enough digits that the
 //! distance of any two roots, and of a root from the imaginary axis, is known to more digits than double-double has.
 //! See docs/method/transfer.md#extrema.
 

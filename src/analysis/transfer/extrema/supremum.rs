@@ -92,7 +92,7 @@ struct Largest {
 }
 
 impl Largest {
-    /// Takes a number in, or anything from it up to so many times as much.
+    /// Takes in a number, or a range from it up to a multiple of it.
     fn take(&mut self, value: Ball, spread: f64) {
         let off = Dd::from(value.rad * (1.0 + 1e-15));
         let low = value.mid - off;

@@ -77,7 +77,7 @@ const U: f64 = rounding::UNIT;
 /// Covers the roundings of sums of positive numbers: up to a million of them.
 const UP: f64 = up::MILLIONS;
 /// What is lost below the range of binary64: products of numbers near 1e-300 do not happen (gains are far larger, or the
-/// radius tells).
+/// radius bounds).
 const TINY: f64 = 1e-300;
 
 /// The input of a sweep.

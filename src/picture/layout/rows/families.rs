@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// Between neighbours across a row, px: a line of names fits between them.
 const BETWEEN: f64 = 30.0;
-/// Between a name and what stands beside it, px.
+/// The gap between a name and its neighbour, px.
 const SPARE: f64 = 14.0;
 
 pub struct Families<'a> {
@@ -22,7 +22,7 @@ pub struct Families<'a> {
     /// By member.
     pub parent: Vec<Option<usize>>,
     pub column: Vec<usize>,
-    /// Whether anything stands behind it in the row.
+    /// Whether anything follows it in the row.
     pub has_followers: Vec<bool>,
     /// Touches its parent in the same column: a pair of gears.
     meshed: Vec<bool>,
@@ -77,7 +77,7 @@ impl<'a> Families<'a> {
         self.places.get(&number).copied()
     }
 
-    /// Breadth first from the bases, else from what stands on the ground, else from an end.
+    /// Breadth first from the bases, else from the parts on the ground, else from an end.
     fn grow(&mut self, graph: &Graph, group: &[usize]) {
         for root in self.roots(graph, group) {
             self.add(root, None, 0, false);
@@ -91,14 +91,14 @@ impl<'a> Families<'a> {
                 }
                 let meshes = self.meshes_with(graph, number, other, next);
                 let mut column = self.column[next] + usize::from(!meshes);
-                // What is tied to something in the same column stands behind it.
+                // A part attached to one in the same column follows it.
                 let tied = |column: usize| {
                     graph.neighbours[other].iter().any(|n| self.place(*n).is_some_and(|p| self.column[p] == column))
                 };
                 while !meshes && tied(column) {
                     column += 1;
                 }
-                // Where it stands behind several, the nearest.
+                // If it follows several, the nearest.
                 let mut placed = graph.neighbours[other].iter().filter_map(|n| self.place(*n));
                 let before = placed.find(|p| !meshes && self.column[*p] + 1 == column);
                 self.add(other, Some(before.unwrap_or(next)), column, meshes);
