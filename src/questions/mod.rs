@@ -1,6 +1,6 @@
-//! The questions of a model: parameters to be solved for, requirements, and which parameters affect them. In: the text, which is
-//! evaluated with parameters at other values. Out: the scene with the parameters that were solved for, and an answer or a
-//! finding for each line. See docs/method/measures.md.
+//! The questions of a model: parameters to be solved for, requirements, and which parameters affect them. In: the text,
+//! which is evaluated with parameters at other values. Out: the scene with the parameters that were solved for, and an
+//! answer or a finding for each line. See docs/method/measures.md.
 //!
 //! # Steps
 //! 1. [`trial`]: from values of the parameters to a scene, a system, and its measures

@@ -1,7 +1,8 @@
-//! Where parts stand on the page and where elements end, as drawn. In: a scene; out: a [`Layout`].
+//! The positions of parts and of the ends of elements on the page. In: a scene; out: a [`Layout`].
 //!
-//! A scene with coordinates is drawn to scale ([`scaled`]). A part of it that has none is placed next to the part to which it is attached; several
-//! connected ones are laid out as a separate scene next to or below the others. A scene without any is laid out in rows along its motion ([`rows`]); a large one on a grid ([`grid`]).
+//! A scene with coordinates is drawn to scale ([`scaled`]). A part of it that has none is placed next to the part to which
+//! it is attached; several connected ones are laid out as a separate scene next to or below the others. A scene without any
+//! is laid out in rows along its motion ([`rows`]); a large one on a grid ([`grid`]).
 
 mod grid;
 mod links;

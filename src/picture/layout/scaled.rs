@@ -1,5 +1,5 @@
-//! A scene with coordinates, to scale. A part without any is placed next to the part to which it is attached; groups of connected parts without
-//! any are laid out by [`rows`] and set at the end of the element that ties them, or below.
+//! A scene with coordinates, to scale. A part without any is placed next to the part to which it is attached; groups of
+//! connected parts without any are laid out by [`rows`] and placed at the end of the element that connects them, or below.
 
 use super::links::{self, Tie};
 use super::parts::{BOB, DOT, GROUND, Parts, straight};
