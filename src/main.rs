@@ -145,6 +145,8 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
         linear: options.linear,
         at: options.at.iter().map(|at| at.of_literals(literals).clone()).collect(),
         tolerance: options.tolerance,
+        // The report shows extrema; files and figures hold the curve.
+        features_only: matches!(options.format, TableFormat::Text | TableFormat::Markdown) && options.svg.is_none(),
         inputs,
         outputs,
     };

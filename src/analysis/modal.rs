@@ -11,7 +11,7 @@ use crate::analysis::modes::linkage::{self, Linkage};
 use crate::analysis::modes::parts::{Part, independent, independent_chained};
 use crate::analysis::modes::request::{Band, Request, Which};
 use crate::analysis::modes::{MAX_ALL, MAX_UNASKED, MIN_SPARSE, modes_as, resolve};
-use crate::analysis::poles::{are_of_modes, poles, poles_by_ratio, poles_followed, poles_of};
+use crate::analysis::poles::{MAX_DAMPED, are_of_modes, poles, poles_by_ratio, poles_followed, poles_of};
 use crate::analysis::stability::{Verdict, stability, stability_by_ratio};
 use crate::base::{Ball, Number};
 use crate::system::LinearSystem;
@@ -110,7 +110,7 @@ fn requested_modal(
             (modes, further.unwrap_or_default())
         }
     };
-    if modes.is_complete() && largest(system) <= MAX_UNASKED {
+    if modes.is_complete() && largest(system) <= MAX_DAMPED {
         return Ok(None);
     }
     if modes.list.len() > MAX_UNASKED {

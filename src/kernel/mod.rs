@@ -9,6 +9,7 @@ pub(crate) mod lanes;
 pub(crate) mod pairwise;
 pub(crate) mod polynomial;
 pub(crate) mod precise;
+pub(crate) mod pseudosymmetric;
 pub mod real;
 pub(crate) mod residues;
 pub(crate) mod simd;

@@ -107,7 +107,7 @@ fn next_to(s: Complex<f64>) -> Complex<f64> {
 }
 
 /// Modal displacements y of states (e, v) = (|omega| y, s y), from whichever of the two loses less by the division.
-fn displacements(basis: &Basis, shifts: &[Complex<f64>], z: &ComplexColumns) -> ComplexColumns {
+pub fn displacements(basis: &Basis, shifts: &[Complex<f64>], z: &ComplexColumns) -> ComplexColumns {
     let (free, rigid) = (basis.free, basis.rigid());
     let moving = basis.n() - rigid;
     let mut y = ComplexColumns::zeros(basis.n(), shifts.len());

@@ -9,12 +9,14 @@
 
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::poles::pencil::Pencil;
+use crate::analysis::poles::refinement::scrambled;
 use crate::analysis::poles::rigid::RigidMotions;
 use crate::analysis::poles::schur::{ComplexColumns, Eigenvalue, SchurForm};
 use crate::base::Dd;
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::View;
+use crate::kernel::pseudosymmetric;
 use crate::kernel::squares::Squares;
 use nalgebra::DMatrix;
 
@@ -85,6 +87,29 @@ impl Basis {
             (Some(family), None) | (None, Some(family)) => Spectrum { families: vec![family] },
             (None, None) => Spectrum { families: Vec::new() },
         }
+    }
+
+    /// Starting values for all pairs that are not exactly zero, from the symmetry of the state matrix: with the signs J =
+    /// (sgn omega^2, -1, -1) of energies and velocities, J A and J A^-1 are symmetric. `None` if the reduction breaks
+    /// down.
+    pub fn starts(&self) -> Option<Starts> {
+        let fast = Starts::of(self.eigen(&self.state_matrix())?, false);
+        if !fast.is_wide() {
+            return Some(fast);
+        }
+        let slow = Starts::of(self.eigen(&self.inverse_state_matrix()?)?, true);
+        let (taken, left) = cut(&slow.values, &fast.values)?;
+        Some(slow.followed_by(taken, &fast, left))
+    }
+
+    fn eigen(&self, matrix: &DMatrix<f64>) -> Option<pseudosymmetric::Eigen> {
+        let n = matrix.nrows();
+        let moving = self.n() - self.rigid();
+        let signs: Vec<f64> = (0..n).map(|i| if i < moving { self.signed_rate(i).1 } else { -1.0 }).collect();
+        let s = Matrix::from_fn(n, n, |i, j| signs[i] * matrix[(i, j)]);
+        // Velocities alone, so that the vector has a length; pseudo-random, so that it has a part along each motion.
+        let start: Vec<f64> = (0..n).map(|i| if i < moving { 0.0 } else { scrambled(i) }).collect();
+        pseudosymmetric::eigen(&s, &signs, &start)
     }
 
     /// The number of rigid motions.
@@ -175,6 +200,52 @@ pub struct Family {
 /// From this ratio of rates on, the slow eigenvalues have fewer than eight digits in those of the state matrix.
 const WIDE: f64 = 1e8;
 
+/// Starting values: poles, ascending in magnitude (one of each conjugate pair, im > 0, and the real ones), and states (e,
+/// v), a column for each.
+pub struct Starts {
+    pub values: Vec<Complex<f64>>,
+    pub states: ComplexColumns,
+}
+
+/// From this ratio of rates on, hyperbolic reflections leave too few digits in the slow eigenvalues.
+const STARTS_WIDE: f64 = 1e4;
+
+impl Starts {
+    /// Eigenvalues of the state matrix, or of its inverse.
+    fn of(eigen: pseudosymmetric::Eigen, inverse: bool) -> Starts {
+        let mut list: Vec<(Complex<f64>, usize)> = eigen.values.iter().copied().zip(0..).collect();
+        if inverse {
+            list.iter_mut().for_each(|(s, _)| *s = upper(s.recip()));
+        }
+        list.sort_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
+        let order: Vec<usize> = list.iter().map(|&(_, j)| j).collect();
+        let (re, mut im) = (eigen.re.select_columns(&order), eigen.im.select_columns(&order));
+        if inverse {
+            // The reciprocal with im > 0 belongs to the conjugate vector.
+            im.data_mut().iter_mut().for_each(|x| *x = -*x);
+        }
+        Starts { values: list.into_iter().map(|(s, _)| s).collect(), states: ComplexColumns { re, im } }
+    }
+
+    fn is_wide(&self) -> bool {
+        let size = |s: Option<&Complex<f64>>| s.map_or(1.0, |s| s.abs());
+        size(self.values.last()) >= STARTS_WIDE * size(self.values.first())
+    }
+
+    /// The first `taken` of these, then those of `others` from `left` on.
+    fn followed_by(&self, taken: usize, others: &Starts, left: usize) -> Starts {
+        let joined = |a: &Matrix<f64>, b: &Matrix<f64>| {
+            let columns = taken + b.columns() - left;
+            Matrix::from_fn(a.rows(), columns, |i, j| if j < taken { a[(i, j)] } else { b[(i, left + j - taken)] })
+        };
+        let states = ComplexColumns {
+            re: joined(&self.states.re, &others.states.re),
+            im: joined(&self.states.im, &others.states.im),
+        };
+        Starts { values: self.values[..taken].iter().chain(&others.values[left..]).copied().collect(), states }
+    }
+}
+
 impl Spectrum {
     pub fn values(&self) -> Vec<Complex<f64>> {
         self.families.iter().flat_map(|family| family.list.iter().map(|&(s, _)| s)).collect()
@@ -229,29 +300,32 @@ fn upper(z: Complex<f64>) -> Complex<f64> {
 
 /// The slow eigenvalues of one list followed by the fast ones of the other, cut where the two agree best.
 fn merge_families(mut fast: Family, mut slow: Family) -> Spectrum {
-    let dimension = |family: &Family| family.list.iter().map(|(s, _)| width(*s)).sum::<usize>();
-    if dimension(&slow) != dimension(&fast) {
-        return Spectrum { families: vec![fast] };
+    let values = |family: &Family| family.list.iter().map(|&(s, _)| s).collect::<Vec<_>>();
+    let Some((taken, left)) = cut(&values(&slow), &values(&fast)) else { return Spectrum { families: vec![fast] } };
+    slow.list.truncate(taken);
+    fast.list.drain(..left);
+    Spectrum { families: vec![slow, fast] }
+}
+
+/// How many of the slow list come before those of the fast list from which on, where the two agree best. `None` if they
+/// are lists of different dimension.
+fn cut(slow: &[Complex<f64>], fast: &[Complex<f64>]) -> Option<(usize, usize)> {
+    let dimension = |list: &[Complex<f64>]| list.iter().map(|&s| width(s)).sum::<usize>();
+    if dimension(slow) != dimension(fast) {
+        return None;
     }
     // Real eigenvalues and pairs may be distributed differently in the two lists, so positions are counted in
     // dimensions.
-    let places = |family: &Family| {
+    let places = |list: &[Complex<f64>]| {
         let mut end = 0;
-        let ends: Vec<usize> = family
-            .list
-            .iter()
-            .map(|(s, _)| {
-                end += width(*s);
-                end
-            })
-            .collect();
-        ends
+        let ends = list.iter().map(|&s| {
+            end += width(s);
+            end
+        });
+        ends.collect::<Vec<usize>>()
     };
-    let (fast_ends, slow_ends) = (places(&fast), places(&slow));
-    let apart = |i: usize, j: usize| {
-        let (a, b) = (slow.list[i].0, fast.list[j].0);
-        (a - b).one_norm() / b.one_norm()
-    };
+    let (fast_ends, slow_ends) = (places(fast), places(slow));
+    let apart = |i: usize, j: usize| (slow[i] - fast[j]).one_norm() / fast[j].one_norm();
     // A cut is possible where both lists have an end: after the slow eigenvalue i and the fast one j.
     let mut best = (f64::INFINITY, 0, 0);
     let mut consider = |cost: f64, taken: usize, left: usize| {
@@ -259,7 +333,7 @@ fn merge_families(mut fast: Family, mut slow: Family) -> Spectrum {
             best = (cost, taken, left);
         }
     };
-    if !slow.list.is_empty() {
+    if !slow.is_empty() {
         consider(apart(0, 0), 0, 0);
     }
     for (i, end) in slow_ends.iter().enumerate() {
@@ -267,9 +341,7 @@ fn merge_families(mut fast: Family, mut slow: Family) -> Spectrum {
         let next = if i + 1 < slow_ends.len() && j + 1 < fast_ends.len() { apart(i + 1, j + 1) } else { 0.0 };
         consider(apart(i, j).max(next), i + 1, j + 1);
     }
-    slow.list.truncate(best.1);
-    fast.list.drain(..best.2);
-    Spectrum { families: vec![slow, fast] }
+    Some((best.1, best.2))
 }
 
 /// Number of state dimensions that a list entry represents.

@@ -23,6 +23,7 @@ pub(in crate::analysis) mod rigid;
 pub(in crate::analysis) mod scaling;
 pub(in crate::analysis) mod schur;
 pub(in crate::analysis) mod targeted;
+pub(in crate::analysis) mod together;
 
 use crate::analysis::answer::{ModeKind, Modes, Pole, Poles};
 use crate::analysis::error::{AnalysisError, place};
@@ -46,9 +47,15 @@ use crate::analysis::poles::refinement::{Pair, refine};
 use crate::analysis::poles::rigid::{RigidMotions, rigid_motions};
 use crate::analysis::poles::scaling::scaled;
 use crate::analysis::poles::targeted::targeted;
+use crate::analysis::poles::together::refine_together;
 use crate::base::{Number, runs};
 use crate::kernel::complex::Complex;
 use crate::system::{Form, LinearSystem};
+
+/// Up to this many coupled coordinates all poles are computed where all modes are asked for.
+pub const MAX_DAMPED: usize = 1_000;
+/// From this many coordinates on, pairs are first refined all together.
+const TOGETHER: usize = 24;
 
 /// All poles.
 pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
@@ -311,10 +318,16 @@ impl Portion<'_> {
         let one_by_one = |starts: &[Complex<f64>]| {
             starts.iter().enumerate().filter_map(|(seed, &start)| refine(&working, &basis, start, seed)).collect()
         };
-        let spectrum = basis.spectrum();
-        let (mut pairs, mut discs) = certified(refine_all(&working, &basis, &spectrum));
+        let together = || refine_together(&working, &basis, &basis.starts()?).map(certified);
+        let (mut pairs, mut discs) = if pencil.n >= TOGETHER { together() } else { None }
+            .filter(|(_, discs)| all_apart(discs))
+            .unwrap_or_default();
         if !all_apart(&discs) {
-            (pairs, discs) = certified(one_by_one(&aberth(&basis, &spectrum.values())));
+            let spectrum = basis.spectrum();
+            (pairs, discs) = certified(refine_all(&working, &basis, &spectrum));
+            if !all_apart(&discs) {
+                (pairs, discs) = certified(one_by_one(&aberth(&basis, &spectrum.values())));
+            }
         }
         if !all_apart(&discs) && self.exact(modes, found) {
             return Ok(());

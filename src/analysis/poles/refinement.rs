@@ -176,7 +176,7 @@ fn inverse_iteration(basis: &Basis, s: Complex<f64>, seed: usize) -> Option<Vec<
 }
 
 /// Pseudo-random numbers between 1/2 and 3/2: the fractional parts of multiples of the golden ratio.
-fn scrambled(i: usize) -> f64 {
+pub fn scrambled(i: usize) -> f64 {
     let x = (i + 1) as f64 * 0.618_033_988_749_894_9;
     0.5 + (x - x.floor())
 }

@@ -24,6 +24,9 @@ pub struct Sweep {
     pub at: Vec<Frequency>,
     /// The relative error that is sufficient; if not given, every value is correct to the last digits of binary64.
     pub tolerance: Option<f64>,
+    /// Whether the ends of the range and the extrema are all that is wanted of a table without a requested grid: where they
+    /// are proved from zeros and poles, no grid is computed.
+    pub features_only: bool,
     /// Indices of inputs and outputs.
     pub inputs: Vec<usize>,
     pub outputs: Vec<usize>,
@@ -148,44 +151,78 @@ type Pairs<'a> = Vec<Vec<Pair<'a>>>;
 pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
     let refined = sweep.at.is_empty() && sweep.points.is_none();
     let pairs = methods.pairs(sweep, refined);
-    let mut rows = methods.rows(&pairs, sweep, &frequencies(poles, sweep));
-    let extrema = refined.then(|| extrema(methods, poles, sweep, &pairs, &rows));
-    if let Some(extrema) = &extrema {
-        let at = extrema.iter().flatten().flat_map(|extrema| &extrema.list);
-        // The binary64 number that is printed: next to a lightly damped pole |H| differs there from the value at the
-        // peak itself.
-        let more = at
-            .filter_map(|extremum| from_f64(extremum.frequency.to_f64()))
-            .map(|hertz| Row { gains: methods.gains(&pairs, sweep, &Frequency::hertz(&hertz)), frequency: hertz });
-        rows.extend(more);
-        sort(&mut rows);
+    let (inputs, outputs) = (sweep.inputs.clone(), sweep.outputs.clone());
+    if !refined {
+        let rows = methods.rows(&pairs, sweep, &frequencies(poles, sweep));
+        return Table { inputs, outputs, rows, extrema: None };
     }
-    Table { inputs: sweep.inputs.clone(), outputs: sweep.outputs.clone(), rows, extrema }
+    let range = sweep.range.clone().unwrap_or_else(|| default_range(poles));
+    let from_roots = from_roots(methods, poles, sweep, &pairs, &range);
+    if sweep.features_only && from_roots.iter().flatten().all(Extrema::is_complete) {
+        let ends = [&range.0, &range.1].map(Frequency::hertz);
+        let rows = methods.rows(&pairs, sweep, &ends);
+        return Table { inputs, outputs, rows, extrema: Some(from_roots) };
+    }
+    let mut rows = methods.rows(&pairs, sweep, &frequencies(poles, sweep));
+    let extrema = beside_brackets(methods, poles, sweep, &rows, from_roots);
+    let at = extrema.iter().flatten().flat_map(|extrema| &extrema.list);
+    // The binary64 number that is printed: next to a lightly damped pole |H| differs there from the value at the
+    // peak itself.
+    let more = at
+        .filter_map(|extremum| from_f64(extremum.frequency.to_f64()))
+        .map(|hertz| Row { gains: methods.gains(&pairs, sweep, &Frequency::hertz(&hertz)), frequency: hertz });
+    rows.extend(more);
+    sort(&mut rows);
+    Table { inputs, outputs, rows, extrema: Some(extrema) }
 }
 
-/// The extrema of each pair, `[input][output]`.
-fn extrema(methods: &Methods, poles: &Poles, sweep: &Sweep, pairs: &Pairs, rows: &[Row]) -> Vec<Vec<Extrema>> {
-    let (low, high) = sweep.range.clone().unwrap_or_else(|| default_range(poles));
+/// The extrema of each pair that its zeros and poles prove, `[input][output]`; without any where these are not known.
+fn from_roots(
+    methods: &Methods,
+    poles: &Poles,
+    sweep: &Sweep,
+    pairs: &Pairs,
+    (low, high): &(Number, Number),
+) -> Vec<Vec<Extrema>> {
     let omega = |hertz: &Number| Frequency::hertz(hertz).omega;
-    let (low, high) = (omega(&low), omega(&high));
+    let (low, high) = (omega(low), omega(high));
     let of_pair = |i: usize, o: usize| {
         let found = pairs[i][o].exactly.map(|method| method.extrema(low, high));
-        if let Some(found) = found.as_ref().filter(|found| found.complete.is_some()) {
+        if let Some(found) = found.as_ref().filter(|found| found.is_complete()) {
             return found.clone();
         }
         let along_path = || {
             let factored = factored(&methods.transfer, poles, sweep.inputs[i], sweep.outputs[o])?;
             let found = Exactly::of(&factored)?.extrema(low, high);
-            found.complete.is_some().then_some(found)
+            found.is_complete().then_some(found)
         };
-        if let Some(found) = along_path() {
-            return sharpened(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found);
+        match along_path() {
+            Some(found) => sharpened(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found),
+            None => found.unwrap_or_default(),
+        }
+    };
+    (0..sweep.inputs.len()).map(|i| (0..sweep.outputs.len()).map(|o| of_pair(i, o)).collect()).collect()
+}
+
+/// The extrema that are proved complete, and for other pairs those that the rows bracket besides.
+fn beside_brackets(
+    methods: &Methods,
+    poles: &Poles,
+    sweep: &Sweep,
+    rows: &[Row],
+    from_roots: Vec<Vec<Extrema>>,
+) -> Vec<Vec<Extrema>> {
+    let of_pair = |i: usize, o: usize, found: Extrema| {
+        if found.is_complete() {
+            return found;
         }
         let gains: Vec<(f64, Gain)> = rows.iter().map(|row| (row.frequency.to_f64(), row.gains[i][o])).collect();
         let others = bracketed(&methods.transfer, sweep.inputs[i], sweep.outputs[o], poles, &gains);
-        found.map_or(others.clone(), |found| found.with(others.list))
+        if found.list.is_empty() && found.open.is_empty() { others } else { found.with(others.list) }
     };
-    (0..sweep.inputs.len()).map(|i| (0..sweep.outputs.len()).map(|o| of_pair(i, o)).collect()).collect()
+    let row =
+        |(i, row): (usize, Vec<Extrema>)| row.into_iter().enumerate().map(|(o, found)| of_pair(i, o, found)).collect();
+    from_roots.into_iter().enumerate().map(row).collect()
 }
 
 fn sort(rows: &mut Vec<Row>) {

@@ -10,7 +10,7 @@ use crate::kernel::dense::product::{View, add_product, product};
 use crate::kernel::simd::{Eight, LANES, simd};
 
 /// Number of columns in a panel.
-const PANEL: usize = 64;
+pub const PANEL: usize = 64;
 /// Columns of the lower triangle that are updated at once; above the diagonal that is wasted work.
 const STRIP: usize = 256;
 
@@ -101,7 +101,7 @@ fn reflection(x: &mut [f64]) -> (f64, f64) {
 }
 
 /// Subtracts V W^T + W V^T from the rest of the matrix, from row and column `end` on.
-fn subtract_products(a: &mut Matrix<f64>, end: usize, first: usize, v: &Matrix<f64>, w: &Matrix<f64>) {
+pub fn subtract_products(a: &mut Matrix<f64>, end: usize, first: usize, v: &Matrix<f64>, w: &Matrix<f64>) {
     let (n, offset, width) = (a.columns(), end - first, v.columns());
     let joined = |a: &Matrix<f64>, b: &Matrix<f64>| {
         let column = |j: usize| if j < width { a.column(j) } else { b.column(j - width) };
@@ -182,7 +182,7 @@ simd! {
 
 simd! {
     /// y = A x for the symmetric matrix whose lower triangle starts at row and column `from` of the n x n numbers.
-    fn multiply_lower<V: Eight>(a: &[f64], at: (usize, usize), x: &[f64], y: &mut [f64]) {
+    pub fn multiply_lower<V: Eight>(a: &[f64], at: (usize, usize), x: &[f64], y: &mut [f64]) {
         multiply_lower_as::<V>(a, at, x, y);
     }
 }

@@ -57,7 +57,7 @@ impl FeatureKind {
 pub struct Complete(());
 
 /// The extrema of one pair of input and output.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Extrema {
     pub list: Vec<Extremum>,
     pub complete: Option<Complete>,
@@ -66,6 +66,11 @@ pub struct Extrema {
 }
 
 impl Extrema {
+    /// Whether it is proved that none is missing.
+    pub fn is_complete(&self) -> bool {
+        self.complete.is_some()
+    }
+
     /// Adds extrema that another method has enclosed.
     pub(in crate::analysis) fn with(mut self, others: Vec<Extremum>) -> Extrema {
         let known = |list: &[Extremum], other: &Extremum| {
