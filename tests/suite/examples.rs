@@ -53,13 +53,10 @@ fn every_example_has_its_transfer_table() {
         // A hundred peaks are too many for a snapshot.
         let few = (1..=5).map(|tenths| Frequency::hertz(&Number::from(Rational::new(tenths, 10)))).collect();
         let sweep = Sweep {
-            range: None,
-            points: None,
-            linear: false,
             at: if system.n() > 20 { few } else { Vec::new() },
-            tolerance: None,
             inputs: (0..system.inputs.len()).collect(),
             outputs: (0..system.outputs.len()).collect(),
+            ..Sweep::default()
         };
         let table = table(&Methods::of(system, &modes), &poles, &sweep);
         insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
