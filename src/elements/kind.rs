@@ -18,7 +18,7 @@ pub struct Kind {
     /// An example of a declaration.
     pub form: &'static str,
     pub manual: Manual,
-    /// What other programs and textbooks call it.
+    /// Its names in other programs and textbooks.
     pub synonyms: &'static [&'static str],
     /// The coefficient first, then the other fields.
     pub fields: &'static [Field],

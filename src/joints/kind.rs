@@ -10,7 +10,7 @@ pub struct Kind {
     /// An example of a declaration.
     pub form: &'static str,
     pub manual: Manual,
-    /// What other programs and textbooks call it.
+    /// Its names in other programs and textbooks.
     pub synonyms: &'static [&'static str],
     /// Whether the relative rotation is left free.
     pub turns: bool,

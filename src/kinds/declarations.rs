@@ -16,7 +16,7 @@ pub struct Declaration {
     /// One example of it, to be shown and to be typed.
     pub form: &'static str,
     pub manual: Manual,
-    /// What other languages and textbooks call it.
+    /// Its names in other languages and textbooks.
     pub synonyms: &'static [&'static str],
     pub pieces: &'static [Piece],
     pub fields: &'static [Field],
