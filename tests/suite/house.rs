@@ -255,6 +255,22 @@ fn every_form_of_a_bare_number_is_seen() {
     assert_eq!(items.iter().map(|item| has_bare_number(item)).collect::<Vec<_>>(), [true, true, false]);
 }
 
+/// JSON that is built value by value has no types that could be looked at: the language server's messages, which have no
+/// results, and what a page's script draws, whose numbers are rounded to the digits of a picture.
+#[test]
+fn json_without_types_is_for_messages_and_pictures() {
+    let known = ["backend/page/payload.rs", "editor/server/", "transport.rs"];
+    let words = ["json!(", "serde_json::Value", "serde_json::{Value", "serde_json::{Map", "serde_json::Map"];
+    let mut seen = 0;
+    for source in sources() {
+        let path = source.path.display().to_string();
+        let untyped = words.iter().any(|word| source.code.contains(word));
+        assert!(!untyped || known.iter().any(|known| path.starts_with(known)), "{path} builds JSON without a type");
+        seen += usize::from(untyped);
+    }
+    assert!(seen >= known.len(), "{seen} files: this test looks for them in the wrong way");
+}
+
 /// Displacements of a mode shape have no bound: they are written through `normalise`, which marks them.
 #[test]
 fn shapes_leave_as_unproven_numbers() {

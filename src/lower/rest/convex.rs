@@ -9,10 +9,10 @@
 //! Elimination shows that c is a bound: [`Scaled::least_eigenvalue`].
 
 use super::definite::{Scaled, estimate};
-use super::enclosure::Refinement;
 use super::krawczyk::{MAX_REFINEMENTS, NEAR};
 use super::potential::{Detail, Energy};
 use super::proof::Proven;
+use super::refinement::Refinement;
 use crate::base::{Ball, Dd, Number, up};
 use crate::kernel::sparse::ldl::Factors;
 use crate::lower::kinematics::Index;

@@ -3,22 +3,12 @@
 use super::convex;
 use super::exact::simplest;
 use super::krawczyk::{self, Equations, Inverse, NEAR};
-use super::potential::{Detail, ELSEWHERE, Energy, Potential};
+use super::potential::{Detail, ELSEWHERE, Energy};
 use super::proof::Proven;
-use super::survey::Part;
+use super::refinement::Refinement;
 use crate::base::{Ball, Dd, Number};
-use crate::lower::kinematics::{Index, Kinematics, State};
+use crate::lower::kinematics::{Index, Kinematics};
 use nalgebra::DMatrix;
-
-/// A part near its rest.
-pub struct Refinement<'a> {
-    pub kinematics: &'a Kinematics,
-    pub coordinates: &'a [Index],
-    pub potential: &'a Potential<Number>,
-    pub state: &'a mut State<Number>,
-    /// The longest spring or arm of the part, m.
-    length: f64,
-}
 
 /// A refined rest.
 #[derive(Clone, Debug)]
@@ -31,12 +21,7 @@ pub struct Refined {
 /// Larger parts are refined and proven with sparse factors.
 pub const MAX_DENSE: usize = 300;
 
-impl<'a> Refinement<'a> {
-    pub fn new(kinematics: &'a Kinematics, part: &'a Part, state: &'a mut State<Number>) -> Refinement<'a> {
-        let (coordinates, potential) = (&part.coordinates[..], &part.potential);
-        Refinement { kinematics, coordinates, potential, state, length: part.length() }
-    }
-
+impl Refinement<'_> {
     /// Refines the state, starting from these values in binary64, and encloses the rest.
     pub fn run(mut self, local: &mut [u32], values: &[f64]) -> Refined {
         let drawn = self.energy(local, values.len(), Detail::Sizes);
@@ -57,15 +42,6 @@ impl<'a> Refinement<'a> {
         }
         let energy = self.energy(local, values.len(), Detail::Sizes);
         Refined { residual: residual(&self, &drawn, &energy), proven }
-    }
-
-    fn set(&mut self, coordinate: Index, value: Ball) {
-        let value = if value.is_zero() { Number::ZERO } else { Number::Ball(value) };
-        self.state.set(self.kinematics, coordinate, value);
-    }
-
-    pub fn energy(&self, local: &[u32], n: usize, detail: Detail) -> Energy<Number> {
-        self.potential.at(self.kinematics, self.state, local, n, detail)
     }
 
     /// The coordinates that leave the drawing. One that returned to it is exactly there only if no force acts on it
@@ -132,13 +108,6 @@ impl<'a> Refinement<'a> {
             }
         }
         exact
-    }
-
-    /// Puts the moving coordinates at these middles with these radii.
-    pub fn place(&mut self, moving: &[Index], middle: &[Dd], radius: impl Fn(usize) -> f64) {
-        for (place, coordinate) in moving.iter().enumerate() {
-            self.set(*coordinate, Ball::new(middle[place], radius(place)));
-        }
     }
 }
 
