@@ -14,7 +14,7 @@ use vibc::model::Overrides;
 /// The name of a scene, its size, and its text.
 type Scene = (&'static str, usize, fn(usize) -> String);
 
-const SCENES: [Scene; 9] = [
+const SCENES: [Scene; 13] = [
     ("chain of masses", 10_000, chain),
     ("chain of masses", 100_000, chain),
     ("chain of masses", 1_000_000, chain),
@@ -24,6 +24,10 @@ const SCENES: [Scene; 9] = [
     ("links drawn aslant", 2_000, aslant),
     ("springy links aslant", 2_000, springy),
     ("links hanging", 100_000, hanging),
+    ("cells by repeat", 10_000, cells),
+    ("cells placed", 10_000, placed),
+    ("cells by repeat", 100_000, cells),
+    ("cells placed", 100_000, placed),
 ];
 
 fn main() {
@@ -44,6 +48,36 @@ fn main() {
         let child = Command::new(program).env("VIBC_SCALE_SCENE", which.to_string()).output().expect("a child");
         out.write_all(&child.stdout).expect("standard output");
     }
+}
+
+/// Five parts again and again.
+fn cells(n: usize) -> String {
+    format!(
+        "param k = 10 N/m
+repeat i in 1..{n} {{
+  body   b[i] {{ mass = i * 1 kg, moves x }}
+  body   c[i] {{ mass = 2 * i * 1 kg, moves x }}
+  spring s[i]: ground -- b[i] {{ k = k }}
+  spring t[i]: b[i] -- c[i] {{ k = 2 * k }}
+  output u[i] = c[i].x
+}}
+"
+    )
+}
+
+/// The same as a component at so many places.
+fn placed(n: usize) -> String {
+    format!(
+        "component cell(m: kg, k = 10 N/m) {{
+  body   b {{ mass = m, moves x }}
+  body   c {{ mass = 2 * m, moves x }}
+  spring s: ground -- b {{ k = k }}
+  spring t: b -- c {{ k = 2 * k }}
+  output u = c.x
+}}
+repeat i in 1..{n} {{ place p[i] = cell(m = i * 1 kg) }}
+"
+    )
 }
 
 fn chain(n: usize) -> String {

@@ -1,9 +1,12 @@
 //! Completion at a place: keywords, fields that are not given yet, names, motions, units of the right dimension.
 
 use super::document::Document;
+use super::lexed::Lexed;
 use super::names;
 use super::pages;
-use super::roles::{Role, Space, has_ends};
+use super::project::{At, Project};
+use super::roles::{self, Role, Space, has_ends};
+use super::signature;
 use super::tokens::{Token, TokenKind, tokens};
 use crate::base::{Dimension, Takes};
 use crate::kinds::functions::{self, Function, FunctionKind};
@@ -40,7 +43,8 @@ fn item(label: &str, kind: ItemKind, detail: impl Into<String>) -> Item {
 /// The part of a proposal that is already typed at a place.
 pub fn typed_prefix(document: &Document, offset: usize) -> std::ops::Range<usize> {
     let text = document.text();
-    let number = Place::new(document, offset).and_then(|place| Some((place.number?, place.statement)));
+    let alone = Project::of(document);
+    let number = Place::new(document, &alone, offset).and_then(|place| Some((place.number?, place.statement)));
     if let Some((number, statement)) = number {
         let start = document.range_of(statement).start;
         let unit = number.unit(&text[start..]).map(|unit| start + unit.start);
@@ -50,14 +54,14 @@ pub fn typed_prefix(document: &Document, offset: usize) -> std::ops::Range<usize
 }
 
 /// The proposals at a place.
-pub fn items(document: &Document, offset: usize) -> Vec<Item> {
+pub fn items(document: &Document, project: &Project, offset: usize) -> Vec<Item> {
     let text = document.text();
     let line_start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
     let line = tokens(&text[line_start..offset]);
     if line.last().is_some_and(|last| matches!(last.kind, TokenKind::Comment | TokenKind::Text)) {
         return Vec::new();
     }
-    let Some(place) = Place::new(document, offset) else { return keywords() };
+    let Some(place) = Place::new(document, project, offset) else { return keywords() };
     place.items()
 }
 
@@ -72,6 +76,7 @@ fn keywords() -> Vec<Item> {
 /// A place in a statement: the tokens before it, without the current word.
 struct Place<'a> {
     document: &'a Document,
+    project: &'a Project<'a>,
     statement: usize,
     /// Tokens of the statement before the place.
     before: Vec<Token>,
@@ -83,7 +88,7 @@ struct Place<'a> {
 
 impl<'a> Place<'a> {
     /// `None` at the start of a statement.
-    fn new(document: &'a Document, offset: usize) -> Option<Place<'a>> {
+    fn new(document: &'a Document, project: &'a Project<'a>, offset: usize) -> Option<Place<'a>> {
         let text = document.text();
         let typed = text[..offset].trim_end_matches(|c: char| words::is_letter(c) || c.is_ascii_digit()).len();
         let statement = document.outline.at(text, &document.tokens, offset)?;
@@ -113,7 +118,7 @@ impl<'a> Place<'a> {
                 _ => {}
             }
         }
-        Some(Place { document, statement, before, number, open })
+        Some(Place { document, project, statement, before, number, open })
     }
 
     fn text(&self, token: usize) -> &'a str {
@@ -141,9 +146,12 @@ impl<'a> Place<'a> {
         }
         let last = self.last(1);
         match last {
-            "." => return self.motions(),
-            "@" => return self.values(|kind| kind == "point"),
+            "." => return self.members().unwrap_or_else(|| self.motions()),
+            "@" => return self.spots(),
             _ => {}
+        }
+        if self.keyword() == "place" && self.before.len() > 1 {
+            return self.placing();
         }
         if self.before.len() == 1 {
             return self.after_keyword();
@@ -162,6 +170,104 @@ impl<'a> Place<'a> {
             return self.clauses();
         }
         self.expression()
+    }
+
+    /// What may stand in a `place` behind its name: a component, its arguments, where it lies.
+    fn placing(&self) -> Vec<Item> {
+        let last = self.last(1);
+        match self.open.as_slice() {
+            [] if last == "=" => self.components(),
+            [] if last == "at" => {
+                vec![Item { insert: Some("(0, 0)".into()), ..item("(x, y)", ItemKind::Value, "a position") }]
+            }
+            [] if last == "mirrored" => {
+                ["x", "y"].map(|axis| item(axis, ItemKind::Keyword, "it changes its sign")).into()
+            }
+            [] if matches!(self.before.last().map(|token| token.kind), Some(TokenKind::Close)) => {
+                let clauses = [("at", "at (0, 0)"), ("turned", "turned 10 deg"), ("mirrored", "mirrored x")];
+                let missing = clauses.into_iter().filter(|(word, _)| !self.has(word));
+                missing
+                    .map(|(word, form)| Item { insert: Some(form.into()), ..item(word, ItemKind::Keyword, form) })
+                    .collect()
+            }
+            [_] if matches!(last, "(" | ",") => self.arguments(),
+            [_] if last == "=" && self.is_port_argument() => self.ends(),
+            _ => self.expression(),
+        }
+    }
+
+    /// The components that the file knows.
+    fn components(&self) -> Vec<Item> {
+        let known = self.project.components(0).into_iter().filter_map(|at| {
+            let lexed = self.project.lexed(at.file);
+            let statement = lexed.statement_of(at.token)?;
+            let detail = lexed.doc(statement).lines().next().unwrap_or_default().to_string();
+            let word = lexed.token_text(at.token);
+            Some(Item { insert: Some(format!("{word}(")), ..item(word, ItemKind::Function, detail) })
+        });
+        known.collect()
+    }
+
+    /// The parameters and ports that are not given yet.
+    fn arguments(&self) -> Vec<Item> {
+        let missing = signature::missing_arguments(self.document, self.project, self.statement).into_iter();
+        let item = |(at, form): (At, String)| {
+            let word = self.project.lexed(at.file).token_text(at.token);
+            Item { insert: Some(format!("{word} = ")), ..item(word, ItemKind::Field, form) }
+        };
+        missing.map(item).collect()
+    }
+
+    fn is_port_argument(&self) -> bool {
+        let Some(component) = self.project.placed(0, self.statement) else { return false };
+        let word = self.last(2);
+        let lexed = self.project.lexed(component.0);
+        self.project.formals(component).iter().any(|formal| formal.is_port && lexed.token_text(formal.name) == word)
+    }
+
+    /// After `@`: points, and places that have some.
+    fn spots(&self) -> Vec<Item> {
+        let mut items = self.values(|kind| kind == "point");
+        items.extend(self.names(Space::Places, ItemKind::Part, |_| true));
+        items
+    }
+
+    /// After `front.`: in an expression its parameters, points and `let`s; parts and outputs in an end and in a measure; points
+    /// after `@`; and in each of them the places inside. `None` where no place stands before the dot.
+    fn members(&self) -> Option<Vec<Item>> {
+        let document = self.document;
+        let start = document.range_of(self.statement).start;
+        let dot = start + self.before.last()?.range.start;
+        let token = document.tokens.partition_point(|token| token.range.start < dot);
+        let mut name = token.checked_sub(1)?;
+        if document.token_text(name) == "]" {
+            let open = (0..name).rev().find(|at| document.token_text(*at) == "[")?;
+            name = open.checked_sub(1)?;
+        }
+        let component = self.project.component_before(At { file: 0, token: name })?;
+        let first = *document.chain(name)?.first()?;
+        let before = first.checked_sub(1).map_or("", |token| document.token_text(token));
+        let keyword = self.keyword();
+        let in_end = has_ends(keyword) && !self.has("=") && !self.has("{");
+        let in_measure = before == "("
+            && first.checked_sub(2).is_some_and(|function| roles::takes_part(document.token_text(function)));
+        let (values, parts): (fn(&str) -> bool, fn(&str) -> bool) = match before {
+            "@" => (|kind| kind == "point", |_| false),
+            _ if in_end => (|_| false, |kind| matches!(kind, "body" | "base")),
+            _ if keyword == "initial" => (|_| false, |kind| kind == "body"),
+            _ if in_measure || before == "->" => (|_| false, |kind| kind != "component"),
+            _ if keyword == "solve" && first == document.outline.statements[self.statement].tokens.start + 1 => {
+                (|kind| kind == "component", |_| false)
+            }
+            // In an expression, a motion may follow a part.
+            _ => (|_| true, |kind| !matches!(kind, "output" | "component")),
+        };
+        let of =
+            |space, kind, wanted: fn(&str) -> bool| self.names_of(component.0, Some(component.1), space, kind, wanted);
+        let mut items = of(Space::Values, ItemKind::Value, values);
+        items.extend(of(Space::Parts, ItemKind::Part, parts));
+        items.extend(of(Space::Places, ItemKind::Part, |_| true));
+        Some(items)
     }
 
     fn has(&self, sign: &str) -> bool {
@@ -297,7 +403,8 @@ impl<'a> Place<'a> {
             let mut token = dot;
             while let Some(previous) = token.checked_sub(1) {
                 token = previous;
-                if matches!(self.document.roles[token], Role::Reference { space: Space::Parts, .. }) {
+                let meaning = self.project.meaning(At { file: 0, token });
+                if meaning.is_some_and(|meaning| meaning.space == Space::Parts) {
                     return Some(token);
                 }
                 if matches!(self.document.tokens[token].kind, TokenKind::LineEnd) {
@@ -310,40 +417,24 @@ impl<'a> Place<'a> {
         let of_body = BODY_MOTIONS.iter().map(|motion| (motion.name, motion.meaning));
         let of_element = ELEMENT_MOTIONS.iter().map(|(_, name, meaning)| (*name, *meaning));
         let list: Vec<(&str, &str)> = match declared {
-            Some((keyword, _)) if is_element(keyword) => of_element.collect(),
-            Some((_, statement)) => of_body.filter(|(name, _)| self.can_move(statement, name)).collect(),
+            Some((lexed, statement)) if is_element(lexed.keyword(statement)) => of_element.collect(),
+            Some((lexed, statement)) => of_body.filter(|(name, _)| can_move(lexed, statement, name)).collect(),
             None => of_body.chain(of_element).collect(),
         };
         list.iter().map(|(name, meaning)| item(name, ItemKind::Motion, *meaning)).collect()
     }
 
-    /// Keyword and statement of the declaration of a part.
-    fn declaration(&self, part: usize) -> Option<(&'a str, usize)> {
-        let range = names::declarations(self.document, part).into_iter().next()?;
-        let statement = self.document.token_at(range.start).and_then(|token| self.document.statement_of(token))?;
-        Some((self.document.keyword(statement), statement))
-    }
-
-    /// Whether a body can move in this way: a freedom clause allows only its own motions; without one, any is allowed.
-    fn can_move(&self, statement: usize, motion: &str) -> bool {
-        let tokens = self.document.outline.statements[statement].tokens.clone();
-        let words: Vec<&str> = tokens
-            .filter(|token| matches!(self.document.roles[*token], Role::Word | Role::Direction))
-            .map(|token| self.document.token_text(token))
-            .collect();
-        let has = |word: &str| words.contains(&word);
-        if !has("moves") && !has("turns") || has("free") || has("along") {
-            return true;
-        }
-        match motion {
-            "x" | "vx" | "ax" => has("x"),
-            "y" | "vy" | "ay" => has("y"),
-            _ => has("turns"),
-        }
+    /// The declaration of a part, in whatever file.
+    fn declaration(&self, part: usize) -> Option<(&'a Lexed, usize)> {
+        let at = names::declarations(self.project, At { file: 0, token: part }).into_iter().next()?;
+        let lexed = self.project.lexed(at.file);
+        Some((lexed, lexed.statement_of(at.token)?))
     }
 
     fn ends(&self) -> Vec<Item> {
-        let mut items = self.parts(|keyword| matches!(keyword, "body" | "base"));
+        // Ports are declared in the head of their component.
+        let mut items = self.parts(|keyword| matches!(keyword, "body" | "base" | "component"));
+        items.extend(self.names(Space::Places, ItemKind::Part, |_| true));
         items.push(item("ground", ItemKind::Part, "the support that never moves"));
         items
     }
@@ -357,26 +448,44 @@ impl<'a> Place<'a> {
         self.names(Space::Values, ItemKind::Value, wanted)
     }
 
+    /// The names that are known where the statement is: those of its component, or those of the scene.
     fn names(&self, space: Space, kind: ItemKind, wanted: impl Fn(&str) -> bool) -> Vec<Item> {
-        let document = self.document;
+        self.names_of(0, self.document.component_around(self.statement), space, kind, wanted)
+    }
+
+    fn names_of(
+        &self,
+        file: usize,
+        scope: Option<usize>,
+        space: Space,
+        kind: ItemKind,
+        wanted: impl Fn(&str) -> bool,
+    ) -> Vec<Item> {
+        let lexed = self.project.lexed(file);
         let mut items = Vec::new();
-        for token in names::declared(document, space) {
-            let Some(statement) = document.statement_of(token) else { continue };
-            if statement == self.statement || !wanted(document.keyword(statement)) {
+        for token in names::declared(lexed, space, scope) {
+            let Some(statement) = lexed.statement_of(token) else { continue };
+            let is_own = file == 0 && statement == self.statement;
+            if is_own || !wanted(lexed.keyword(statement)) {
                 continue;
             }
-            let line = document.text()[document.range_of(statement)].lines().next().unwrap_or_default();
-            items.push(item(document.token_text(token), kind, line));
+            let line = match lexed.keyword(statement) {
+                // A port or a parameter.
+                "component" => lexed.line_of(token).trim_start(),
+                _ => lexed.text()[lexed.range_of(statement)].lines().next().unwrap_or_default(),
+            };
+            items.push(item(lexed.token_text(token), kind, line));
         }
         items
     }
 
     fn indices(&self) -> Vec<Item> {
+        let repeats = |statement: &usize| self.document.keyword(*statement) == "repeat";
         let index = |repeat: usize| {
             let token = self.document.outline.statements[repeat].tokens.start + 1;
             item(self.document.token_text(token), ItemKind::Value, "index")
         };
-        self.document.outline.around(self.statement).map(index).collect()
+        self.document.outline.around(self.statement).filter(repeats).map(index).collect()
     }
 
     /// Whether a whole operand precedes the place: an operator or the end of the line may follow, but no name.
@@ -413,6 +522,7 @@ impl<'a> Place<'a> {
             items.extend(self.parts(|keyword| matches!(keyword, "body" | "base") || is_element(keyword)));
         }
         items.extend(self.values(|_| true));
+        items.extend(self.names(Space::Places, ItemKind::Part, |_| true));
         if outside && self.declared().is_some_and(|declaration| declaration.signal().is_some()) {
             items.splice(0..0, functions(FunctionKind::Signal));
         }
@@ -422,6 +532,24 @@ impl<'a> Place<'a> {
         items.extend(functions(FunctionKind::Number));
         items.push(item("pi", ItemKind::Value, "the circle constant"));
         items
+    }
+}
+
+/// Whether a body can move in this way: a freedom clause allows only its own motions; without one, any is allowed.
+fn can_move(lexed: &Lexed, statement: usize, motion: &str) -> bool {
+    let tokens = lexed.outline.statements[statement].tokens.clone();
+    let words: Vec<&str> = tokens
+        .filter(|token| matches!(lexed.roles[*token], Role::Word | Role::Direction))
+        .map(|token| lexed.token_text(token))
+        .collect();
+    let has = |word: &str| words.contains(&word);
+    if !has("moves") && !has("turns") || has("free") || has("along") {
+        return true;
+    }
+    match motion {
+        "x" | "vx" | "ax" => has("x"),
+        "y" | "vy" | "ay" => has("y"),
+        _ => has("turns"),
     }
 }
 

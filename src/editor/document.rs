@@ -1,16 +1,15 @@
 //! A text with everything that the stages know about it, from which every request of an editor is answered.
 
-use super::outline::Outline;
-use super::roles::{self, Role};
-use super::tokens::{self, Token, TokenKind};
+use super::lexed::Lexed;
 use crate::analysis::{self, AnalysisError, Modal, Modes, Request, Which};
-use crate::base::{Diagnostic, FileId, LineIndex, Sources};
+use crate::base::{Diagnostic, FileId, Sources};
 use crate::lower::{Lowered, Mechanism, Rest};
 use crate::model::{self, CheckedScene, Defined, Overrides};
 use crate::questions::{Requirement, Solved};
 use crate::syntax::{self, tree::Tree};
 use crate::system::LinearSystem;
 use crate::{Effort, Inspection};
+use std::ops::Deref;
 use std::sync::Arc;
 
 /// A text, its tokens, and the results of the pipeline.
@@ -18,11 +17,8 @@ use std::sync::Arc;
 pub struct Document {
     pub sources: Sources,
     pub file: FileId,
-    pub lines: LineIndex,
-    pub tokens: Vec<Token>,
-    pub outline: Outline,
-    /// The role of each token.
-    pub roles: Vec<Role>,
+    /// The text and its words, which are those of this value: it stands for its text where no stage is asked.
+    lexed: Lexed,
     pub tree: Tree,
     pub findings: Vec<Diagnostic>,
     /// The values of parameters, points and derived quantities, available even if the rest has errors.
@@ -123,11 +119,7 @@ impl Document {
         let overrides = Overrides::default();
         let tree = inspection.tree.take().unwrap_or_else(|| syntax::parse(&sources, file).tree);
         let values = model::values(&sources, &tree, &overrides, &inspection.settings);
-        let text = sources.text(file);
-        let lines = LineIndex::new(text);
-        let tokens = tokens::tokens(text);
-        let outline = Outline::new(text, &tokens);
-        let roles = roles::roles(text, &tokens, &outline);
+        let lexed = Lexed::new(sources.text(file));
         let motions =
             inspection.lowered.take().and_then(|Lowered { system, rest, mechanism }| match analyse(&system) {
                 Ok(found) => found.map(|(modes, modal)| {
@@ -142,15 +134,17 @@ impl Document {
             });
         let now = inspection.scene.map(|scene| Arc::new(Results { sources: sources.clone(), scene, motions }));
         let is_current = now.is_some();
+        let mut findings = inspection.diagnostics.sorted();
+        if holds_components_alone(&lexed) {
+            // It is used by models, and is none itself.
+            findings.retain(|finding| finding.code.0 != "vib::scene::empty");
+        }
         let known = now.or_else(|| before.and_then(|document| document.known.clone()));
         Document {
             file,
-            lines,
-            tokens,
-            outline,
-            roles,
+            lexed,
             tree,
-            findings: inspection.diagnostics.sorted(),
+            findings,
             solved: inspection.solved,
             requirements: inspection.requirements,
             values,
@@ -160,65 +154,20 @@ impl Document {
             sources,
         }
     }
+}
 
-    pub fn text(&self) -> &str {
-        self.sources.text(self.file)
-    }
+/// Whether a text declares components, and nothing else but what it uses.
+fn holds_components_alone(lexed: &Lexed) -> bool {
+    let statements = &lexed.outline.statements;
+    let mut outer =
+        (0..statements.len()).filter(|index| statements[*index].inside.is_none()).map(|index| lexed.keyword(index));
+    !statements.is_empty() && outer.all(|keyword| matches!(keyword, "component" | "use"))
+}
 
-    pub fn token_text(&self, token: usize) -> &str {
-        self.tokens[token].text(self.text())
-    }
+impl Deref for Document {
+    type Target = Lexed;
 
-    /// The token that contains a byte, or a word that ends there.
-    pub fn token_at(&self, offset: usize) -> Option<usize> {
-        let index = self.tokens.partition_point(|token| token.range.end < offset);
-        let holds = |index: usize| {
-            let token = self.tokens.get(index)?;
-            (token.range.start <= offset && offset <= token.range.end).then_some(token.kind)
-        };
-        match (holds(index), holds(index + 1)) {
-            // Between two adjacent tokens, the word is taken.
-            (_, Some(TokenKind::Word)) => Some(index + 1),
-            (Some(_), None) => Some(index),
-            (Some(TokenKind::Word), Some(_)) => Some(index),
-            (_, Some(_)) => Some(index + 1),
-            (None, None) => None,
-        }
-    }
-
-    /// The statement that a token belongs to.
-    pub fn statement_of(&self, token: usize) -> Option<usize> {
-        let statements = &self.outline.statements;
-        let index = statements.partition_point(|s| s.tokens.start <= token).checked_sub(1)?;
-        statements[index].tokens.contains(&token).then_some(index)
-    }
-
-    pub fn keyword(&self, statement: usize) -> &str {
-        roles::keyword(self.text(), &self.tokens, &self.outline.statements[statement])
-    }
-
-    /// The bytes of a statement; for a `repeat`, those of its head.
-    pub fn range_of(&self, statement: usize) -> std::ops::Range<usize> {
-        let tokens = &self.outline.statements[statement].tokens;
-        self.tokens[tokens.start].range.start..self.tokens[tokens.end - 1].range.end
-    }
-
-    /// The `///` lines before a statement, without the slashes.
-    pub fn doc(&self, statement: usize) -> String {
-        let mut at = self.outline.statements[statement].tokens.start;
-        let mut lines = Vec::new();
-        while let Some(before) = at.checked_sub(1) {
-            match self.tokens[before].kind {
-                TokenKind::LineEnd => {}
-                TokenKind::Comment => match self.token_text(before).strip_prefix("///") {
-                    Some(line) if !line.starts_with('/') => lines.push(line.trim()),
-                    _ => break,
-                },
-                _ => break,
-            }
-            at = before;
-        }
-        lines.reverse();
-        lines.join("\n")
+    fn deref(&self) -> &Lexed {
+        &self.lexed
     }
 }

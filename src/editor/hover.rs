@@ -1,8 +1,9 @@
 //! Information about the word under the pointer: values, parts and their share in each mode, keywords.
 
 use super::document::{Document, Motions, Results};
-use super::names;
+use super::lexed::Lexed;
 use super::pages;
+use super::project::{At, Meaning, Project};
 use super::roles::{Role, Space};
 use super::shown;
 use super::tokens::TokenKind;
@@ -20,23 +21,122 @@ pub struct Hover {
     pub markdown: String,
 }
 
-pub fn hover(document: &Document, offset: usize) -> Option<Hover> {
+pub fn hover(document: &Document, project: &Project, offset: usize) -> Option<Hover> {
     let token = document.token_at(offset)?;
+    let at = At { file: 0, token };
     let markdown = match (document.tokens[token].kind, document.roles[token]) {
         (TokenKind::Number { .. }, _) => number(document, token)?,
         (TokenKind::Word, Role::Keyword) => pages::keyword(document.token_text(token))?,
-        (TokenKind::Word, Role::Field) => field(document, token)?,
         (TokenKind::Word, Role::Function) => pages::function(document.token_text(token))?.to_string(),
-        (TokenKind::Word, Role::Member) => pages::motion(document.token_text(token))?.to_string(),
         (TokenKind::Word, Role::Word | Role::Constant) => pages::word(document.token_text(token))?.to_string(),
-        (TokenKind::Word, role) => match role.name()? {
-            (Space::Values, scope) => value(document, token, scope)?,
-            (Space::Parts, _) => part(document, token)?,
-            (Space::Places | Space::Components, _) => return None,
+        (TokenKind::Word, role) => match (project.meaning(at), role) {
+            (Some(meaning), _) => name(document, project, at, &meaning)?,
+            (None, Role::Field) => field(document, token)?,
+            (None, Role::Member) => pages::motion(document.token_text(token))?.to_string(),
+            _ => return None,
         },
         _ => return None,
     };
     Some(Hover { range: document.tokens[token].range.clone(), markdown })
+}
+
+fn name(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Option<String> {
+    match meaning.space {
+        Space::Values => value(document, project, at, meaning),
+        Space::Parts => part(document, project, at, meaning),
+        Space::Places => place(document, project, at, meaning),
+        Space::Components => component(project, meaning),
+    }
+}
+
+/// A component: its head and what it is for.
+fn component(project: &Project, meaning: &Meaning) -> Option<String> {
+    let (file, statement) = project.body_of(meaning)?;
+    let lexed = project.lexed(file);
+    let head = lexed.text()[lexed.range_of(statement)].trim_end_matches('{').trim_end();
+    let mut markdown = format!("{}\n\n{}", model(head), paragraph(&lexed.doc(statement)));
+    for (keyword, heading) in [("output", "outputs"), ("point", "points")] {
+        let own = |index: &usize| {
+            lexed.outline.statements[*index].inside == Some(statement) && lexed.keyword(*index) == keyword
+        };
+        let lines: Vec<String> = (0..lexed.outline.statements.len())
+            .filter(own)
+            .filter_map(|index| {
+                let name = lexed.outline.statements[index].tokens.start + 1;
+                let word = (name < lexed.outline.statements[index].tokens.end).then(|| lexed.token_text(name))?;
+                let doc = lexed.doc(index);
+                Some(if doc.is_empty() { format!("- `{word}`\n") } else { format!("- `{word}`: {doc}\n") })
+            })
+            .collect();
+        if !lines.is_empty() {
+            markdown += &format!("{heading}:\n\n{}\n", lines.concat());
+        }
+    }
+    Some(markdown)
+}
+
+/// A place: how it is declared, its component, and the values of its parameters there.
+fn place(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Option<String> {
+    let mut markdown = declared(project, meaning)?;
+    let placed = project.component_at(meaning)?;
+    let lexed = project.lexed(placed.0);
+    let word = lexed.token_text(lexed.outline.statements[placed.1].tokens.start + 1);
+    markdown += &component(project, &project.component(meaning.file, word)?)?;
+    let written = written_name(document, at);
+    for formal in project.formals(placed).iter().filter(|formal| !formal.is_port) {
+        let name = lexed.token_text(formal.name);
+        let own = format!("{written}.{name}");
+        let same = document.values.iter().filter(|defined| without_indices(&defined.name) == own);
+        for defined in same.take(MANY) {
+            if let Some(value) = &defined.value {
+                markdown += &format!("`{}` = {}\n\n", defined.name, worth(value, &lexed.text()[formal.range.clone()]));
+            }
+        }
+    }
+    Some(markdown)
+}
+
+/// The lines that declare a name, with their documentation.
+fn declared(project: &Project, meaning: &Meaning) -> Option<String> {
+    let lexed = project.lexed(meaning.file);
+    let mut markdown = String::new();
+    for token in project.declarations(meaning) {
+        let statement = lexed.statement_of(*token)?;
+        markdown += &format!("{}\n\n{}", model(line_of(lexed, statement)), paragraph(&lexed.doc(statement)));
+    }
+    (!markdown.is_empty()).then_some(markdown)
+}
+
+/// The declaration of a name: of what stands in the brackets of a component, all of the head.
+fn line_of(lexed: &Lexed, statement: usize) -> &str {
+    let line = &lexed.text()[lexed.range_of(statement)];
+    if lexed.keyword(statement) == "component" { line.trim_end_matches('{').trim_end() } else { line }
+}
+
+/// `front.tyre`: a name with what stands before it, without indices.
+fn written_name(document: &Document, at: At) -> String {
+    let chain = document.chain(at.token).unwrap_or_else(|| vec![at.token]);
+    chain.into_iter().map(|token| document.token_text(token)).collect::<Vec<_>>().join(".")
+}
+
+/// `mount[3].s` as `mount.s`.
+fn without_indices(name: &str) -> String {
+    let mut depth = 0_usize;
+    let outside = |c: &char| {
+        match c {
+            '[' => depth += 1,
+            ']' => depth = depth.saturating_sub(1),
+            _ => return depth == 0,
+        }
+        false
+    };
+    name.chars().filter(outside).collect()
+}
+
+/// Whether the name of a thing of the scene is that of a word: as it is written there, or inside a component at any place.
+fn stands_for(shown: &str, written: &str, in_component: bool) -> bool {
+    let plain = without_indices(shown);
+    plain == written || in_component && plain.ends_with(&format!(".{written}"))
 }
 
 /// A fenced block of model text.
@@ -58,26 +158,30 @@ fn field(document: &Document, token: usize) -> Option<String> {
 }
 
 /// A parameter, a point or an index: how it is declared, and its value in its unit and in SI.
-fn value(document: &Document, token: usize, scope: Option<usize>) -> Option<String> {
-    if let Some(repeat) = scope.filter(|scope| document.keyword(*scope) == "repeat") {
-        return Some(format!("{}\n\nThe index of this `repeat`.", model(&document.text()[document.range_of(repeat)])));
+fn value(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Option<String> {
+    let lexed = project.lexed(meaning.file);
+    if let Some(repeat) = meaning.scope.filter(|scope| lexed.keyword(*scope) == "repeat") {
+        return Some(format!("{}\n\nThe index of this `repeat`.", model(&lexed.text()[lexed.range_of(repeat)])));
     }
-    let declared = names::declarations(document, token);
+    let id = project.files[meaning.file].id;
+    let written = document.roles[at.token] == Role::Member;
+    let written = written.then(|| written_name(document, at));
     let mut markdown = String::new();
-    for range in &declared {
-        let statement = document.token_at(range.start).and_then(|token| document.statement_of(token))?;
-        let line = &document.text()[document.range_of(statement)];
+    for token in project.declarations(meaning) {
+        let statement = lexed.statement_of(*token)?;
+        let line = line_of(lexed, statement);
         markdown += &format!("{}\n\n", model(line));
-        let same = document
-            .values
-            .iter()
-            .filter(|defined| defined.span.file() == document.file && defined.span.start() == range.start);
+        let start = lexed.tokens[*token].range.start;
+        let same = document.values.iter().filter(|defined| {
+            let is_asked = written.as_ref().is_none_or(|written| without_indices(&defined.name) == *written);
+            Some(defined.span.file()) == id && defined.span.start() == start && is_asked
+        });
         for defined in same.take(MANY) {
             if let Some(value) = &defined.value {
                 markdown += &format!("`{}` = {}\n\n", defined.name, describe_value(value, line));
             }
         }
-        markdown += &paragraph(&document.doc(statement));
+        markdown += &paragraph(&lexed.doc(statement));
     }
     (!markdown.is_empty()).then_some(markdown)
 }
@@ -105,20 +209,14 @@ fn describe_value(value: &Value, line: &str) -> String {
 }
 
 /// A body, a base, an element, an input or an output, with all its repetitions.
-fn part(document: &Document, token: usize) -> Option<String> {
-    let word = document.token_text(token);
-    let mut markdown = String::new();
-    for range in names::declarations(document, token) {
-        let statement = document.token_at(range.start).and_then(|token| document.statement_of(token))?;
-        let line = &document.text()[document.range_of(statement)];
-        markdown += &format!("{}\n\n{}", model(line), paragraph(&document.doc(statement)));
-    }
+fn part(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Option<String> {
+    let mut markdown = declared(project, meaning).unwrap_or_default();
+    let written = written_name(document, at);
+    // In a component, it is at each of its places; in another file, at those that this one knows.
+    let in_component = document.roles[at.token] != Role::Member && meaning.scope.is_some();
     if let Some(known) = &document.known {
         let scene = known.scene.scene();
-        let named = |name| {
-            let shown = scene.words.display(name);
-            shown == word || shown.strip_prefix(word).is_some_and(|rest| rest.starts_with('['))
-        };
+        let named = |name| stands_for(&scene.words.display(name), &written, in_component);
         for body in scene.bodies.iter().filter(|body| named(body.name)).take(MANY) {
             markdown += &body_page(scene, body, known.motions.as_ref());
         }

@@ -1,78 +1,116 @@
-//! Names: where they are declared and used, and what they may be renamed to. See spec.md#names.
+//! Names: where they are declared and used, and what they may be renamed to. See spec.md#names and spec.md#components.
 
-use super::document::Document;
+use super::lexed::Lexed;
+use super::project::{At, Meaning, Project};
 use super::roles::{Role, Space};
+use crate::kinds::motions::is_motion;
 use crate::model::is_reserved;
 use crate::syntax::words;
-use std::ops::Range;
 
-/// The name that contains a byte.
-pub fn name_at(document: &Document, offset: usize) -> Option<usize> {
-    document.token_at(offset).filter(|token| document.roles[*token].name().is_some())
+/// The name that contains a byte of the file that is asked about.
+pub fn name_at(project: &Project, offset: usize) -> Option<At> {
+    let token = project.lexed(0).token_at(offset)?;
+    Some(At { file: 0, token }).filter(|at| project.is_name(*at))
 }
 
-/// The tokens of one name: only declarations, or all places. Names with indices are one name: `m[1]` and `m[i]`.
-fn places(document: &Document, name: usize, declarations_only: bool) -> Vec<usize> {
-    let (word, key) = (document.token_text(name), document.roles[name].name());
-    let same = |token: &usize| {
-        let role = document.roles[*token];
-        let wanted = matches!(role, Role::Declaration { .. }) || !declarations_only;
-        wanted && role.name() == key && document.token_text(*token) == word
-    };
-    (0..document.tokens.len()).filter(same).collect()
+/// The declarations of a name.
+pub fn declarations(project: &Project, name: At) -> Vec<At> {
+    let Some(meaning) = project.meaning(name) else { return Vec::new() };
+    project.declarations(&meaning).iter().map(|token| At { file: meaning.file, token: *token }).collect()
 }
 
-fn ranges(document: &Document, tokens: Vec<usize>) -> Vec<Range<usize>> {
-    tokens.into_iter().map(|token| document.tokens[token].range.clone()).collect()
-}
-
-/// The declarations of the name at a token.
-pub fn declarations(document: &Document, name: usize) -> Vec<Range<usize>> {
-    ranges(document, places(document, name, true))
-}
-
-/// The places of a name, with or without its declarations.
-pub fn references(document: &Document, name: usize, with_declarations: bool) -> Vec<Range<usize>> {
-    let declares = |token: &usize| matches!(document.roles[*token], Role::Declaration { .. });
-    let all = places(document, name, false);
-    ranges(document, all.into_iter().filter(|token| with_declarations || !declares(token)).collect())
-}
-
-/// The ranges to change for a new name; an error says why it cannot be used.
-pub fn rename(document: &Document, name: usize, new: &str) -> Result<Vec<Range<usize>>, String> {
-    let Some((space, scope)) = document.roles[name].name() else { return Err("there is no name here".into()) };
-    // Names after the name of a place, here and in other files, cannot be found by words alone.
-    let in_component = scope.is_some_and(|scope| document.keyword(scope) == "component");
-    if in_component || matches!(space, Space::Places | Space::Components) {
-        return Err("names of components and in them are not renamed: places in other files may refer to them".into());
+/// The places of a name in every file, with or without its declarations. Names with indices are one name: `m[1]` and `m[i]`.
+pub fn references(project: &Project, name: At, with_declarations: bool) -> Vec<At> {
+    let Some(meaning) = project.meaning(name) else { return Vec::new() };
+    let mut all = Vec::new();
+    for (file, of) in project.files.iter().enumerate() {
+        let wanted = |token: &usize| {
+            let declares = matches!(of.lexed.roles[*token], Role::Declaration { .. });
+            (with_declarations || !declares) && of.lexed.token_text(*token) == meaning.word
+        };
+        let places = (0..of.lexed.tokens.len()).filter(wanted).map(|token| At { file, token });
+        all.extend(places.filter(|at| project.meaning(*at) == Some(meaning)));
     }
-    if places(document, name, true).is_empty() {
-        return Err(format!("`{}` is not declared in this file", document.token_text(name)));
+    all
+}
+
+/// The places to change for a new name; an error says why it cannot be used.
+pub fn rename(project: &Project, name: At, new: &str) -> Result<Vec<At>, String> {
+    let Some(meaning) = project.meaning(name) else { return Err("there is no name here".into()) };
+    if !project.is_declared(&meaning) {
+        return Err(format!("`{}` is not declared in the files that are open", meaning.word));
+    }
+    if project.files[meaning.file].is_of_program() {
+        return Err(format!("`{}` is part of the program, which is not changed here", meaning.word));
     }
     if !is_word(new) {
         return Err(format!("`{new}` is not a name: names start with a letter and consist of letters, digits and `_`"));
     }
-    let reserved = match space {
-        Space::Values => is_reserved(new),
-        Space::Parts => new == "ground",
-        Space::Places => new == "ground" || is_reserved(new),
-        Space::Components => false,
-    };
-    if reserved {
+    if is_taken_by_language(project, &meaning, new) {
         return Err(format!("`{new}` is a word of the language"));
     }
-    let taken = |token: usize| {
-        let role = document.roles[token];
-        // An index is known only in its `repeat`, but no other value may have its name there.
-        let same_space = role.name().is_some_and(|(other, _)| other == space);
-        matches!(role, Role::Declaration { .. }) && same_space && document.token_text(token) == new
-    };
-    let index_again = |token: usize| scope.is_some() && document.roles[token].name() != document.roles[name].name();
-    let clash = (0..document.tokens.len()).find(|token| taken(*token) && (scope.is_none() || index_again(*token)));
-    match clash {
-        Some(_) if new != document.token_text(name) => Err(format!("`{new}` is declared already")),
-        _ => Ok(references(document, name, true)),
+    if new != meaning.word && clashes(project, &meaning, new) {
+        return Err(format!("`{new}` is declared already"));
     }
+    Ok(references(project, name, true))
+}
+
+fn is_taken_by_language(project: &Project, meaning: &Meaning, new: &str) -> bool {
+    // From outside, `front.x` would mean two things.
+    let in_component = home(project.lexed(meaning.file), meaning.scope).is_some() && is_motion(new);
+    match meaning.space {
+        Space::Values => is_reserved(new),
+        Space::Parts => new == "ground" || in_component,
+        Space::Places => new == "ground" || is_reserved(new) || in_component,
+        Space::Components => false,
+    }
+}
+
+/// The component that declares what is known in a `repeat` or a component; `None` for the scene.
+fn home(lexed: &Lexed, scope: Option<usize>) -> Option<usize> {
+    lexed.component_around(scope?)
+}
+
+/// Whether a name would stand for two things.
+fn clashes<'a>(project: &Project<'a>, meaning: &Meaning<'a>, new: &str) -> bool {
+    if meaning.space == Space::Components {
+        // Wherever the old name is known, the new one must not be.
+        let knows = |file: &usize| project.component(*file, meaning.word) == Some(*meaning);
+        let known =
+            |file: usize| project.components(file).iter().any(|at| project.lexed(at.file).token_text(at.token) == new);
+        return (0..project.files.len()).filter(knows).any(known);
+    }
+    let lexed = project.lexed(meaning.file);
+    let own_home = home(lexed, meaning.scope);
+    let head = own_home.map(|component| lexed.outline.statements[component].tokens.clone());
+    // Ports and parameters are given by name at a place, so they have one name space.
+    let in_head = |token: &usize| head.as_ref().is_some_and(|head| head.contains(token));
+    let is_formal = project.declarations(meaning).iter().any(in_head);
+    let rival = |token: usize| {
+        let Role::Declaration { space, scope } = lexed.roles[token] else { return false };
+        let same_space = space == meaning.space
+            || space == Space::Places && meaning.space != Space::Components
+            || meaning.space == Space::Places && space != Space::Components
+            || is_formal && in_head(&token);
+        same_space
+            && lexed.token_text(token) == new
+            && home(lexed, scope) == own_home
+            && (is_index(lexed, meaning.scope) != is_index(lexed, scope)
+                || scope == meaning.scope
+                || nested(lexed, meaning.scope, scope))
+    };
+    (0..lexed.tokens.len()).any(rival)
+}
+
+/// Whether what is known there is the index of a `repeat`.
+fn is_index(lexed: &Lexed, scope: Option<usize>) -> bool {
+    scope.is_some_and(|scope| lexed.keyword(scope) == "repeat")
+}
+
+/// Whether one of two statements lies in the other.
+fn nested(lexed: &Lexed, one: Option<usize>, other: Option<usize>) -> bool {
+    let inside = |a: usize, b: usize| lexed.outline.around(a).any(|around| around == b);
+    one.zip(other).is_some_and(|(one, other)| inside(one, other) || inside(other, one))
 }
 
 pub fn is_word(text: &str) -> bool {
@@ -80,14 +118,14 @@ pub fn is_word(text: &str) -> bool {
     letters.next().is_some_and(words::is_letter) && letters.all(|c| words::is_letter(c) || c.is_ascii_digit())
 }
 
-/// The declared names of a space, each once, in order of declaration, by the token of the first declaration.
-pub fn declared(document: &Document, space: Space) -> Vec<usize> {
+/// The names of a space that a component declares, or the scene, each once, in order of declaration, by the token of the first
+/// declaration.
+pub fn declared(lexed: &Lexed, space: Space, scope: Option<usize>) -> Vec<usize> {
     let mut seen: Vec<&str> = Vec::new();
     let mut list = Vec::new();
-    for (token, role) in document.roles.iter().enumerate() {
-        let global = *role == Role::Declaration { space, scope: None };
-        if global && !seen.contains(&document.token_text(token)) {
-            seen.push(document.token_text(token));
+    for (token, role) in lexed.roles.iter().enumerate() {
+        if *role == (Role::Declaration { space, scope }) && !seen.contains(&lexed.token_text(token)) {
+            seen.push(lexed.token_text(token));
             list.push(token);
         }
     }

@@ -264,13 +264,8 @@ impl Reader<'_> {
         }
         let after = self.after_indices(at);
         let named_before = [".", "@", "->"].iter().any(|sign| self.is_sign(after, sign));
-        let of_output = open
-            .last()
-            .and_then(|open| open.function)
-            .and_then(|function| functions::function(self.word(function)))
-            .is_some_and(|(_, function)| {
-                matches!(function.arguments.first(), Some(Argument::Output | Argument::Input))
-            });
+        let of_output =
+            open.last().and_then(|open| open.function).is_some_and(|function| takes_part(self.word(function)));
         if named_before || self.is_sign(last, "->") || of_output {
             return self.part(word);
         }
@@ -318,6 +313,12 @@ impl Reader<'_> {
             _ => {}
         }
     }
+}
+
+/// Whether the first argument of a function is an input or an output.
+pub fn takes_part(function: &str) -> bool {
+    let function = functions::function(function);
+    function.is_some_and(|(_, function)| matches!(function.arguments.first(), Some(Argument::Output | Argument::Input)))
 }
 
 /// Whether declarations with this keyword connect two ends.

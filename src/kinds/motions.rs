@@ -62,6 +62,11 @@ pub const ELEMENT_MOTIONS: [(ElementMotion, &str, &str); 2] = [
     (ElementMotion::Stretch, "stretch", "The change of its stretch from rest, m or rad."),
 ];
 
+/// Whether a word names a motion of a body or a quantity of an element: no part of a component is called so.
+pub fn is_motion(word: &str) -> bool {
+    BODY_MOTIONS.iter().any(|motion| motion.name == word) || ELEMENT_MOTIONS.iter().any(|(_, name, _)| *name == word)
+}
+
 /// The initial motions that an `initial` may give, measured from rest.
 pub const INITIAL_FIELDS: [Field; 6] = [
     Field::number(

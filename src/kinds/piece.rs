@@ -3,8 +3,8 @@
 use super::SignalKind;
 use crate::base::Dimension;
 
-/// The kind of thing that a name denotes (spec.md#names): values and parts have separate name spaces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// What a name stands for (spec.md#names): values and parts have a name space each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Space {
     /// Parameters, points and indices.
     Values,

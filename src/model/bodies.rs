@@ -263,7 +263,8 @@ impl<'a> Check<'a> {
         let height = self.size(height, environment)?;
         let width = width?;
         let gyration = &(&width.square() + &height.square()) * &Number::from(Rational::new(1, 12));
-        Ok(Shaped { shape: Shape::Box { width, height }, centre: None, gyration })
+        let along = self.turned(self.directions.x_axis.clone(), environment)?;
+        Ok(Shaped { shape: Shape::Box { width, height, along }, centre: None, gyration })
     }
 
     fn size(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Number> {

@@ -11,6 +11,7 @@ mod bodies;
 mod collect;
 mod couplings;
 mod delays;
+mod drafts;
 mod elements;
 mod ends;
 mod error;
@@ -52,6 +53,7 @@ use evaluate::{Evaluated, Stop, Walk};
 use expect::Cache;
 use freedoms::Freedoms;
 use overrides::Given;
+pub use places::MAX_LEVELS;
 use places::{ComponentNames, Frame, Port};
 use scene::{BaseId, BodyId, Parameter, Scene, TableRows};
 use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, State, Table};
@@ -144,6 +146,7 @@ fn new_check<'a>(sources: &'a Sources, tree: &'a Tree, overrides: &Overrides, va
     check.initials();
     check.solves();
     check.requires();
+    check.unplaced_components();
     check.unused();
     check
 }
@@ -230,7 +233,8 @@ struct Check<'a> {
     ports: Vec<Port>,
     /// The dimensions of the parameters of components.
     formals_like: Table<(u32, u32), Evaluated<Option<Scalar>>>,
-    /// Bodies whose line is that of their component in the opposite direction.
+    drafts: drafts::Drafts,
+    /// Bodies whose line is that of their component the other way.
     reversed: HashSet<BodyId>,
     walk: Walk,
     memory: Cache,
@@ -280,6 +284,7 @@ impl<'a> Check<'a> {
             frames: Vec::new(),
             ports: Vec::new(),
             formals_like: Table::default(),
+            drafts: drafts::Drafts::default(),
             reversed: HashSet::new(),
             walk: Walk::default(),
             memory: Cache::default(),
@@ -301,10 +306,7 @@ impl<'a> Check<'a> {
     /// Reports an error, once for each place.
     fn report(&mut self, environment: Environment, error: impl Into<Error>) {
         let mut diagnostic = error.into().diagnostic();
-        let place = diagnostic.primary.span;
-        if !self.reported.insert((diagnostic.code, place))
-            || !self.tallies[usize::from(!diagnostic.is_error())].counts(place)
-        {
+        if self.reported.contains(&(diagnostic.code, diagnostic.primary.span)) {
             return;
         }
         if self.walk.varies && !environment.is_top() {
@@ -316,7 +318,17 @@ impl<'a> Check<'a> {
             let indices = place.into_iter().chain(indices).collect::<Vec<_>>().join(", ");
             *text = if text.is_empty() { indices } else { format!("{text}, {indices}") };
         }
-        self.diagnostics.push(diagnostic);
+        if let Some(diagnostic) = self.blamed(diagnostic, environment) {
+            self.say(diagnostic);
+        }
+    }
+
+    /// Adds a finding, once for each place, unless there are too many.
+    fn say(&mut self, diagnostic: Diagnostic) {
+        let place = diagnostic.primary.span;
+        if self.reported.insert((diagnostic.code, place)) && self.tallies[usize::from(!diagnostic.is_error())].counts(place) {
+            self.diagnostics.push(diagnostic);
+        }
     }
 
     /// Reports an error and stops here.

@@ -12,7 +12,7 @@ use super::scope::{self, Definition, DefinitionId, DefinitionKind, Environment, 
 use super::suggestion::nearest;
 use super::value::{Scalar, Value};
 use crate::base::{Dimension, FileId, Name, Number, Place, Quantity, Span, Symbol, Vec3};
-use crate::kinds::motions::{BODY_MOTIONS, ELEMENT_MOTIONS};
+use crate::kinds::motions::is_motion;
 use crate::syntax::tree::{
     Component, Decl, DeclKind, ExprId, ExprKind, FieldValue, Fields, Formal, FormalKind, Ident, Path, Placing, Rare,
 };
@@ -45,12 +45,35 @@ pub struct Frame {
     placed: Option<Evaluated<Arc<Placed>>>,
 }
 
+impl Frame {
+    /// A component that lies in its own axes, in no scene.
+    pub fn alone(place: Place, component: u32, inside: Environment, span: Span) -> Frame {
+        let still = Motion {
+            origin: Some(Vec3::ZERO),
+            angle: Number::ZERO,
+            sine: Number::ZERO,
+            cosine: Number::ONE,
+            mirrored: [false, false],
+        };
+        Frame {
+            place,
+            component: Some(component),
+            outer: Environment::TOP,
+            inside,
+            span,
+            at: None,
+            turned: None,
+            mirrored: [false, false],
+            placed: Some(Ok(Arc::new(Placed { around: still.clone(), scene: still }))),
+        }
+    }
+}
+
 /// A part that a component ties to.
 #[derive(Clone, Debug)]
 pub struct Port {
-    /// Where the argument is looked at.
-    outer: Environment,
-    argument: ExprId,
+    /// Where the argument is looked at, and the argument; `None` of a component that is placed alone.
+    tied: Option<(Environment, ExprId)>,
     /// The port's name in the component.
     declared: Span,
     part: Option<Evaluated<scope::Part>>,
@@ -121,15 +144,10 @@ pub struct ComponentNames<'a> {
     /// In order, for suggestions.
     names: HashMap<FileId, Vec<&'a str>>,
     /// Components that cannot be placed, since they contain themselves.
-    broken: Vec<bool>,
+    pub broken: Vec<bool>,
 }
 
 const ANGLE: super::expect::Expected = super::expect::Expected::new("an angle", Dimension::NONE, "turned 10 deg");
-
-/// Whether nothing but a motion may be called so.
-fn is_motion(word: &str) -> bool {
-    BODY_MOTIONS.iter().any(|motion| motion.name == word) || ELEMENT_MOTIONS.iter().any(|(_, name, _)| *name == word)
-}
 
 impl<'a> Check<'a> {
     // ---- Files and components, before anything is placed ----
@@ -188,7 +206,7 @@ impl<'a> Check<'a> {
         done.push(file);
     }
 
-    fn known_components(&mut self) {
+    pub fn known_components(&mut self) {
         let tree = self.tree;
         self.known.broken = vec![false; tree.components.len()];
         let mut files: Vec<FileId> = vec![tree.file];
@@ -464,12 +482,16 @@ impl<'a> Check<'a> {
         if self.tie_arguments(id, component, word, arguments).is_err() {
             return;
         }
+        if self.drafts.is_draft {
+            // The components in it are looked at by themselves.
+            return;
+        }
         self.frames[id.0 as usize].component = Some(component);
         self.declare_body(component, word, inside);
     }
 
     /// Declares what a component declares, unless that is too much.
-    fn declare_body(&mut self, component: u32, word: Span, inside: Environment) {
+    pub fn declare_body(&mut self, component: u32, word: Span, inside: Environment) {
         let body: &'a [Decl] = &self.tree.component(component).body;
         let mut counted = self.counted;
         counted.add(body, 1);
@@ -626,7 +648,7 @@ impl<'a> Check<'a> {
             (FormalKind::Port, Some(argument)) => {
                 let port = scope::Part::Port(self.ports.len() as u32);
                 if self.parts.declare(group, name, span, port).is_ok() {
-                    self.ports.push(Port { outer, argument, declared: span, part: None });
+                    self.ports.push(Port { tied: Some((outer, argument)), declared: span, part: None });
                 }
             }
             (FormalKind::Port, None) => {}
@@ -1032,6 +1054,16 @@ impl<'a> Check<'a> {
         }
     }
 
+    /// The number of the next port.
+    pub fn ports_count(&self) -> u32 {
+        self.ports.len() as u32
+    }
+
+    /// A port of which nothing is known.
+    pub fn tie_to_nothing(&mut self, declared: Span) {
+        self.ports.push(Port { tied: None, declared, part: None });
+    }
+
     /// Where a port is declared.
     pub fn port_span(&self, port: u32) -> Span {
         self.ports[port as usize].declared
@@ -1039,10 +1071,11 @@ impl<'a> Check<'a> {
 
     /// The part that a port is tied to. Ports of ports are as many as components have levels.
     fn port(&mut self, index: u32) -> Evaluated<scope::Part> {
-        let Port { outer, argument, declared, part, .. } = self.ports[index as usize].clone();
+        let Port { tied, declared, part } = self.ports[index as usize].clone();
         if let Some(part) = part {
             return part;
         }
+        let Some((outer, argument)) = tied else { return Err(Stop::Reported) };
         let part = self.port_argument(argument, declared, outer);
         self.ports[index as usize].part = Some(part);
         part

@@ -91,10 +91,12 @@ pub enum Shape {
     Ring {
         radius: Number,
     },
-    /// A rectangle with its sides along the axes.
+    /// A rectangle.
     Box {
         width: Number,
         height: Number,
+        /// The direction of its width: x, unless it is in a component that is placed with a turn.
+        along: Arc<Vec3>,
     },
 }
 

@@ -343,6 +343,19 @@ impl Tree {
         &self.exprs[id.index()]
     }
 
+    /// An expression, whichever; `None` in a tree without any.
+    pub fn any_expr(&self) -> Option<ExprId> {
+        (!self.exprs.is_empty()).then_some(ExprId(NonZeroU32::MIN))
+    }
+
+    /// The names without indices in a piece of text, each as often as it stands there.
+    pub fn names_within(&self, span: Span) -> impl Iterator<Item = Span> {
+        let inside =
+            move |own: Span| own.file() == span.file() && span.start() <= own.start() && own.end() <= span.end();
+        let is_name = |kind: &ExprKind| matches!(kind, ExprKind::Name { indices } if indices.is_empty());
+        self.exprs.iter().filter(move |expr| inside(expr.span) && is_name(&expr.kind)).map(|expr| expr.span)
+    }
+
     /// Every text in quotes, quotes included, in the order of the file: the names of tables.
     pub fn texts(&self) -> impl Iterator<Item = Span> {
         self.exprs.iter().filter(|expr| matches!(expr.kind, ExprKind::Text)).map(|expr| expr.span)

@@ -91,6 +91,41 @@ place('block {')
 local page = client:request_sync('textDocument/hover', vim.lsp.util.make_position_params(0, client.offset_encoding), 5000, 0)
 step('the pointer shows the body', page.result.contents.value:find('mass 2 kg', 1, true))
 
+-- A model and the file of components that it uses, which is open beside it.
+local folder = vim.fs.dirname(model)
+vim.cmd.edit(folder .. '/axles.vib')
+local library = vim.api.nvim_get_current_buf()
+vim.cmd.edit(folder .. '/car.vib')
+local function of_library()
+  return table.concat(vim.api.nvim_buf_get_lines(library, 0, -1, false), '\n')
+end
+local function at(mark, offset)
+  place(mark)
+  local cursor = vim.api.nvim_win_get_cursor(0)
+  vim.api.nvim_win_set_cursor(0, { cursor[1], cursor[2] + offset })
+  return vim.lsp.util.make_position_params(0, client.offset_encoding)
+end
+step('a model of two files has no findings', see(''))
+
+local found = client:request_sync('textDocument/definition', at('front.wheel', 6), 5000, 0).result[1]
+step('a definition is in the other file', vim.endswith(found.uri, '/axles.vib') and found.range.start.line == 3)
+
+local items = client:request_sync('textDocument/completion', at('front.lift', 6), 5000, 0).result
+items = items.items or items
+local labels = {}
+for _, item in ipairs(items) do labels[item.label] = true end
+step('parts of a component are proposed', labels.wheel and labels.lift and not labels.front)
+
+page = client:request_sync('textDocument/hover', at('place front', 6), 5000, 0)
+step('the pointer shows the component', page.result.contents.value:find('An axle on its tyre', 1, true))
+
+at('front.wheel', 6)
+vim.lsp.buf.rename('rim')
+step('a name is changed in both files', vim.wait(5000, function()
+  return text():find('front.rim', 1, true) and of_library():find('body   rim', 1, true)
+end, 10))
+step('both are without findings', see('') and #vim.diagnostic.get(library) == 0)
+
 client:stop()
 step('the server ends', vim.wait(5000, function() return client:is_stopped() end, 10))
 vim.cmd('qall!')

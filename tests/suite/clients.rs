@@ -17,6 +17,22 @@ body block { mas = m, moves x}
 spring s: ground -- block { k = 10 }
 ";
 
+/// A component, and a model that places it.
+const AXLES: &str = "/// An axle on its tyre.
+component axle(m: kg, k = 150 kN/m) {
+  /// The unsprung mass.
+  body   wheel { mass = m, moves y }
+  spring tyre: ground -- wheel { k = k }
+  output lift = wheel.y
+}
+";
+
+const CAR: &str = "use \"axles.vib\"
+place front = axle(m = 40 kg)
+force F: front.wheel along y
+require gain(F -> front.lift, 1 Hz) < 1 mm/N
+";
+
 /// The program, if it is new enough to include a client.
 fn neovim() -> Option<String> {
     let name = std::env::var("NVIM").unwrap_or_else(|_| "nvim".into());
@@ -34,6 +50,8 @@ fn neovim_fixes_renames_and_formats() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let model = folder.path().join("two_errors.vib");
     fs::write(&model, MODEL).expect("a model");
+    fs::write(folder.path().join("axles.vib"), AXLES).expect("a file of components");
+    fs::write(folder.path().join("car.vib"), CAR).expect("a model");
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/clients/neovim.lua");
     let run = Command::new(neovim)
         .args(["--headless", "--clean", "-l"])
@@ -42,9 +60,9 @@ fn neovim_fixes_renames_and_formats() {
         .env("XDG_STATE_HOME", folder.path())
         .output()
         .expect("Neovim starts");
-    let (messages, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
-    assert!(run.status.success(), "{messages}{failed}");
-    assert_eq!(messages.lines().filter(|line| line.starts_with("ok: ")).count(), 9, "{messages}{failed}");
+    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{said}{failed}");
+    assert_eq!(said.lines().filter(|line| line.starts_with("ok: ")).count(), 15, "{said}{failed}");
 }
 
 /// Figures and plots of every example and drawing, in Chromium and in librsvg: `tests/clients/figures.mjs`.

@@ -333,3 +333,172 @@ fn values_from_outside_reach_parameters_of_places() {
     assert_eq!(stiffness("a[2].k=15 N/m\n", ""), [20.0, 30.0]);
     assert_eq!(stiffness("", "\"a[1]\".k = \"5 N/m\"\n[\"a[2]\"]\nn = 1\n"), [10.0, 10.0]);
 }
+
+/// Seconds that this thread has had a processor, if the kernel says so, else seconds on the wall.
+fn seconds(start: std::time::Instant) -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = text.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
+    nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |nanoseconds| nanoseconds * 1e-9)
+}
+
+/// Parsing, checking and lowering a text.
+fn lowered_in(text: &str) -> f64 {
+    let (sources, file) = source(text);
+    let wall = std::time::Instant::now();
+    let start = seconds(wall);
+    let outcome = vibc::check(&sources, file, &Overrides::default(), None);
+    assert!(outcome.answer.is_some(), "{:?}", outcome.diagnostics);
+    seconds(wall) - start
+}
+
+/// A component of five parts, and the same parts by `repeat`.
+fn rows(n: usize) -> [String; 2] {
+    let placed = format!(
+        "component cell(m: kg, k = 10 N/m) {{\n  body b {{ mass = m, moves x }}\n  body c {{ mass = 2 * m, moves x }}\n  \
+         spring s: ground -- b {{ k = k }}\n  spring t: b -- c {{ k = 2 * k }}\n  output u = c.x\n}}\n\
+         repeat i in 1..{n} {{\n  place p[i] = cell(m = i * 1 kg)\n}}\n"
+    );
+    let drawn = format!(
+        "param k = 10 N/m\nrepeat i in 1..{n} {{\n  body b[i] {{ mass = i * 1 kg, moves x }}\n  body c[i] {{ mass = 2 * i * 1 kg, moves x }}\n  \
+         spring s[i]: ground -- b[i] {{ k = k }}\n  spring t[i]: b[i] -- c[i] {{ k = 2 * k }}\n  output u[i] = c[i].x\n}}\n"
+    );
+    [placed, drawn]
+}
+
+#[test]
+fn places_cost_what_a_repeat_costs_and_grow_with_their_number() {
+    let (small, large) = (rows(1_000), rows(10_000));
+    let mut shortest = [[f64::INFINITY; 2]; 2];
+    for _ in 0..5 {
+        for (size, texts) in [&small, &large].into_iter().enumerate() {
+            for (form, text) in texts.iter().enumerate() {
+                shortest[size][form] = shortest[size][form].min(lowered_in(text));
+            }
+        }
+    }
+    let [[few, _], [many, by_repeat]] = shortest;
+    assert!(many < 1.5 * by_repeat, "10,000 places: {many} s, by repeat: {by_repeat} s");
+    assert!(many < 15.0 * few, "10,000 places: {many} s, 1,000: {few} s");
+}
+
+/// A component with one more declaration, placed six times.
+fn six(declaration: &str) -> String {
+    let places: String = (1..=6).map(|number| format!("place p{number} = c(on = ground, m = {number} kg)\n")).collect();
+    format!(
+        "component c(part on, m: kg, k = 9 N/m) {{\n  body b {{ mass = m, moves x }}\n  spring s: on -- b {{ k = k }}\n  \
+         {declaration}\n}}\n{places}"
+    )
+}
+
+#[test]
+fn a_component_holds_what_a_scene_holds_apart_from_what_is_of_the_whole() {
+    for declaration in [
+        "let w = sqrt(k / m)\n  damper d: on -- b { c = 0.1 * m * w }",
+        "repeat i in 1..3 { body r[i] { mass = i * m, moves y }\n spring t[i]: ground -- r[i] { k = k } }\n  output z = r[2].y",
+        "initial b { x = 1 mm }",
+        "damper d: on -- b { c = 1 N*s/m }",
+        "force F: b = harmonic(1 N, 1 Hz)\n  output z = b.x",
+        "require frequency(1) > 0.01 Hz",
+    ] {
+        assert_eq!(found(&six(declaration)), [], "{declaration}");
+    }
+    for (declaration, code, at) in [
+        ("param q = 1", "vib::component::forbidden", "param"),
+        ("gravity 1 m/s^2", "vib::component::forbidden", "gravity"),
+        ("model inner", "vib::component::forbidden", "model"),
+        ("damping modal 1 %", "vib::component::forbidden", "damping"),
+        ("damping rayleigh(1 /s, 1 s)", "vib::component::forbidden", "damping"),
+        ("rest as drawn", "vib::component::forbidden", "rest"),
+        ("solve k in 1 N/m .. 2 N/m: frequency(1) = 1 Hz", "vib::component::forbidden", "solve"),
+        ("body angle { mass = m, moves x }", "vib::component::motion_name", "angle"),
+        ("output force = b.x", "vib::component::motion_name", "force"),
+        ("place vx = c(on = b, m = m)", "vib::component::motion_name", "vx"),
+        ("body e { mass = n, moves x }", "vib::name::unknown", "n"),
+        ("spring e: p1.b -- b { k = k }", "vib::part::unknown", "p1"),
+        ("body e { mass = k, moves x }", "vib::unit::mismatch", "k"),
+        ("body e { mass = -m, moves x }", "vib::value::negative", "-m"),
+        ("body b { mass = m, moves x }", "vib::name::duplicate", "b"),
+    ] {
+        let mut all = found(&six(declaration));
+        // A component that places itself is a mistake of its own.
+        all.retain(|(code, _)| *code != "vib::component::recursion");
+        assert_eq!(all, [(code, at.to_string())], "{declaration}");
+        // The same if the component is never placed.
+        let alone: String = six(declaration)
+            .lines()
+            .filter(|line| !line.starts_with("place p"))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        let alone = format!("{alone}body z {{ mass = 1 kg, moves x }}\nspring zs: ground -- z {{ k = 1 N/m }}\n");
+        let mut all = found(&alone);
+        all.retain(|(code, _)| *code != "vib::component::recursion");
+        let is_of_value = code == "vib::value::negative";
+        let expected = if is_of_value { Vec::new() } else { vec![(code, at.to_string())] };
+        let expected =
+            if declaration.contains("p1.b") { vec![("vib::part::unknown", "p1".to_string())] } else { expected };
+        assert_eq!(all, expected, "never placed: {declaration}");
+    }
+}
+
+#[test]
+fn recursion_shows_its_chain() {
+    let text = "component a(m: kg) { place p = b(m = m) }\ncomponent b(m: kg) { place q = c(m = m) }\n\
+                component c(m: kg) { place r = a(m = m) }\nplace x1 = a(m = 1 kg)\n";
+    let (sources, file) = source(text);
+    let found = vibc::analyze(&sources, file, &Overrides::default()).diagnostics;
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].code.0, "vib::component::recursion");
+    assert!(found[0].message.contains("`a` -> `b` -> `c` -> `a`"), "{}", found[0].message);
+}
+
+/// Inside, the axes are the component's; outside, `front.wheel.y` is the scene's. By hand for a quarter turn: the component's x is
+/// the scene's y.
+#[test]
+fn motions_are_of_the_component_inside_and_of_the_scene_outside() {
+    for (placing, inside) in
+        [("turned 90 deg", "0.5"), ("turned -90 deg", "-0.5"), ("mirrored x turned 90 deg", "-0.5")]
+    {
+        let text = format!(
+            "component c(m = 2 kg) {{\n  body b {{ mass = m, at = (0, 0), moves x }}\n  spring s: ground@(-1 m, 0) -- b {{ k = 8 N/m }}\n  \
+             damper d: ground@(-1 m, 0) -- b {{ c = 1 N*s/m }}\n  output u = b.x\n}}\nplace p = c() at (5 m, 7 m) {placing}\n\
+             output up = p.b.y\nforce F: p.b along y = constant(4 N)\nrequire 0.499 m < static(up) < 0.501 m\n\
+             require {inside} m - 1 mm < static(p.u) < {inside} m + 1 mm\n"
+        );
+        assert_eq!(found(&text), [], "{placing}");
+    }
+}
+
+/// `front.k` in an expression is a number, before a `.` a part, even if the component has both under one name.
+#[test]
+fn a_name_of_both_spaces_is_told_by_where_it_stands() {
+    let text = "component c(k = 8 N/m) {\n  body b { mass = 2 kg, moves x }\n  spring k: ground -- b { k = k }\n}\n\
+                place p = c()\nbody d { mass = p.k / (4 N/m) * 1 kg, moves x }\nspring t: ground -- d { k = 1 N/m }\noutput f = p.k.force\n";
+    assert_eq!(found(text), []);
+}
+
+#[test]
+fn a_value_that_one_place_causes_is_said_at_that_place() {
+    let component = "component c(m = 1 kg, l = 1 m) {\n  body b { mass = m, shape = disk(l), turns }\n  spring s: ground -- b { k = 1 N*m/rad }\n}\n";
+    let places = "place p1 = c()\nplace p2 = c(m = 2 kg)\n";
+    for (place, code, at) in [
+        ("place bad = c(m = -1 kg)", "vib::value::negative", "-1 kg"),
+        ("place bad = c(l = 0 m)", "vib::shape::size", "0 m"),
+        ("param q = -3 kg\nplace bad = c(m = 2 * q)", "vib::value::negative", "2 * q"),
+    ] {
+        let text = format!("{component}{places}{place}\n");
+        assert_eq!(found(&text), [(code, at.to_string())], "{place}");
+        let (sources, file) = source(&text);
+        let finding =
+            vibc::analyze(&sources, file, &Overrides::default()).diagnostics.into_iter().next().expect("a finding");
+        let inside: Vec<&str> = finding.related.iter().map(|label| sources.slice(label.span)).collect();
+        assert_eq!(inside, [if code.contains("shape") { "l" } else { "m" }], "{place}");
+    }
+    // Through a component in a component: at the outermost place.
+    let nested =
+        "component outer(m: kg) { place in = c(m = 3 * m) }\nplace a = outer(m = 1 kg)\nplace z = outer(m = -2 kg)\n"
+            .replace("place in", "place inner");
+    assert_eq!(found(&format!("{component}{nested}")), [("vib::value::negative", "-2 kg".to_string())]);
+    // Two places, two mistakes; a formula that no place can help is tested above.
+    let two = format!("{component}place a = c(m = -1 kg)\nplace b1 = c(m = -2 kg)\n");
+    assert_eq!(found(&two).len(), 2, "{:?}", found(&two));
+}

@@ -1,4 +1,4 @@
-//! What the README, the tutorial and the page on equations print is what the program prints. `UPDATE_DOCS=1 cargo test readme` writes it anew.
+//! What the README, the tutorial and the pages on components and equations print is what the program prints. `UPDATE_DOCS=1 cargo test readme` writes it anew.
 
 use super::documents::{blocks, page, root};
 use std::fs;
@@ -93,6 +93,12 @@ fn the_readme_shows_what_the_program_prints() {
 fn the_tutorial_shows_what_the_program_prints() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     follow("docs/tutorial.md", folder.path());
+}
+
+#[test]
+fn the_page_on_components_shows_what_the_program_prints() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    follow("docs/components.md", folder.path());
 }
 
 #[test]

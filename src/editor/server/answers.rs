@@ -1,7 +1,8 @@
 //! Converts the answers of the editor's modules to the protocol.
 
+use super::files::shown_at;
 use super::place::Encoding;
-use crate::base::{Diagnostic, Severity};
+use crate::base::{Diagnostic, Severity, Span};
 use crate::editor::completion::{Item, ItemKind};
 use crate::editor::document::Document;
 use crate::editor::highlight::{KINDS, MARKS, Piece};
@@ -43,20 +44,35 @@ pub fn capabilities(encoding: Encoding) -> Value {
     })
 }
 
-pub fn diagnostics(document: &Document, encoding: Encoding, uri: &lsp::Uri) -> Vec<lsp::Diagnostic> {
-    document.findings.iter().map(|finding| diagnostic(document, encoding, uri, finding)).collect()
+/// Where places of a finding are, whatever file they are in.
+pub trait Places {
+    /// `None` in a file that the client cannot open.
+    fn location(&self, span: Span) -> Option<lsp::Location>;
 }
 
-/// The range at which a finding is shown: its place in the model, or, for a file that the model names, the place of
-/// that name.
-pub fn place(document: &Document, finding: &Diagnostic) -> Range<usize> {
-    let mut spans = std::iter::once(&finding.primary).chain(&finding.related).map(|label| label.span);
-    let span = spans.find(|span| span.file() == document.file);
-    let range = span.map_or(0..0, |span| span.range());
-    range.start.min(document.text().len())..range.end.min(document.text().len())
+pub fn diagnostics(document: &Document, encoding: Encoding, places: &impl Places) -> Vec<lsp::Diagnostic> {
+    document.findings.iter().map(|finding| diagnostic(document, encoding, places, finding)).collect()
 }
 
-pub fn diagnostic(document: &Document, encoding: Encoding, uri: &lsp::Uri, finding: &Diagnostic) -> lsp::Diagnostic {
+/// A finding in a document.
+pub fn diagnostic(
+    document: &Document,
+    encoding: Encoding,
+    places: &impl Places,
+    finding: &Diagnostic,
+) -> lsp::Diagnostic {
+    let mut found = diagnostic_at(encoding.range(document, shown_at(document, finding)), places, finding);
+    if finding.primary.span.file() != document.file {
+        let location = places.location(finding.primary.span);
+        let message = "the mistake is here".to_string();
+        let here = location.map(|location| lsp::DiagnosticRelatedInformation { location, message });
+        found.related_information.get_or_insert_default().splice(0..0, here);
+    }
+    found
+}
+
+/// A finding at a range of the text that it is in.
+pub fn diagnostic_at(range: lsp::Range, places: &impl Places, finding: &Diagnostic) -> lsp::Diagnostic {
     let mut message = finding.message.clone();
     if !finding.primary.text.is_empty() {
         message += &format!(" ({})", finding.primary.text);
@@ -64,14 +80,13 @@ pub fn diagnostic(document: &Document, encoding: Encoding, uri: &lsp::Uri, findi
     if let Some(help) = &finding.help {
         message += &format!("\nhelp: {help}");
     }
-    let related = finding.related.iter().filter(|label| label.span.file() == document.file);
-    let related = related.map(|label| lsp::DiagnosticRelatedInformation {
-        location: lsp::Location { uri: uri.clone(), range: encoding.range(document, label.span.range()) },
-        message: label.text.clone(),
+    let related = finding.related.iter().filter_map(|label| {
+        let location = places.location(label.span)?;
+        Some(lsp::DiagnosticRelatedInformation { location, message: label.text.clone() })
     });
     let is_unused = finding.code.0.starts_with("vib::unused::");
     lsp::Diagnostic {
-        range: encoding.range(document, place(document, finding)),
+        range,
         severity: Some(match finding.severity {
             Severity::Error => lsp::DiagnosticSeverity::Error,
             Severity::Warning => lsp::DiagnosticSeverity::Warning,
@@ -107,23 +122,22 @@ pub fn hint(document: &Document, encoding: Encoding, hint: Hint) -> lsp::InlayHi
 }
 
 pub fn signature(found: Signature) -> lsp::SignatureHelp {
-    // Forms are plain ASCII: bytes are UTF-16 units.
-    let parameter = |range: Range<usize>| {
-        let label = lsp::ParameterInformationLabel::Tuple((range.start as u32, range.end as u32));
+    // In UTF-16, which the protocol has here whatever was agreed on.
+    let units = |end: usize| found.form[..end].encode_utf16().count() as u32;
+    let parameter = |range: &Range<usize>| {
+        let label = lsp::ParameterInformationLabel::Tuple((units(range.start), units(range.end)));
         lsp::ParameterInformation { label, documentation: None }
     };
-    let active = Some(found.argument as u32);
+    let parameters = found.arguments.iter().map(parameter).collect();
+    // A number beyond the last one marks none.
+    let active = found.argument.unwrap_or(found.arguments.len()) as u32;
     let signature = lsp::SignatureInformation {
-        label: found.function.form.into(),
-        documentation: Some(format!("{}, such as {}", found.function.meaning, found.function.example).into()),
-        parameters: Some(found.arguments().into_iter().map(parameter).collect()),
+        label: found.form,
+        documentation: Some(found.meaning.into()),
+        parameters: Some(parameters),
         active_parameter: None,
     };
-    lsp::SignatureHelp {
-        signatures: vec![signature],
-        active_signature: Some(0),
-        active_parameter: active.map(Into::into),
-    }
+    lsp::SignatureHelp { signatures: vec![signature], active_signature: Some(0), active_parameter: Some(active.into()) }
 }
 
 pub fn item(order: usize, item: Item, range: lsp::Range) -> lsp::CompletionItem {
@@ -152,8 +166,18 @@ pub fn item(order: usize, item: Item, range: lsp::Range) -> lsp::CompletionItem 
 type Edits = Vec<(Range<usize>, String)>;
 
 pub fn workspace_edit(document: &Document, encoding: Encoding, uri: &lsp::Uri, edits: Edits) -> lsp::WorkspaceEdit {
-    let edit = |(range, new_text)| lsp::TextEdit { range: encoding.range(document, range), new_text };
-    let changes = HashMap::from([(uri.clone(), edits.into_iter().map(edit).collect())]);
+    edits_of(edits.into_iter().map(|(range, new_text)| {
+        let location = lsp::Location { uri: uri.clone(), range: encoding.range(document, range) };
+        (location, new_text)
+    }))
+}
+
+/// Edits of several files, in order.
+pub fn edits_of(edits: impl IntoIterator<Item = (lsp::Location, String)>) -> lsp::WorkspaceEdit {
+    let mut changes: HashMap<lsp::Uri, Vec<lsp::TextEdit>> = HashMap::new();
+    for (lsp::Location { uri, range }, new_text) in edits {
+        changes.entry(uri).or_default().push(lsp::TextEdit { range, new_text });
+    }
     lsp::WorkspaceEdit { changes: Some(changes), ..lsp::WorkspaceEdit::default() }
 }
 

@@ -6,6 +6,7 @@
 //! analysis, and its results are shown when they are ready.
 
 mod answers;
+mod files;
 mod place;
 mod requests;
 
@@ -106,12 +107,20 @@ fn folders_of(list: &Value) -> Vec<String> {
 /// A text that the client has open.
 struct Text {
     uri: Uri,
+    /// What is the same for the same file: its path without links, if it is a file.
+    key: String,
     version: i32,
     /// The text in the client's current version.
     text: String,
     /// The analysed document: of this text, or of an earlier one if `is_new`.
     document: Option<Document>,
     is_new: bool,
+    /// The keys of the files of the document, by their numbers; `None` for a table.
+    keys: Vec<Option<String>>,
+    /// The findings that the client knows.
+    published: Vec<gen_lsp_types::Diagnostic>,
+    /// Whether a model that uses it has changed, and with it what is found in this text.
+    is_touched: bool,
     /// How often it went through the stages: a file that it uses may have changed, and not its version.
     revision: u64,
 }
@@ -225,7 +234,12 @@ impl Server<'_> {
 
     fn look_at_files_again(&mut self) {
         let names = |text: &str| text.contains("table") || text.contains("use");
-        self.texts.iter_mut().for_each(|text| text.is_new |= names(&text.text));
+        for index in 0..self.texts.len() {
+            let key = self.key_of(&self.texts[index].uri);
+            let text = &mut self.texts[index];
+            text.is_new |= names(&text.text);
+            text.key = key;
+        }
     }
 
     /// Models that use a text are looked at again where it has changed.
@@ -253,7 +267,18 @@ impl Server<'_> {
         self.texts.retain(|text| text.uri != item.uri);
         let (uri, version, text) = (item.uri, item.version, item.text);
         self.look_at_users_again(&uri);
-        self.texts.push(Text { uri, version, text, document: None, is_new: true, revision: 0 });
+        self.texts.push(Text {
+            key: self.key_of(&uri),
+            uri,
+            version,
+            text,
+            document: None,
+            is_new: true,
+            keys: Vec::new(),
+            published: Vec::new(),
+            is_touched: false,
+            revision: 0,
+        });
     }
 
     fn change(&mut self, params: Value) {
@@ -274,6 +299,11 @@ impl Server<'_> {
 
     fn close(&mut self, params: Value) {
         let Ok(DidCloseTextDocumentParams { text_document }) = serde_json::from_value(params) else { return };
+        for index in
+            (0..self.texts.len()).filter(|index| self.texts[*index].uri == text_document.uri).collect::<Vec<_>>()
+        {
+            self.touch_used(index);
+        }
         self.texts.retain(|text| text.uri != text_document.uri);
         self.look_at_users_again(&text_document.uri);
         let params = PublishDiagnosticsParams { uri: text_document.uri, version: None, diagnostics: Vec::new() };
@@ -281,24 +311,27 @@ impl Server<'_> {
     }
 
     fn publish_all(&mut self) {
-        for index in 0..self.texts.len() {
-            self.bring_up_to_date(index);
+        let updated: Vec<bool> = (0..self.texts.len()).map(|index| self.bring_up_to_date(index)).collect();
+        for (index, updated) in updated.into_iter().enumerate() {
+            self.publish(index, updated);
         }
     }
 
-    /// Analyses a text if it is new, and publishes its findings.
-    fn bring_up_to_date(&mut self, index: usize) {
+    /// Analyses a text if it is new; returns whether it was.
+    fn bring_up_to_date(&mut self, index: usize) -> bool {
         if !std::mem::take(&mut self.texts[index].is_new) {
-            return;
+            return false;
         }
         self.texts[index].revision += 1;
+        self.touch_used(index);
         let before = self.texts[index].document.take();
         let made = catch_unwind(AssertUnwindSafe(|| {
             document_of(&self.texts, index, before.as_ref(), self.read, &self.folders)
         }));
         let text = &mut self.texts[index];
-        let Ok(document) = made else {
-            return self.log(format!("a defect of vibc in `{}`", self.texts[index].uri.0));
+        let Ok((document, keys)) = made else {
+            self.log(format!("a defect of vibc in `{}`", self.texts[index].uri.0));
+            return false;
         };
         if !document.is_whole {
             let (uri, sources) = (text.uri.clone(), document.sources.clone());
@@ -306,13 +339,33 @@ impl Server<'_> {
             let _ = self.jobs.send(Job { uri, revision: text.revision, sources, file: document.file });
         }
         text.document = Some(document);
-        self.publish(index);
+        text.keys = keys;
+        self.touch_used(index);
+        true
     }
 
-    fn publish(&self, index: usize) {
-        let Text { uri, version, document: Some(document), .. } = &self.texts[index] else { return };
-        let diagnostics = answers::diagnostics(document, self.encoding, uri);
-        let params = PublishDiagnosticsParams { uri: uri.clone(), version: Some(*version), diagnostics };
+    /// What is found in the files that a text uses may have changed with it.
+    fn touch_used(&mut self, index: usize) {
+        let keys = std::mem::take(&mut self.texts[index].keys);
+        for (other, text) in self.texts.iter_mut().enumerate() {
+            text.is_touched |= other != index && keys.iter().flatten().any(|key| *key == text.key);
+        }
+        self.texts[index].keys = keys;
+    }
+
+    /// Publishes the findings of a text after an analysis, or if those of the models that use it have changed.
+    fn publish(&mut self, index: usize, is_analysed: bool) {
+        if !std::mem::take(&mut self.texts[index].is_touched) && !is_analysed {
+            return;
+        }
+        let Text { uri, version, document: Some(_), published, .. } = &self.texts[index] else { return };
+        let diagnostics = self.findings(index);
+        if !is_analysed && diagnostics == *published {
+            return;
+        }
+        let params =
+            PublishDiagnosticsParams { uri: uri.clone(), version: Some(*version), diagnostics: diagnostics.clone() };
+        self.texts[index].published = diagnostics;
         self.send(Notification::new("textDocument/publishDiagnostics".into(), params));
     }
 
@@ -327,7 +380,10 @@ impl Server<'_> {
         let is_news = before.is_none_or(|before| before.findings != document.findings);
         text.document = Some(document);
         if is_news {
-            self.publish(index);
+            self.touch_used(index);
+            for other in 0..self.texts.len() {
+                self.publish(other, other == index);
+            }
         }
         if self.refreshes {
             self.refreshed += 1;
@@ -364,9 +420,16 @@ fn invalid(why: &str) -> Refusal {
     Refusal { code: ErrorCode::InvalidRequest, message: why.into() }
 }
 
-/// The document of a text, with the tables and files of components that it names. They lie below a folder that is open; where
-/// none is, beside the text, which has to be a file for that. A file that is open is read from the editor.
-fn document_of(texts: &[Text], index: usize, before: Option<&Document>, read: &Read, folders: &[String]) -> Document {
+/// The document of a text, with the tables and files of components that it names, and the keys of these files. They lie below a
+/// folder that is open; where none is, beside the text, which has to be a file for that. A file that is open counts as it stands
+/// in the editor.
+fn document_of(
+    texts: &[Text],
+    index: usize,
+    before: Option<&Document>,
+    read: &Read,
+    folders: &[String],
+) -> (Document, Vec<Option<String>>) {
     let text = &texts[index];
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model(path(&text.uri), text.text.clone()));
@@ -374,27 +437,31 @@ fn document_of(texts: &[Text], index: usize, before: Option<&Document>, read: &R
     let own = is_file.then(|| sources.file(file).directory.to_string_lossy().into_owned());
     let own: Vec<String> = own.into_iter().collect();
     let folders = if folders.is_empty() { &own } else { folders };
-    let own_path = path(&text.uri);
-    let uses = !crate::syntax::used_files(&text.text).is_empty();
-    let key = || read(&own_path, folders, Named::Components).map_or(own_path.clone(), |(key, _)| key);
     let mut room = crate::syntax::limits::USED;
-    crate::add_used_files(&mut sources, file, uses.then(key), |name| {
+    let mut named: Vec<(String, String)> = Vec::new();
+    crate::add_used_files(&mut sources, file, Some(text.key.clone()), |name| {
         let stored = read(name, folders, Named::Components);
-        let stored_at = stored.as_ref().map(|(key, _)| key.clone());
-        let is_named = |text: &&Text| {
-            let open = path(&text.uri);
-            open == plain(name) || stored_at.as_ref().is_ok_and(|key| *key == open)
-        };
-        let (key, bytes) = match texts.iter().find(is_named) {
-            Some(open) => (stored_at.unwrap_or_else(|_| path(&open.uri)), open.text.clone().into_bytes()),
+        let key = stored.as_ref().map_or_else(|_| plain(name), |(key, _)| key.clone());
+        let (key, bytes) = match texts.iter().find(|text| text.key == key || path(&text.uri) == plain(name)) {
+            Some(open) => (open.key.clone(), open.text.clone().into_bytes()),
             None => stored?,
         };
         let full =
             || format!("the files that a model uses have at most {} MiB in all", crate::syntax::limits::USED >> 20);
         room = room.checked_sub(bytes.len()).ok_or_else(full)?;
+        named.push((name.to_string(), key.clone()));
         Ok((key, bytes))
     });
-    for of in sources.models().collect::<Vec<_>>() {
+    // A file of the program has no other key than its name.
+    let key = |id: FileId| {
+        let name = &sources.file(id).name;
+        let key = named.iter().find(|(known, _)| known == name).map_or(name, |(_, key)| key);
+        if id == file { text.key.clone() } else { key.clone() }
+    };
+    let models: Vec<FileId> = sources.models().collect();
+    let mut keys = vec![None; sources.len()];
+    models.iter().for_each(|id| keys[usize::from(id.0)] = Some(key(*id)));
+    for of in models {
         for written in crate::table_files(&sources, of) {
             let name = sources.file(of).relative_name(&written);
             if sources.len() >= MOST_FILES {
@@ -406,7 +473,7 @@ fn document_of(texts: &[Text], index: usize, before: Option<&Document>, read: &R
             });
         }
     }
-    Document::new(sources, file, before)
+    (Document::new(sources, file, before), keys)
 }
 
 /// A document has room for 256 files.

@@ -1,7 +1,7 @@
 //! Converts bytes to positions of the protocol and back: lines from 0, columns in the units that client and server
 //! agreed on.
 
-use crate::editor::document::Document;
+use crate::editor::lexed::Lexed;
 use gen_lsp_types::{Position, PositionEncodingKind, Range};
 
 /// The unit of columns.
@@ -40,21 +40,21 @@ impl Encoding {
         self.count(character.encode_utf8(&mut [0; 4]))
     }
 
-    pub fn position(self, document: &Document, offset: usize) -> Position {
-        let text = document.text();
-        let line = document.lines.line(offset);
-        let start = document.lines.line_range(text, line).start;
+    pub fn position(self, lexed: &Lexed, offset: usize) -> Position {
+        let text = lexed.text();
+        let line = lexed.lines.line(offset);
+        let start = lexed.lines.line_range(text, line).start;
         Position { line: line as u32, character: self.count(text.get(start..offset).unwrap_or("")) }
     }
 
-    pub fn range(self, document: &Document, range: std::ops::Range<usize>) -> Range {
-        Range { start: self.position(document, range.start), end: self.position(document, range.end) }
+    pub fn range(self, lexed: &Lexed, range: std::ops::Range<usize>) -> Range {
+        Range { start: self.position(lexed, range.start), end: self.position(lexed, range.end) }
     }
 
     /// The byte of a position; a position beyond the end of a line or of the text is moved to that end.
-    pub fn offset(self, document: &Document, position: Position) -> usize {
-        let text = document.text();
-        let line = document.lines.line_range(text, position.line as usize);
+    pub fn offset(self, lexed: &Lexed, position: Position) -> usize {
+        let text = lexed.text();
+        let line = lexed.lines.line_range(text, position.line as usize);
         let mut left = position.character;
         let mut offset = line.start;
         for character in text[line].chars() {

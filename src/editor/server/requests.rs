@@ -1,10 +1,12 @@
 //! Requests by their methods: parameters in, answers out, obtained from the responsible module.
 
 use super::answers;
+use super::files::shown_at;
 use super::{Refusal, Server};
 use crate::backend::explain;
 use crate::base::Diagnostic;
 use crate::editor::document::Document;
+use crate::editor::project::{At, Project};
 use crate::editor::{completion, fixes, highlight, hints, hover, names, preview, signature, symbols};
 use gen_lsp_types::{
     CodeActionParams, CodeActionRequest, CompletionRequest, DefinitionRequest, DocumentFormattingRequest,
@@ -35,29 +37,33 @@ impl Server<'_> {
                 self.answer_request::<CompletionRequest>(params, |s, p| s.completion(p.text_document_position_params))
             }
             "textDocument/definition" => self.answer_request::<DefinitionRequest>(params, |s, p| {
-                let places = s.places(&p.text_document_position_params, names::declarations)?;
+                let places = s.places(&p.text_document_position_params, false, names::declarations)?;
                 Ok(Some(gen_lsp_types::Definition::LocationList(places).into()))
             }),
             "textDocument/references" => self.answer_request::<ReferencesRequest>(params, |s, p| {
                 let all = p.context.include_declaration;
-                let find = |document: &Document, name| names::references(document, name, all);
-                s.places(&p.text_document_position_params, find).map(Some)
+                let find = |project: &Project, name| names::references(project, name, all);
+                s.places(&p.text_document_position_params, true, find).map(Some)
             }),
             "textDocument/documentHighlight" => self.answer_request::<DocumentHighlightRequest>(params, |s, p| {
-                let find = |document: &Document, name| names::references(document, name, true);
-                let places = s.places(&p.text_document_position_params, find)?;
+                let own = |at: &At| at.file == 0;
+                let find =
+                    |project: &Project, name| names::references(project, name, true).into_iter().filter(own).collect();
+                let places = s.places(&p.text_document_position_params, false, find)?;
                 Ok(Some(places.into_iter().map(|place| DocumentHighlight { range: place.range, kind: None }).collect()))
             }),
-            "textDocument/prepareRename" => self.answer_request::<PrepareRenameRequest>(params, |s, p| {
-                s.prepare_rename(&p.text_document_position_params)
-            }),
+            "textDocument/prepareRename" => {
+                self.answer_request::<PrepareRenameRequest>(params, |s, p| s.prepare_rename(&p.text_document_position_params))
+            }
             "textDocument/rename" => self.answer_request::<RenameRequest>(params, |s, p| {
-                let (document, offset) = s.at(&p.text_document_position_params)?;
-                let name = names::name_at(document, offset).ok_or_else(|| refused("there is no name here".into()))?;
-                let ranges = names::rename(document, name, &p.new_name).map_err(refused)?;
-                let edits = ranges.into_iter().map(|range| (range, p.new_name.clone())).collect();
-                let uri = &p.text_document_position_params.text_document.uri;
-                Ok(Some(answers::workspace_edit(document, s.encoding, uri, edits)))
+                let (index, _, offset) = s.asked_at(&p.text_document_position_params)?;
+                s.in_project(index, true, |project| {
+                    let none = || refused("there is no name here".into());
+                    let name = names::name_at(project, offset).ok_or_else(none)?;
+                    let places = names::rename(project, name, &p.new_name).map_err(refused)?;
+                    let edits = places.into_iter().filter_map(|at| s.location(project, at));
+                    Ok(Some(answers::edits_of(edits.map(|location| (location, p.new_name.clone())))))
+                })
             }),
             "textDocument/documentSymbol" => self.answer_request::<DocumentSymbolRequest>(params, |s, p| {
                 let document = s.document(&p.text_document.uri)?;
@@ -82,8 +88,9 @@ impl Server<'_> {
                 Ok(laid_out.answer.map(|text| answers::difference(document, s.encoding, &text)))
             }),
             "textDocument/signatureHelp" => self.answer_request::<SignatureHelpRequest>(params, |s, p| {
-                let (document, offset) = s.at(&p.text_document_position_params)?;
-                Ok(signature::signature(document, offset).map(answers::signature))
+                let (index, document, offset) = s.asked_at(&p.text_document_position_params)?;
+                let ask = |project: &Project| signature::signature(document, project, offset);
+                Ok(s.in_project(index, false, ask).map(answers::signature))
             }),
             "vibc/page" => self.page(&params),
             "textDocument/codeAction" => self.answer_request::<CodeActionRequest>(params, |s, p| s.actions(&p)),
@@ -113,13 +120,19 @@ impl Server<'_> {
     }
 
     fn document(&self, uri: &Uri) -> Result<&Document, Refusal> {
-        let text = self.texts.iter().find(|text| text.uri == *uri);
-        text.and_then(|text| text.document.as_ref()).ok_or_else(|| refused(format!("`{}` is not open", uri.0)))
+        self.text(uri).map(|(_, document)| document)
     }
 
-    fn at(&self, place: &TextDocumentPositionParams) -> Result<(&Document, usize), Refusal> {
-        let document = self.document(&place.text_document.uri)?;
-        Ok((document, self.encoding.offset(document, place.position)))
+    fn text(&self, uri: &Uri) -> Result<(usize, &Document), Refusal> {
+        let index = self.texts.iter().position(|text| text.uri == *uri);
+        let found = index.and_then(|index| Some((index, self.texts[index].document.as_ref()?)));
+        found.ok_or_else(|| refused(format!("`{}` is not open", uri.0)))
+    }
+
+    /// The text that is asked about, and the byte.
+    fn asked_at(&self, place: &TextDocumentPositionParams) -> Result<(usize, &Document, usize), Refusal> {
+        let (index, document) = self.text(&place.text_document.uri)?;
+        Ok((index, document, self.encoding.offset(document, place.position)))
     }
 
     fn part(&self, uri: &Uri, range: gen_lsp_types::Range) -> Result<(&Document, Range<usize>), Refusal> {
@@ -129,15 +142,17 @@ impl Server<'_> {
     }
 
     fn hover(&self, place: TextDocumentPositionParams) -> Answer<HoverRequest> {
-        let (document, offset) = self.at(&place)?;
-        Ok(hover::hover(document, offset).map(|hover| answers::hover(document, self.encoding, hover)))
+        let (index, document, offset) = self.asked_at(&place)?;
+        let found = self.in_project(index, false, |project| hover::hover(document, project, offset));
+        Ok(found.map(|hover| answers::hover(document, self.encoding, hover)))
     }
 
     fn completion(&self, place: TextDocumentPositionParams) -> Answer<CompletionRequest> {
-        let (document, offset) = self.at(&place)?;
+        let (index, document, offset) = self.asked_at(&place)?;
         let range = self.encoding.range(document, completion::typed_prefix(document, offset));
-        let items = completion::items(document, offset).into_iter().enumerate();
-        let items: Vec<_> = items.map(|(order, item)| answers::item(order, item, range)).collect();
+        let items = self.in_project(index, false, |project| completion::items(document, project, offset));
+        let items: Vec<_> =
+            items.into_iter().enumerate().map(|(order, item)| answers::item(order, item, range)).collect();
         Ok(Some(items.into()))
     }
 
@@ -145,34 +160,45 @@ impl Server<'_> {
     fn places(
         &self,
         place: &TextDocumentPositionParams,
-        find: impl FnOnce(&Document, usize) -> Vec<Range<usize>>,
+        is_wide: bool,
+        find: impl FnOnce(&Project, At) -> Vec<At>,
     ) -> Result<Vec<Location>, Refusal> {
-        let (document, offset) = self.at(place)?;
-        let Some(name) = names::name_at(document, offset) else { return Ok(Vec::new()) };
-        let uri = &place.text_document.uri;
-        let location = |range| Location { uri: uri.clone(), range: self.encoding.range(document, range) };
-        Ok(find(document, name).into_iter().map(location).collect())
+        let (index, _, offset) = self.asked_at(place)?;
+        Ok(self.in_project(index, is_wide, |project| {
+            let found = names::name_at(project, offset).map_or(Vec::new(), |name| find(project, name));
+            found.into_iter().filter_map(|at| self.location(project, at)).collect()
+        }))
+    }
+
+    /// Where a token is; `None` in a file that comes with the program.
+    fn location(&self, project: &Project, at: At) -> Option<Location> {
+        let lexed = project.lexed(at.file);
+        let range = self.encoding.range(lexed, lexed.tokens[at.token].range.clone());
+        Some(Location { uri: self.uri(&project.files[at.file].key)?, range })
     }
 
     fn prepare_rename(&self, place: &TextDocumentPositionParams) -> Answer<PrepareRenameRequest> {
-        let (document, offset) = self.at(place)?;
-        let Some(name) = names::name_at(document, offset) else { return Ok(None) };
-        let range = self.encoding.range(document, document.tokens[name].range.clone());
-        let placeholder = document.token_text(name).to_string();
+        let (index, document, offset) = self.asked_at(place)?;
+        let name = self.in_project(index, false, |project| names::name_at(project, offset));
+        let Some(At { token, .. }) = name else { return Ok(None) };
+        let range = self.encoding.range(document, document.tokens[token].range.clone());
+        let placeholder = document.token_text(token).to_string();
         Ok(Some(PrepareRenamePlaceholder { range, placeholder }.into()))
     }
 
     fn actions(&self, params: &CodeActionParams) -> Answer<CodeActionRequest> {
         let uri = &params.text_document.uri;
         let (document, range) = self.part(uri, params.range)?;
+        let (index, _) = self.text(uri)?;
+        let places = self.places_of(&self.texts[index], document);
         let fixes = params.context.only.as_ref().is_none_or(|only| only.iter().any(answers::is_quick_fix));
         let touches = |place: Range<usize>| place.start <= range.end && range.start <= place.end;
         let mut actions = Vec::new();
         for finding in document.findings.iter().filter(|_| fixes) {
-            if !touches(answers::place(document, finding)) {
+            if !touches(shown_at(document, finding)) {
                 continue;
             }
-            let diagnostic = answers::diagnostic(document, self.encoding, uri, finding);
+            let diagnostic = answers::diagnostic(document, self.encoding, &places, finding);
             for (order, action) in fixes::actions(document, finding).into_iter().enumerate() {
                 let edit = answers::workspace_edit(document, self.encoding, uri, action.edits);
                 actions.push(answers::action(action.title, diagnostic.clone(), edit, order == 0));

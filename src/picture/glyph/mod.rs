@@ -162,7 +162,10 @@ impl<'a> Sheet<'a> {
             Outline::Disk { radius } => (Kind::Disk, disk::strokes(at, *radius, turned(Point::new(0.0, -1.0)))),
             Outline::Wheel { radius } => (Kind::Disk, disk::strokes(at, *radius, turned(Point::new(0.0, -1.0)))),
             Outline::Ring { radius } => (Kind::Ring, disk::ring(at, *radius, turned(Point::new(0.0, -1.0)))),
-            Outline::Box { half } => (Kind::Box, block::strokes(at, *half, turned)),
+            Outline::Box { half, along } => {
+                let own = |v: Point| turned(along.times(v.x).plus(along.across().times(v.y)));
+                (Kind::Box, block::strokes(at, *half, own))
+            }
             Outline::Block { half } => (Kind::Block, block::strokes(at, *half, turned)),
             Outline::Dot { radius } => (Kind::Point, block::dot(at, *radius)),
             Outline::Speck { half } => (Kind::Block, block::strokes(at, Point::new(*half, *half), turned)),

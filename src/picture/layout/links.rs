@@ -1,6 +1,7 @@
 //! The ends of elements on the page: several between the same two points stand side by side, and all end at the outline of
 //! what they are tied to.
 
+use super::outline::own_axes;
 use super::parts::GROUND;
 use super::{Foot, Link, Outline, Placed};
 use crate::picture::geometry::Point;
@@ -92,7 +93,9 @@ fn link(tie: &Tie, number: usize, of: usize, placed: &[Placed]) -> Link {
 fn is_at(outline: &Outline, point: Point) -> bool {
     match outline {
         Outline::Plate { along, half } => point.dot(along.across()).abs() <= *half,
-        Outline::Block { half } | Outline::Box { half } => {
+        Outline::Block { half } => point.x.abs() <= half.x + 0.5 && point.y.abs() <= half.y + 0.5,
+        Outline::Box { half, along } => {
+            let point = own_axes(*along, point);
             point.x.abs() <= half.x + 0.5 && point.y.abs() <= half.y + 0.5
         }
         _ => false,

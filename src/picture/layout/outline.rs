@@ -10,9 +10,10 @@ pub enum Outline {
     Block {
         half: Point,
     },
-    /// To scale.
+    /// To scale; its width runs along a direction of length one.
     Box {
         half: Point,
+        along: Point,
     },
     Disk {
         radius: f64,
@@ -47,7 +48,8 @@ impl Outline {
     /// How far a point on it is from `inside` (relative to the middle) in a direction; 0 where it is not inside.
     pub fn reach(&self, inside: Point, direction: Point) -> f64 {
         match self {
-            Outline::Block { half } | Outline::Box { half } => box_reach(*half, inside, direction),
+            Outline::Block { half } => box_reach(*half, inside, direction),
+            Outline::Box { half, along } => box_reach(*half, own_axes(*along, inside), own_axes(*along, direction)),
             Outline::Speck { half } => box_reach(Point::new(*half, *half), inside, direction),
             Outline::Disk { radius }
             | Outline::Ring { radius }
@@ -65,7 +67,14 @@ impl Outline {
     pub fn half(&self) -> Point {
         match self {
             Outline::Nowhere => Point::default(),
-            Outline::Block { half } | Outline::Box { half } => *half,
+            Outline::Block { half } => *half,
+            Outline::Box { half, along } => {
+                let across = along.across();
+                Point::new(
+                    (half.x * along.x).abs() + (half.y * across.x).abs(),
+                    (half.x * along.y).abs() + (half.y * across.y).abs(),
+                )
+            }
             Outline::Disk { radius }
             | Outline::Ring { radius }
             | Outline::Wheel { radius }
@@ -83,6 +92,11 @@ impl Outline {
     pub fn is_wide(&self) -> bool {
         !matches!(self, Outline::Rod { .. } | Outline::Dot { .. })
     }
+}
+
+/// A point in axes of which the first one has a direction of length one.
+pub fn own_axes(along: Point, point: Point) -> Point {
+    Point::new(point.dot(along), point.dot(along.across()))
 }
 
 fn box_reach(half: Point, inside: Point, direction: Point) -> f64 {

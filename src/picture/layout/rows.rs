@@ -417,7 +417,7 @@ fn turned(outline: &Outline, frame: Frame, along: Point) -> Outline {
     };
     match outline {
         Outline::Block { half: h } => Outline::Block { half: half(h) },
-        Outline::Box { half: h } => Outline::Box { half: half(h) },
+        Outline::Box { half: h, along } => Outline::Box { half: half(h), along: *along },
         Outline::Plate { half, .. } => Outline::Plate { along, half: *half },
         other => other.clone(),
     }

@@ -55,7 +55,10 @@ fn scale(scene: &Scene, parts: &Parts, known: &[Vec<[f64; 2]>], detail: Detail) 
     for (index, body) in scene.bodies.iter().enumerate() {
         let half = match body.shape.as_deref() {
             Some(Shape::Disk { radius } | Shape::Ring { radius }) => Point::new(radius.to_f64(), radius.to_f64()),
-            Some(Shape::Box { width, height }) => Point::new(width.to_f64() / 2.0, height.to_f64() / 2.0),
+            Some(Shape::Box { width, height, along }) => {
+                let half = Point::new(width.to_f64() / 2.0, height.to_f64() / 2.0);
+                Outline::Box { half, along: page(straight(along)) }.half()
+            }
             Some(Shape::Rod { .. }) | None => continue,
         };
         let at = known[1 + index].first().map_or(Point::default(), |[x, y]| Point::new(*x, *y));
@@ -170,8 +173,9 @@ impl Drawing<'_> {
         placed.outline = match body.shape.as_deref() {
             Some(Shape::Disk { radius }) => Outline::Disk { radius: size(radius) },
             Some(Shape::Ring { radius }) => Outline::Ring { radius: size(radius) },
-            Some(Shape::Box { width, height }) => {
-                Outline::Box { half: Point::new(size(width) / 2.0, size(height) / 2.0) }
+            Some(Shape::Box { width, height, along }) => {
+                let half = Point::new(size(width) / 2.0, size(height) / 2.0);
+                Outline::Box { half, along: page(straight(along)) }
             }
             Some(Shape::Rod { ends }) => {
                 let half = ends[1].sub(&ends[0]);

@@ -13,13 +13,13 @@ fn started() -> (Child, ChildStdin, BufReader<ChildStdout>) {
     (child, input, BufReader::new(output))
 }
 
-fn write(to: &mut ChildStdin, message: Value) {
+pub fn write(to: &mut ChildStdin, message: Value) {
     let body = message.to_string();
     write!(to, "Content-Length: {}\r\n\r\n{body}", body.len()).expect("the program reads");
     to.flush().expect("the program reads");
 }
 
-fn read(from: &mut BufReader<ChildStdout>) -> Value {
+pub fn read(from: &mut BufReader<ChildStdout>) -> Value {
     let mut length = 0;
     loop {
         let mut line = String::new();
@@ -76,7 +76,7 @@ fn an_editor_that_is_gone_ends_the_server() {
 }
 
 /// An initialised server, with the client's open folders.
-fn greeted(params: Value) -> (Child, ChildStdin, BufReader<ChildStdout>) {
+pub fn greeted(params: Value) -> (Child, ChildStdin, BufReader<ChildStdout>) {
     let (child, mut input, mut output) = started();
     write(&mut input, json!({ "jsonrpc": "2.0", "id": 1, "method": "initialize", "params": params }));
     assert_eq!(read(&mut output)["id"], 1);
@@ -84,7 +84,7 @@ fn greeted(params: Value) -> (Child, ChildStdin, BufReader<ChildStdout>) {
     (child, input, output)
 }
 
-fn opened(uri: &str, version: i32, text: &str) -> Value {
+pub fn opened(uri: &str, version: i32, text: &str) -> Value {
     let document = json!({ "uri": uri, "languageId": "vib", "version": version, "text": text });
     json!({ "jsonrpc": "2.0", "method": "textDocument/didOpen", "params": { "textDocument": document } })
 }

@@ -6,7 +6,8 @@ use crate::independent::random_scenes::Random;
 use serde_json::json;
 use vibc::base::{SourceFile, Sources};
 use vibc::editor::document::Document;
-use vibc::editor::{completion, fixes, highlight, hints, hover, names, symbols};
+use vibc::editor::project::Project;
+use vibc::editor::{completion, fixes, highlight, hints, hover, names, signature, symbols};
 
 const CART: &str = include_str!("../../../examples/cart.vib");
 
@@ -15,15 +16,17 @@ fn ask_everything(text: &str, places: impl Iterator<Item = usize>) {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model("model.vib", text));
     let document = Document::new(sources, file, None);
+    let project = Project::of(&document);
     for at in places.filter(|at| text.is_char_boundary(*at)) {
-        hover::hover(&document, at);
+        hover::hover(&document, &project, at);
+        signature::signature(&document, &project, at);
         let typed = completion::typed_prefix(&document, at);
         assert!(text.get(typed.clone()).is_some() && typed.end == at, "{typed:?} of {text}");
-        completion::items(&document, at);
-        if let Some(name) = names::name_at(&document, at) {
-            let all = names::references(&document, name, true);
-            assert!(all.iter().any(|range| range.start <= at && at <= range.end), "{all:?}");
-            let _ = names::rename(&document, name, "other");
+        completion::items(&document, &project, at);
+        if let Some(name) = names::name_at(&project, at) {
+            let all = names::references(&project, name, true);
+            assert!(all.contains(&name), "{all:?}");
+            let _ = names::rename(&project, name, "other");
         }
     }
     for finding in &document.findings {

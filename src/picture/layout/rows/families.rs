@@ -367,7 +367,7 @@ impl<'a> Families<'a> {
         let half = self.half[member];
         match self.parts.common_outline(self.scene, self.members[member], Point::new(1.0, 0.0)) {
             Outline::Block { .. } => Outline::Block { half },
-            Outline::Box { .. } => Outline::Box { half },
+            Outline::Box { .. } => Outline::Box { half, along: Point::new(1.0, 0.0) },
             Outline::Disk { .. } => Outline::Disk { radius: half.y.max(WHEEL) },
             Outline::Ring { .. } => Outline::Ring { radius: half.y.max(WHEEL) },
             Outline::Wheel { .. } => Outline::Wheel { radius: half.y },

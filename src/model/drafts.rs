@@ -1,0 +1,214 @@
+//! Components by themselves: what is wrong with their bodies wherever they are placed, or if they are not placed at all; and which
+//! place causes what is wrong at some of them only. In: the tree, a check in progress; out: findings. See
+//! spec.md#places-of-components.
+//!
+//! A draft places a component alone: each parameter is one of its unit, or its default; a port is a part of which nothing is known,
+//! and whatever depends on it is not looked at. What is found with these values as well is a mistake of the component.
+
+use super::places::Frame;
+use super::scope::{self, Definition, DefinitionId, DefinitionKind, Environment, Group, Role, State};
+use super::value::Value;
+use super::{Check, places};
+use crate::base::{Code, Diagnostic, Label, Name, Span};
+use crate::syntax::tree::{Formal, FormalKind};
+use std::collections::HashSet;
+
+/// Findings that are looked into; beyond, they stay where they are.
+const MOST_LOOKED_INTO: u32 = 200;
+
+/// What is known of components by themselves.
+#[derive(Debug, Default)]
+pub struct Drafts {
+    /// Whether this check is one of them.
+    pub is_draft: bool,
+    /// What is found in components with the values of a draft.
+    nominal: Option<HashSet<(Code, Span)>>,
+    /// What was found inside components and said at the place that causes it.
+    moved: HashSet<(Code, Span)>,
+    looked_into: u32,
+}
+
+/// Families of codes that say something about the text, whatever the values of parameters are and whatever ports are tied to.
+const OF_TEXT: [&str; 9] = ["name", "part", "unit", "field", "function", "place", "component", "parameter", "value"];
+
+/// Codes of these families that are about values after all.
+const OF_VALUES: [&str; 1] = ["vib::value::negative"];
+
+fn is_of_text(code: Code) -> bool {
+    let family = code.0.split("::").nth(1).unwrap_or_default();
+    OF_TEXT.contains(&family) && !OF_VALUES.contains(&code.0)
+}
+
+impl<'a> Check<'a> {
+    /// Looks at the bodies of the components that the scene does not place, directly or not.
+    pub fn unplaced_components(&mut self) {
+        let tree = self.tree;
+        if tree.components.is_empty() || self.drafts.is_draft {
+            return;
+        }
+        let mut is_placed = vec![false; tree.components.len()];
+        for index in self.frames.iter().filter_map(|frame| frame.component) {
+            is_placed[index as usize] = true;
+        }
+        let unplaced: Vec<u32> =
+            (0..).zip(&is_placed).filter(|(_, placed)| !**placed).map(|(index, _)| index).collect();
+        if unplaced.is_empty() {
+            return;
+        }
+        for finding in self.drafted(&unplaced) {
+            if finding.is_error() && is_of_text(finding.code) {
+                self.say(finding);
+            }
+        }
+    }
+
+    /// What is found in components, each alone.
+    fn drafted(&self, components: &[u32]) -> Vec<Diagnostic> {
+        let mut draft = Check::new(self.sources, self.tree, self.literals);
+        draft.drafts.is_draft = true;
+        draft.lacks_components = self.lacks_components;
+        draft.broken_words = self.broken_words.clone();
+        draft.known_components();
+        draft.known.broken.clone_from(&self.known.broken);
+        for &component in components {
+            draft.place_alone(component);
+        }
+        draft.tie_ports();
+        draft.evaluate_definitions();
+        draft.bodies();
+        draft.bases();
+        draft.joints();
+        draft.freedoms();
+        draft.elements();
+        draft.inputs();
+        draft.settle_delays();
+        draft.outputs();
+        draft.couples();
+        draft.initials();
+        draft.requires();
+        draft.diagnostics.sorted()
+    }
+
+    /// Places a component in its own axes.
+    fn place_alone(&mut self, index: u32) {
+        if self.known.broken[index as usize] {
+            return;
+        }
+        let component = self.tree.component(index);
+        // No word of a text is a number.
+        let symbol = self.words.intern(&index.to_string());
+        let place = self.words.place(Name::plain(symbol));
+        let id = places::FrameId(self.frames.len() as u32);
+        let inside = self.environments.enter(id);
+        let span = component.name;
+        self.frames.push(Frame::alone(place, index, inside, span));
+        for (number, formal) in (0..).zip(&component.formals) {
+            self.declare_nominal(id, index, number, formal);
+        }
+        self.declare_body(index, span, inside);
+    }
+
+    /// Declares a port that is tied to nothing, or a parameter with its default or one of its unit.
+    fn declare_nominal(&mut self, frame: places::FrameId, component: u32, number: u32, formal: &Formal) {
+        let Frame { inside, place, .. } = *self.frame(frame);
+        let (span, group) = (formal.name, Group::of_component(component));
+        let symbol = self.words.intern(self.sources.slice(span));
+        let name = Name::plain(symbol).within(place);
+        let FormalKind::Number { unit, default } = formal.kind else {
+            let port = scope::Part::Port(self.ports_count());
+            if self.parts.declare(group, name, span, port).is_ok() {
+                self.tie_to_nothing(span);
+            }
+            return;
+        };
+        let state = match (default, unit) {
+            (Some(_), _) => State::Unsettled,
+            (None, Some(_)) => match self.formal_like(component, number, inside) {
+                Ok(Some(like)) => State::Settled(Ok(Value::Scalar(like))),
+                _ => State::Settled(Err(super::evaluate::Stop::Reported)),
+            },
+            (None, None) => State::Settled(Err(super::evaluate::Stop::Reported)),
+        };
+        // A settled definition's expression is never looked at; where a tree has none, no name is used either.
+        let Some(expr) = default.or_else(|| self.tree.any_expr()) else { return };
+        let id = DefinitionId(self.definitions.len() as u32);
+        if self.values.declare(group, name, span, id).is_ok() {
+            let role = Role::Parameter { frame, formal: number, given: false };
+            let kind = DefinitionKind::Param;
+            self.definitions.push(Definition { kind, name, span, expr, environment: inside, state, used: true, role });
+        }
+    }
+
+    /// Moves a finding to the argument of a place that causes it, where the component by itself does not have it; `None` if
+    /// enough is said about it.
+    pub fn blamed(&mut self, mut finding: Diagnostic, environment: Environment) -> Option<Diagnostic> {
+        let inside = finding.primary.span;
+        if self.drafts.is_draft || is_of_text(finding.code) || self.environments.frame(environment).is_none() {
+            return Some(finding);
+        }
+        if self.drafts.looked_into >= MOST_LOOKED_INTO {
+            return (!self.drafts.moved.contains(&(finding.code, inside))).then_some(finding);
+        }
+        self.drafts.looked_into += 1;
+        let Some(argument) = self.argument_behind(inside, environment) else { return Some(finding) };
+        if self.is_nominal(finding.code, inside) {
+            return Some(finding);
+        }
+        self.drafts.moved.insert((finding.code, inside));
+        let text = std::mem::take(&mut finding.primary.text);
+        let text = if text.is_empty() { "the value ends up here".into() } else { text };
+        finding.related.insert(0, Label { span: inside, text });
+        finding.primary = Label { span: argument, text: "this place gives it".into() };
+        // The line inside stays as it is.
+        finding.fixes.clear();
+        Some(finding)
+    }
+
+    /// Whether the component by itself has this finding.
+    fn is_nominal(&mut self, code: Code, span: Span) -> bool {
+        if self.drafts.nominal.is_none() {
+            let all: Vec<u32> = (0..).take(self.tree.components.len()).collect();
+            let found = self.drafted(&all).iter().map(|finding| (finding.code, finding.primary.span)).collect();
+            self.drafts.nominal = Some(found);
+        }
+        self.drafts.nominal.as_ref().is_some_and(|nominal| nominal.contains(&(code, span)))
+    }
+
+    /// The argument of a place that a number comes from: the outermost one, where components are inside each other.
+    fn argument_behind(&mut self, span: Span, environment: Environment) -> Option<Span> {
+        let mut waiting = vec![(span, environment)];
+        let mut seen: HashSet<u32> = HashSet::new();
+        let mut found = None;
+        while let Some((span, environment)) = waiting.pop() {
+            for id in self.names_within(span, environment) {
+                if !seen.insert(id.0) {
+                    continue;
+                }
+                let Definition { expr, environment, role, .. } = self.definitions[id.0 as usize];
+                let span = self.tree.expr(expr).span;
+                if matches!(role, Role::Parameter { given: true, .. }) {
+                    // What an outer place gives to this one comes later, and replaces it.
+                    let is_outermost = self.environments.frame(environment).is_none();
+                    if is_outermost {
+                        return Some(span);
+                    }
+                    found = Some(span);
+                }
+                waiting.push((span, environment));
+            }
+        }
+        found
+    }
+
+    /// The parameters, `let`s and points that are named in a piece of text.
+    fn names_within(&mut self, span: Span, environment: Environment) -> Vec<DefinitionId> {
+        let place = self.place_of(environment);
+        let named = self.tree.names_within(span);
+        named
+            .filter_map(|word| {
+                let symbol = self.words.get(self.sources.slice(word))?;
+                self.values.get(Name::plain(symbol).within(place))
+            })
+            .collect()
+    }
+}
