@@ -89,7 +89,8 @@ fn place(document: &Document, project: &Project, at: At, meaning: &Meaning) -> O
         let same = document.values.iter().filter(|defined| without_indices(&defined.name) == own);
         for defined in same.take(MANY) {
             if let Some(value) = &defined.value {
-                markdown += &format!("`{}` = {}\n\n", defined.name, worth(value, &lexed.text()[formal.range.clone()]));
+                markdown +=
+                    &format!("`{}` = {}\n\n", defined.name, describe_value(value, &lexed.text()[formal.range.clone()]));
             }
         }
     }

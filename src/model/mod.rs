@@ -326,7 +326,9 @@ impl<'a> Check<'a> {
     /// Adds a finding, once for each place, unless there are too many.
     fn say(&mut self, diagnostic: Diagnostic) {
         let place = diagnostic.primary.span;
-        if self.reported.insert((diagnostic.code, place)) && self.tallies[usize::from(!diagnostic.is_error())].counts(place) {
+        if self.reported.insert((diagnostic.code, place))
+            && self.tallies[usize::from(!diagnostic.is_error())].counts(place)
+        {
             self.diagnostics.push(diagnostic);
         }
     }

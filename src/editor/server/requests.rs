@@ -52,9 +52,9 @@ impl Server<'_> {
                 let places = s.places(&p.text_document_position_params, false, find)?;
                 Ok(Some(places.into_iter().map(|place| DocumentHighlight { range: place.range, kind: None }).collect()))
             }),
-            "textDocument/prepareRename" => {
-                self.answer_request::<PrepareRenameRequest>(params, |s, p| s.prepare_rename(&p.text_document_position_params))
-            }
+            "textDocument/prepareRename" => self.answer_request::<PrepareRenameRequest>(params, |s, p| {
+                s.prepare_rename(&p.text_document_position_params)
+            }),
             "textDocument/rename" => self.answer_request::<RenameRequest>(params, |s, p| {
                 let (index, _, offset) = s.asked_at(&p.text_document_position_params)?;
                 s.in_project(index, true, |project| {
