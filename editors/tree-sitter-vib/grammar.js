@@ -95,7 +95,12 @@ module.exports = grammar({
     minus: ($) => prec(5, seq('-', $.expression)),
     power: ($) => prec.right(6, seq($.expression, '^', $.expression)),
 
-    call: ($) => seq(field('function', $.word), token.immediate('('), optional(list($.expression)), ')'),
+    call: ($) => seq(field('function', $.word), token.immediate('('), optional(list($._argument)), ')'),
+    _argument: ($) => choice($.expression, $.named, $.range),
+    // `speed = 20 m/s`
+    named: ($) => seq(field('name', $.word), '=', $.expression),
+    // `1 Hz .. 50 Hz`
+    range: ($) => $._range,
     group: ($) => seq('(', list($.expression), ')'),
     // Of a part: `rod@A`, `rod.angle`, `rod@(0, 1 m).x`
     place: ($) => prec.left(7, seq(choice($.name, $.call, $.place, $.member), '@', choice($.name, $.group))),

@@ -10,7 +10,7 @@ use super::signature;
 use super::tokens::{Token, TokenKind, tokens};
 use crate::base::{Dimension, Takes};
 use crate::kinds::functions::{self, Function, FunctionKind};
-use crate::kinds::motions::{BODY_MOTIONS, ELEMENT_MOTIONS};
+use crate::kinds::motions::{BODY_MOTIONS, COUPLE_REACTIONS, ELEMENT_MOTIONS, JOINT_REACTIONS, SUPPORT_REACTIONS};
 use crate::kinds::{self, Argument, Content, DECLARATIONS, Declaration, Naming, Piece};
 use crate::syntax::words;
 
@@ -416,19 +416,68 @@ impl<'a> Place<'a> {
         let declared = part.and_then(|part| self.declaration(part));
         let of_body = BODY_MOTIONS.iter().map(|motion| (motion.name, motion.meaning));
         let of_element = ELEMENT_MOTIONS.iter().map(|(_, name, meaning)| (*name, *meaning));
+        let of_joint = JOINT_REACTIONS.iter().map(|(_, name, meaning)| (*name, *meaning));
+        let of_couple = COUPLE_REACTIONS.iter().map(|(_, name, meaning)| (*name, *meaning));
+        let of_support = SUPPORT_REACTIONS.iter().map(|(_, name, meaning)| (*name, *meaning));
         let list: Vec<(&str, &str)> = match declared {
-            Some((lexed, statement)) if is_element(lexed.keyword(statement)) => of_element.collect(),
-            Some((lexed, statement)) => of_body.filter(|(name, _)| can_move(lexed, statement, name)).collect(),
-            None => of_body.chain(of_element).collect(),
+            Some((keyword, _)) if is_element(keyword) => of_element.collect(),
+            Some((keyword, _)) if joint(keyword).is_some() => {
+                let turns = joint(keyword).is_some_and(|joint| joint.kind().turns);
+                of_joint.filter(|(name, _)| *name != "moment" || !turns).collect()
+            }
+            Some(("couple", _)) => of_couple.collect(),
+            Some((_, statement)) => {
+                let moves = of_body.filter(|(name, _)| self.can_move(statement, name));
+                moves.chain(of_support.filter(|(name, _)| self.is_guided(statement, name))).collect()
+            }
+            None => of_body.chain(of_element).chain(of_joint).chain(of_support).collect(),
         };
         list.iter().map(|(name, meaning)| item(name, ItemKind::Motion, *meaning)).collect()
     }
 
-    /// The declaration of a part, in whatever file.
-    fn declaration(&self, part: usize) -> Option<(&'a Lexed, usize)> {
-        let at = names::declarations(self.project, At { file: 0, token: part }).into_iter().next()?;
-        let lexed = self.project.lexed(at.file);
-        Some((lexed, lexed.statement_of(at.token)?))
+    /// Keyword and statement of the declaration of a part.
+    fn declaration(&self, part: usize) -> Option<(&'a str, usize)> {
+        let range = names::declarations(self.document, part).into_iter().next()?;
+        let statement = self.document.token_at(range.start).and_then(|token| self.document.statement_of(token))?;
+        Some((self.document.keyword(statement), statement))
+    }
+
+    /// Whether the ground may react on a body in this way: it needs a freedom clause that leaves the motion out.
+    fn is_guided(&self, statement: usize, reaction: &str) -> bool {
+        let motion = match reaction {
+            "support_x" => "x",
+            "support_y" => "y",
+            _ => "angle",
+        };
+        let tokens = self.document.outline.statements[statement].tokens.clone();
+        let has = |word: &str| {
+            let mut words =
+                tokens.clone().filter(|token| matches!(self.document.roles[*token], Role::Word | Role::Direction));
+            words.any(|token| self.document.token_text(token) == word)
+        };
+        match () {
+            () if has("free") || !has("moves") && !has("turns") => false,
+            () if has("along") => motion != "angle" || !has("turns"),
+            () => !self.can_move(statement, motion),
+        }
+    }
+
+    /// Whether a body can move in this way: a freedom clause allows only its own motions; without one, any is allowed.
+    fn can_move(&self, statement: usize, motion: &str) -> bool {
+        let tokens = self.document.outline.statements[statement].tokens.clone();
+        let words: Vec<&str> = tokens
+            .filter(|token| matches!(self.document.roles[*token], Role::Word | Role::Direction))
+            .map(|token| self.document.token_text(token))
+            .collect();
+        let has = |word: &str| words.contains(&word);
+        if !has("moves") && !has("turns") || has("free") || has("along") {
+            return true;
+        }
+        match motion {
+            "x" | "vx" | "ax" => has("x"),
+            "y" | "vy" | "ay" => has("y"),
+            _ => has("turns"),
+        }
     }
 
     fn ends(&self) -> Vec<Item> {
@@ -563,6 +612,14 @@ fn directions() -> Vec<Item> {
 
 fn is_element(keyword: &str) -> bool {
     kinds::declaration(keyword).is_some_and(Declaration::is_element)
+}
+
+/// The kind of joint that a keyword declares.
+fn joint(keyword: &str) -> Option<kinds::JointId> {
+    match kinds::declaration(keyword)?.shape {
+        kinds::Shape::Joint(joint) => Some(joint),
+        _ => None,
+    }
 }
 
 fn functions(kind: FunctionKind) -> Vec<Item> {

@@ -3,7 +3,7 @@
 use super::shown;
 use crate::base::unit::{self, Scale};
 use crate::base::{Number, Quantity};
-use crate::kinds::motions::{BODY_MOTIONS, ELEMENT_MOTIONS};
+use crate::kinds::motions::{BODY_MOTIONS, ELEMENT_MOTIONS, reactions};
 use crate::kinds::{self, Declaration, functions};
 
 /// The page of a keyword.
@@ -24,7 +24,7 @@ pub fn function(word: &str) -> Option<String> {
 pub fn motion(word: &str) -> Option<&'static str> {
     let bodies = BODY_MOTIONS.iter().map(|motion| (motion.name, motion.meaning));
     let elements = ELEMENT_MOTIONS.iter().map(|(_, name, meaning)| (*name, *meaning));
-    bodies.chain(elements).find(|(name, _)| *name == word).map(|(_, meaning)| meaning)
+    bodies.chain(elements).chain(reactions()).find(|(name, _)| *name == word).map(|(_, meaning)| meaning)
 }
 
 /// The meaning of the words within declarations.
@@ -166,7 +166,8 @@ mod tests {
         let fields = declarations().flat_map(|declaration| declaration.fields).map(|field| field.name);
         let functions = functions::functions().map(|(_, function)| function.name);
         let motions = BODY_MOTIONS.iter().map(|motion| motion.name);
-        let motions = motions.chain(ELEMENT_MOTIONS.iter().map(|(_, name, _)| *name));
+        let motions =
+            motions.chain(ELEMENT_MOTIONS.iter().map(|(_, name, _)| *name)).chain(reactions().map(|(name, _)| name));
         let words = keywords.chain(fields).chain(functions).chain(motions);
         let missing: Vec<&str> = words.filter(|word| !shown.contains(word)).collect();
         assert!(missing.is_empty(), "no model of spec.md shows {missing:?}");

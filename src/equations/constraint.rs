@@ -93,6 +93,6 @@ fn displacement(motion: &Motion, term: &MotionTerm, own: &WrittenTerm, written: 
             Some(dot(&direction, &place))
         }
         Moved::Turn { part, .. } => Some(motion.angle(*part).unwrap_or_default()),
-        Moved::Force { .. } | Moved::Stretch { .. } => None,
+        Moved::Force { .. } | Moved::Stretch { .. } | Moved::Reaction(_) => None,
     }
 }

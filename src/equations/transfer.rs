@@ -74,6 +74,8 @@ fn form(
         Moved::Turn { part, derivative } => {
             (usize::from(*derivative), first_order(&motion.angle(*part).unwrap_or_default(), motion, &none, at_rest))
         }
+        // By multipliers, which the reduced equations do not have.
+        Moved::Reaction(_) => return None,
         Moved::Stretch { element } => (0, stretch(energies, element.index(), motion, at_rest)),
         Moved::Force { element } => {
             let own: &Element = scene.elements.get(element.index())?;

@@ -62,9 +62,57 @@ pub const ELEMENT_MOTIONS: [(ElementMotion, &str, &str); 2] = [
     (ElementMotion::Stretch, "stretch", "The change of its stretch from rest, m or rad."),
 ];
 
-/// Whether a word names a motion of a body or a quantity of an element: no part of a component is called so.
-pub fn is_motion(word: &str) -> bool {
-    BODY_MOTIONS.iter().any(|motion| motion.name == word) || ELEMENT_MOTIONS.iter().any(|(_, name, _)| *name == word)
+/// A component of what a joint, a coupling or a support carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ReactionComponent {
+    X,
+    Y,
+    Moment,
+    /// The whole force or torque of a coupling.
+    Coupling,
+}
+
+/// The reactions of a joint, with their names and meanings.
+pub const JOINT_REACTIONS: [(ReactionComponent, &str, &str); 3] = [
+    (ReactionComponent::X, "fx", "The force of the joint on its second part along x: its change from rest, N."),
+    (ReactionComponent::Y, "fy", "The force of the joint on its second part along y: its change from rest, N."),
+    (
+        ReactionComponent::Moment,
+        "moment",
+        "The moment of a slide or weld on its second part, about the joint's place: its change from rest, N*m.",
+    ),
+];
+
+/// The reaction of a coupling.
+pub const COUPLE_REACTIONS: [(ReactionComponent, &str, &str); 1] = [(
+    ReactionComponent::Coupling,
+    "force",
+    "The force or torque of a coupling, which does work on its left side minus its right side: its change from rest.",
+)];
+
+/// The reactions of what a body's freedom clause stands for.
+pub const SUPPORT_REACTIONS: [(ReactionComponent, &str, &str); 3] = [
+    (
+        ReactionComponent::X,
+        "support_x",
+        "The force along x by which the ground guides the body: its change from rest, N.",
+    ),
+    (
+        ReactionComponent::Y,
+        "support_y",
+        "The force along y by which the ground guides the body: its change from rest, N.",
+    ),
+    (
+        ReactionComponent::Moment,
+        "support_moment",
+        "The moment by which the ground keeps the body from turning, about its own place: its change from rest, N*m.",
+    ),
+];
+
+/// The reactions of joints, couplings and supports, with their names and meanings.
+pub fn reactions() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let all = JOINT_REACTIONS.iter().chain(&COUPLE_REACTIONS).chain(&SUPPORT_REACTIONS);
+    all.map(|(_, name, meaning)| (*name, *meaning))
 }
 
 /// The initial motions that an `initial` may give, measured from rest.

@@ -6,13 +6,17 @@
 //! scene with constraints, every row is first written in terms of the independent coordinates, and the curvature of the
 //! constraints, weighted by their multipliers, adds to K.
 
+mod released;
+
+pub use released::{Carried, carried};
+
 use super::chain::{self, Chain};
 use super::constraints::{Constraints, Reduction, equation};
 use super::error::LowerError;
 use super::initial;
 use super::kinematics::{End, FreeCoordinate, Index, Kinematics, Path, PathEvaluation, State};
 use super::loads::{self, EndPath};
-use super::rest::{Held, Slack, survey};
+use super::rest::{Held, Slack};
 use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
 use crate::elements::{Order, Stretch, Stretched, Vector};
@@ -106,6 +110,8 @@ pub struct Assembly<'a> {
     chain: Vec<ChainedRow>,
     /// Indices of the elements without a term.
     idle: Vec<usize>,
+    /// The forces on released motions, if there are any.
+    released: Option<released::Forces>,
 }
 
 impl<'a> Assembly<'a> {
@@ -132,6 +138,7 @@ impl<'a> Assembly<'a> {
             row: Row::new(),
             chain: Vec::new(),
             idle: Vec::new(),
+            released: None,
         }
     }
 
@@ -358,6 +365,7 @@ impl<'a> Assembly<'a> {
             return coordinate as usize >= self.kinematics.n();
         }
         let mut row = vec![(coordinate, Number::ONE)];
+        self.kinematics.unfold(&mut row);
         self.reduction.reduce(&mut row);
         row.iter().all(|(i, _)| *i as usize >= self.kinematics.n())
     }
@@ -366,6 +374,9 @@ impl<'a> Assembly<'a> {
     fn drive_pair(&mut self, i: Index, j: Index, value: &Number) {
         let [first, second] = [i, j].map(|coordinate| self.to_system_row(vec![(coordinate, Number::ONE)]));
         for (one, other) in [(&first, &second), (&second, &first)] {
+            if let Some(released) = &mut self.released {
+                released.product(Order::Displacement, value, one, other);
+            }
             for (free, left) in one {
                 let Some(place) = self.reduction.place(*free) else { continue };
                 for (driver, right) in other {
@@ -379,14 +390,19 @@ impl<'a> Assembly<'a> {
 
     fn input_of(&self, coordinate: Index) -> Option<usize> {
         let prescribed = (coordinate as usize).checked_sub(self.kinematics.n())?;
-        Some(self.kinematics.prescribed_inputs[prescribed] as usize)
+        // Released motions are no inputs.
+        self.kinematics.prescribed_inputs.get(prescribed).map(|input| *input as usize)
     }
 
     /// Adds weight row row^T for the current row.
     fn square(&mut self, order: Order, source: u32, nature: Nature, weight: &Number) {
+        self.kinematics.unfold(&mut self.row);
         self.reduction.reduce(&mut self.row);
         let weight = self.scale_to_metres(weight);
         self.drive(order, &weight);
+        if let Some(released) = &mut self.released {
+            released.square(order, &weight, &self.row);
+        }
         let reduction = self.reduction;
         let row = self.row.drain(..);
         let row = row.filter_map(|(coordinate, value)| Some((reduction.place(coordinate)?, value)));
@@ -451,10 +467,7 @@ impl<'a> Assembly<'a> {
         if constraints.is_empty() {
             return;
         }
-        let forces = match self.tensions.held {
-            Some(held) => held.slopes.clone(),
-            None => survey::forces(self.scene, self.kinematics, self.state, self.state.is_drawn()),
-        };
+        let forces = self.slopes();
         let multipliers = self.reduction.multipliers(&forces, constraints.list.len());
         for ((index, constraint), multiplier) in (0..).zip(&constraints.list).zip(&multipliers) {
             if multiplier.is_zero() {
@@ -483,6 +496,9 @@ impl<'a> Assembly<'a> {
             InputKind::Torque { ends } => self.torque_column(ends),
             InputKind::Base { .. } => return,
         };
+        if let Some(released) = &mut self.released {
+            released.input(index, &column);
+        }
         let placed = column.drain(..).filter_map(|(i, value)| Some((self.reduction.place(i)?.0, value)));
         self.columns[index][0].extend(placed);
     }
@@ -504,6 +520,7 @@ impl<'a> Assembly<'a> {
 
     /// The final form of a row over all coordinates: over those of the system and the prescribed ones, in m and rad.
     fn to_system_row(&self, mut row: Row) -> Row {
+        self.kinematics.unfold(&mut row);
         self.reduction.reduce(&mut row);
         measure(self.kinematics, &mut row);
         row
@@ -539,6 +556,8 @@ impl<'a> Assembly<'a> {
             }
             Motion::Force { element } => self.element_force(&self.scene.elements[element.index()]),
             Motion::Stretch { element } => (0, self.element_slope(&self.scene.elements[element.index()])),
+            // Added when the rest is known: see `super::reactions`.
+            Motion::Reaction(_) => (0, Row::new()),
         }
     }
 

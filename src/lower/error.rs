@@ -1,6 +1,8 @@
 //! Errors that lowering finds in a scene: facts, and the diagnostics for them.
 
 use super::constraints::Why;
+use super::kinematics::Unreleased;
+use super::reactions::Open;
 use crate::base::{Code, Diagnostic, Span};
 use crate::model::TABLE_UNREADABLE;
 use crate::model::scene::{BodyId, Scene};
@@ -29,6 +31,10 @@ pub const NO_REST: Code = Code::limit("vib::rest::not_found");
 pub const UNPROVEN: Code = Code::limit("vib::rest::unproven");
 /// A drawing that is declared to be the rest but cannot be.
 pub const UNHELD: Code = Code::model("vib::rest::unbalanced");
+/// A reaction that the scene does not determine.
+pub const REACTION: Code = Code::model("vib::reaction::undetermined");
+/// A reaction that damping by modes takes part in.
+pub const REACTION_DAMPED: Code = Code::limit("vib::reaction::damped");
 /// Initial motions that contradict each other or are incomplete.
 pub const INITIAL: Code = Code::model("vib::initial::undetermined");
 
@@ -89,6 +95,13 @@ pub enum LowerError {
         declared: Span,
         left: Vec<Unbalanced>,
         given: Option<Span>,
+    },
+    /// A reaction without a value.
+    Reaction {
+        name: String,
+        holder: Span,
+        span: Span,
+        why: Open,
     },
     Initial {
         span: Span,
@@ -165,6 +178,7 @@ impl LowerError {
             .help("use fewer links, draw the scene at its rest, or remove the load"),
             LowerError::NoRest { span, left, reason } => no_rest_error(*span, left, *reason),
             LowerError::Unheld { declared, left, given } => unheld_error(*declared, left, *given),
+            LowerError::Reaction { name, holder, span, why } => reaction_error(name, *holder, *span, why),
             LowerError::Initial { span, message, help } => {
                 Diagnostic::error(INITIAL, *span, message.clone()).help(*help)
             }
@@ -245,6 +259,41 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
         diagnostic = diagnostic.related(*span, hold);
     }
     diagnostic.help(help)
+}
+
+fn reaction_error(name: &str, holder: Span, span: Span, why: &Open) -> Diagnostic {
+    let error = |code, message: String| Diagnostic::error(code, span, message);
+    let undetermined = |message, help| {
+        error(REACTION, message).label("asked for here").related(holder, "by which it is held").help(help)
+    };
+    match why {
+        Open::Unreleased(Unreleased::Redundant) => undetermined(
+            format!("the scene does not determine this reaction of `{name}`: other joints hold the same parts"),
+            "leave out what holds the parts a second time, or put a spring in its place: rigid parts share a load in no certain way",
+        ),
+        Open::Unreleased(Unreleased::Unclear) => undetermined(
+            format!("the known digits do not decide whether the scene determines this reaction of `{name}`"),
+            "draw the scene in another position",
+        ),
+        Open::Unreleased(Unreleased::NoMass { span: lost }) => {
+            error(REACTION, format!("this reaction of `{name}` carries a body whose mass is not given"))
+                .label("asked for here")
+                .related(*lost, "declared here, without a mass")
+                .help("give it one: `mass = 1 kg`, or `mass = 0 kg`")
+        }
+        Open::Unreleased(Unreleased::NoPlace { span: lost }) => {
+            error(UNKNOWN_PLACE, format!("a moment of `{name}` needs the places of all parts that it holds"))
+                .label("asked for here")
+                .related(*lost, "its place is not known")
+                .help("give it a place: `at = (0, 0)`, or a point after `@`")
+        }
+        Open::Unreleased(Unreleased::Limit(limit)) => limit.to_diagnostic(),
+        Open::DampedByModes => {
+            error(REACTION_DAMPED, format!("`damping modal` does not say which part of its forces `{name}` carries"))
+                .label("asked for here")
+                .help("declare dampers, or `damping rayleigh(...)`; `rest(...)` of the reaction needs no damping")
+        }
+    }
 }
 
 /// The note on a redundant joint or coupling, which comes first in the list.

@@ -19,6 +19,10 @@
 //! The ground is the group without an angle. Prescribed motions of bases are coordinates too; they come after the free
 //! ones.
 
+mod release;
+
+pub use release::{Released, Unreleased, axis_of};
+
 use super::error::LowerError;
 use super::tree::{GROUND, Owner, PieceId, Tree};
 use crate::base::{FileId, Number, Span, Vec3};
@@ -51,6 +55,8 @@ pub struct Kinematics {
     /// Squared lengths of the directions of oblique slides whose length is irrational: the coordinate is measured in
     /// units of that length until it is handed out, so that rows stay exact. Ascending by coordinate.
     lengths_squared: Vec<(Index, Number)>,
+    /// Angles that are sums of others, in a mechanism with released joints: each with that sum, ascending.
+    followers: Vec<(Index, Vec<(Index, Number)>)>,
 }
 
 /// A free coordinate.
@@ -91,6 +97,8 @@ struct Group {
 struct Slide {
     coordinate: Index,
     direction: u32,
+    /// The group with which the direction turns; the carrier's if `None`.
+    group: Option<u32>,
 }
 
 /// An end of an element: a point of a piece, or the point that holds the piece.
@@ -301,8 +309,8 @@ impl Kinematics {
                 continue;
             }
             let carrier = self.tree.pieces[piece].carrier as usize;
-            let group = self.carriages[carrier].group;
             for slide in self.own_slides(piece as PieceId) {
+                let group = slide.group.unwrap_or(self.carriages[carrier].group);
                 let direction = &self.directions[slide.direction as usize];
                 if group != NO_TURN || !direction.dot(field).is_zero() {
                     let direction = Vector::of(direction).scaled(&mass);
@@ -358,6 +366,7 @@ impl<'k> Walk<'k, '_> {
         for slide in kinematics.own_slides(end.piece) {
             let direction = Vector::of(&kinematics.directions[slide.direction as usize]);
             let direction = if side == 1 { direction } else { direction.negated() };
+            let group = slide.group.unwrap_or(group);
             self.path.runs.push(Run { coordinate: slide.coordinate, group, direction });
         }
         // A point without a place remains one only in groups that do not turn.
@@ -680,6 +689,7 @@ impl<'a> Numbering<'a> {
             prescribed: 0,
             prescribed_inputs: Vec::new(),
             lengths_squared: Vec::new(),
+            followers: Vec::new(),
         };
         Numbering { scene, kinematics }
     }
@@ -759,7 +769,7 @@ impl<'a> Numbering<'a> {
             carriage.first_slide = self.kinematics.slides.len() as u32;
         }
         carriage.slides += 1;
-        self.kinematics.slides.push(Slide { coordinate, direction });
+        self.kinematics.slides.push(Slide { coordinate, direction, group: None });
     }
 
     /// Normalises a direction if its length is rational; otherwise keeps it as written and its length separately.

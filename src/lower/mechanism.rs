@@ -7,6 +7,7 @@ use super::constraints::Reduction;
 use super::error::LowerError;
 use super::kinematics::{Kinematics, PathEvaluation, State};
 use super::loads::{self, EndPath};
+use super::reactions::Holding;
 use super::rest::Rest;
 use super::{Lowered, assembly};
 use crate::base::{Dimension, Name, Number, Span};
@@ -20,6 +21,7 @@ pub struct Mechanism {
     pub(super) kinematics: Kinematics,
     pub(super) reduction: Reduction,
     pub(super) state: State<Number>,
+    pub(super) holding: Holding,
 }
 
 /// A spring at rest.
@@ -34,8 +36,13 @@ pub struct SpringAtRest {
 
 impl Mechanism {
     /// `state` has a value for every coordinate, including dependent ones.
-    pub(super) fn new(kinematics: Kinematics, reduction: Reduction, state: State<Number>) -> Mechanism {
-        Mechanism { kinematics, reduction, state }
+    pub(super) fn new(
+        kinematics: Kinematics,
+        reduction: Reduction,
+        state: State<Number>,
+        holding: Holding,
+    ) -> Mechanism {
+        Mechanism { kinematics, reduction, state, holding }
     }
 
     /// Every spring of the scene that this was lowered from, in order of declaration; `rest` is the one found with it, and
@@ -67,9 +74,10 @@ impl Mechanism {
 }
 
 impl Mechanism {
-    /// A combination of motions at rest, measured from the drawing; of a spring's force its whole tension. `rest` is the one
-    /// found with this mechanism.
-    pub fn at_rest(&self, scene: &Scene, rest: &Rest, terms: &[MotionTerm]) -> Number {
+    /// A combination of motions at rest, measured from the drawing; of a spring's force its whole tension, of a reaction all
+    /// of it. `rest` is the one found with this mechanism. An error at `span` for a reaction that is not determined.
+    pub fn at_rest(&self, scene: &Scene, rest: &Rest, terms: &[MotionTerm], span: Span) -> Result<Number, LowerError> {
+        let reactions = self.reactions(scene, terms, span)?;
         let has_force = terms.iter().any(|term| matches!(term.motion, Motion::Force { .. }));
         let springs = if has_force { self.springs_at_rest(scene, rest) } else { Vec::new() };
         let (mut between, mut reach) = (EndPath::default(), PathEvaluation::default());
@@ -96,8 +104,9 @@ impl Mechanism {
                 let angle = self.kinematics.angle(self.kinematics.tree.piece(*part));
                 angle.map_or(Number::ZERO, |angle| self.state.value(angle).clone())
             }
+            Motion::Reaction(reaction) => reactions.at_rest(reaction).cloned().unwrap_or(Number::ZERO),
         };
-        terms.iter().fold(Number::ZERO, |sum, term| &sum + &(&value(&term.motion) * &term.coefficient))
+        Ok(terms.iter().fold(Number::ZERO, |sum, term| &sum + &(&value(&term.motion) * &term.coefficient)))
     }
 }
 
@@ -112,7 +121,7 @@ pub struct Readout {
 impl Lowered {
     /// Adds an output for each readout, after those that the scene declares.
     pub fn add_readouts(&mut self, scene: &Scene, readouts: Vec<Readout>) -> Result<(), LowerError> {
-        let Mechanism { kinematics, reduction, state } = &self.mechanism;
+        let Mechanism { kinematics, reduction, state, .. } = &self.mechanism;
         let mut nowhere = readouts.iter().flat_map(|read| kinematics.read_without_place(scene, &read.terms, read.span));
         if let Some(error) = nowhere.next() {
             return Err(error);
@@ -121,7 +130,8 @@ impl Lowered {
         let output =
             |Readout { terms, span }| Output { name, span, terms, dimension: Dimension::NONE, is_angle: false };
         let outputs: Vec<Output> = readouts.into_iter().map(output).collect();
+        let first = self.system.outputs.len();
         self.system.outputs.extend(assembly::outputs(scene, kinematics, reduction, state, &outputs));
-        Ok(())
+        self.carry(scene, &outputs, first)
     }
 }

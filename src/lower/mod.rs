@@ -7,6 +7,7 @@
 //! 3. [`constraints`]: joints that close loops, and couplings
 //! 4. [`rest`]: the static equilibrium
 //! 5. [`assembly`]: M, C, K, inputs, outputs and initial state about that rest
+//! 6. [`reactions`]: what joints carry, where an output asks for it
 
 pub mod account;
 pub mod assembly;
@@ -20,6 +21,7 @@ pub mod kinematics;
 pub mod loads;
 pub mod mechanism;
 pub mod poses;
+pub mod reactions;
 pub mod rest;
 pub mod tree;
 
@@ -36,6 +38,7 @@ use crate::system::LinearSystem;
 use crate::system::chain::TooLong;
 use error::LowerError;
 use kinematics::Kinematics;
+use reactions::Holding;
 
 /// The result of lowering a scene.
 #[derive(Clone, Debug)]
@@ -87,17 +90,20 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     let kinematics = Kinematics::new(scene, tree);
     kinematics.check(scene)?;
     let (constraints, notes) = constraints::build(scene, &kinematics)?;
-    let found = rest::find(scene, &kinematics, &constraints)?;
+    let mut found = rest::find(scene, &kinematics, &constraints)?;
     let reduction = constraints.reduction(scene, &kinematics, &found.state)?;
     constraints.check_redundant(scene, &kinematics, &found.state)?;
     constraints.check_freedom(scene, &kinematics, &reduction)?;
     let tensions = assembly::Tensions { held: found.held.as_ref(), slack: &found.slack };
     let (system, idle) = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, tensions)?;
+    let holding = Holding { constraints, held: found.held.take(), slack: std::mem::take(&mut found.slack) };
     let (rest, state) = found.finish(scene, &kinematics, &reduction, &system)?;
     let notes = notes.into_iter().chain(idle::findings(scene, &kinematics, &idle));
     let notes = notes.chain(unproven(&system, &rest)).collect();
-    let mechanism = Mechanism::new(kinematics, reduction, state);
-    Ok((Lowered { system, rest, mechanism }, notes))
+    let mechanism = Mechanism::new(kinematics, reduction, state, holding);
+    let mut lowered = Lowered { system, rest, mechanism };
+    lowered.carry(scene, &scene.outputs, 0).map_err(|error| vec![error])?;
+    Ok((lowered, notes))
 }
 
 /// The warning about a rest that is not proven, at the coordinate that moved farthest to it, or at the first if none

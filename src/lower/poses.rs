@@ -48,7 +48,7 @@ impl Poses {
 impl Mechanism {
     /// The poses at rest and, if given, in a shape of the system's coordinates (m, rad).
     pub fn poses(&self, shape: Option<&[f64]>) -> Poses {
-        let Mechanism { kinematics, reduction, state } = self;
+        let Mechanism { kinematics, reduction, state, .. } = self;
         let mut moved = vec![0.0; kinematics.total()];
         for (place, value) in shape.unwrap_or_default().iter().enumerate().take(reduction.n()) {
             let coordinate = reduction.at(place);

@@ -4,7 +4,7 @@
 use super::Check;
 use super::error::{NameError, QuestionError};
 use super::evaluate::{Evaluated, Stop};
-use super::motions::{Combination, Piece};
+use super::motions::{Combination, Piece, negated};
 use super::scene::{BodyId, Couple, Initial, Motion, MotionTerm, Part};
 use super::scope::{Environment, Instance};
 use crate::base::{Number, Span, Vec3};
@@ -28,9 +28,10 @@ impl<'a> Check<'a> {
     fn couple(&mut self, ident: Ident, left: ExprId, right: ExprId, environment: Environment) -> Evaluated<Couple> {
         let a = self.side(left, environment);
         let b = self.side(right, environment)?;
-        let terms = match (a?, b) {
-            (Some(a), Some(b)) => self.difference(a, b, (left, right), environment)?.terms,
-            (Some(one), None) | (None, Some(one)) => one.terms,
+        let Combination { terms, dimension, .. } = match (a?, b) {
+            (Some(a), Some(b)) => self.difference(a, b, (left, right), environment)?,
+            (Some(one), None) => one,
+            (None, Some(one)) => negated(one),
             (None, None) => {
                 let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
                 return self.fail(environment, QuestionError::NoMotion { span });
@@ -38,7 +39,7 @@ impl<'a> Check<'a> {
         };
         let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
         self.couples_displacements(&terms, span, environment)?;
-        Ok(Couple { name: self.name(ident, environment)?, span: ident.span, terms })
+        Ok(Couple { name: self.name(ident, environment)?, span: ident.span, dimension, terms })
     }
 
     /// One side of a coupling; `None` for a bare zero.
@@ -60,7 +61,7 @@ impl<'a> Check<'a> {
         };
         let is_of_body = |term: &MotionTerm| match term.motion {
             Motion::Point { part, .. } | Motion::Turn { part, .. } => matches!(part, Part::Body(_)),
-            Motion::Force { .. } | Motion::Stretch { .. } => false,
+            Motion::Force { .. } | Motion::Stretch { .. } | Motion::Reaction(_) => false,
         };
         if terms.iter().all(is_displacement) && terms.iter().any(is_of_body) {
             return Ok(());

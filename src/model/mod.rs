@@ -26,6 +26,7 @@ mod motions;
 mod needs;
 mod overrides;
 mod places;
+mod reactions;
 mod requirements;
 pub mod scene;
 mod scope;
@@ -141,8 +142,8 @@ fn new_check<'a>(sources: &'a Sources, tree: &'a Tree, overrides: &Overrides, va
     check.elements();
     check.inputs();
     check.settle_delays();
-    check.outputs();
     check.couples();
+    check.outputs();
     check.initials();
     check.solves();
     check.requires();

@@ -5,6 +5,7 @@ use super::Check;
 use super::error::{NameError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::freedoms::Line;
+use super::reactions::is_of_support;
 use super::scene::{BaseId, BodyId, ElementId, Freedom, Geometry, Motion, MotionTerm, Output, Part};
 use super::scope::{self, Environment, Instance};
 use super::suggestion::nearest;
@@ -81,7 +82,7 @@ impl<'a> Check<'a> {
         let combination = found?;
         let moves = |term: &MotionTerm| match term.motion {
             Motion::Point { derivative, .. } | Motion::Turn { derivative, .. } => derivative > 0,
-            Motion::Force { .. } | Motion::Stretch { .. } => false,
+            Motion::Force { .. } | Motion::Stretch { .. } | Motion::Reaction(_) => false,
         };
         if combination.terms.iter().any(moves) {
             let span = self.tree.expr(expr).span;
@@ -249,11 +250,16 @@ impl<'a> Check<'a> {
         let owner_node = *self.tree.expr(owner);
         let text = self.sources.slice(word);
         let ((motion, dimension), coefficient) = match self.expression_part(owner, environment, body_or_element())? {
+            scope::Part::Body(index) if at.is_none() && is_of_support(text) => {
+                return self.support_reaction(BodyId(index), (text, word), environment);
+            }
             scope::Part::Body(index) => self.part_motion(Part::Body(BodyId(index)), at, text, word, environment)?,
             scope::Part::Base(index) => self.part_motion(Part::Base(BaseId(index)), at, text, word, environment)?,
             scope::Part::Element(index) => {
                 (self.element_motion(index, at.is_some(), text, word, environment)?, Number::ONE)
             }
+            scope::Part::Joint(index) => return self.joint_reaction(index, at.is_some(), (text, word), environment),
+            scope::Part::Couple(index) => return self.couple_reaction(index, at.is_some(), (text, word), environment),
             scope::Part::Ground => return self.motion_of_ground(text, word, environment),
             other => {
                 let span = match owner_node.kind {
@@ -414,7 +420,7 @@ fn scaled_terms(terms: Vec<MotionTerm>, by: &Number) -> Vec<MotionTerm> {
     terms.into_iter().map(scaled).collect()
 }
 
-fn negated(combination: Combination) -> Combination {
+pub fn negated(combination: Combination) -> Combination {
     let terms = scaled_terms(combination.terms, &Number::from(-1));
     Combination { terms, ..combination }
 }

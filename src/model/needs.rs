@@ -115,6 +115,10 @@ impl<'a> Check<'a> {
     }
 
     fn warn_idle(&mut self, id: BodyId, word: &'static str, why: &'static str, environment: Environment) {
+        // What nothing moves is carried.
+        if word == "mass" && self.asks_for_reactions() {
+            return;
+        }
         if let Some(field) = self.field_of(id, word) {
             let (span, name) = (field.key, self.words.display(self.scene.bodies[id.index()].name));
             self.report(environment, QuestionError::Idle { span, name, word, why });
@@ -151,7 +155,7 @@ impl<'a> Check<'a> {
         let coupled =
             self.scene.couples.iter().flat_map(|couple| &couple.terms).filter_map(|term| match &term.motion {
                 Motion::Point { part, .. } | Motion::Turn { part, .. } => Some(*part),
-                Motion::Force { .. } | Motion::Stretch { .. } => None,
+                Motion::Force { .. } | Motion::Stretch { .. } | Motion::Reaction(_) => None,
             });
         let Some(base) = ends.chain(coupled).find_map(base_of) else { return };
         let base = &self.scene.bases[base.index()];
@@ -164,7 +168,7 @@ impl<'a> Check<'a> {
         let Some(span) = self.scene.gravity_span else { return };
         let field = self.scene.gravity.clone();
         let acts = (0..self.scene.bodies.len()).any(|index| self.gravity_acts(BodyId(index as u32), &field));
-        if !acts {
+        if !acts && !self.asks_for_reactions() {
             self.report(Environment::TOP, QuestionError::IdleGravity { span });
         }
     }

@@ -6,6 +6,7 @@
 //! many more ends than places.
 
 use crate::base::{Name, Number, Quantity, Span, Vec3, Words};
+use crate::kinds::motions::ReactionComponent;
 use crate::system::Signal as Function;
 use crate::{elements, joints};
 use std::sync::Arc;
@@ -182,6 +183,8 @@ impl Joint {
 pub struct Couple {
     pub name: Name,
     pub span: Span,
+    /// The dimension of that sum.
+    pub dimension: crate::base::Dimension,
     pub terms: Vec<MotionTerm>,
 }
 
@@ -204,6 +207,43 @@ pub enum Motion {
     Force { element: ElementId },
     /// Change of an element's stretch from rest, m or rad.
     Stretch { element: ElementId },
+    /// Change of a reaction from rest, N or N m.
+    Reaction(Reaction),
+}
+
+/// A component of the force or moment by which something holds parts, on the part that it holds (the second one of a joint).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Reaction {
+    pub holder: Holder,
+    pub component: ReactionComponent,
+}
+
+/// An item that restricts motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Holder {
+    Joint(JointId),
+    /// Index into [`Scene::couples`].
+    Couple(u32),
+    /// The rails that a freedom clause stands for.
+    Support(BodyId),
+}
+
+impl Holder {
+    pub fn name(self, scene: &Scene) -> Name {
+        match self {
+            Holder::Joint(joint) => scene.joints[joint.index()].name,
+            Holder::Couple(couple) => scene.couples[couple as usize].name,
+            Holder::Support(body) => scene.bodies[body.index()].name,
+        }
+    }
+
+    pub fn span(self, scene: &Scene) -> Span {
+        match self {
+            Holder::Joint(joint) => scene.joints[joint.index()].span,
+            Holder::Couple(couple) => scene.couples[couple as usize].span,
+            Holder::Support(body) => scene.bodies[body.index()].span,
+        }
+    }
 }
 
 /// An element: a spring, a damper, ...

@@ -22,7 +22,7 @@ pub enum Probe {
     Peak(usize),
     Rms(usize),
     PeakGain(usize, usize, Option<[Number; 2]>),
-    Rest(Vec<MotionTerm>),
+    Rest(Vec<MotionTerm>, Span),
     Combined(Box<Combined<Probe>>),
     Stable,
     /// omega^2 of a mode, for a target frequency of zero: it changes sign there.
@@ -89,7 +89,7 @@ impl Outputs {
             Measure::Peak { output } => Probe::Peak(add(output)),
             Measure::Rms { output } => Probe::Rms(add(output)),
             Measure::PeakGain { input, output, range } => Probe::PeakGain(input.index(), add(output), range.clone()),
-            Measure::Rest { terms } => Probe::Rest(terms.clone()),
+            Measure::Rest { terms } => Probe::Rest(terms.clone(), span),
             Measure::Stable | Measure::Combined(_) => Probe::Stable,
         }
     }
@@ -195,9 +195,14 @@ impl Measured<'_> {
                 let range = range.as_ref().map(|[low, high]| (low, high));
                 transfer.map_or(NONE, |transfer| measures::peak_gain(transfer, self.poles, *input, *output, range))
             }
-            Probe::Rest(terms) => {
+            Probe::Rest(terms, span) => {
                 let Lowered { mechanism, rest, .. } = self.lowered;
-                Measurement::Value(mechanism.at_rest(self.scene, rest, terms).to_ball())
+                match mechanism.at_rest(self.scene, rest, terms, *span) {
+                    Ok(value) => Measurement::Value(value.to_ball()),
+                    Err(_) => Measurement::None(
+                        "joints hold the same parts twice: what each of them carries is not determined",
+                    ),
+                }
             }
             Probe::Combined(combined) => value_of(&combined.map(&mut |part| self.one(system, transfer, part))),
             Probe::Phase(input, output, at) => {

@@ -174,7 +174,7 @@ impl QuestionOverRange<'_> {
             | Probe::Peak(_)
             | Probe::Rms(_)
             | Probe::PeakGain(..)
-            | Probe::Rest(_)
+            | Probe::Rest(..)
             | Probe::Combined(_)
             | Probe::Stable => RangeEnclosure { hopeless: true, ..test(None) },
         }

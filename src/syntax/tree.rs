@@ -368,6 +368,14 @@ impl Tree {
         Ident { span: Span::new(base.file(), start, start + usize::from(member_len)), indices }
     }
 
+    /// Every word after a dot, in the order of the file.
+    pub fn members(&self) -> impl Iterator<Item = Span> {
+        self.exprs.iter().filter_map(|expr| match expr.kind {
+            ExprKind::Member { base, member_len, indices } => Some(self.member(base, member_len, indices).span),
+            _ => None,
+        })
+    }
+
     pub fn list(&self, list: ExprList) -> &[ExprId] {
         let Some(head) = list.0 else { return &[] };
         let start = head.index() + 1;

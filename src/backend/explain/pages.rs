@@ -54,6 +54,7 @@ pub const PAGES: &[Page] = pages! {
     part: kind unknown;
     place: duplicate mirrored missing position solved turned_input unknown vector;
     position: unknown;
+    reaction: damped undetermined;
     repeat: reversed;
     require: fails form no_value undetermined;
     rest: not_found unbalanced unproven;

@@ -18,11 +18,12 @@ pub use rank::Why;
 pub use reduction::Reduction;
 
 use super::error::LowerError;
-use super::kinematics::{Index, Kinematics, PathEvaluation, State};
+use super::kinematics::{Index, Kinematics, PathEvaluation, Released, State, Unreleased};
 use crate::base::{Diagnostic, Name, Number, Span};
-use crate::model::scene::{JointId, Scene};
+use crate::model::scene::{Holder, JointId, Reaction, Scene};
 use elimination::Elimination;
 use equation::Equation;
+use std::collections::BTreeSet;
 
 /// A violation of a constraint up to this many lengths of its loop counts as rounding, if the rest is not proven.
 const NOTHING: f64 = 1e-10;
@@ -39,6 +40,8 @@ pub enum Source {
 #[derive(Clone, Debug)]
 pub struct Constraint {
     pub source: Source,
+    /// Which of the equations of its source it is: of displacements 0 and 1, of angles 2.
+    pub part: u8,
     pub equation: Equation<Number>,
 }
 
@@ -80,7 +83,89 @@ impl Source {
     }
 }
 
+impl Constraint {
+    /// The gradient over coordinates that follow no others.
+    fn row(
+        &self,
+        kinematics: &Kinematics,
+        state: &State<Number>,
+        reach: &mut PathEvaluation<Number>,
+    ) -> elimination::Row {
+        let (_, mut row) = self.equation.measure(kinematics, state, reach);
+        kinematics.unfold(&mut row);
+        row
+    }
+}
+
 impl Constraints {
+    /// The same constraints with released motions in them; an error if one of these follows from the others: then the
+    /// joints hold the same parts in several ways, and what each of them carries is not determined.
+    pub fn released(
+        &self,
+        scene: &Scene,
+        released: &Released,
+        (reactions, reduction): (&[Reaction], &Reduction),
+        state: &State<Number>,
+    ) -> Result<(Constraints, Reduction), (usize, Unreleased)> {
+        let kinematics = &released.kinematics;
+        let mut all = closures::constraint_equations(scene, kinematics);
+        for (number, reaction) in reactions.iter().enumerate().filter(|(number, _)| released.in_equation[*number]) {
+            let source = match reaction.holder {
+                Holder::Joint(joint) => Source::Joint(joint),
+                Holder::Couple(couple) => Source::Couple(couple),
+                Holder::Support(_) => continue,
+            };
+            let mut is_held = false;
+            for constraint in all.iter_mut().filter(|constraint| constraint.source == source) {
+                is_held |= constraint.release(reaction.component, released.coordinate(number));
+            }
+            if !is_held {
+                return Err((number, Unreleased::Redundant));
+            }
+        }
+        let kept: BTreeSet<(Source, u8)> = self.list.iter().map(|own| (own.source, own.part)).collect();
+        let (list, redundant): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|constraint| kept.contains(&(constraint.source, constraint.part)));
+        let all = Constraints { list, redundant, length: self.length };
+        let new = match all.is_empty() {
+            true => Reduction::unconstrained(kinematics.n()),
+            false => {
+                let elimination = all.eliminate(scene, kinematics, state);
+                let elimination =
+                    elimination.map_err(|mut errors| (0, Unreleased::Limit(Box::new(errors.remove(0)))))?;
+                Reduction::new(kinematics.n(), elimination)
+            }
+        };
+        if !new.dependent().eq(reduction.dependent()) {
+            return Err((0, Unreleased::Unclear));
+        }
+        match all.left_open(scene, released)? {
+            Some(number) => Err((number, Unreleased::Redundant)),
+            None => Ok((all, new)),
+        }
+    }
+
+    /// A released motion that a redundant constraint depends on in some state, even if not at rest: the rest may hold any
+    /// share of its force, which turns as the parts move.
+    fn left_open(&self, scene: &Scene, released: &Released) -> Result<Option<usize>, (usize, Unreleased)> {
+        if self.redundant.is_empty() {
+            return Ok(None);
+        }
+        let (kinematics, state) = (&released.kinematics, &released.generic());
+        let elimination = self.eliminate(scene, kinematics, state);
+        let elimination = elimination.map_err(|mut errors| (0, Unreleased::Limit(Box::new(errors.remove(0)))))?;
+        let number = |(coordinate, _): &(Index, Number)| released.number(*coordinate);
+        let among_left = elimination.left.iter().flat_map(|left| &left.driven).find_map(number);
+        let reduction = Reduction::new(kinematics.n(), elimination);
+        let mut reach = PathEvaluation::default();
+        let mut open = self.redundant.iter().filter_map(|constraint| {
+            let mut row = constraint.row(kinematics, state, &mut reach);
+            reduction.reduce(&mut row);
+            row.iter().find_map(number)
+        });
+        Ok(among_left.or_else(|| open.next()))
+    }
+
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
@@ -93,7 +178,7 @@ impl Constraints {
         state: &State<Number>,
     ) -> Result<Elimination, Vec<LowerError>> {
         let mut reach = PathEvaluation::default();
-        let rows = self.list.iter().map(|c| c.equation.measure(kinematics, state, &mut reach).1).collect();
+        let rows = self.list.iter().map(|c| c.row(kinematics, state, &mut reach)).collect();
         let elimination = elimination::eliminate(rows, kinematics.n(), |coordinate| self.unit(kinematics, coordinate));
         let span = |row: u32| self.list[row as usize].source.span(scene);
         match elimination.full {

@@ -41,6 +41,12 @@ pub fn forces(scene: &Scene, kinematics: &Kinematics, state: &State<Number>, loa
     energy(scene, kinematics, state, loaded_only, Detail::Gradient).gradient
 }
 
+/// Like [`forces`], of all coordinates, prescribed and released ones included.
+pub fn all_forces(scene: &Scene, kinematics: &Kinematics, state: &State<Number>, loaded_only: bool) -> Vec<Number> {
+    let local: Vec<u32> = (0..kinematics.total() as u32).collect();
+    summed(scene, kinematics, state, loaded_only, (&local, kinematics.total(), Detail::Gradient)).gradient
+}
+
 /// The energy in a state, over all free coordinates; the sum excludes what `loaded_only` leaves out.
 pub fn energy(
     scene: &Scene,
@@ -51,7 +57,18 @@ pub fn energy(
 ) -> Energy<Number> {
     let mut local: Vec<u32> = (0..kinematics.total() as u32).collect();
     local[kinematics.n()..].fill(ELSEWHERE);
-    let mut sum = Sum::new(kinematics, state, &local, kinematics.n(), detail);
+    summed(scene, kinematics, state, loaded_only, (&local, kinematics.n(), detail))
+}
+
+/// The energy over `n` coordinates, whose places `local` gives.
+fn summed(
+    scene: &Scene,
+    kinematics: &Kinematics,
+    state: &State<Number>,
+    loaded_only: bool,
+    (local, n, detail): (&[u32], usize, Detail),
+) -> Energy<Number> {
+    let mut sum = Sum::new(kinematics, state, local, n, detail);
     loads::visit(scene, kinematics, loaded_only, |load| match load {
         Load::Spring(spring, between) => sum.spring(spring, between),
         Load::Dead(force, path) => sum.dead(&DeadForce { force: force.clone() }, path),

@@ -17,6 +17,7 @@ pub enum QuestionError {
     MotionOfWhat { span: Span },
     UnknownMotion { span: Span, word: String, of: Word, suggestion: Option<Word>, known: Vec<Word> },
     NoSuchFreedom { span: Span, name: String, turns: bool },
+    NoSuchReaction { span: Span, name: String, why: &'static str, help: &'static str },
     CoupleOfOthers { span: Span },
     NoInitialState { span: Span, word: String, found: &'static str },
     NotAMeasure { span: Span },
@@ -66,6 +67,9 @@ impl QuestionError {
                 error("vib::motion::impossible", span, message)
                     .label("always zero")
                     .help(format!("let `{name}` move that way, or remove this motion"))
+            }
+            NoSuchReaction { span, name, why, help } => {
+                error("vib::motion::impossible", span, format!("`{name}` {why}")).label("always zero").help(help)
             }
             CoupleOfOthers { span } => {
                 error("vib::couple::motions", span, "a coupling relates displacements and angles of bodies")

@@ -17,7 +17,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
         let (part, at) = match &term.motion {
             Motion::Point { part, at, .. } => (*part, at.as_ref()),
             Motion::Turn { part, .. } => (*part, None),
-            Motion::Force { .. } | Motion::Stretch { .. } => continue,
+            Motion::Force { .. } | Motion::Stretch { .. } | Motion::Reaction(_) => continue,
         };
         if part == Part::Ground {
             continue;
@@ -74,6 +74,6 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
 pub fn direction(stage: &Stage, number: usize, motion: &Motion) -> Option<Point> {
     match motion {
         Motion::Point { direction, .. } => stage.layout.parts[number].direction(straight(direction)),
-        Motion::Turn { .. } | Motion::Force { .. } | Motion::Stretch { .. } => None,
+        Motion::Turn { .. } | Motion::Force { .. } | Motion::Stretch { .. } | Motion::Reaction(_) => None,
     }
 }

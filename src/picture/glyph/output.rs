@@ -89,6 +89,8 @@ fn shown(sheet: &Sheet, stage: &Stage, motion: &Motion) -> Option<Shown> {
             Some(Shown::Moves { part, at: stage.point(part, drawn), direction })
         }
         Motion::Turn { part, .. } => Some(Shown::Turns { part: parts.number(*part) }),
+        // The joint is drawn; an arrow for its force would say which way it points.
+        Motion::Reaction(_) => None,
         Motion::Force { element } | Motion::Stretch { element } => Some(Shown::Element { index: element.index() }),
     }
 }

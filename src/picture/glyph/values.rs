@@ -108,6 +108,7 @@ pub fn motion_word(motion: &Motion) -> &'static str {
         Motion::Turn { .. } => "angle",
         Motion::Force { .. } => "force",
         Motion::Stretch { .. } => "stretch",
+        Motion::Reaction(_) => "force",
     }
 }
 
@@ -117,7 +118,7 @@ pub fn motion_value(says: &Says, motion: &Motion, value: &Number) -> String {
         Motion::Point { .. } | Motion::Stretch { .. } => "m",
         Motion::Turn { .. } if is_rate(motion) => "rad/s",
         Motion::Turn { .. } => "rad",
-        Motion::Force { .. } => "N",
+        Motion::Force { .. } | Motion::Reaction(_) => "N",
     };
     format!("{} {unit}", (says.request.digits)(value))
 }

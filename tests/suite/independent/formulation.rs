@@ -18,8 +18,10 @@
 use super::extended::{Matrix, sin_cos, solve};
 use vibc::base::number::Dd;
 use vibc::base::{Number, Vec3};
+use vibc::kinds::motions::ReactionComponent;
 use vibc::model::scene::{
-    Attachment, Element, Freedom, Geometry, InputKind, Joint, Law, Motion, MotionTerm, Part, Scene, Signal, SpringRest,
+    Attachment, BodyId, Element, Freedom, Geometry, Holder, InputKind, Joint, JointId, Law, Motion, MotionTerm, Part,
+    Reaction, Scene, Signal, SpringRest,
 };
 
 /// Step of the differences, m and rad.
@@ -190,11 +192,29 @@ pub struct Linearised {
     pub rest: Vec<Dd>,
 }
 
+/// The motion that a constraint keeps at zero.
+#[derive(Clone, Copy, Debug)]
+enum Holds {
+    /// A displacement along a direction that turns with a part.
+    Along([Dd; 2], Option<usize>),
+    Turn,
+    /// The sum of a coupling.
+    Sum,
+}
+
+/// A reaction by the multipliers: at rest, and for each input its amplitude over that of the input at a real s.
+pub struct Reacted {
+    pub at_rest: Dd,
+    pub gains: Vec<Dd>,
+}
+
 pub struct Formulation<'a> {
     scene: &'a Scene,
     differences: Differences,
     energies: Vec<Quantity<'a>>,
     constraints: Vec<Quantity<'a>>,
+    /// What each constraint holds.
+    held: Vec<(Holder, Holds)>,
     dampers: Vec<(Dd, Quantity<'a>)>,
     inerters: Vec<(Dd, Quantity<'a>)>,
 }
@@ -227,22 +247,32 @@ fn unit(v: &Vec3) -> [Dd; 2] {
 
 impl<'a> Formulation<'a> {
     pub fn new(scene: &'a Scene) -> Formulation<'a> {
+        Formulation::bare(scene).completed()
+    }
+
+    /// With every constraint, and without forces.
+    fn bare(scene: &'a Scene) -> Formulation<'a> {
         let mut it = Formulation {
             scene,
             differences: Differences::new(),
             energies: Vec::new(),
             constraints: Vec::new(),
+            held: Vec::new(),
             dampers: Vec::new(),
             inerters: Vec::new(),
         };
         it.clauses();
         it.joints();
         it.couples();
-        it.drop_redundant_constraints();
-        it.weights();
-        it.elements();
-        it.constant_loads();
         it
+    }
+
+    fn completed(mut self) -> Formulation<'a> {
+        self.drop_redundant_constraints();
+        self.weights();
+        self.elements();
+        self.constant_loads();
+        self
     }
 
     fn part_count(&self) -> usize {
@@ -296,35 +326,40 @@ impl<'a> Formulation<'a> {
             }
             for n in fixed {
                 self.constraints.push(Quantity::new([Some(i)], move |p| dot(n, [p[i].x, p[i].y])));
+                self.held.push((support(i), Holds::Along(n, None)));
             }
             if !turns {
                 self.constraints.push(Quantity::new([Some(i)], move |p| p[i].angle));
+                self.held.push((support(i), Holds::Turn));
             }
         }
     }
 
     fn joints(&mut self) {
-        for joint in &self.scene.joints {
+        for (number, joint) in (0..).zip(&self.scene.joints) {
+            let holder = Holder::Joint(JointId(number));
             let [a, b] = [self.end(&joint.ends[0]), self.end(&joint.ends[1])];
             match joint.kind.keyword {
                 "pivot" => {
                     let at = joint.at.as_ref();
-                    self.coincide(self.spot(joint.ends[0].part, at), self.spot(joint.ends[1].part, at));
+                    self.coincide(holder, self.spot(joint.ends[0].part, at), self.spot(joint.ends[1].part, at));
                 }
                 "weld" => {
                     // Any point is suitable if the parts turn together.
                     let at = Some(Vec3::ZERO);
                     self.coincide(
+                        holder,
                         self.spot(joint.ends[0].part, at.as_ref()),
                         self.spot(joint.ends[1].part, at.as_ref()),
                     );
-                    self.turn_together(a.part, b.part);
+                    self.turn_together(holder, a.part, b.part);
                 }
                 "slide" => {
                     let [x, y] = unit(joint.along.as_ref().expect("a slide has a direction"));
                     let origin = Vec3::ZERO;
                     let [a, b] = [0, 1].map(|end| self.spot(joint.ends[end].part, Some(&origin)));
-                    self.turn_together(a.part, b.part);
+                    self.turn_together(holder, a.part, b.part);
+                    self.held.push((holder, Holds::Along([-y, x], a.part)));
                     self.constraints.push(Quantity::new([a.part, b.part], move |p| {
                         let normal = match a.part {
                             None => [-y, x],
@@ -338,19 +373,23 @@ impl<'a> Formulation<'a> {
         }
     }
 
-    fn coincide(&mut self, a: Spot, b: Spot) {
+    fn coincide(&mut self, holder: Holder, a: Spot, b: Spot) {
         for axis in 0..2 {
+            let direction = [0, 1].map(|i| if i == axis { Dd::ONE } else { Dd::ZERO });
+            self.held.push((holder, Holds::Along(direction, None)));
             self.constraints.push(Quantity::new([a.part, b.part], move |p| b.now(p)[axis] - a.now(p)[axis]));
         }
     }
 
-    fn turn_together(&mut self, a: Option<usize>, b: Option<usize>) {
+    fn turn_together(&mut self, holder: Holder, a: Option<usize>, b: Option<usize>) {
+        self.held.push((holder, Holds::Turn));
         self.constraints.push(Quantity::new([a, b], move |p| angle(p, b) - angle(p, a)));
     }
 
     /// Constraints of couplings: the sum of coefficient times motion is zero.
     fn couples(&mut self) {
-        for couple in &self.scene.couples {
+        for (number, couple) in (0..).zip(&self.scene.couples) {
+            self.held.push((Holder::Couple(number), Holds::Sum));
             let terms: Vec<(Dd, Quantity<'a>)> =
                 couple.terms.iter().map(|term| (dd(&term.coefficient), self.motion(&term.motion))).collect();
             let parts: Vec<Option<usize>> = terms.iter().flat_map(|(_, q)| q.parts.iter().copied().map(Some)).collect();
@@ -366,7 +405,8 @@ impl<'a> Formulation<'a> {
         let drawn = vec![Pose::drawn(); self.part_count()];
         let mut basis: Vec<Vec<Dd>> = Vec::new();
         let mut kept = Vec::new();
-        for constraint in std::mem::take(&mut self.constraints) {
+        let held = std::mem::take(&mut self.held);
+        for (constraint, held) in std::mem::take(&mut self.constraints).into_iter().zip(held) {
             let rows = self.gradients(&drawn, &[&constraint]);
             let mut row: Vec<Dd> = (0..self.unknowns()).map(|j| rows.at(0, j)).collect();
             let before = norm(&row);
@@ -379,6 +419,7 @@ impl<'a> Formulation<'a> {
             if size.to_f64() > 1e-15 * before.to_f64() {
                 basis.push(row.into_iter().map(|a| a / size).collect());
                 kept.push(constraint);
+                self.held.push(held);
             }
         }
         self.constraints = kept;
@@ -506,6 +547,7 @@ impl<'a> Formulation<'a> {
             Motion::Force { element } | Motion::Stretch { element } => {
                 self.stretch(&self.scene.elements[element.index()])
             }
+            Motion::Reaction(_) => panic!("a reaction is no motion of the parts"),
         }
     }
 
@@ -516,7 +558,7 @@ impl<'a> Formulation<'a> {
             Motion::Point { derivative, .. } | Motion::Turn { derivative, .. } => {
                 (coefficient, usize::from(*derivative))
             }
-            Motion::Stretch { .. } => (coefficient, 0),
+            Motion::Stretch { .. } | Motion::Reaction(_) => (coefficient, 0),
             Motion::Force { element } => {
                 let Law { kind, coefficient: own, .. } = &self.scene.elements[element.index()].law;
                 let order = ["spring", "damper", "inerter"].iter().position(|keyword| *keyword == kind.keyword);
@@ -878,6 +920,126 @@ impl<'a> Formulation<'a> {
             d
         });
         (rows.map(|rows| rows.times(own)), through)
+    }
+}
+
+fn support(body: usize) -> Holder {
+    Holder::Support(BodyId(body as u32))
+}
+
+/// Reactions by the multipliers of all constraints at once, in absolute coordinates: nothing is eliminated and no joint is
+/// released.
+impl Formulation<'_> {
+    /// The part that a reaction acts on, the point in which its force acts as drawn, and the place of its moment.
+    fn acted(&self, holder: Holder) -> (Option<usize>, [Dd; 2], [Dd; 2]) {
+        match holder {
+            Holder::Joint(id) => {
+                let joint = &self.scene.joints[id.index()];
+                let place = joint.at.as_ref().or(joint.ends[0].at.as_deref()).or(joint.ends[1].at.as_deref());
+                let place = place.map_or([Dd::ZERO; 2], planar);
+                let acting = if joint.kind.keyword == "pivot" { place } else { [Dd::ZERO; 2] };
+                (self.part(joint.ends[1].part), acting, place)
+            }
+            Holder::Support(body) => {
+                let centre = self.centre(Some(body.index()));
+                (Some(body.index()), centre, centre)
+            }
+            Holder::Couple(_) => (None, [Dd::ZERO; 2], [Dd::ZERO; 2]),
+        }
+    }
+
+    /// A reaction of given multipliers in some poses: minus the multipliers times what the constraints hold.
+    fn reaction_of(&self, reaction: &Reaction, multipliers: &[Dd], poses: &[Pose]) -> Dd {
+        let (part, acting, place) = self.acted(reaction.holder);
+        let (mut force, mut moment, mut sum) = ([Dd::ZERO; 2], Dd::ZERO, Dd::ZERO);
+        for ((holder, holds), multiplier) in self.held.iter().zip(multipliers) {
+            match holds {
+                _ if *holder != reaction.holder => {}
+                Holds::Along([x, y], carrier) => {
+                    let turned = match carrier.map(|carrier| &poses[carrier]) {
+                        Some(p) => [p.cos * *x - p.sin * *y, p.sin * *x + p.cos * *y],
+                        None => [*x, *y],
+                    };
+                    force = [force[0] - *multiplier * turned[0], force[1] - *multiplier * turned[1]];
+                }
+                Holds::Turn => moment -= *multiplier,
+                Holds::Sum => sum -= *multiplier,
+            }
+        }
+        let centre = self.centre(part);
+        let spot = |drawn: [Dd; 2]| Spot { part, drawn, arm: minus(drawn, centre) }.now(poses);
+        let arm = minus(spot(acting), spot(place));
+        match reaction.component {
+            ReactionComponent::X => force[0],
+            ReactionComponent::Y => force[1],
+            ReactionComponent::Moment => moment + arm[0] * force[1] - arm[1] * force[0],
+            ReactionComponent::Coupling => sum,
+        }
+    }
+
+    /// Z(s) z + G^T l = f, G z = 0 for the motions and the multipliers under a unit of each input, at a real s.
+    pub fn reactions(&self, chosen: &[Chosen], start: &[Dd], s: f64, reactions: &[Reaction]) -> Option<Vec<Reacted>> {
+        let (poses, multipliers, _) = self.rest(self.posed(chosen, start)?)?;
+        let (n, m, size) = (self.unknowns(), self.constraints.len(), 3 * self.part_count());
+        let weighted: Vec<(Dd, &Quantity)> = (self.energies.iter().map(|e| (Dd::ONE, e)))
+            .chain(multipliers.iter().copied().zip(&self.constraints))
+            .collect();
+        let (_, stiffness) = self.assembled(size, &poses, &weighted);
+        let (damping, inertia) = (self.damping(&poses), self.inertia(&poses));
+        let s = Dd::from(s);
+        let impedance = |i: usize, j: usize| stiffness.at(i, j) + s * (damping.at(i, j) + s * inertia.at(i, j));
+        let rows = self.gradients(&poses, &self.constraints.iter().collect::<Vec<_>>());
+        let works: Vec<Quantity> = self.scene.inputs.iter().map(|input| self.work(&input.kind)).collect();
+        let works = self.gradients(&poses, &works.iter().collect::<Vec<_>>());
+        // The motions of supports, which are given.
+        let mut given = Matrix::zero(size, self.scene.inputs.len());
+        for (input, part, direction) in self.supports() {
+            match direction {
+                Some([x, y]) => (*given.at_mut(3 * part, input), *given.at_mut(3 * part + 1, input)) = (x, y),
+                None => *given.at_mut(3 * part + 2, input) = Dd::ONE,
+            }
+        }
+        let mut left = Matrix::zero(n + m, n + m);
+        let mut right = Matrix::zero(n + m, self.scene.inputs.len());
+        for i in 0..n {
+            (0..n).for_each(|j| *left.at_mut(i, j) = impedance(i, j));
+            for row in 0..m {
+                *left.at_mut(i, n + row) = rows.at(row, i);
+                *left.at_mut(n + row, i) = rows.at(row, i);
+            }
+        }
+        for input in 0..self.scene.inputs.len() {
+            for i in 0..n {
+                let driven = (n..size).fold(Dd::ZERO, |sum, j| sum + impedance(i, j) * given.at(j, input));
+                *right.at_mut(i, input) = works.at(input, i) - driven;
+            }
+            for row in 0..m {
+                let driven = (n..size).fold(Dd::ZERO, |sum, j| sum + rows.at(row, j) * given.at(j, input));
+                *right.at_mut(n + row, input) = -driven;
+            }
+        }
+        let solved = solve(left, right)?;
+        let every: Vec<Option<usize>> = (0..self.part_count()).map(Some).collect();
+        let reacted = |reaction: &Reaction| {
+            let at = |multipliers: &[Dd], poses: &[Pose]| self.reaction_of(reaction, multipliers, poses);
+            let quantity = Quantity::new(every.iter().copied(), |poses: &[Pose]| at(&multipliers, poses));
+            let turning = self.differences.gradient(&quantity, &poses);
+            let gain = |input: usize| {
+                let change: Vec<Dd> = (0..m).map(|row| solved.at(n + row, input)).collect();
+                let moved = |j: usize| if j < n { solved.at(j, input) } else { given.at(j, input) };
+                turning.iter().fold(at(&change, &poses), |sum, (j, slope)| sum + *slope * moved(*j))
+            };
+            Reacted { at_rest: at(&multipliers, &poses), gains: (0..self.scene.inputs.len()).map(gain).collect() }
+        };
+        Some(reactions.iter().map(reacted).collect())
+    }
+
+    /// Puts the last constraints first: of several that hold the same, others are kept then.
+    pub fn reversed(scene: &Scene) -> Formulation<'_> {
+        let mut it = Formulation::bare(scene);
+        it.constraints.reverse();
+        it.held.reverse();
+        it.completed()
     }
 }
 

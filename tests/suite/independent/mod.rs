@@ -5,6 +5,7 @@
 mod extended;
 mod formulation;
 pub mod random_scenes;
+mod reactions;
 mod spectrum;
 
 use crate::ask::{Answer, ask};

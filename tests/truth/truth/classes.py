@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, emitted, equations, equations_examples, extrema, extremes, large, measures, modal, modes, motions, planar, poles, sensitivities, solving, transfer
+from . import coupled, emitted, equations, equations_examples, extrema, extremes, large, measures, modal, modes, motions, planar, poles, reactions, sensitivities, solving, transfer
 
 
 @dataclass(frozen=True)
@@ -34,4 +34,5 @@ ALL = {
     "equations": Class(equations.scene, equations.check, 2000, 12),
     "examples": Class(equations_examples.scene, equations_examples.check, 17, 17),
     "planar": Class(planar.scene, planar.check, 10000, 100),
+    "reactions": Class(reactions.scene, reactions.check, 5000, 60),
 }

@@ -186,7 +186,7 @@ fn strands(scene: &Scene, parts: &Parts, free: &[bool], is_between: &mut [bool])
 fn moved(motion: &Motion, parts: &Parts) -> Option<usize> {
     let part = match motion {
         Motion::Point { part, .. } | Motion::Turn { part, .. } => *part,
-        Motion::Force { .. } | Motion::Stretch { .. } => return None,
+        Motion::Force { .. } | Motion::Stretch { .. } | Motion::Reaction(_) => return None,
     };
     (part != Part::Ground).then(|| parts.number(part))
 }
