@@ -65,7 +65,7 @@ class Network:
             if damping:
                 lines.append(f"damper d{number}: {end} -- m{b} {{ c = {damping!r} N*s/m }}")
                 self.add(self.c, damping, a, b)
-        lines += ["force F: m0 along x = 1 N", f"output y = m{n - 1}.x", ""]
+        lines += ["force F: m0 along x = step(1 N, 0 s)", f"output y = m{n - 1}.x", ""]
         self.text = "\n".join(lines)
 
     @staticmethod
@@ -303,7 +303,7 @@ def main():
     parser.add_argument("--svg", help="write a picture of time over size")
     options = parser.parse_args()
     print(f"numpy {numpy.__version__}, scipy {scipy.__version__}, python-control {control.__version__}, "
-          f"sympy {sympy.__version__}, exudyn {exudyn.GetVersionString()}\n")
+          f"sympy {sympy.__version__}, exudyn {exudyn.config.Version()}\n")
     print("| quantity | damping | n | tool | ms | of vibc's time | error |\n| --- | --- | --- | --- | --- | --- | --- |")
     results = {}
     with tempfile.TemporaryDirectory() as folder:

@@ -66,7 +66,8 @@ pub fn refine_together(pencil: &Pencil<Dd>, basis: &Basis, starts: &Starts) -> O
         let mut still = Vec::new();
         for (column, &j) in moving.iter().enumerate() {
             let step = steps[column];
-            if !(step < last[j]) && !(step < ENOUGH) {
+            let converges = step < last[j] || step < ENOUGH;
+            if !converges {
                 lost.push(j);
                 continue;
             }
@@ -158,19 +159,19 @@ fn along_others(
     let zeros = || Matrix::filled(pairs.len(), moving.len(), 0.0);
     let (mut plus_re, mut minus_im, mut plus_im, mut minus_re) = (zeros(), zeros(), zeros(), zeros());
     for (column, &j) in moving.iter().enumerate() {
-        for i in 0..pairs.len() {
+        for (i, (&other, inverse_slope)) in s.iter().zip(&inverse_slopes).enumerate() {
             let at = (i, column);
             let direct = if i == j {
                 Complex::ZERO
             } else {
                 let product = Complex::new(rr[at] - ii[at], ri[at] + ir[at]);
-                factor(product * inverse_slopes[i], s[j], s[i])
+                factor(product * *inverse_slope, s[j], other)
             };
-            let mirrored = if s[i].im == 0.0 {
+            let mirrored = if other.im == 0.0 {
                 Complex::ZERO
             } else {
                 let product = Complex::new(rr[at] + ii[at], ri[at] - ir[at]);
-                factor(product * inverse_slopes[i].conj(), s[j], s[i].conj())
+                factor(product * inverse_slope.conj(), s[j], other.conj())
             };
             (plus_re[at], minus_im[at]) = (direct.re + mirrored.re, direct.im - mirrored.im);
             (plus_im[at], minus_re[at]) = (direct.im + mirrored.im, direct.re - mirrored.re);
@@ -276,7 +277,7 @@ mod tests {
             let discs = discs(&pencil, &rigid, &pairs, 2 * n);
             assert!(discs.iter().all(|disc| disc.clusters == [None; 2] && disc.s.re.rad < 1e-28), "{gamma}");
             for k in 1..=n {
-                let w = 2.0 * (k as f64 * std::f64::consts::PI / (2 * (n + 1)) as f64).sin();
+                let w = 2.0 * libm::sin(k as f64 * std::f64::consts::PI / (2 * (n + 1)) as f64);
                 let half = 0.5 * size * w.powi(4);
                 let root = Complex::real(half * half - w * w).sqrt();
                 // The slow one of two real poles without cancellation.

@@ -107,6 +107,23 @@ impl Rational {
 
     /// The exact value of a finite binary64 number; `None` for infinities and NaN.
     pub fn from_f64(x: f64) -> Option<Rational> {
+        if !x.is_finite() {
+            return None;
+        }
+        // An odd number times a power of two is in lowest terms.
+        let bits = x.to_bits();
+        let (exponent, fraction) = (((bits >> 52) & 0x7ff) as i32, (bits & ((1 << 52) - 1)) as i64);
+        if exponent > 0 {
+            let mantissa = fraction | (1 << 52);
+            let odd = mantissa >> mantissa.trailing_zeros();
+            let power = exponent - 1075 + mantissa.trailing_zeros() as i32;
+            let signed = if x < 0.0 { -odd } else { odd };
+            match power {
+                -62..0 => return Some(Rational(Repr::Small(signed, 1 << -power))),
+                0..10 => return Some(Rational(Repr::Small(signed << power, 1))),
+                _ => {}
+            }
+        }
         BigRational::from_float(x).map(Rational::from_big)
     }
 
@@ -458,5 +475,29 @@ mod tests {
         let least = Rational::from(i64::MIN);
         assert_eq!(&-&-&least, &least);
         assert_eq!(least.recip().and_then(|r| r.recip()), Some(least));
+    }
+
+    /// The quick way and the general one give the same fraction.
+    #[test]
+    fn binary64_numbers_are_exact_fractions() {
+        let list = [
+            0.0,
+            -0.0,
+            1.0,
+            -1.5,
+            0.1,
+            2.0f64.powi(-62),
+            2.0f64.powi(-63),
+            1e-300,
+            5e-324,
+            1e15 + 0.5,
+            2.0f64.powi(62),
+            1e300,
+        ];
+        for x in list.into_iter().chain((0..40).map(|i| 0.7f64.powi(i) * if i % 2 == 0 { 1e3 } else { -1e3 })) {
+            let expected = BigRational::from_float(x).map(Rational::from_big);
+            assert_eq!(Rational::from_f64(x), expected, "{x:e}");
+        }
+        assert_eq!((Rational::from_f64(f64::NAN), Rational::from_f64(f64::INFINITY)), (None, None));
     }
 }

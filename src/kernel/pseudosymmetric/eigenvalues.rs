@@ -170,8 +170,8 @@ fn correction<V: Vector>(
     let s = Pair { re: V::load(&lanes.map(|i| re[i])), im: V::load(&lanes.map(|i| im[i])) };
     let slope = logarithmic_slope(pencil, squares, s);
     let mut others = Pair::<V>::zero();
-    for j in 0..re.len() {
-        let difference = Pair { re: s.re - V::splat(re[j]), im: s.im - V::splat(im[j]) };
+    for (j, (&re, &im)) in re.iter().zip(im).enumerate() {
+        let difference = Pair { re: s.re - V::splat(re), im: s.im - V::splat(im) };
         // The reciprocal of the distance from itself would be infinite.
         let own: [f64; MOST] = lanes.map(|i| if i == j { 0.0 } else { 1.0 });
         let own = V::load(&own);
@@ -216,7 +216,7 @@ mod tests {
         assert_eq!(found.len(), n);
         for (k, value) in found.into_iter().rev().enumerate() {
             let angle = std::f64::consts::PI * (k + 1) as f64 / (n + 1) as f64;
-            assert!((value - 0.5 - 2.0 * angle.cos()).abs() < 1e-12, "{k}");
+            assert!((value - 0.5 - 2.0 * libm::cos(angle)).abs() < 1e-12, "{k}");
         }
     }
 

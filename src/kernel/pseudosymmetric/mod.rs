@@ -79,9 +79,9 @@ mod tests {
                 for (j, &z) in found.values.iter().enumerate() {
                     let x = |i: usize| Complex::new(found.re[(i, j)], found.im[(i, j)]);
                     let size = (0..2 * n).map(|i| x(i).abs()).fold(0.0, f64::max);
-                    for i in 0..2 * n {
+                    for (i, sign) in signs.iter().enumerate() {
                         let image = (0..2 * n).fold(Complex::ZERO, |sum, l| sum + x(l).scale(s[(i, l)]));
-                        let error = (image.scale(signs[i]) - x(i) * z).abs();
+                        let error = (image.scale(*sign) - x(i) * z).abs();
                         assert!(error < 1e-7 * size * (1.0 + damping) * n as f64, "{n} {damping} {z:?} {i}: {error}");
                     }
                 }

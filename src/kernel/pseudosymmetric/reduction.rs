@@ -149,7 +149,8 @@ fn pivot(x: &[f64], signs: &[f64]) -> Option<usize> {
         square = (x * sign).mul_add(x, square);
         length = x.mul_add(x, length);
     }
-    if !(square.abs() > BREAKDOWN * length) {
+    let has_length = square.abs() > BREAKDOWN * length;
+    if !has_length {
         return None;
     }
     let sign = square.signum();
@@ -254,13 +255,13 @@ mod tests {
             reduced.turn(&mut gt);
             let sg = product(View::of(&s), View::of(&g));
             let size = gt.data().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-            for i in 0..n {
+            for (i, (sign, own)) in signs.iter().zip(own).enumerate() {
                 for j in 0..n {
-                    let error = (signs[i] * sg[(i, j)] - gt[(i, j)]).abs();
+                    let error = (sign * sg[(i, j)] - gt[(i, j)]).abs();
                     assert!(error <= 1e-9 * size, "{n}: {i} {j} {error} of {size}");
                     // G^T J G = J'.
                     let form: f64 = (0..n).map(|l| g[(l, i)] * signs[l] * g[(l, j)]).sum();
-                    let expected = if i == j { own[i] } else { 0.0 };
+                    let expected = if i == j { *own } else { 0.0 };
                     let size: f64 = (0..n).map(|l| (g[(l, i)] * g[(l, j)]).abs()).sum();
                     assert!((form - expected).abs() <= 1e-9 * (1.0 + size), "{n}: {i} {j} {form}");
                 }
