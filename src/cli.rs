@@ -642,7 +642,7 @@ fn frequency_as(text: &str, literals: Literals) -> Result<Frequency, String> {
         Angle::Radians => Ok(Frequency::radians(&value)),
         Angle::Cycles => Ok(Frequency::hertz(&value)),
         Angle::Plain if value.is_zero() => Ok(Frequency::hertz(&value)),
-        Angle::Plain => Err("write Hz for cycles or rad/s for radians".into()),
+        Angle::Plain | Angle::PerCycle | Angle::PerRadian => Err("write Hz for cycles or rad/s for radians".into()),
     }
 }
 

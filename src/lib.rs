@@ -174,8 +174,8 @@ pub use system::{
 
 // Modes, poles, and what they say about the rest.
 pub use analysis::{
-    AnalysisError, Band, Before, Buckling, Mode, ModeKind, Modes, Normalise, Pole, PoleCount, PoleKind, Poles, Reason,
-    Request, Route, Share, Stability, Verdict, Which, normalise,
+    AnalysisError, Band, Before, Buckling, Mode, ModeKind, Modes, Noisy, Normalise, Pole, PoleCount, PoleKind, Poles,
+    Reason, Request, Route, Share, Spread, Stability, Verdict, Which, normalise,
 };
 pub use answers::ModalAnswer;
 pub use questions::answer::{Requirement, Sensitivity, Solved, Value};
@@ -341,6 +341,9 @@ fn reported(
         }
     };
     let Lowered { system, rest, .. } = known.lowered;
+    // About a rest that is not proven no number would have a bound.
+    let noises = if rest.is_proven() { dynamics::noises(&reading.scene) } else { Vec::new() };
+    let noisy = analysis::random::outputs(&system, &modes, &noises);
     let sensitivities = match study.sensitivity {
         true => questions::sensitivities(&reading.text(), &reading.settings, request, &system, &modes, &poles),
         false => Vec::new(),
@@ -359,6 +362,7 @@ fn reported(
         buckling,
         solved: reading.solved.clone(),
         requirements,
+        noisy,
         sensitivities,
         account: None,
     })
@@ -444,6 +448,7 @@ pub fn simulate(sources: &Sources, model: FileId, overrides: &Overrides, times: 
         let reading = reading::read_and_solve(sources, model, overrides, times.last(), diagnostics)?;
         let (system, modes) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
         let drives = dynamics::drives(&reading.scene, diagnostics)?;
+        diagnostics.extend(dynamics::noise_left_out(&reading.scene));
         let history = analysis::respond_with(&system, modes.as_ref(), &drives, times);
         let history = history.or_else(|error| push_error(&error, diagnostics).ok_or(())).ok()?;
         let places: Vec<base::Span> = reading.scene.scene().outputs.iter().map(|output| output.span).collect();
@@ -503,6 +508,10 @@ pub fn discrete(
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, options.until.as_ref(), diagnostics)?;
         let (system, modes) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
+        if let Some(refusal) = dynamics::noise_refused(&reading.scene) {
+            diagnostics.push(refusal);
+            return None;
+        }
         let mut options = options.clone();
         if options.built_in {
             options.internal = dynamics::drives(&reading.scene, diagnostics)?;

@@ -100,6 +100,7 @@ impl Overview {
             account: None,
             solved: of.solved.to_vec(),
             requirements: of.requirements.to_vec(),
+            noisy: Vec::new(),
             sensitivities: Vec::new(),
         };
         Overview::of(of.scene, answer, of.mechanism)

@@ -5,7 +5,7 @@ pub mod report;
 #[cfg(test)]
 pub(crate) mod samples;
 
-use crate::analysis::{Buckling, Modes, Pole, Poles, Verdict};
+use crate::analysis::{Buckling, Modes, Noisy, Pole, Poles, Verdict};
 use crate::base::Number;
 use crate::lower::{Account, Rest};
 use crate::questions::answer::{Requirement, Sensitivity, Solved};
@@ -29,6 +29,8 @@ pub struct ModalAnswer {
     /// Parameters that were solved for, in order of their lines.
     pub solved: Vec<Solved>,
     pub requirements: Vec<Requirement>,
+    /// The outputs that noise reaches.
+    pub noisy: Vec<Noisy>,
     /// Empty unless requested.
     pub sensitivities: Vec<Sensitivity>,
 }

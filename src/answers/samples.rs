@@ -83,6 +83,7 @@ fn answer(model: &str, system: LinearSystem, modes: Vec<Mode>, poles: Vec<Pole>,
         buckling: None,
         solved: Vec::new(),
         requirements: Vec::new(),
+        noisy: Vec::new(),
         sensitivities: Vec::new(),
         account: None,
     }

@@ -6,7 +6,8 @@ use super::decimal::{certain, certain_digits};
 use super::json_number::JsonNumber;
 use super::{ReportOptions, SCHEMA};
 use crate::analysis::{
-    Buckling, Mode, Net, Normalise, Pole, Share, Split, Stability, nets, normalise, parts_of_modes, splits,
+    Buckling, Mode, Net, Noisy, Normalise, Pole, Share, Split, Spread, Stability, nets, normalise, parts_of_modes,
+    splits,
 };
 use crate::answers::ModalAnswer;
 use crate::base::{Ball, Number, Rounded, Unproven};
@@ -48,6 +49,9 @@ struct Report<'a> {
     explained: Option<Explained<'a>>,
     solved: Vec<JsonSolved<'a>>,
     requirements: Vec<JsonRequirement<'a>>,
+    /// Outputs under noise.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    noise: Vec<JsonNoisy>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     sensitivities: Vec<JsonSensitivity<'a>>,
 }
@@ -262,6 +266,53 @@ struct JsonRequirement<'a> {
     until_s: JsonNumber,
 }
 
+/// An output under noise; what is infinite or not known is `null`, with its reason.
+#[derive(serde::Serialize)]
+struct JsonNoisy {
+    output: String,
+    unit: String,
+    rms: JsonNumber,
+    /// Relative.
+    rms_error_bound: JsonNumber,
+    rms_reason: Option<&'static str>,
+    crossings_hz: JsonNumber,
+    crossings_error_bound: JsonNumber,
+    crossings_reason: Option<&'static str>,
+    modes: Vec<JsonModeShare>,
+}
+
+/// What a mode contributes to a mean square.
+#[derive(serde::Serialize)]
+struct JsonModeShare {
+    mode: usize,
+    share: JsonNumber,
+}
+
+impl JsonNoisy {
+    fn of(noisy: &Noisy, system: &LinearSystem) -> JsonNoisy {
+        let output = &system.outputs[noisy.output];
+        let parts = |spread: &Spread| match spread {
+            Spread::Finite(value) => (JsonNumber::enclosed(*value), JsonNumber::relative_bound(*value), None),
+            Spread::Infinite(why) | Spread::Unknown(why) => (JsonNumber::NULL, JsonNumber::NULL, Some(*why)),
+        };
+        let (rms, rms_error_bound, rms_reason) = parts(&noisy.rms);
+        let (crossings_hz, crossings_error_bound, crossings_reason) = parts(&noisy.crossings);
+        let modes =
+            noisy.shares.iter().map(|(mode, share)| JsonModeShare { mode: *mode, share: JsonNumber::unproven(*share) });
+        JsonNoisy {
+            output: system.display(output.name),
+            unit: output.unit.clone(),
+            rms,
+            rms_error_bound,
+            rms_reason,
+            crossings_hz,
+            crossings_error_bound,
+            crossings_reason,
+            modes: modes.collect(),
+        }
+    }
+}
+
 /// An object with a number for each name, in their order.
 struct ByName<'a> {
     names: &'a [String],
@@ -320,6 +371,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
         }),
         solved: answer.solved.iter().map(json_solved).collect(),
         requirements: answer.requirements.iter().map(json_requirement).collect(),
+        noise: answer.noisy.iter().map(|noisy| JsonNoisy::of(noisy, &answer.system)).collect(),
         sensitivities: answer.sensitivities.iter().map(json_sensitivity).collect(),
     }
 }

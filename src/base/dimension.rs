@@ -184,6 +184,10 @@ pub enum Angle {
     Radians,
     /// Cycles: `30 Hz`.
     Cycles,
+    /// A density over a frequency in cycles: `3 N^2/Hz`.
+    PerCycle,
+    /// A density over a frequency in radians: `3 N^2/(rad/s)`.
+    PerRadian,
 }
 
 /// A checked value: SI number, dimension, and how its angle was written.

@@ -1,5 +1,6 @@
 //! Types that every layer may use: places in texts, diagnostics, numbers, quantities, names.
 
+pub mod density;
 pub mod diagnostic;
 pub mod dimension;
 pub mod field;
@@ -13,6 +14,7 @@ pub mod source;
 pub mod unit;
 pub mod vector;
 
+pub use density::Density;
 pub use diagnostic::{Change, Code, Diagnostic, Diagnostics, Failure, Fix, Label, Severity};
 pub use dimension::{Angle, Dimension, Quantity};
 pub use field::{Expected, Field, Takes};

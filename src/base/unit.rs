@@ -128,10 +128,18 @@ const PREFIXES: [(&str, i32); 15] = [
 /// The largest power of a single unit.
 const MAX_POWER: i64 = 24;
 
-/// Reads `N/m`, `kg*m^2`, `/s`, `1/s`, `%`, `dB`.
+/// Reads `N/m`, `kg*m^2`, `/s`, `1/s`, `%`, `dB`, `N^2/(rad/s)`.
 pub fn parse(text: &str) -> Result<Unit, UnitError> {
     if text == "dB" {
         return Ok(Unit { scale: Scale::Decibel, dimension: Dimension::NONE, angle: Angle::Plain });
+    }
+    if let Some(above) = text.strip_suffix(PER_RADIAN) {
+        let unit = parse(above)?;
+        let dimension = unit.dimension.times(Dimension::TIME).ok_or(UnitError::Power { at: 0..text.len() })?;
+        return match unit.scale {
+            Scale::Linear(_) => Ok(Unit { dimension, angle: Angle::PerRadian, ..unit }),
+            Scale::Decibel => Err(UnitError::DecibelInProduct { word: 0..above.len() }),
+        };
     }
     let mut product = Product { factor: Number::ONE, dimension: Dimension::NONE, cycles: 0, radians: 0 };
     let mut divided = false;
@@ -153,6 +161,9 @@ pub fn parse(text: &str) -> Result<Unit, UnitError> {
         at = end + text[end..].chars().next().map_or(1, char::len_utf8);
     }
 }
+
+/// The end of the unit of a density over a frequency in radians.
+const PER_RADIAN: &str = "/(rad/s)";
 
 /// Between the factors of a unit: the two dots are those of typeset text, U+00B7 and U+22C5.
 const OPERATORS: [char; 4] = ['*', '/', '\u{b7}', '\u{22c5}'];
@@ -198,7 +209,7 @@ impl Product {
         match entry.angle {
             Angle::Cycles => self.cycles += power,
             Angle::Radians => self.radians += power,
-            Angle::Plain => {}
+            Angle::Plain | Angle::PerCycle | Angle::PerRadian => {}
         }
         Some(())
     }
@@ -207,6 +218,7 @@ impl Product {
         let angle = match (self.radians, self.cycles) {
             (0, 0) => Angle::Plain,
             (0, 1) => Angle::Cycles,
+            (_, -1) => Angle::PerCycle,
             (0, _) => Angle::Plain,
             _ => Angle::Radians,
         };

@@ -4,11 +4,11 @@
 
 use crate::analysis::damping;
 use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};
-use crate::base::{Diagnostic, Diagnostics, Number};
+use crate::base::{Code, Diagnostic, Diagnostics, Number, Span};
 use crate::lower::{self, Lowered, Rest};
 use crate::model::CheckedScene;
-use crate::model::scene::Damping;
-use crate::system::{Form, LinearSystem, Signal};
+use crate::model::scene::{self, Damping};
+use crate::system::{Form, LinearSystem, Noise, Signal};
 
 /// A lowered scene with the damping declared for the whole of it.
 #[derive(Clone, Debug)]
@@ -146,6 +146,32 @@ fn flatten(lowered: &mut Lowered, diagnostics: &mut Diagnostics) -> Option<()> {
 /// The signals that drive each input of a scene.
 pub fn drives(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Vec<Vec<Signal>>> {
     lower::drives(scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+}
+
+/// The place of the first noise.
+fn noise_place(scene: &CheckedScene) -> Option<Span> {
+    let is_noise = |signal: &scene::Signal| matches!(signal, scene::Signal::Noise(_));
+    scene.scene().inputs.iter().find(|input| input.signal.iter().any(is_noise)).and_then(|input| input.signal_span)
+}
+
+/// That a motion in time is computed without the noise of the scene.
+pub fn noise_left_out(scene: &CheckedScene) -> Option<Diagnostic> {
+    let message = "noise has no course in time: the motion is computed without it";
+    let left_out = |span| Diagnostic::note(Code::model("vib::noise::left_out"), span, message);
+    noise_place(scene).map(|span| left_out(span).help("`vibc analyze` has root mean squares under noise"))
+}
+
+/// That no code is made for noise.
+pub fn noise_refused(scene: &CheckedScene) -> Option<Diagnostic> {
+    let message = "code cannot be emitted for noise, which has no course in time";
+    let refused = |span| Diagnostic::error(Code::model("vib::noise::emit"), span, message);
+    noise_place(scene)
+        .map(|span| refused(span).help("leave the signal out: the code then takes this input in each step"))
+}
+
+/// The noises of the inputs.
+pub fn noises(scene: &CheckedScene) -> Vec<Noise> {
+    lower::noises(scene)
 }
 
 impl WrittenOut {

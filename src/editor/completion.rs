@@ -650,6 +650,13 @@ fn of_argument(declaration: &Declaration, function: &str, argument: usize) -> Op
         Argument::Amplitude => declaration.signal().map(|signal| signal.amplitude.dimension),
         Argument::Impulse => declaration.signal().map(|signal| signal.impulse.dimension),
         Argument::Time | Argument::LaterTime => Some(Dimension::TIME),
-        Argument::Any | Argument::File | Argument::Mode | Argument::Output | Argument::Path | Argument::Input => None,
+        Argument::Densities => declaration.signal().map(|signal| signal.density.dimension),
+        Argument::Any
+        | Argument::Cause
+        | Argument::File
+        | Argument::Mode
+        | Argument::Output
+        | Argument::Path
+        | Argument::Input => None,
     }
 }

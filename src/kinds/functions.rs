@@ -53,6 +53,10 @@ pub enum Argument {
     Path,
     /// `1 Hz .. 50 Hz`
     Frequencies,
+    /// `noise` or `time`
+    Cause,
+    /// What a noise is given by: densities and frequencies.
+    Densities,
 }
 
 impl Function {
@@ -68,23 +72,29 @@ pub struct SignalKind {
     pub amplitude: Expected,
     /// Its integral over time.
     pub impulse: Expected,
+    /// Its power spectral density: its square per frequency.
+    pub density: Expected,
 }
 
 pub const FORCE_SIGNAL: SignalKind = SignalKind {
     amplitude: Expected::new("a force", Dimension::FORCE, "10 N"),
     impulse: Expected::new("an impulse", Dimension::IMPULSE, "3 N*s"),
+    density: Expected::new("a power spectral density of a force", Dimension::of(2, 2, -3), "3 N^2/Hz"),
 };
 pub const TORQUE_SIGNAL: SignalKind = SignalKind {
     amplitude: Expected::new("a torque", Dimension::TORQUE, "2 N*m"),
     impulse: Expected::new("an angular impulse", Dimension::ANGULAR_IMPULSE, "2 N*m*s"),
+    density: Expected::new("a power spectral density of a torque", Dimension::of(2, 4, -3), "2 N^2*m^2/Hz"),
 };
 pub const DISPLACEMENT_SIGNAL: SignalKind = SignalKind {
     amplitude: Expected::new("a displacement", Dimension::LENGTH, "1 mm"),
     impulse: Expected::new("a displacement times a time", Dimension::of(0, 1, 1), "1 mm*s"),
+    density: Expected::new("a power spectral density of a displacement", Dimension::of(0, 2, 1), "1e-6 m^2/Hz"),
 };
 pub const ANGLE_SIGNAL: SignalKind = SignalKind {
     amplitude: Expected::new("an angle", Dimension::NONE, "2 deg"),
     impulse: Expected::new("an angle times a time", Dimension::TIME, "1 rad*s"),
+    density: Expected::new("a power spectral density of an angle", Dimension::of(0, 0, 1), "1e-6 rad^2/Hz"),
 };
 
 /// The possible signals of a base: the motion itself, its rate or its acceleration, in this order.
@@ -93,10 +103,12 @@ pub const TRANSLATION_SIGNALS: [SignalKind; 3] = [
     SignalKind {
         amplitude: Expected::new("a velocity", Dimension::VELOCITY, "0.1 m/s"),
         impulse: Expected::new("a displacement", Dimension::LENGTH, "1 mm"),
+        density: Expected::new("a power spectral density of a velocity", Dimension::of(0, 2, -1), "1e-4 m^2/s^2/Hz"),
     },
     SignalKind {
         amplitude: Expected::new("an acceleration", Dimension::ACCELERATION, "2 m/s^2"),
         impulse: Expected::new("a change of velocity", Dimension::VELOCITY, "0.1 m/s"),
+        density: Expected::new("a power spectral density of an acceleration", Dimension::of(0, 2, -3), "0.01 g0^2/Hz"),
     },
 ];
 pub const ROTATION_SIGNALS: [SignalKind; 3] = [
@@ -104,10 +116,20 @@ pub const ROTATION_SIGNALS: [SignalKind; 3] = [
     SignalKind {
         amplitude: Expected::new("an angular velocity", Dimension::ANGULAR_VELOCITY, "1 rad/s"),
         impulse: Expected::new("an angle", Dimension::NONE, "2 deg"),
+        density: Expected::new(
+            "a power spectral density of an angular velocity",
+            Dimension::of(0, 0, -1),
+            "1e-4 rad^2/s^2/Hz",
+        ),
     },
     SignalKind {
         amplitude: Expected::new("an angular acceleration", Dimension::ANGULAR_ACCELERATION, "1 rad/s^2"),
         impulse: Expected::new("a change of angular velocity", Dimension::ANGULAR_VELOCITY, "1 rad/s"),
+        density: Expected::new(
+            "a power spectral density of an angular acceleration",
+            Dimension::of(0, 0, -3),
+            "1e-4 rad^2/s^4/Hz",
+        ),
     },
 ];
 
@@ -176,6 +198,7 @@ pub enum Signal {
     Trapezoid,
     Table,
     Delayed,
+    Noise,
 }
 
 /// Every signal of an input.
@@ -274,6 +297,20 @@ pub const SIGNALS: &[Named<Signal>] = &[
         "The signal of another input, later.",
         &[Argument::Input, Argument::Time],
     ),
+    Named {
+        kind: Signal::Noise,
+        function: Function {
+            name: "noise",
+            form: "noise(density, from .. to)",
+            example: "noise(3 N^2/Hz, 20 Hz .. 2 kHz)",
+            meaning: "Stationary noise by its one-sided power spectral density: flat in a band, `white 3 N^2/Hz`, corner points \
+                      `(20 Hz, 0.01 g0^2/Hz), (80 Hz, 0.04 g0^2/Hz)` (straight in log-log), `table(\"psd.csv\", 1 m^2/Hz)`, or \
+                      `road(16e-6 m^3, 20 m/s)` (ISO 8608).",
+            arguments: &[Argument::Densities, Argument::Frequencies],
+            optional: 1,
+            named: &[],
+        },
+    },
 ];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -286,6 +323,8 @@ pub enum Measure {
     Static,
     Peak,
     Rms,
+    Psd,
+    Crossings,
     PeakGain,
     Rest,
     Stable,
@@ -330,10 +369,29 @@ pub const MEASURES: &[Named<Measure>] = &[
         "The largest absolute value over the simulated time.",
         &[Argument::Output],
     ),
+    Named {
+        kind: Measure::Rms,
+        function: Function {
+            name: "rms",
+            form: "rms(output, noise)",
+            example: "rms(output, noise)",
+            meaning: "The root mean square: under noise, or over the simulated time where no noise acts. Where both act, \
+                      `rms(output, noise)` or `rms(output, time)`.",
+            arguments: &[Argument::Output, Argument::Cause],
+            optional: 1,
+            named: &[],
+        },
+    },
     entry(
-        Measure::Rms,
-        ["rms", "rms(output)", "rms(output)"],
-        "The root mean square over the simulated time.",
+        Measure::Psd,
+        ["psd", "psd(output, f)", "psd(output, 30 Hz)"],
+        "The one-sided power spectral density of the output under noise, at a frequency.",
+        &[Argument::Output, Argument::Frequency],
+    ),
+    entry(
+        Measure::Crossings,
+        ["crossings", "crossings(output)", "crossings(output)"],
+        "The expected number of upward zero crossings under noise, Hz.",
         &[Argument::Output],
     ),
     Named {

@@ -6,11 +6,25 @@ use super::error::LowerError;
 use crate::base::{Ball, Number};
 use crate::model::CheckedScene;
 use crate::model::scene::{self, Input, InputKind};
-use crate::system::{Course, Signal, Table};
+use crate::system::{Course, Noise, Signal, Table};
 
 /// The signals that drive each input. A constant load is part of the rest and drives nothing.
 pub fn drives(scene: &CheckedScene) -> Result<Vec<Vec<Signal>>, LowerError> {
     scene.scene().inputs.iter().map(of_input).collect()
+}
+
+/// The noise of each input that has some.
+pub fn noises(scene: &CheckedScene) -> Vec<Noise> {
+    let inputs = scene.scene().inputs.iter().enumerate();
+    let of = |(index, input): (usize, &Input)| {
+        let densities = input.signal.iter().filter_map(|signal| match signal {
+            scene::Signal::Noise(density) => Some(density.clone()),
+            _ => None,
+        });
+        let derivative = input.derivative;
+        densities.map(move |density| Noise { input: index, derivative, density }).collect::<Vec<_>>()
+    };
+    inputs.flat_map(of).collect()
 }
 
 fn of_input(input: &Input) -> Result<Vec<Signal>, LowerError> {
@@ -41,8 +55,8 @@ fn undelayed(signal: &scene::Signal) -> Vec<(&scene::Signal, Option<&Number>)> {
 
 fn of_signal(signal: &scene::Signal, course: Course) -> Result<Option<Signal>, LowerError> {
     Ok(Some(match signal.clone() {
-        // A delay of a delay is one delay: the check adds them up.
-        scene::Signal::Constant { .. } | scene::Signal::Delayed { .. } => return Ok(None),
+        // A delay of a delay is one delay: the check adds them up. Noise has no course in time.
+        scene::Signal::Constant { .. } | scene::Signal::Delayed { .. } | scene::Signal::Noise(_) => return Ok(None),
         scene::Signal::Function(function) => function,
         scene::Signal::Table { span, rows, .. } => match rows {
             Some(rows) => Signal::Table(Table { times: rows.times.clone(), values: rows.values.clone(), course }),

@@ -52,7 +52,7 @@ impl<'a> Check<'a> {
         match quantity.angle {
             Angle::Cycles => Ok(quantity.si.clone()),
             Angle::Radians => Ok(&quantity.si / &(&Number::from(2) * &Number::pi())),
-            Angle::Plain => {
+            Angle::Plain | Angle::PerCycle | Angle::PerRadian => {
                 let (span, value) = (self.tree.expr(expr).span, quantity.si.to_f64());
                 self.fail(environment, ValueError::FrequencyReading { span, value })
             }

@@ -6,7 +6,7 @@ use super::error::{NameError, PlaceError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::motions::Combination;
-use super::scene::{InputId, InputKind, Measure, MotionTerm, Parameter, Solve, Written};
+use super::scene::{Cause, InputId, InputKind, Measure, MotionTerm, Parameter, Signal, Solve, Written};
 use super::scope::{self, DefinitionId, DefinitionKind, Environment, Instance, Role, State};
 use super::suggestion::nearest;
 use super::value::{Scalar, Value};
@@ -253,7 +253,13 @@ impl<'a> Check<'a> {
             (Word::Amplitude, &[output]) => ((|output| Measure::Amplitude { output }) as MakeMeasure, output),
             (Word::Static, &[output]) => ((|output| Measure::Static { output }) as MakeMeasure, output),
             (Word::Peak, &[output]) => ((|output| Measure::Peak { output }) as MakeMeasure, output),
-            (Word::Rms, &[output]) => ((|output| Measure::Rms { output }) as MakeMeasure, output),
+            (Word::Rms, &[output, cause]) => return self.rms(output, Some(cause), environment),
+            (Word::Rms, &[output]) => return self.rms(output, None, environment),
+            (Word::Psd, &[output, frequency]) => return self.psd(output, frequency, environment),
+            (Word::Crossings, &[output]) => {
+                let output = self.measured_output(output, environment)?.terms;
+                return Ok(Measured { measure: Measure::Crossings { output }, dimension: Dimension::FREQUENCY });
+            }
             _ => return self.fail(environment, QuestionError::MeasureArguments { span, function }),
         };
         let Combination { terms, dimension, .. } = self.measured_output(output, environment)?;
@@ -275,6 +281,38 @@ impl<'a> Check<'a> {
             return Ok(Measured { measure: Measure::Phase { input, output, frequency }, dimension: Dimension::NONE });
         }
         Ok(Measured { measure: Measure::Gain { input, output, frequency }, dimension })
+    }
+
+    /// `rms(x)`, `rms(x, noise)`, `rms(x, time)`.
+    fn rms(&mut self, output: ExprId, cause: Option<ExprId>, environment: Environment) -> Evaluated<Measured> {
+        let Combination { terms: output, dimension, .. } = self.measured_output(output, environment)?;
+        let signals = || self.scene.inputs.iter().flat_map(|input| &input.signal);
+        let has_noise = signals().any(|signal| matches!(signal, Signal::Noise(_)));
+        let in_time = |signal: &Signal| !matches!(signal, Signal::Noise(_) | Signal::Constant { .. });
+        let moves_in_time = signals().any(in_time) || !self.scene.initial.is_empty();
+        let of = match cause.map(|cause| self.tree.expr(cause).span) {
+            Some(span) => match self.sources.slice(span) {
+                "noise" => Cause::Noise,
+                "time" => Cause::Time,
+                _ => return self.fail(environment, QuestionError::CauseUnknown { span }),
+            },
+            None if !has_noise => Cause::Time,
+            None if !moves_in_time => Cause::Noise,
+            None => Cause::Either,
+        };
+        Ok(Measured { measure: Measure::Rms { output, of }, dimension })
+    }
+
+    /// `psd(x, 10 Hz)`: its dimension is the square of the output's per frequency.
+    fn psd(&mut self, output: ExprId, frequency: ExprId, environment: Environment) -> Evaluated<Measured> {
+        let span = self.tree.expr(output).span;
+        let combination = self.measured_output(output, environment);
+        let frequency = self.frequency(frequency, environment)?;
+        let Combination { terms: output, dimension, .. } = combination?;
+        let Some(dimension) = dimension.pow(2, 1).and_then(|square| square.times(Dimension::TIME)) else {
+            return self.fail(environment, ValueError::Overflow { span });
+        };
+        Ok(Measured { measure: Measure::Psd { output, frequency }, dimension })
     }
 
     /// `peak_gain(input -> output)`, `peak_gain(input -> output, 1 Hz .. 50 Hz)`.
@@ -459,7 +497,8 @@ impl<'a> Check<'a> {
         environment: Environment,
     ) -> Evaluated<Number> {
         let expected = match measured.measure {
-            Measure::Frequency { .. } => return self.frequency(expr, environment),
+            Measure::Frequency { .. } | Measure::Crossings { .. } => return self.frequency(expr, environment),
+            Measure::Psd { .. } => return self.measured_density(expr, measured.dimension, environment),
             Measure::DampingRatio { .. } => RATIO,
             Measure::Phase { .. } => PHASE,
             Measure::Stable => {

@@ -24,6 +24,7 @@ mod joints;
 mod measures;
 mod motions;
 mod needs;
+mod noise;
 mod overrides;
 mod places;
 mod reactions;

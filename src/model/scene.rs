@@ -5,8 +5,7 @@
 //! unrolled), and ids are indices into them. Positions and directions are shared (`Arc`): a scene of a million bodies has
 //! many more ends than places.
 
-use crate::base::{Name, Number, Quantity, Span, Vec3, Words};
-use crate::kinds::motions::ReactionComponent;
+use crate::base::{Density, Name, Number, Quantity, Span, Vec3, Words};
 use crate::system::Signal as Function;
 use crate::{elements, joints};
 use std::sync::Arc;
@@ -339,6 +338,8 @@ pub enum Signal {
     },
     /// Other signals, so much later.
     Delayed { by: Number, signals: Arc<[Signal]> },
+    /// Stationary noise, by its density.
+    Noise(Density),
 }
 
 impl Signal {
@@ -355,6 +356,7 @@ impl Signal {
                 }
             }
             Signal::Delayed { signals, .. } => *signals = signals.iter().map(Signal::negated).collect(),
+            Signal::Noise(_) => {}
         }
         signal
     }
@@ -493,6 +495,16 @@ pub enum Measure {
     },
     Rms {
         output: Vec<MotionTerm>,
+        of: Cause,
+    },
+    /// The one-sided density under noise.
+    Psd {
+        output: Vec<MotionTerm>,
+        frequency: Number,
+    },
+    /// Upward zero crossings under noise.
+    Crossings {
+        output: Vec<MotionTerm>,
     },
     /// The largest gain over all frequencies, or from one to another one.
     PeakGain {
@@ -507,6 +519,16 @@ pub enum Measure {
     Stable,
     /// Sums, differences, products and quotients of measures and numbers.
     Combined(Box<Combined<Measure>>),
+}
+
+/// What moves the output whose root mean square is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    Noise,
+    /// Signals and the initial state, over the simulated time.
+    Time,
+    /// One of both, whichever reaches the output.
+    Either,
 }
 
 /// An arithmetic expression of measures and numbers; frequencies in Hz.
@@ -555,7 +577,7 @@ impl Measure {
     /// Whether it takes the motion in time.
     pub fn is_of_time(&self) -> bool {
         match self {
-            Measure::Peak { .. } | Measure::Rms { .. } => true,
+            Measure::Peak { .. } | Measure::Rms { of: Cause::Time | Cause::Either, .. } => true,
             Measure::Combined(combined) => combined.any(&Measure::is_of_time),
             _ => false,
         }

@@ -9,7 +9,7 @@ use super::scene::Signal;
 use super::scope::Environment;
 use super::suggestion::nearest;
 use super::value::Value;
-use super::{delays, tables};
+use super::{delays, noise, tables};
 use crate::base::{Dimension, Number, Span};
 use crate::kinds::functions::{self, Named, SIGNALS, SignalKind};
 use crate::syntax::tree::{Binary, ExprId, ExprKind};
@@ -33,6 +33,7 @@ pub struct Signals {
 /// A call, as far as it is known to be that of a signal.
 struct Called {
     signal: functions::Signal,
+    function: &'static functions::Function,
     span: Span,
     given: Vec<ExprId>,
     /// By their places in the function's own list.
@@ -74,6 +75,16 @@ impl<'a> Check<'a> {
                 found.delay = Some(delays::Written { source: called.given[0], by });
                 return Ok(found);
             }
+            if called.signal == functions::Signal::Noise {
+                let Called { span, given, function, .. } = called;
+                let noisy = self.noise(&noise::NoiseCall { span, given, function }, kinds, environment)?;
+                if known.is_some_and(|known| known != noisy.derivative) {
+                    return self.fail(environment, PartError::SignalsDiffer { span });
+                }
+                known = Some(noisy.derivative);
+                found.list.push(Signal::Noise(noisy.density));
+                continue;
+            }
             let derivative = self.kind_of(&called, kinds, environment)?.or(known);
             let kind = &kinds[derivative.unwrap_or(0)];
             self.signal_of(&called, kind, environment, &mut found.list)?;
@@ -105,10 +116,15 @@ impl<'a> Check<'a> {
         let (mut given, mut named) = (Vec::new(), vec![None; function.named.len()]);
         for &argument in tree.list(arguments) {
             let node = *tree.expr(argument);
+            // `white 3 N^2/Hz` is read by `noise` itself, which takes as many corner points as there are.
             let ExprKind::Named { name_len, value } = node.kind else {
                 given.push(argument);
                 continue;
             };
+            if *signal == functions::Signal::Noise {
+                given.push(argument);
+                continue;
+            }
             let start = node.span.start();
             let name = self.sources.slice(Span::new(node.span.file(), start, start + usize::from(name_len)));
             match function.named.iter().position(|known| known.name == name) {
@@ -116,10 +132,11 @@ impl<'a> Check<'a> {
                 _ => return self.fail(environment, PartError::SignalArguments { span: node.span, function }),
             }
         }
-        if !function.takes(given.len()) {
+        let is_noise = *signal == functions::Signal::Noise && !given.is_empty();
+        if !is_noise && !function.takes(given.len()) {
             return self.fail(environment, PartError::SignalArguments { span: node.span, function });
         }
-        Ok(Called { signal: *signal, span: node.span, given, named })
+        Ok(Called { signal: *signal, function, span: node.span, given, named })
     }
 
     /// The place of the kind that the size of a signal has; `None` for a bare zero, and for a size of no kind.
@@ -183,7 +200,7 @@ impl<'a> Check<'a> {
                 let (phase, at) = (phase.unwrap_or(Number::ZERO), Number::ZERO);
                 list.push(Function::Harmonic { value: value?, frequency, phase, at }.into());
             }
-            Word::Chirp | Word::Table | Word::Delayed => {
+            Word::Chirp | Word::Table | Word::Delayed | Word::Noise => {
                 let (from, to) = (self.frequency(given[1], environment)?, self.frequency(given[2], environment)?);
                 let duration = self.number(given[3], environment, &TIME)?;
                 self.require_later(&Number::ZERO, &duration, given[3], environment)?;

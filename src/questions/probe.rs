@@ -4,10 +4,11 @@
 use super::combined::value_of;
 use super::trial::Context;
 use crate::analysis::measures::{self, Loads};
+use crate::analysis::random::{self, Random, Reach, Spread};
 use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, peak, stability};
 use crate::base::{Ball, Number, Span};
 use crate::lower::{Lowered, Readout};
-use crate::model::scene::{Combined, Measure, MotionTerm, Question, Scene, Signal};
+use crate::model::scene::{Cause, Combined, Measure, MotionTerm, Question, Scene, Signal};
 use crate::system::{LinearSystem, Signal as DrivenBy};
 
 /// The measure to be computed from the system.
@@ -20,7 +21,9 @@ pub enum Probe {
     Amplitude(usize),
     Static(usize),
     Peak(usize),
-    Rms(usize),
+    Rms(usize, Cause),
+    Psd(usize, Number),
+    Crossings(usize),
     PeakGain(usize, usize, Option<[Number; 2]>),
     Rest(Vec<MotionTerm>, Span),
     Combined(Box<Combined<Probe>>),
@@ -87,7 +90,9 @@ impl Outputs {
             Measure::Amplitude { output } => Probe::Amplitude(add(output)),
             Measure::Static { output } => Probe::Static(add(output)),
             Measure::Peak { output } => Probe::Peak(add(output)),
-            Measure::Rms { output } => Probe::Rms(add(output)),
+            Measure::Rms { output, of } => Probe::Rms(add(output), *of),
+            Measure::Psd { output, frequency } => Probe::Psd(add(output), frequency.clone()),
+            Measure::Crossings { output } => Probe::Crossings(add(output)),
             Measure::PeakGain { input, output, range } => Probe::PeakGain(input.index(), add(output), range.clone()),
             Measure::Rest { terms } => Probe::Rest(terms.clone(), span),
             Measure::Stable | Measure::Combined(_) => Probe::Stable,
@@ -125,7 +130,8 @@ impl Probe {
 
     /// Whether modes are needed.
     pub fn of_modes(&self) -> bool {
-        self.any(|probe| matches!(probe, Probe::Frequency(_) | Probe::Square(_))) || self.of_poles()
+        self.of_poles()
+            || self.any(|probe| matches!(probe, Probe::Frequency(_) | Probe::Square(_)) || probe.takes_all_modes())
     }
 
     /// Whether poles are needed.
@@ -133,20 +139,28 @@ impl Probe {
         self.any(|probe| matches!(probe, Probe::Damping(_) | Probe::Critical(_) | Probe::Stable | Probe::PeakGain(..)))
     }
 
-    /// Whether the signals are needed.
+    /// Whether every mode is needed.
+    pub fn takes_all_modes(&self) -> bool {
+        self.any(|probe| matches!(probe, Probe::Crossings(_) | Probe::Rms(_, Cause::Noise | Cause::Either)))
+    }
+
+    /// Whether the signals or noises are needed.
     pub fn of_signals(&self) -> bool {
-        self.any(|probe| matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Peak(_) | Probe::Rms(_)))
+        self.any(|probe| {
+            let is_of_time = matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Peak(_));
+            is_of_time || matches!(probe, Probe::Rms(..) | Probe::Psd(..) | Probe::Crossings(_))
+        })
     }
 
     /// Whether the motion in time is needed.
     pub fn of_time(&self) -> bool {
-        self.any(|probe| matches!(probe, Probe::Peak(_) | Probe::Rms(_)))
+        self.any(|probe| matches!(probe, Probe::Peak(_) | Probe::Rms(_, Cause::Time | Cause::Either)))
     }
 
     fn of_transfer(&self) -> bool {
         self.any(|probe| {
             let is_gain = matches!(probe, Probe::Gain(..) | Probe::Phase(..) | Probe::PeakGain(..));
-            is_gain || matches!(probe, Probe::Amplitude(_) | Probe::Static(_))
+            is_gain || matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Psd(..))
         })
     }
 }
@@ -224,17 +238,46 @@ impl Measured<'_> {
                 let loads = self.loads();
                 transfer.map_or(NONE, |transfer| measures::static_value(transfer, &loads, *output))
             }
-            Probe::Peak(_) | Probe::Rms(_) if drives.iter().all(Vec::is_empty) && system.initial.is_empty() => {
+            Probe::Psd(..) | Probe::Crossings(_) | Probe::Rms(_, Cause::Noise) if self.context.noises.is_empty() => {
+                Measurement::None("no input has noise")
+            }
+            Probe::Psd(output, at) => transfer
+                .map_or(NONE, |transfer| spread(random::density(transfer, system, &self.context.noises, *output, at))),
+            Probe::Crossings(output) => self.under_noise(system, |random| random.crossings(&system.outputs[*output])),
+            Probe::Rms(output, Cause::Noise) => self.under_noise(system, |random| random.rms(&system.outputs[*output])),
+            Probe::Rms(output, Cause::Either) => {
+                let reach = Reach::of(system);
+                let output_of = &system.outputs[*output];
+                let reaches = |input: usize| reach.from_input(system, input, output_of);
+                let by_noise = self.context.noises.iter().any(|noise| reaches(noise.input));
+                let in_time = (0..drives.len()).any(|input| !drives[input].is_empty() && reaches(input))
+                    || reach.from_start(system, output_of);
+                match (by_noise, in_time) {
+                    (true, true) => Measurement::None(
+                        "noise and other motion both reach it: write `rms(..., noise)` or `rms(..., time)`",
+                    ),
+                    (true, false) => self.one(system, transfer, &Probe::Rms(*output, Cause::Noise)),
+                    (false, _) => self.one(system, transfer, &Probe::Rms(*output, Cause::Time)),
+                }
+            }
+            Probe::Peak(_) | Probe::Rms(..) if drives.iter().all(Vec::is_empty) && system.initial.is_empty() => {
                 Measurement::None("there is no signal and no initial state: nothing moves")
             }
             Probe::Peak(output) => match &self.context.until {
                 Some(until) => peak::peak(system, drives, *output, until),
                 None => NO_TIME,
             },
-            Probe::Rms(output) => match &self.context.until {
+            Probe::Rms(output, _) => match &self.context.until {
                 Some(until) => peak::rms(system, drives, *output, until),
                 None => NO_TIME,
             },
+        }
+    }
+
+    fn under_noise(&self, system: &LinearSystem, of: impl Fn(&Random) -> Spread) -> Measurement {
+        match self.modes {
+            Some(modes) => spread(of(&Random::of(system, modes, &self.context.noises))),
+            None => Measurement::None("it could not be computed"),
         }
     }
 
@@ -253,6 +296,14 @@ impl Measured<'_> {
             self.context.drives.iter().map(|signals| measures::lasting_value(signals).unwrap_or_else(unknown));
         let lasting = lasting.chain(std::iter::repeat(Number::ZERO));
         constants.zip(lasting).map(|(constant, lasting)| &constant + &lasting).enumerate().collect()
+    }
+}
+
+fn spread(found: Spread) -> Measurement {
+    match found {
+        Spread::Finite(value) => Measurement::Value(value),
+        Spread::Infinite(_) => Measurement::Infinite,
+        Spread::Unknown(why) => Measurement::None(why),
     }
 }
 

@@ -15,7 +15,7 @@ use crate::dynamics::{self, WrittenOut};
 use crate::model::scene::{Damping, Measure, Parameter, Question, Scene};
 use crate::model::{self, CheckedScene, Overrides, Setting};
 use crate::syntax::tree::Tree;
-use crate::system::{LinearSystem, Signal};
+use crate::system::{LinearSystem, Noise, Signal};
 use std::cmp::Ordering;
 
 /// A model's text.
@@ -32,6 +32,7 @@ pub struct Text<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct Context {
     pub drives: Vec<Vec<Signal>>,
+    pub noises: Vec<Noise>,
     /// Simulated time, s; `None` if nothing specifies it.
     pub until: Option<Number>,
 }
@@ -246,7 +247,7 @@ impl Text<'_> {
         }
         let mut diagnostics = Diagnostics::new();
         let drives = dynamics::drives(scene, &mut diagnostics).ok_or_else(|| first_error(&diagnostics))?;
-        Ok(Context { drives, until: self.until.cloned() })
+        Ok(Context { drives, noises: dynamics::noises(scene), until: self.until.cloned() })
     }
 }
 
@@ -280,12 +281,13 @@ fn compute_spectrum(
         return Ok((None, None));
     }
     let of_poles = probes.iter().any(Probe::of_poles);
+    let takes_all = probes.iter().any(Probe::takes_all_modes);
     let highest = probes.iter().map(Probe::highest_mode).max();
     let lowest = Which::Lowest(highest.unwrap_or(1));
     let diagnostics = |error: AnalysisError| error.to_diagnostic().message;
     let found = match known {
         Some(modes) => Ok(modes),
-        None if of_poles || system.n() <= FEW => modes(system),
+        None if of_poles || takes_all || system.n() <= FEW => modes(system),
         None => modes_as(system, &Request { which: lowest, ..Request::default() }),
     };
     let modes = found.map_err(diagnostics)?;

@@ -461,8 +461,8 @@ impl Build<'_> {
         self.step();
         let base = self.yard.items.len();
         let mut depth = 0;
-        while let Some(rule @ (Rule::expression | Rule::named)) = self.next {
-            let mut item = if rule == Rule::named { self.named() } else { self.expression() };
+        while let Some(rule @ (Rule::expression | Rule::named | Rule::white)) = self.next {
+            let mut item = if rule == Rule::expression { self.expression() } else { self.named() };
             if self.next == Some(Rule::upper) {
                 item = self.range(item);
             }
@@ -484,7 +484,7 @@ impl Build<'_> {
         self.node((low.start as usize, high.end as usize), kind, low.depth.max(high.depth))
     }
 
-    /// `speed = 20 m/s`
+    /// `speed = 20 m/s`, `white 3 N^2/Hz`
     fn named(&mut self) -> Operand {
         let start = self.step();
         let name_len = self.word_at(start).len() as u16;

@@ -286,7 +286,7 @@ pub enum ExprKind {
         low: ExprId,
         high: ExprId,
     },
-    /// `speed = 20 m/s`, an argument of a call.
+    /// `speed = 20 m/s` or `white 3 N^2/Hz`, an argument of a call.
     Named {
         name_len: u16,
         value: ExprId,

@@ -7,8 +7,10 @@
 //! assembled matrix does not (a principle also found in Demmel et al., LAA 299 (1999) 21-80).
 
 pub mod chain;
+pub mod noise;
 pub mod signal;
 
+pub use noise::Noise;
 pub use signal::{Course, Signal, Table};
 
 use crate::base::{Ball, Name, Number, Rational, Span, Words};

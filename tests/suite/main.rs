@@ -57,6 +57,7 @@ mod properties;
 mod pruning;
 mod published;
 mod questions;
+mod random;
 mod readme;
 mod reports;
 mod response;

@@ -6,11 +6,12 @@ use std::path::Path;
 use vibc::backend::diagnostics::{HumanStyle, human};
 use vibc::base::{Diagnostic, Number, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
+use vibc::{DiscreteOptions, Hold, Precision};
 
 /// A model that was analysed, and its findings.
 ///
 /// Lines in the model's leading comments control the run: `// --set k=3` and `// settings: k = "3 N/m"` give overrides,
-/// and `// simulate` asks for its motion over a minute instead of its modal report. Tables are next to the models.
+/// `// simulate` asks for its motion over a minute instead of its modal report, and `// emit` for its code. Tables are next to the models.
 pub struct Run {
     sources: Sources,
     pub diagnostics: Vec<Diagnostic>,
@@ -47,9 +48,21 @@ impl Run {
             };
             sources.add(file);
         }
-        let moves =
-            sources.text(model).lines().take_while(|line| line.starts_with("//")).any(|line| line == "// simulate");
-        let diagnostics = if moves {
+        let asks =
+            |word: &str| sources.text(model).lines().take_while(|line| line.starts_with("//")).any(|line| line == word);
+        let diagnostics = if asks("// emit") {
+            let options = DiscreteOptions {
+                step: Number::from("0.001"),
+                hold: Hold::Zero,
+                precision: Precision::Double,
+                tolerance: None,
+                unpruned: false,
+                built_in: true,
+                internal: Vec::new(),
+                until: None,
+            };
+            vibc::discrete(&sources, model, &overrides, &options).diagnostics
+        } else if asks("// simulate") {
             let times = [Number::ZERO, Number::from(60)];
             vibc::simulate(&sources, model, &overrides, &times).diagnostics
         } else {

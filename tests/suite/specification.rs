@@ -12,7 +12,7 @@ use vibc::syntax;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
 /// model gives): their pages describe the example in words.
-const IN_WORDS: [&str; 25] = [
+const IN_WORDS: [&str; 27] = [
     "vib::equations::defect",
     "vib::equations::no_form",
     "vib::equations::too_large",
@@ -23,6 +23,8 @@ const IN_WORDS: [&str; 25] = [
     "vib::mass::singular",
     "vib::motion::still",
     "vib::motion::unsettled",
+    "vib::noise::emit",
+    "vib::noise::left_out",
     "vib::scene::more_findings",
     "vib::signal::base_impulse",
     "vib::syntax::character",

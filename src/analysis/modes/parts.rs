@@ -52,7 +52,7 @@ pub fn independent_chained(system: &LinearSystem) -> Vec<Part> {
 }
 
 /// The parts that result from coupling coordinates by the terms of these forms.
-fn joined_by(n: usize, forms: &[&Form]) -> Vec<Part> {
+pub fn joined_by(n: usize, forms: &[&Form]) -> Vec<Part> {
     let mut joined = Joined::new(n);
     forms.iter().for_each(|form| joined.join_rows(form));
     parts_of(joined, n)

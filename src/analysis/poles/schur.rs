@@ -5,6 +5,8 @@
 //! 7.4). Each column of T is read once for a group of right-hand sides, because reading it dominates the cost of a
 //! solve.
 
+mod lyapunov;
+
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, product};

@@ -12,6 +12,7 @@ mod motion;
 mod parts;
 mod poles;
 mod questions;
+mod random;
 mod rest;
 mod sensitivities;
 mod table;
@@ -261,6 +262,7 @@ pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
         modes::section(answer, options),
         modes::split_lines(answer),
         poles::section(answer, options),
+        random::section(answer, options),
         sensitivities::section(answer),
         parts::section(answer),
     ];

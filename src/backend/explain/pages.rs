@@ -49,6 +49,7 @@ pub const PAGES: &[Page] = pages! {
     measure: arguments input mode output unknown value;
     motion: impossible non_linear none still unknown unsettled;
     name: duplicate index reserved unknown;
+    noise: density emit frequency left_out reading road;
     number: division_by_zero domain overflow root_of_negative;
     parameter: cycle;
     part: kind unknown;

@@ -66,6 +66,11 @@ pub enum PartError {
     DelayOfNothing { span: Span, name: String, declared: Span },
     DelayOfItself { span: Span, name: String },
     NotATable { span: Span, line: usize },
+    NoiseDensity { span: Span },
+    NoiseFrequency { span: Span, is_first: bool },
+    NoiseDelayed { span: Span, name: String, declared: Span },
+    RoadOfNoBase { span: Span },
+    RoadSpeed { span: Span },
 }
 
 /// Errors of a row of a table.
@@ -320,6 +325,26 @@ impl PartError {
                 error("vib::signal::cycle", span, format!("the signal of `{name}` is delayed from itself"))
                     .help("give one of the inputs in this cycle its own signal")
             }
+            NoiseDensity { span } => error("vib::noise::density", span, "this density is not above zero")
+                .help("leave out what has no power: the density is zero outside of the points"),
+            NoiseFrequency { span, is_first } => {
+                let message = if is_first {
+                    "this frequency is not above zero"
+                } else {
+                    "this frequency is not above the one before it"
+                };
+                error("vib::noise::frequency", span, message)
+                    .help("write the frequencies of a density in ascending order")
+            }
+            NoiseDelayed { span, name, declared } => {
+                error("vib::signal::delayed", span, format!("the signal of `{name}` is noise, which is not delayed"))
+                    .related(declared, "declared here")
+                    .help("give both inputs a noise of their own: then they are independent")
+            }
+            RoadOfNoBase { span } => error("vib::noise::road", span, "a road moves a base along a line")
+                .help("write it behind a base, as in `base lane { moves y } = noise(road(16e-6 m^3, 20 m/s))`"),
+            RoadSpeed { span } => error("vib::noise::road", span, "the speed along a road is not above zero")
+                .help("write how fast the road is covered, such as `20 m/s`"),
             NotATable { span, line } => error("vib::table::row", span, "this file is not a table")
                 .label(format!("its line {line} is not a time and a value"))
                 .help("write a time in s and a value in SI units in each line, such as `0.5, 12`"),

@@ -23,6 +23,7 @@ pub enum QuestionError {
     NotAMeasure { span: Span },
     UnknownMeasure { span: Span, word: String, suggestion: Option<&'static str> },
     MeasureArguments { span: Span, function: &'static Function },
+    CauseUnknown { span: Span },
     ArrowMissing { span: Span },
     NotAnInput { span: Span, found: &'static str },
     NotAnOutput { span: Span, word: String, found: &'static str, declared: Span },
@@ -75,6 +76,8 @@ impl QuestionError {
                 error("vib::couple::motions", span, "a coupling relates displacements and angles of bodies")
                     .help("write it in `x`, `y` and `angle`, as in `wheel.angle = -block.x / 0.3 m`")
             }
+            CauseUnknown { span } => error("vib::measure::arguments", span, "`rms` is under noise or over time")
+                .help("write `rms(x, noise)`, `rms(x, time)` or `rms(x)`"),
             NoInitialState { span, word, found } => {
                 error("vib::part::kind", span, format!("`{word}` is {found}: only bodies have an initial state"))
             }

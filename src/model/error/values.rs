@@ -17,6 +17,7 @@ pub enum ValueError {
     UnitMismatch { span: Span, found: Dimension, expected: Expected, declared: Option<(String, Span)> },
     GramForGravity { span: Span },
     FrequencyReading { span: Span, value: f64 },
+    DensityReading { span: Span, value: f64, unit: String },
     CyclesForRadians { span: Span, value: f64, expected: Expected, declared: Option<(String, Span)> },
     Overflow { span: Span },
     Operation { fault: Fault, operator: Binary, left: Span, right: Span },
@@ -69,6 +70,19 @@ impl ValueError {
                 error("vib::unit::mismatch", span, "an acceleration is expected here, this is a mass")
                     .label("`g` is the gram")
                     .help("write `9.81 m/s^2`, or `1 g0` for the standard acceleration of free fall")
+            }
+            DensityReading { span, value, unit } => {
+                let number = short(value);
+                let per_cycle = format!("{number} {unit}/Hz");
+                let per_radian = format!("{number} {unit}/(rad/s)");
+                error("vib::noise::reading", span, "is this density per Hz or per rad/s?")
+                    .label(format!(
+                        "{per_cycle}, or {per_radian}, which is {} {unit}/Hz",
+                        short(value * std::f64::consts::TAU)
+                    ))
+                    .help(format!("write `{per_cycle}` or `{per_radian}`"))
+                    .mend(span, Change::Replace(per_cycle))
+                    .mend(span, Change::Replace(per_radian))
             }
             FrequencyReading { span, value } => frequency_reading(span, value),
             CyclesForRadians { span, value, expected, declared } => cycles_for_radians(span, value, expected, declared),

@@ -1,0 +1,230 @@
+//! An input with noise as a system that white noise of unit intensity w drives directly: M v'' + C v' + K v = f w, v' = u + h w, and
+//! what reaches an output without delay. In: a system, an input, and of which derivative of it the noise is. Out: forces, jumps
+//! and what is fed through, exact wherever the numbers are: a variance is infinite or not by a zero. See
+//! docs/method/random.md#direct-paths.
+
+use crate::analysis::modes::parts::joined_by;
+use crate::base::{Ball, Number, Rational};
+use crate::kernel::dense::lu::Lu;
+use crate::kernel::dense::{Matrix, echelon, enclosure};
+use crate::system::{CoordinateId, Form, LinearSystem, Output};
+
+/// Up to so many coordinates that inertia couples are solved for in fractions.
+const MOST_EXACT: usize = 12;
+/// Up to so many coordinates statics is solved in fractions.
+const MOST_STATIC: usize = 24;
+
+/// How the noise of an input drives the coordinates.
+pub struct Channel {
+    /// M h, where v' = u + h w.
+    pub jump: Vec<Number>,
+    /// f
+    pub force: Vec<Number>,
+    /// g, h and M^-1 f, where q = v + g w + (what follows the base).
+    direct: [Vec<Number>; 3],
+    /// r and r' of q = v + r u + r' u'.
+    followed: [Vec<Number>; 2],
+    derivative: usize,
+    pub input: u32,
+}
+
+/// What of the noise reaches an output other than by way of the state: the factors of s^-2 w .. s^2 w.
+pub type Feed = [Number; 5];
+
+impl Channel {
+    /// `None` where what the coordinates follow of a base is not found, or numbers do not decide.
+    pub fn of(system: &LinearSystem, input: usize, derivative: u8) -> Option<Channel> {
+        let (n, derivative) = (system.n(), usize::from(derivative));
+        let b = [0, 1, 2].map(|power| dense(n, &system.inputs[input].b[power]));
+        // The force of w times s^-2 .. s^1, in this order, once v is measured from what follows the base.
+        let mut forces: [Vec<Number>; 5] = std::array::from_fn(|_| vec![Number::ZERO; n]);
+        for (power, b) in b.iter().enumerate() {
+            forces[2 + power - derivative].clone_from(b);
+        }
+        let mut followed = [vec![Number::ZERO; n], vec![Number::ZERO; n]];
+        for (order, followed) in followed.iter_mut().enumerate().take(derivative) {
+            let place = 2 + order - derivative;
+            *followed = static_solution(system, &forces[place])?;
+            for (power, form) in [&system.k, &system.c, &system.m].into_iter().enumerate() {
+                let taken = applied(form, followed);
+                for (force, taken) in forces[place + power].iter_mut().zip(&taken) {
+                    *force = &*force - taken;
+                }
+            }
+            if forces[place].iter().any(|force| !force.is_zero()) {
+                return None;
+            }
+        }
+        let [_, _, f0, f1, f2] = forces;
+        let g = mass_solution(system, &f2)?;
+        let jump = less(f1, applied(&system.c, &g));
+        let h = mass_solution(system, &jump)?;
+        let force = less(less(f0, applied(&system.k, &g)), applied(&system.c, &h));
+        let a = mass_solution(system, &force)?;
+        let input = u32::try_from(input).ok()?;
+        Some(Channel { jump, force, direct: [g, h, a], followed, derivative, input })
+    }
+
+    pub fn feed(&self, output: &Output) -> Feed {
+        let mut feed: Feed = std::array::from_fn(|_| Number::ZERO);
+        for power in 0..3 {
+            let own = output.d[power].iter().find(|(input, _)| *input == self.input);
+            if let Some((_, own)) = own {
+                let place = 2 + power - self.derivative;
+                feed[place] = &feed[place] + own;
+            }
+            for (order, followed) in self.followed.iter().enumerate() {
+                let seen = dot(&output.p[power], followed);
+                if !seen.is_zero() {
+                    let place = 2 + power + order - self.derivative;
+                    feed[place] = &feed[place] + &seen;
+                }
+            }
+            // s^power of g w, h w / s, M^-1 f w / s^2.
+            for (order, direct) in self.direct.iter().enumerate().take(power + 1) {
+                let place = 2 + power - order;
+                feed[place] = &feed[place] + &dot(&output.p[power], direct);
+            }
+        }
+        feed
+    }
+
+    /// Whether a base's rate, and not a force, is what reaches the velocities at once.
+    pub fn jumps(&self) -> bool {
+        self.jump.iter().any(|jump| !jump.is_zero())
+    }
+}
+
+pub fn dense(n: usize, row: &[(CoordinateId, Number)]) -> Vec<Number> {
+    let mut list = vec![Number::ZERO; n];
+    for (i, value) in row {
+        list[i.index()] = &list[i.index()] + value;
+    }
+    list
+}
+
+fn dot(row: &[(CoordinateId, Number)], x: &[Number]) -> Number {
+    row.iter().filter(|(i, _)| !x[i.index()].is_zero()).fold(Number::ZERO, |sum, (i, a)| &sum + &(a * &x[i.index()]))
+}
+
+fn less(a: Vec<Number>, b: Vec<Number>) -> Vec<Number> {
+    a.iter().zip(&b).map(|(a, b)| a - b).collect()
+}
+
+/// The form times a vector, term by term.
+pub fn applied(form: &Form, x: &[Number]) -> Vec<Number> {
+    let mut image = vec![Number::ZERO; x.len()];
+    if x.iter().all(Number::is_zero) {
+        return image;
+    }
+    for term in form.terms() {
+        let row = form.row(term);
+        let stretch = dot(row, x);
+        if stretch.is_zero() {
+            continue;
+        }
+        let pull = &term.weight * &stretch;
+        for (i, a) in row {
+            image[i.index()] = &image[i.index()] + &(a * &pull);
+        }
+    }
+    image
+}
+
+/// r with K r = b exactly, if one is found: in most scenes it is what a base carries along, zeros and ones.
+fn static_solution(system: &LinearSystem, b: &[Number]) -> Option<Vec<Number>> {
+    let n = b.len();
+    if b.iter().all(Number::is_zero) {
+        return Some(vec![Number::ZERO; n]);
+    }
+    let is_solution = |r: &[Number]| applied(&system.k, r).iter().zip(b).all(|(force, b)| (force - b).is_zero());
+    if let Some(r) = near_solution(system, b).filter(|r| is_solution(r)) {
+        return Some(r);
+    }
+    if n > MOST_STATIC {
+        return None;
+    }
+    let b: Option<Vec<Rational>> = b.iter().map(|b| b.exact().cloned()).collect();
+    let (r, _) = echelon::solution(&system.k.rational_entries(n)?, &b?)?;
+    Some(r.into_iter().map(Number::from).collect())
+}
+
+/// The solution in binary64, each number rounded to a simple fraction.
+fn near_solution(system: &LinearSystem, b: &[Number]) -> Option<Vec<Number>> {
+    const LARGEST_DENOMINATOR: i64 = 64;
+    const NEAR: f64 = 1e-6;
+    let n = b.len();
+    let k = system.k.assemble(n);
+    let lu = Lu::of(Matrix::from_fn(n, n, |i, j| k[i][j].to_f64()))?;
+    let mut x: Vec<f64> = b.iter().map(Number::to_f64).collect();
+    lu.solve(&mut x);
+    let simple = |x: &f64| {
+        (1..=LARGEST_DENOMINATOR).find_map(|denominator| {
+            let numerator = x * denominator as f64;
+            let whole = numerator.round();
+            let is_near = (numerator - whole).abs() < NEAR && whole.abs() < 1e9;
+            is_near.then(|| Number::from(Rational::new(whole as i64, denominator)))
+        })
+    };
+    x.iter().map(simple).collect()
+}
+
+/// M^-1 x, exact where that is possible; zero in the coordinates that inertia does not couple with those of x.
+fn mass_solution(system: &LinearSystem, x: &[Number]) -> Option<Vec<Number>> {
+    let n = x.len();
+    let mut solution = vec![Number::ZERO; n];
+    if x.iter().all(Number::is_zero) {
+        return Some(solution);
+    }
+    for part in joined_by(n, &[&system.m]) {
+        let part: Vec<usize> = part.coordinates.iter().map(|&i| i as usize).collect();
+        if part.iter().all(|&i| x[i].is_zero()) {
+            continue;
+        }
+        let own: Vec<Number> = part.iter().map(|&i| x[i].clone()).collect();
+        for (&i, value) in part.iter().zip(part_solution(system, &part, &own)?) {
+            solution[i] = value;
+        }
+    }
+    Some(solution)
+}
+
+fn part_solution(system: &LinearSystem, part: &[usize], x: &[Number]) -> Option<Vec<Number>> {
+    let n = part.len();
+    let mut place = vec![usize::MAX; system.n()];
+    part.iter().enumerate().for_each(|(at, &i)| place[i] = at);
+    let mut entries = vec![vec![Number::ZERO; n]; n];
+    for term in system.m.terms() {
+        let row = system.m.row(term);
+        for (i, a) in row {
+            for (j, b) in row {
+                let (i, j) = (place[i.index()], place[j.index()]);
+                if i < n && j < n {
+                    entries[i][j] = &entries[i][j] + &(&term.weight * &(a * b));
+                }
+            }
+        }
+    }
+    if n == 1 {
+        return Some(vec![x[0].checked_div(&entries[0][0])?]);
+    }
+    if n <= MOST_EXACT {
+        let rational = |row: &Vec<Number>| row.iter().map(|x| x.exact().cloned()).collect::<Option<Vec<Rational>>>();
+        let matrix: Option<Vec<Vec<Rational>>> = entries.iter().map(rational).collect();
+        let right: Option<Vec<Rational>> = x.iter().map(|x| x.exact().cloned()).collect();
+        if let (Some(matrix), Some(right)) = (matrix, right) {
+            let (solution, only) = echelon::solution(&matrix, &right)?;
+            return only.then(|| solution.into_iter().map(Number::from).collect());
+        }
+    }
+    let a = Matrix::from_fn(n, n, |i, j| entries[i][j].to_ball());
+    let b = Matrix::from_fn(n, 1, |i, _| x[i].to_ball());
+    let solution = enclosure::solve(&a, &b)?;
+    Some((0..n).map(|i| Number::Ball(solution[(i, 0)])).collect())
+}
+
+/// Whether a number is certainly not zero.
+pub fn is_certain(x: &Number) -> bool {
+    let ball: Ball = x.to_ball();
+    !x.is_zero() && !ball.contains_zero()
+}

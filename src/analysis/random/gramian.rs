@@ -1,0 +1,382 @@
+//! The covariance of the state under white noise, by Lyapunov's equation with a certificate. In: a system with all its modes,
+//! channels of noise. Out: covariances with a bound, and so mean squares. See docs/method/random.md#certificate.
+//!
+//! The state is z = (S eta, v) in modal coordinates q = X eta + .., v = eta' - h w: E z' = A z + b w, where E and A are known but for
+//! entries as small as double-double leaves them. With any symmetric P, R = A P E^T + E P A^T + B B^T is what is left over;
+//! if a certificate G has A G E^T + E G A^T = -Y, Y > 0, G > 0, then A is stable, and -e Y <= R <= e Y bounds the error of P by
+//! e G.
+
+use super::channel::Channel;
+use crate::analysis::answer::{ModeKind, Modes};
+use crate::analysis::modes::form::{ModalForm, gram, off_diagonal};
+use crate::analysis::poles::schur::SchurForm;
+use crate::base::{Ball, Dd, Number, larger, rounding::UNIT, up};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::cholesky;
+use crate::kernel::dense::enclosure::product;
+use crate::kernel::squares::Squares;
+use crate::system::{LinearSystem, Output};
+use nalgebra::DMatrix;
+
+const UP: f64 = up::THOUSANDS;
+/// For more coordinates the Schur form takes too long.
+pub const MOST: usize = 150;
+/// The most refinements of a solution.
+const STEPS: usize = 5;
+/// What is left over, relative to the certificate's right-hand side and to the solution, at which refinement ends.
+const SETTLED: f64 = 1e-24;
+
+/// Why there is no space in which variances are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Obstacle {
+    Empty,
+    Large,
+    /// A motion has no inertia, or not all modes are known.
+    Modes,
+    /// A motion is held by no spring, or its kind is not certain.
+    Rigid,
+    /// Nothing proves that every motion decays.
+    NotStable,
+}
+
+/// The system in modal coordinates with what proves variances.
+pub struct Space {
+    n: usize,
+    shapes: Matrix<Dd>,
+    /// Powers near omega_i, exact.
+    s: Vec<f64>,
+    k: Vec<Ball>,
+    /// k_i / s_i
+    a: Vec<Ball>,
+    c: Matrix<Ball>,
+    /// Bounds of the entries of X^T M X - 1 and, divided by s_i s_j, of X^T K X - diag k.
+    of_m: f64,
+    of_k: f64,
+    schur: SchurForm,
+    /// The certificate's G, its D, and how far below D its Y may be, relative to it.
+    g: Matrix<f64>,
+    d: Vec<f64>,
+    theta: f64,
+}
+
+/// One white noise: S h and f in modal coordinates, and its intensity.
+pub struct Drive {
+    jump: Vec<Ball>,
+    force: Vec<Ball>,
+    intensity: Ball,
+}
+
+/// A covariance P with |P - true| <= epsilon G.
+pub struct Covariance {
+    p: Matrix<Ball>,
+    epsilon: f64,
+}
+
+impl Space {
+    pub fn of(system: &LinearSystem, modes: &Modes) -> Result<Space, Obstacle> {
+        let n = system.n();
+        if n == 0 {
+            return Err(Obstacle::Empty);
+        }
+        if n > MOST {
+            return Err(Obstacle::Large);
+        }
+        if modes.list.len() == n && modes.list.iter().any(|mode| mode.kind != ModeKind::Oscillation) {
+            return Err(Obstacle::Rigid);
+        }
+        let form = ModalForm::of(system, modes, gram).ok_or(Obstacle::Modes)?;
+        let mids = form.stiffnesses();
+        if mids.iter().any(|k| !(k.hi > 0.0 && k.hi.is_finite())) {
+            return Err(Obstacle::Rigid);
+        }
+        let s: Vec<f64> = mids.iter().map(|k| k.hi.sqrt()).collect();
+        let squares: Vec<f64> = s.iter().map(|s| s * s).collect();
+        // Of the diagonal of X^T K X the radius alone: the midpoints are k.
+        let of_k = off_diagonal(&form.k, &squares, false) * UP;
+        let of_m = off_diagonal(&form.m, &vec![1.0; n], true) * UP;
+        let is_small = n as f64 * (of_m + of_k) < 1e-6;
+        if !is_small {
+            return Err(Obstacle::Modes);
+        }
+        let c = gram(&Squares::of_form(&system.c), &form.shapes);
+        let k: Vec<Ball> = mids.into_iter().map(Ball::exact).collect();
+        let a: Vec<Ball> = k.iter().zip(&s).map(|(k, s)| *k / Ball::from(*s)).collect();
+        let entry = |i: usize, j: usize| match (i < n, j < n) {
+            (true, true) => 0.0,
+            (true, false) => {
+                if i + n == j {
+                    s[i]
+                } else {
+                    0.0
+                }
+            }
+            (false, true) => {
+                if i == j + n {
+                    -a[j].to_f64()
+                } else {
+                    0.0
+                }
+            }
+            (false, false) => -c[(i - n, j - n)].to_f64(),
+        };
+        let schur = SchurForm::of(DMatrix::from_fn(2 * n, 2 * n, entry)).ok_or(Obstacle::NotStable)?;
+        let most = (0..n).map(|i| c[(i, i)].to_f64()).fold(0.0, f64::max);
+        if most <= 0.0 {
+            return Err(Obstacle::NotStable);
+        }
+        let damping = |i: usize| c[(i % n, i % n)].to_f64().max(1e-12 * most);
+        let d: Vec<f64> = (0..2 * n).map(damping).collect();
+        let g = Matrix::filled(2 * n, 2 * n, 0.0);
+        let mut space = Space { n, shapes: form.shapes, s, k, a, c, of_m, of_k, schur, g, d, theta: f64::INFINITY };
+        space.certify().ok_or(Obstacle::NotStable)?;
+        Ok(space)
+    }
+
+    /// Finds G and proves that it is a certificate.
+    fn certify(&mut self) -> Option<()> {
+        let size = 2 * self.n;
+        for _ in 0..2 {
+            let image = self.image(&self.g.map(Ball::from), &[]);
+            // -Y - (-D)
+            let left =
+                Matrix::from_fn(
+                    size,
+                    size,
+                    |i, j| {
+                        if i == j { image[(i, i)] + Ball::from(self.d[i]) } else { image[(i, j)] }
+                    },
+                );
+            let step = self.schur.lyapunov(&left.map(|x| -x.to_f64()));
+            self.g = Matrix::from_fn(size, size, |i, j| self.g[(i, j)] + 0.5 * (step[(i, j)] + step[(j, i)]));
+        }
+        let image = self.image(&self.g.map(Ball::from), &[]);
+        let left =
+            Matrix::from_fn(
+                size,
+                size,
+                |i, j| {
+                    if i == j { image[(i, i)] + Ball::from(self.d[i]) } else { image[(i, j)] }
+                },
+            );
+        self.theta = self.weighed(&left);
+        (self.theta < 0.5 && is_positive_definite(&self.g)).then_some(())
+    }
+
+    /// A bound of the 2-norm of D^-1/2 R D^-1/2.
+    fn weighed(&self, r: &Matrix<Ball>) -> f64 {
+        let size = 2 * self.n;
+        let row =
+            |i: usize| (0..size).map(|j| r[(i, j)].magnitude() / (self.d[i] * self.d[j]).sqrt()).sum::<f64>() * UP;
+        (0..size).map(row).fold(0.0, larger)
+    }
+
+    /// A P E^T + E P A^T + sum of q b b^T, with all that E and A may be off by.
+    fn image(&self, p: &Matrix<Ball>, drives: &[Drive]) -> Matrix<Ball> {
+        let n = self.n;
+        let block = |row: usize, column: usize| Matrix::from_fn(n, n, |i, j| p[(row + i, column + j)]);
+        let (z, w, v) = (block(0, 0), block(0, n), block(n, n));
+        let (wc, cv) = (product(&w, &self.c), product(&self.c, &v));
+        let s = |i: usize| Ball::from(self.s[i]);
+        let mut image = Matrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+            (true, true) => s(i) * w[(j, i)] + s(j) * w[(i, j)],
+            (true, false) => {
+                let j = j - n;
+                s(i) * v[(i, j)] - z[(i, j)] * self.a[j] - wc[(i, j)]
+            }
+            (false, true) => Ball::ZERO,
+            (false, false) => {
+                let (i, j) = (i - n, j - n);
+                -(self.a[i] * w[(i, j)] + cv[(i, j)]) - (self.a[j] * w[(j, i)] + cv[(j, i)])
+            }
+        });
+        self.add_uncertainty(&mut image, [&z, &w, &v], &cv);
+        for Drive { jump, force, intensity } in drives {
+            let b: Vec<Ball> = jump.iter().chain(force).copied().collect();
+            for j in 0..2 * n {
+                for i in (0..2 * n).filter(|&i| i < n || j >= n) {
+                    image[(i, j)] = image[(i, j)] + b[i] * b[j] * *intensity;
+                }
+            }
+        }
+        for j in 0..n {
+            for i in n..2 * n {
+                image[(i, j)] = image[(j, i)];
+            }
+        }
+        image
+    }
+
+    /// Widens the image by what the entries of X^T M X - 1 and X^T K X - diag k may do.
+    fn add_uncertainty(&self, image: &mut Matrix<Ball>, [z, w, v]: [&Matrix<Ball>; 3], cv: &Matrix<Ball>) {
+        /// Products of two of the small entries are smaller than this part of the sums by far.
+        const MORE: f64 = 1.01;
+        let n = self.n;
+        let row_sum = |m: &Matrix<Ball>, i: usize| (0..n).map(|k| m[(i, k)].magnitude()).sum::<f64>();
+        let sums = |m: &Matrix<Ball>| -> Vec<f64> { (0..n).map(|i| row_sum(m, i)).collect() };
+        let (of_z, of_w, of_v, of_cv) = (sums(z), sums(w), sums(v), sums(cv));
+        let down_w: Vec<f64> = (0..n).map(|j| (0..n).map(|k| w[(k, j)].magnitude()).sum::<f64>()).collect();
+        for i in 0..n {
+            for j in 0..n {
+                let mixed = self.of_m * self.s[i] * of_v[i] + self.of_k * self.s[j] * of_z[i];
+                image[(i, n + j)] = image[(i, n + j)].widen(MORE * mixed * UP);
+                let one = |i: usize, j: usize| {
+                    self.of_k * self.s[i] * down_w[j] + self.of_m * (self.a[i].magnitude() * of_w[i] + of_cv[i])
+                };
+                image[(n + i, n + j)] = image[(n + i, n + j)].widen(MORE * (one(i, j) + one(j, i)) * UP);
+            }
+        }
+    }
+
+    /// The drive of a channel.
+    pub fn drive(&self, channel: &Channel, intensity: Ball) -> Drive {
+        // (X^T M X)^-1 y = y + F y, |F_ij| at most this.
+        let off = self.inverse_off();
+        let jump = self.in_modes(&channel.jump);
+        let slack = off * jump.iter().map(|x| x.magnitude()).sum::<f64>() * UP;
+        let scaled = jump.iter().zip(&self.s).map(|(x, s)| {
+            let x = if slack > 0.0 { x.widen(slack) } else { *x };
+            x * Ball::from(*s)
+        });
+        Drive { jump: scaled.collect(), force: self.in_modes(&channel.force), intensity }
+    }
+
+    fn inverse_off(&self) -> f64 {
+        self.of_m / (1.0 - self.n as f64 * self.of_m) * UP
+    }
+
+    /// x_i . a for each mode
+    fn in_modes(&self, a: &[Number]) -> Vec<Ball> {
+        let nonzero: Vec<(usize, Ball)> =
+            a.iter().enumerate().filter(|(_, a)| !a.is_zero()).map(|(i, a)| (i, a.to_ball())).collect();
+        let of = |mode: usize| {
+            let column = self.shapes.column(mode);
+            nonzero.iter().fold(Ball::ZERO, |sum, (i, a)| sum + *a * Ball::exact(column[*i]))
+        };
+        (0..self.n).map(of).collect()
+    }
+
+    /// The covariance under white noises that are independent.
+    pub fn covariance(&self, drives: &[Drive]) -> Covariance {
+        let size = 2 * self.n;
+        let mut p = Matrix::filled(size, size, Dd::ZERO);
+        let mut left = self.image(&p.map(Ball::exact), drives);
+        let mut best = self.weighed(&left);
+        for _ in 0..STEPS {
+            let step = self.schur.lyapunov(&left.map(|x| -x.to_f64()));
+            let next = Matrix::from_fn(size, size, |i, j| p[(i, j)] + Dd::from(0.5 * (step[(i, j)] + step[(j, i)])));
+            let after = self.image(&next.map(Ball::exact), drives);
+            let now = self.weighed(&after);
+            let is_better = now < best;
+            if !is_better {
+                break;
+            }
+            let is_slow = now > 0.25 * best;
+            (p, left, best) = (next, after, now);
+            let large = (0..size).map(|i| p[(i, i)].hi).fold(0.0, f64::max);
+            if is_slow || best <= SETTLED * large {
+                break;
+            }
+        }
+        Covariance { p: p.map(Ball::exact), epsilon: best / (1.0 - self.theta) * UP }
+    }
+
+    /// The row of an output over the state: y = row z.
+    pub fn row(&self, output: &Output) -> Vec<Ball> {
+        let n = self.n;
+        let in_modes = |power: usize| self.in_modes(&super::channel::dense(n, &output.p[power]));
+        let (p0, p1) = (in_modes(0), in_modes(1));
+        if output.p[2].is_empty() {
+            return (0..n).map(|i| p0[i] / Ball::from(self.s[i])).chain(p1).collect();
+        }
+        // The acceleration is (X^T M X)^-1 (-X^T K X eta - X^T C X v + f w).
+        let p2 = in_modes(2);
+        let sum = p2.iter().map(|x| x.magnitude()).sum::<f64>() * UP;
+        let stiffest = self.s.iter().copied().fold(0.0, larger);
+        let off = self.inverse_off();
+        let by_place = (0..n).map(|i| {
+            let slack = sum * (off * self.k[i].magnitude() + 1.01 * self.of_k * self.s[i] * stiffest);
+            ((p0[i] - p2[i] * self.k[i]) / Ball::from(self.s[i])).widen(slack / self.s[i] * UP)
+        });
+        let by_rate = (0..n).map(|i| {
+            let column = || (0..n).map(move |j| self.c[(j, i)]);
+            let damped = column().zip(&p2).fold(Ball::ZERO, |sum, (c, p)| sum + c * *p);
+            let size = column().map(|c| c.magnitude()).sum::<f64>();
+            (p1[i] - damped).widen(sum * off * size * UP)
+        });
+        by_place.collect::<Vec<_>>().into_iter().chain(by_rate.collect::<Vec<_>>()).collect()
+    }
+
+    /// The variance of an output.
+    pub fn variance(&self, covariance: &Covariance, row: &[Ball]) -> Ball {
+        let size = 2 * self.n;
+        let mut sum = Ball::ZERO;
+        for j in 0..size {
+            let inner = (0..size).fold(Ball::ZERO, |sum, i| sum + row[i] * covariance.p[(i, j)]);
+            sum = sum + inner * row[j];
+        }
+        let bound = self.certified(row) * covariance.epsilon * UP;
+        let value = sum.widen(bound);
+        // A variance is not negative.
+        if value.mid.hi < 0.0 { Ball::new(Dd::ZERO, value.magnitude()) } else { value }
+    }
+
+    /// A bound of row G row^T.
+    fn certified(&self, row: &[Ball]) -> f64 {
+        let size = 2 * self.n;
+        let value = |row: &[Ball]| {
+            (0..size).fold(Ball::ZERO, |sum, j| {
+                sum + (0..size).fold(Ball::ZERO, |sum, i| sum + row[i] * Ball::from(self.g[(i, j)])) * row[j]
+            })
+        };
+        value(row).magnitude()
+    }
+
+    /// What each mode contributes to the variance: cov(part of the mode, whole) / variance.
+    pub fn shares(&self, covariance: &Covariance, row: &[Ball]) -> Vec<f64> {
+        let n = self.n;
+        let p = |i: usize, j: usize| covariance.p[(i, j)].to_f64();
+        let row: Vec<f64> = row.iter().map(Ball::to_f64).collect();
+        let with_whole = |i: usize| row[i] * (0..2 * n).map(|j| p(i, j) * row[j]).sum::<f64>();
+        let parts: Vec<f64> = (0..n).map(|i| with_whole(i) + with_whole(n + i)).collect();
+        let whole: f64 = parts.iter().sum();
+        parts.iter().map(|part| if whole > 0.0 { part / whole } else { 0.0 }).collect()
+    }
+}
+
+/// Whether a symmetric matrix, exact in binary64, is certainly positive definite: Cholesky's factorisation of the matrix, scaled
+/// to a diagonal near one and less what rounding may do, goes through (Rump, BIT 46 (2006) 433).
+fn is_positive_definite(a: &Matrix<f64>) -> bool {
+    let n = a.rows();
+    let scale: Vec<f64> = (0..n).map(|i| power_of_two(a[(i, i)])).collect();
+    if (0..n).any(|i| !(a[(i, i)] > 0.0 && scale[i].is_finite() && scale[i] > 0.0)) {
+        return false;
+    }
+    // The trace of the scaled matrix is at most 4 n.
+    let less = 8.0 * n as f64 * (n as f64 + 4.0) * UNIT;
+    let scaled = Matrix::from_fn(n, n, |i, j| {
+        let entry = Dd::from(a[(i, j)] * scale[i] * scale[j]);
+        if i == j { entry - Dd::from(less) } else { entry }
+    });
+    cholesky::factor(scaled, 0.0).is_ok()
+}
+
+/// A power of two near 1 / sqrt(x).
+fn power_of_two(x: f64) -> f64 {
+    let exponent = (-0.5 * libm::log2(x)).round();
+    if exponent.abs() < 300.0 { libm::exp2(exponent) } else { f64::NAN }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn definite_matrices_are_told_from_others() {
+        let good = Matrix::from_fn(3, 3, |i, j| if i == j { 1e6 } else { 4.9e5 });
+        let bad = Matrix::from_fn(3, 3, |i, j| if i == j { 1e6 } else { -5.1e5 });
+        assert!(is_positive_definite(&good));
+        assert!(!is_positive_definite(&bad));
+        // On the edge, where rounding would decide.
+        assert!(!is_positive_definite(&Matrix::filled(2, 2, 3.0)));
+    }
+}

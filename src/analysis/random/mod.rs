@@ -1,0 +1,323 @@
+//! Stationary response to noise: mean squares with bounds, densities, crossings. In: a linear system with all its modes, the
+//! noises of its inputs. Out: for each output a number, a proof that it is infinite, or what is missing. See
+//! docs/method/random.md.
+
+mod channel;
+mod gramian;
+
+use crate::analysis::answer::{ModeKind, Modes};
+use crate::analysis::modes::parts::independent;
+use crate::analysis::transfer::{Frequency, Gain, Transfer};
+use crate::base::{Ball, Density, Number, Rational, Unproven};
+use crate::system::{CoordinateId, LinearSystem, Noise, Output};
+use channel::{Channel, applied, dense, is_certain};
+use gramian::{Covariance, Drive, Obstacle, Space};
+
+/// A mean square or what follows from it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Spread {
+    Finite(Ball),
+    /// Proved, with its reason.
+    Infinite(&'static str),
+    /// Nothing is proved; why.
+    Unknown(&'static str),
+}
+
+const DIRECT: &str = "infinite: white noise reaches it without any inertia between";
+const BASE_RATE: &str = "infinite: white noise is the rate of a base that moves it through a damper";
+const DRIFT: &str = "infinite: the base itself drifts, and the output with it";
+const RIGID: &str = "infinite: nothing brings back a motion that noise drives on";
+const UNDAMPED: &str = "infinite: nothing damps what noise excites";
+
+const OPEN_FEED: &str = "whether white noise reaches it directly is not decided: the numbers are not exact";
+const OPEN_BASE: &str = "what the coordinates follow of the base is not found exactly";
+const OPEN_BAND: &str = "the mean square of noise in bands is not computed yet: `psd` is";
+const OPEN_RATE: &str = "how often an acceleration crosses zero takes its rate, which is not computed";
+
+/// A system under noise.
+pub struct Random<'a> {
+    system: &'a LinearSystem,
+    modes: &'a Modes,
+    noises: &'a [Noise],
+    reach: Reach,
+    space: Result<Space, Obstacle>,
+    /// For each white noise.
+    channels: Vec<Option<Channel>>,
+    covariance: Option<Covariance>,
+}
+
+/// Which coordinates move together.
+pub struct Reach {
+    part: Vec<usize>,
+}
+
+impl Reach {
+    pub fn of(system: &LinearSystem) -> Reach {
+        let mut part = vec![0; system.n()];
+        for (number, found) in independent(system).iter().enumerate() {
+            found.coordinates.iter().for_each(|&i| part[i as usize] = number);
+        }
+        Reach { part }
+    }
+
+    /// Whether terms or a direct path lead from an input to an output.
+    pub fn from_input(&self, system: &LinearSystem, input: usize, output: &Output) -> bool {
+        let is_fed = output.d.iter().flatten().any(|(fed, factor)| *fed as usize == input && !factor.is_zero());
+        is_fed || self.from_coordinates(system.inputs[input].b.iter().flatten(), output)
+    }
+
+    pub fn from_coordinates<'r>(
+        &self,
+        row: impl Iterator<Item = &'r (CoordinateId, Number)> + Clone,
+        output: &Output,
+    ) -> bool {
+        let mut seen = output.p.iter().flatten().filter(|(_, factor)| !factor.is_zero());
+        seen.any(|(i, _)| row.clone().any(|(j, _)| self.part[i.index()] == self.part[j.index()]))
+    }
+
+    /// Whether the initial state moves an output.
+    pub fn from_start(&self, system: &LinearSystem, output: &Output) -> bool {
+        let mut seen = output.p.iter().flatten();
+        seen.any(|(i, _)| system.initial.iter().any(|(j, ..)| self.part[i.index()] == self.part[j.index()]))
+    }
+}
+
+impl<'a> Random<'a> {
+    pub fn of(system: &'a LinearSystem, modes: &'a Modes, noises: &'a [Noise]) -> Random<'a> {
+        let space = Space::of(system, modes);
+        let channels: Vec<Option<Channel>> =
+            noises.iter().map(|noise| Channel::of(system, noise.input, noise.derivative)).collect();
+        let covariance = space.as_ref().ok().map(|space| {
+            let drives: Vec<Drive> = noises
+                .iter()
+                .zip(&channels)
+                .filter_map(|(noise, channel)| Some(space.drive(channel.as_ref()?, intensity(noise)?)))
+                .collect();
+            space.covariance(&drives)
+        });
+        Random { system, modes, noises, reach: Reach::of(system), space, channels, covariance }
+    }
+
+    /// The noises that reach an output.
+    fn reaching(&self, output: &Output) -> impl Iterator<Item = (&Noise, Option<&Channel>)> {
+        let reaches = move |noise: &Noise| self.reach.from_input(self.system, noise.input, output);
+        let all = self.noises.iter().zip(&self.channels);
+        all.filter(move |(noise, _)| reaches(noise)).map(|(noise, channel)| (noise, channel.as_ref()))
+    }
+
+    /// Whether noise reaches an output.
+    pub fn reaches(&self, output: &Output) -> bool {
+        self.reaching(output).next().is_some()
+    }
+
+    /// The mean square of an output, in the square of its SI unit.
+    pub fn mean_square(&self, output: &Output) -> Spread {
+        let mut open = None;
+        for (noise, channel) in self.reaching(output) {
+            if !matches!(noise.density, Density::White(_)) {
+                open.get_or_insert(OPEN_BAND);
+                continue;
+            }
+            match self.direct(channel, output) {
+                Ok(()) => {}
+                Err(Spread::Unknown(why)) => {
+                    open.get_or_insert(why);
+                }
+                Err(infinite) => return infinite,
+            }
+            if let Some(infinite) = channel.and_then(|channel| self.endless(channel, noise, output)) {
+                return infinite;
+            }
+        }
+        match (open, &self.space, &self.covariance) {
+            (Some(why), ..) => Spread::Unknown(why),
+            _ if !self.reaches(output) => Spread::Finite(Ball::ZERO),
+            (None, Ok(space), Some(covariance)) => {
+                let value = space.variance(covariance, &space.row(output));
+                if value.is_finite() { Spread::Finite(value) } else { Spread::Unknown("the bound leaves no digit") }
+            }
+            (None, Err(obstacle), _) => Spread::Unknown(why(*obstacle)),
+            (None, Ok(_), None) => Spread::Unknown(why(Obstacle::Modes)),
+        }
+    }
+
+    /// What of white noise reaches an output without delay: nothing, or why its variance is not finite.
+    fn direct(&self, channel: Option<&Channel>, output: &Output) -> Result<(), Spread> {
+        let Some(channel) = channel else { return Err(Spread::Unknown(OPEN_BASE)) };
+        let feed = channel.feed(output);
+        let is_fed = output.d.iter().flatten().any(|(input, _)| *input == channel.input);
+        let mut parts = feed.iter().enumerate().filter(|(_, part)| !part.is_zero());
+        let certain = parts.clone().find(|(_, part)| is_certain(part));
+        match (certain, parts.next()) {
+            (None, None) => Ok(()),
+            (None, Some(_)) => Err(Spread::Unknown(OPEN_FEED)),
+            (Some((0 | 1, _)), _) => Err(Spread::Infinite(DRIFT)),
+            (Some(_), _) if channel.jumps() && output.p[2].is_empty() && !is_fed => Err(Spread::Infinite(BASE_RATE)),
+            (Some(_), _) => Err(Spread::Infinite(DIRECT)),
+        }
+    }
+
+    /// A proof that the variance under white noise is infinite where no motion decays.
+    fn endless(&self, channel: &Channel, noise: &Noise, output: &Output) -> Option<Spread> {
+        if self.space.is_ok() {
+            return None;
+        }
+        if let Some(rigid) = self.only_rigid_motion() {
+            let across = |row: &[Number]| row.iter().zip(&rigid).fold(Number::ZERO, |sum, (a, b)| &sum + &(a * b));
+            let (driven, seen) = (across(&channel.force), across(&dense(self.system.n(), &output.p[0])));
+            let resisted = across(&applied(&self.system.c, &rigid));
+            let is_simple = resisted.is_zero() || is_certain(&resisted);
+            if is_simple && is_certain(&driven) && is_certain(&seen) {
+                return Some(Spread::Infinite(RIGID));
+            }
+        }
+        // Without dampers every pole is on the axis, and a transfer function that is not zero has one.
+        if self.system.c.is_empty() && self.modes.list.iter().all(|mode| mode.kind != ModeKind::Divergence) {
+            let index = self.system.outputs.iter().position(|known| known.p == output.p && known.d == output.d)?;
+            let transfer = Transfer::of(self.system);
+            let excites = ["0.8164", "3.1622", "31.415"].map(Number::from).iter().any(|frequency| {
+                let gain = transfer.between(&Frequency::hertz(frequency), &[noise.input], &[index])[0][0];
+                gain.disc().is_some_and(|disc| disc.relative_error() < 1.0)
+            });
+            return excites.then_some(Spread::Infinite(UNDAMPED));
+        }
+        None
+    }
+
+    /// The only motion without stiffness, as a vector of simple fractions that is proved to be one.
+    fn only_rigid_motion(&self) -> Option<Vec<Number>> {
+        const LARGEST_DENOMINATOR: i64 = 64;
+        let mut rigid = self.modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid);
+        let (Some(mode), None) = (rigid.next(), rigid.next()) else { return None };
+        let largest = mode.shape.iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
+        let simple = |x: &f64| {
+            (1..=LARGEST_DENOMINATOR).find_map(|denominator| {
+                let numerator = x / largest * denominator as f64;
+                let whole = numerator.round();
+                ((numerator - whole).abs() < 1e-6).then(|| Number::from(Rational::new(whole as i64, denominator)))
+            })
+        };
+        let motion: Vec<Number> = mode.shape.iter().map(simple).collect::<Option<_>>()?;
+        applied(&self.system.k, &motion).iter().all(Number::is_zero).then_some(motion)
+    }
+
+    /// The root mean square.
+    pub fn rms(&self, output: &Output) -> Spread {
+        match self.mean_square(output) {
+            Spread::Finite(square) => Spread::Finite(square.sqrt()),
+            other => other,
+        }
+    }
+
+    /// The expected number of upward zero crossings per second: the rms of the rate over 2 pi times the rms (Rice 1945).
+    pub fn crossings(&self, output: &Output) -> Spread {
+        let Some(rate) = rate_of(output) else { return Spread::Unknown(OPEN_RATE) };
+        match (self.mean_square(&rate), self.mean_square(output)) {
+            (Spread::Finite(_), Spread::Finite(square)) if square.is_zero() => Spread::Unknown("no noise moves it"),
+            (Spread::Finite(rate), Spread::Finite(square)) => {
+                Spread::Finite((rate / square).sqrt() / (Ball::PI * Ball::from(2.0)))
+            }
+            (_, Spread::Infinite(why)) | (Spread::Infinite(why), _) => Spread::Infinite(why),
+            (Spread::Unknown(why), _) | (_, Spread::Unknown(why)) => Spread::Unknown(why),
+        }
+    }
+
+    /// What each mode contributes to the mean square: modes from 1, and parts that add up to one.
+    pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
+        let (Ok(space), Some(covariance)) = (&self.space, &self.covariance) else { return Vec::new() };
+        let shares = space.shares(covariance, &space.row(output));
+        let mut list: Vec<(usize, Unproven)> = (1..).zip(shares.into_iter().map(Unproven)).collect();
+        list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
+        list
+    }
+}
+
+/// An output under noise.
+#[derive(Clone, Debug)]
+pub struct Noisy {
+    /// Index of the output.
+    pub output: usize,
+    /// In the output's unit.
+    pub rms: Spread,
+    /// Upward zero crossings, Hz.
+    pub crossings: Spread,
+    /// The modes that contribute, from 1, the largest parts first; without bounds.
+    pub shares: Vec<(usize, Unproven)>,
+}
+
+/// Every output that noise reaches.
+pub fn outputs(system: &LinearSystem, modes: &Modes, noises: &[Noise]) -> Vec<Noisy> {
+    if noises.is_empty() {
+        return Vec::new();
+    }
+    let random = Random::of(system, modes, noises);
+    let reached = system.outputs.iter().enumerate().filter(|(_, output)| random.reaches(output));
+    let of = |(index, output): (usize, &Output)| {
+        let rms = random.rms(output);
+        let crossings = random.crossings(output);
+        let shares = if matches!(rms, Spread::Finite(_)) { random.shares(output) } else { Vec::new() };
+        Noisy { output: index, rms, crossings, shares }
+    };
+    reached.map(of).collect()
+}
+
+/// The one-sided density of an output at a frequency, Hz, in the square of its SI unit per Hz.
+pub fn density(
+    transfer: &Transfer,
+    system: &LinearSystem,
+    noises: &[Noise],
+    output: usize,
+    frequency: &Number,
+) -> Spread {
+    let at = Frequency::hertz(frequency);
+    let reach = Reach::of(system);
+    let mut sum = Ball::ZERO;
+    for noise in noises.iter().filter(|noise| reach.from_input(system, noise.input, &system.outputs[output])) {
+        let Some(density) = noise.density.at(frequency) else {
+            return Spread::Unknown("the density leaves the range of numbers");
+        };
+        if density.is_zero() {
+            continue;
+        }
+        if noise.derivative > 0 && frequency.may_be_zero() {
+            return Spread::Unknown("the density of what a base integrates is not finite at 0 Hz");
+        }
+        let by_rate = (0..2 * noise.derivative).fold(Ball::ONE, |product, _| product / at.omega);
+        match transfer.between(&at, &[noise.input], &[output])[0][0] {
+            Gain::Finite(disc) => sum = sum + disc.gain().square() * density.to_ball() * by_rate,
+            Gain::Infinite => return Spread::Infinite("infinite: an undamped motion is excited at its own frequency"),
+            Gain::Unknown => return Spread::Unknown("the gain is not known at this frequency"),
+        }
+    }
+    Spread::Finite(sum)
+}
+
+/// The two-sided intensity of white noise: half of its one-sided density.
+fn intensity(noise: &Noise) -> Option<Ball> {
+    match &noise.density {
+        Density::White(value) => Some(value.to_ball() * Ball::from(0.5)),
+        Density::Bands(_) => None,
+    }
+}
+
+/// The rate of an output as an output; `None` where that takes the third derivative.
+fn rate_of(output: &Output) -> Option<Output> {
+    let [p0, p1, p2] = &output.p;
+    let [d0, d1, d2] = &output.d;
+    let is_low = p2.is_empty() && d2.is_empty();
+    is_low.then(|| Output {
+        p: [Vec::new(), p0.clone(), p1.clone()],
+        d: [Vec::new(), d0.clone(), d1.clone()],
+        ..output.clone()
+    })
+}
+
+fn why(obstacle: Obstacle) -> &'static str {
+    match obstacle {
+        Obstacle::Empty => "the scene has no motion",
+        Obstacle::Large => "the scene has more than 150 coordinates: mean squares are computed up to there",
+        Obstacle::Modes => "a motion has no inertia, or not all modes are known: mean squares need them",
+        Obstacle::Rigid => "a motion is not held by springs: what it does to this output is not proved",
+        Obstacle::NotStable => "it is not proved that every motion decays",
+    }
+}

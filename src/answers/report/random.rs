@@ -1,0 +1,94 @@
+//! Outputs under noise: root mean squares, three times that, crossings, and what each mode contributes.
+
+use super::table::{Align, Cell, Table};
+use super::{Block, Figure, Line, Options, Section, line};
+use crate::analysis::{Noisy, Spread};
+use crate::answers::ModalAnswer;
+use crate::base::{Ball, Unproven};
+
+const DIGITS: usize = 6;
+/// Modes are named until they make up this much.
+const COVERED: f64 = 0.98;
+const MOST: usize = 3;
+
+pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
+    const HEADING: &str = "Noise";
+    if answer.noisy.is_empty() {
+        return Section::new(HEADING, []);
+    }
+    let mut table = Table::new()
+        .column("output", "", Align::Left)
+        .column("unit", "", Align::Left)
+        .column("rms", "", Align::Point)
+        .column("3 sigma", "", Align::Point)
+        .column("crossings", "[Hz]", Align::Point)
+        .column("error of rms ≤", "", Align::Right)
+        .column("modes", "", Align::Left);
+    let mut reasons = Vec::new();
+    for noisy in &answer.noisy {
+        let output = &answer.system.outputs[noisy.output];
+        let name = answer.system.display(output.name);
+        table.row(cells(&name, &output.unit, noisy, options.digits(DIGITS)));
+        for (what, spread) in [("rms of ", &noisy.rms), ("crossings of ", &noisy.crossings)] {
+            if let Some(why) = why(spread) {
+                let same = matches!((why_of(&noisy.rms), what), (Some(first), "crossings of ") if first == why);
+                if !same {
+                    reasons.push(Block::Item(line![what, name.clone(), ": ", why]));
+                }
+            }
+        }
+    }
+    let intro =
+        Block::Line("stationary response to noise (one-sided densities; 3 sigma is three times the rms)".into());
+    Section::new(HEADING, [intro, Block::Table(table)].into_iter().chain(reasons))
+}
+
+fn why_of(spread: &Spread) -> Option<&'static str> {
+    why(spread)
+}
+
+fn why(spread: &Spread) -> Option<&'static str> {
+    match spread {
+        Spread::Finite(_) => None,
+        Spread::Infinite(why) | Spread::Unknown(why) => Some(why),
+    }
+}
+
+fn cells(name: &str, unit: &str, noisy: &Noisy, digits: usize) -> Vec<Cell> {
+    let shown = |spread: &Spread, factor: f64| -> Cell {
+        match spread {
+            Spread::Finite(value) => Figure::ball(*value * Ball::from(factor), digits).into(),
+            Spread::Infinite(_) => "infinite".into(),
+            Spread::Unknown(_) => "?".into(),
+        }
+    };
+    let error = match &noisy.rms {
+        Spread::Finite(value) => line![Figure::bound(value.relative_error())],
+        Spread::Infinite(_) => Line::default(),
+        Spread::Unknown(_) => "?".into(),
+    };
+    vec![
+        name.to_string().into(),
+        unit.to_string().into(),
+        shown(&noisy.rms, 1.0),
+        shown(&noisy.rms, 3.0),
+        shown(&noisy.crossings, 1.0),
+        error.into(),
+        shares(&noisy.shares).into(),
+    ]
+}
+
+/// `1 61 %, 2 39 %`
+fn shares(list: &[(usize, Unproven)]) -> Line {
+    let mut named = Line::default();
+    let mut sum = 0.0;
+    for (mode, share) in list.iter().take(MOST) {
+        if sum >= COVERED {
+            break;
+        }
+        let separator = if sum == 0.0 { "" } else { ", " };
+        named = line![named, separator, *mode, ":\u{a0}", Figure::share(*share)];
+        sum += share.0.abs();
+    }
+    named
+}
