@@ -81,8 +81,8 @@ impl ValueError {
                         short(value * std::f64::consts::TAU)
                     ))
                     .help(format!("write `{per_cycle}` or `{per_radian}`"))
-                    .mend(span, Change::Replace(per_cycle))
-                    .mend(span, Change::Replace(per_radian))
+                    .fix(span, Change::Replace(per_cycle))
+                    .fix(span, Change::Replace(per_radian))
             }
             FrequencyReading { span, value } => frequency_reading(span, value),
             CyclesForRadians { span, value, expected, declared } => cycles_for_radians(span, value, expected, declared),
