@@ -420,64 +420,28 @@ impl<'a> Place<'a> {
         let of_couple = COUPLE_REACTIONS.iter().map(|(_, name, meaning)| (*name, *meaning));
         let of_support = SUPPORT_REACTIONS.iter().map(|(_, name, meaning)| (*name, *meaning));
         let list: Vec<(&str, &str)> = match declared {
-            Some((keyword, _)) if is_element(keyword) => of_element.collect(),
-            Some((keyword, _)) if joint(keyword).is_some() => {
-                let turns = joint(keyword).is_some_and(|joint| joint.kind().turns);
-                of_joint.filter(|(name, _)| *name != "moment" || !turns).collect()
-            }
-            Some(("couple", _)) => of_couple.collect(),
-            Some((_, statement)) => {
-                let moves = of_body.filter(|(name, _)| self.can_move(statement, name));
-                moves.chain(of_support.filter(|(name, _)| self.is_guided(statement, name))).collect()
-            }
+            Some((lexed, statement)) => match lexed.keyword(statement) {
+                keyword if is_element(keyword) => of_element.collect(),
+                keyword if joint(keyword).is_some() => {
+                    let turns = joint(keyword).is_some_and(|joint| joint.kind().turns);
+                    of_joint.filter(|(name, _)| *name != "moment" || !turns).collect()
+                }
+                "couple" => of_couple.collect(),
+                _ => {
+                    let moves = of_body.filter(|(name, _)| can_move(lexed, statement, name));
+                    moves.chain(of_support.filter(|(name, _)| is_guided(lexed, statement, name))).collect()
+                }
+            },
             None => of_body.chain(of_element).chain(of_joint).chain(of_support).collect(),
         };
         list.iter().map(|(name, meaning)| item(name, ItemKind::Motion, *meaning)).collect()
     }
 
-    /// Keyword and statement of the declaration of a part.
-    fn declaration(&self, part: usize) -> Option<(&'a str, usize)> {
-        let range = names::declarations(self.document, part).into_iter().next()?;
-        let statement = self.document.token_at(range.start).and_then(|token| self.document.statement_of(token))?;
-        Some((self.document.keyword(statement), statement))
-    }
-
-    /// Whether the ground may react on a body in this way: it needs a freedom clause that leaves the motion out.
-    fn is_guided(&self, statement: usize, reaction: &str) -> bool {
-        let motion = match reaction {
-            "support_x" => "x",
-            "support_y" => "y",
-            _ => "angle",
-        };
-        let tokens = self.document.outline.statements[statement].tokens.clone();
-        let has = |word: &str| {
-            let mut words =
-                tokens.clone().filter(|token| matches!(self.document.roles[*token], Role::Word | Role::Direction));
-            words.any(|token| self.document.token_text(token) == word)
-        };
-        match () {
-            () if has("free") || !has("moves") && !has("turns") => false,
-            () if has("along") => motion != "angle" || !has("turns"),
-            () => !self.can_move(statement, motion),
-        }
-    }
-
-    /// Whether a body can move in this way: a freedom clause allows only its own motions; without one, any is allowed.
-    fn can_move(&self, statement: usize, motion: &str) -> bool {
-        let tokens = self.document.outline.statements[statement].tokens.clone();
-        let words: Vec<&str> = tokens
-            .filter(|token| matches!(self.document.roles[*token], Role::Word | Role::Direction))
-            .map(|token| self.document.token_text(token))
-            .collect();
-        let has = |word: &str| words.contains(&word);
-        if !has("moves") && !has("turns") || has("free") || has("along") {
-            return true;
-        }
-        match motion {
-            "x" | "vx" | "ax" => has("x"),
-            "y" | "vy" | "ay" => has("y"),
-            _ => has("turns"),
-        }
+    /// The file and the statement of the declaration of a part.
+    fn declaration(&self, part: usize) -> Option<(&'a Lexed, usize)> {
+        let at = names::declarations(self.project, At { file: 0, token: part }).into_iter().next()?;
+        let lexed = self.project.lexed(at.file);
+        Some((lexed, lexed.statement_of(at.token)?))
     }
 
     fn ends(&self) -> Vec<Item> {
@@ -584,13 +548,25 @@ impl<'a> Place<'a> {
     }
 }
 
+/// Whether the ground may react on a body in this way: it needs a freedom clause that leaves the motion out.
+fn is_guided(lexed: &Lexed, statement: usize, reaction: &str) -> bool {
+    let motion = match reaction {
+        "support_x" => "x",
+        "support_y" => "y",
+        _ => "angle",
+    };
+    let words = freedom_words(lexed, statement);
+    let has = |word: &str| words.contains(&word);
+    match () {
+        () if has("free") || !has("moves") && !has("turns") => false,
+        () if has("along") => motion != "angle" || !has("turns"),
+        () => !can_move(lexed, statement, motion),
+    }
+}
+
 /// Whether a body can move in this way: a freedom clause allows only its own motions; without one, any is allowed.
 fn can_move(lexed: &Lexed, statement: usize, motion: &str) -> bool {
-    let tokens = lexed.outline.statements[statement].tokens.clone();
-    let words: Vec<&str> = tokens
-        .filter(|token| matches!(lexed.roles[*token], Role::Word | Role::Direction))
-        .map(|token| lexed.token_text(token))
-        .collect();
+    let words = freedom_words(lexed, statement);
     let has = |word: &str| words.contains(&word);
     if !has("moves") && !has("turns") || has("free") || has("along") {
         return true;
@@ -659,4 +635,11 @@ fn of_argument(declaration: &Declaration, function: &str, argument: usize) -> Op
         | Argument::Path
         | Argument::Input => None,
     }
+}
+
+/// The words and directions of a declaration, among them those of its freedom clauses.
+fn freedom_words(lexed: &Lexed, statement: usize) -> Vec<&str> {
+    let tokens = lexed.outline.statements[statement].tokens.clone();
+    let words = tokens.filter(|token| matches!(lexed.roles[*token], Role::Word | Role::Direction));
+    words.map(|token| lexed.token_text(token)).collect()
 }

@@ -140,6 +140,7 @@ mod tests {
         use crate::base::{FileId, SourceFile, Sources};
         use crate::editor::completion::{self, Item};
         use crate::editor::document::Document;
+        use crate::editor::project::Project;
         use crate::editor::roles::{Role, Space};
         use crate::editor::{format, hover};
         use crate::kinds;
@@ -209,7 +210,10 @@ mod tests {
             let (before, after) = text.split_once('|').expect("a place");
             let (sources, file) = sources(&format!("{before}{after}"));
             let document = Document::new(sources, file, None);
-            completion::items(&document, before.len()).into_iter().map(|Item { label, .. }| label).collect()
+            completion::items(&document, &Project::of(&document), before.len())
+                .into_iter()
+                .map(|Item { label, .. }| label)
+                .collect()
         }
 
         #[test]
@@ -229,9 +233,11 @@ mod tests {
             assert!(labels("body a { moves x }\ngadget g: |").contains(&"a".to_string()));
             assert!(labels("gadget g: ground -- a { grip = 4 N|").contains(&"N*s/m".to_string()));
             assert_eq!(labels(&MODEL.replace("g.force", "g.|")), ["force", "stretch"]);
-            let page = hover::hover(&document, MODEL.find("gadget").expect("the word")).expect("a page");
+            let page = hover::hover(&document, &Project::of(&document), MODEL.find("gadget").expect("the word"))
+                .expect("a page");
             assert!(page.markdown.contains("stands for the next kind"), "{}", page.markdown);
-            let page = hover::hover(&document, MODEL.find("grip").expect("the word")).expect("a page");
+            let page = hover::hover(&document, &Project::of(&document), MODEL.find("grip").expect("the word"))
+                .expect("a page");
             assert!(page.markdown.contains("How much it grips."), "{}", page.markdown);
         }
 

@@ -115,6 +115,13 @@ pub fn reactions() -> impl Iterator<Item = (&'static str, &'static str)> {
     all.map(|(_, name, meaning)| (*name, *meaning))
 }
 
+/// Whether a word names a motion of a body, a quantity of an element or a reaction: no part of a component is called so.
+pub fn is_motion(word: &str) -> bool {
+    BODY_MOTIONS.iter().any(|motion| motion.name == word)
+        || ELEMENT_MOTIONS.iter().any(|(_, name, _)| *name == word)
+        || reactions().any(|(name, _)| name == word)
+}
+
 /// The initial motions that an `initial` may give, measured from rest.
 pub const INITIAL_FIELDS: [Field; 6] = [
     Field::number(

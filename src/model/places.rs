@@ -12,7 +12,7 @@ use super::scope::{self, Definition, DefinitionId, DefinitionKind, Environment, 
 use super::suggestion::nearest;
 use super::value::{Scalar, Value};
 use crate::base::{Dimension, FileId, Name, Number, Place, Quantity, Span, Symbol, Vec3};
-use crate::kinds::motions::{BODY_MOTIONS, ELEMENT_MOTIONS, reactions};
+use crate::kinds::motions::is_motion;
 use crate::syntax::tree::{
     Component, Decl, DeclKind, ExprId, ExprKind, FieldValue, Fields, Formal, FormalKind, Ident, Path, Placing, Rare,
 };
@@ -148,13 +148,6 @@ pub struct ComponentNames<'a> {
 }
 
 const ANGLE: super::expect::Expected = super::expect::Expected::new("an angle", Dimension::NONE, "turned 10 deg");
-
-/// Whether nothing but a motion may be called so.
-fn is_motion(word: &str) -> bool {
-    BODY_MOTIONS.iter().any(|motion| motion.name == word)
-        || ELEMENT_MOTIONS.iter().any(|(_, name, _)| *name == word)
-        || reactions().any(|(name, _)| name == word)
-}
 
 impl<'a> Check<'a> {
     // ---- Files and components, before anything is placed ----

@@ -6,6 +6,7 @@
 //! many more ends than places.
 
 use crate::base::{Density, Name, Number, Quantity, Span, Vec3, Words};
+use crate::kinds::motions::ReactionComponent;
 use crate::system::Signal as Function;
 use crate::{elements, joints};
 use std::sync::Arc;

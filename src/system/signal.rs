@@ -118,7 +118,7 @@ impl Signal {
             | Signal::Harmonic { value, .. }
             | Signal::Chirp { value, .. } => *value = -&*value,
             Signal::Table(table) => table.values.iter_mut().for_each(|value| *value = -&*value),
-            Signal::Integral { of, .. } | Signal::Delayed { of, .. } => *of = Box::new(of.negated()),
+            Signal::Integral { of, .. } | Signal::Delayed { of, .. } => **of = of.negated(),
         }
         signal
     }
