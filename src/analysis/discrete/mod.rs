@@ -119,7 +119,8 @@ pub struct DiscreteSystem {
     /// Outputs that would follow the derivative of an input; an input that is held has none.
     pub without_slope: Vec<usize>,
     pub left: Vec<DroppedBlock>,
-    pub rounding: Rounding,
+    /// A bound of the effect of rounding whatever the inputs are; none where signals are built in beside them.
+    pub rounding: Option<Rounding>,
     /// The effect of rounding on code without inputs, run from its start.
     pub measured: Vec<Measured>,
 }
@@ -224,7 +225,6 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     let mut start: Vec<Dd> = made_start.flatten().copied().collect();
     let exact_cells = made_signals.iter().map(|made| &made.exact).chain(made.iter().map(|made| &made.exact));
     let exact_cells = exact_cells.cloned().collect();
-    let bounds = signals.chains.iter().map(|chain| chain.spread()).collect::<Vec<_>>();
     let mut set: Vec<bool> = made_signals.iter().flat_map(|made| vec![made.set; made.cell.size()]).collect();
     let mut cells: Vec<Cell> = made_signals.into_iter().map(|made| made.cell).collect();
     let signal_cells = cells.len();
@@ -233,7 +233,6 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     let (events, exact_events) = events::after_start(changes, &set, &mut start, options.precision);
     let places = cells.iter_mut().flat_map(|cell| &mut cell.start);
     places.zip(&start).for_each(|(place, &state)| *place = options.precision.round(state));
-    let rounding = rounding::rounding(&cells, &bounds, options.precision);
     let exact = Exact { cells: exact_cells, start, events: exact_events };
     let round = |row: Vec<(Operand, Dd)>| rounded_terms(&row, options.precision);
     let slopes = &split.direct.outputs[1];
@@ -264,7 +263,7 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
         events,
         set,
         left,
-        rounding,
+        rounding: None,
         measured: Vec::new(),
     };
     if !discrete.is_finite() {
@@ -273,6 +272,8 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     if discrete.inputs.is_empty() {
         let last = options.until.as_ref().map(|until| (until / &options.step).to_f64() as u64);
         discrete.measured = comparison::measure_rounding(&discrete, &exact, last);
+    } else if signal_cells == 0 {
+        discrete.rounding = Some(rounding::rounding(&discrete.cells, &discrete.direct, options.precision));
     }
     Ok(discrete)
 }

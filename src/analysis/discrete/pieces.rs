@@ -140,14 +140,6 @@ fn add(mut sum: Vec<Dd>, own: Vec<Dd>, factor: Dd) -> Vec<Dd> {
     sum
 }
 
-/// The data of a polynomial piece that its rounding errors depend on.
-#[derive(Clone, Copy, Debug)]
-pub struct Spread {
-    pub steps: f64,
-    /// sum |c_k| n^k after n steps, relative to the signal's largest value.
-    pub terms: f64,
-}
-
 /// Whether outputs read u, u' and u'' directly.
 pub type FeedThroughOrders = [bool; 3];
 
@@ -202,20 +194,6 @@ impl Chain {
             let cut = tick > 0 && !knot.when.before.is_zero() && self.is_cut(tick - 1);
             cut.then(|| tick - 1).into_iter().chain([tick])
         })
-    }
-
-    /// The steps of each piece, and the sum of its terms at its end relative to the largest value, for bounds of
-    /// rounding errors.
-    pub fn spread(&self) -> Vec<Spread> {
-        let starts = [(0, &self.start)].into_iter().chain(self.knots.iter().map(|knot| (knot.when.tick, &knot.states)));
-        let ends = self.knots.iter().map(|knot| knot.when.tick).chain([u64::MAX]);
-        let of = |((from, states), to): ((u64, &Vec<Dd>), u64)| {
-            let moves = states.iter().skip(1).any(|x| !x.is_zero());
-            let steps = if moves { to - from } else { 0 } as f64;
-            let terms = states.iter().rev().fold(0.0, |sum, x| sum * steps + x.hi.abs());
-            Spread { steps, terms: if terms == 0.0 { 0.0 } else { terms / self.largest } }
-        };
-        if self.angle.is_some() { Vec::new() } else { starts.zip(ends).map(of).collect() }
     }
 
     /// The effect of the signal on a block in the step to a sample, minus the effect of its states at the previous

@@ -1,14 +1,16 @@
-//! A bound of the effect of the target's rounding on the outputs. In: the cells. Out: a bound that grows with the
-//! number of steps, relative to the sum of the largest contributions of the cells to an output. See
+//! A bound of the effect of the target's rounding on the outputs, whatever the inputs from outside are. In: the cells and
+//! the direct feed-through. Out: a bound that grows with the number of steps, relative to the sum of the largest sizes
+//! of the parts of an output: what each input, and the initial state, contributes through each cell and directly. See
 //! docs/method/emit.md.
 //!
-//! A step of a cell computes F w + G u with an error e, |e| <= rho unit max(|w|, |w'|), in a norm in which |F^j| <= r^j; so after N
-//! steps the error is at most rho unit (1 + r + ... + r^(N-1)) max |w|. A pair of complex poles has such a norm, the modulus of
-//! its modal coordinate; for other cells the powers of F are bounded by squaring.
+//! A step of a cell computes F w + G u with an error of at most rho unit W in a norm in which |F^j| <= r^j; so after N steps
+//! the error is at most rho unit (1 + r + ... + r^(N-1)) W. W is the sum, over the inputs, of the largest norm of the states
+//! that an input causes. What an input adds is bounded by these states too: G u = w' - F w, so |G u| <= (1 + r) W. A
+//! pair of complex poles has such a norm, the modulus of its modal coordinate; for other cells the powers of F are
+//! bounded by squaring.
 
 use crate::analysis::discrete::cell::{Cell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
-use crate::analysis::discrete::pieces::Spread;
 use crate::analysis::discrete::precision::Precision;
 use crate::base::{Dd, larger};
 use crate::kernel::dense::Matrix;
@@ -17,108 +19,329 @@ use crate::kernel::dense::enclosure::norm_bound;
 /// A bound of the relative error of any output after N steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rounding {
-    /// Rounding error of one sum of an output.
+    /// Rounding error of the sum of an output.
     output: f64,
-    /// For each cell the error of one step, and bounds of sum |F^j| over 2^i steps.
-    cells: Vec<(f64, Vec<f64>)>,
+    /// For each cell the error of one step, and how errors of earlier steps add up.
+    cells: Vec<(f64, Growth)>,
+}
+
+/// Bounds of |1| + |F| + ... + |F^(N-1)|.
+#[derive(Clone, Debug, PartialEq)]
+enum Growth {
+    /// |F^j| = r^j; the number is 1 - r, negative if the motion grows.
+    Geometric(f64),
+    /// For N = 1, 2, 4, 8, ...
+    Doubling(Vec<f64>),
 }
 
 /// Bounds are stored for up to 2^40 steps.
 const DOUBLINGS: usize = 40;
+/// Products of several rounding errors, and the rounding of the bound itself.
+const UP: f64 = 1.000_01;
 
 impl Rounding {
-    /// The bound after `steps` steps: |emitted - exact| is at most this times the sum of the largest contributions that
-    /// the cells and the inputs have made to the output.
+    /// The bound after `steps` steps: |emitted - exact| is at most this times the sum of the largest sizes that the parts
+    /// of the output have had. Infinite if nothing can be said, as for a motion that grows beyond its inputs.
     pub fn error_after(&self, steps: u64) -> f64 {
-        let doublings = (64 - steps.leading_zeros()) as usize;
-        let worst = self.cells.iter().map(|(step, sums)| step * sums[doublings.min(DOUBLINGS)]);
-        self.output + worst.fold(0.0, larger)
+        let worst = self.cells.iter().map(|(step, growth)| step * growth.after(steps));
+        let bound = (self.output + worst.fold(0.0, larger)) * UP;
+        // The roundings are those of the emitted states, which are larger than the exact ones by the error itself.
+        if bound < 1.0 { bound / (1.0 - bound) * UP } else { f64::INFINITY }
     }
 }
 
-/// The bound for these cells. `spreads`: the pieces of the polynomials, which are the first of the cells.
-pub fn rounding(cells: &[Cell], spreads: &[Vec<Spread>], precision: Precision) -> Rounding {
-    let unit = precision.unit();
-    // Coefficient, product and sum for each input; a factor of one causes no rounding.
-    let term = |&(_, g): &(Operand, f64)| if g.abs() == 1.0 { 1.0 } else { 3.0 };
-    let of_state = |terms: &Vec<(Operand, f64)>| terms.iter().map(term).sum::<f64>();
-    let inputs = |cell: &Cell| cell.input.iter().map(of_state).fold(0.0, f64::max);
-    let bounds = cells.iter().enumerate().map(|(i, cell)| {
-        if let Some(spread) = spreads.get(i).filter(|spread| !spread.is_empty()) {
-            return ((cell.size() as f64 + 2.0) * unit, polynomial(spread));
+impl Growth {
+    fn after(&self, steps: u64) -> f64 {
+        let n = steps as f64;
+        match self {
+            Growth::Geometric(lost) if *lost > 0.0 => n.min(UP / lost),
+            Growth::Geometric(0.0) => n,
+            Growth::Geometric(lost) => ((n * (-lost).ln_1p()).exp_m1() / -lost * UP).max(n),
+            Growth::Doubling(sums) => {
+                let doublings = (64 - steps.saturating_sub(1).leading_zeros()) as usize;
+                sums.get(doublings).copied().unwrap_or(f64::INFINITY)
+            }
         }
-        let (step, sums) = match &cell.form {
-            // Coefficient and product of the state's own term, and its sum.
-            Form::Keep(r) => (3.0 + inputs(cell), powers(&Matrix::filled(1, 1, *r))),
-            Form::Lose(d) => (1.0 + 3.0 * d.abs() + inputs(cell), powers(&Matrix::filled(1, 1, 1.0 - d))),
-            Form::Pair(lift) => pair(lift, [0, 1].map(|i| cell.input.get(i).map_or(0.0, of_state))),
+    }
+}
+
+/// The bound for these cells and this direct feed-through, one row for each output.
+pub fn rounding(cells: &[Cell], direct: &[Vec<(Operand, f64)>], precision: Precision) -> Rounding {
+    let unit = precision.unit();
+    let frames: Vec<Frame> = cells.iter().map(Frame::of).collect();
+    let output = direct.iter().enumerate().map(|(output, direct)| {
+        let mut count = direct.len();
+        let mut most = 1.0f64;
+        for (cell, frame) in cells.iter().zip(&frames) {
+            let row: Vec<f64> = cell.output.iter().map(|seen| factor(seen, output)).collect();
+            count += row.iter().filter(|c| **c != 0.0).count();
+            let terms: f64 = row.iter().zip(&frame.most).map(|(c, most)| c.abs() * most).sum();
+            if terms > 0.0 {
+                most = larger(most, terms / frame.norm.dual(&row));
+            }
+        }
+        // Coefficient and product of each term, a difference of inputs, and the sums.
+        (count as f64 + 3.0) * most * unit
+    });
+    let output = output.fold(0.0, larger);
+    let cells = cells.iter().zip(frames).map(|(cell, frame)| (frame.step(cell) * unit, frame.growth));
+    Rounding { output, cells: cells.collect() }
+}
+
+fn factor(seen: &[(usize, f64)], output: usize) -> f64 {
+    seen.iter().filter(|(of, _)| *of == output).map(|(_, c)| c).sum()
+}
+
+/// The norm in which the steps of a cell are bounded.
+enum Norm {
+    Euclidean,
+    /// |k x + mu v|, mu by its real and imaginary part.
+    Modal {
+        k: f64,
+        mu: [f64; 2],
+    },
+}
+
+impl Norm {
+    fn length(&self, w: &[f64]) -> f64 {
+        match self {
+            Norm::Euclidean => w.iter().map(|x| x * x).sum::<f64>().sqrt(),
+            Norm::Modal { k, mu } => hypotenuse(k * w[0] + mu[0] * w[1], mu[1] * w[1]),
+        }
+    }
+
+    /// The largest length of vectors whose entries are at most this large.
+    fn longest(&self, w: &[f64]) -> f64 {
+        match self {
+            Norm::Euclidean => self.length(w),
+            Norm::Modal { .. } => self.length(&[w[0], 0.0]) + self.length(&[0.0, w[1]]),
+        }
+    }
+
+    /// The largest |c . w| of all w of length one.
+    fn dual(&self, c: &[f64]) -> f64 {
+        match self {
+            Norm::Euclidean => self.length(c),
+            Norm::Modal { k, mu } => hypotenuse(c[0] / k, (c[1] - c[0] * mu[0] / k) / mu[1]),
+        }
+    }
+}
+
+/// Square roots of sums are the same on every machine; `hypot` is not.
+fn hypotenuse(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
+}
+
+/// A cell's norm, and what follows from it.
+struct Frame {
+    norm: Norm,
+    growth: Growth,
+    /// 1 + |F|: an input adds at most this times the largest length of the states that it causes.
+    added: f64,
+    /// The largest size of each state at length one.
+    most: Vec<f64>,
+}
+
+/// The terms that inputs add to a state, at length one of the states that they cause.
+struct Driven {
+    count: f64,
+    /// The largest size of an input's terms; of those that are multiplied by a coefficient.
+    size: f64,
+    multiplied: f64,
+}
+
+impl Driven {
+    /// Errors of the coefficients and products of all terms, and of their sums with a number of that size.
+    fn error(&self, beside: f64) -> f64 {
+        if self.count == 0.0 { 0.0 } else { 2.0 * self.multiplied + self.count * (beside + self.size) }
+    }
+}
+
+impl Frame {
+    fn of(cell: &Cell) -> Frame {
+        let whole = |f: Matrix<f64>| {
+            let (n, added) = (f.rows(), 1.0 + norm(&f) * UP);
+            Frame::new(Norm::Euclidean, Growth::Doubling(powers(f)), added, n)
+        };
+        if let Some(frame) = modal(&cell.form) {
+            return frame;
+        }
+        match &cell.form {
+            Form::Keep(r) => whole(Matrix::filled(1, 1, *r)),
+            Form::Lose(d) => Frame::new(Norm::Euclidean, Growth::Geometric(*d), 1.0 + (1.0 - d).abs(), 1),
+            Form::Pair(lift) => whole(lift.matrix().map(Dd::to_f64)),
             Form::Dense { turned, rows: e } => {
-                let n = e.len();
                 let own = if *turned { -1.0 } else { 1.0 };
-                let f = Matrix::from_fn(n, n, |i, j| e[i][j] + if i == j { own } else { 0.0 });
-                let size = norm_bound(n, n, |i, j| e[i][j].abs());
-                (1.0 + (n as f64 + 2.0) * size + inputs(cell), powers(&f))
+                whole(Matrix::from_fn(e.len(), e.len(), |i, j| e[i][j] + if i == j { own } else { 0.0 }))
+            }
+        }
+    }
+
+    fn new(norm: Norm, growth: Growth, added: f64, size: usize) -> Frame {
+        let unit = |j: usize| (0..size).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
+        let most = (0..size).map(|j| norm.dual(&unit(j)) * UP).collect();
+        Frame { norm, growth, added, most }
+    }
+
+    /// The largest error of one step, in units of the roundoff.
+    fn step(&self, cell: &Cell) -> f64 {
+        let error = match &cell.form {
+            Form::Keep(r) => {
+                let own = if *r == 0.0 { 0.0 } else { 2.0 * r.abs() };
+                own + self.driven(cell, 0).error(if *r == 0.0 { 0.0 } else { r.abs() })
+            }
+            // Coefficient and product, the change with its inputs, and the sum, which is the new state.
+            Form::Lose(d) => 2.0 * d.abs() + self.driven(cell, 0).error(d.abs()) + 1.0,
+            Form::Pair(lift) => {
+                let [x, v] = self.of_pair(cell, lift);
+                // What v loses reaches x in the same step.
+                self.norm.length(&[x, 0.0]) + v * self.norm.length(&[lift.p, 1.0])
+            }
+            Form::Dense { rows, .. } => {
+                let rows = rows.iter().enumerate().map(|(i, row)| {
+                    let own: f64 = row.iter().zip(&self.most).map(|(e, most)| e.abs() * most).sum();
+                    let many = row.iter().filter(|e| **e != 0.0).count() as f64;
+                    let driven = self.driven(cell, i);
+                    let inputs = if driven.count == 0.0 { 0.0 } else { 2.0 * driven.multiplied };
+                    2.0 * own + inputs + (many + driven.count) * (own + driven.size) + self.most[i]
+                });
+                self.norm.longest(&rows.collect::<Vec<f64>>())
             }
         };
-        (step * unit * 1.001, sums)
-    });
-    let terms = cells.iter().map(|cell| cell.size()).sum::<usize>();
-    Rounding { output: (terms as f64 + 4.0) * unit, cells: bounds.collect() }
-}
-
-/// The bound for a polynomial whose states are set at every knot: m steps after a knot, a state has an error of m
-/// rounding errors of the sum of its terms' magnitudes, and the resulting error at the end of the piece is at most m
-/// rounding errors of the sum of all terms there.
-fn polynomial(spread: &[Spread]) -> Vec<f64> {
-    let after = |steps: f64| spread.iter().map(|s| (1.0 + s.steps.min(steps)) * s.terms).fold(0.0, f64::max);
-    (0..=DOUBLINGS).map(|i| after(2f64.powi(i as i32))).collect()
-}
-
-/// Bounds in the modulus of the modal coordinate zeta = k x + mu v if the poles are complex and well separated,
-/// otherwise in the Euclidean norm.
-fn pair(lift: &Lift, inputs: [f64; 2]) -> (f64, Vec<f64>) {
-    let (keep, damped) = match lift.decay {
-        Decay::Lose(c) => (1.0 - c, if c == 0.0 { 0.0 } else { 1.0 + 2.0 * c.abs() }),
-        Decay::Keep(r) => (r, 2.0 * r.abs()),
-    };
-    let (k, p) = (lift.k.abs(), lift.p.abs());
-    // L = [1 - p k, p keep; -k, keep]: mu = 1 - p k - lambda.
-    let half = (1.0 - k * p + keep) / 2.0;
-    let imaginary = (keep - half * half).max(0.0).sqrt();
-    let real = 1.0 - p * k - half;
-    let mu = (real * real + imaginary * imaginary).sqrt();
-    // For v: the damped term, the sums with inputs and with k x, and that coefficient and product; for x: coefficient,
-    // product and sum, and inputs.
-    let of_x = k * (1.0 + inputs[0]) + 2.0 * mu * k;
-    let of_v = 2.0 * k * p + mu * (damped + 1.0 + inputs[1]);
-    if imaginary > 0.05 * mu && k > 0.0 {
-        // The largest x and v for |zeta| = 1, as if inputs kept both that large.
-        let step = of_x * mu / (imaginary * k) + of_v / imaginary;
-        let r = keep.sqrt();
-        let sums = (0..=DOUBLINGS).map(|i| geometric(r, 2f64.powi(i as i32)));
-        return (step, sums.collect());
+        error * UP
     }
-    let f = lift.matrix().map(|x: Dd| x.hi.abs() * x.hi.signum());
-    (2.0 * p + 1.0 + inputs[0] + damped + 1.0 + inputs[1] + 2.0 * k, powers(&f))
+
+    /// The errors of x and v in a lifted step: v - c v + inputs - k x, then x + p v + inputs.
+    fn of_pair(&self, cell: &Cell, lift: &Lift) -> [f64; 2] {
+        let (x, v) = (self.most[0], self.most[1]);
+        let (lost, kept) = match lift.decay {
+            Decay::Lose(0.0) => (0.0, 1.0),
+            Decay::Lose(c) => (2.0 * c.abs() + (1.0 - c).abs(), (1.0 - c).abs()),
+            Decay::Keep(r) => (2.0 * r.abs(), r.abs()),
+        };
+        // The last sum is the new state.
+        let restored = if lift.k == 0.0 { 0.0 } else { 2.0 * lift.k * x + v };
+        let in_v = lost * v + self.driven(cell, 1).error(kept * v) + restored;
+        let advanced = if lift.p == 1.0 { 0.0 } else { 2.0 * lift.p * v };
+        let in_x = advanced + x + lift.p * v + self.driven(cell, 0).error(x + lift.p * v);
+        [in_x, in_v]
+    }
+
+    /// What inputs add to a state.
+    fn driven(&self, cell: &Cell, state: usize) -> Driven {
+        let mut found = Driven { count: cell.input[state].len() as f64, size: 0.0, multiplied: 0.0 };
+        for input in inputs(cell) {
+            let own = || cell.input[state].iter().filter(|(operand, _)| index(*operand) == input);
+            let sum: f64 = own().map(|(_, g)| g.abs()).sum();
+            let multiplied: f64 = own().map(|(_, g)| g.abs()).filter(|g| *g != 1.0).sum();
+            let per_length = self.added / self.added_by(cell, input) * UP;
+            found.size = larger(found.size, sum * per_length);
+            found.multiplied = larger(found.multiplied, multiplied * per_length);
+        }
+        found
+    }
+
+    /// The least length of what an input of size one adds to the states: in the first step, in which interpolated inputs
+    /// have no earlier sample, or in a later one.
+    fn added_by(&self, cell: &Cell, input: Option<usize>) -> f64 {
+        let column = |first: bool| {
+            let of = |state: &Vec<(Operand, f64)>| -> f64 {
+                let seen = |o: Operand| index(o) == input && !(first && matches!(o, Operand::Ramped(_)));
+                state.iter().filter(|(operand, _)| seen(*operand)).map(|(_, g)| g).sum()
+            };
+            let mut column: Vec<f64> = cell.input.iter().map(of).collect();
+            if let Form::Pair(lift) = &cell.form {
+                // x follows v.
+                column[0] += lift.p * column[1];
+            }
+            column
+        };
+        let lengths = [true, false].map(|first| column(first)).map(|column| self.norm.length(&column));
+        // Where nothing is added at first, nothing is rounded.
+        if lengths[0] == 0.0 { lengths[1] } else { lengths[0].min(lengths[1]) }
+    }
 }
 
-/// 1 + r + ... + r^(n-1)
-fn geometric(r: f64, n: f64) -> f64 {
-    if r >= 1.0 { n } else { n.min(1.0 / (1.0 - r)) }
+/// The inputs that act on a cell. States of signals are all one.
+fn inputs(cell: &Cell) -> Vec<Option<usize>> {
+    let mut found: Vec<Option<usize>> = cell.input.iter().flatten().map(|(operand, _)| index(*operand)).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
 }
 
-/// Bounds of sum |F^j| over 2^i steps: S(2 m) <= S(m) (1 + |F^m|).
-fn powers(f: &Matrix<f64>) -> Vec<f64> {
+fn index(operand: Operand) -> Option<usize> {
+    match operand {
+        Operand::Input(j) | Operand::Ramped(j) | Operand::Slope(j) => Some(j),
+        Operand::Signal(_) => None,
+    }
+}
+
+/// The modulus of a modal coordinate, if two states have complex poles that are well separated.
+fn modal(form: &Form) -> Option<Frame> {
+    let (norm, growth, r) = match form {
+        Form::Pair(lift) => {
+            let (k, p) = (lift.k, lift.p);
+            let (keep, lost) = match lift.decay {
+                // 1 - r, r = sqrt(1 - c)
+                Decay::Lose(c) => (1.0 - c, c / (1.0 + (1.0 - c).sqrt())),
+                Decay::Keep(r) => (r, 1.0 - r.sqrt()),
+            };
+            // The step is [1 - p k, p keep; -k, keep].
+            (eigenvector([[-p * k, p * keep], [-k, keep - 1.0]])?, lost, keep.sqrt())
+        }
+        Form::Dense { turned, rows } if rows.len() == 2 => {
+            let [a, b, c, d] = [rows[0][0], rows[0][1], rows[1][0], rows[1][1]];
+            let sign = if *turned { -1.0 } else { 1.0 };
+            // r^2 - 1 = det(E +- 1) - 1
+            let terms = [sign * a, sign * d, a * d, -b * c];
+            let more: f64 = terms.iter().sum::<f64>() + 8.0 * f64::EPSILON * terms.iter().map(|x| x.abs()).sum::<f64>();
+            let r = (1.0 + more).max(0.0).sqrt();
+            (eigenvector([[a, b], [c, d]])?, -more / (1.0 + r), r)
+        }
+        _ => return None,
+    };
+    Some(Frame::new(norm, Growth::Geometric(growth), 1.0 + r, 2))
+}
+
+/// zeta = k x + mu v, (k, mu) the left eigenvector of E: of F = E + 1 as well.
+fn eigenvector([[a, b], [c, d]]: [[f64; 2]; 2]) -> Option<Norm> {
+    let half = (a - d) / 2.0;
+    let imaginary = (-half * half - b * c).max(0.0).sqrt();
+    let mu = [-half, imaginary];
+    let apart = imaginary > 0.05 * hypotenuse(mu[0], mu[1]) && c != 0.0;
+    apart.then_some(Norm::Modal { k: c, mu })
+}
+
+/// Bounds of 1 + |F| + ... over 2^i steps: S(2 m) <= S(m) (1 + |F^m|).
+fn powers(f: Matrix<f64>) -> Vec<f64> {
     let n = f.rows();
-    let mut power = f.clone();
-    let mut sums = vec![1.0f64.max(norm_bound(n, n, |i, j| if i == j { 1.0 } else { 0.0 }))];
+    let mut power = f;
+    let mut sums = vec![1.0];
+    // What the power that is computed may be off by: its entries were rounded once.
+    let mut off = f64::EPSILON * (1.0 + norm_bound(n, n, |i, j| power[(i, j)].abs()));
     for i in 0..DOUBLINGS {
-        // The norm is rounded up by the rounding errors of squaring.
-        let norm = norm_bound(n, n, |i, j| power[(i, j)].abs()) * (1.0 + 1e-12 * (i + 1) as f64);
-        sums.push(sums[i] * (1.0 + norm));
+        let size = norm(&power);
+        let entries = norm_bound(n, n, |i, j| power[(i, j)].abs());
+        sums.push(sums[i] * (1.0 + size + off) * UP);
+        off = 2.0 * size * off + off * off + (n as f64 + 2.0) * f64::EPSILON * entries * entries;
         power = Matrix::from_fn(n, n, |i, j| (0..n).map(|k| power[(i, k)] * power[(k, j)]).sum());
     }
     sums
+}
+
+/// A bound of the 2-norm.
+fn norm(f: &Matrix<f64>) -> f64 {
+    let n = f.rows();
+    let bound = norm_bound(n, n, |i, j| f[(i, j)].abs());
+    if n != 2 {
+        return bound;
+    }
+    let squares = (0..4).map(|i| f[(i / 2, i % 2)].powi(2)).sum::<f64>();
+    let det = f[(0, 0)] * f[(1, 1)] - f[(0, 1)] * f[(1, 0)];
+    let apart = (squares * squares - 4.0 * det * det).max(0.0).sqrt();
+    // A root of a difference that cancels is off by 1e-7 of the whole at most.
+    bound.min(((squares + apart) / 2.0).sqrt() * UP)
 }
 
 #[cfg(test)]
@@ -126,6 +349,7 @@ mod tests {
     use super::*;
     use crate::analysis::discrete::lift::lift;
     use crate::analysis::discrete::turn::turn;
+    use std::ops::{Add, Mul, Sub};
 
     fn cell(form: Form, size: usize) -> Cell {
         let none = || vec![Vec::new(); size];
@@ -216,5 +440,117 @@ mod tests {
         }
         ratios.sort_by(f64::total_cmp);
         assert!(ratios[ratios.len() / 2] < 15.0, "{ratios:?}");
+    }
+
+    /// One step as it is emitted, in binary64 or in double-double.
+    fn advanced<T>(cell: &Cell, w: &[T], u: f64) -> Vec<T>
+    where
+        T: Copy + From<f64> + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
+    {
+        let of = T::from;
+        let driven = |sum: T, state: usize| cell.input[state].iter().fold(sum, |sum, &(_, g)| sum + of(g) * of(u));
+        match &cell.form {
+            Form::Keep(r) => vec![driven(of(*r) * w[0], 0)],
+            Form::Lose(d) => vec![w[0] + (driven(of(0.0), 0) - of(*d) * w[0])],
+            Form::Dense { turned, rows } => {
+                let sign = of(if *turned { -1.0 } else { 1.0 });
+                let change = |i: usize| {
+                    rows[i].iter().zip(w).fold(driven(of(0.0), i), |sum, (&e, &w)| sum + of(e) * w) + sign * w[i]
+                };
+                (0..rows.len()).map(change).collect()
+            }
+            Form::Pair(Lift { turned, decay, k, p }) => {
+                let sign = of(if *turned { -1.0 } else { 1.0 });
+                let kept = match decay {
+                    Decay::Lose(c) => w[1] - of(*c) * w[1],
+                    Decay::Keep(r) => of(*r) * w[1],
+                };
+                let v = driven(sign * kept, 1) - sign * (of(*k) * w[0]);
+                vec![driven(sign * w[0] + of(*p) * v, 0), v]
+            }
+        }
+    }
+
+    /// The bound of the first state after some steps, and its largest error where at each step the one of eight inputs is
+    /// taken that makes the errors of the states largest: both relative to the largest size of its part.
+    fn bound_and_error(form: Form, input: &[f64], steps: u64) -> (f64, f64) {
+        let mut cell = cell(form, input.len());
+        cell.input = input.iter().map(|&g| if g == 0.0 { vec![] } else { vec![(Operand::Input(0), g)] }).collect();
+        cell.output[0] = vec![(0, 1.0)];
+        let frame = Frame::of(&cell);
+        let (mut w, mut truth) = (vec![0.0; input.len()], vec![Dd::ZERO; input.len()]);
+        let errors = |w: &[f64], truth: &[Dd]| -> Vec<f64> {
+            w.iter().zip(truth).map(|(&w, &truth)| (Dd::from(w) - truth).to_f64()).collect()
+        };
+        let (mut largest, mut seen) = (0.0f64, 0.0f64);
+        let mut bits = 88_172_645_463_325_252u64;
+        for _ in 0..steps {
+            let trials = (0..8).map(|_| {
+                bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let u = (bits >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+                (advanced(&cell, &w, u), advanced(&cell, &truth, u))
+            });
+            let badness = |(w, truth): &(Vec<f64>, Vec<Dd>)| frame.norm.length(&errors(w, truth));
+            let worst = trials.max_by(|a, b| badness(a).total_cmp(&badness(b)));
+            (w, truth) = worst.expect("eight trials");
+            largest = largest.max(frame.norm.length(&truth.iter().map(|x| x.to_f64()).collect::<Vec<f64>>()));
+            seen = seen.max(errors(&w, &truth)[0].abs());
+        }
+        let bound = rounding(&[cell], &[Vec::new()], Precision::Double).error_after(steps);
+        (bound, seen / (largest * frame.most[0]))
+    }
+
+    /// Inputs can make roundings conspire, and the bound is not far above what they reach: single states, lifted pairs
+    /// without and with damping, slow and turning by more than a quarter, a dense pair near a whole turn.
+    #[test]
+    fn inputs_that_make_roundings_conspire_come_near_the_bound() {
+        let mut forms: Vec<(Form, Vec<f64>)> = vec![
+            (Form::Keep(0.3), vec![0.7]),
+            (Form::Lose(1e-4), vec![0.7]),
+            (Form::Lose(0.0), vec![1.0]),
+            (
+                Form::Dense { turned: false, rows: vec![vec![-8e-4, 0.04], vec![-0.04, -8.1e-4]] },
+                vec![0.3, 0.9],
+            ),
+        ];
+        for (k, c) in [(400.0, 0.0), (400.0, 2.0), (9e4, 0.0), (1.0, 0.0), (1e4, 200.0)] {
+            let a = Matrix::from_fn(2, 2, |i, j| Dd::from([[0.0, 1.0], [-k, -c]][i][j]));
+            let turn = turn(&a.map(|x| x * 0.01), None).expect("in range");
+            let lifted = lift(&turn, None, Precision::Double).expect("a form");
+            forms.push((Form::Pair(lifted.lift), vec![0.0, 1.0]));
+            forms.push((Form::Pair(lifted.lift), vec![-0.37, 0.61]));
+        }
+        for (form, input) in forms {
+            for steps in [1000, 20_000] {
+                let (bound, seen) = bound_and_error(form.clone(), &input, steps);
+                let over = bound / seen;
+                assert!((1.0..300.0).contains(&over), "{form:?} {input:?}, {steps}: {bound:e} for {seen:e}");
+            }
+        }
+    }
+
+    /// Two inputs that cancel in the states: each is rounded all the same.
+    #[test]
+    fn inputs_that_cancel_are_parts_by_themselves() {
+        let mut cell = cell(Form::Keep(0.5), 1);
+        cell.input = vec![vec![(Operand::Input(0), 0.7), (Operand::Input(1), -0.7)]];
+        let one = rounding(&[cell.clone()], &[Vec::new()], Precision::Double).error_after(1000);
+        let huge = 1e16 / 3.0;
+        // x <- x / 2 + 0.7 u - 0.7 u: each part is 1.4 u at most, and the states are what is left of the roundings.
+        let (mut x, mut largest) = (0.25f64, 0.0f64);
+        for _ in 0..1000 {
+            x = 0.5 * x + 0.7 * huge + -0.7 * huge;
+            largest = largest.max((x - 0.0).abs());
+        }
+        assert!(largest <= one * 2.0 * 1.4 * huge + 0.25, "{largest:e}");
+        assert!(one < 1e-14);
+    }
+
+    /// A motion that grows has no bound in terms of its size: inputs can hold the motion, and not its errors.
+    #[test]
+    fn a_motion_that_grows_has_no_bound_after_long() {
+        let bound = rounding(&[cell(Form::Lose(-0.01), 1)], &[], Precision::Double);
+        assert!(bound.error_after(100) < 1e-12);
+        assert_eq!(bound.error_after(100_000), f64::INFINITY);
     }
 }

@@ -62,15 +62,29 @@ fn error(system: &DiscreteSystem) -> Vec<String> {
             "           largest value of any output (found by the same steps in double-double beside it)".into(),
         ];
     }
-    let bound = |steps| upper(system.rounding.error_after(steps));
-    vec![
-        format!(
-            "error      no integrator's; rounding at most {} after 1e3 steps and {} after 1e5, relative to the sum of",
-            bound(1000),
-            bound(100_000)
-        ),
-        "           the largest sizes that the parts of an output have had (if all roundings conspire)".into(),
-    ]
+    let Some(rounding) = &system.rounding else {
+        return vec!["error      no integrator's; the effect of rounding is not bounded: signals are built in beside inputs".into()];
+    };
+    let after = |steps| Some(rounding.error_after(steps)).filter(|bound| bound.is_finite()).map(upper);
+    let parts = "           the largest sizes that the parts of an output have had: what each input, and the initial state,";
+    let rest = "           contributes by each block and directly (a bound for every input: if all roundings conspire)";
+    match (after(1000), after(100_000)) {
+        (Some(few), Some(many)) => vec![
+            format!(
+                "error      no integrator's; rounding at most {few} after 1e3 steps and {many} after 1e5, relative to the sum of"
+            ),
+            parts.into(),
+            rest.into(),
+        ],
+        (Some(few), None) => vec![
+            format!("error      no integrator's; rounding at most {few} after 1e3 steps (no bound after 1e5), relative to the sum of"),
+            parts.into(),
+            rest.into(),
+        ],
+        _ => vec![
+            "error      no integrator's; rounding has no bound after 1e3 steps: a motion grows, or the precision is too low".into(),
+        ],
+    }
 }
 
 /// The lines of the header of equations.

@@ -4,22 +4,20 @@ import os
 import re
 import shutil
 import subprocess
-from copy import deepcopy
 
 from flint import arb, ctx, fmpq
 
-from . import draw, motions, signals, transfer
+from . import draw, held, motions, signals, transfer
 from .exact import pi, roots
 from .tally import decimal
 
 BITS = 500
-CHECKPOINTS = (0, 1, 2, 3, 10, 99, 316, 999, 1000, 3162, 9999, 31623, 100000)
+CHECKPOINTS = (0, 1, 2, 3, 5, 7, 10, 17, 31, 56, 99, 177, 316, 562, 999, 1000, 3162, 9999, 31623, 100000)
 
 DRIVER = """#include "truth.h"
 #include <stdio.h>
 int main(void) {
     static const unsigned long at[] = { %(at)s };
-    static const double held[] = { %(held)s };
     truth_state state;
     truth_outputs outputs;
     unsigned long k;
@@ -27,14 +25,111 @@ int main(void) {
     double most = 0.0;
     truth_init(&state);
     for (k = 0; k <= %(last)sul; k++) {
-        %(step)s
+        truth_step(&state, &outputs);
         %(most)s
         if (k == at[next]) {
             next++;
             printf("%(format)s %%.17g\\n", %(values)s, most);
         }
     }
-    (void)held;
+    return 0;
+}
+"""
+
+
+# The emitted code once more in long double, with names of its own.
+WIDE = """#define double long double
+#define truth_state wide_state
+#define truth_inputs wide_inputs
+#define truth_outputs wide_outputs
+#define truth_motion wide_motion
+#define truth_init wide_init
+#define truth_reset wide_reset
+#define truth_step wide_step
+#define truth_set_state wide_set_state
+#define truth_get_state wide_get_state
+"""
+
+# Of a few inputs each the one is chosen after which the rounding errors of the states are largest, for a bound for all inputs speaks
+# of roundings that conspire. The long doubles only choose; what is printed is compared with the truth.
+STEERED = """#include "truth.h"
+#undef VIBC_TRUTH_H
+""" + WIDE + """#include "truth.h"
+#undef double
+#undef truth_state
+#undef truth_inputs
+#undef truth_outputs
+#undef truth_init
+#undef truth_step
+#include <stdio.h>
+static unsigned long long bits = 88172645463325252ull;
+static double noise(void) {
+    bits ^= bits << 13;
+    bits ^= bits >> 7;
+    bits ^= bits << 17;
+    return (double)(bits >> 11) * 0x1p-52 - 1.0;
+}
+#define COUNT (sizeof(truth_state) / sizeof(double))
+static double used[%(last)s + 1];
+static double sizes[COUNT];
+static double error(const truth_state *state, const wide_state *wide) {
+    const double *a = (const double *)state;
+    const long double *b = (const long double *)wide;
+    double sum = 0.0;
+    for (unsigned i = 0; i < COUNT; i++) {
+        if (sizes[i] > 0.0) {
+            const double e = (double)(a[i] - b[i]) / sizes[i];
+            sum += e * e;
+        }
+    }
+    return sum;
+}
+int main(void) {
+    static const unsigned long at[] = { %(at)s };
+    truth_state state;
+    wide_state wide;
+    unsigned next = 0;
+    truth_init(&state);
+    wide_init(&wide);
+    for (unsigned long k = 0; k <= %(last)sul; k++) {
+        truth_state chosen = state;
+        wide_state beside = wide;
+        truth_outputs outputs = {0};
+        double most = -1.0;
+        for (unsigned i = 0; i < COUNT; i++) {
+            const double x = ((const double *)&state)[i];
+            if (x > sizes[i]) sizes[i] = x;
+            if (-x > sizes[i]) sizes[i] = -x;
+        }
+        for (int choice = 0; choice < %(choices)s; choice++) {
+            const double u = %(u)s;
+            truth_state trial = state;
+            wide_state other = wide;
+            truth_outputs seen;
+            wide_outputs ignored;
+            const truth_inputs inputs = { u };
+            const wide_inputs same = { u };
+            truth_step(&trial, &inputs, &seen);
+            wide_step(&other, &same, &ignored);
+            const double now = error(&trial, &other);
+            if (now > most) {
+                most = now;
+                used[k] = u;
+                outputs = seen;
+                chosen = trial;
+                beside = other;
+            }
+        }
+        state = chosen;
+        wide = beside;
+        if (k == at[next]) {
+            next++;
+            printf("%(format)s\\n", %(values)s);
+        }
+    }
+    for (unsigned long k = 0; k <= %(last)sul; k++) {
+        printf("%%.17g\\n", used[k]);
+    }
     return 0;
 }
 """
@@ -48,10 +143,7 @@ def scene(rng):
     net.signals = []
     net.step = rng.choice(("1", "0.1", "0.01", "1e-3", "0.02", "0.25", draw.decimal_word(rng, -3, 1)))
     kind = rng.choice(("signal", "signal", "alias", "mode", "free"))
-    if net.hold:
-        values = [f"{rng.uniform(-1, 1):.2f}" for _ in range(8)]
-        net.held = values
-    elif kind == "alias":
+    if kind == "alias" and not net.hold:
         turns = rng.choice((1, 2, 7, 50, 92, 1000))
         net.step = rng.choice(("1", "0.1", "0.02", "10", "3550"))
         f = decimal(str(turns)) / decimal(net.step)
@@ -59,7 +151,7 @@ def scene(rng):
         word = transfer.plain(arb(f).mid().str(12, radius=False))
         word = word + shift if shift and "." in word and "e" not in word else word
         net.signals = [signals.Harmonic(draw.decimal_word(rng, -1, 1, 1), word, str(rng.choice((0, 30, 90, 17, 180))))]
-    elif kind != "free":
+    elif kind != "free" and not net.hold:
         net.signals = [signals.signal(rng, base, 1, base) for _ in range(rng.choice((1, 1, 2)))]
     if not net.hold and not net.signals:
         net.signals = [signals.Steps("step", "1", "0")]
@@ -106,13 +198,21 @@ def check(net, program, tally, rng):
         return
     last = rng.choice((1000, 1000, 100000))
     steps = [k for k in CHECKPOINTS if k <= last]
-    printed = run(net, folder, steps)
-    if printed is None:
-        tally.violate("code that does not compile or run", "no output", "C99")
-        return
-    if net.hold:
-        net = as_signals(net)
-    compare(net, printed, steps, bounds, tally)
+    seen = Seen(bounds)
+    for kind in ("steered", rng.choice(("noise", "burst", "constant"))) if net.hold else ("internal",):
+        inputs = None
+        if net.hold:
+            printed, inputs = run_held(net, folder, steps, kind) or (None, None)
+        else:
+            printed = run(net, folder, steps)
+        if printed is None:
+            tally.violate("code that does not compile or run", "no output", "C99")
+            return
+        if net.hold:
+            compare_held(net, printed, steps, inputs, seen, tally)
+        else:
+            compare(net, printed, steps, seen, tally)
+    seen.tell(tally)
 
 
 class Bounds:
@@ -120,15 +220,15 @@ class Bounds:
 
     def __init__(self, header):
         text = re.sub(r"\s*\n \*\s*", " ", header)
-        parts = re.search(r"rounding at most (\S+) after 1e3 steps and (\S+) after 1e5", text)
+        parts = re.search(r"rounding at most (\S+) after 1e3 steps(?: and (\S+) after 1e5)?", text)
         seen = re.search(r"rounding takes at most (\S+) in (\d+) steps and (\S+) in (\d+) steps of the largest value", text)
         self.of_outputs = seen is not None
         try:
             if seen:
                 self.levels = [(int(seen[2]), float(seen[1])), (int(seen[4]), float(seen[3]))]
             else:
-                self.levels = [(1000, float(parts[1])), (100000, float(parts[2]))]
-        except (ValueError, TypeError):
+                self.levels = [(steps, float(bound)) for steps, bound in zip((1000, 100000), parts.groups()) if bound]
+        except (ValueError, TypeError, AttributeError):
             self.levels = None
 
     def at(self, step):
@@ -137,22 +237,37 @@ class Bounds:
 
 
 def run(net, folder, steps):
-    """What the compiled code prints at these steps: a list of outputs each."""
+    """What the compiled code prints at these steps, a list of outputs each, for a model without inputs."""
     names = [f"y{i}" for i in range(len(net.outputs))]
-    if net.hold:
-        count = len(net.held)
-        step = f"truth_inputs inputs; inputs.F0 = k < {count} ? held[k] : 0.0; truth_step(&state, &inputs, &outputs);"
-    else:
-        step = "truth_step(&state, &outputs);"
     source = DRIVER % {
-        "at": ", ".join(str(k) for k in steps) + ", 0", "held": ", ".join(getattr(net, "held", ["0"])), "last": steps[-1], "step": step,
+        "at": ", ".join(str(k) for k in steps) + ", 0", "last": steps[-1],
         "most": " ".join(f"if (outputs.{n} > most) most = outputs.{n}; if (-outputs.{n} > most) most = -outputs.{n};" for n in names),
         "format": " ".join("%.17g" for _ in names), "values": ", ".join(f"outputs.{name}" for name in names)}
-    with open(os.path.join(folder, "main.c"), "w", encoding="utf-8") as file:
-        file.write(source)
+    return compiled(folder, {"main.c": source})
+
+
+def run_held(net, folder, steps, kind):
+    """The same for inputs that are held, and all inputs."""
+    names = [f"y{i}" for i in range(len(net.outputs))]
+    source = STEERED % {
+        "at": ", ".join(str(k) for k in steps) + ", 0", "last": steps[-1], "choices": 8 if kind == "steered" else 1,
+        "u": {"steered": "noise() * 0x1p20", "noise": "noise()", "burst": "k < 8 ? noise() : 0.0", "constant": "0.7"}[kind],
+        "format": " ".join("%.17g" for _ in names), "values": ", ".join(f"outputs.{name}" for name in names)}
+    lines = compiled(folder, {"main.c": source, "wide.c": WIDE + '#include "truth.c"\n'})
+    if lines is None:
+        return None
+    count = len(steps)
+    return lines[:count], [line[0] for line in lines[count:]]
+
+
+def compiled(folder, sources):
+    """The numbers in each line that a program around the emitted code prints; None where it does not compile or run."""
+    for name, text in sources.items():
+        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+            file.write(text)
     out = os.path.join(folder, "run")
-    words = ["cc", "-std=c99", "-O1", "-o", out, os.path.join(folder, "truth.c"), os.path.join(folder, "main.c"), "-lm"]
-    if subprocess.run(words, capture_output=True, check=False).returncode != 0:
+    places = [os.path.join(folder, name) for name in ("truth.c", *sources)]
+    if subprocess.run(["cc", "-std=c99", "-O1", "-o", out, *places, "-lm"], capture_output=True, check=False).returncode != 0:
         return None
     done = subprocess.run([out], capture_output=True, check=False, timeout=60)
     if done.returncode != 0:
@@ -160,40 +275,35 @@ def run(net, folder, steps):
     return [[float(word) for word in line.split()] for line in done.stdout.decode().splitlines()]
 
 
-def as_signals(net):
-    """Inputs that were held as a signal: steps, or lines from sample to sample after a first jump."""
-    h = decimal(net.step)
-    pieces = []
-    values = [decimal(v) for v in net.held] + [fmpq(0)]
-    if net.hold == "zero":
-        before = fmpq(0)
-        for k, v in enumerate(values):
-            pieces.append(signals.Piece(h * k, [v - before], 1))
-            before = v
-    else:
-        pieces.append(signals.Piece(fmpq(0), [values[0]], 1))
-        before = fmpq(0)
-        for k, v in enumerate(values):
-            slope = (values[k + 1] - v) / h if k + 1 < len(values) else fmpq(0)
-            pieces.append(signals.Piece(h * k, [slope - before], 2))
-            before = slope
-    copy = deepcopy(net)
-    copy.signals = [Held(pieces)]
-    return copy
+class Seen:
+    """The largest error that is seen below each bound: over outputs, steps and inputs."""
+
+    def __init__(self, bounds):
+        self.bounds, self.most = bounds, {}
+
+    def output(self, told, step, truth, size, tally):
+        """One output at one step; `size` is what the bound is relative to."""
+        last, bound = self.bounds.at(step)
+        if bound is None:
+            return
+        if told != told or abs(told) == float("inf"):
+            tally.violate("no number", told, "a number")
+            return
+        words = f"{truth.str(25, radius=False)}, size {arb(size).str(5, radius=False)}"
+        error = abs(arb(told) - truth)
+        tally.within("emitted output", told, f"{bound} at step {step}", size * bound, error, words, size if size > 0 else arb(1))
+        if size > 0:
+            self.most[last] = max(self.most.get(last, 0.0), float((error / size).upper()))
+
+    def tell(self, tally):
+        """Each bound over what is seen."""
+        for last, bound in self.bounds.levels:
+            if last in self.most:
+                tally.ratio(bound, self.most[last])
 
 
-class Held:
-    """An input as pieces of a signal."""
-
-    def __init__(self, found):
-        self.found = found
-
-    def pieces(self):
-        return self.found
-
-
-def compare(net, printed, steps, bounds, tally):
-    """The outputs at each checkpoint; the bound is relative to the sum of the largest parts so far."""
+def compare(net, printed, steps, seen, tally):
+    """The outputs of a model without inputs at each checkpoint; the bound is relative to their largest values."""
     h = decimal(net.step)
     most = {k: row[-1] for k, row in zip(steps, printed)}
     for i in range(len(net.outputs)):
@@ -202,29 +312,18 @@ def compare(net, printed, steps, bounds, tally):
         except ValueError:
             continue
         for k, row in zip(steps, printed):
-            t = h * k
-            last, bound = bounds.at(k)
-            told = row[i]
-            if bound is None:
-                continue
-            size = arb(most.get(last, row[-1])) if bounds.of_outputs else largest(motion, t)
-            if told != told or abs(told) == float("inf"):
-                tally.violate("no number", told, "a number")
-                continue
-            truth = motion.at(t)
-            words = f"{truth.str(25, radius=False)}, size {size.str(5, radius=False)}"
-            unit = size if size > 0 else arb(1)
-            tally.settle("emitted output", told, f"{bound} at step {k}", size * bound, abs(arb(told) - truth), words, unit)
+            last, _ = seen.bounds.at(k)
+            seen.output(row[i], k, motion.at(h * k), arb(most.get(last, row[-1])), tally)
 
 
-def largest(motion, t):
-    """The sum of the largest sizes that the parts have had up to a time."""
-    total = arb(0)
-    for delay, fractions in motion.terms:
-        if t < delay:
+def compare_held(net, printed, steps, inputs, seen, tally):
+    """The outputs under inputs at each checkpoint; the bound is relative to the sum of the largest sizes of their parts."""
+    for i in range(len(net.outputs)):
+        try:
+            output = held.Output(net, i, inputs)
+        except ValueError:
             continue
-        for part in fractions:
-            total += abs(motions.evaluated([part], fmpq(0))).max(abs(motions.evaluated([part], t - delay)))
-    for chirp in motion.chirps:
-        total += sum((abs(gs[0]) / (abs(p) + 1) for p, gs in motion.impulse), arb(0)) * abs(arb(decimal(chirp.a)))
-    return total
+        sizes = output.sizes()
+        for k, row in zip(steps, printed):
+            # The sizes are those of binary64 numbers: half a millionth is far more than they are off.
+            seen.output(row[i], k, output.at(k), arb(sizes[k]) * arb("1.0000005"), tally)

@@ -89,19 +89,30 @@ class Tally:
         error = abs(number(told) - truth)
         self.settle(kind, told, "1 unit", arb(unit), error, truth, arb(unit) / 2 / ROUNDING)
 
-    def settle(self, kind, told, bound, allowed, error, truth, size, unit=None):
-        """Whether an error is within what is allowed, and by how much; `size` is what rounding is measured by."""
+    def within(self, kind, told, bound, allowed, error, truth, unit):
+        """The error, if it is within what is allowed."""
         self.comparisons += 1
         if error > allowed:
             self.violate(kind, told, text(truth), bound)
-            return
+            return None
         if not error <= allowed:
             # Undecided: the error is zero to more digits than any bound has, or the oracle had too few digits.
-            if not error.upper() <= (size if unit is None else unit) * arb(2) ** -150:
+            if not error.upper() <= unit * arb(2) ** -150:
                 self.undecided += 1
                 self.open[kind] = self.open.get(kind, 0) + 1
-                return
+                return None
             error = arb(0)
+        return error
+
+    def ratio(self, bound, seen):
+        """A relative bound of many numbers beside the largest error of them all."""
+        self.ratios.append(bound / max(seen, float(ROUNDING)))
+
+    def settle(self, kind, told, bound, allowed, error, truth, size, unit=None):
+        """Whether an error is within what is allowed, and by how much; `size` is what rounding is measured by."""
+        error = self.within(kind, told, bound, allowed, error, truth, size if unit is None else unit)
+        if error is None:
+            return
         floor = size * ROUNDING
         least = error if error > floor else floor
         if allowed.is_zero() or not least > TINY:
