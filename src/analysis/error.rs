@@ -201,8 +201,9 @@ impl AnalysisError {
                 "choose a shorter time: a divergence grows by a factor e in each of its growth times",
             ),
             AnalysisError::UncertainModes { .. } => (
-                "the modes are not accurate enough to give each its damping ratio".to_string(),
-                "choose stiffnesses and masses of more similar magnitude, or write dampers instead of `damping modal`",
+                "the modes are not known well enough to give each its damping ratio".to_string(),
+                "write what cancels without roots and angles, choose stiffnesses and masses of more similar magnitude, or write \
+                 dampers instead of `damping modal`",
             ),
             AnalysisError::OutOfRange { .. } => (
                 "stiffnesses and masses differ too much in magnitude: a number left the range of binary64".to_string(),

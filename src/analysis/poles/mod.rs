@@ -339,7 +339,11 @@ impl Portion<'_> {
         let decided = rigid.free.len() + rigid.dragged.len() == rigid_modes;
         let zeros = if decided { basis.zeros() } else { rigid_modes };
         let Some(lost) = (2 * pencil.n).checked_sub(zeros + count) else {
-            return Err(AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) });
+            // Approximations of a pole that is repeated within what is known may be more than there are poles, real and
+            // complex ones. Nothing is known of any.
+            found.unknown((2 * pencil.n).saturating_sub(zeros));
+            found.zeros(zeros.min(2 * pencil.n));
+            return Ok(());
         };
         // Poles that were not found are listed nevertheless: nothing is known of them, and nothing is certified of the
         // others.
