@@ -601,6 +601,10 @@ fn quantity(text: &str, dimension: Dimension, literals: Literals) -> Result<(Num
         .filter_map(|at| Rational::from_literal(&text[..at], literals).map(|value| (Number::from(value), &text[at..])));
     let Some((value, rest)) = read.take(1).next() else { return Err("it does not begin with a number".into()) };
     let rest = rest.trim();
+    if rest.starts_with(|c: char| c.is_ascii_digit()) {
+        // `1e-398Hz`: what reads as `1e-39` is not the number that is written.
+        return Err("its number is outside the range of binary64".into());
+    }
     if rest.is_empty() {
         return if value.is_zero() { Ok((value, Angle::Plain)) } else { Err("it needs a unit".into()) };
     }

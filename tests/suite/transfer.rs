@@ -400,3 +400,79 @@ fn damping_by_modes_is_within_the_bound_between_weakly_joined_masses() {
         ("9.0911842387486996974927679588019877936245283e-14", "-1.76378252360261424875718972787631449424252876e-11");
     receptance(text, "3", far);
 }
+
+/// The answer of the program to a model, as JSON, and its exit status with what it says.
+fn told(model: &str, command: &str, options: &[&str]) -> (serde_json::Value, Option<i32>, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("model.vib");
+    std::fs::write(&path, model).expect("a model");
+    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_vibc"));
+    program.arg(command).arg(&path).args(["--format", "json", "--message-format", "json"]).args(options);
+    let output = program.output().expect("the program runs");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    (serde_json::from_slice(&output.stdout).unwrap_or_default(), output.status.code(), said)
+}
+
+/// An oscillator of 1e297 kg on 1e-297 N/m, whose omega^2 no binary64 number holds, has the values of the textbook:
+/// H = 1 / (k - m w^2 + i w c), where m, c and k are powers of ten with w a multiple of 1e-297 rad/s.
+#[test]
+fn frequencies_whose_squares_leave_the_range_have_values() {
+    let model = "model far\nbody m { mass = 1e297 kg, moves x }\nspring k: ground -- m { k = 1e-297 N/m }\n\
+                 damper c: ground -- m { c = 0.5 N*s/m }\nforce F: m along x\noutput y = m.x\noutput v = m.vx\n";
+    let at = ["--at", "1e-297 rad/s", "--at", "2e-297 rad/s", "--at", "1e-300 rad/s"];
+    let (table, status, said) = told(model, "transfer", &at);
+    assert_eq!(status, Some(0), "{said}");
+    let rows = |output: usize| table["pairs"][output]["values"].as_array().expect("rows").clone();
+    // In units of 1e297: 1 / (1 - n^2 + i n / 2) at n times 1e-297 rad/s.
+    let truth = |n: f64| {
+        let (a, b) = (1.0 - n * n, n / 2.0);
+        (a / (a * a + b * b), -b / (a * a + b * b))
+    };
+    for (row, n) in rows(0).iter().zip([1.0, 2.0, 1e-3]) {
+        let (re, im) = truth(n);
+        let number = |field: &str| row[field].as_f64().unwrap_or_else(|| panic!("{n}: no {field}"));
+        let off = (number("re") / 1e297 - re).hypot(number("im") / 1e297 - im) / re.hypot(im);
+        assert!(off < 1e-15 && number("error_bound") < 1e-15, "{n}: off by {off:e}, {row}");
+    }
+    for (row, n) in rows(1).iter().zip([1.0, 2.0, 1e-3]) {
+        let (re, im) = truth(n);
+        let number = |field: &str| row[field].as_f64().unwrap_or_else(|| panic!("{n}: no {field}"));
+        // i w H, w = n 1e-297
+        let off = (number("re") / n + im).hypot(number("im") / n - re) / re.hypot(im);
+        assert!(off < 1e-15 && number("error_bound") < 1e-15, "{n}: off by {off:e}, {row}");
+    }
+}
+
+/// A frequency that no binary64 number holds is said to be out of range; its end is not read as a unit.
+#[test]
+fn a_frequency_out_of_range_is_no_unit() {
+    let model = "model far\nbody m { mass = 1 kg, moves x }\nspring k: ground -- m { k = 1 N/m }\n\
+                 force F: m along x\noutput y = m.x\n";
+    let (_, status, said) = told(model, "transfer", &["--at", "1.5e-398Hz"]);
+    assert_eq!(status, Some(2));
+    assert!(said.contains("outside the range of binary64") && !said.contains("unit"), "{said}");
+}
+
+/// Springs of 1e60 N/m across springs of 1 N/m: products of the stiff ones have nothing left of the soft ones in thirty
+/// digits. No frequency is printed, and the warning says so.
+#[test]
+fn a_mesh_graded_beyond_all_digits_has_no_frequencies() {
+    let mesh = |decades: i32| {
+        format!(
+            "model mesh\nrepeat i in 1..4 {{ repeat j in 1..6 {{ body b[i,j] {{ mass = 1 kg, moves x }} }} }}\n\
+             repeat i in 2..4 {{ repeat j in 1..6 {{ spring h[i,j]: b[i-1,j] -- b[i,j] {{ k = 10^({decades}*(2*i-5)) * 1 N/m }} }} }}\n\
+             repeat i in 1..4 {{ repeat j in 2..6 {{ spring v[i,j]: b[i,j-1] -- b[i,j] {{ k = 1 N/m }} }} }}\n\
+             repeat i in 1..4 {{ spring g[i]: ground -- b[i,1] {{ k = 1 N/m }} }}\n"
+        )
+    };
+    let (beyond, _, said) = told(&mesh(20), "analyze", &["--modes", "3"]);
+    assert!(said.contains("vib::limit::tolerance"), "{said}");
+    for mode in beyond["modes"].as_array().expect("modes") {
+        assert!(mode["frequency_hz"].is_null() && mode["omega_error_bound"].is_null(), "{mode}");
+    }
+    // Within the digits the frequencies of all rows of a mesh are those of one row: 2 sin((2 n - 1) pi / 26).
+    let (within, _, _) = told(&mesh(3), "analyze", &["--modes", "1"]);
+    let least = 2.0 * (std::f64::consts::PI / 26.0).sin() / (2.0 * std::f64::consts::PI);
+    let found = within["modes"][0]["frequency_hz"].as_f64().expect("a frequency");
+    assert!((found / least - 1.0).abs() < 1e-14, "{found} {least}");
+}

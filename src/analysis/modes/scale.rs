@@ -14,7 +14,7 @@ use crate::kernel::triple::{Precise, Triple};
 use crate::system::Form;
 
 /// Squares between 2^-PLAIN and 2^PLAIN are not scaled.
-const PLAIN: i32 = 100;
+pub(in crate::analysis) const PLAIN: i32 = 100;
 /// Bits of the largest power of two by which two numbers in the range of binary64 can differ.
 const MOST_BITS: u64 = 20_000;
 
@@ -93,7 +93,7 @@ fn centring(terms: &Terms) -> i32 {
 }
 
 /// e for a number between 2^e and 2^(e+1) in magnitude; `None` for zero and for numbers that are not finite.
-pub fn exponent(x: f64) -> Option<i32> {
+pub(in crate::analysis) fn exponent(x: f64) -> Option<i32> {
     if x == 0.0 || !x.is_finite() {
         return None;
     }
@@ -132,9 +132,14 @@ fn scaled(value: Triple, radius: f64, e: i32) -> Option<(Triple, f64)> {
     (result.is_finite() && bound.is_finite()).then_some((result, bound))
 }
 
+/// 2^e; `None` if the exponent is beyond what two numbers in the range of binary64 can differ by.
+pub(in crate::analysis) fn power(e: i32) -> Option<Number> {
+    Rational::from(2).pow(e, MOST_BITS).map(Number::from)
+}
+
 /// 2^e times a form, exact where its weights are.
-fn times(form: &Form, e: i32) -> Option<Form> {
-    let power = Number::from(Rational::from(2).pow(e, MOST_BITS)?);
+pub(in crate::analysis) fn times(form: &Form, e: i32) -> Option<Form> {
+    let power = power(e)?;
     let mut result = Form::new();
     for term in form.terms() {
         let source = result.source(form.source_of(term.source));

@@ -11,6 +11,7 @@ pub mod extrema;
 pub(in crate::analysis) mod inverse;
 pub mod modal;
 mod pieces;
+mod scaled;
 pub(in crate::analysis) mod sparse;
 pub mod table;
 pub(in crate::analysis) mod two_sided;
@@ -218,6 +219,19 @@ impl<'a> Transfer<'a> {
 
     /// H at a frequency from some inputs to some outputs: `[input][output]`, in the order given.
     pub fn between(&self, frequency: &Frequency, inputs: &[usize], outputs: &[usize]) -> Vec<Vec<Gain>> {
+        let mut gains = self.in_own_units(frequency, inputs, outputs);
+        if gains.iter().flatten().any(|gain| *gain == Gain::Unknown)
+            && let Some((system, frequency)) = scaled::scaled(self.system, frequency)
+        {
+            let others = Transfer::of(&system).in_own_units(&frequency, inputs, outputs);
+            let pairs = gains.iter_mut().flatten().zip(others.into_iter().flatten());
+            pairs.filter(|(gain, _)| **gain == Gain::Unknown).for_each(|(gain, other)| *gain = other);
+        }
+        gains
+    }
+
+    /// The same with the numbers as they are, whatever their size.
+    fn in_own_units(&self, frequency: &Frequency, inputs: &[usize], outputs: &[usize]) -> Vec<Vec<Gain>> {
         let mut gains = vec![vec![Gain::Unknown; outputs.len()]; inputs.len()];
         if self.system.n() == 0 {
             let nothing = Solution { re: Vec::new(), im: Vec::new(), error: Vec::new() };

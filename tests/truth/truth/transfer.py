@@ -8,6 +8,8 @@ from .net import GROUND
 from .tally import decimal, number
 
 BITS = 400
+# Numbers below are outside the range that the program reads.
+LEAST_FREQUENCY = fmpq(1, 10 ** 305)
 
 
 def scene(rng, most=4, decades=None, base=True):
@@ -81,7 +83,7 @@ def frequencies(rng, denominator):
             words.append(draw.decimal_word(rng, -40, 40))
         else:
             words.append(draw.decimal_word(rng, -2, 2))
-    return [word for word in dict.fromkeys(words) if decimal(word) > 0]
+    return [word for word in dict.fromkeys(words) if decimal(word) > LEAST_FREQUENCY]
 
 
 def plain(word):
