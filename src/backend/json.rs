@@ -249,6 +249,8 @@ struct JsonSolved<'a> {
     unsettled: Vec<[String; 2]>,
     looked_at: usize,
     until_s: JsonNumber,
+    /// What every other number of the answer is about.
+    bounds_from: &'static str,
 }
 
 /// In SI units, frequencies in Hz.
@@ -470,6 +472,7 @@ fn json_solved(solved: &Solved) -> JsonSolved<'_> {
             Others::None(_) | Others::Unknown => Vec::new(),
         },
         looked_at: solved.evaluations,
+        bounds_from: if solved.bound == Some(0.0) { "root" } else { "value" },
         until_s: solved.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
     }
 }

@@ -40,6 +40,7 @@ pub fn solved(list: &[Solved]) -> Section {
         .iter()
         .filter_map(unproven_line)
         .chain(simulated_time_line(list.iter().find_map(|solved| solved.until.as_ref())));
+    let remarks = remarks.chain(counted_from(list));
     let blocks = [Block::Line("solved".into()), table.into()];
     Section::new(HEADING, blocks.into_iter().chain(remarks.map(Block::from)))
 }
@@ -57,6 +58,14 @@ fn unproven_line(solved: &Solved) -> Option<Line> {
             Some(line![name, ": the one found with ", solved.evaluations, " values tried; others are not excluded"])
         }
     }
+}
+
+/// What the bounds of the rest of the report are about, where a value is not the root itself.
+fn counted_from(list: &[Solved]) -> Option<Line> {
+    let is_root = |solved: &Solved| solved.bound == Some(0.0);
+    let value = if list.len() == 1 { "this value" } else { "these values" };
+    let about = line!["the rest is about exactly ", value, ": its error bounds count from there, not from the true root"];
+    (!list.iter().all(is_root)).then_some(about)
 }
 
 /// An enclosed derivative with its certain digits; an unproven one with few digits and a mark.
