@@ -425,6 +425,12 @@ impl<S> Path<S> {
     pub fn is_empty(&self) -> bool {
         self.turns.is_empty() && self.runs.is_empty()
     }
+
+    /// Gives back memory that is reserved for longer paths, of which one that is kept has no use.
+    pub fn shrink_to_fit(&mut self) {
+        self.turns.shrink_to_fit();
+        self.runs.shrink_to_fit();
+    }
 }
 
 impl<S> Path<S> {

@@ -28,10 +28,9 @@ impl<'a> Check<'a> {
     fn couple(&mut self, ident: Ident, left: ExprId, right: ExprId, environment: Environment) -> Evaluated<Couple> {
         let a = self.side(left, environment);
         let b = self.side(right, environment)?;
-        let Combination { terms, dimension, .. } = match (a?, b) {
-            (Some(a), Some(b)) => self.difference(a, b, (left, right), environment)?,
-            (Some(one), None) => one,
-            (None, Some(one)) => negated(one),
+        let mut terms = match (a?, b) {
+            (Some(a), Some(b)) => self.difference(a, b, (left, right), environment)?.terms,
+            (Some(one), None) | (None, Some(one)) => one.terms,
             (None, None) => {
                 let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
                 return self.fail(environment, QuestionError::NoMotion { span });
@@ -39,7 +38,9 @@ impl<'a> Check<'a> {
         };
         let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
         self.couples_displacements(&terms, span, environment)?;
-        Ok(Couple { name: self.name(ident, environment)?, span: ident.span, dimension, terms })
+        // There may be a million of these lists, and each has few terms.
+        terms.shrink_to_fit();
+        Ok(Couple { name: self.name(ident, environment)?, span: ident.span, terms })
     }
 
     /// One side of a coupling; `None` for a bare zero.

@@ -80,6 +80,7 @@ fn of_couple(kinematics: &Kinematics, couple: &Couple) -> Equation<Number> {
             Motion::Point { part, at, direction, .. } => {
                 let mut path = Path::default();
                 loads::path_from_ground(kinematics, kinematics.point(*part, at.as_ref()), &mut path);
+                path.shrink_to_fit();
                 let direction = Vector::of(direction).scaled(coefficient);
                 equation.components.push(Component { path, direction, carrier: None });
             }
@@ -92,5 +93,7 @@ fn of_couple(kinematics: &Kinematics, couple: &Couple) -> Equation<Number> {
         }
     }
     equation.turns.retain(|(_, factor)| !Scalar::is_zero(factor));
+    equation.components.shrink_to_fit();
+    equation.turns.shrink_to_fit();
     equation
 }

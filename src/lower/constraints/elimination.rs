@@ -127,7 +127,7 @@ impl Elimination {
         let weight = |(coordinate, entry): (&Index, &Number)| entry.to_f64().abs() * unit(*coordinate);
         let mut row: Open = row.into_iter().collect();
         let before = row.iter().map(weight).fold(0.0, f64::max);
-        let less = self.eliminate_pivots(&mut row);
+        let mut less = self.eliminate_pivots(&mut row);
         let is_something = |entry: &(&Index, &Number)| {
             !entry.1.may_be_zero() && weight(*entry) > if entry.1.exact().is_some() { 0.0 } else { NOTHING * before }
         };
@@ -148,6 +148,7 @@ impl Elimination {
         };
         let scale = normalise(&mut row, pivot, &mut self.work);
         let row: Row = row.into_iter().collect();
+        less.shrink_to_fit();
         self.entries += size(&row) + size(&less);
         self.step_of.insert(pivot, self.steps.len());
         self.steps.push(Step { number, pivot, row, scale, less });
