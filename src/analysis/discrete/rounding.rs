@@ -508,10 +508,7 @@ mod tests {
             (Form::Keep(0.3), vec![0.7]),
             (Form::Lose(1e-4), vec![0.7]),
             (Form::Lose(0.0), vec![1.0]),
-            (
-                Form::Dense { turned: false, rows: vec![vec![-8e-4, 0.04], vec![-0.04, -8.1e-4]] },
-                vec![0.3, 0.9],
-            ),
+            (Form::Dense { turned: false, rows: vec![vec![-8e-4, 0.04], vec![-0.04, -8.1e-4]] }, vec![0.3, 0.9]),
         ];
         for (k, c) in [(400.0, 0.0), (400.0, 2.0), (9e4, 0.0), (1.0, 0.0), (1e4, 200.0)] {
             let a = Matrix::from_fn(2, 2, |i, j| Dd::from([[0.0, 1.0], [-k, -c]][i][j]));

@@ -64,7 +64,8 @@ fn unproven_line(solved: &Solved) -> Option<Line> {
 fn counted_from(list: &[Solved]) -> Option<Line> {
     let is_root = |solved: &Solved| solved.bound == Some(0.0);
     let value = if list.len() == 1 { "this value" } else { "these values" };
-    let about = line!["the rest is about exactly ", value, ": its error bounds count from there, not from the true root"];
+    let about =
+        line!["the rest is about exactly ", value, ": its error bounds count from there, not from the true root"];
     (!list.iter().all(is_root)).then_some(about)
 }
 

@@ -63,10 +63,14 @@ fn error(system: &DiscreteSystem) -> Vec<String> {
         ];
     }
     let Some(rounding) = &system.rounding else {
-        return vec!["error      no integrator's; the effect of rounding is not bounded: signals are built in beside inputs".into()];
+        return vec![
+            "error      no integrator's; the effect of rounding is not bounded: signals are built in beside inputs"
+                .into(),
+        ];
     };
     let after = |steps| Some(rounding.error_after(steps)).filter(|bound| bound.is_finite()).map(upper);
-    let parts = "           the largest sizes that the parts of an output have had: what each input, and the initial state,";
+    let parts =
+        "           the largest sizes that the parts of an output have had: what each input, and the initial state,";
     let rest = "           contributes by each block and directly (a bound for every input: if all roundings conspire)";
     match (after(1000), after(100_000)) {
         (Some(few), Some(many)) => vec![
