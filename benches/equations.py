@@ -2,14 +2,15 @@
 
 `python benches/equations.py --program target/release/vibc` prints a table. The program's time is that of a whole process, which reads the model,
 checks it, lowers it, derives and compares everything and writes the text; beside it what is left of that without a process that only checks.
-SymPy's is that of the energies and `form_lagranges_equations` alone: no import, no linearising. Processor time of the fastest of several runs.
-Needs sympy.
+SymPy's is that of the energies and `form_lagranges_equations` alone, without linearising, and beside it the whole process with its import. Like is
+to be compared with like: process with process, and what is left without each one's start. Processor time of the fastest of several runs. Needs sympy.
 """
 
 import argparse
 import math
 import os
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -44,12 +45,17 @@ def by_sympy(links):
 
 def by_program(program, command, model, runs):
     """Seconds of processor time of the fastest process."""
+    return by_process([program, command, model], runs)
+
+
+def by_process(words, runs):
+    """Seconds of processor time of the fastest process."""
     fastest = math.inf
     for _ in range(runs):
-        process = subprocess.Popen([program, command, model], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = status
-        assert status == 0, f"{command} {model}: {status}"
+        assert status == 0, f"{words}: {status}"
         fastest = min(fastest, used.ru_utime + used.ru_stime)
     return fastest
 
@@ -58,7 +64,11 @@ def main():
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--program", default="target/release/vibc")
     words.add_argument("--links", type=int, default=10)
+    words.add_argument("--sympy-alone", type=int, help=argparse.SUPPRESS)
     options = words.parse_args()
+    if options.sympy_alone:
+        by_sympy(options.sympy_alone)
+        return
     here = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
     with tempfile.TemporaryDirectory() as folder:
         def model(links):
@@ -67,12 +77,18 @@ def main():
                 file.write(chain(links))
             return place
 
-        print("| links | SymPy [s] | vibc, whole process [ms] | ratio | less `vibc check` [ms] | ratio |\n| --- | --- | --- | --- | --- | --- |")
+        print("| links | SymPy's process [s] | vibc's [ms] | ratio | SymPy without start [s] | vibc without `vibc check` [ms] | ratio |")
+        print("| --- | --- | --- | --- | --- | --- | --- |")
         for links in range(1, options.links + 1):
-            theirs = min(by_sympy(links) for _ in range(2 if links < 6 else 1))
+            repeats = 2 if links < 6 else 1
+            theirs = min(by_sympy(links) for _ in range(repeats))
+            process = by_process([sys.executable, os.path.abspath(__file__), "--sympy-alone", str(links)], repeats)
             check, own = (by_program(options.program, command, model(links), 60) for command in ("check", "equations"))
             derived = own - check
-            print(f"| {links} | {theirs:.3f} | {1e3 * own:.2f} | {theirs / own:.0f} | {1e3 * derived:.2f} | {theirs / derived:.0f} |", flush=True)
+            whole = f"{process:.2f} | {1e3 * own:.2f} | {process / own:.0f}"
+            print(f"| {links} | {whole} | {theirs:.3f} | {1e3 * derived:.2f} | {theirs / derived:.0f} |", flush=True)
+        nothing = by_process(["/bin/true"], 200)
+        print(f"\na process that does nothing: {1e3 * nothing:.2f} ms")
         cart = os.path.join(here, "examples", "cart.vib")
         check, equations = (by_program(options.program, command, cart, 200) for command in ("check", "equations"))
         print(f"\ncart: check {1e3 * check:.2f} ms, equations {1e3 * equations:.2f} ms: {(equations - check) / check:+.0%} of check")

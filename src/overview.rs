@@ -6,12 +6,12 @@ use crate::analysis::{self, Methods, Mode, ModeKind, Normalise, Pole, Request, S
 use crate::answers::ModalAnswer;
 use crate::answers::report::{self, Options};
 use crate::backend::decimal::{certain, certain_whole};
-use crate::backend::page::{Answers, MotionShown, Movement, Movements, Page, PoleShown, Text, TransferShown};
+use crate::backend::page::{Answers, Bend, MotionShown, Movement, Movements, Page, PoleShown, Text, TransferShown};
 use crate::backend::{draw, equations};
 use crate::base::{Diagnostic, Diagnostics, FileId, Number, Sources, Span};
 use crate::dynamics::{self, WrittenOut};
 use crate::kernel::complex::Complex;
-use crate::lower::Mechanism;
+use crate::lower::{Mechanism, Poses};
 use crate::model::Overrides;
 use crate::model::scene::Scene;
 use crate::picture::{self, Figure, Item, Moving};
@@ -36,6 +36,8 @@ pub struct Overview {
 
 /// Scenes with more coordinates are not animated: each mode would add that many numbers to the page.
 const MOST_MOVING: usize = 120;
+/// Coordinates for whose products the loops of a figure stay together.
+const MOST_BENT: usize = 30;
 /// Motions of each kind that a page lets move.
 const MOST_MOTIONS: usize = 60;
 /// Pairs of inputs and outputs whose curves a page has.
@@ -115,6 +117,7 @@ impl Overview {
         let mut poles = Vec::new();
         if let (Ok((_, moving)), true) = (&figure, n <= MOST_MOVING) {
             movements.basis = (0..n).map(|i| mechanism.poses(Some(&unit(n, i)))).collect();
+            movements.bends = bends(mechanism, &movements.basis);
             let modes = answer.modes.numbered().take(MOST_MOTIONS);
             movements.list =
                 modes.map(|(number, mode)| of_mode(number, mode, answer.rest.is_proven(), mechanism, moving)).collect();
@@ -206,6 +209,7 @@ impl Overview {
             poles: &self.poles,
             transfer: self.transfer.as_ref(),
             motion: self.motion.as_ref(),
+            sensitivities: &self.answer.sensitivities,
         };
         page(&self.answer.model, of, shown, Some(answers))
     }
@@ -254,6 +258,28 @@ fn unit(n: usize, i: usize) -> Vec<f64> {
     let mut unit = vec![0.0; n];
     unit[i] = 1.0;
     unit
+}
+
+/// What loops add for each product of two coordinates: of a bend by both of them together, what is in neither alone.
+fn bends(mechanism: &Mechanism, basis: &[Poses]) -> Vec<Bend> {
+    let n = basis.len();
+    if n > MOST_BENT || !mechanism.closes_loops() {
+        return Vec::new();
+    }
+    let alone = |i: usize| basis[i].values().map(|value| value.bend);
+    let mut list = Vec::new();
+    for i in 0..n {
+        list.push(Bend { by: [i, i], values: alone(i).collect() });
+        for j in 0..i {
+            let mut both = unit(n, i);
+            both[j] = 1.0;
+            let both = mechanism.poses(Some(&both));
+            let values = both.values().zip(alone(i).zip(alone(j))).map(|(both, (one, other))| both.bend - one - other);
+            list.push(Bend { by: [i, j], values: values.collect() });
+        }
+    }
+    list.retain(|bend| bend.values.iter().any(|value| *value != 0.0));
+    list
 }
 
 fn of_mode(number: usize, mode: &Mode, proven: bool, mechanism: &Mechanism, moving: &Moving) -> Movement {

@@ -1,19 +1,31 @@
 //! Linear equations whose entries are sums: Gauss's elimination, with pivots that are certainly not zero at the values of their names.
 
 use super::names::Names;
-use crate::symbols::Sum;
+use crate::symbols::{Factor, Product, Sum};
 
 /// Left sides with right sides.
 pub type Rows = Vec<(Vec<Sum>, Vec<Sum>)>;
 
+/// Terms of all rows together, beyond which nobody reads the solution: they grow faster than any power of the unknowns.
+pub const MOST_TERMS: usize = 2_000;
+
+/// Why rows are not solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unsolved {
+    /// No entry is certainly not zero, or its inverse has no form.
+    NoPivot,
+    /// The rows have so many terms.
+    Long { terms: usize },
+}
+
 /// Solves rows of (left, right) for the given number of unknowns; dependent rows are ignored, undetermined unknowns are zero.
-pub fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Option<Vec<Vec<Sum>>> {
+pub fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Result<Vec<Vec<Sum>>, Unsolved> {
     let mut done: Rows = Vec::new();
     let mut pivots: Vec<usize> = Vec::new();
     for _ in 0..unknowns {
-        let (row, column) = pivot(&rows, names)?;
+        let (row, column) = pivot(&rows, names).ok_or(Unsolved::NoPivot)?;
         let (left, right) = rows.swap_remove(row);
-        let inverse = left[column].inverse()?;
+        let inverse = left[column].inverse().ok_or(Unsolved::NoPivot)?;
         let scaled =
             |entries: Vec<Sum>| entries.iter().map(|entry| (entry * &inverse).simplified()).collect::<Vec<Sum>>();
         let (left, right) = (scaled(left), scaled(right));
@@ -28,12 +40,26 @@ pub fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Option<Vec<Vec<S
         }
         done.push((left, right));
         pivots.push(column);
+        let terms = rows.iter().chain(&done).flat_map(|(left, right)| left.iter().chain(right)).map(size).sum();
+        if terms > MOST_TERMS {
+            return Err(Unsolved::Long { terms });
+        }
     }
     let mut solved = vec![Vec::new(); done.first().map_or(0, |(left, _)| left.len())];
     for ((_, right), column) in done.into_iter().zip(pivots) {
         solved[column] = right;
     }
-    Some(solved)
+    Ok(solved)
+}
+
+/// Terms of a sum and of the sums that it divides by.
+fn size(sum: &Sum) -> usize {
+    let inside = |(factor, _): &(Factor, i32)| match factor {
+        Factor::Whole(inner) | Factor::Root(inner) => size(inner),
+        _ => 0,
+    };
+    let of_product = |product: &Product| 1 + product.factors().iter().map(inside).sum::<usize>();
+    sum.terms().iter().map(|(product, _)| of_product(product)).sum()
 }
 
 /// The simplest entry that is certainly not zero.

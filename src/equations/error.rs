@@ -25,6 +25,12 @@ pub enum EquationsError {
         equations: usize,
         most: usize,
     },
+    /// The constraint equations, solved in symbols, would have so many terms.
+    LongLoop {
+        span: Span,
+        terms: usize,
+        most: usize,
+    },
     /// Something in the scene has no form in symbols.
     NoForm {
         span: Span,
@@ -55,6 +61,12 @@ impl EquationsError {
             EquationsError::LargeLoop { span, equations, most } => {
                 let message = format!(
                     "{equations} constraint equations that depend on each other are not solved in symbols; the most are {most}"
+                );
+                Diagnostic::error(TOO_LARGE, *span, message).help("use `vibc analyze --matrices` for the numbers")
+            }
+            EquationsError::LongLoop { span, terms, most } => {
+                let message = format!(
+                    "the constraint equations of these loops would have {terms} terms when solved in symbols; the most are {most}"
                 );
                 Diagnostic::error(TOO_LARGE, *span, message).help("use `vibc analyze --matrices` for the numbers")
             }

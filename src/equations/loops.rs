@@ -15,8 +15,8 @@ use crate::base::Number;
 use crate::symbols::{Lengths, Sum, Symbol};
 
 /// Dependent coordinates that are solved for together, and terms of what is found.
-const MOST_TOGETHER: usize = 4;
-const MOST_TERMS: usize = 60;
+pub const MOST_TOGETHER: usize = 4;
+pub const MOST_TERMS: usize = 60;
 
 /// The equations of motion over the independent coordinates.
 #[derive(Clone, Debug)]
@@ -69,13 +69,24 @@ impl Follow {
     }
 }
 
-/// How every dependent coordinate follows; `None` where a group of constraints is too large to be solved in symbols.
+/// Why equations keep their multipliers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// This many coordinates depend on each other, more than are solved for together.
+    Together { dependent: usize },
+    /// A velocity ratio would have this many terms.
+    Long { terms: usize },
+    /// The constraints are not proved to be independent of each other at rest.
+    Undecided,
+}
+
+/// How every dependent coordinate follows, and the constraints that say so.
 pub fn follows(
     motion: &Motion,
     constraints: &[Constraint],
     independent: &[usize],
     names: &mut Names,
-) -> Option<(Vec<Follow>, Vec<usize>)> {
+) -> Result<(Vec<Follow>, Vec<usize>), Kept> {
     let dependent: Vec<usize> = (0..motion.free).filter(|index| !independent.contains(index)).collect();
     let columns: Vec<usize> = independent.iter().copied().chain(motion.free..motion.coordinates.len()).collect();
     let slopes: Vec<Vec<Sum>> = constraints.iter().map(|constraint| slopes(motion, constraint)).collect();
@@ -83,20 +94,23 @@ pub fn follows(
     for (rows, own) in groups(&slopes, &dependent) {
         let is_constant = rows.iter().all(|row| !slopes[*row].iter().any(|slope| slope.mentions(&is_motion)));
         if is_constant {
-            follows.extend(in_proportion(&slopes, &rows, &own, &columns, names)?);
+            follows.extend(in_proportion(&slopes, &rows, &own, &columns, names).ok_or(Kept::Undecided)?);
             held.extend(rows);
             continue;
         }
-        let rows = (own.len() <= MOST_TOGETHER).then(|| independent_rows(&slopes, &rows, &own, names)).flatten()?;
+        if own.len() > MOST_TOGETHER {
+            return Err(Kept::Together { dependent: own.len() });
+        }
+        let rows = independent_rows(&slopes, &rows, &own, names).ok_or(Kept::Undecided)?;
         follows.extend(solved(&slopes, &rows, &own, &columns)?);
         held.extend(rows);
     }
     follows.sort_by_key(|follow| follow.coordinate);
     if follows.len() < dependent.len() {
-        return None;
+        return Err(Kept::Undecided);
     }
     name_ratios(&mut follows, motion, names);
-    Some((follows, held))
+    Ok((follows, held))
 }
 
 /// The equations of the independent coordinates without multipliers.
@@ -148,7 +162,7 @@ fn in_proportion(
 ) -> Option<Vec<Follow>> {
     let left = |row: &usize| own.iter().map(|index| slopes[*row][*index].clone()).collect();
     let right = |row: &usize| columns.iter().map(|index| -&slopes[*row][*index]).collect();
-    let solved = solve(rows.iter().map(|row| (left(row), right(row))).collect(), own.len(), names)?;
+    let solved = solve(rows.iter().map(|row| (left(row), right(row))).collect(), own.len(), names).ok()?;
     let ratio = |(by, form): (&usize, Sum)| (!form.is_zero()).then_some(Ratio { by: *by, form, name: None });
     let follow = |(coordinate, row): (&usize, Vec<Sum>)| {
         let ratios = columns.iter().zip(row).filter_map(ratio).collect();
@@ -158,10 +172,10 @@ fn in_proportion(
 }
 
 /// Cramer's rule.
-fn solved(slopes: &[Vec<Sum>], rows: &[usize], own: &[usize], columns: &[usize]) -> Option<Vec<Follow>> {
+fn solved(slopes: &[Vec<Sum>], rows: &[usize], own: &[usize], columns: &[usize]) -> Result<Vec<Follow>, Kept> {
     let matrix: Vec<Vec<Sum>> =
         rows.iter().map(|row| own.iter().map(|index| slopes[*row][*index].clone()).collect()).collect();
-    let inverse = determinant(&matrix).inverse()?;
+    let inverse = determinant(&matrix).inverse().ok_or(Kept::Undecided)?;
     let mut follows = Vec::new();
     for (place, coordinate) in own.iter().enumerate() {
         let mut ratios = Vec::new();
@@ -172,7 +186,7 @@ fn solved(slopes: &[Vec<Sum>], rows: &[usize], own: &[usize], columns: &[usize])
             }
             let form = (&determinant(&replaced) * &inverse).simplified();
             if form.terms().len() > MOST_TERMS {
-                return None;
+                return Err(Kept::Long { terms: form.terms().len() });
             }
             if !form.is_zero() {
                 ratios.push(Ratio { by: *by, form, name: None });
@@ -180,7 +194,7 @@ fn solved(slopes: &[Vec<Sum>], rows: &[usize], own: &[usize], columns: &[usize])
         }
         follows.push(Follow { coordinate: *coordinate, ratios });
     }
-    Some(follows)
+    Ok(follows)
 }
 
 /// As many rows as there are unknowns, independent of each other at rest.

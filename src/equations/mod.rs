@@ -54,8 +54,8 @@ pub struct Equations {
     pub energies: Energies,
     pub constraints: Vec<Constraint>,
     pub nonlinear: Vec<Equation>,
-    /// Without multipliers, where there are constraints that are solved in symbols.
-    pub reduced: Option<loops::Reduced>,
+    /// Without multipliers, where there are constraints: or why not.
+    pub reduced: Option<Result<loops::Reduced, loops::Kept>>,
     pub rest: Rest,
     pub linear: Linearised,
     /// Names of the inputs and outputs of the scene.
@@ -139,9 +139,9 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     let independent = reduce::independent(lowered, &motion)?;
     let follows = match constraints.is_empty() {
         true => None,
-        false => loops::follows(&motion, &constraints, &independent, &mut names),
+        false => Some(loops::follows(&motion, &constraints, &independent, &mut names)),
     };
-    let in_motion = follows.as_ref().map(|(follows, _)| &follows[..]);
+    let in_motion = follows.as_ref().and_then(|follows| follows.as_ref().ok()).map(|(follows, _)| &follows[..]);
     let linear = reduce::reduced(
         independent.clone(),
         &motion,
@@ -153,7 +153,8 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
         &at_rest,
         in_motion,
     )?;
-    let reduced = follows.map(|follows| loops::reduced(&motion, &equations, &independent, follows));
+    let reduced =
+        follows.map(|follows| follows.map(|follows| loops::reduced(&motion, &equations, &independent, follows)));
     let rayleigh = written.rayleigh.clone();
     let modal_damping = match &scene.damping {
         Some(Damping::Modal { ratio, .. }) => Some(ratio.clone()),
@@ -298,6 +299,11 @@ fn tensions(scene: &Scene, lowered: &Lowered, names: &mut Names) {
 }
 
 impl Equations {
+    /// The form without multipliers, where it was found.
+    pub fn reduced(&self) -> Option<&loops::Reduced> {
+        self.reduced.as_ref().and_then(|reduced| reduced.as_ref().ok())
+    }
+
     /// Of an independent coordinate.
     pub fn label(&self, place: usize) -> Label {
         self.names.label(self.motion.coordinates[self.linear.coordinates[place]].symbols[0])

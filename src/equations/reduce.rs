@@ -4,7 +4,7 @@
 //! With dq = N dq_i + N_u du along the constraints, M is N^T M N, C likewise, and K is N^T (K + sum lambda grad^2 g) N.
 
 use super::constraint::Constraint;
-use super::elimination::{Rows, solve};
+use super::elimination::{self, Rows, Unsolved, solve};
 use super::error::EquationsError;
 use super::lagrange::Equation;
 use super::linear::{AtRest, Column, Linear, Matrix};
@@ -13,7 +13,7 @@ use super::motion::Motion;
 use super::names::{Label, Names, class, without_motion};
 use super::rest::Rest;
 use super::{Entry, Linearised};
-use crate::base::{Number, Rational};
+use crate::base::{Number, Rational, Span};
 use crate::lower::Lowered;
 use crate::symbols::{Factor, Lengths, Product, Sum, Symbol};
 
@@ -120,7 +120,14 @@ fn all_together(
     let left = |c: &Constraint| others.iter().map(|index| slope(c, *index)).collect::<Vec<Sum>>();
     let right = |c: &Constraint| columns.iter().map(|index| -&slope(c, *index)).collect::<Vec<Sum>>();
     let rows = constraints.iter().map(|constraint| (left(constraint), right(constraint))).collect();
-    solve(rows, others.len(), names).ok_or(EquationsError::NoForm { span: constraints[0].span })
+    solve(rows, others.len(), names).map_err(|why| unsolved(why, constraints[0].span))
+}
+
+fn unsolved(why: Unsolved, span: Span) -> EquationsError {
+    match why {
+        Unsolved::NoPivot => EquationsError::NoForm { span },
+        Unsolved::Long { terms } => EquationsError::LongLoop { span, terms, most: elimination::MOST_TERMS },
+    }
 }
 
 /// Ratios that are long get a name, with their definition beside it: entries that are made of them stay readable.
@@ -258,7 +265,7 @@ fn reactions(
     }
     // Constraints that depend on each other have no unique reactions: the last ones are set to zero.
     let unknowns = constraints.len().min(others.len());
-    let solved = solve(rows, unknowns, names).ok_or(EquationsError::NoForm { span: constraints[0].span })?;
+    let solved = solve(rows, unknowns, names).map_err(|why| unsolved(why, constraints[0].span))?;
     for (constraint, row) in constraints.iter().zip(solved) {
         let form = row.into_iter().next().unwrap_or_default();
         let value = names.value_of(&form).unwrap_or(Number::ZERO);

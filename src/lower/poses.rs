@@ -1,17 +1,29 @@
 //! The poses of parts at rest and in a shape, for pictures. In: a mechanism at rest and displacements of its coordinates.
 //! Out: rotation and slides of each piece of welded parts. Lowering itself does not need this. See docs/draw.md.
 
-use super::kinematics::{Index, Kinematics};
+use super::constraints::Constraint;
+use super::kinematics::{Index, Kinematics, Reach};
 use super::mechanism::Mechanism;
 use super::tree::Piece;
-use crate::base::Vec3;
+use crate::base::{Number, Vec3};
 use crate::model::scene::{BaseId, BodyId, Part};
+use std::collections::BTreeMap;
 
-/// A value at rest (measured from the drawing) and in the shape (measured from rest).
+/// A value at rest (measured from the drawing) and in the shape (measured from rest): at `a` times the shape it is
+/// `rest + a shape + a^2 bend`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RestAndShape {
     pub rest: f64,
     pub shape: f64,
+    /// What joints that close loops add at second order, so that they stay together in a motion that is seen well.
+    pub bend: f64,
+}
+
+impl RestAndShape {
+    /// At so many times the shape.
+    pub fn at(&self, amount: f64) -> f64 {
+        self.rest + amount * (self.shape + amount * self.bend)
+    }
 }
 
 /// The pose of a piece relative to the piece that carries it. Carriers come first; piece 0 is the ground.
@@ -43,6 +55,13 @@ impl Poses {
         };
         found.map_or(0, |piece| *piece as usize)
     }
+
+    /// All values, piece by piece: its angle, then its slides.
+    pub fn values(&self) -> impl Iterator<Item = &RestAndShape> {
+        self.pieces
+            .iter()
+            .flat_map(|piece| std::iter::once(&piece.angle).chain(piece.slides.iter().map(|(_, value)| value)))
+    }
 }
 
 impl Mechanism {
@@ -59,7 +78,12 @@ impl Mechanism {
             let sum: f64 = row.iter().map(|(i, entry)| entry.to_f64() * moved[*i as usize]).sum();
             moved[dependent as usize] = -sum;
         }
-        let both = |i: Index| RestAndShape { rest: state.value(i).to_f64(), shape: moved[i as usize] };
+        let bends = self.bends(&moved);
+        let both = |i: Index| RestAndShape {
+            rest: state.value(i).to_f64(),
+            shape: moved[i as usize],
+            bend: bends.get(&i).copied().unwrap_or_default(),
+        };
         let carried = |(piece, of): (u32, &Piece)| Carried {
             carrier: of.carrier,
             anchor: of.anchor.as_deref().map(planar),
@@ -72,6 +96,37 @@ impl Mechanism {
             bodies: tree.bodies.clone(),
             bases: tree.bases.clone(),
         }
+    }
+
+    /// Whether joints or couplings hold coordinates together that turn.
+    pub fn closes_loops(&self) -> bool {
+        self.constraints.iter().any(|constraint| !constraint.equation.is_linear())
+    }
+
+    /// Half the second derivatives of the dependent coordinates along a motion in which the others move evenly. A constraint
+    /// g(q) = 0 holds to second order if G q2 = -g''(q1, q1)/2; the combination of constraints for a dependent coordinate
+    /// has its own entry of q2 alone on the left.
+    fn bends(&self, moved: &[f64]) -> BTreeMap<Index, f64> {
+        let mut reach = Reach::default();
+        let curved = |constraint: &Constraint| {
+            let mut sum = 0.0;
+            let Mechanism { kinematics, state, .. } = self;
+            constraint.equation.curvature(kinematics, state, &Number::ONE, &mut reach, |i, j, value| {
+                let times = if i == j { 1.0 } else { 2.0 };
+                sum += times * value.to_f64() * moved[i as usize] * moved[j as usize];
+            });
+            sum
+        };
+        let curved: Vec<f64> = self.constraints.iter().map(curved).collect();
+        if curved.iter().all(|value| *value == 0.0) {
+            return BTreeMap::new();
+        }
+        let bend = |dependent: Index| {
+            let factors = self.reduction.combination(dependent);
+            let sum: f64 = factors.iter().map(|(number, factor)| factor.to_f64() * curved[*number as usize]).sum();
+            (dependent, -0.5 * sum)
+        };
+        self.reduction.dependent().map(bend).collect()
     }
 }
 

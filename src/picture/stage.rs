@@ -1,5 +1,6 @@
 //! Where everything is that a figure shows: as drawn, at rest, or moved by a mode. Bodies stay rigid: they turn by their angle,
-//! they are not sheared by it, so a mode of a scene to scale is shown small enough for that to be the same.
+//! they are not sheared by it, so a mode of a scene to scale is shown small enough for that to be the same. Where joints close loops
+//! the coordinates that depend on others move to second order, so that the joints stay together.
 
 use super::geometry::{Point, Turn};
 use super::layout::{Layout, Outline, Parts};
@@ -89,13 +90,14 @@ fn pieces(poses: &Poses, amount: f64) -> Vec<Piece> {
             0 => Piece { anchor: None, at: Point::default(), turn: Turn::NONE },
             _ => pieces[of.carrier as usize],
         };
-        let slid = of.slides.iter().fold(Point::default(), |sum, ([x, y], value)| {
-            sum.towards(Point::new(*x, *y), value.rest + amount * value.shape)
-        });
+        let slid = of
+            .slides
+            .iter()
+            .fold(Point::default(), |sum, ([x, y], value)| sum.towards(Point::new(*x, *y), value.at(amount)));
         // The scene's y runs upwards, which `turned` takes for downwards.
         let turned = |v: Point, turn: Turn| v.turned(Turn { sine: -turn.sine, ..turn });
         let slid = turned(slid, carrier.turn);
-        let turn = Turn::from_angle(of.angle.rest + amount * of.angle.shape);
+        let turn = Turn::from_angle(of.angle.at(amount));
         let anchor = of.anchor.map(|[x, y]| Point::new(x, y));
         let at = match (anchor, carrier.anchor) {
             (Some(anchor), Some(held)) => carrier.at.plus(turned(anchor.minus(held), carrier.turn)).plus(slid),
@@ -108,13 +110,19 @@ fn pieces(poses: &Poses, amount: f64) -> Vec<Piece> {
     pieces
 }
 
+/// The amount at which loops add half of the shape: beyond that it would be another one.
+fn by_bend(poses: &Poses) -> f64 {
+    const SHARE: f64 = 0.5;
+    let angles = poses.pieces.iter().map(|piece| (piece.angle.shape, piece.angle.bend));
+    let slides = poses.pieces.iter().flat_map(|piece| piece.slides.iter().map(|(_, value)| (value.shape, value.bend)));
+    let largest = |(shape, bend): (f64, f64), (own, more): (f64, f64)| (shape.max(own.abs()), bend.max(more.abs()));
+    let until = |(shape, bend)| if shape > 0.0 && bend > 0.0 { SHARE * shape / bend } else { f64::INFINITY };
+    until(angles.fold((0.0, 0.0), largest)).min(until(slides.fold((0.0, 0.0), largest)))
+}
+
 /// How many times a shape is shown so that it is seen well.
 pub fn amount(parts: Parts, layout: &Layout, poses: &Poses) -> f64 {
-    let values = poses.pieces.iter().flat_map(|piece| {
-        let slides = piece.slides.iter().map(|(_, value)| value.shape.abs());
-        slides.chain(std::iter::once(piece.angle.shape.abs()))
-    });
-    let largest = values.fold(0.0, f64::max);
+    let largest = poses.values().map(|value| value.shape.abs()).fold(0.0, f64::max);
     if largest == 0.0 {
         return 0.0;
     }
@@ -135,5 +143,5 @@ pub fn amount(parts: Parts, layout: &Layout, poses: &Poses) -> f64 {
     let by_way = if way > 0.0 { far * little / way } else { f64::INFINITY };
     let turned = poses.pieces.iter().map(|piece| piece.angle.shape.abs()).fold(0.0, f64::max);
     let by_turn = if turned > 0.0 { TURNED / turned } else { f64::INFINITY };
-    by_way.min(by_turn)
+    by_way.min(by_turn).min(by_bend(poses))
 }

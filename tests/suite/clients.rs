@@ -198,3 +198,23 @@ fn a_browser_shows_and_moves_the_page() {
     assert!(run.status.success(), "{messages}{failed}");
     assert_eq!(messages.lines().filter(|line| line.starts_with("ok: ")).count(), 7, "{messages}{failed}");
 }
+
+/// The picture of the page in the README: `docs/figures/make` makes it, by `docs/figures/page.mjs`.
+#[test]
+#[ignore = "needs node with playwright-core below PLAYWRIGHT, and Chromium"]
+fn the_picture_of_the_page_is_fresh() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let page = folder.path().join("cart.html");
+    let mut report = Command::new(env!("CARGO_BIN_EXE_vibc"));
+    report.arg("report").arg(root.join("examples/cart.vib")).arg("-o").arg(&page);
+    assert!(report.status().expect("the program starts").success());
+    let run = Command::new("node")
+        .arg(root.join("docs/figures/page.mjs"))
+        .args([&page, &root.join("docs/figures/cart_report.png")])
+        .arg("--compare")
+        .output()
+        .expect("node starts");
+    let (said, failed) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{said}{failed}");
+}

@@ -10,6 +10,7 @@ use vibc::model::Overrides;
 fn text_of(name: &str, model: &str) -> String {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model(name, model));
+    vibc::add_used_files(&mut sources, file, None, |path| Err(format!("there is no `{path}`")));
     let outcome = vibc::equations(&sources, file, &Overrides::default());
     match outcome.answer {
         Some(answer) => equations::text(&equations::document(&answer)),
@@ -47,7 +48,7 @@ fn the_cart_has_the_equations_of_the_course() {
 }
 
 /// Scenes beside the examples: what a course asks for, and what is hard to write well.
-const SCENES: [(&str, &str); 16] = [
+const SCENES: [(&str, &str); 21] = [
     (
         "pendulum",
         "param m = 1 kg\nparam L = 1 m\ngravity 9.81 m/s^2\nbody bob { mass = m, inertia = 0 kg*m^2, at = (0, -L) }\npivot p: ground@(0, 0) -- bob\n",
@@ -112,6 +113,26 @@ const SCENES: [(&str, &str); 16] = [
         "three_links",
         "param m = 1 kg\nparam L = 1 m\ngravity 9.81 m/s^2\nbody a { mass = m, inertia = 0 kg*m^2, at = (0, -L) }\nbody b { mass = m, inertia = 0 kg*m^2, at = (0, -2 * L) }\nbody c { mass = m, inertia = 0 kg*m^2, at = (0, -3 * L) }\npivot p: ground@(0, 0) -- a\npivot q: a@(0, -L) -- b\npivot r: b@(0, -2 * L) -- c\n",
     ),
+    (
+        "placed",
+        "component car(part ahead, m = 20 t, k = 400 kN/m) {\nbody box { mass = m, moves x }\nspring coupler: ahead -- box { k = k, along = x }\noutput pull = coupler.force\n}\nbody engine { mass = 80 t, moves x }\nplace first = car(ahead = engine)\nplace second = car(ahead = first.box, m = 30 t)\nforce F: engine along x\n",
+    ),
+    (
+        "placed_turned",
+        "component arm(m = 2 kg, L = 0.6 m, k = 50 N/m) {\nbody rod { mass = m, shape = rod((0, 0), (0, -L)) }\npivot p: ground@(0, 0) -- rod\nspring s: ground@(0.4 m, -L) -- rod@(0, -L) { k = k, along = x }\n}\ngravity 9.81 m/s^2\nplace hanging = arm() at (0, 0)\nplace lying = arm(m = 1 kg) at (2 m, 0) turned 90 deg\nplace slanted = arm() at (4 m, 0) turned 30 deg\n",
+    ),
+    (
+        "placed_mirrored",
+        "component leg(part deck, m = 5 kg, k = 2 kN/m, c = 30 N*s/m) {\nbody foot { mass = m, moves y, at = (0.5 m, -1 m) }\nspring s: foot -- deck@(0.5 m, 0) { k = k, along = y }\ndamper d: foot -- deck@(0.5 m, 0) { c = c, along = y }\nspring t: ground@(0.5 m, -1.5 m) -- foot { k = 10 * k, along = y }\n}\nparam M = 100 kg\nparam J = 8 kg*m^2\nbody deck { mass = M, inertia = J, moves y, turns, at = (0, 0) }\nplace right = leg(deck = deck) at (0, 0)\nplace left = leg(deck = deck) at (0, 0) mirrored x\nforce F: deck along y\noutput tilt = deck.angle\n",
+    ),
+    (
+        "placed_nested",
+        "component cell(part from, m = 1 kg, k = 10 N/m) {\nbody mass { mass = m, moves x }\nspring s: from -- mass { k = k, along = x }\n}\ncomponent pair(part from, k = 10 N/m) {\nplace a = cell(from = from, k = k)\nplace b = cell(from = a.mass, k = 2 * k)\n}\nplace one = pair(from = ground)\nplace two = pair(from = one.b.mass, k = 5 N/m) turned 90 deg\n",
+    ),
+    (
+        "placed_from_library",
+        "use \"std/quarter_car.vib\"\nuse \"std/absorber.vib\"\nparam M = 400 kg\nbody car { mass = M, moves y, at = (0, 0.5 m) }\nplace corner = quarter_car(car = car) at (0, 0)\nbody tower { mass = 1 t, moves x }\nspring s: ground -- tower { k = 40 kN/m }\nplace damping = absorber(main = tower, m = 20 kg, main_mass = 1 t, f = 1 Hz)\n",
+    ),
 ];
 
 const EXAMPLES: [&str; 17] = [
@@ -134,7 +155,7 @@ const EXAMPLES: [&str; 17] = [
     "tuned_mass_damper",
 ];
 
-/// Thirty-three outputs by name.
+/// Outputs by name.
 fn outputs() -> Vec<(String, String)> {
     let examples = EXAMPLES.iter().map(|name| (name.to_string(), example(&format!("{name}.vib"))));
     let scenes = SCENES.iter().map(|(name, model)| (name.to_string(), text_of(name, model)));
@@ -226,4 +247,76 @@ fn every_format_is_written_and_nothing_in_it_is_executed() {
     assert!(value == 2.0 / 3.0 && bound > 0.0 && bound < 2f64.powi(-53), "{entry}");
     assert_eq!(json["coordinates"][1]["role"], "independent");
     assert_eq!(json["transfer_functions"][1]["numerator"][2]["text"], "-6");
+}
+
+/// Cranks in a row, each joined to the next by a bar: loops that follow each other. What is too long is refused with its size, and
+/// takes no time without limit.
+#[test]
+fn loops_that_are_not_solved_in_symbols_say_why() {
+    let cranks = |count: usize| {
+        let mut model = String::from("gravity 9.81 m/s^2\n");
+        for i in 0..count {
+            let (foot, tip) = (3 * i, format!("({} m, -{} m)", 3 * i + 1, 2 + i % 2));
+            model += &format!(
+                "body c{i} {{ mass = 1 kg, shape = rod(({foot} m, 0), {tip}) }}\npivot g{i}: ground@({foot} m, 0) -- c{i}\n"
+            );
+            if i > 0 {
+                let last = format!("({} m, -{} m)", 3 * i - 2, 2 + (i - 1) % 2);
+                model += &format!(
+                    "body b{i} {{ mass = 1 kg, shape = rod({last}, {tip}) }}\npivot l{i}: c{}@{last} -- b{i}\npivot r{i}: b{i}@{tip} -- c{i}\n",
+                    i - 1
+                );
+            }
+        }
+        text_of("cranks", &model)
+    };
+    assert!(cranks(4).contains("the multipliers drop"), "four dependent coordinates at a time");
+    let long = cranks(6);
+    assert!(
+        long.starts_with("vib::equations::too_large: the constraint equations of these loops would have ")
+            || long.contains("The equations stay with their multipliers:"),
+        "{long}"
+    );
+    assert!(
+        cranks(9).starts_with("vib::equations::too_large: 16 constraint equations"),
+        "sixteen dependent coordinates"
+    );
+}
+
+/// Terms of energies, equations and matrices: they grow with the square of a hanging chain's links and in proportion to a row of masses.
+#[test]
+fn formulas_grow_as_polynomials() {
+    let links = |n: usize| {
+        let mut model = String::from("param m = 1 kg\nparam L = 1 m\ngravity 9.81 m/s^2\n");
+        for i in 1..=n {
+            let carrier = if i == 1 { "ground".to_string() } else { format!("b{}", i - 1) };
+            model += &format!(
+                "body b{i} {{ mass = m, inertia = 0 kg*m^2, at = (0, -{i} * L) }}\npivot p{i}: {carrier}@(0, -{} * L) -- b{i}\n",
+                i - 1
+            );
+        }
+        model
+    };
+    let row = |n: usize| {
+        format!(
+            "param m = 1 kg\nparam k = 1 N/m\nbody b[1] {{ mass = m, moves x }}\nrepeat i in 2..{n} {{\nbody b[i] {{ mass = m, moves x }}\nspring s[i]: b[i-1] -- b[i] {{ k = k }}\n}}\n"
+        )
+    };
+    let counts = |model: &dyn Fn(usize) -> String| [4, 8, 16].map(|n| terms_of(&model(n)) as f64);
+    // (8/4)^2 and (16/8)^2 with what constants and lower powers may add or take away.
+    let [small, middle, large] = counts(&links);
+    assert!(middle / small < 4.2 && large / middle < 4.2, "links: {small} {middle} {large}");
+    let [small, middle, large] = counts(&row);
+    assert!(middle / small < 2.4 && large / middle < 2.4, "row: {small} {middle} {large}");
+}
+
+fn terms_of(model: &str) -> usize {
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("growth", model));
+    let answer = vibc::equations(&sources, file, &Overrides::default()).answer.expect("equations");
+    let energies = answer.energies.kinetic.terms().len();
+    let moving = answer.nonlinear.iter().map(|equation| equation.plain.terms().len()).sum::<usize>();
+    let linear = [&answer.linear.mass, &answer.linear.damping, &answer.linear.stiffness];
+    let entries = linear.into_iter().flatten().flatten().map(|entry| entry.sum.terms().len()).sum::<usize>();
+    energies + moving + entries
 }

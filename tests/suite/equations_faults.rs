@@ -265,20 +265,16 @@ fn ten_faults_in_the_derived_symbols_are_reported_where_they_are() {
     assert_reported(&scene(), &faults);
 }
 
+fn reduced(equations: &mut Equations) -> &mut vibc::equations::loops::Reduced {
+    equations.reduced.as_mut().expect("constraints").as_mut().expect("a loop that is solved")
+}
+
 #[test]
 fn faults_in_loop_and_damper_terms_are_reported() {
     let faults: [Fault; 5] = [
-        ("a velocity ratio", |e| doubled(&mut e.reduced.as_mut().expect("a loop").follows[0].ratios[0].form), "q"),
-        (
-            "a term without multipliers",
-            |e| doubled(&mut e.reduced.as_mut().expect("a loop").equations[0].plain),
-            "left",
-        ),
-        (
-            "the force without multipliers",
-            |e| e.reduced.as_mut().expect("a loop").equations[0].forces = Sum::ZERO,
-            "left",
-        ),
+        ("a velocity ratio", |e| doubled(&mut reduced(e).follows[0].ratios[0].form), "q"),
+        ("a term without multipliers", |e| doubled(&mut reduced(e).equations[0].plain), "left"),
+        ("the force without multipliers", |e| reduced(e).equations[0].forces = Sum::ZERO, "left"),
         ("the slope of a constraint", |e| doubled(&mut e.nonlinear[0].reactions[0].1), "left"),
         (
             "a damping ratio",

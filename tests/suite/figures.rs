@@ -440,6 +440,35 @@ fn parts_without_coordinates_beside_others_are_laid_out() {
     }
 }
 
+/// A slider-crank: the piston is at x = r cos a + sqrt(l^2 - r^2 sin^2 a) and the rod turns by -asin(r/l sin a) for the crank's angle a.
+/// What the figure moves agrees with the first and second derivatives, whichever coordinate is the independent one.
+#[test]
+fn loops_stay_together_to_second_order() {
+    use vibc::model::scene::{BodyId, Part};
+    let mut sources = Sources::new();
+    let model = sources.add(SourceFile::model("m.vib", drawing("slider_crank.vib")));
+    let tree = vibc::syntax::parse(&sources, model).tree;
+    let checked = vibc::model::check(&sources, &tree, &Overrides::default()).scene.expect("a sound model");
+    let lowered = vibc::lower::lower(&checked).lowered.expect("a sound scene");
+    let poses = lowered.mechanism.poses(Some(&[1.0]));
+    let piece = |body: u32| &poses.pieces[poses.piece(Part::Body(BodyId(body)))];
+    let (crank, rod, piston) = (&piece(0).angle, &piece(1).angle, &piece(2).slides[0].1);
+    let (r, l) = (0.5f64, 0.65f64.sqrt());
+    // From the drawing, in which the crank points to (0.3, 0.4), to the rest.
+    let a = 0.4f64.atan2(0.3) + crank.rest;
+    let (s, c, root) = (a.sin(), a.cos(), (l * l - r * r * a.sin() * a.sin()).sqrt());
+    let x1 = -r * s - r * r * s * c / root;
+    let x2 = -r * c - r * r * (c * c - s * s) / root - (r * r * s * c).powi(2) / root.powi(3);
+    let rod1 = -r * c / root;
+    let rod2 = r * s / root - r * c * r * r * s * c / root.powi(3);
+    for (of, first, second) in [(piston, x1, x2), (rod, rod1, rod2)] {
+        assert!((of.shape - first * crank.shape).abs() < 1e-12, "{of:?}: {first}");
+        let bend = first * crank.bend + second * crank.shape * crank.shape / 2.0;
+        assert!((of.bend - bend).abs() < 1e-12, "{of:?}: {bend}");
+    }
+    assert!(piston.bend.abs() + rod.bend.abs() + crank.bend.abs() > 0.1, "something bends");
+}
+
 /// The force in an element is an arrow next to it.
 #[test]
 fn the_force_in_an_element_is_drawn_beside_it() {

@@ -196,7 +196,7 @@ fn letters(word: &str) -> String {
 fn prose_in_math(word: &str) -> String {
     let part = |c: char| match c {
         '_' => "\\_".to_string(),
-        c if c.is_ascii_alphanumeric() => c.to_string(),
+        c if c.is_ascii_alphanumeric() || c == '.' => c.to_string(),
         c => greek(&c.to_string()).unwrap_or_else(|| "?".to_string()),
     };
     word.chars().map(part).collect()

@@ -14,6 +14,7 @@ mod results;
 mod solutions;
 mod text;
 mod typst;
+mod values;
 mod write;
 
 pub use document::{Document, Section, document, of_bodies};

@@ -7,7 +7,7 @@ use super::formula::{Formula, Running};
 use crate::elements::Order;
 use crate::equations::energy::{Element, Stretch};
 use crate::equations::lagrange::{Equation, Line};
-use crate::equations::loops::Ratio;
+use crate::equations::loops::{Kept, MOST_TERMS, MOST_TOGETHER, Ratio};
 use crate::equations::names::{Label, class, without_motion};
 use crate::symbols::{Factor, Lengths, Sum, Symbol};
 
@@ -155,9 +155,12 @@ impl Writer<'_> {
 
     /// The equations without multipliers, and how the dependent coordinates follow.
     fn reduced(&self) -> Vec<Item> {
-        let Some(reduced) = &self.equations.reduced else {
-            let text = "Too many constraints share a loop to be eliminated in symbols: the equations stay with their multipliers.";
-            return if self.equations.constraints.is_empty() { Vec::new() } else { vec![paragraph(text)] };
+        let reduced = match &self.equations.reduced {
+            None => return Vec::new(),
+            Some(Err(kept)) => {
+                return vec![paragraph(format!("The equations stay with their multipliers: {}.", reason(*kept)))];
+            }
+            Some(Ok(reduced)) => reduced,
         };
         let mut items = vec![paragraph(
             "The constraints give the dependent coordinates or their velocities; put in, the multipliers drop out:",
@@ -263,8 +266,35 @@ impl Writer<'_> {
         list
     }
 
+    /// k L^2 sin(theta) cos(theta): a force and a lever arm of one term each.
+    fn single_term(&self, element: &Element, slope: &Sum) -> Option<Sum> {
+        let is_plain = matches!(element.stretch, Stretch::Plain(_)) && element.tension.is_zero();
+        let answered = self.answered(element);
+        let is_single = |sum: &Sum| sum.terms().len() == 1;
+        let holds = is_plain && is_single(&answered) && is_single(slope);
+        holds.then(|| &(&element.coefficient * &answered) * slope)
+    }
+
+    /// The stretch that a spring answers, or the rate that a damper does.
+    fn answered(&self, element: &Element) -> Sum {
+        let stretch = element.stretch.sum();
+        match element.is_spring() {
+            true => &stretch - &element.free,
+            false => self.equations.motion.rate(&stretch, &Lengths::default()),
+        }
+    }
+
     /// `k (1 - l_0/l) slope`.
     fn line(&self, element: &Element, slope: &Sum) -> (bool, Formula) {
+        if let Some(single) = self.single_term(element, slope) {
+            return self.build.signed(&single);
+        }
+        if let (Stretch::Plain(_), [_], true) = (&element.stretch, slope.terms(), element.tension.is_zero()) {
+            // k/2 cos(theta) (y + sin(theta)/2): the lever arm in front of the brackets.
+            let (negative, front) = self.build.signed(&(&element.coefficient * slope));
+            let (opposite, answered) = self.build.signed(&self.answered(element));
+            return (negative != opposite, Formula::product(vec![front, answered]));
+        }
         let (mut negative, slope) = self.build.signed(slope);
         let name = match &element.stretch {
             Stretch::Line { length, .. } => self.name(*length),
@@ -311,6 +341,17 @@ impl Writer<'_> {
             Formula::quotient(self.pull(element), name)
         };
         (negative, Formula::product(vec![pull, slope]))
+    }
+}
+
+/// Why there is no form without multipliers.
+fn reason(kept: Kept) -> String {
+    match kept {
+        Kept::Together { dependent } => {
+            format!("{dependent} coordinates depend on each other, and up to {MOST_TOGETHER} are solved for in symbols")
+        }
+        Kept::Long { terms } => format!("a velocity ratio would have {terms} terms, and the most are {MOST_TERMS}"),
+        Kept::Undecided => "the constraints are not proved to be independent of each other at rest".to_string(),
     }
 }
 

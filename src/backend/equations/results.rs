@@ -1,15 +1,15 @@
-//! Sections 4 to 6: the rest, the linearised equations and the values of their entries.
+//! Sections 4 and 5: the rest and the linearised equations.
 
 use super::document::{DIGITS, Inline, Item, Section, Writer, display, paragraph, words};
 use super::formula::Formula;
-use crate::backend::decimal::{certain_number, certain_whole};
+use crate::backend::decimal::certain_number;
 use crate::base::Number;
 use crate::equations::Entry;
 use crate::equations::names::class;
 use crate::symbols::Factor;
 
-/// For more coordinates, matrices are not shown.
-const MOST_MATRIX: usize = 8;
+/// For more coordinates, matrices are not shown as a whole.
+pub const MOST_MATRIX: usize = 8;
 
 impl Writer<'_> {
     pub fn rest(&self) -> Section {
@@ -95,6 +95,8 @@ impl Writer<'_> {
             }
             matrices.push((self.letter("K", None), self.matrix(&linear.stiffness)));
             items.push(Item::Matrices(matrices));
+        } else if self.entries().is_some() {
+            items.push(paragraph("M, C and K are symmetric; section 6 lists their entries other than zero."));
         }
         Section { heading: "5 Linearised equations", items }
     }
@@ -128,37 +130,5 @@ impl Writer<'_> {
             }
         }
         Formula::sum(terms).equal(Formula::sum(right))
-    }
-
-    pub fn values(&self) -> Section {
-        let linear = &self.equations.linear;
-        let mut items = Vec::new();
-        if linear.coordinates.len() <= MOST_MATRIX {
-            for (name, matrix) in [("M", &linear.mass), ("C", &linear.damping), ("K", &linear.stiffness)] {
-                for (i, row) in matrix.iter().enumerate() {
-                    for (j, entry) in row.iter().enumerate().skip(i) {
-                        if entry.sum.is_zero() || entry.sum.as_number().is_some() {
-                            continue;
-                        }
-                        let value = Formula::Decimal(certain_whole(&entry.value, DIGITS));
-                        let formula =
-                            Formula::Symbol(name, Some(Box::new(self.place(i, j)))).equal(self.build.sum(&entry.sum));
-                        items.push(Item::Formula { formula: formula.equal(value), note: Vec::new() });
-                    }
-                }
-            }
-        }
-        items.push(paragraph(
-            "Every entry of M, C, K, of the inputs and of the outputs, the natural frequencies and the transfer functions have been \
-             compared with the linear system of `vibc analyze`, and the equations of motion with derivatives of the energies at \
-             random states.",
-        ));
-        Section { heading: "6 Values", items }
-    }
-
-    /// `11`, or `1,12` if a coordinate has two digits.
-    fn place(&self, i: usize, j: usize) -> Formula {
-        let comma = if self.equations.linear.coordinates.len() > 9 { "," } else { "" };
-        Formula::Decimal(format!("{}{comma}{}", i + 1, j + 1))
     }
 }

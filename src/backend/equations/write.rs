@@ -177,9 +177,17 @@ fn within<L: Language>(language: &L, of: &Formula, least: Tight) -> String {
     if tight < least { language.brackets(&text) } else { text }
 }
 
-/// `m1` is m with the index 1, `m[3]` too, `k_front` k with the index front; the label's own index follows.
+/// `m1` is m with the index 1, `m[3]` too, `k_front` k with the index front, `front.k` of a component as well; the
+/// label's own index follows.
 pub fn letter_and_index(label: &Label) -> (String, String) {
-    let (word, index) = split(&label.word);
+    let (word, index) = match label.word.rsplit_once('.') {
+        Some((path, word)) if !path.is_empty() && !word.is_empty() => {
+            let (word, index) = split(word);
+            let path = path.replace("][", ",").replace('[', ",").replace(']', "");
+            (word, if index.is_empty() { path } else { format!("{index},{path}") })
+        }
+        _ => split(&label.word),
+    };
     match (index.is_empty(), label.index.is_empty()) {
         (_, true) => (word, index),
         (true, false) => (word, label.index.clone()),

@@ -7,6 +7,7 @@ use crate::answers::report::{Block, Report, Section};
 use crate::backend::draw::{self, escaped};
 use crate::backend::plain;
 use crate::base::{Diagnostic, Severity};
+use crate::questions::answer::Sensitivity;
 use sha2::{Digest, Sha256};
 
 const STYLE: &str = include_str!("page.css");
@@ -82,7 +83,13 @@ fn sections(of: &Answers, lines: &Lines) -> String {
     }
     text += &of.transfer.map_or(String::new(), |shown| transfer(of, shown, lines));
     text += &of.motion.map_or(String::new(), |shown| motion(of, shown, lines));
-    text + &after.into_iter().map(|section| headed(section, lines, of)).collect::<String>()
+    for section in after {
+        text += &headed(section, lines, of);
+        if section.heading == "Sensitivities" {
+            text += &slopes(of.sensitivities);
+        }
+    }
+    text
 }
 
 /// Long for most readers: opened by those who want them.
@@ -140,6 +147,18 @@ fn poles(of: &Answers) -> String {
      table has their numbers\"></svg>\n<figcaption>poles in the complex plane, with lines of equal damping</figcaption>\n\
      </figure>\n"
         .into()
+}
+
+fn slopes(of: &[Sensitivity]) -> String {
+    let Some(one) = of.first() else { return String::new() };
+    let frequencies = (0..one.frequencies.len()).map(|i| format!("undamped frequency {}", one.first + i));
+    let ratios = (0..one.ratios.len()).map(|i| format!("damping ratio {}", i + 1));
+    let measures = options(frequencies.chain(ratios));
+    format!(
+        "<div class=\"controls\"><label>change of <select id=\"slope\">{measures}</select></label></div>\n<figure>\n<svg id=\"bars\" \
+         class=\"chart\" role=\"img\" aria-label=\"change in percent for a change of each parameter by one percent; the table has the \
+         numbers\"></svg>\n</figure>\n"
+    )
 }
 
 fn options(names: impl Iterator<Item = String>) -> String {

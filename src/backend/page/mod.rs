@@ -16,6 +16,7 @@ use crate::base::{Diagnostic, FileId, Sources, Span};
 use crate::kernel::complex::Complex;
 use crate::lower::Poses;
 use crate::picture::{Figure, Item, Moving};
+use crate::questions::answer::Sensitivity;
 use crate::system::LinearSystem;
 
 /// Where numbers, glyphs and findings lead.
@@ -55,6 +56,7 @@ pub struct Answers<'a> {
     pub poles: &'a [PoleShown],
     pub transfer: Option<&'a TransferShown>,
     pub motion: Option<&'a MotionShown>,
+    pub sensitivities: &'a [Sensitivity],
 }
 
 /// How a figure may move.
@@ -62,7 +64,16 @@ pub struct Answers<'a> {
 pub struct Movements {
     /// For each coordinate how one metre or radian of it moves the pieces.
     pub basis: Vec<Poses>,
+    /// What joints that close loops add at second order.
+    pub bends: Vec<Bend>,
     pub list: Vec<Movement>,
+}
+
+/// What the product of two coordinates adds to the values of pieces, in the order of [`Poses::values`].
+#[derive(Clone, Debug)]
+pub struct Bend {
+    pub by: [usize; 2],
+    pub values: Vec<f64>,
 }
 
 /// A mode, or the motion of a pole.

@@ -14,6 +14,8 @@
   function places(figure, q) {
     const slots = new Float64Array(figure.slots);
     q.forEach((value, i) => { if (value) for (const [slot, factor] of figure.basis[i]) slots[slot] += factor * value; });
+    // Joints that close loops stay together to second order.
+    if (q.length) for (const [i, j, list] of figure.bends) for (const [slot, factor] of list) slots[slot] += factor * q[i] * q[j];
     const pieces = [];
     let slot = 0;
     for (const piece of figure.pieces) {
@@ -61,11 +63,17 @@
     return [...m, cx - m[0] * ax - m[2] * ay, cy - m[1] * ax - m[3] * ay];
   }
 
+  /** More names than this are left out while a figure moves: a browser takes longer for them than for everything else. */
+  const MANY = 100;
+
   class Scene {
     constructor(figure, svg) {
       this.figure = figure;
       this.rest = places(figure, []);
       const numbers = text => text.trim().split(/[\s,]+/).map(Number);
+      // Names are read at rest where there are very many.
+      const many = svg.querySelectorAll('.label').length > MANY;
+      svg.classList.toggle('many', many);
       this.rides = [...svg.querySelectorAll('[data-with], [data-at], [data-between]')].map(element => ({
         element,
         part: element.dataset.with === undefined ? undefined : Number(element.dataset.with),
@@ -75,12 +83,14 @@
 
     /** Shows the figure for values of the coordinates. */
     show(q) {
+      $('figure').classList.toggle('moved', q.length > 0);
       const now = places(this.figure, q);
       const hold = ([part, ofX, ofY, x, y]) => {
         const [toX, toY] = moved(this.rest[part], now[part], ofX, ofY);
         return [x + toX - ofX, y + toY - ofY];
       };
-      for (const { element, part, holds } of this.rides) {
+      for (const ride of this.rides) {
+        const { element, part, holds } = ride;
         let m;
         if (part !== undefined) {
           const [e, f] = moved(this.rest[part], now[part], 0, 0);
@@ -96,7 +106,10 @@
           const [x, y] = hold(holds[0]);
           m = [1, 0, 0, 1, x - holds[0][3], y - holds[0][4]];
         }
-        element.setAttribute('transform', `matrix(${m.map(x => +x.toFixed(4)).join(' ')})`);
+        const text = `matrix(${m.map(x => +x.toFixed(4)).join(' ')})`;
+        if (text === ride.text) continue;
+        ride.text = text;
+        element.setAttribute('transform', text);
       }
     }
   }
@@ -346,7 +359,7 @@
     const [upper, lower] = [$('gain'), $('phase-plot')];
     [state.input, state.output] = [Math.min(state.input, data.inputs.length - 1), Math.min(state.output, data.outputs.length - 1)];
     [from.value, to.value, view.value] = [String(state.input), String(state.output), state.view];
-    let [lo, hi] = data.range, cursor, maps = [];
+    let [lo, hi] = data.range, cursor, maps = [], curve = [];
 
     function draw() {
       const pair = data.pairs[state.input][state.output];
@@ -362,15 +375,18 @@
         lower.replaceChildren();
         lower.setAttribute('height', 0);
         maps = [chart(upper, { x: axis(1, `real part${unit}`), y: axis(2, `imaginary part${unit}`), height: 420, equal: true, curves: [{ points: finite.map(([, re, im]) => [re, im]), style: 0 }] })];
+        curve = finite;
       } else {
         const sizes = values.map(([f, re, im]) => [f, Math.hypot(re, im)]);
         const known = sizes.map(([, g]) => g).filter(g => g > 0 && Number.isFinite(g));
         let [bottom, top] = [Math.min(...known), Math.max(...known)];
         bottom = Math.max(bottom, top * 1e-8);
         const x = { lo, hi, log: true, title: 'frequency [Hz]' };
-        const y = { lo: bottom / 1.6, hi: top * 2.2, log: true, title: `gain${unit}` };
+        // Room for marks above the highest peak and below the lowest dip.
+        const room = (1.5 * top / bottom) ** 0.07;
+        const y = { lo: bottom / room, hi: top * room, log: true, title: `gain${unit}` };
         const shown = pair.marks.filter(mark => mark.f >= lo && mark.f <= hi);
-        const marks = shown.map(mark => ({ at: [mark.f, Math.min(y.hi, Math.max(y.lo, mark.gain ?? (mark.down ? 0 : Infinity)))], title: mark.title, down: mark.down }));
+        const marks = shown.map(mark => ({ at: [mark.f, Math.min(top, Math.max(bottom, mark.gain ?? (mark.down ? 0 : Infinity)))], title: mark.title, down: mark.down }));
         const phases = values.map(([f, re, im]) => [f, Math.atan2(im, re) * 180 / Math.PI]);
         maps = [
           chart(upper, { x: { ...x }, y, height: 300, curves: [{ points: sizes, style: 0 }], marks }),
@@ -383,10 +399,13 @@
 
     function read() {
       for (const { body } of maps) body.querySelectorAll('.cursor').forEach(line => line.remove());
-      if (cursor === undefined || state.view === 'nyquist') { reading.textContent = ''; return; }
+      if (cursor === undefined) { reading.textContent = ''; return; }
       cursor = Math.min(hi, Math.max(lo, cursor));
-      for (const { body, toX } of maps) make(body, 'line', { class: 'cursor', x1: toX(cursor), x2: toX(cursor), y1: 0, y2: 1000 });
       const [re, im] = gain(data.pairs[state.input][state.output], cursor);
+      for (const { body, toX, toY } of maps) {
+        if (state.view !== 'nyquist') make(body, 'line', { class: 'cursor', x1: toX(cursor), x2: toX(cursor), y1: 0, y2: 1000 });
+        else if (Number.isFinite(re) && Number.isFinite(im)) make(body, 'circle', { class: 'cursor', cx: toX(re), cy: toY(im), r: 5, fill: 'none' });
+      }
       const size = Math.hypot(re, im);
       reading.textContent = `${short(cursor, 5)} Hz: gain ${short(size)} (${(20 * Math.log10(size)).toFixed(1)} dB), phase ${(Math.atan2(im, re) * 180 / Math.PI).toFixed(1)}°`;
     }
@@ -401,6 +420,20 @@
     }
     const shift = by => { const way = (hi / lo) ** by; [lo, hi] = [lo * way, hi * way]; draw(); };
 
+    /** The frequency whose point of the Nyquist plot is nearest. */
+    function nearest(px, py) {
+      const { toX, toY } = maps[0];
+      const way = ([, re, im]) => Math.hypot(toX(re) - px, toY(im) - py);
+      return curve.reduce((best, point) => (best && way(best) <= way(point) ? best : point), undefined)?.[0];
+    }
+
+    // Two fingers: closer and wider about the middle between them.
+    const fingers = new Map();
+    function pinched() {
+      const [a, b] = [...fingers.values()];
+      return [Math.max(20, Math.abs(a[0] - b[0])), (a[0] + b[0]) / 2];
+    }
+
     from.onchange = () => { state.input = Number(from.value); draw(); };
     to.onchange = () => { state.output = Number(to.value); draw(); };
     view.onchange = () => { state.view = view.value; draw(); };
@@ -408,10 +441,22 @@
     $('wider').onclick = () => window_(2);
     $('whole').onclick = () => { [lo, hi] = data.range; cursor = undefined; draw(); };
     for (const svg of [upper, lower]) {
+      svg.onpointerdown = event => { if (event.pointerType === 'touch') fingers.set(event.pointerId, [event.clientX, event.clientY]); };
+      svg.onpointerup = svg.onpointercancel = svg.onpointerleave = event => fingers.delete(event.pointerId);
       svg.onpointermove = event => {
-        if (state.view === 'nyquist' || !maps[0]) return;
-        const box = svg.getBoundingClientRect();
-        cursor = maps[0].value((event.clientX - box.left) * maps[0].width / box.width);
+        if (!maps[0]) return;
+        const box = svg.getBoundingClientRect(), per = maps[0].width / box.width;
+        if (fingers.has(event.pointerId)) {
+          const before = fingers.size === 2 ? pinched() : undefined;
+          fingers.set(event.pointerId, [event.clientX, event.clientY]);
+          if (before && state.view !== 'nyquist') {
+            const [now, middle] = pinched();
+            window_(before[0] / now, maps[0].value((middle - box.left) * per));
+            return;
+          }
+        }
+        const [px, py] = [(event.clientX - box.left) * per, (event.clientY - box.top) * per];
+        cursor = state.view === 'nyquist' ? nearest(px, py) : maps[0].value(px);
         read();
       };
       svg.onwheel = event => {
@@ -461,6 +506,38 @@
         if (mark.dataset.motion !== '') mark.onclick = () => player.choose?.(Number(mark.dataset.motion));
       });
     };
+    redraw.push(draw);
+    draw();
+  }
+
+  /** Bars: by how many percent a measure changes for one percent of each parameter, the largest first. */
+  function slopes() {
+    const svg = $('bars');
+    if (!svg || !page.slopes) return;
+    const { parameters, values } = page.slopes, select = $('slope');
+    state.slope = Math.min(state.slope ?? 0, values[0].length - 1);
+    select.value = String(state.slope);
+    const draw = () => {
+      const all = parameters.map((name, i) => ({ name, value: values[i][state.slope] })).filter(({ value }) => value !== null);
+      const list = all.sort((a, b) => Math.abs(b.value) - Math.abs(a.value)).slice(0, 20);
+      const width = Math.max(260, Math.round(svg.getBoundingClientRect().width) || 640), left = Math.min(160, width / 3), row = 22;
+      const [low, high] = [Math.min(0, ...list.map(({ value }) => value)), Math.max(0, ...list.map(({ value }) => value))];
+      const toX = value => left + 56 + (width - left - 112) * (high > low ? (value - low) / (high - low) : 0);
+      const height = row * Math.max(1, list.length) + 8;
+      svg.replaceChildren();
+      svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
+      svg.setAttribute('height', height);
+      if (!list.length) make(svg, 'text', { x: 4, y: row }, 'no parameter has a derivative');
+      list.forEach(({ name, value }, i) => {
+        const y = 4 + i * row, room = Math.floor((left - 8) / 7.5);
+        const label = make(svg, 'text', { x: left - 6, y: y + 15, 'text-anchor': 'end' }, name.length > room ? `${name.slice(0, room - 1)}…` : name);
+        make(label, 'title', {}, name);
+        make(svg, 'rect', { class: 'bar', x: Math.min(toX(0), toX(value)), y: y + 3, width: Math.max(0.5, Math.abs(toX(value) - toX(0))), height: row - 6 });
+        make(svg, 'text', { x: toX(value) + (value < 0 ? -4 : 4), y: y + 15, 'text-anchor': value < 0 ? 'end' : 'start' }, short(value, 3));
+      });
+      if (list.length) make(svg, 'line', { class: 'frame', x1: toX(0), x2: toX(0), y1: 0, y2: height });
+    };
+    select.onchange = () => { state.slope = Number(select.value); draw(); };
     redraw.push(draw);
     draw();
   }
@@ -530,6 +607,7 @@
     poles();
     player();
     transfer();
+    slopes();
   }
 
   /** Puts another version of the page in the place of this one; what was chosen stays chosen. */

@@ -1,12 +1,13 @@
 //! The data that the page's script animates and draws: plain numbers, rounded to seven digits. Numbers that are read stand in
 //! the tables of the report, with their bounds.
 
-use super::{Answers, Movement, Movements, Page};
+use super::{Answers, Bend, Movement, Movements, Page};
 use crate::analysis::{Extremum, FeatureKind, Gain};
 use crate::backend::decimal::certain;
 use crate::kernel::complex::Complex;
 use crate::lower::Poses;
 use crate::picture::{Item, Moving};
+use crate::questions::answer::{Sensitivity, Slope};
 use serde_json::{Map, Value, json};
 
 /// The payload as text within an element of a page.
@@ -31,6 +32,9 @@ fn answers(of: &Answers) -> Value {
     if of.motion.is_some() {
         map.insert("motion".into(), motion(of));
     }
+    if !of.sensitivities.is_empty() {
+        map.insert("slopes".into(), slopes(of.sensitivities));
+    }
     Value::Object(map)
 }
 
@@ -50,12 +54,9 @@ fn list(values: impl IntoIterator<Item = f64>) -> Value {
     values.into_iter().map(plain).collect()
 }
 
-/// The values of a shape, piece by piece: its angle, then its slides.
-fn slots(poses: &Poses) -> impl Iterator<Item = f64> + '_ {
-    poses
-        .pieces
-        .iter()
-        .flat_map(|piece| std::iter::once(piece.angle.shape).chain(piece.slides.iter().map(|(_, value)| value.shape)))
+/// What is not zero of values in the order of [`Poses::values`], with its place.
+fn slots(values: impl Iterator<Item = f64>) -> Value {
+    values.enumerate().filter(|(_, value)| *value != 0.0).map(|(slot, value)| json!([slot, plain(value)])).collect()
 }
 
 fn figure(moving: &Moving, movements: &Movements) -> Value {
@@ -72,15 +73,14 @@ fn figure(moving: &Moving, movements: &Movements) -> Value {
             "slides": piece.slides.iter().map(|([x, y], value)| list([*x, *y, value.rest])).collect::<Value>(),
         })
     });
-    let basis = movements.basis.iter().map(|poses| {
-        let moved = slots(poses).enumerate().filter(|(_, value)| *value != 0.0);
-        moved.map(|(slot, value)| json!([slot, plain(value)])).collect::<Value>()
-    });
+    let basis = movements.basis.iter().map(|poses: &Poses| slots(poses.values().map(|value| value.shape)));
+    let bend = |bend: &Bend| json!([bend.by[0], bend.by[1], slots(bend.values.iter().copied())]);
     json!({
         "parts": moving.parts.iter().map(part).collect::<Value>(),
         "pieces": pieces.collect::<Value>(),
-        "slots": slots(&moving.poses).count(),
+        "slots": moving.poses.values().count(),
         "basis": basis.collect::<Value>(),
+        "bends": movements.bends.iter().map(bend).collect::<Value>(),
     })
 }
 
@@ -184,6 +184,19 @@ fn mark(of: &Extremum) -> Value {
         "gain": gain.map(|gain| plain(gain.mid.to_f64())),
         "down": of.kind == FeatureKind::Antiresonance,
         "title": format!("{} at {} Hz, gain {says}", of.kind.name(), certain(&of.frequency, DIGITS)),
+    })
+}
+
+/// Relative changes by parameter, for bars; null where there is no derivative.
+fn slopes(of: &[Sensitivity]) -> Value {
+    let value = |slope: &Option<Slope>| match slope {
+        Some(Slope::Smooth { relative, .. }) if relative.is_finite() => plain(relative.to_f64()),
+        _ => Value::Null,
+    };
+    let row = |one: &Sensitivity| one.frequencies.iter().chain(&one.ratios).map(value).collect::<Value>();
+    json!({
+        "parameters": of.iter().map(|one| json!(one.parameter)).collect::<Value>(),
+        "values": of.iter().map(row).collect::<Value>(),
     })
 }
 

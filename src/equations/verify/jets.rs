@@ -136,7 +136,7 @@ pub fn verify(equations: &Equations) -> Result<(), EquationsError> {
                 return Err(state.defect(index, "the equation", &written, &derived));
             }
         }
-        if let Some(reduced) = &equations.reduced {
+        if let Some(reduced) = equations.reduced() {
             state.reduced(reduced)?;
         }
     }
@@ -162,13 +162,14 @@ impl<'a> State<'a> {
         let multipliers = equations.constraints.iter().map(|constraint| constraint.multiplier);
         let given = works.chain(multipliers).map(|symbol| (symbol, fractions.next().to_ball())).collect();
         let mut state = State { equations, motions, given };
-        for follow in equations.reduced.iter().flat_map(|reduced| &reduced.follows) {
+        for follow in equations.reduced().into_iter().flat_map(|reduced| &reduced.follows) {
             for order in 0..3 {
                 let value = follow.in_proportion(&equations.motion, order).and_then(|sum| state.value(&sum));
                 state.motions[follow.coordinate][order] = value.unwrap_or(state.motions[follow.coordinate][order]);
             }
         }
-        let ratios = equations.reduced.iter().flat_map(|reduced| &reduced.follows).flat_map(|follow| &follow.ratios);
+        let ratios =
+            equations.reduced().into_iter().flat_map(|reduced| &reduced.follows).flat_map(|follow| &follow.ratios);
         let named: Vec<(Symbol, Ball)> =
             ratios.filter_map(|ratio| Some((ratio.name?, state.value(&ratio.form)?))).collect();
         state.given.extend(named);

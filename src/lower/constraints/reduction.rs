@@ -2,7 +2,7 @@
 //! linear system. In: an elimination. Out: a map of rows, forces and multipliers.
 //! See docs/method/kinematics.md#independent-coordinates and docs/method/linearisation.md#constraint-forces.
 
-use super::elimination::{Elimination, Row};
+use super::elimination::{Combination, Elimination, Row};
 use super::equation::merge_entries;
 use crate::base::Number;
 use crate::lower::kinematics::{Index, Kinematics, State};
@@ -81,6 +81,12 @@ impl Reduction {
     pub fn equation(&self, coordinate: Index) -> Option<(usize, &Row)> {
         let row = self.elimination.solved.get(&coordinate)?;
         Some((self.dependent.binary_search(&coordinate).ok()?, row))
+    }
+
+    /// The factors of constraints with which their gradients add up to one at this dependent coordinate and zero at the
+    /// others.
+    pub fn combination(&self, dependent: Index) -> Combination {
+        self.elimination.combination(&[(dependent, Number::ONE)])
     }
 
     /// Moves dependent coordinates to where prescribed motions take them, in a state in which the independent ones are as
