@@ -7,7 +7,7 @@ use crate::symbols::{Factor, Product, Sum};
 pub type Rows = Vec<(Vec<Sum>, Vec<Sum>)>;
 
 /// Terms of all rows together, beyond which nobody reads the solution: they grow faster than any power of the unknowns.
-pub const MOST_TERMS: usize = 2_000;
+pub const MOST_TERMS: usize = 20_000;
 
 /// Why rows are not solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Result<Vec<Vec<S
         }
         done.push((left, right));
         pivots.push(column);
-        let terms = rows.iter().chain(&done).flat_map(|(left, right)| left.iter().chain(right)).map(size).sum();
+        let terms: usize = rows.iter().chain(&done).flat_map(|(left, right)| left.iter().chain(right)).map(size).sum();
         if terms > MOST_TERMS {
             return Err(Unsolved::Long { terms });
         }
