@@ -2,7 +2,7 @@
 //! Out: rotation and slides of each piece of welded parts. Lowering itself does not need this. See docs/draw.md.
 
 use super::constraints::Constraint;
-use super::kinematics::{Index, Kinematics, Reach};
+use super::kinematics::{Index, Kinematics, PathEvaluation};
 use super::mechanism::Mechanism;
 use super::tree::Piece;
 use crate::base::{Number, Vec3};
@@ -107,11 +107,11 @@ impl Mechanism {
     /// g(q) = 0 holds to second order if G q2 = -g''(q1, q1)/2; the combination of constraints for a dependent coordinate
     /// has its own entry of q2 alone on the left.
     fn bends(&self, moved: &[f64]) -> BTreeMap<Index, f64> {
-        let mut reach = Reach::default();
+        let mut path = PathEvaluation::default();
         let curved = |constraint: &Constraint| {
             let mut sum = 0.0;
             let Mechanism { kinematics, state, .. } = self;
-            constraint.equation.curvature(kinematics, state, &Number::ONE, &mut reach, |i, j, value| {
+            constraint.equation.curvature(kinematics, state, &Number::ONE, &mut path, |i, j, value| {
                 let times = if i == j { 1.0 } else { 2.0 };
                 sum += times * value.to_f64() * moved[i as usize] * moved[j as usize];
             });
