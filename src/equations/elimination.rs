@@ -9,6 +9,9 @@ pub type Rows = Vec<(Vec<Sum>, Vec<Sum>)>;
 /// Terms of all rows together, beyond which nobody reads the solution: they grow faster than any power of the unknowns.
 pub const MOST_TERMS: usize = 20_000;
 
+/// Terms of one product before it is simplified.
+const MOST_PRODUCTS: usize = 20_000;
+
 /// Why rows are not solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unsolved {
@@ -35,6 +38,11 @@ pub fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Result<Vec<Vec<S
                 continue;
             }
             for (entry, own) in other.iter_mut().zip(&left).chain(values.iter_mut().zip(&right)) {
+                // Known before it is multiplied out.
+                let terms = size(&factor) * size(own);
+                if terms > MOST_PRODUCTS {
+                    return Err(Unsolved::Long { terms });
+                }
                 *entry = (&*entry - &(&factor * own)).simplified();
             }
         }
