@@ -10,7 +10,7 @@ pub type Rows = Vec<(Vec<Sum>, Vec<Sum>)>;
 pub const MOST_TERMS: usize = 20_000;
 
 /// Terms of one product before it is simplified.
-const MOST_PRODUCTS: usize = 20_000;
+const MOST_PRODUCTS: usize = 100_000;
 
 /// Why rows are not solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
