@@ -3,7 +3,7 @@
 //! further output, why something was left out) need no second lowering. See docs/method/rest.md and
 //! docs/method/linearisation.md.
 
-use super::constraints::{Constraint, Reduction};
+use super::constraints::Reduction;
 use super::error::LowerError;
 use super::kinematics::{Kinematics, PathEvaluation, State};
 use super::loads::{self, EndPath};
@@ -19,8 +19,6 @@ use crate::model::scene::{ElementId, Motion, MotionTerm, Output, Scene};
 #[derive(Clone, Debug)]
 pub struct Mechanism {
     pub(super) kinematics: Kinematics,
-    /// The independent constraints, in the order in which they were eliminated.
-    pub(super) constraints: Vec<Constraint>,
     pub(super) reduction: Reduction,
     pub(super) state: State<Number>,
     pub(super) holding: Holding,
@@ -40,11 +38,11 @@ impl Mechanism {
     /// `state` has a value for every coordinate, including dependent ones.
     pub(super) fn new(
         kinematics: Kinematics,
-        constraints: Vec<Constraint>,
         reduction: Reduction,
         state: State<Number>,
+        holding: Holding,
     ) -> Mechanism {
-        Mechanism { kinematics, constraints, reduction, state }
+        Mechanism { kinematics, reduction, state, holding }
     }
 
     /// Every spring of the scene that this was lowered from, in order of declaration; `rest` is the one found with it, and

@@ -100,8 +100,10 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     let (rest, state) = found.finish(scene, &kinematics, &reduction, &system)?;
     let notes = notes.into_iter().chain(idle::findings(scene, &kinematics, &idle));
     let notes = notes.chain(unproven(&system, &rest)).collect();
-    let mechanism = Mechanism::new(kinematics, constraints.list, reduction, state);
-    Ok((Lowered { system, rest, mechanism }, notes))
+    let mechanism = Mechanism::new(kinematics, reduction, state, holding);
+    let mut lowered = Lowered { system, rest, mechanism };
+    lowered.carry(scene, &scene.outputs, 0).map_err(|error| vec![error])?;
+    Ok((lowered, notes))
 }
 
 /// The warning about a rest that is not proven, at the coordinate that moved farthest to it, or at the first if none

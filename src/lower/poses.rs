@@ -100,7 +100,7 @@ impl Mechanism {
 
     /// Whether joints or couplings hold coordinates together that turn.
     pub fn closes_loops(&self) -> bool {
-        self.constraints.iter().any(|constraint| !constraint.equation.is_linear())
+        self.holding.constraints.list.iter().any(|constraint| !constraint.equation.is_linear())
     }
 
     /// Half the second derivatives of the dependent coordinates along a motion in which the others move evenly. A constraint
@@ -117,7 +117,7 @@ impl Mechanism {
             });
             sum
         };
-        let curved: Vec<f64> = self.constraints.iter().map(curved).collect();
+        let curved: Vec<f64> = self.holding.constraints.list.iter().map(curved).collect();
         if curved.iter().all(|value| *value == 0.0) {
             return BTreeMap::new();
         }

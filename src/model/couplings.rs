@@ -28,9 +28,10 @@ impl<'a> Check<'a> {
     fn couple(&mut self, ident: Ident, left: ExprId, right: ExprId, environment: Environment) -> Evaluated<Couple> {
         let a = self.side(left, environment);
         let b = self.side(right, environment)?;
-        let mut terms = match (a?, b) {
-            (Some(a), Some(b)) => self.difference(a, b, (left, right), environment)?.terms,
-            (Some(one), None) | (None, Some(one)) => one.terms,
+        let Combination { mut terms, dimension, .. } = match (a?, b) {
+            (Some(a), Some(b)) => self.difference(a, b, (left, right), environment)?,
+            (Some(one), None) => one,
+            (None, Some(one)) => negated(one),
             (None, None) => {
                 let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
                 return self.fail(environment, QuestionError::NoMotion { span });
@@ -40,7 +41,7 @@ impl<'a> Check<'a> {
         self.couples_displacements(&terms, span, environment)?;
         // There may be a million of these lists, and each has few terms.
         terms.shrink_to_fit();
-        Ok(Couple { name: self.name(ident, environment)?, span: ident.span, terms })
+        Ok(Couple { name: self.name(ident, environment)?, span: ident.span, dimension, terms })
     }
 
     /// One side of a coupling; `None` for a bare zero.
