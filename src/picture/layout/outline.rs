@@ -117,6 +117,11 @@ mod tests {
         assert_eq!(block.reach(Point::default(), Point::new(-1.0, 0.0)), 22.0);
         assert_eq!(block.reach(Point::new(0.0, 6.0), Point::new(0.0, 1.0)), 10.0);
         assert_eq!(block.reach(Point::new(30.0, 0.0), Point::new(1.0, 0.0)), 0.0);
+        // A box of a component that is placed with a quarter turn: its width runs upwards.
+        let upright = Outline::Box { half: Point::new(20.0, 10.0), along: Point::new(0.0, -1.0) };
+        assert_eq!(upright.reach(Point::default(), Point::new(1.0, 0.0)), 10.0);
+        assert_eq!(upright.reach(Point::default(), Point::new(0.0, 1.0)), 20.0);
+        assert_eq!(upright.half(), Point::new(10.0, 20.0));
         let disk = Outline::Disk { radius: 10.0 };
         assert_eq!(disk.reach(Point::new(6.0, 0.0), Point::new(0.0, 1.0)), 8.0);
         assert_eq!(disk.reach(Point::new(10.0, 0.0), Point::new(-1.0, 0.0)), 0.0);
