@@ -192,9 +192,10 @@ impl Space {
         self.add_uncertainty(&mut image, [&z, &w, &v], &cv);
         for Drive { jump, force, intensity } in drives {
             let b: Vec<Ball> = jump.iter().chain(force).copied().collect();
+            let product = |i: usize, j: usize| b[i] * b[j] * *intensity;
             for j in 0..2 * n {
                 for i in (0..2 * n).filter(|&i| i < n || j >= n) {
-                    image[(i, j)] = image[(i, j)] + b[i] * b[j] * *intensity;
+                    image[(i, j)] = image[(i, j)] + product(i, j);
                 }
             }
         }
@@ -215,13 +216,13 @@ impl Space {
         let sums = |m: &Matrix<Ball>| -> Vec<f64> { (0..n).map(|i| row_sum(m, i)).collect() };
         let (of_z, of_w, of_v, of_cv) = (sums(z), sums(w), sums(v), sums(cv));
         let down_w: Vec<f64> = (0..n).map(|j| (0..n).map(|k| w[(k, j)].magnitude()).sum::<f64>()).collect();
+        let mixed = |i: usize, j: usize| self.of_m * self.s[i] * of_v[i] + self.of_k * self.s[j] * of_z[i];
+        let one = |i: usize, j: usize| {
+            self.of_k * self.s[i] * down_w[j] + self.of_m * (self.a[i].magnitude() * of_w[i] + of_cv[i])
+        };
         for i in 0..n {
             for j in 0..n {
-                let mixed = self.of_m * self.s[i] * of_v[i] + self.of_k * self.s[j] * of_z[i];
-                image[(i, n + j)] = image[(i, n + j)].widen(MORE * mixed * UP);
-                let one = |i: usize, j: usize| {
-                    self.of_k * self.s[i] * down_w[j] + self.of_m * (self.a[i].magnitude() * of_w[i] + of_cv[i])
-                };
+                image[(i, n + j)] = image[(i, n + j)].widen(MORE * mixed(i, j) * UP);
                 image[(n + i, n + j)] = image[(n + i, n + j)].widen(MORE * (one(i, j) + one(j, i)) * UP);
             }
         }
@@ -310,9 +311,9 @@ impl Space {
     pub fn variance(&self, covariance: &Covariance, row: &[Ball]) -> Ball {
         let size = 2 * self.n;
         let mut sum = Ball::ZERO;
-        for j in 0..size {
+        for (j, &last) in row.iter().enumerate() {
             let inner = (0..size).fold(Ball::ZERO, |sum, i| sum + row[i] * covariance.p[(i, j)]);
-            sum = sum + inner * row[j];
+            sum = sum + inner * last;
         }
         let bound = self.certified(row) * covariance.epsilon * UP;
         let value = sum.widen(bound);

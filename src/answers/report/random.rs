@@ -29,22 +29,18 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
         let output = &answer.system.outputs[noisy.output];
         let name = answer.system.display(output.name);
         table.row(cells(&name, &output.unit, noisy, options.digits(DIGITS)));
-        for (what, spread) in [("rms of ", &noisy.rms), ("crossings of ", &noisy.crossings)] {
-            if let Some(why) = why(spread) {
-                let same = matches!((why_of(&noisy.rms), what), (Some(first), "crossings of ") if first == why);
-                if !same {
-                    reasons.push(Block::Item(line![what, name.clone(), ": ", why]));
-                }
+        // What holds for both is said once.
+        let of_rms = why(&noisy.rms);
+        let of_crossings = why(&noisy.crossings).filter(|why| of_rms != Some(*why));
+        for (what, why) in [("rms of ", of_rms), ("crossings of ", of_crossings)] {
+            if let Some(why) = why {
+                reasons.push(Block::Item(line![what, name.clone(), ": ", why]));
             }
         }
     }
     let intro =
         Block::Line("stationary response to noise (one-sided densities; 3 sigma is three times the rms)".into());
     Section::new(HEADING, [intro, Block::Table(table)].into_iter().chain(reasons))
-}
-
-fn why_of(spread: &Spread) -> Option<&'static str> {
-    why(spread)
 }
 
 fn why(spread: &Spread) -> Option<&'static str> {

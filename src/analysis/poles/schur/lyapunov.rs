@@ -96,12 +96,13 @@ impl SchurForm {
     ) -> ComplexColumns {
         let n = self.n();
         let mut z = ComplexColumns::zeros(n, shifts.len());
-        for column in 0..shifts.len() {
-            for offset in 0..size {
-                for i in 0..n {
-                    z.re[(i, column)] += right[(i, start + offset)] * re[column][offset];
-                    z.im[(i, column)] += right[(i, start + offset)] * im[column][offset];
-                }
+        let combined = |i: usize, factors: &[f64; 2]| -> f64 {
+            (0..size).map(|offset| right[(i, start + offset)] * factors[offset]).sum()
+        };
+        for (column, (re, im)) in re.iter().zip(im).enumerate() {
+            for i in 0..n {
+                z.re[(i, column)] = combined(i, re);
+                z.im[(i, column)] = combined(i, im);
             }
         }
         self.back_substitute(shifts, &vec![n; shifts.len()], &mut z);
