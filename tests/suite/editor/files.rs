@@ -416,7 +416,7 @@ fn what_is_behind_a_place_is_proposed() {
     assert_eq!(labels("place p = axle(m = 1 kg, "), ["car", "k"]);
     assert_eq!(labels("place p = axle(car = "), ["car", "front", "rear", "ground"]);
     assert_eq!(labels("place p = axle(m = 1 kg) "), ["at", "turned", "mirrored"]);
-    assert_eq!(labels("output v = front.wheel."), ["y", "vy", "ay"]);
+    assert_eq!(labels("output v = front.wheel."), ["y", "vy", "ay", "support_x", "support_moment"]);
     // Inside a component, its own names alone.
     editor.change(
         "model.vib",
