@@ -93,7 +93,7 @@ fn modes_and_rest_are_as_reviewed() {
         ("double_pendulum_rest", example("double_pendulum.vib"), FigureOptions { rest: true, ..AS_DRAWN }),
         ("half_car_mode_2", example("half_car.vib"), FigureOptions { mode: Some(2), ..AS_DRAWN }),
         ("drive_line_values", example("drive_line.vib"), FigureOptions { values: true, ..AS_DRAWN }),
-        ("slider_crank_mode_1", drawing("slider_crank.vib"), FigureOptions { mode: Some(1), ..AS_DRAWN }),
+        ("engine_mode_1", drawing("engine.vib"), FigureOptions { mode: Some(1), ..AS_DRAWN }),
     ];
     for (name, text, drawn) in cases {
         let figured = Figured::of("m.vib", &text, drawn).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -446,7 +446,7 @@ fn parts_without_coordinates_beside_others_are_laid_out() {
 fn loops_stay_together_to_second_order() {
     use vibc::model::scene::{BodyId, Part};
     let mut sources = Sources::new();
-    let model = sources.add(SourceFile::model("m.vib", drawing("slider_crank.vib")));
+    let model = sources.add(SourceFile::model("m.vib", drawing("engine.vib")));
     let tree = vibc::syntax::parse(&sources, model).tree;
     let checked = vibc::model::check(&sources, &tree, &Overrides::default()).scene.expect("a sound model");
     let lowered = vibc::lower::lower(&checked).lowered.expect("a sound scene");
