@@ -14,6 +14,9 @@ use crate::kinds::motions::{BODY_MOTIONS, COUPLE_REACTIONS, ELEMENT_MOTIONS, JOI
 use crate::kinds::{self, Argument, Content, DECLARATIONS, Declaration, Naming, Piece};
 use crate::syntax::words;
 
+/// Whether names that a declaration of this keyword declares are wanted.
+type Wanted = fn(&str) -> bool;
+
 /// A proposal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Item {
@@ -251,7 +254,7 @@ impl<'a> Place<'a> {
         let in_end = has_ends(keyword) && !self.has("=") && !self.has("{");
         let in_measure = before == "("
             && first.checked_sub(2).is_some_and(|function| roles::takes_part(document.token_text(function)));
-        let (values, parts): (fn(&str) -> bool, fn(&str) -> bool) = match before {
+        let (values, parts): (Wanted, Wanted) = match before {
             "@" => (|kind| kind == "point", |_| false),
             _ if in_end => (|_| false, |kind| matches!(kind, "body" | "base")),
             _ if keyword == "initial" => (|_| false, |kind| kind == "body"),
@@ -262,8 +265,7 @@ impl<'a> Place<'a> {
             // In an expression, a motion may follow a part.
             _ => (|_| true, |kind| !matches!(kind, "output" | "component")),
         };
-        let of =
-            |space, kind, wanted: fn(&str) -> bool| self.names_of(component.0, Some(component.1), space, kind, wanted);
+        let of = |space, kind, wanted: Wanted| self.names_of(component.0, Some(component.1), space, kind, wanted);
         let mut items = of(Space::Values, ItemKind::Value, values);
         items.extend(of(Space::Parts, ItemKind::Part, parts));
         items.extend(of(Space::Places, ItemKind::Part, |_| true));

@@ -64,7 +64,7 @@ impl<'a> Check<'a> {
                 let (value, derivative) = self.density(density, kinds, environment)?;
                 let ExprKind::Range { low, high } = kind_of(self, range) else { return wrong(self) };
                 let (from, to) = (self.frequency(low, environment)?, self.frequency(high, environment)?);
-                self.from_zero_up(&from, low, environment)?;
+                self.starts_at_zero_or_above(&from, low, environment)?;
                 self.ascending(&from, &to, high, environment)?;
                 let density = Density::Bands(vec![Band { from, to, course: Course::Flat(value) }]);
                 Ok(Noisy { density, derivative })
@@ -216,7 +216,7 @@ impl<'a> Check<'a> {
         self.fail(environment, PartError::NoiseDensity { span })
     }
 
-    fn from_zero_up(&mut self, value: &Number, at: ExprId, environment: Environment) -> Evaluated<()> {
+    fn starts_at_zero_or_above(&mut self, value: &Number, at: ExprId, environment: Environment) -> Evaluated<()> {
         if !value.is_negative() {
             return Ok(());
         }

@@ -295,8 +295,11 @@ fn the_count_of_packages_is_right() {
         let tree = ["tree", "--locked", "--offline", "--prefix", "none", "-e", "normal"];
         let output = cargo.current_dir(root()).args(tree).args(more).output().expect("cargo");
         let text = String::from_utf8(output.stdout).expect("UTF-8");
-        let packages: HashSet<Vec<&str>> =
-            text.lines().map(|line| line.split(' ').take(2).collect()).filter(|line: &Vec<_>| line[0] != "").collect();
+        let packages: HashSet<Vec<&str>> = text
+            .lines()
+            .map(|line| line.split(' ').take(2).collect())
+            .filter(|line: &Vec<_>| !line[0].is_empty())
+            .collect();
         // This one is among them.
         packages.len() - 1
     };

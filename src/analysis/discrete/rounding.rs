@@ -56,7 +56,7 @@ impl Growth {
         match self {
             Growth::Geometric(lost) if *lost > 0.0 => n.min(UP / lost),
             Growth::Geometric(0.0) => n,
-            Growth::Geometric(lost) => ((n * (-lost).ln_1p()).exp_m1() / -lost * UP).max(n),
+            Growth::Geometric(lost) => (libm::expm1(n * libm::log1p(-lost)) / -lost * UP).max(n),
             Growth::Doubling(sums) => {
                 let doublings = (64 - steps.saturating_sub(1).leading_zeros()) as usize;
                 sums.get(doublings).copied().unwrap_or(f64::INFINITY)
@@ -256,7 +256,7 @@ impl Frame {
             }
             column
         };
-        let lengths = [true, false].map(|first| column(first)).map(|column| self.norm.length(&column));
+        let lengths = [true, false].map(column).map(|column| self.norm.length(&column));
         // Where nothing is added at first, nothing is rounded.
         if lengths[0] == 0.0 { lengths[1] } else { lengths[0].min(lengths[1]) }
     }

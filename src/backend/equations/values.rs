@@ -38,7 +38,8 @@ impl Writer<'_> {
         let is_whole = n <= MOST_MATRIX;
         let is_listed = |&(i, j): &(usize, usize)| {
             let sum = &matrix[i][j].sum;
-            !sum.is_zero() && !(is_whole && sum.as_number().is_some())
+            let is_seen = is_whole && sum.as_number().is_some();
+            !sum.is_zero() && !is_seen
         };
         let places: Vec<(usize, usize)> = (0..n).flat_map(|i| (i..n).map(move |j| (i, j))).filter(is_listed).collect();
         if !is_whole && places.len() > MOST_PER_ROW * n {
