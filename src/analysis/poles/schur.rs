@@ -75,6 +75,10 @@ impl ComplexColumns {
     }
 }
 
+/// Sizes below which an entry beside the diagonal splits the matrix, relative to its neighbours. Where roundings keep the
+/// iteration above the first one, a larger one is tried: the form is the start of proofs, which do not depend on it.
+const SPLITS: [f64; 3] = [f64::EPSILON, 16.0 * f64::EPSILON, 1024.0 * f64::EPSILON];
+
 impl SchurForm {
     /// `None` if the iteration does not converge, or a number is not finite.
     pub fn of(a: DMatrix<f64>) -> Option<SchurForm> {
@@ -88,7 +92,7 @@ impl SchurForm {
             let empty = Matrix::filled(0, 0, 0.0);
             return Some(SchurForm { q: empty.clone(), t: empty, least_pivot: 0.0 });
         }
-        let (q, t) = Schur::try_new(a, f64::EPSILON, 100 * n)?.unpack();
+        let (q, t) = SPLITS.iter().find_map(|split| Schur::try_new(a.clone(), *split, 100 * n))?.unpack();
         let [q, t] = [q, t].map(|m| Matrix::from_fn(n, n, |i, j| m[(i, j)]));
         let largest = t.data().iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
         Some(SchurForm { q, t, least_pivot: (largest * f64::EPSILON).max(f64::MIN_POSITIVE) })
