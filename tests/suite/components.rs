@@ -379,7 +379,9 @@ fn places_cost_what_a_repeat_costs_and_grow_with_their_number() {
     let [[few, _], [many, by_repeat]] = shortest;
     // Without optimisation, as tests run; `cargo bench --bench scale` has the figures of the program.
     assert!(many < 2.0 * by_repeat, "10,000 places: {many} s, by repeat: {by_repeat} s");
-    assert!(many < 15.0 * few, "10,000 places: {many} s, 1,000: {few} s");
+    // Ten times, and up to twice as long for each where the tables leave the processor's cache, as they do with optimisation;
+    // a hundred times would be growth with the square.
+    assert!(many < 25.0 * few, "10,000 places: {many} s, 1,000: {few} s");
 }
 
 /// A component with one more declaration, placed six times.
