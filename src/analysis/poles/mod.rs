@@ -52,7 +52,7 @@ use crate::base::{Number, runs};
 use crate::kernel::complex::Complex;
 use crate::system::{Form, LinearSystem};
 
-/// Up to this many coupled coordinates all poles are computed where all modes are asked for.
+/// Up to this many coupled coordinates all poles can be computed; analyses ask for up to `MAX_UNASKED`.
 pub const MAX_DAMPED: usize = 1_000;
 /// From this many coordinates on, pairs are first refined all together.
 const TOGETHER: usize = 24;
