@@ -5,7 +5,7 @@ use crate::analysis::{Band, Frequency, Normalise, Request, Which};
 use crate::backend::explain::PAGES;
 use crate::base::unit::{self, Scale};
 use crate::base::{Angle, Dimension, Literals, Number, Rational};
-use crate::kinds::DECLARATIONS;
+use crate::kinds;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsStr;
@@ -421,7 +421,7 @@ pub struct Man {
 
 #[derive(Debug, Args)]
 pub struct Explain {
-    /// A code such as `vib::unit::mismatch`, or a keyword such as `spring`; without it, all codes are listed
+    /// A code such as `vib::unit::mismatch`, or a word such as `spring` or `mm`; without it, all codes are listed
     #[arg(value_name = "CODE", value_parser = AnyText(subjects), hide_possible_values = true)]
     pub subject: Option<String>,
 }
@@ -433,10 +433,12 @@ fn commands() -> Vec<&'static str> {
     program.get_subcommands().map(|command| &*String::from(command.get_name()).leak()).collect()
 }
 
-/// The topics that can be explained: codes and keywords.
+/// The topics that can be explained: codes and words of the language.
 fn subjects() -> Vec<&'static str> {
-    let keywords = DECLARATIONS.iter().map(|declaration| declaration.keyword);
-    PAGES.iter().map(|page| page.code).chain(keywords).collect()
+    let mut subjects: Vec<&'static str> = PAGES.iter().map(|page| page.code).chain(kinds::names()).collect();
+    subjects.sort_unstable();
+    subjects.dedup();
+    subjects
 }
 
 /// Takes any text, and gives shells words to complete.

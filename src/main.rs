@@ -23,8 +23,8 @@ use vibc::cli::{
     Format, HoldOption, MessageFormat, Messages, Page, Report, SignalsOption, Simulate, StyleOption, TableFormat,
     TargetOption, Transfer,
 };
+use vibc::editor;
 use vibc::editor::server::{self, Leave, Named};
-use vibc::kinds;
 
 /// The exit status of the process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -560,17 +560,18 @@ fn manual_page(command: Option<&str>) -> Status {
     }
 }
 
-/// The page of a diagnostic or a keyword; without an argument, all codes.
+/// The page of a diagnostic or of a word of the language; without an argument, all codes.
 fn explain(asked: Option<&str>) -> Status {
     let Some(asked) = asked else { return deliver(None, &backend::explain::codes()) };
-    if let Some(declaration) = kinds::declaration(asked) {
-        return deliver(None, &backend::explain::terminal(&declaration.page()));
+    if let Some(page) = editor::about(asked) {
+        return deliver(None, &backend::explain::terminal(&page));
     }
     match backend::explain::explain(asked) {
         Ok(text) => deliver(None, &text),
         Err(unknown) => {
             let nearest = unknown.nearest.map_or(String::new(), |code| format!("; did you mean `{code}`?"));
-            report_error(&format!("no diagnostic has the code `{}`{nearest}", diagnostics::readable(asked)));
+            let asked = diagnostics::readable(asked);
+            report_error(&format!("no diagnostic has the code `{asked}`, and it is no word of the language{nearest}"));
             Status::Usage
         }
     }

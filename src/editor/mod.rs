@@ -23,3 +23,5 @@ mod shown;
 pub mod signature;
 pub mod symbols;
 pub mod tokens;
+
+pub use pages::about;

@@ -36,10 +36,46 @@ pub fn word(word: &str) -> Option<&'static str> {
         "along" => "A fixed direction: `x`, `y` or a vector, whose length does not matter.",
         "about" => "The reference point of an inertia.",
         "in" => "The range, including its bounds.",
+        "white" => "In `noise`: the density is the same at all frequencies, as in `noise(white 3 N^2/Hz)`.",
+        "road" => {
+            "In `noise`: a road profile of ISO 8608, `road(16e-6 m^3, 20 m/s)`: its roughness at 0.1 cycles per metre, and the speed."
+        }
         "modal" => "The same damping ratio for every mode.",
         "as" | "drawn" => "The drawing is the rest: the tensions that balance it are computed.",
         _ => return kinds::field(word).filter(|field| field.stands_alone()).map(|field| field.meaning),
     })
+}
+
+/// Everything that a word of the language means, as Markdown: a keyword, a function, a field, a motion, a unit. `None` for any
+/// other word.
+pub fn about(asked: &str) -> Option<String> {
+    if let Some(page) = keyword(asked) {
+        return Some(page);
+    }
+    let mut meanings: Vec<String> = function(asked).into_iter().collect();
+    meanings.extend(fields(asked));
+    meanings.extend(motion(asked).map(|meaning| format!("Behind a dot, as in `output`: {meaning}")));
+    let is_field = kinds::field(asked).is_some();
+    meanings.extend(word(asked).filter(|_| !is_field).map(String::from));
+    meanings.extend(unit(asked).map(|meaning| format!("As a unit: {meaning}.")));
+    meanings.dedup();
+    (!meanings.is_empty()).then(|| format!("# {asked}\n\n{}\n", meanings.join("\n\n")))
+}
+
+/// A field in each declaration that has it; declarations that explain it alike share an entry.
+fn fields(asked: &str) -> Vec<String> {
+    let mut entries: Vec<(String, Vec<String>)> = Vec::new();
+    for declaration in &kinds::DECLARATIONS {
+        let Some(field) = declaration.field(asked) else { continue };
+        let entry = format!("`{}`\n\n{}", field.example, field.meaning);
+        let keyword = format!("`{}`", declaration.keyword);
+        match entries.iter_mut().find(|(known, _)| *known == entry) {
+            Some((_, keywords)) => keywords.push(keyword),
+            None => entries.push((entry, vec![keyword])),
+        }
+    }
+    let heads = entries.into_iter().map(|(entry, keywords)| format!("In {}: {entry}", kinds::listed(&keywords, "and")));
+    heads.collect()
 }
 
 /// The quantity that a unit measures, and its size.

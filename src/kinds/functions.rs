@@ -304,7 +304,7 @@ pub const SIGNALS: &[Named<Signal>] = &[
             form: "noise(density, from .. to)",
             example: "noise(3 N^2/Hz, 20 Hz .. 2 kHz)",
             meaning: "Stationary noise by its one-sided power spectral density: flat in a band, `white 3 N^2/Hz`, corner points \
-                      `(20 Hz, 0.01 g0^2/Hz), (80 Hz, 0.04 g0^2/Hz)` (straight in log-log), `table(\"psd.csv\", 1 m^2/Hz)`, or \
+                      `(20 Hz, 0.01 g0^2/Hz), (80 Hz, 0.04 g0^2/Hz)` (straight in log-log), or \
                       `road(16e-6 m^3, 20 m/s)` (ISO 8608).",
             arguments: &[Argument::Densities, Argument::Frequencies],
             optional: 1,

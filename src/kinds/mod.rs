@@ -58,6 +58,13 @@ pub fn field(name: &str) -> Option<&'static crate::base::Field> {
     DECLARATIONS.iter().find_map(|declaration| declaration.field(name))
 }
 
+/// The words that have a meaning of their own: keywords, functions, fields.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    let keywords = DECLARATIONS.iter().map(|declaration| declaration.keyword);
+    let fields = DECLARATIONS.iter().flat_map(|declaration| declaration.fields).map(|field| field.name);
+    keywords.chain(functions::functions().map(|(_, function)| function.name)).chain(fields)
+}
+
 /// A kind of element: its index in [`elements::KINDS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ElementId(pub u8);

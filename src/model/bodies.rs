@@ -358,7 +358,14 @@ impl<'a> Check<'a> {
             _ => {
                 let spans = tree.list(words).iter().map(|&word| tree.expr(word).span);
                 let span = spans.reduce(Span::to).unwrap_or(field.key);
-                self.fail(environment, PartError::MovesWhere { span })
+                let is_rotation = |text: &&str| matches!(*text, "angle" | "turns" | "theta" | "rotation");
+                let (rotations, others): (Vec<&str>, Vec<&str>) = texts.iter().partition(|text| is_rotation(text));
+                match (&rotations[..], &others[..]) {
+                    ([_], ["x"] | ["y"] | ["x", "y"] | ["y", "x"]) => {
+                        self.fail(environment, PartError::MovesAndTurns { span, translations: others.join(" ") })
+                    }
+                    _ => self.fail(environment, PartError::MovesWhere { span }),
+                }
             }
         }
     }

@@ -9,8 +9,8 @@ use super::scope::Environment;
 use super::value::{Scalar, Value};
 use crate::base::density::{Band, Course, Density};
 use crate::base::{Angle, Dimension, Number, Span};
-use crate::kinds::functions::{self, Function, SignalKind};
-use crate::syntax::tree::{ExprId, ExprKind};
+use crate::kinds::functions::{self, SignalKind};
+use crate::syntax::tree::{Binary, ExprId, ExprKind};
 
 const ROUGHNESS: Expected = Expected::new("a density of the height of a road", Dimension::of(0, 3, 0), "16e-6 m^3");
 const SPEED: Expected = Expected::new("a speed", Dimension::VELOCITY, "20 m/s");
@@ -24,7 +24,6 @@ const ROAD: [&str; 2] = ["0.011", "2.83"];
 pub struct NoiseCall {
     pub span: Span,
     pub given: Vec<ExprId>,
-    pub function: &'static Function,
 }
 
 /// A density, and the place of its kind among those that the input takes.
@@ -36,9 +35,7 @@ pub struct Noisy {
 impl<'a> Check<'a> {
     pub fn noise(&mut self, call: &NoiseCall, kinds: &[SignalKind], environment: Environment) -> Evaluated<Noisy> {
         let kind_of = |check: &Check<'a>, expr: ExprId| check.tree.expr(expr).kind;
-        let wrong = |check: &mut Check<'a>| {
-            check.fail(environment, PartError::SignalArguments { span: call.span, function: call.function })
-        };
+        let wrong = |check: &mut Check<'a>| check.fail(environment, PartError::NoiseArguments { span: call.span });
         match call.given[..] {
             [one] => match kind_of(self, one) {
                 ExprKind::Named { value, .. } if self.is_white(one, value) => {
@@ -57,6 +54,11 @@ impl<'a> Check<'a> {
                         }
                         _ => wrong(self),
                     }
+                }
+                // `white -3 N^2/Hz` reads as a difference.
+                ExprKind::Binary { operator: Binary::Subtract, left, right } if self.is_word(left, "white") => {
+                    let span = self.tree.expr(right).span;
+                    self.fail(environment, PartError::NoiseDensity { span })
                 }
                 _ => wrong(self),
             },
@@ -80,6 +82,10 @@ impl<'a> Check<'a> {
         before.trim_end() == "white"
     }
 
+    fn is_word(&self, expr: ExprId, word: &str) -> bool {
+        self.sources.slice(self.tree.expr(expr).span) == word
+    }
+
     /// Corner points, straight in the logarithms between them.
     fn corners(&mut self, call: &NoiseCall, kinds: &[SignalKind], environment: Environment) -> Evaluated<Noisy> {
         let mut points: Vec<(Number, Number)> = Vec::new();
@@ -90,7 +96,7 @@ impl<'a> Check<'a> {
                 _ => None,
             };
             let Some([at, value]) = pair else {
-                return self.fail(environment, PartError::SignalArguments { span: call.span, function: call.function });
+                return self.fail(environment, PartError::NoiseArguments { span: call.span });
             };
             let frequency = self.frequency(at, environment)?;
             match points.last() {
@@ -106,7 +112,7 @@ impl<'a> Check<'a> {
             points.push((frequency, density));
         }
         if points.len() < 2 {
-            return self.fail(environment, PartError::SignalArguments { span: call.span, function: call.function });
+            return self.fail(environment, PartError::NoiseArguments { span: call.span });
         }
         let bands = points.iter().zip(points.iter().skip(1)).map(|((from, low), (to, high))| {
             let course = Course::between([from, to], [low, high]);
@@ -138,8 +144,7 @@ impl<'a> Check<'a> {
             None => ROAD.map(Number::from),
             Some(range) => {
                 let ExprKind::Range { low, high } = self.tree.expr(range).kind else {
-                    return self
-                        .fail(environment, PartError::SignalArguments { span: call.span, function: call.function });
+                    return self.fail(environment, PartError::NoiseArguments { span: call.span });
                 };
                 let (from, to) =
                     (self.number(low, environment, &WAVE_NUMBER)?, self.number(high, environment, &WAVE_NUMBER)?);

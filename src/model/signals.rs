@@ -33,7 +33,6 @@ pub struct Signals {
 /// A call, as far as it is known to be that of a signal.
 struct Called {
     signal: functions::Signal,
-    function: &'static functions::Function,
     span: Span,
     given: Vec<ExprId>,
     /// By their places in the function's own list.
@@ -76,8 +75,8 @@ impl<'a> Check<'a> {
                 return Ok(found);
             }
             if called.signal == functions::Signal::Noise {
-                let Called { span, given, function, .. } = called;
-                let noisy = self.noise(&noise::NoiseCall { span, given, function }, kinds, environment)?;
+                let Called { span, given, .. } = called;
+                let noisy = self.noise(&noise::NoiseCall { span, given }, kinds, environment)?;
                 if known.is_some_and(|known| known != noisy.derivative) {
                     return self.fail(environment, PartError::SignalsDiffer { span });
                 }
@@ -136,7 +135,7 @@ impl<'a> Check<'a> {
         if !is_noise && !function.takes(given.len()) {
             return self.fail(environment, PartError::SignalArguments { span: node.span, function });
         }
-        Ok(Called { signal: *signal, function, span: node.span, given, named })
+        Ok(Called { signal: *signal, span: node.span, given, named })
     }
 
     /// The place of the kind that the size of a signal has; `None` for a bare zero, and for a size of no kind.

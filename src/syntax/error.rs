@@ -160,6 +160,7 @@ pub enum Remark {
     NameJoined,
     NameLetters,
     NameStart,
+    NameQuoted,
     FieldColon,
     LineGoesOn,
     LineOfItsOwn,
@@ -381,6 +382,7 @@ impl Remark {
             Remark::OperatorMissing => "write an operator between two values, such as `*`",
             Remark::NameJoined => "join the words of a name with `_`",
             Remark::NameLetters => "names are made of the letters a to z, Greek letters, digits and `_`",
+            Remark::NameQuoted => "write the name without quotes, its words joined with `_`: `main_rotor`",
             Remark::NameStart => "a name starts with a letter or `_`",
             Remark::FieldColon => "write `=` between a field and its value: `mass = 1 kg`",
             Remark::LineGoesOn => {

@@ -10,6 +10,7 @@ use super::words;
 use crate::base::{Takes, unit};
 use crate::kinds::{self, Declaration, Piece, Shape};
 use std::ops::Range;
+use strsim::damerau_levenshtein;
 
 /// Where a declaration leaves the grammar; positions are byte offsets into its text.
 #[derive(Debug)]
@@ -144,6 +145,9 @@ impl Reader<'_> {
 
     /// The problem that something other than `expected` is at the current position.
     fn problem(&self, expected: Expected) -> Problem {
+        if let Some(problem) = self.misspelt_white() {
+            return problem;
+        }
         let remark = self.remark(expected);
         let at = match remark {
             Remark::UnitWithOne => self.at..self.at + self.unit_length(),
@@ -151,6 +155,22 @@ impl Reader<'_> {
         };
         let found = (!at.is_empty()).then(|| quoted_source(&self.text[at.clone()]));
         Problem { remark, at, found, expected }
+    }
+
+    /// `noise(wite 3 N^2/Hz)`: a value after a word that is nearly `white`.
+    fn misspelt_white(&self) -> Option<Problem> {
+        let before = self.text[..self.at].strip_suffix([' ', '\t'])?.trim_end();
+        let start = before.rfind(|c: char| !in_word(c)).map_or(0, |at| at + 1);
+        let word = &before[start..];
+        let is_near = (1..=2).contains(&damerau_levenshtein(&word.to_lowercase(), "white")) || word == "White";
+        let of_noise = before[..start].trim_end().strip_suffix('(').is_some_and(|call| call.ends_with("noise"));
+        let is_value = self.next().is_some_and(|c| c.is_ascii_digit() || c == '.');
+        (is_near && of_noise && is_value).then(|| Problem {
+            remark: Remark::Write("`white`"),
+            at: start..before.len(),
+            found: Some(quoted_source(word)),
+            expected: Expected::Value("`white` or a density"),
+        })
     }
 
     fn problem_with(&self, expected: Expected, remark: Remark) -> Problem {
@@ -178,6 +198,7 @@ impl Reader<'_> {
             (_, '#') => Remark::Hash,
             (Expected::Value(_), '+') => Remark::Plus,
             (Expected::Value(_), '*') if self.last() == Some('*') => Remark::Power,
+            (Expected::Name(_), '"') => Remark::NameQuoted,
             (Expected::Name(_), c) if c.is_ascii_digit() => Remark::NameStart,
             (_, c) if c.is_alphabetic() && !words::is_letter(c) => Remark::NameLetters,
             (Expected::Sign(..), '-' | '.') if self.joins_name() => Remark::NameJoined,

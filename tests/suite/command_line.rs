@@ -688,3 +688,23 @@ fn digits_are_printed_as_far_as_they_are_certain() {
         assert!(text.contains(part), "{part} in\n{text}");
     }
 }
+
+#[test]
+fn words_of_the_language_are_explained() {
+    for (word, meaning) in [
+        ("spring", "k = "),
+        ("harmonic", "`harmonic("),
+        ("mass", "In `body`"),
+        ("moves", "In `base`"),
+        ("along", "In `spring`, `damper`"),
+        ("white", "noise(white"),
+        ("mm", "As a unit: a length: 1 mm = 0.001 m."),
+    ] {
+        let told = run(&["explain", word]);
+        assert_eq!((told.status, told.err.as_str()), (0, ""), "{word}");
+        assert!(told.out.starts_with(word) && told.out.contains(meaning), "{}", told.out);
+    }
+    let unknown = run(&["explain", "harmonik"]);
+    assert_eq!((unknown.status, unknown.out.as_str()), (2, ""));
+    assert!(unknown.err.contains("did you mean `harmonic`?"), "{}", unknown.err);
+}

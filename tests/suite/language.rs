@@ -192,6 +192,8 @@ const MISTAKES: &[&str] = &[
     "10 N/m",
     "{ mass = 1 kg }",
     "damping rayleigh(0.05 1/s, 0.001 s)",
+    "model \"my first\"",
+    "force F: b along x = noise(wite 3 N^2/Hz)",
 ];
 
 #[test]

@@ -3,6 +3,7 @@
 
 mod pages;
 
+use crate::kinds;
 pub use pages::{PAGES, Page};
 use strsim::damerau_levenshtein;
 
@@ -12,7 +13,7 @@ pub fn explain(asked: &str) -> Result<String, Unknown> {
     let code = if asked.starts_with("vib::") { asked.to_string() } else { format!("vib::{asked}") };
     match PAGES.iter().find(|page| page.code == code) {
         Some(page) => Ok(terminal(page.markdown)),
-        None => Err(Unknown { nearest: nearest(&code) }),
+        None => Err(Unknown { nearest: nearest(asked, &code) }),
     }
 }
 
@@ -21,16 +22,17 @@ pub fn codes() -> String {
     PAGES.iter().map(|page| format!("{}\n", page.code)).collect()
 }
 
-/// A code without a page.
+/// A word that is not a code, and what may have been meant: a code, or a word of the language.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     pub nearest: Option<&'static str>,
 }
 
-fn nearest(code: &str) -> Option<&'static str> {
-    let distance = |name: &str| damerau_levenshtein(name, code);
-    let name = PAGES.iter().map(|page| page.code).min_by_key(|name| distance(name))?;
-    (distance(name) * 3 <= code.chars().count()).then_some(name)
+fn nearest(asked: &str, code: &str) -> Option<&'static str> {
+    let codes = PAGES.iter().map(|page| (page.code, damerau_levenshtein(page.code, code)));
+    let words = kinds::names().map(|name| (name, damerau_levenshtein(name, asked)));
+    let (name, distance) = codes.chain(words).min_by_key(|&(_, distance)| distance)?;
+    (distance * 3 <= asked.chars().count()).then_some(name)
 }
 
 /// Width of a paragraph.
@@ -103,8 +105,9 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_code_gets_the_nearest() {
+    fn an_unknown_word_gets_the_nearest() {
         assert_eq!(explain("unit::mismach"), Err(Unknown { nearest: Some("vib::unit::mismatch") }));
+        assert_eq!(explain("harmonik"), Err(Unknown { nearest: Some("harmonic") }));
         assert_eq!(explain("something else"), Err(Unknown { nearest: None }));
         assert!(explain("vib::unit::mismatch").is_ok_and(|text| text.starts_with("vib::unit::mismatch\n\nA value")));
     }

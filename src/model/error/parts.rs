@@ -13,64 +13,243 @@ pub const TABLE_UNREADABLE: Code = Code::file("vib::table::unreadable");
 /// Errors of the parts of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PartError {
-    InertiaWithoutPlace { span: Span, name: String },
-    InertiaTooSmall { span: Span, least: f64, given: f64 },
-    GivenTwice { span: Span, other: Span, what: &'static str },
-    UnknownShape { span: Span, suggestion: Option<&'static str> },
-    ShapeSize { span: Span, what: &'static str },
-    FreeAndMore { span: Span, free: Span },
-    MovesWhere { span: Span },
-    BaseWithoutMotion { span: Span, name: String },
-    NoFreedom { span: Span, name: String },
-    PropertyMissing { span: Span, name: String, what: &'static str, freedom: &'static str },
-    CentreMissing { span: Span, name: String },
-    Empty { span: Span },
-    JointOfOnePart { span: Span, part: String },
-    SlideWithoutDirection { span: Span, kind: &'static joints::Kind },
-    PivotWithoutPlace { span: Span, part: String },
-    EndsApart { spans: [Span; 2], places: [(f64, f64); 2] },
-    EqualEnds { span: Span, part: String },
-    ZeroLength { span: Span },
-    DirectionUnknown { span: Span, part: String },
-    DirectionOfTorsion { span: Span, kind: &'static Kind },
-    NoEndTurns { span: Span, torsional: Option<(Span, &'static Kind)> },
-    FreeLengthAndPreload { span: Span, free: Span },
-    NoDrawnLength { span: Span },
-    NegativeCoefficient { span: Span, code: Code, message: &'static str },
-    DampingFeeds { span: Span },
-    DampingOverCritical { span: Span, ratio: f64 },
-    DampingBesideBase { span: Span, base: Span, name: String },
-    ForceWithoutDirection { span: Span },
-    InputWithoutEffect { span: Span, part: String },
-    SignalOfManyMotions { span: Span },
-    NotASignal { span: Span },
-    UnknownSignal { span: Span, word: String, suggestion: Option<&'static str> },
-    SignalArguments { span: Span, function: &'static Function },
-    TimesReversed { span: Span },
-    TableUnread { span: Span, reason: String },
-    TableRow { span: Span, found: RowFault, named: Span },
-    TableOrder { span: Span, named: Span },
-    TableTooShort { span: Span, rows: usize },
-    TableHeading { span: Span, named: Span, word: String, read: &'static str },
-    TableWithoutUnit { span: Span, read: &'static str },
-    TableUnitUnknown { span: Span, named: Span },
-    TableUnitsDiffer { span: Span, heading: Span },
-    TableUnitZero { span: Span },
-    TableSpeed { span: Span },
-    TableFirstColumn { span: Span, named: Span, is_distance: bool },
-    SignalsDiffer { span: Span },
-    ConstantOfRate { span: Span, noun: &'static str },
-    DelayInSum { span: Span },
-    DelayNegative { span: Span },
-    DelayOfOtherKind { span: Span, name: String, declared: Span },
-    DelayOfNothing { span: Span, name: String, declared: Span },
-    DelayOfItself { span: Span, name: String },
-    NotATable { span: Span, line: usize },
-    NoiseDensity { span: Span },
-    NoiseFrequency { span: Span, is_first: bool },
-    NoiseDelayed { span: Span, name: String, declared: Span },
-    RoadOfNoBase { span: Span },
-    RoadSpeed { span: Span },
+    InertiaWithoutPlace {
+        span: Span,
+        name: String,
+    },
+    InertiaTooSmall {
+        span: Span,
+        least: f64,
+        given: f64,
+    },
+    GivenTwice {
+        span: Span,
+        other: Span,
+        what: &'static str,
+    },
+    UnknownShape {
+        span: Span,
+        suggestion: Option<&'static str>,
+    },
+    ShapeSize {
+        span: Span,
+        what: &'static str,
+    },
+    FreeAndMore {
+        span: Span,
+        free: Span,
+    },
+    MovesWhere {
+        span: Span,
+    },
+    /// `moves y angle`, and the translations among the words.
+    MovesAndTurns {
+        span: Span,
+        translations: String,
+    },
+    BaseWithoutMotion {
+        span: Span,
+        name: String,
+    },
+    NoFreedom {
+        span: Span,
+        name: String,
+    },
+    PropertyMissing {
+        span: Span,
+        name: String,
+        what: &'static str,
+        freedom: &'static str,
+    },
+    CentreMissing {
+        span: Span,
+        name: String,
+    },
+    Empty {
+        span: Span,
+    },
+    JointOfOnePart {
+        span: Span,
+        part: String,
+    },
+    SlideWithoutDirection {
+        span: Span,
+        kind: &'static joints::Kind,
+    },
+    PivotWithoutPlace {
+        span: Span,
+        part: String,
+    },
+    EndsApart {
+        spans: [Span; 2],
+        places: [(f64, f64); 2],
+    },
+    EqualEnds {
+        span: Span,
+        part: String,
+    },
+    ZeroLength {
+        span: Span,
+    },
+    DirectionUnknown {
+        span: Span,
+        part: String,
+    },
+    DirectionOfTorsion {
+        span: Span,
+        kind: &'static Kind,
+    },
+    NoEndTurns {
+        span: Span,
+        torsional: Option<(Span, &'static Kind)>,
+    },
+    FreeLengthAndPreload {
+        span: Span,
+        free: Span,
+    },
+    NoDrawnLength {
+        span: Span,
+    },
+    NegativeCoefficient {
+        span: Span,
+        code: Code,
+        message: &'static str,
+    },
+    DampingFeeds {
+        span: Span,
+    },
+    DampingOverCritical {
+        span: Span,
+        ratio: f64,
+    },
+    DampingBesideBase {
+        span: Span,
+        base: Span,
+        name: String,
+    },
+    ForceWithoutDirection {
+        span: Span,
+    },
+    InputWithoutEffect {
+        span: Span,
+        part: String,
+    },
+    SignalOfManyMotions {
+        span: Span,
+    },
+    NotASignal {
+        span: Span,
+    },
+    UnknownSignal {
+        span: Span,
+        word: String,
+        suggestion: Option<&'static str>,
+    },
+    SignalArguments {
+        span: Span,
+        function: &'static Function,
+    },
+    NoiseArguments {
+        span: Span,
+    },
+    TimesReversed {
+        span: Span,
+    },
+    TableUnread {
+        span: Span,
+        reason: String,
+    },
+    TableRow {
+        span: Span,
+        found: RowFault,
+        named: Span,
+    },
+    TableOrder {
+        span: Span,
+        named: Span,
+    },
+    TableTooShort {
+        span: Span,
+        rows: usize,
+    },
+    TableHeading {
+        span: Span,
+        named: Span,
+        word: String,
+        read: &'static str,
+    },
+    TableWithoutUnit {
+        span: Span,
+        read: &'static str,
+    },
+    TableUnitUnknown {
+        span: Span,
+        named: Span,
+    },
+    TableUnitsDiffer {
+        span: Span,
+        heading: Span,
+    },
+    TableUnitZero {
+        span: Span,
+    },
+    TableSpeed {
+        span: Span,
+    },
+    TableFirstColumn {
+        span: Span,
+        named: Span,
+        is_distance: bool,
+    },
+    SignalsDiffer {
+        span: Span,
+    },
+    ConstantOfRate {
+        span: Span,
+        noun: &'static str,
+    },
+    DelayInSum {
+        span: Span,
+    },
+    DelayNegative {
+        span: Span,
+    },
+    DelayOfOtherKind {
+        span: Span,
+        name: String,
+        declared: Span,
+    },
+    DelayOfNothing {
+        span: Span,
+        name: String,
+        declared: Span,
+    },
+    DelayOfItself {
+        span: Span,
+        name: String,
+    },
+    NotATable {
+        span: Span,
+        line: usize,
+    },
+    NoiseDensity {
+        span: Span,
+    },
+    NoiseFrequency {
+        span: Span,
+        is_first: bool,
+    },
+    NoiseDelayed {
+        span: Span,
+        name: String,
+        declared: Span,
+    },
+    RoadOfNoBase {
+        span: Span,
+    },
+    RoadSpeed {
+        span: Span,
+    },
 }
 
 /// Errors of a row of a table.
@@ -121,6 +300,11 @@ impl PartError {
                 .fix(free, Change::DropField),
             MovesWhere { span } => error("vib::body::freedom", span, "the direction of its motion is not clear")
                 .help("write `moves x`, `moves y`, `moves x y` or `moves along (1, 1)`"),
+            MovesAndTurns { span, translations } => {
+                error("vib::body::freedom", span, "`moves` names translations; a rotation is `turns`")
+                    .help(format!("write `moves {translations}, turns`"))
+                    .fix(span, Change::Replace(format!("{translations}, turns")))
+            }
             BaseWithoutMotion { span, name } => {
                 error("vib::base::no_motion", span, format!("the base `{name}` has no motion"))
                     .help("write `moves x`, `moves y` or `turns` in it; a support that never moves is `ground`")
@@ -241,6 +425,10 @@ impl PartError {
                 error("vib::signal::arguments", span, format!("`{}` has other arguments", function.name))
                     .help(format!("write `{}`", function.example))
             }
+            NoiseArguments { span } => error("vib::signal::arguments", span, "`noise` has other arguments").help(
+                "write `noise(white 3 N^2/Hz)`, `noise(3 N^2/Hz, 20 Hz .. 2 kHz)`, \
+                 `noise((20 Hz, 1 N^2/Hz), (80 Hz, 4 N^2/Hz))` or `noise(road(16e-6 m^3, 20 m/s))`",
+            ),
             TimesReversed { span } => {
                 error("vib::signal::times", span, "this time is not later than the one before it")
             }
@@ -326,7 +514,7 @@ impl PartError {
                     .help("give one of the inputs in this cycle its own signal")
             }
             NoiseDensity { span } => error("vib::noise::density", span, "this density is not above zero")
-                .help("leave out what has no power: the density is zero outside of the points"),
+                .help("write a density above zero; outside its range or its points it is zero"),
             NoiseFrequency { span, is_first } => {
                 let message = if is_first {
                     "this frequency is not above zero"
