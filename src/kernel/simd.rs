@@ -38,6 +38,17 @@ pub trait Vector:
     }
 }
 
+/// The values at 0, 1, .. N - 1, as [`std::array::from_fn`] gives them, but always inlined: its loop is a function of its own,
+/// compiled without the instructions that [`simd!`] chose.
+#[inline(always)]
+pub fn each<T: Copy, const N: usize>(value: impl Fn(usize) -> T) -> [T; N] {
+    let mut all = [value(0); N];
+    for (i, one) in all.iter_mut().enumerate().skip(1) {
+        *one = value(i);
+    }
+    all
+}
+
 /// Lanes of the widest [`Vector`].
 pub const MOST: usize = 16;
 
@@ -199,7 +210,7 @@ macro_rules! lane_by_lane {
             type Output = Several<V, N>;
             #[inline(always)]
             fn $name(self, b: Several<V, N>) -> Several<V, N> {
-                Several(std::array::from_fn(|i| self.0[i].$name(b.0[i])))
+                Several(each(|i| self.0[i].$name(b.0[i])))
             }
         }
     };
@@ -214,7 +225,7 @@ impl<V: Vector, const N: usize> Neg for Several<V, N> {
     type Output = Several<V, N>;
     #[inline(always)]
     fn neg(self) -> Several<V, N> {
-        Several(self.0.map(|x| -x))
+        Several(each(|i| -self.0[i]))
     }
 }
 
@@ -229,7 +240,7 @@ impl<V: Vector, const N: usize> Vector for Several<V, N> {
     #[inline(always)]
     fn load(x: &[f64]) -> Several<V, N> {
         let x = &x[..N * V::WIDTH];
-        Several(std::array::from_fn(|i| V::load(&x[i * V::WIDTH..])))
+        Several(each(|i| V::load(&x[i * V::WIDTH..])))
     }
 
     #[inline(always)]
@@ -242,17 +253,17 @@ impl<V: Vector, const N: usize> Vector for Several<V, N> {
 
     #[inline(always)]
     fn mul_add(self, b: Several<V, N>, c: Several<V, N>) -> Several<V, N> {
-        Several(std::array::from_fn(|i| self.0[i].mul_add(b.0[i], c.0[i])))
+        Several(each(|i| self.0[i].mul_add(b.0[i], c.0[i])))
     }
 
     #[inline(always)]
     fn abs(self) -> Several<V, N> {
-        Several(self.0.map(V::abs))
+        Several(each(|i| self.0[i].abs()))
     }
 
     #[inline(always)]
     fn sqrt(self) -> Several<V, N> {
-        Several(self.0.map(V::sqrt))
+        Several(each(|i| self.0[i].sqrt()))
     }
 }
 

@@ -7,7 +7,7 @@
 //! [`error`] |A| |B| for f = 1 and C = 0.
 
 use crate::kernel::dense::Matrix;
-use crate::kernel::simd::{Eight, LANES, simd};
+use crate::kernel::simd::{Eight, LANES, each, simd};
 
 /// Number of products in one chain.
 const DEPTH: usize = 256;
@@ -178,7 +178,7 @@ fn add_panels<V: Eight, const R: usize, const N: usize>(
 fn chains<V: Eight, const R: usize, const N: usize>(a: &[f64], b: &[f64]) -> [[V; R]; N] {
     let mut sums = [[V::splat(0.0); R]; N];
     for (a, b) in a.chunks_exact(R * LANES).zip(b.chunks_exact(N)) {
-        let a: [V; R] = std::array::from_fn(|r| V::load(&a[r * LANES..]));
+        let a: [V; R] = each(|r| V::load(&a[r * LANES..]));
         for l in 0..N {
             let b = V::splat(b[l]);
             for r in 0..R {

@@ -8,7 +8,7 @@
 use crate::kernel::complex::Complex;
 use crate::kernel::lanes::Pair;
 use crate::kernel::pseudosymmetric::Tridiagonal;
-use crate::kernel::simd::{MOST, Twice, Vector, simd};
+use crate::kernel::simd::{MOST, Twice, Vector, each, simd};
 
 /// Two steps for each eigenvalue are usual.
 const MOST_STEPS: usize = 60;
@@ -151,7 +151,7 @@ simd! {
         step_im: &mut Vec<f64>
     ) {
         for chunk in which.chunks(Twice::<V>::WIDTH) {
-            let lanes: [usize; MOST] = std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)]);
+            let lanes: [usize; MOST] = each(|i| chunk[i.min(chunk.len() - 1)]);
             let step = correction::<Twice<V>>(pencil, squares, re, im, &lanes);
             step_re.extend_from_slice(&step.re.to_array()[..chunk.len()]);
             step_im.extend_from_slice(&step.im.to_array()[..chunk.len()]);
@@ -167,13 +167,14 @@ fn correction<V: Vector>(
     im: &[f64],
     lanes: &[usize; MOST],
 ) -> Pair<V> {
-    let s = Pair { re: V::load(&lanes.map(|i| re[i])), im: V::load(&lanes.map(|i| im[i])) };
+    let s =
+        Pair { re: V::load(&each::<f64, MOST>(|l| re[lanes[l]])), im: V::load(&each::<f64, MOST>(|l| im[lanes[l]])) };
     let slope = logarithmic_slope(pencil, squares, s);
     let mut others = Pair::<V>::zero();
     for (j, (&re, &im)) in re.iter().zip(im).enumerate() {
         let difference = Pair { re: s.re - V::splat(re), im: s.im - V::splat(im) };
         // The reciprocal of the distance from itself would be infinite.
-        let own: [f64; MOST] = lanes.map(|i| if i == j { 0.0 } else { 1.0 });
+        let own: [f64; MOST] = each(|l| if lanes[l] == j { 0.0 } else { 1.0 });
         let own = V::load(&own);
         let safe = Pair { re: difference.re + (V::splat(1.0) - own), im: difference.im };
         let inverse = safe.recip();

@@ -6,7 +6,7 @@ use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::lanes::Pair;
 use crate::kernel::pseudosymmetric::Tridiagonal;
-use crate::kernel::simd::{MOST, Vector, simd};
+use crate::kernel::simd::{MOST, Vector, each, simd};
 
 /// Real and imaginary parts of the vectors, a column for each eigenvalue.
 pub fn eigenvectors(pencil: &Tridiagonal, values: &[Complex<f64>]) -> (Matrix<f64>, Matrix<f64>) {
@@ -27,8 +27,8 @@ simd! {
         for (block, chunk) in values.chunks(V::WIDTH).enumerate() {
             let lane = |i: usize| chunk[i.min(chunk.len() - 1)];
             let s = Pair {
-                re: V::load(&std::array::from_fn::<f64, MOST, _>(|i| lane(i).re)),
-                im: V::load(&std::array::from_fn::<f64, MOST, _>(|i| lane(i).im)),
+                re: V::load(&each::<f64, MOST>(|i| lane(i).re)),
+                im: V::load(&each::<f64, MOST>(|i| lane(i).im)),
             };
             let up = pivots(pencil, s, &mut down);
             for (l, value) in chunk.iter().enumerate() {

@@ -7,7 +7,7 @@
 
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, add_product, product};
-use crate::kernel::simd::{Eight, LANES, simd};
+use crate::kernel::simd::{Eight, LANES, each, simd};
 
 /// Number of columns in a panel.
 pub const PANEL: usize = 64;
@@ -195,7 +195,7 @@ fn multiply_lower_as<V: Eight>(a: &[f64], (n, from): (usize, usize), x: &[f64], 
     let m = n - from;
     for j in (0..m).step_by(ABREAST) {
         let width = ABREAST.min(m - j);
-        let columns: [&[f64]; ABREAST] = std::array::from_fn(|c| match c < width {
+        let columns: [&[f64]; ABREAST] = each(|c| match c < width {
             true => &a[(from + j + c) * n + from + j..(from + j + c + 1) * n],
             false => &[],
         });
@@ -208,8 +208,8 @@ fn multiply_lower_as<V: Eight>(a: &[f64], (n, from): (usize, usize), x: &[f64], 
             }
         }
         if width == ABREAST && j + width < m {
-            let below = columns.map(|column| &column[ABREAST..]);
-            let factors = std::array::from_fn(|c| x[j + c]);
+            let below = each(|c| &columns[c][ABREAST..]);
+            let factors = each(|c| x[j + c]);
             let sums = multiply_strip::<V>(below, factors, &x[j + width..], &mut y[j + width..]);
             (0..ABREAST).for_each(|c| y[j + c] += sums[c]);
         }
@@ -220,8 +220,8 @@ fn multiply_lower_as<V: Eight>(a: &[f64], (n, from): (usize, usize), x: &[f64], 
 #[inline(always)]
 fn multiply_strip<V: Eight>(columns: [&[f64]; ABREAST], f: [f64; ABREAST], x: &[f64], y: &mut [f64]) -> [f64; ABREAST] {
     let rows = y.len();
-    let (x, columns) = (&x[..rows], columns.map(|column| &column[..rows]));
-    let wide = f.map(V::splat);
+    let (x, columns): (_, [&[f64]; ABREAST]) = (&x[..rows], each(|c| &columns[c][..rows]));
+    let wide: [V; ABREAST] = each(|c| V::splat(f[c]));
     let mut sums = [V::splat(0.0); ABREAST];
     let whole = rows / LANES * LANES;
     for i in (0..whole).step_by(LANES) {

@@ -19,7 +19,7 @@ use crate::base::{Dd, larger, rounding};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product;
 use crate::kernel::lanes::Double;
-use crate::kernel::simd::{Eight, LANES, simd};
+use crate::kernel::simd::{Eight, LANES, each, simd};
 use crate::kernel::symmetric::tridiagonal::dot;
 
 /// u^2 = 2^-106.
@@ -301,7 +301,7 @@ simd! {
             let of = |words: &[f64]| Dd { hi: words[lane], lo: words[LANES + lane] };
             of(&above) / of(&below)
         };
-        [std::array::from_fn(|lane| quotient(lane).hi), std::array::from_fn(|lane| quotient(lane).lo)]
+        [each(|lane| quotient(lane).hi), each(|lane| quotient(lane).lo)]
     }
 }
 

@@ -26,6 +26,7 @@ use crate::analysis::modes::tree::lanes::Lanes;
 use crate::base::{Dd, up};
 use crate::kernel::pairwise::PairwiseSum;
 use crate::kernel::real::Float;
+use crate::kernel::simd::each;
 use crate::kernel::triple::Triple;
 use std::array::from_fn;
 
@@ -102,7 +103,7 @@ pub fn enclosed<T: Float, const W: usize>(
     let (held, inertia) = (energies.strain.total(), energies.inertia.total());
     let holding = T::of_dd(Dd::from(frames[0].holding));
     let strain = held + inertia * holding;
-    let mu = Lanes(from_fn(|lane| inertia.0[lane] / strain.0[lane]));
+    let mu = Lanes(each(|lane| inertia.0[lane] / strain.0[lane]));
     let residual = residual(nodes, x, mu, holding, tree);
     // If parts of M have both signs, their errors are relative to kappa x^T M x.
     let sums = energies.strain.relative_error(T::ERROR) + energies.inertia.relative_error(T::ERROR);

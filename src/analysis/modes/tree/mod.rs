@@ -22,8 +22,8 @@ use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::{root, shapes, twisted_null_vector};
 use crate::base::Dd;
 use crate::kernel::real::Float;
+use crate::kernel::simd::each;
 use crate::kernel::triple::Triple;
-use std::array::from_fn;
 use std::ops::Range;
 
 /// A mode of a tree.
@@ -133,7 +133,7 @@ impl<'a> Search<'a> {
             let (shifts, settled) = self.iterate(brackets);
             shapes(&self.nodes, shifts, &mut room);
             let last = brackets.len() - 1;
-            let found = enclosed(&self.nodes, &room, &self.tree, &from_fn(|lane| frames[lane.min(last)]));
+            let found = enclosed(&self.nodes, &room, &self.tree, &each(|lane| frames[lane.min(last)]));
             // Next to a close neighbour, a binary64 vector is a mixture of the two modes.
             let good = |lane: &usize| {
                 *lane <= last

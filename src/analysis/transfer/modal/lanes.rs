@@ -5,7 +5,7 @@ use super::{ModalSum, Residues};
 use crate::analysis::transfer::Frequency;
 use crate::base::Dd;
 use crate::kernel::complex::Complex;
-use crate::kernel::simd::{MOST, Vector, simd};
+use crate::kernel::simd::{MOST, Vector, each, simd};
 
 /// A sum over modes, and the sums of its bound (see the module above).
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +22,7 @@ simd! {
     pub fn sums<V: Vector>(modes: &ModalSum, residues: &Residues, frequencies: &[Frequency]) -> Vec<Sum> {
         let mut sums = Vec::with_capacity(frequencies.len());
         for chunk in frequencies.chunks(V::WIDTH) {
-            let w: [Dd; MOST] = std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)].omega.mid);
+            let w: [Dd; MOST] = each(|i| chunk[i.min(chunk.len() - 1)].omega.mid);
             let lanes = sum::<V>(modes, residues, &w);
             sums.extend((0..chunk.len()).map(|i| lanes.at(i)));
         }
@@ -56,7 +56,7 @@ fn sum<V: Vector>(modes: &ModalSum, residues: &Residues, w: &[Dd; MOST]) -> Lane
     let (k_size, c_size) = (&modes.k_size[..n], &modes.c_size[..n]);
     let (products, slack) = (&residues.rounded[..n], &residues.slack[..n]);
     let (p_square, b_square) = (&residues.p_square[..n], &residues.b_square[..n]);
-    let (w_hi, w_lo) = (V::load(&w.map(|w| w.hi)), V::load(&w.map(|w| w.lo)));
+    let (w_hi, w_lo) = (V::load(&each::<f64, MOST>(|l| w[l].hi)), V::load(&each::<f64, MOST>(|l| w[l].lo)));
     let zero = V::splat(0.0);
     let (mut re_sum, mut im_sum, mut rounding) = (zero, zero, zero);
     let (mut v, mut p, mut b) = (zero, zero, zero);

@@ -13,7 +13,7 @@ use crate::analysis::transfer::{Disc, Frequency};
 use crate::base::{Dd, rounding, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::lanes::{Double, Pair, two_sum};
-use crate::kernel::simd::{MOST, Twice, Vector, simd};
+use crate::kernel::simd::{MOST, Twice, Vector, each, simd};
 
 /// Working space and results for one set of inputs and outputs, at as many frequencies as there are lanes.
 struct Sweep<'a, V> {
@@ -105,7 +105,7 @@ fn all<V: Vector>(task: &Task) -> Vec<Disc> {
     let mut discs = Vec::with_capacity(task.frequencies.len() * task.loads.len() * task.readings.len());
     let mut sweep = Sweep::<V>::new(task);
     for chunk in task.frequencies.chunks(V::WIDTH) {
-        sweep.run(&std::array::from_fn(|i| Lane::of(&chunk[i.min(chunk.len() - 1)])));
+        sweep.run(&each(|i| Lane::of(&chunk[i.min(chunk.len() - 1)])));
         discs.extend_from_slice(&sweep.discs[..chunk.len() * task.loads.len() * task.readings.len()]);
     }
     discs
@@ -181,7 +181,7 @@ impl<'a, V: Vector> Sweep<'a, V> {
             let x = [first; PARTS];
             pair(&self.entries, point, load, x, &self.z, weights, keep.then_some(&mut rest), &mut self.results);
         } else {
-            let x = std::array::from_fn::<_, PARTS, _>(|part| if part == 0 { first } else { &rest });
+            let x = each::<_, PARTS>(|part| if part == 0 { first } else { &rest });
             pair(&self.entries, point, load, x, &self.z, weights, None, &mut self.results);
         }
         let x = &[first, &rest][..PARTS];
