@@ -43,7 +43,9 @@ module.exports = grammar({
       'torque', field('name', $.name), ':', $.end, optional(seq('--', $.end)), optional($._signal),
     ),
     initial: ($) => seq('initial', $._path, $.fields),
-    output: ($) => seq('output', field('name', $.name), '=', $.expression),
+    output: ($) => seq(
+      'output', field('name', $.name), optional(seq('in', alias($.dimension, $.unit))), '=', $.expression,
+    ),
     damping: ($) => seq('damping', choice(seq('modal', $.expression), seq('rayleigh', $.group))),
     rest: (_) => seq('rest', 'as', 'drawn'),
     solve: ($) => seq('solve', $._path, 'in', $._range, ':', $.expression, '=', $.expression),

@@ -9,17 +9,16 @@ use crate::system::{LinearSystem, Output};
 
 const DIGITS_OF_BINARY64: usize = 17;
 
-/// `time_s` and a column for each output, named as in the model; one row for each sample. With `bounds`, each is
+/// `time_s` and a column for each output, named as in the model, with its unit if that is not the SI unit; one row for each sample. With `bounds`, each is
 /// followed by a column `NAME_bound` with the bound of the value before it; without them, only settled digits are
 /// printed. Unknown values are empty fields.
 pub fn csv(system: &LinearSystem, history: &History, bounds: bool) -> String {
     let mut text = b"time_s".to_vec();
     for output in &system.outputs {
-        let name = system.display(output.name);
         text.push(b',');
-        text.extend_from_slice(name.as_bytes());
+        text.extend_from_slice(system.column(output).as_bytes());
         if bounds {
-            text.extend_from_slice(format!(",{name}_bound").as_bytes());
+            text.extend_from_slice(format!(",{}_bound", system.display(output.name)).as_bytes());
         }
     }
     text.push(b'\n');

@@ -142,7 +142,7 @@ fn json_extremum(extremum: &Extremum) -> JsonExtremum {
 
 fn each_line(system: &LinearSystem, table: &Table, mut take: impl FnMut(&str, &str, Line)) {
     let inputs: Vec<String> = table.inputs.iter().map(|&i| system.display(system.inputs[i].name)).collect();
-    let outputs: Vec<String> = table.outputs.iter().map(|&i| system.display(system.outputs[i].name)).collect();
+    let outputs: Vec<String> = table.outputs.iter().map(|&i| system.column(&system.outputs[i])).collect();
     for row in &table.rows {
         for (input, gains) in inputs.iter().zip(&row.gains) {
             for (output, gain) in outputs.iter().zip(gains) {

@@ -159,6 +159,12 @@ impl<'a> Place<'a> {
         if self.before.len() == 1 {
             return self.after_keyword();
         }
+        if self.keyword() == "output" && self.open.is_empty() && !self.has("=") {
+            return match self.has("in") {
+                true => self.units(),
+                false => vec![item("in", ItemKind::Keyword, "the unit that the output is shown in")],
+            };
+        }
         if self.open.last().is_some_and(|(bracket, _)| *bracket == "{") {
             return self.in_braces();
         }

@@ -33,6 +33,8 @@ pub fn hover(document: &Document, project: &Project, offset: usize) -> Option<Ho
             (Some(meaning), _) => name(document, project, at, &meaning)?,
             (None, Role::Field) => field(document, token)?,
             (None, Role::Member) => pages::motion(document.token_text(token))?.to_string(),
+            // Of a unit without a number.
+            (None, Role::None) => pages::unit(document.token_text(token))?,
             _ => return None,
         },
         _ => return None,

@@ -35,7 +35,7 @@ pub fn word(word: &str) -> Option<&'static str> {
         "stable" => "A measure: whether the rest is stable, so that no small motion grows.",
         "along" => "A fixed direction: `x`, `y` or a vector, whose length does not matter.",
         "about" => "The reference point of an inertia.",
-        "in" => "The range, including its bounds.",
+        "in" => "Before a range, including its bounds; of an output the unit that it is shown in.",
         "white" => "In `noise`: the density is the same at all frequencies, as in `noise(white 3 N^2/Hz)`.",
         "road" => {
             "In `noise`: a road profile of ISO 8608, `road(16e-6 m^3, 20 m/s)`: its roughness at 0.1 cycles per metre, and the speed."

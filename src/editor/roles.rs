@@ -243,7 +243,16 @@ impl Reader<'_> {
         if state.in_ends && state.open.is_empty() && (self.is_sign(last, ":") || self.is_sign(last, "--")) {
             return self.part(word);
         }
+        if self.keyword == "output" && state.open.is_empty() && !self.has_before(at, "=") {
+            // The unit after `in`.
+            return Role::None;
+        }
         self.expression(at, last, &state.open)
+    }
+
+    /// Whether a sign stands before a place in the statement.
+    fn has_before(&self, at: usize, sign: &str) -> bool {
+        (self.outline.statements[self.index].tokens.start..at).any(|before| self.word(before) == sign)
     }
 
     fn expression(&self, at: usize, last: Option<usize>, open: &[Opened]) -> Role {
@@ -389,6 +398,7 @@ mod tests {
                 "repeat:K i:I in:w n:v pivot:K p:P i:i a:p i:i O:v a:p i:i",
             ),
             ("force F: b along x = harmonic(x, f)", "force:K F:P b:p along:w x:d harmonic:F x:v f:v"),
+            ("output y[i] in N*m = b.x", "output:K y:P i:v in:w N:? m:? b:p x:m"),
             ("output y = 2 * b@A.x + s[i + 1].force", "output:K y:P b:p A:v x:m s:p i:v force:m"),
             ("require gain(floor -> table.y, f) < peak(tip)", "require:K gain:F floor:p table:p y:m f:v peak:F tip:p"),
             ("solve fn in a .. b: static(y) = c", "solve:K fn:v in:w a:v b:v static:F y:p c:v"),

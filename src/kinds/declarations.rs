@@ -384,15 +384,17 @@ const LAST: [Declaration; 13] = [
             "output",
             "output theta = rod.angle",
             Manual {
-                forms: "output theta = rod.angle\noutput tip = rod@(0, -2 m).x\noutput pull = s.force",
+                forms: "output theta = rod.angle\noutput tip in mm = rod@(0, -2 m).x\noutput pull = s.force",
                 summary: "Names a quantity to be reported: a linear combination of motions.",
                 rules: "Motions of a body, a base or a point of either: `x y angle`, `vx vy omega`, `ax ay alpha`; of an \
-                 element: `force` and `stretch`. All are deviations from rest.",
+                 element: `force` and `stretch`. All are deviations from rest. `in mm` is the unit that results are shown in; \
+                 without it they are in SI units.",
                 heading: "Outputs",
             },
             &[
                 Piece::Blank,
                 Piece::Name(NEW_PART, "the output"),
+                Piece::InUnit("the unit that the output is shown in, such as `mm`"),
                 Piece::Sign(EQUALS, "between the output and its expression"),
                 Piece::Value("the output's expression", Content::Motions),
             ],

@@ -60,6 +60,8 @@ pub enum Piece {
     Along,
     /// `= harmonic(10 N, 1.5 Hz)`, optional, and what the signal is measured in.
     Signal(&'static SignalKind),
+    /// `in mm`, optional, and whose.
+    InUnit(&'static str),
     /// Fields in braces.
     Fields,
     /// Ports and parameters of a component: `(part chassis, m: kg, k = 150 kN/m)`.

@@ -20,7 +20,7 @@ use super::rest::{Held, Slack};
 use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
 use crate::elements::{Order, Stretch, Stretched, Vector};
-use crate::model::scene::{Attachment, Element, Geometry, Input, InputKind, Motion, MotionTerm, Output, Scene};
+use crate::model::scene::{Attachment, Element, Geometry, Input, InputKind, Motion, Output, Scene};
 use crate::system::chain::ChainedRow;
 use crate::system::{
     self, Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature, Origin, Source,
@@ -583,7 +583,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn output(&mut self, output: &Output) -> system::Output {
-        let rows = self.combination(&output.terms).map(equation::merge_entries);
+        let rows = self.combination(output).map(equation::merge_entries);
         let free = |row: &Row| -> Sparse {
             row.iter().filter_map(|(i, value)| Some((self.reduction.place(*i)?, value.clone()))).collect()
         };
@@ -594,11 +594,12 @@ impl<'a> Assembly<'a> {
     }
 
     /// A linear combination of motions: a row for each derivative.
-    fn combination(&mut self, terms: &[MotionTerm]) -> [Row; 3] {
+    fn combination(&mut self, output: &Output) -> [Row; 3] {
         let mut rows: [Row; 3] = Default::default();
-        for term in terms {
+        for term in &output.terms {
             let (derivative, row) = self.motion(&term.motion);
-            let scaled = row.into_iter().map(|(i, value)| (i, &value * &term.coefficient));
+            let coefficient = output.coefficient(term);
+            let scaled = row.into_iter().map(|(i, value)| (i, &value * &coefficient));
             rows[usize::from(derivative).min(2)].extend(scaled);
         }
         rows
@@ -656,8 +657,11 @@ fn input_unit(input: &Input) -> &'static str {
     }
 }
 
-/// The usual unit; radians for angles and their derivatives.
+/// The unit given by the model, or the usual one: radians for angles and their derivatives.
 fn output_unit(output: &Output) -> String {
+    if let Some(unit) = &output.unit {
+        return unit.text.clone();
+    }
     match (output.is_angle, output.dimension) {
         (true, Dimension::NONE) => "rad".into(),
         (true, Dimension::ANGULAR_VELOCITY) => "rad/s".into(),

@@ -127,8 +127,14 @@ impl Lowered {
             return Err(error);
         }
         let name = Name::plain(self.system.words.intern("measure"));
-        let output =
-            |Readout { terms, span }| Output { name, span, terms, dimension: Dimension::NONE, is_angle: false };
+        let output = |Readout { terms, span }| Output {
+            name,
+            span,
+            terms,
+            dimension: Dimension::NONE,
+            is_angle: false,
+            unit: None,
+        };
         let outputs: Vec<Output> = readouts.into_iter().map(output).collect();
         let first = self.system.outputs.len();
         self.system.outputs.extend(assembly::outputs(scene, kinematics, reduction, state, &outputs));

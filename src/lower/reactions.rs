@@ -98,11 +98,11 @@ impl Lowered {
                 }
                 Some(Damping::Modal { .. }) | None => {}
             }
-            for MotionTerm { coefficient, motion } in &output.terms {
-                if let Motion::Reaction(reaction) = motion
+            for term in &output.terms {
+                if let Motion::Reaction(reaction) = &term.motion
                     && let Some(carried) = reactions.of(reaction)
                 {
-                    carried.add_to(&mut self.system.outputs[first + number], coefficient);
+                    carried.add_to(&mut self.system.outputs[first + number], &output.coefficient(term));
                 }
             }
         }

@@ -6,10 +6,11 @@ use super::error::{NameError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::freedoms::Line;
 use super::reactions::is_of_support;
-use super::scene::{BaseId, BodyId, ElementId, Freedom, Geometry, Motion, MotionTerm, Output, Part};
+use super::scene::{BaseId, BodyId, ElementId, Freedom, Geometry, Motion, MotionTerm, Output, Part, Written};
 use super::scope::{self, Environment, Instance};
 use super::suggestion::nearest;
 use super::value::{Fault, Scalar, Value};
+use crate::base::unit::Scale;
 use crate::base::{Angle, Dimension, Number, Span, Vec3};
 use crate::kinds::body_or_element;
 use crate::kinds::motions::{self, BODY_MOTIONS, Direction, ELEMENT_MOTIONS, ElementMotion};
@@ -44,15 +45,21 @@ impl<'a> Check<'a> {
         for index in 0..self.instances.outputs.len() {
             let Instance { decl, environment } = self.instances.outputs[index];
             let DeclKind::Rare { index } = decl.kind else { continue };
-            let Rare::Output { name, value } = self.tree.rare[index as usize] else { continue };
+            let Rare::Output { name, unit, value } = self.tree.rare[index as usize] else { continue };
             self.walk.varies = false;
-            if let Ok(output) = self.output(name, value, environment) {
+            if let Ok(output) = self.output(name, unit, value, environment) {
                 self.scene.outputs.push(output);
             }
         }
     }
 
-    fn output(&mut self, ident: Ident, value: ExprId, environment: Environment) -> Evaluated<Output> {
+    fn output(
+        &mut self,
+        ident: Ident,
+        unit: Option<Span>,
+        value: ExprId,
+        environment: Environment,
+    ) -> Evaluated<Output> {
         let Combination { terms, dimension, angle } = self.combination(value, environment)?;
         if terms.is_empty() {
             let span = self.tree.expr(value).span;
@@ -60,7 +67,31 @@ impl<'a> Check<'a> {
         }
         let name = self.name(ident, environment)?;
         let is_angle = angle == Angle::Radians;
-        Ok(Output { name, span: ident.span, terms, dimension, is_angle })
+        let unit = unit.map(|unit| self.output_unit(unit, (dimension, is_angle), environment)).transpose()?;
+        Ok(Output { name, span: ident.span, terms, dimension, is_angle, unit })
+    }
+
+    /// The unit after `in`, which must be one of the output's dimension.
+    fn output_unit(
+        &mut self,
+        span: Span,
+        (wanted, is_angle): (Dimension, bool),
+        environment: Environment,
+    ) -> Evaluated<Written> {
+        let text: &'a str = self.sources.slice(span);
+        let unit = self.unit(text, span, environment)?;
+        let factor = match unit.scale {
+            Scale::Linear(factor) => factor,
+            Scale::Decibel => return self.fail(environment, QuestionError::LevelOfOutput { span }),
+        };
+        if unit.dimension != wanted {
+            let found = (unit.dimension, unit.angle);
+            return self.fail(environment, QuestionError::OutputUnit { span, found, wanted, is_angle });
+        }
+        if is_angle && unit.angle == Angle::Cycles {
+            return self.fail(environment, QuestionError::CyclesOfOutput { span });
+        }
+        Ok(Written { text: text.to_string(), factor: Some(factor) })
     }
 
     /// A combination of motions.

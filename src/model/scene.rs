@@ -385,6 +385,23 @@ pub struct Output {
     pub dimension: crate::base::Dimension,
     /// Whether it is an angle (then shown in rad).
     pub is_angle: bool,
+    /// The unit that it is shown in, if the model gives one.
+    pub unit: Option<Written>,
+}
+
+impl Output {
+    /// The SI value of one unit that the output is shown in.
+    pub fn unit_factor(&self) -> Option<&Number> {
+        self.unit.as_ref().and_then(|unit| unit.factor.as_ref())
+    }
+
+    /// The coefficient of a term of an output, in the unit that the output is shown in.
+    pub fn coefficient(&self, term: &MotionTerm) -> Number {
+        match self.unit_factor() {
+            Some(factor) => &term.coefficient / factor,
+            None => term.coefficient.clone(),
+        }
+    }
 }
 
 /// Deviations from rest at t = 0; those not given are zero.

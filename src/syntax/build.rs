@@ -290,17 +290,30 @@ impl Build<'_> {
         Formal { name, kind: FormalKind::Port }
     }
 
-    fn formal_number(&mut self) -> Formal {
-        self.step();
-        let name = self.word();
-        let unit = (self.next == Some(Rule::dimension)).then(|| {
+    /// A unit without a number, if one follows: `kg`, `/s`, `1`.
+    fn dimension(&mut self) -> Option<Span> {
+        (self.next == Some(Rule::dimension)).then(|| {
             let start = self.step();
             if self.next.is_some() {
                 self.leaf();
             }
             let end = self.step();
             self.span((start, end))
-        });
+        })
+    }
+
+    /// The unit of an output, if one follows.
+    fn unit(&mut self) -> Option<Span> {
+        (self.next == Some(Rule::unit)).then(|| {
+            let range = self.leaf();
+            self.span(range)
+        })
+    }
+
+    fn formal_number(&mut self) -> Formal {
+        self.step();
+        let name = self.word();
+        let unit = self.dimension();
         let default = self.next.is_some().then(|| self.expression().id);
         self.step();
         Formal { name, kind: FormalKind::Number { unit, default } }
@@ -358,7 +371,7 @@ impl Build<'_> {
             Shape::Force => self.force(),
             Shape::Torque => self.torque(),
             Shape::Initial => Rare::Initial { body: self.path(), fields: self.fields() },
-            Shape::Output => Rare::Output { name: self.name(), value: self.expression().id },
+            Shape::Output => Rare::Output { name: self.name(), unit: self.unit(), value: self.expression().id },
             Shape::Damping if rule == Some(Rule::damping_modal) => Rare::DampingModal { ratio: self.expression().id },
             Shape::Damping => Rare::DampingRayleigh { arguments: self.arguments().0 },
             Shape::Rest => Rare::RestAsDrawn,

@@ -278,6 +278,7 @@ impl Reader<'_> {
             Piece::OtherEnd(which) => self.other_end(which),
             Piece::Along => self.along(),
             Piece::Signal(_) => self.signal(),
+            Piece::InUnit(whose) => self.in_unit(whose),
             Piece::Fields => self.fields(),
             Piece::Formals => self.formals(),
             Piece::Actuals => self.actuals(),
@@ -433,18 +434,37 @@ impl Reader<'_> {
         }
         if self.eat(":") {
             self.blanks();
-            let start = self.at;
-            if !self.eat("1") {
-                self.eat("/");
-                self.at = if self.factors() { self.at } else { start };
-            }
-            if self.at == start {
-                return Err(self.problem(Expected::Value("a unit that says the dimension, such as `kg`, or `1`")));
-            }
+            self.dimension("a unit that says the dimension, such as `kg`, or `1`")?;
         } else {
             self.at = after;
         }
         self.optional("=", |reader| reader.expression("the default"))
+    }
+
+    /// A unit without a number: `kg`, `/s`, `1`.
+    fn dimension(&mut self, which: &'static str) -> Read {
+        let start = self.at;
+        if !self.eat("1") {
+            self.eat("/");
+            self.at = if self.factors() { self.at } else { start };
+        }
+        if self.at == start { Err(self.problem(Expected::Value(which))) } else { Ok(()) }
+    }
+
+    /// `in mm`, if present.
+    fn in_unit(&mut self, which: &'static str) -> Read {
+        let before = self.at;
+        if self.blanks() && self.eat_word("in") {
+            self.skip_blank()?;
+            let start = self.at;
+            if self.factors() {
+                return Ok(());
+            }
+            self.at = start;
+            return Err(self.problem(Expected::Value(which)));
+        }
+        self.at = before;
+        Ok(())
     }
 
     /// `(m = 40 kg)`

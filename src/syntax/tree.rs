@@ -110,8 +110,8 @@ pub enum Rare {
     Torque { name: Ident, from: EndId, to: Option<EndId>, signal: Option<ExprId> },
     /// `initial block { x = 16 mm, vx = 0.375 m/s }`
     Initial { body: Path, fields: Fields },
-    /// `output theta = rod.angle`
-    Output { name: Ident, value: ExprId },
+    /// `output theta = rod.angle`, `output tip in mm = rod@A.x`
+    Output { name: Ident, unit: Option<Span>, value: ExprId },
     /// `damping modal 2 %`
     DampingModal { ratio: ExprId },
     /// `damping rayleigh(0.1 /s, 1e-4 s)`

@@ -13,6 +13,7 @@ pub mod signal;
 pub use noise::Noise;
 pub use signal::{Course, Signal, Table};
 
+use crate::base::unit::{self, Scale};
 use crate::base::{Ball, Name, Number, Rational, Span, Words};
 
 /// Index of a coordinate.
@@ -153,10 +154,21 @@ impl LinearSystem {
         text
     }
 
+    /// See [`column`].
+    pub fn column(&self, output: &Output) -> String {
+        column(&self.display(output.name), &output.unit)
+    }
+
     /// The names of the coordinates, in order.
     pub fn coordinate_names(&self) -> Vec<String> {
         self.coordinates.iter().map(|coordinate| self.display(coordinate.name)).collect()
     }
+}
+
+/// The heading of a column with the values of an output: its name, and its unit if that is not the SI unit, `tip [mm]`.
+pub fn column(name: &str, unit: &str) -> String {
+    let is_si = unit::parse(unit).map_or(true, |unit| unit.scale == Scale::Linear(Number::ONE));
+    if is_si { name.to_string() } else { format!("{name} [{unit}]") }
 }
 
 impl Form {

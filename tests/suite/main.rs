@@ -49,6 +49,7 @@ mod models;
 mod modes;
 mod motions;
 mod options;
+mod output_units;
 mod pages;
 mod pole_counts;
 mod poles;

@@ -21,6 +21,7 @@ use crate::analysis::DiscreteSystem;
 use crate::analysis::discrete::Precision;
 use crate::analysis::discrete::equations::Equations;
 use crate::analysis::discrete::parameter::Parameterised;
+use crate::system::column;
 
 /// A target language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +57,7 @@ pub fn files(model: &str, system: &DiscreteSystem, language: Language, program: 
         plan.name = "main_".into();
     }
     let mut files = printed(&plan, language);
-    let columns: Vec<String> = system.outputs.iter().map(|output| output.name.clone()).collect();
+    let columns: Vec<String> = system.outputs.iter().map(|output| column(&output.name, &output.unit)).collect();
     files.extend(program.map(|program| program::file(&plan, &columns, program, language)));
     files
 }

@@ -157,8 +157,10 @@ impl Reader<'_> {
             return self.minus(at + 1);
         }
         let role = match text {
-            // Of the unit of a component's parameter.
-            "/" | "*" if self.is_unit() => Role::Glue,
+            // Of the unit of a component's parameter, or of an output.
+            "/" | "*" | "·" | "⋅" if self.is_unit() => Role::Glue,
+            "²" | "³" if self.is_unit() => Role::Close,
+            "%" | "°" if self.is_unit() => Role::Word,
             "," => Role::Comma,
             ":" => Role::Colon,
             "." | "@" | "^" => Role::Glue,
@@ -182,8 +184,11 @@ impl Reader<'_> {
         self.push("-", role, at);
     }
 
-    /// Whether the current piece belongs to the unit after a colon: `k: N*m/rad`.
+    /// Whether the current piece belongs to the unit after a colon, `k: N*m/rad`, or after the `in` of an output.
     fn is_unit(&self) -> bool {
+        if self.keyword == "output" {
+            return self.open.is_empty() && !self.pieces.iter().any(|piece| piece.text == "=");
+        }
         let ends =
             |piece: &&Piece| matches!(piece.role, Role::Colon | Role::Comma | Role::Open(_)) || piece.text == "=";
         let before = self.pieces.iter().rev().find(ends);

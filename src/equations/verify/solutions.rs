@@ -7,20 +7,20 @@ use crate::equations::closed::Part;
 use crate::equations::polynomial::{self, Polynomial};
 use crate::equations::transfer::{Output, Transfer};
 use crate::equations::{Equations, EquationsError};
-use crate::model::scene::{Damping, Scene};
+use crate::model::scene::{self, Damping, Scene};
 use crate::symbols::Sum;
 use crate::system::{CoordinateId, Form, LinearSystem};
 
 pub fn verify(equations: &Equations, scene: &Scene, system: &LinearSystem) -> Result<(), EquationsError> {
     for output in &equations.outputs {
-        rows(equations, output, system)?;
+        rows(equations, output, scene, system)?;
     }
     let whole = Matrices::new(scene, system);
     for part in &equations.parts {
         frequencies(equations, part, &whole)?;
     }
     for transfer in &equations.transfers {
-        transfer_function(equations, transfer, &whole, system)?;
+        transfer_function(equations, transfer, &whole, (scene, system))?;
     }
     Ok(())
 }
@@ -61,9 +61,12 @@ impl Matrices {
 }
 
 /// Every entry of an output.
-fn rows(equations: &Equations, output: &Output, system: &LinearSystem) -> Result<(), EquationsError> {
+fn rows(equations: &Equations, output: &Output, scene: &Scene, system: &LinearSystem) -> Result<(), EquationsError> {
     let Some(theirs) = system.outputs.get(output.number) else { return Ok(()) };
+    // Equations are in SI units, whatever the unit that the output is shown in.
+    let unit = scene.outputs.get(output.number).and_then(scene::Output::unit_factor);
     let compare = |own: &Sum, other: &Number, of: String| {
+        let other = &unit.map_or_else(|| other.clone(), |unit| other * unit);
         let value = equations.names.value_of(own).unwrap_or(Number::ZERO);
         let what = || format!("{}[{of}]", output.name);
         if agree(&value, other) { Ok(()) } else { Err(defect(output.span, what(), &value, other)) }
@@ -127,7 +130,7 @@ fn transfer_function(
     equations: &Equations,
     transfer: &Transfer,
     whole: &Matrices,
-    system: &LinearSystem,
+    system: (&Scene, &LinearSystem),
 ) -> Result<(), EquationsError> {
     let (part, output) = (&equations.parts[transfer.part], &equations.outputs[transfer.output]);
     let worth = |sums: &[Sum]| sums.iter().map(|sum| equations.names.value_of(sum)).collect::<Option<Polynomial>>();
@@ -149,12 +152,12 @@ fn transfer_function(
     Ok(())
 }
 
-/// Numerator and denominator from the linear system.
+/// Numerator and denominator from the linear system, in SI units.
 fn lowered(
     equations: &Equations,
     transfer: &Transfer,
     whole: &Matrices,
-    system: &LinearSystem,
+    (scene, system): (&Scene, &LinearSystem),
 ) -> Option<(Polynomial, Polynomial)> {
     let places = &equations.parts[transfer.part].places;
     let output = system.outputs.get(equations.outputs[transfer.output].number)?;
@@ -174,5 +177,9 @@ fn lowered(
     });
     let direct: Polynomial = direct.collect();
     numerator = polynomial::sum(&numerator, &polynomial::product(&direct, &denominator));
+    let of = equations.outputs[transfer.output].number;
+    if let Some(unit) = scene.outputs.get(of).and_then(scene::Output::unit_factor) {
+        numerator.iter_mut().for_each(|entry| *entry = &*entry * unit);
+    }
     Some((numerator, denominator))
 }

@@ -1,7 +1,7 @@
 //! Errors of motions and measures, and warnings about declarations without effect.
 
 use super::{error, kind_noun, listed, name_phrase, with_suggestion};
-use crate::base::{Change, Code, Diagnostic, Dimension, Span};
+use crate::base::{Angle, Change, Code, Diagnostic, Dimension, Span};
 use crate::kinds::Function;
 use crate::model::scope::DefinitionKind;
 
@@ -12,6 +12,9 @@ type Word = &'static str;
 #[derive(Clone, Debug, PartialEq)]
 pub enum QuestionError {
     NoMotion { span: Span },
+    OutputUnit { span: Span, found: (Dimension, Angle), wanted: Dimension, is_angle: bool },
+    LevelOfOutput { span: Span },
+    CyclesOfOutput { span: Span },
     NonLinear { span: Span },
     PointWithoutMotion { span: Span },
     MotionOfWhat { span: Span },
@@ -47,6 +50,18 @@ impl QuestionError {
         match self {
             NoMotion { span } => error("vib::motion::none", span, "there is no motion in this")
                 .help("write a motion, such as `block.x`, `rod.angle` or `s.force`"),
+            OutputUnit { span, found, wanted, is_angle } => output_unit(span, found, wanted, is_angle),
+            LevelOfOutput { span } => error(
+                "vib::unit::mismatch",
+                span,
+                "`dB` is the ratio of two amplitudes, so an output has no value in it",
+            )
+            .help("leave it out: transfer functions are shown in dB as well"),
+            CyclesOfOutput { span } => {
+                error("vib::unit::frequency", span, "an angular velocity is in radians, `Hz` counts cycles")
+                    .help("write `in rad/s`, `in rev/s` or `in rpm`")
+                    .fix(span, Change::Replace("rev/s".into()))
+            }
             NonLinear { span } => error("vib::motion::non_linear", span, "this is not linear in the motions")
                 .help("motions can only be added, and multiplied by numbers"),
             PointWithoutMotion { span } => {
@@ -163,4 +178,28 @@ fn unused(span: Span, name: &str, kind: DefinitionKind) -> Diagnostic {
     Diagnostic::warning(code, span, format!("the {} `{name}` is never used", kind_noun(kind)))
         .help("use it, or remove it")
         .fix(span, Change::DropDeclaration)
+}
+
+/// The unit of an output is one of another dimension.
+fn output_unit(span: Span, found: (Dimension, Angle), wanted: Dimension, is_angle: bool) -> Diagnostic {
+    let noun = match (is_angle, wanted) {
+        (true, Dimension::NONE) => "an angle".to_string(),
+        (true, Dimension::ANGULAR_VELOCITY) => "an angular velocity".to_string(),
+        _ => name_phrase(wanted),
+    };
+    let unit = match (is_angle, wanted) {
+        (true, Dimension::NONE) => "deg".to_string(),
+        (true, Dimension::ANGULAR_VELOCITY) => "rpm".to_string(),
+        _ => wanted.usual_unit(),
+    };
+    let found = match found {
+        (Dimension::NONE, Angle::Radians) => "an angle".to_string(),
+        (found, _) => name_phrase(found),
+    };
+    let message = format!("the output is {noun}, this is the unit of {found}");
+    let diagnostic = error("vib::unit::mismatch", span, message);
+    match unit.is_empty() {
+        true => diagnostic.help("leave the unit out, or write `in %`"),
+        false => diagnostic.help(format!("write a unit such as `{unit}`")).fix(span, Change::Replace(unit)),
+    }
 }

@@ -254,6 +254,10 @@ output y = block.x
         ("body b { mass = ", vec!["k", "sqrt"], vec!["block"]),
         ("body b { moves ", vec!["x", "y", "along"], vec!["k"]),
         ("body b { shape = ", vec!["rod", "disk", "ring", "box"], vec!["harmonic"]),
+        ("output z ", vec!["in"], vec!["block"]),
+        ("output z in ", vec!["mm", "deg", "kN"], vec!["block", "in"]),
+        ("output z in N*", vec!["m"], vec!["block"]),
+        ("output z in mm = ", vec!["block"], vec!["mm"]),
         ("output z = block.", vec!["x", "vx", "ax"], vec!["y", "angle", "force"]),
         ("output z = wheel.", vec!["angle", "omega", "alpha"], vec!["x"]),
         ("output z = s.", vec!["force", "stretch"], vec!["x"]),
@@ -285,6 +289,13 @@ output y = block.x
             assert!(!labels.iter().any(|label| label == word), "`{added}` has no `{word}`: {labels:?}");
         }
     }
+}
+
+#[test]
+fn an_output_shows_its_unit() {
+    let model = "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\noutput x in mm = b.x\n";
+    let mut client = Client::open(model);
+    assert!(hover(&mut client, "mm", 0).contains("1 mm = 0.001 m"));
 }
 
 #[test]
