@@ -4,7 +4,7 @@
 use crate::base::{Ball, Dd, larger};
 use crate::kernel::real::{Real, Scalar};
 use crate::kernel::simd::simd;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// re + i im.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +75,17 @@ impl<T: Real> Mul for Complex<T> {
     #[inline(always)]
     fn mul(self, b: Complex<T>) -> Complex<T> {
         Complex { re: self.re * b.re - self.im * b.im, im: self.re * b.im + self.im * b.re }
+    }
+}
+
+impl Div for Complex<Ball> {
+    type Output = Complex<Ball>;
+    /// The quotient; nothing is known of it if the divisor may be zero.
+    #[inline]
+    fn div(self, b: Complex<Ball>) -> Complex<Ball> {
+        let square = b.re * b.re + b.im * b.im;
+        let product = self * b.conj();
+        Complex { re: product.re / square, im: product.im / square }
     }
 }
 

@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)]
 
 mod ask;
+mod bands;
 mod bounds;
 mod clients;
 mod command_line;

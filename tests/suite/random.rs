@@ -4,7 +4,7 @@
 use vibc::base::{SourceFile, SourceKind, Sources};
 use vibc::{ModalAnswer, Spread};
 
-fn answer(text: &str) -> ModalAnswer {
+pub fn answer(text: &str) -> ModalAnswer {
     let mut sources = Sources::new();
     let model = sources.add(SourceFile::decode(SourceKind::Model, "m", text.as_bytes().to_vec()));
     let outcome = vibc::analyze(&sources, model, &Default::default());
@@ -12,7 +12,7 @@ fn answer(text: &str) -> ModalAnswer {
 }
 
 /// Codes and messages of what the model is refused for.
-fn refused(text: &str) -> Vec<(&'static str, String)> {
+pub fn refused(text: &str) -> Vec<(&'static str, String)> {
     let mut sources = Sources::new();
     let model = sources.add(SourceFile::decode(SourceKind::Model, "m", text.as_bytes().to_vec()));
     let found = vibc::analyze(&sources, model, &Default::default()).diagnostics;
@@ -20,13 +20,13 @@ fn refused(text: &str) -> Vec<(&'static str, String)> {
 }
 
 /// The rms of each output that noise reaches, and its crossings.
-fn under_noise(text: &str) -> Vec<(Spread, Spread)> {
+pub fn under_noise(text: &str) -> Vec<(Spread, Spread)> {
     answer(text).noisy.into_iter().map(|noisy| (noisy.rms, noisy.crossings)).collect()
 }
 
 /// The number, which must be the true one within its bound, and sharp.
 #[track_caller]
-fn assert_is(found: &Spread, truth: f64) {
+pub fn assert_is(found: &Spread, truth: f64) {
     let Spread::Finite(ball) = found else { panic!("no number: {found:?}, but {truth}") };
     let off = (ball.to_f64() - truth).abs();
     // The truth is a rounded one.

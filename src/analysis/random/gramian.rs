@@ -41,17 +41,17 @@ pub enum Obstacle {
 
 /// The system in modal coordinates with what proves variances.
 pub struct Space {
-    n: usize,
+    pub(super) n: usize,
     shapes: Matrix<Dd>,
     /// Powers near omega_i, exact.
-    s: Vec<f64>,
-    k: Vec<Ball>,
+    pub(super) s: Vec<f64>,
+    pub(super) k: Vec<Ball>,
     /// k_i / s_i
     a: Vec<Ball>,
-    c: Matrix<Ball>,
+    pub(super) c: Matrix<Ball>,
     /// Bounds of the entries of X^T M X - 1 and, divided by s_i s_j, of X^T K X - diag k.
-    of_m: f64,
-    of_k: f64,
+    pub(super) of_m: f64,
+    pub(super) of_k: f64,
     schur: SchurForm,
     /// The certificate's G, its D, and how far below D its Y may be, relative to it.
     g: Matrix<f64>,
@@ -61,8 +61,8 @@ pub struct Space {
 
 /// One white noise: S h and f in modal coordinates, and its intensity.
 pub struct Drive {
-    jump: Vec<Ball>,
-    force: Vec<Ball>,
+    pub(super) jump: Vec<Ball>,
+    pub(super) force: Vec<Ball>,
     intensity: Ball,
 }
 

@@ -2,16 +2,22 @@
 //! noises of its inputs. Out: for each output a number, a proof that it is infinite, or what is missing. See
 //! docs/method/random.md.
 
+mod bands;
 mod channel;
 mod gramian;
+mod resolvent;
+mod weight;
 
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::modes::parts::independent;
 use crate::analysis::transfer::{Frequency, Gain, Transfer};
 use crate::base::{Ball, Density, Number, Rational, Unproven};
 use crate::system::{CoordinateId, LinearSystem, Noise, Output};
+use bands::Bands;
 use channel::{Channel, applied, dense, is_certain};
 use gramian::{Covariance, Drive, Obstacle, Space};
+use resolvent::Resolvent;
+use std::cell::OnceCell;
 
 /// A mean square or what follows from it.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,19 +37,46 @@ const UNDAMPED: &str = "infinite: nothing damps what noise excites";
 
 const OPEN_FEED: &str = "whether white noise reaches it directly is not decided: the numbers are not exact";
 const OPEN_BASE: &str = "what the coordinates follow of the base is not found exactly";
-const OPEN_BAND: &str = "the mean square of noise in bands is not computed yet: `psd` is";
-const OPEN_RATE: &str = "how often an acceleration crosses zero takes its rate, which is not computed";
+const OPEN_POLES: &str = "the poles are too close to each other for a bound";
+const OPEN_DIGITS: &str = "the bound leaves no digit";
+/// The relative bound of a mean square beyond which there is no number.
+const LEAST: f64 = 0.1;
+const OPEN_RATE: &str =
+    "how often an acceleration crosses zero takes its rate, which is not computed under white noise";
 
 /// A system under noise.
 pub struct Random<'a> {
     system: &'a LinearSystem,
     modes: &'a Modes,
-    noises: &'a [Noise],
+    sources: Vec<Source<'a>>,
     reach: Reach,
     space: Result<Space, Obstacle>,
-    /// For each white noise.
-    channels: Vec<Option<Channel>>,
+    /// Under all white noises.
     covariance: Option<Covariance>,
+    /// Needed for noise in bands alone.
+    resolvent: OnceCell<Option<Resolvent>>,
+}
+
+/// A noise and how it drives the coordinates.
+struct Source<'a> {
+    noise: &'a Noise,
+    channel: Option<Channel>,
+    /// The derivatives of its input by which the channel does not go.
+    left: i32,
+    /// Its integrals over the bands, and those times w^2.
+    bands: [OnceCell<Option<Bands>>; 2],
+}
+
+impl<'a> Source<'a> {
+    /// Where it is not found what the coordinates follow of a base, noise in bands goes by the base's own motion.
+    fn of(system: &LinearSystem, noise: &'a Noise) -> Source<'a> {
+        let of = |derivative: u8| Channel::of(system, noise.input, derivative);
+        let (mut channel, mut left) = (of(noise.derivative), 0);
+        if channel.is_none() && matches!(noise.density, Density::Bands(_)) {
+            (channel, left) = (of(0), i32::from(noise.derivative));
+        }
+        Source { noise, channel, left, bands: Default::default() }
+    }
 }
 
 /// Which coordinates move together.
@@ -85,24 +118,21 @@ impl Reach {
 impl<'a> Random<'a> {
     pub fn of(system: &'a LinearSystem, modes: &'a Modes, noises: &'a [Noise]) -> Random<'a> {
         let space = Space::of(system, modes);
-        let channels: Vec<Option<Channel>> =
-            noises.iter().map(|noise| Channel::of(system, noise.input, noise.derivative)).collect();
+        let sources: Vec<Source> = noises.iter().map(|noise| Source::of(system, noise)).collect();
         let covariance = space.as_ref().ok().map(|space| {
-            let drives: Vec<Drive> = noises
+            let drives: Vec<Drive> = sources
                 .iter()
-                .zip(&channels)
-                .filter_map(|(noise, channel)| Some(space.drive(channel.as_ref()?, intensity(noise)?)))
+                .filter_map(|source| Some(space.drive(source.channel.as_ref()?, intensity(source.noise)?)))
                 .collect();
             space.covariance(&drives)
         });
-        Random { system, modes, noises, reach: Reach::of(system), space, channels, covariance }
+        Random { system, modes, sources, reach: Reach::of(system), space, covariance, resolvent: OnceCell::new() }
     }
 
     /// The noises that reach an output.
-    fn reaching(&self, output: &Output) -> impl Iterator<Item = (&Noise, Option<&Channel>)> {
-        let reaches = move |noise: &Noise| self.reach.from_input(self.system, noise.input, output);
-        let all = self.noises.iter().zip(&self.channels);
-        all.filter(move |(noise, _)| reaches(noise)).map(|(noise, channel)| (noise, channel.as_ref()))
+    fn reaching(&self, output: &Output) -> impl Iterator<Item = &Source<'a>> {
+        let reaches = move |source: &&Source| self.reach.from_input(self.system, source.noise.input, output);
+        self.sources.iter().filter(reaches)
     }
 
     /// Whether noise reaches an output.
@@ -112,33 +142,83 @@ impl<'a> Random<'a> {
 
     /// The mean square of an output, in the square of its SI unit.
     pub fn mean_square(&self, output: &Output) -> Spread {
+        let all = self.reaching(output);
+        let (white, banded): (Vec<&Source>, Vec<&Source>) =
+            all.partition(|source| matches!(source.noise.density, Density::White(_)));
+        let of_white = self.under_white(&white, output);
+        let of_bands = banded.iter().map(|source| self.under_bands(source, output, Part::Whole));
+        of_bands.fold(of_white, Spread::plus)
+    }
+
+    /// The mean square of an output by what it has between two frequencies, Hz.
+    pub fn mean_square_within(&self, output: &Output, within: [&Number; 2]) -> Spread {
+        let each = self.reaching(output).map(|source| self.under_bands(source, output, Part::Within(within)));
+        each.fold(Spread::Finite(Ball::ZERO), Spread::plus)
+    }
+
+    fn under_white(&self, sources: &[&Source], output: &Output) -> Spread {
         let mut open = None;
-        for (noise, channel) in self.reaching(output) {
-            if !matches!(noise.density, Density::White(_)) {
-                open.get_or_insert(OPEN_BAND);
-                continue;
-            }
-            match self.direct(channel, output) {
+        for source in sources {
+            match self.direct(source.channel.as_ref(), output) {
                 Ok(()) => {}
                 Err(Spread::Unknown(why)) => {
                     open.get_or_insert(why);
                 }
                 Err(infinite) => return infinite,
             }
-            if let Some(infinite) = channel.and_then(|channel| self.endless(channel, noise, output)) {
+            let endless = |channel| self.endless(channel, source.noise, output);
+            if let Some(infinite) = source.channel.as_ref().and_then(endless) {
                 return infinite;
             }
         }
         match (open, &self.space, &self.covariance) {
             (Some(why), ..) => Spread::Unknown(why),
-            _ if !self.reaches(output) => Spread::Finite(Ball::ZERO),
-            (None, Ok(space), Some(covariance)) => {
-                let value = space.variance(covariance, &space.row(output));
-                if value.is_finite() { Spread::Finite(value) } else { Spread::Unknown("the bound leaves no digit") }
-            }
+            _ if sources.is_empty() => Spread::Finite(Ball::ZERO),
+            (None, Ok(space), Some(covariance)) => finite(Some(space.variance(covariance, &space.row(output)))),
             (None, Err(obstacle), _) => Spread::Unknown(why(*obstacle)),
             (None, Ok(_), None) => Spread::Unknown(why(Obstacle::Modes)),
         }
+    }
+
+    /// The mean square under a noise in bands, or within a band.
+    fn under_bands(&self, source: &Source, output: &Output, part: Part) -> Spread {
+        let within = match part {
+            Part::Within(within) => Some(within),
+            _ => None,
+        };
+        let Some(channel) = &source.channel else { return Spread::Unknown(OPEN_BASE) };
+        let feed = channel.feed(output);
+        if bands::starts_at_zero(&source.noise.density, within) {
+            // What drifts has a density that no band from 0 Hz up has an integral of.
+            let drift = &feed[..2];
+            match () {
+                () if source.left > 0 => return Spread::Unknown(OPEN_BASE),
+                () if drift.iter().any(is_certain) => return Spread::Infinite(DRIFT),
+                () if drift.iter().any(|part| !part.is_zero()) => return Spread::Unknown(OPEN_FEED),
+                () => {}
+            }
+        }
+        let space = match &self.space {
+            Ok(space) => space,
+            Err(obstacle) => return Spread::Unknown(why(*obstacle)),
+        };
+        let Some(resolvent) = self.resolvent.get_or_init(|| Resolvent::of(space)) else {
+            return Spread::Unknown(OPEN_POLES);
+        };
+        let of = |more: i32| Bands::of(&source.noise.density, within, more - 2 * source.left, resolvent);
+        let own;
+        let bands = match part {
+            Part::Whole => source.bands[0].get_or_init(|| of(0)),
+            Part::Rate => source.bands[1].get_or_init(|| of(2)),
+            Part::Within(_) => {
+                own = of(0);
+                &own
+            }
+        };
+        let drive = space.drive(channel, Ball::ONE);
+        let direct = feed.map(|part| part.to_ball());
+        let parts = resolvent.parts(space, &drive, &space.row(output), direct);
+        finite(bands.as_ref().zip(parts).and_then(|(bands, parts)| bands.mean_square(resolvent, &parts)))
     }
 
     /// What of white noise reaches an output without delay: nothing, or why its variance is not finite.
@@ -209,10 +289,29 @@ impl<'a> Random<'a> {
         }
     }
 
+    /// The same of what an output has between two frequencies, Hz.
+    pub fn rms_within(&self, output: &Output, within: [&Number; 2]) -> Spread {
+        match self.mean_square_within(output, within) {
+            Spread::Finite(square) => Spread::Finite(square.sqrt()),
+            other => other,
+        }
+    }
+
+    /// The mean square of the rate of an output.
+    fn rate(&self, output: &Output) -> Spread {
+        if let Some(rate) = rate_of(output) {
+            return self.mean_square(&rate);
+        }
+        let of = |source: &Source| match source.noise.density {
+            Density::White(_) => Spread::Unknown(OPEN_RATE),
+            Density::Bands(_) => self.under_bands(source, output, Part::Rate),
+        };
+        self.reaching(output).map(of).fold(Spread::Finite(Ball::ZERO), Spread::plus)
+    }
+
     /// The expected number of upward zero crossings per second: the rms of the rate over 2 pi times the rms (Rice 1945).
     pub fn crossings(&self, output: &Output) -> Spread {
-        let Some(rate) = rate_of(output) else { return Spread::Unknown(OPEN_RATE) };
-        match (self.mean_square(&rate), self.mean_square(output)) {
+        match (self.rate(output), self.mean_square(output)) {
             (Spread::Finite(_), Spread::Finite(square)) if square.is_zero() => Spread::Unknown("no noise moves it"),
             (Spread::Finite(rate), Spread::Finite(square)) => {
                 Spread::Finite((rate / square).sqrt() / (Ball::PI * Ball::from(2.0)))
@@ -225,10 +324,42 @@ impl<'a> Random<'a> {
     /// What each mode contributes to the mean square: modes from 1, and parts that add up to one.
     pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
         let (Ok(space), Some(covariance)) = (&self.space, &self.covariance) else { return Vec::new() };
+        if self.reaching(output).any(|source| matches!(source.noise.density, Density::Bands(_))) {
+            return Vec::new();
+        }
         let shares = space.shares(covariance, &space.row(output));
         let mut list: Vec<(usize, Unproven)> = (1..).zip(shares.into_iter().map(Unproven)).collect();
         list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
         list
+    }
+}
+
+/// What of a noise is taken.
+#[derive(Clone, Copy)]
+enum Part<'n> {
+    Whole,
+    /// Its rate.
+    Rate,
+    /// What it has between two frequencies, Hz.
+    Within([&'n Number; 2]),
+}
+
+impl Spread {
+    /// The sum of mean squares of independent noises.
+    fn plus(self, other: Spread) -> Spread {
+        match (self, other) {
+            (Spread::Finite(a), Spread::Finite(b)) => Spread::Finite(a + b),
+            (Spread::Infinite(why), _) | (_, Spread::Infinite(why)) => Spread::Infinite(why),
+            (Spread::Unknown(why), _) | (_, Spread::Unknown(why)) => Spread::Unknown(why),
+        }
+    }
+}
+
+/// A mean square, if its bound leaves a number.
+fn finite(value: Option<Ball>) -> Spread {
+    match value {
+        Some(value) if value.is_zero() || value.relative_error() < LEAST => Spread::Finite(value),
+        _ => Spread::Unknown(OPEN_DIGITS),
     }
 }
 

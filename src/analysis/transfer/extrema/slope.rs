@@ -205,7 +205,7 @@ impl Anchor {
     pub fn value(&self, lead: Ball, t: Ball) -> Complex<Ball> {
         let factor = |term: &Term| Complex::new(self.in_units(-term.re), self.in_units(t - term.offset));
         let by = |product: Complex<Ball>, term: &Term, up: bool| {
-            let next = if up { product * factor(term) } else { divided(product, factor(term)) };
+            let next = if up { product * factor(term) } else { product / factor(term) };
             if in_range(next.re.mid.hi.abs() + next.im.mid.hi.abs()) {
                 next
             } else {
@@ -265,12 +265,6 @@ fn in_range(size: f64) -> bool {
 
 fn unknown() -> Ball {
     Ball::new(Dd::ONE, f64::INFINITY)
-}
-
-fn divided(a: Complex<Ball>, b: Complex<Ball>) -> Complex<Ball> {
-    let norm = b.re * b.re + b.im * b.im;
-    let quotient = a * b.conj();
-    Complex::new(quotient.re / norm, quotient.im / norm)
 }
 
 impl Term {

@@ -1,0 +1,145 @@
+//! Mean squares under noise in bands: the integral of |H|^2 S over frequencies. In: a density, the transfer function from its noise to
+//! an output as residues at poles. Out: an enclosure. See docs/method/random.md#bands.
+
+use super::resolvent::{Parts, Resolvent};
+use super::weight::{Panels, Piece, Slope};
+use crate::base::density::{Band, Course, Density};
+use crate::base::{Ball, Dd, Number, up};
+use crate::kernel::complex::Complex;
+
+const UP: f64 = up::THOUSANDS;
+
+/// A density times a power of the angular frequency, integrated over every pole of a system.
+pub struct Bands {
+    /// Integrals over i w - s, in the order of [`Resolvent::all`].
+    of_poles: Vec<Complex<Ball>>,
+    /// Integrals over w^(2 m), m from -2 to 2; `None` where there is none, or none is known.
+    even: [Option<Ball>; 5],
+    /// A bound of the mean square of the noise itself.
+    whole: f64,
+}
+
+impl Bands {
+    /// The density times w^more, of white noise between two frequencies, Hz.
+    pub fn of(density: &Density, within: Option<[&Number; 2]>, more: i32, resolvent: &Resolvent) -> Option<Bands> {
+        let pieces = pieces(density, within)?;
+        let starts_at_zero = pieces.iter().any(|piece| !piece.from.is_positive());
+        let panels: Vec<Panels> = pieces.iter().map(|piece| piece.panels(more)).collect::<Option<_>>()?;
+        let over = |s: &Complex<Ball>| panels.iter().fold(Complex::ZERO, |sum, panels| sum + panels.over(*s));
+        let even = [-4, -2, 0, 2, 4].map(|power| {
+            if power < 0 && starts_at_zero {
+                return None;
+            }
+            pieces.iter().try_fold(Ball::ZERO, |sum, piece| Some(sum + piece.panels(more + power)?.integral()))
+        });
+        let whole = even[2]?.magnitude() * UP;
+        Some(Bands { of_poles: resolvent.all().iter().map(over).collect(), even, whole })
+    }
+
+    /// The mean square of an output.
+    pub fn mean_square(&self, resolvent: &Resolvent, parts: &Parts) -> Option<Ball> {
+        let square = resolvent.square(parts);
+        let of_poles = square.factors.iter().zip(&self.of_poles);
+        let two = Ball::from(2.0);
+        let mut sum = of_poles.fold(Ball::ZERO, |sum, (c, i)| sum + (c.re * i.re - c.im * i.im) * two);
+        for (direct, integral) in square.direct.iter().zip(&self.even) {
+            if !direct.is_zero() {
+                sum = sum + *direct * (*integral)?;
+            }
+        }
+        // |H|^2 is off by 2 |H| e + e^2 at most; the mean of the first is bounded by Schwarz's inequality.
+        let (size, whole, slack) = (sum.magnitude(), self.whole, square.slack);
+        let off = (2.0 * slack * (size * whole).sqrt() + slack * slack * whole) * UP;
+        let value = sum.widen(off) / (Ball::PI * two);
+        if !value.is_finite() {
+            return None;
+        }
+        // A mean square is not negative.
+        Some(if value.mid.hi < 0.0 { Ball::new(Dd::ZERO, value.magnitude()) } else { value })
+    }
+}
+
+/// Whether a band of the density begins at 0 Hz, or may do so.
+pub fn starts_at_zero(density: &Density, within: Option<[&Number; 2]>) -> bool {
+    pieces(density, within).is_none_or(|pieces| pieces.iter().any(|piece| !piece.from.is_positive()))
+}
+
+/// The power laws that a density is made of. `None` for white noise without ends, and where numbers leave the range.
+fn pieces(density: &Density, within: Option<[&Number; 2]>) -> Option<Vec<Piece>> {
+    let white;
+    let bands = match (density, within) {
+        (Density::Bands(bands), _) => bands,
+        (Density::White(value), Some([from, to])) => {
+            white = vec![Band { from: from.clone(), to: to.clone(), course: Course::Flat(value.clone()) }];
+            &white
+        }
+        (Density::White(_), None) => return None,
+    };
+    let mut list = Vec::new();
+    for band in bands {
+        let (from, to) = match within {
+            Some([low, high]) => (outer(&band.from, low, true), outer(&band.to, high, false)),
+            None => (band.from.to_ball(), band.to.to_ball()),
+        };
+        let is_empty = !(to - from).is_positive();
+        if is_empty {
+            if (from - to).is_positive() || (to - from).is_zero() {
+                continue;
+            }
+            return None;
+        }
+        list.extend(laws(band)?.into_iter().filter(|law| !law.0.is_zero()).map(|(size, reference, slope)| Piece {
+            from: angular(from),
+            to: angular(to),
+            size,
+            reference: angular(reference),
+            slope,
+        }));
+    }
+    Some(list)
+}
+
+/// Sizes, reference frequencies and slopes of the power laws whose sum a band is.
+fn laws(band: &Band) -> Option<Vec<(Ball, Ball, Slope)>> {
+    let slope = |slope: Number| match slope.exact().and_then(|slope| slope.to_i64()) {
+        Some(slope) => i32::try_from(slope).map_or(Slope::Real(Ball::from(slope as f64)), Slope::Whole),
+        None => Slope::Real(slope.to_ball()),
+    };
+    Some(match &band.course {
+        Course::Flat(value) => vec![(value.to_ball(), Ball::ONE, Slope::Whole(0))],
+        Course::Power { low, .. } => vec![(low.to_ball(), band.from.to_ball(), slope(band.slope()?))],
+        Course::Line { low, high } => {
+            let rise = (high - low).checked_div(&(&band.to - &band.from))?;
+            let at_zero = low - &(&rise * &band.from);
+            vec![(at_zero.to_ball(), Ball::ONE, Slope::Whole(0)), (rise.to_ball(), Ball::ONE, Slope::Whole(1))]
+        }
+    })
+}
+
+/// The larger or the smaller of two numbers.
+fn outer(a: &Number, b: &Number, is_larger: bool) -> Ball {
+    let apart = a - b;
+    let (a, b) = (a.to_ball(), b.to_ball());
+    match (apart.is_positive(), apart.is_negative()) {
+        (true, _) => {
+            if is_larger {
+                a
+            } else {
+                b
+            }
+        }
+        (_, true) => {
+            if is_larger {
+                b
+            } else {
+                a
+            }
+        }
+        _ => a.widen(apart.to_ball().magnitude()),
+    }
+}
+
+/// rad/s
+fn angular(frequency: Ball) -> Ball {
+    frequency * Ball::PI * Ball::from(2.0)
+}
