@@ -566,7 +566,7 @@ fn explain(asked: Option<&str>) -> Status {
     if let Some(page) = editor::about(asked) {
         return deliver(None, &backend::explain::terminal(&page));
     }
-    match backend::explain::explain(asked) {
+    match backend::explain::explain(asked, vibc::kinds::names()) {
         Ok(text) => deliver(None, &text),
         Err(unknown) => {
             let nearest = unknown.nearest.map_or(String::new(), |code| format!("; did you mean `{code}`?"));

@@ -124,7 +124,14 @@ const VALUES: [Values; 35] = [
     (
         "explain",
         "subject",
-        &[Done("vib::unit::mismatch"), Done("spring"), Ends("vib::unit::mistmatch", 2), Ends("", 2), Ends("x", 2)],
+        &[
+            Done("vib::unit::mismatch"),
+            Done("spring"),
+            Ends("vib::unit::mistmatch", 2),
+            Ends("", 2),
+            Done("x"),
+            Ends("xyz", 2),
+        ],
         &[],
     ),
     ("man", "command", &[Done("analyze"), Done("fmt"), Ends("analyse", 2), Ends("", 2)], &[]),

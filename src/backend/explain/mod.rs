@@ -3,17 +3,16 @@
 
 mod pages;
 
-use crate::kinds;
 pub use pages::{PAGES, Page};
 use strsim::damerau_levenshtein;
 
-/// The page of a code for a terminal, or the most similar known code. `unit::mismatch` is short for
+/// The page of a code for a terminal, or the most similar one of the codes and of `words`. `unit::mismatch` is short for
 /// `vib::unit::mismatch`.
-pub fn explain(asked: &str) -> Result<String, Unknown> {
+pub fn explain(asked: &str, words: impl Iterator<Item = &'static str>) -> Result<String, Unknown> {
     let code = if asked.starts_with("vib::") { asked.to_string() } else { format!("vib::{asked}") };
     match PAGES.iter().find(|page| page.code == code) {
         Some(page) => Ok(terminal(page.markdown)),
-        None => Err(Unknown { nearest: nearest(asked, &code) }),
+        None => Err(Unknown { nearest: nearest(asked, &code, words) }),
     }
 }
 
@@ -28,9 +27,9 @@ pub struct Unknown {
     pub nearest: Option<&'static str>,
 }
 
-fn nearest(asked: &str, code: &str) -> Option<&'static str> {
+fn nearest(asked: &str, code: &str, words: impl Iterator<Item = &'static str>) -> Option<&'static str> {
     let codes = PAGES.iter().map(|page| (page.code, damerau_levenshtein(page.code, code)));
-    let words = kinds::names().map(|name| (name, damerau_levenshtein(name, asked)));
+    let words = words.map(|name| (name, damerau_levenshtein(name, asked)));
     let (name, distance) = codes.chain(words).min_by_key(|&(_, distance)| distance)?;
     (distance * 3 <= asked.chars().count()).then_some(name)
 }
@@ -106,6 +105,7 @@ mod tests {
 
     #[test]
     fn an_unknown_word_gets_the_nearest() {
+        let explain = |asked| explain(asked, ["harmonic"].into_iter());
         assert_eq!(explain("unit::mismach"), Err(Unknown { nearest: Some("vib::unit::mismatch") }));
         assert_eq!(explain("harmonik"), Err(Unknown { nearest: Some("harmonic") }));
         assert_eq!(explain("something else"), Err(Unknown { nearest: None }));

@@ -177,7 +177,8 @@ fn add_panels<V: Eight, const R: usize, const N: usize>(
 #[inline(always)]
 fn chains<V: Eight, const R: usize, const N: usize>(a: &[f64], b: &[f64]) -> [[V; R]; N] {
     let mut sums = [[V::splat(0.0); R]; N];
-    for (a, b) in a.chunks_exact(R * LANES).zip(b.chunks_exact(N)) {
+    for step in 0..b.len() / N {
+        let (a, b) = (&a[step * R * LANES..][..R * LANES], &b[step * N..][..N]);
         let a: [V; R] = each(|r| V::load(&a[r * LANES..]));
         for l in 0..N {
             let b = V::splat(b[l]);

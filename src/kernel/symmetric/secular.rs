@@ -137,12 +137,14 @@ fn middle_way(sums: &Sums, f: f64, p: f64, q: f64, single: bool) -> f64 {
 simd! {
     /// delta_j = (d_j - d_origin) - x
     fn shift<V: Eight>(d: &[f64], origin: f64, x: f64, delta: &mut [f64]) {
-        let (blocks, mut out) = (d.chunks_exact(LANES), delta.chunks_exact_mut(LANES));
-        for (d, delta) in blocks.clone().zip(out.by_ref()) {
-            (V::load(d) - V::splat(origin) - V::splat(x)).store(delta);
+        let length = d.len().min(delta.len());
+        let (d, delta) = (&d[..length], &mut delta[..length]);
+        let whole = length / LANES * LANES;
+        for i in (0..whole).step_by(LANES) {
+            (V::load(&d[i..]) - V::splat(origin) - V::splat(x)).store(&mut delta[i..]);
         }
-        for (d, delta) in blocks.remainder().iter().zip(out.into_remainder()) {
-            *delta = (d - origin) - x;
+        for i in whole..length {
+            delta[i] = (d[i] - origin) - x;
         }
     }
 }
@@ -157,15 +159,17 @@ simd! {
     /// sum z^2/delta and sum z^2/delta^2
     fn side<V: Eight>(delta: &[f64], squares: &[f64]) -> (f64, f64) {
         let (mut sum, mut slope) = (V::splat(0.0), V::splat(0.0));
-        let (d_blocks, z_blocks) = (delta.chunks_exact(LANES), squares.chunks_exact(LANES));
+        let length = delta.len().min(squares.len());
+        let (delta, squares) = (&delta[..length], &squares[..length]);
+        let whole = length / LANES * LANES;
         let (mut rest, mut rest_slope) = (0.0, 0.0);
-        for (d, z) in d_blocks.remainder().iter().zip(z_blocks.remainder()) {
-            let part = z / d;
-            (rest, rest_slope) = (rest + part, rest_slope + part / d);
+        for i in whole..length {
+            let part = squares[i] / delta[i];
+            (rest, rest_slope) = (rest + part, rest_slope + part / delta[i]);
         }
-        for (d, z) in d_blocks.zip(z_blocks) {
-            let one = V::splat(1.0) / V::load(d);
-            let part = V::load(z) * one;
+        for i in (0..whole).step_by(LANES) {
+            let one = V::splat(1.0) / V::load(&delta[i..]);
+            let part = V::load(&squares[i..]) * one;
             (sum, slope) = (sum + part, part.mul_add(one, slope));
         }
         (sum.sum() + rest, slope.sum() + rest_slope)

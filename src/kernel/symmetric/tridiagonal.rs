@@ -156,11 +156,16 @@ simd! {
     /// a . b, in four times eight lanes.
     pub fn dot<V: Eight>(a: &[f64], b: &[f64]) -> f64 {
         let mut sums = [V::splat(0.0); 4];
-        let (a_blocks, b_blocks) = (a.chunks_exact(4 * LANES), b.chunks_exact(4 * LANES));
-        let rest = a_blocks.remainder().iter().zip(b_blocks.remainder()).fold(0.0, |s: f64, (x, y)| x.mul_add(*y, s));
-        for (a, b) in a_blocks.zip(b_blocks) {
-            for (l, sum) in sums.iter_mut().enumerate() {
-                *sum = V::load(&a[l * LANES..]).mul_add(V::load(&b[l * LANES..]), *sum);
+        let length = a.len().min(b.len());
+        let whole = length / (4 * LANES) * (4 * LANES);
+        let mut rest = 0.0_f64;
+        for i in whole..length {
+            rest = a[i].mul_add(b[i], rest);
+        }
+        for i in (0..whole).step_by(4 * LANES) {
+            let (a, b) = (&a[i..i + 4 * LANES], &b[i..i + 4 * LANES]);
+            for l in 0..4 {
+                sums[l] = V::load(&a[l * LANES..]).mul_add(V::load(&b[l * LANES..]), sums[l]);
             }
         }
         (sums[0] + sums[1] + (sums[2] + sums[3])).sum() + rest
@@ -170,12 +175,14 @@ simd! {
 simd! {
     /// y <- y + f x
     pub fn add_scaled<V: Eight>(y: &mut [f64], f: f64, x: &[f64]) {
-        let (mut y_blocks, x_blocks) = (y.chunks_exact_mut(LANES), x.chunks_exact(LANES));
-        for (y, x) in y_blocks.by_ref().zip(x_blocks.clone()) {
-            V::splat(f).mul_add(V::load(x), V::load(y)).store(y);
+        let length = y.len().min(x.len());
+        let (y, x) = (&mut y[..length], &x[..length]);
+        let whole = length / LANES * LANES;
+        for i in (0..whole).step_by(LANES) {
+            V::splat(f).mul_add(V::load(&x[i..]), V::load(&y[i..])).store(&mut y[i..]);
         }
-        for (y, x) in y_blocks.into_remainder().iter_mut().zip(x_blocks.remainder()) {
-            *y = f.mul_add(*x, *y);
+        for i in whole..length {
+            y[i] = f.mul_add(x[i], y[i]);
         }
     }
 }
