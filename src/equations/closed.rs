@@ -44,15 +44,10 @@ pub fn parts(equations: &Equations) -> Vec<Part> {
     groups.into_iter().filter_map(|places| part(equations, places)).collect()
 }
 
-/// An entry of M s^2 + C s + K by powers of s, Rayleigh damping in C; `None` where damping has no entries in symbols.
+/// An entry of M s^2 + C s + K by powers of s.
 pub fn entry(equations: &Equations, i: usize, j: usize) -> Vec<Sum> {
     let linear = &equations.linear;
-    let (mass, stiffness) = (&linear.mass[i][j].sum, &linear.stiffness[i][j].sum);
-    let mut damping = linear.damping[i][j].sum.clone();
-    if let Some((alpha, beta)) = &equations.rayleigh {
-        damping = &damping + &(&(alpha * mass) + &(beta * stiffness));
-    }
-    vec![stiffness.clone(), damping, mass.clone()]
+    [&linear.stiffness, &linear.damping, &linear.mass].map(|matrix| matrix[i][j].sum.clone()).to_vec()
 }
 
 fn part(equations: &Equations, places: Vec<usize>) -> Option<Part> {

@@ -52,6 +52,8 @@ pub struct Energies {
     pub weights: Sum,
     pub elements: Vec<Element>,
     pub lengths: Lengths,
+    /// From end to end of each of `lengths`, in their order.
+    pub spans: Vec<Pair>,
     /// For each input that is a force or torque: its name and the displacement that it does work on.
     pub works: Vec<Work>,
     /// The kinetic energy of each body, for messages.
@@ -227,6 +229,7 @@ impl Energies {
             let length = Symbol::new(class::LENGTH, self.lengths.0.len());
             names.set(length, Label::new("l", name), None);
             self.lengths.0.push((length, square.clone()));
+            self.spans.push(apart.clone());
             length
         });
         Some(Stretch::Line { length, square, drawn: names.length(&dot(&drawn, &drawn)) })

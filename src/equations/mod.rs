@@ -142,7 +142,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
         false => Some(loops::follows(&motion, &constraints, &independent, &mut names)),
     };
     let in_motion = follows.as_ref().and_then(|follows| follows.as_ref().ok()).map(|(follows, _)| &follows[..]);
-    let linear = reduce::reduced(
+    let mut linear = reduce::reduced(
         independent.clone(),
         &motion,
         &constraints,
@@ -156,6 +156,9 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     let reduced =
         follows.map(|follows| follows.map(|follows| loops::reduced(&motion, &equations, &independent, follows)));
     let rayleigh = written.rayleigh.clone();
+    if let Some((alpha, beta)) = &rayleigh {
+        linear.add_rayleigh(alpha, beta, &names)?;
+    }
     let modal_damping = match &scene.damping {
         Some(Damping::Modal { ratio, .. }) => Some(ratio.clone()),
         _ => None,
@@ -295,6 +298,18 @@ fn tensions(scene: &Scene, lowered: &Lowered, names: &mut Names) {
         let found = lowered.rest.tensions.iter().find(|tension| tension.element.index() == number);
         let value = found.map_or(Number::ZERO, |found| found.tension.clone());
         names.set_value(Symbol::new(class::TENSION, number), value);
+    }
+}
+
+impl Linearised {
+    /// C = C + alpha M + beta K.
+    fn add_rayleigh(&mut self, alpha: &Sum, beta: &Sum, names: &Names) -> Result<(), EquationsError> {
+        let others = self.mass.iter().flatten().zip(self.stiffness.iter().flatten());
+        for (entry, (mass, stiffness)) in self.damping.iter_mut().flatten().zip(others) {
+            entry.sum = &(&entry.sum + &(alpha * &mass.sum)) + &(beta * &stiffness.sum);
+            entry.value = names.value_of(&entry.sum).ok_or_else(|| EquationsError::NoForm { span: no_span() })?;
+        }
+        Ok(())
     }
 }
 

@@ -20,17 +20,18 @@ mod solutions;
 /// Compares everything; the first difference is the error.
 pub fn verify(equations: &Equations, scene: &Scene, lowered: &Lowered) -> Result<(), EquationsError> {
     let system = &lowered.system;
-    matrices(equations, system)?;
+    let whole = solutions::Matrices::new(scene, system);
+    matrices(equations, system, &whole)?;
     inputs(equations, system)?;
     rests(equations)?;
-    solutions::verify(equations, scene, system)?;
+    solutions::verify(equations, &whole, scene, system)?;
     jets::verify(equations)
 }
 
-fn matrices(equations: &Equations, system: &LinearSystem) -> Result<(), EquationsError> {
+fn matrices(equations: &Equations, system: &LinearSystem, whole: &solutions::Matrices) -> Result<(), EquationsError> {
     let own = [&equations.linear.mass, &equations.linear.damping, &equations.linear.stiffness];
-    for ((name, form), own) in [("M", &system.m), ("C", &system.c), ("K", &system.k)].into_iter().zip(own) {
-        let theirs = form.entries(system.n() + system.chain.len());
+    let theirs = [("M", &system.m, &whole.m), ("C", &system.c, &whole.c), ("K", &system.k, &whole.k)];
+    for ((name, form, theirs), own) in theirs.into_iter().zip(own) {
         for (i, row) in own.iter().enumerate() {
             for (j, entry) in row.iter().enumerate() {
                 let other = &theirs[i][j];

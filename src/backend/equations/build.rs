@@ -281,7 +281,7 @@ impl<'a> Builder<'a> {
                 let arguments = arguments.iter().map(|argument| self.inner().sum(argument)).collect();
                 Formula::Call(function.name(), arguments)
             }
-            Factor::Root(sum) => Formula::Root(Box::new(self.inner().sum(sum))),
+            Factor::Root(sum) => self.root(sum),
             Factor::Whole(sum) => self.inner().sum(sum),
             Factor::Cosine(angle) => Formula::Call("cos", vec![self.inner().sum(angle)]),
             Factor::Sine(angle) => Formula::Call("sin", vec![self.inner().sum(angle)]),
@@ -290,7 +290,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The builder for arguments of functions, in which numerical fractions are written as `x/2`.
-    fn inner(&self) -> Builder<'a> {
+    pub fn inner(&self) -> Builder<'a> {
         Builder { fractions: Fractions::Below, ..*self }
     }
 }
@@ -336,7 +336,7 @@ pub fn is_dynamic(symbol: Symbol) -> bool {
     is_motion(symbol) || [class::FORCE, class::MULTIPLIER, class::LENGTH_RATE].contains(&symbol.class())
 }
 
-fn absolute(number: &Rational) -> Rational {
+pub fn absolute(number: &Rational) -> Rational {
     if number.signum() < 0 { -number } else { number.clone() }
 }
 

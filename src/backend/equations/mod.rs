@@ -11,6 +11,7 @@ mod latex;
 mod mathml;
 mod motions;
 mod results;
+mod roots;
 mod solutions;
 mod text;
 mod typst;

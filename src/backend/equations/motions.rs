@@ -49,10 +49,11 @@ impl Writer<'_> {
     }
 
     fn lengths(&self) -> Vec<Item> {
-        let lengths = self.equations.energies.lengths.0.iter();
-        lengths
-            .map(|(length, square)| display(self.name(*length).equal(Formula::Root(Box::new(self.build.sum(square))))))
-            .collect()
+        let energies = &self.equations.energies;
+        let length = |((length, square), apart): (&(Symbol, Sum), &[Sum; 2])| {
+            display(self.name(*length).equal(self.build.length(square, apart)))
+        };
+        energies.lengths.0.iter().zip(&energies.spans).map(length).collect()
     }
 
     /// `1/2 k (x_2 - x_1)^2`, plus the term of a pretension.

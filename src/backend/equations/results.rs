@@ -5,7 +5,7 @@ use super::formula::Formula;
 use crate::backend::decimal::certain_number;
 use crate::base::Number;
 use crate::equations::Entry;
-use crate::equations::names::class;
+use crate::equations::names::{class, without_motion};
 use crate::symbols::Factor;
 
 /// For more coordinates, matrices are not shown as a whole.
@@ -69,17 +69,19 @@ impl Writer<'_> {
             items.push(display(self.name(*name).equal(self.build.sum(form))));
         }
         for (length, square) in &linear.lengths {
-            items.push(display(self.name(*length).equal(Formula::Root(Box::new(self.build.sum(square))))));
+            let apart = self.equations.energies.spans.get(length.place()).cloned().unwrap_or_default();
+            let apart = apart.each_ref().map(without_motion);
+            items.push(display(self.name(*length).equal(self.build.length(square, &apart))));
         }
         items.extend(self.rows((0..n).map(|place| self.linear_equation(place)).collect()));
         if let Some((alpha, beta)) = &self.equations.rayleigh {
             items.push(Item::Paragraph(vec![
-                words("Rayleigh damping adds "),
+                words("The damping matrix contains Rayleigh damping, "),
                 Inline::Formula(Formula::Sum(vec![
                     (false, Formula::product(vec![self.build.sum(alpha), self.letter("M", None)])),
                     (false, Formula::product(vec![self.build.sum(beta), self.letter("K", None)])),
                 ])),
-                words(" to the damping matrix."),
+                words(", which belongs to no element."),
             ]));
         }
         if let Some(ratio) = &self.equations.modal_damping {

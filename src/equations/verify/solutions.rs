@@ -11,29 +11,33 @@ use crate::model::scene::{self, Damping, Scene};
 use crate::symbols::Sum;
 use crate::system::{CoordinateId, Form, LinearSystem};
 
-pub fn verify(equations: &Equations, scene: &Scene, system: &LinearSystem) -> Result<(), EquationsError> {
+pub fn verify(
+    equations: &Equations,
+    whole: &Matrices,
+    scene: &Scene,
+    system: &LinearSystem,
+) -> Result<(), EquationsError> {
     for output in &equations.outputs {
         rows(equations, output, scene, system)?;
     }
-    let whole = Matrices::new(scene, system);
     for part in &equations.parts {
-        frequencies(equations, part, &whole)?;
+        frequencies(equations, part, whole)?;
     }
     for transfer in &equations.transfers {
-        transfer_function(equations, transfer, &whole, (scene, system))?;
+        transfer_function(equations, transfer, whole, (scene, system))?;
     }
     Ok(())
 }
 
 /// Entries of the linear system, with the damping that is declared for all of it.
-struct Matrices {
-    m: Vec<Vec<Number>>,
-    c: Vec<Vec<Number>>,
-    k: Vec<Vec<Number>>,
+pub struct Matrices {
+    pub m: Vec<Vec<Number>>,
+    pub c: Vec<Vec<Number>>,
+    pub k: Vec<Vec<Number>>,
 }
 
 impl Matrices {
-    fn new(scene: &Scene, system: &LinearSystem) -> Matrices {
+    pub fn new(scene: &Scene, system: &LinearSystem) -> Matrices {
         let dense = |form: &Form| form.entries(system.n() + system.chain.len());
         let (m, mut c, k) = (dense(&system.m), dense(&system.c), dense(&system.k));
         if let Some(Damping::Rayleigh { alpha, beta, .. }) = &scene.damping {

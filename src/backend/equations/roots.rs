@@ -1,0 +1,108 @@
+//! Square roots as a textbook writes them: a length by its components, `sqrt((x - a)^2 + (y - h)^2)`, or by the law of cosines.
+
+use super::build::{Builder, absolute};
+use super::formula::Formula;
+use crate::base::Rational;
+use crate::symbols::{Factor, Sum, common_factors};
+
+/// Terms of the law of cosines: `L^2 + a^2 - 2 L a cos(theta)`.
+const LAW_OF_COSINES: usize = 3;
+
+impl Builder<'_> {
+    /// The root of a square of a length, from the components of what it is the length of.
+    pub fn length(&self, square: &Sum, components: &[Sum; 2]) -> Formula {
+        let has_wave = square.terms().iter().any(|(product, _)| product.factors().iter().any(|(f, _)| is_wave(f)));
+        let is_law_of_cosines = has_wave && square.terms().len() <= LAW_OF_COSINES;
+        if is_law_of_cosines || components.iter().all(Sum::is_zero) {
+            return self.root(square);
+        }
+        let moving = components.iter().filter(|component| !component.is_zero());
+        let squares = moving.map(|component| (false, self.inner().squared(&component.evaluated())));
+        Formula::Root(Box::new(Formula::sum(squares.collect())))
+    }
+
+    /// The square of a sum: `L^2 (1 - cos(theta))^2`.
+    fn squared(&self, sum: &Sum) -> Formula {
+        let factored = common_factors(sum);
+        if factored.squared || factored.rest.terms().len() < 2 {
+            return self.sum(&sum.square());
+        }
+        let bracket = |sum: &Sum| Formula::Power(Box::new(self.plain_sum(sum)), 2);
+        if factored.product.is_one() {
+            return bracket(&factored.rest.scaled(&absolute(&factored.number)));
+        }
+        let front = factored.product.times(&factored.product);
+        self.term(&front, &Rational::ONE, &[bracket(&factored.rest.scaled(&absolute(&factored.number)))])
+    }
+
+    /// A root; squares of differences in it are not multiplied out.
+    pub fn root(&self, inside: &Sum) -> Formula {
+        let inner = self.inner();
+        let (squares, rest) = squares_of_pairs(&inside.evaluated());
+        if squares.is_empty() {
+            return Formula::Root(Box::new(inner.sum(inside)));
+        }
+        let mut terms: Vec<(bool, Formula)> = squares.iter().map(|sum| (false, inner.squared(sum))).collect();
+        terms.extend(rest.terms().iter().map(|(product, c)| (c.signum() < 0, inner.term(product, &absolute(c), &[]))));
+        terms.sort_by_key(|(negative, _)| *negative);
+        Formula::Root(Box::new(Formula::sum(terms)))
+    }
+}
+
+fn is_wave(factor: &Factor) -> bool {
+    matches!(factor, Factor::Cosine(_) | Factor::Sine(_))
+}
+
+/// Sums of two terms whose squares are found in a sum, and what is left of it: a^2 - 2 a b + b^2 + h^2 is (a - b)^2 + h^2.
+fn squares_of_pairs(sum: &Sum) -> (Vec<Sum>, Sum) {
+    let (mut found, mut left) = (Vec::new(), sum.clone());
+    // A factor that all terms share stays in front.
+    if sum.terms().len() <= 2 || !common_factors(sum).product.is_one() {
+        return (found, left);
+    }
+    let roots: Vec<Sum> = sum
+        .terms()
+        .iter()
+        .filter(|(product, _)| product.factors().iter().all(|(factor, exponent)| !is_wave(factor) && *exponent > 0))
+        .filter_map(|term| Sum::of_terms(vec![term.clone()]).exact_root())
+        .collect();
+    for (place, first) in roots.iter().enumerate() {
+        for second in &roots[place + 1..] {
+            let doubled = (first * second).scaled(&Rational::from(2));
+            let [(product, number)] = doubled.terms() else { continue };
+            let cross = left.terms().iter().find(|(other, _)| other == product).map(|(_, number)| number);
+            let pair = match cross {
+                Some(cross) if cross == number => first + second,
+                Some(cross) if *cross == -number => first - second,
+                _ => continue,
+            };
+            let without = &left - &pair.square();
+            if without.terms().len() + LAW_OF_COSINES == left.terms().len() {
+                found.push(pair);
+                left = without;
+            }
+        }
+    }
+    (found, left)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::symbols::Symbol;
+
+    #[test]
+    fn squares_of_differences_are_found_and_others_stay() {
+        let [a, b, h] = [0, 1, 2].map(|place| Sum::name(Symbol::new(0, place)));
+        let square = &(&a - &b).square() + &h.square();
+        let (pairs, rest) = squares_of_pairs(&square);
+        assert_eq!(pairs, [&a - &b]);
+        assert_eq!(rest, h.square());
+        let both = &(&a + &h).square() + &b.square();
+        assert_eq!(squares_of_pairs(&both).0, [&a + &h]);
+        // 3 a b is no double product.
+        let none = &(&a.square() + &b.square()) + &(&a * &b).scaled(&Rational::from(3));
+        assert!(squares_of_pairs(&none).0.is_empty());
+        assert_eq!(squares_of_pairs(&none).1, none);
+    }
+}
