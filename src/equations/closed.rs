@@ -60,14 +60,11 @@ fn part(equations: &Equations, places: Vec<usize>) -> Option<Part> {
         squares: Vec::new(),
         damping_ratio: None,
     };
-    if places.len() > 2 {
+    let is_short = |sums: &[Sum]| sums.iter().all(|sum| sum.terms().len() <= MOST_TERMS);
+    let undamped = if places.len() <= 2 { undamped(equations, &places) } else { Vec::new() };
+    if undamped.is_empty() || !is_short(&undamped) {
         let numbers = (has_symbols && places.len() <= MOST_NUMBERS).then(|| numbers(equations, &places)).flatten();
         return numbers.map(|numbers| Part { numbers, ..empty });
-    }
-    let undamped = undamped(equations, &places);
-    let is_short = |sums: &[Sum]| sums.iter().all(|sum| sum.terms().len() <= MOST_TERMS);
-    if !is_short(&undamped) {
-        return None;
     }
     let whole = determinant(&|i, j| entry(equations, i, j), &places);
     let characteristic = if has_symbols && is_short(&whole) { whole } else { Vec::new() };

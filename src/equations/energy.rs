@@ -6,6 +6,7 @@
 //! - damper: c (rate of stretch)^2/2
 //! - force: the work on the displacement of its point
 
+use super::lines::is_short;
 use super::motion::Motion;
 use super::names::{Label, Names, class, without_motion};
 use crate::base::{Number, Span, Vec3};
@@ -54,6 +55,8 @@ pub struct Energies {
     pub lengths: Lengths,
     /// From end to end of each of `lengths`, in their order.
     pub spans: Vec<Pair>,
+    /// Lengths as drawn that have a name: what springs along a line are free at, each with its square and what it leads along.
+    pub free_lengths: Vec<(Symbol, Sum, Pair)>,
     /// For each input that is a force or torque: its name and the displacement that it does work on.
     pub works: Vec<Work>,
     /// The kinetic energy of each body, for messages.
@@ -145,13 +148,17 @@ impl Energies {
                         (Stretch::Plain(_), _) => &given - &drawn_length(written, &element.geometry, names)?,
                     };
                 }
-                SpringRest::Preload(_) => tension = written.preload.clone()?,
+                SpringRest::Preload(_) => {
+                    tension = written.preload.clone()?;
+                    free = self.named_length(written, free, &name, names);
+                }
                 SpringRest::AsDrawn if scene.rest_as_drawn.is_some() => {
                     let symbol = Symbol::new(class::TENSION, number);
                     names.set(symbol, Label::new("T", name.clone()), None);
                     tension = Sum::name(symbol);
+                    free = self.named_length(written, free, &name, names);
                 }
-                SpringRest::AsDrawn => {}
+                SpringRest::AsDrawn => free = self.named_length(written, free, &name, names),
             }
         }
         let coefficient = written.coefficient.clone();
@@ -165,6 +172,24 @@ impl Energies {
             }
         }
         Some(())
+    }
+
+    /// A length as drawn that is long to write gets a name.
+    fn named_length(&mut self, written: &WrittenElement, length: Sum, name: &str, names: &mut Names) -> Sum {
+        let [Some(a), Some(b)] = &written.ends else { return length };
+        if is_short(&length) {
+            return length;
+        }
+        let drawn = difference(b, a);
+        let square = dot(&drawn, &drawn);
+        if let Some((known, ..)) = self.free_lengths.iter().find(|(_, known, _)| *known == square) {
+            return Sum::name(*known);
+        }
+        let symbol = Symbol::new(class::FREE_LENGTH, self.free_lengths.len());
+        let value = names.value_of(&length);
+        names.set(symbol, names.fresh("l", format!("{name},free")), value);
+        self.free_lengths.push((symbol, square, drawn));
+        Sum::name(symbol)
     }
 
     /// b (de/dt)^2 / 2.
@@ -227,7 +252,7 @@ impl Energies {
         let known = self.lengths.0.iter().find(|(_, known)| *known == square).map(|(length, _)| *length);
         let length = known.unwrap_or_else(|| {
             let length = Symbol::new(class::LENGTH, self.lengths.0.len());
-            names.set(length, Label::new("l", name), None);
+            names.set(length, names.fresh("l", name.to_string()), None);
             self.lengths.0.push((length, square.clone()));
             self.spans.push(apart.clone());
             length

@@ -100,7 +100,8 @@ impl Equation {
 }
 
 impl Line {
-    fn force(&self, motion: &Motion, energies: &Energies) -> Sum {
+    /// The pull of its element times its lever.
+    pub fn force(&self, motion: &Motion, energies: &Energies) -> Sum {
         let element = &energies.elements[self.element];
         let force = &pull(element, motion) * &self.slope;
         match &element.stretch {

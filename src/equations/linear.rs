@@ -1,11 +1,10 @@
 //! The equations about rest, to first order: each entry of M, C and K and of the columns of the inputs as a sum.
-//!
-//! A spring along a line pulls with P = k (l - l_0) + T; with g = (l^2)'/2 at rest it adds k g_i g_j/l^2 + P/l (g_ij - g_i g_j/l^2).
 
-use super::energy::{Energies, Stretch};
+use super::energy::Energies;
 use super::lagrange::Equation;
+use super::lines::{AtRest, entry};
 use super::motion::Motion;
-use super::names::{Label, Names, class, without_motion};
+use super::names::without_motion;
 use crate::elements::Order;
 use crate::symbols::{Lengths, Sum, Symbol};
 
@@ -21,6 +20,8 @@ pub struct Linear {
     pub inputs: Vec<Column>,
     /// Lengths at rest that have a name, each with its square.
     pub lengths: Vec<(Symbol, Sum)>,
+    /// Lever arms and tensions by length at rest that have a name.
+    pub parts: Vec<(Symbol, Sum)>,
 }
 
 /// The column of an input.
@@ -34,62 +35,13 @@ pub struct Column {
     pub parts: Vec<Vec<Sum>>,
 }
 
-/// Everything at rest.
-pub struct AtRest {
-    lengths: Vec<(Symbol, Sum)>,
-    pub named: Vec<(Symbol, Sum)>,
-}
-
-impl AtRest {
-    pub fn new(energies: &Energies, names: &mut Names) -> AtRest {
-        let (mut lengths, mut named) = (Vec::new(), Vec::new());
-        for (symbol, square) in &energies.lengths.0 {
-            let square = without_motion(square);
-            let length = match names.length(&square) {
-                length if is_short(&length) => length,
-                _ => {
-                    let rest = Symbol::new(class::REST_LENGTH, symbol.place());
-                    let label = names.label(*symbol);
-                    let value = names.value_of(&square).and_then(|value| value.sqrt());
-                    names.set(rest, Label::new(label.word, format!("{},0", label.index)), value);
-                    named.push((rest, square));
-                    Sum::name(rest)
-                }
-            };
-            lengths.push((*symbol, length));
-        }
-        AtRest { lengths, named }
-    }
-
-    pub fn of(&self, sum: &Sum) -> Sum {
-        let length = |symbol: Symbol| self.lengths.iter().find(|(name, _)| *name == symbol).map(|(_, at)| at.clone());
-        without_motion(&sum.replaced(&length))
-    }
-
-    pub fn length(&self, symbol: Symbol) -> Sum {
-        self.of(&Sum::name(symbol))
-    }
-}
-
-/// A length that is written out: a number, a name, or a root of few terms without angles.
-fn is_short(length: &Sum) -> bool {
-    use crate::symbols::Factor;
-    let short = |factor: &Factor| match factor {
-        Factor::Name(_) | Factor::Pi => true,
-        Factor::Root(inside) => inside.terms().len() <= 2,
-        _ => false,
-    };
-    length.terms().len() <= 2
-        && length.terms().iter().all(|(product, _)| product.factors().iter().all(|(f, _)| short(f)))
-}
-
 /// The linear equations over all free coordinates; constraints add the curvature under their multipliers elsewhere.
 pub fn linear(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest: &AtRest) -> Linear {
     let n = motion.free;
     let none = Lengths::default();
     let zero = || vec![vec![Sum::ZERO; n]; n];
-    let mut linear =
-        Linear { mass: zero(), damping: zero(), stiffness: zero(), inputs: Vec::new(), lengths: at_rest.named.clone() };
+    let (lengths, parts) = (at_rest.named.clone(), at_rest.parts.clone());
+    let mut linear = Linear { mass: zero(), damping: zero(), stiffness: zero(), inputs: Vec::new(), lengths, parts };
     for (i, equation) in equations.iter().enumerate() {
         for j in 0..n {
             let [q, v, a] = motion.coordinates[j].symbols;
@@ -109,7 +61,8 @@ fn lines(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest: 
         for line in &equation.lines {
             for j in 0..motion.free {
                 let [q, ..] = motion.coordinates[j].symbols;
-                let (own, geometric) = line_entry(energies, line, q, at_rest);
+                let row = motion.coordinates[i].symbols[0];
+                let (own, geometric) = entry(energies, line, [row, q], at_rest);
                 let element = &energies.elements[line.element];
                 let matrix = match element.order {
                     Order::Displacement => &mut linear.stiffness,
@@ -122,49 +75,24 @@ fn lines(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest: 
     }
 }
 
-/// k g_i g_j / l^2 and P/l (g_ij - g_i g_j/l^2) of a line for another coordinate.
-fn line_entry(energies: &Energies, line: &super::lagrange::Line, by: Symbol, at_rest: &AtRest) -> (Sum, Sum) {
-    let element = &energies.elements[line.element];
-    let none = Lengths::default();
-    let (length, square) = match &element.stretch {
-        Stretch::Line { length, square, .. } => (length, square),
-        Stretch::Plain(stretch) => {
-            let own = &without_motion(&line.slope) * &without_motion(&stretch.derivative(by, &none));
-            let pull = if element.is_spring() { at_rest.of(&element.pull()) } else { Sum::ZERO };
-            return (&element.coefficient * &own, &pull * &without_motion(&line.slope.derivative(by, &none)));
-        }
-    };
-    let length = at_rest.length(*length);
-    let Some(per_square) = length.square().inverse() else { return Default::default() };
-    let (own, other) = (without_motion(&line.slope), without_motion(&square.derivative(by, &none).halved()));
-    let both = &(&own * &other) * &per_square;
-    let elastic = &element.coefficient * &both;
-    let pull = at_rest.of(&element.pull());
-    if pull.is_zero() || !element.is_spring() {
-        return (elastic, Sum::ZERO);
-    }
-    let bend = &without_motion(&line.slope.derivative(by, &none)) - &both;
-    let geometric = &(&pull * &length.inverse().unwrap_or_default()) * &bend;
-    (elastic, geometric)
-}
-
 /// The contributions of bases and forces to each equation, on the right side.
 fn columns(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest: &AtRest, linear: &mut Linear) {
     let none = Lengths::default();
     for coordinate in motion.coordinates.iter().skip(motion.free) {
         let Some(input) = coordinate.input else { continue };
         let mut parts = vec![Vec::new(); 3];
-        for equation in equations {
+        for (i, equation) in equations.iter().enumerate() {
+            let row = motion.coordinates[i].symbols[0];
             for (order, symbol) in coordinate.symbols.iter().enumerate() {
                 let lengths = if order == 0 { &energies.lengths } else { &none };
-                let mut entry = at_rest.of(&equation.plain.derivative(*symbol, lengths));
+                let mut sum = at_rest.of(&equation.plain.derivative(*symbol, lengths));
                 for line in &equation.lines {
-                    let (own, geometric) = line_entry(energies, line, coordinate.symbols[0], at_rest);
+                    let (own, geometric) = entry(energies, line, [row, coordinate.symbols[0]], at_rest);
                     if energies.elements[line.element].order as usize == order {
-                        entry = &(&entry + &own) + &geometric;
+                        sum = &(&sum + &own) + &geometric;
                     }
                 }
-                parts[order].push(-&entry);
+                parts[order].push(-&sum);
             }
         }
         linear.inputs.push(Column { input, symbols: coordinate.symbols.to_vec(), parts });

@@ -6,7 +6,7 @@
 //! 3. [`lagrange`]: the equations of motion, nothing approximated
 //! 4. [`rest`]: what the rest has to fulfil, and its closed form where there is one
 //! 5. [`loops`]: the same without multipliers, over the independent coordinates
-//! 6. [`linear`], [`reduce`]: the linearised equations, entry by entry
+//! 6. [`linear`], [`lines`], [`reduce`]: the linearised equations, entry by entry
 //! 7. [`closed`], [`transfer`]: natural frequencies, poles, outputs and transfer functions
 //! 8. [`verify`]: each of them against the lowered system, the equations of motion against derivatives of the energies
 //!
@@ -20,6 +20,7 @@ pub mod energy;
 pub mod error;
 pub mod lagrange;
 pub mod linear;
+pub mod lines;
 pub mod loops;
 pub mod motion;
 pub mod names;
@@ -40,7 +41,8 @@ use coordinate::Coordinate;
 use energy::Energies;
 pub use error::EquationsError;
 use lagrange::Equation;
-use linear::{AtRest, Column};
+use linear::Column;
+use lines::AtRest;
 use motion::Motion;
 use names::{Label, Names, class};
 use rest::Rest;
@@ -87,6 +89,8 @@ pub struct Linearised {
     pub ratios: Vec<(Symbol, Sum)>,
     /// Lengths at rest that have a name, each with its square.
     pub lengths: Vec<(Symbol, Sum)>,
+    /// Lever arms and tensions by length at rest that have a name.
+    pub parts: Vec<(Symbol, Sum)>,
 }
 
 /// An entry of a matrix, with an enclosure of its value.
@@ -133,8 +137,8 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
         })?;
     }
     let Derived { motion, energies, constraints, equations } = derived;
-    let at_rest = AtRest::new(&energies, &mut names);
-    rest.settle(&at_rest, &names);
+    let at_rest = AtRest::new(&motion, &energies, &mut names);
+    rest.settle(&at_rest, &names, |equation| at_rest.condition(&equations[equation], &motion, &energies));
     let full = linear::linear(&motion, &energies, &equations, &at_rest);
     let independent = reduce::independent(lowered, &motion)?;
     let follows = match constraints.is_empty() {

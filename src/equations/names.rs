@@ -18,6 +18,10 @@ pub mod class {
     pub const REST: u8 = 35;
     /// Multipliers of constraints.
     pub const MULTIPLIER: u8 = 36;
+    /// Lengths as drawn at which springs are free.
+    pub const FREE_LENGTH: u8 = 30;
+    /// Lever arms and tensions by length of lines at rest.
+    pub const LINE: u8 = 37;
     /// Velocity ratios that change with the motion.
     pub const RATIO: u8 = 38;
     /// A ratio at rest, or one that is constant.
@@ -101,6 +105,15 @@ impl Names {
     /// The value of a sum of names that have values.
     pub fn value_of(&self, sum: &Sum) -> Option<Number> {
         sum.value(&|symbol| self.values.get(&symbol).cloned())
+    }
+
+    /// A label that no parameter has.
+    pub fn fresh(&self, word: &str, index: String) -> Label {
+        let label = Label::new(word, index);
+        match self.is_taken(&label.plain()) {
+            true => Label::new(word, format!("{},line", label.index)),
+            false => label,
+        }
     }
 
     /// Whether a word is taken by a parameter.

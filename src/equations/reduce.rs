@@ -7,7 +7,8 @@ use super::constraint::Constraint;
 use super::elimination::{self, Rows, Unsolved, solve};
 use super::error::EquationsError;
 use super::lagrange::Equation;
-use super::linear::{AtRest, Column, Linear, Matrix};
+use super::linear::{Column, Linear, Matrix};
+use super::lines::AtRest;
 use super::loops::Follow;
 use super::motion::Motion;
 use super::names::{Label, Names, class, without_motion};
@@ -92,6 +93,7 @@ pub fn reduced(
         dependent,
         ratios,
         lengths: full.lengths.clone(),
+        parts: full.parts.clone(),
     })
 }
 

@@ -4,7 +4,7 @@
 use super::coordinate::Coordinate;
 use super::energy::Energies;
 use super::lagrange::Equation;
-use super::linear::AtRest;
+use super::lines::AtRest;
 use super::motion::Motion;
 use super::names::{Label, Names, class, without_motion};
 use crate::base::{Name, Number, Rational};
@@ -91,10 +91,10 @@ impl Rest {
         rest
     }
 
-    /// Lengths at rest in place of their names; conditions that fulfil themselves are none.
-    pub fn settle(&mut self, at_rest: &AtRest, names: &Names) {
-        for (_, condition) in &mut self.conditions {
-            *condition = at_rest.of(condition).simplified();
+    /// Lengths at rest in place of their names, `by_parts` where a line has names for its parts; conditions that fulfil themselves are none.
+    pub fn settle(&mut self, at_rest: &AtRest, names: &Names, by_parts: impl Fn(usize) -> Option<Sum>) {
+        for (coordinate, condition) in &mut self.conditions {
+            *condition = by_parts(*coordinate).unwrap_or_else(|| at_rest.of(condition).simplified());
         }
         self.conditions.retain(|(_, condition)| !condition.vanishes());
         let is_unknown = |symbol: Symbol| [class::TENSION, class::MULTIPLIER].contains(&symbol.class());

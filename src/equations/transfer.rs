@@ -3,7 +3,8 @@
 
 use super::closed::{self, Part, in_variable, product};
 use super::energy::{Energies, Stretch};
-use super::linear::{AtRest, Column};
+use super::linear::Column;
+use super::lines::AtRest;
 use super::motion::Motion;
 use super::names::{class, without_motion};
 use super::polynomial::{self, Polynomial};

@@ -18,8 +18,11 @@ pub struct Factored {
 pub fn common_factors(sum: &Sum) -> Factored {
     let (content, rest) = content(sum.terms());
     let (product, number) = content.terms.into_iter().next().unwrap_or((Product::default(), Rational::ZERO));
-    match rest.exact_root() {
-        Some(root) if root.terms.len() > 1 => Factored { number, product, rest: root, squared: true },
+    let is_sum = |root: &Sum| root.terms.len() > 1;
+    let opposite = -&rest;
+    match (rest.exact_root().filter(is_sum), opposite.exact_root().filter(is_sum)) {
+        (Some(root), _) => Factored { number, product, rest: root, squared: true },
+        (None, Some(root)) => Factored { number: -&number, product, rest: root, squared: true },
         _ => Factored { number, product, rest, squared: false },
     }
 }

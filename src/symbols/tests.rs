@@ -114,3 +114,12 @@ fn quotients_without_remainder_are_sums() {
     let left = (&(&a + &Sum::one()) * &sum.inverse().unwrap()).simplified();
     assert!((&(&left * &sum) - &(&a + &Sum::one())).vanishes());
 }
+
+/// a^2 - 2 a b + b^2 begins with the negative product in the order of terms.
+#[test]
+fn squares_of_differences_are_factored() {
+    let [a, b, k] = [0, 1, 2].map(|place| Sum::name(Symbol::new(0, place)));
+    let factored = common_factors(&(&k * &(&a - &b).square()));
+    assert!(factored.squared && factored.number.is_one(), "{factored:?}");
+    assert!(factored.rest == &a - &b || factored.rest == &b - &a, "{factored:?}");
+}

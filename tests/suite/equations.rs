@@ -48,7 +48,7 @@ fn the_cart_has_the_equations_of_the_course() {
 }
 
 /// Scenes beside the examples: what a course asks for, and what is hard to write well.
-const SCENES: [(&str, &str); 21] = [
+const SCENES: [(&str, &str); 24] = [
     (
         "pendulum",
         "param m = 1 kg\nparam L = 1 m\ngravity 9.81 m/s^2\nbody bob { mass = m, inertia = 0 kg*m^2, at = (0, -L) }\npivot p: ground@(0, 0) -- bob\n",
@@ -112,6 +112,18 @@ const SCENES: [(&str, &str); 21] = [
     (
         "three_links",
         "param m = 1 kg\nparam L = 1 m\ngravity 9.81 m/s^2\nbody a { mass = m, inertia = 0 kg*m^2, at = (0, -L) }\nbody b { mass = m, inertia = 0 kg*m^2, at = (0, -2 * L) }\nbody c { mass = m, inertia = 0 kg*m^2, at = (0, -3 * L) }\npivot p: ground@(0, 0) -- a\npivot q: a@(0, -L) -- b\npivot r: b@(0, -2 * L) -- c\n",
+    ),
+    (
+        "braced_rod",
+        "param m = 2 kg\nparam a = 0.3 m\nparam b = 0.7 m\nparam h = 0.4 m\ngravity 9.81 m/s^2\nbody rod { mass = m, shape = rod((0.1 m, 0), (1.3 m, -0.8 m)) }\npivot p: ground@(0.1 m, 0) -- rod\nspring s: ground@(1.9 m, 0.45 m) -- rod@(1.3 m, -0.8 m) { k = 300 N/m }\nbody box { mass = 3 kg, moves x, at = (a, h) }\nspring t: ground@(b, 0) -- box { k = 40 N/m }\nspring u: rod@(1.3 m, -0.8 m) -- box { k = 20 N/m }\nforce F: box along x\noutput x = box.x\ndamping rayleigh(0.1 /s, 1e-4 s)\n",
+    ),
+    (
+        "swing_door",
+        "param J = 3 kg*m^2\nparam L = 0.9 m\nparam a = 0.4 m\nparam k = 60 N/m\nparam c = 8 N*s/m\nparam l0 = 0.3 m\nbody door { mass = 12 kg, inertia = J about (0, 0), at = (L / 2, 0) }\npivot p: ground@(0, 0) -- door\nspring s: ground@(a, L) -- door@(L, 0) { k = k, free_length = l0 }\ndamper d: ground@(0, -a) -- door@(L, 0) { c = c }\ntorque M: door\noutput theta = door.angle\n",
+    ),
+    (
+        "trolley_and_spring",
+        "param m = 4 kg\nparam k = 90 N/m\nparam a = 0.5 m\nparam h = 0.6 m\nparam x0 = 0.2 m\nbody trolley { mass = m, moves x, at = (x0, 0) }\nspring s: ground@(a, h) -- trolley { k = k }\nspring t: ground@(a, -h) -- trolley { k = k }\n",
     ),
     (
         "placed",

@@ -94,6 +94,12 @@ fn look(tree: &Tree, faults: &mut Vec<String>) {
             }
         }
         Tree::Call(function, arguments) => {
+            if let ("sqrt", [Tree::Sum(terms)]) = (function.as_str(), &arguments[..]) {
+                let is_multiplied_out = terms.len() > 3 && !terms.iter().any(|(_, term)| is_square_of_sum(term));
+                if is_multiplied_out {
+                    say("a root of what has been multiplied out");
+                }
+            }
             let is_square = |digits: &str| digits.parse().is_ok_and(|n: u64| n.isqrt().pow(2) == n);
             if let ("sqrt", [Tree::Number(digits)]) = (function.as_str(), &arguments[..])
                 && is_square(digits)
@@ -118,6 +124,15 @@ fn look(tree: &Tree, faults: &mut Vec<String>) {
         Tree::Product(parts) | Tree::Call(_, parts) => parts.iter().for_each(|part| look(part, faults)),
         Tree::Quotient(a, b) | Tree::Power(a, b) => [a, b].into_iter().for_each(|part| look(part, faults)),
         Tree::Brackets(inner) => look(inner, faults),
+    }
+}
+
+/// `(x - a)^2` or `L^2 (1 - cos(theta))^2`.
+fn is_square_of_sum(tree: &Tree) -> bool {
+    match tree {
+        Tree::Power(base, _) => matches!(**base, Tree::Brackets(_)),
+        Tree::Product(factors) => factors.iter().any(is_square_of_sum),
+        _ => false,
     }
 }
 
@@ -296,6 +311,7 @@ fn each_fault_is_reported_and_ordinary_style_is_not() {
         ("0 x", "a factor of zero"),
         ("2 sqrt(4) k", "the root of a square"),
         ("(k) x", "brackets around one thing"),
+        ("l_s = sqrt(3.17 + x^2 - 2.6 x - 1.4 sin(theta))", "a root of what has been multiplied out"),
         ("k (-x - y)", "a minus that belongs in front"),
     ] {
         let found = faults(bad).join("; ");
@@ -311,6 +327,8 @@ fn each_fault_is_reported_and_ordinary_style_is_not() {
         "omega_1^2 = (a_2 - sqrt(a_2^2 - 4 a_4 a_0))/(2 a_4)",
         "x/F = (2 m2 L^2 s^2 + 3 m2 g L)/(6 Delta)",
         "c_1 = 3.1e-7",
+        "l_s = sqrt(L^2 (1 - cos(theta))^2 + (1 - L sin(theta))^2)",
+        "l = sqrt(L^2 + a^2 - 2 L a cos(theta))",
     ] {
         let found = faults(good);
         assert!(found.is_empty(), "{good}: {found:?}");

@@ -72,6 +72,14 @@ impl<'a> Builder<'a> {
     /// A sum term by term, positive ones first, with nothing but squares factored out: `J + m (r + s)^2`.
     pub fn plain_sum(&self, sum: &Sum) -> Formula {
         let mut terms: Vec<(bool, Formula)> = Vec::new();
+        if let Some((of_lines, rest)) = self.of_lines(sum) {
+            terms.extend(
+                rest.terms().iter().map(|(product, c)| (c.signum() < 0, self.term(product, &absolute(c), &[]))),
+            );
+            terms.extend(of_lines);
+            terms.sort_by_key(|(negative, _)| *negative);
+            return Formula::sum(terms);
+        }
         let (squares, sum) = self.squares(sum);
         terms.extend(squares);
         let sum = &sum;
@@ -149,6 +157,12 @@ impl<'a> Builder<'a> {
         let is_wave =
             |factor: &Factor| matches!(factor, Factor::Cosine(_) | Factor::Sine(_)) && factor.mentions(&is_dynamic);
         let mut terms = Vec::new();
+        if let Some((of_lines, rest)) = self.of_lines(sum) {
+            terms.extend(self.collected(&rest));
+            terms.extend(of_lines);
+            terms.sort_by_key(|(negative, _)| *negative);
+            return terms;
+        }
         for (wave, rest) in sum.collected(is_wave) {
             let parts = rest.collected(|factor| factor.mentions(&is_dynamic));
             if wave.is_one() {
@@ -352,6 +366,12 @@ fn number(text: &str, value: &Rational) -> Formula {
 fn over_one_bar(sum: &Sum) -> Rational {
     let fractions: Option<Vec<(i64, i64)>> = sum.terms().iter().map(|(_, c)| c.to_fraction()).collect();
     let Some(fractions) = fractions else { return Rational::ONE };
+    // Decimals are not treated as fractions, unless there is a fraction beside them.
+    let is_decimal = |c: &Rational| !c.is_integer() && matches!(shown(&absolute(c)), Shown::Whole(_));
+    let is_fraction = |c: &Rational| matches!(shown(&absolute(c)), Shown::Fraction(..));
+    if sum.terms().iter().any(|(_, c)| is_decimal(c)) && !sum.terms().iter().any(|(_, c)| is_fraction(c)) {
+        return Rational::ONE;
+    }
     let shared = fractions.iter().fold(0i64, |all, (numerator, _)| num_integer::gcd(all, *numerator)).max(1);
     let common = fractions
         .iter()

@@ -67,7 +67,7 @@ pub fn of_bodies(equations: &Equations, bodies: &[String]) -> (Vec<String>, Vec<
     let moving = equations.nonlinear.iter().filter(|equation| is_own(equation.coordinate));
     let moving = moving.map(|equation| text::formula(&writer.equation(equation))).collect();
     let linear = equations.linear.coordinates.iter().enumerate().filter(|(_, index)| is_own(**index));
-    (moving, linear.map(|(place, _)| text::formula(&writer.linear_equation(place))).collect())
+    (moving, linear.map(|(place, _)| text::formula(&writer.linear_equation(place, false))).collect())
 }
 
 pub struct Writer<'a> {

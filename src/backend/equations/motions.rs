@@ -53,7 +53,9 @@ impl Writer<'_> {
         let length = |((length, square), apart): (&(Symbol, Sum), &[Sum; 2])| {
             display(self.name(*length).equal(self.build.length(square, apart)))
         };
-        energies.lengths.0.iter().zip(&energies.spans).map(length).collect()
+        let free = energies.free_lengths.iter();
+        let free = free.map(|(name, square, apart)| display(self.name(*name).equal(self.build.length(square, apart))));
+        energies.lengths.0.iter().zip(&energies.spans).map(length).chain(free).collect()
     }
 
     /// `1/2 k (x_2 - x_1)^2`, plus the term of a pretension.

@@ -5,8 +5,8 @@ use super::formula::Formula;
 use crate::backend::decimal::certain_number;
 use crate::base::Number;
 use crate::equations::Entry;
-use crate::equations::names::{class, without_motion};
-use crate::symbols::Factor;
+use crate::equations::names::{Label, class, without_motion};
+use crate::symbols::{Factor, Sum, Symbol};
 
 /// For more coordinates, matrices are not shown as a whole.
 pub const MOST_MATRIX: usize = 8;
@@ -21,6 +21,7 @@ impl Writer<'_> {
         for (_, condition) in &rest.conditions {
             items.push(display(Formula::sum(self.build.collected(condition)).equal(Formula::zero())));
         }
+        items.extend(self.names_at_rest(|symbol| self.is_of_rest(symbol)));
         for (index, symbol, value) in &rest.moved {
             let closed = rest.closed.iter().find(|(place, _)| place == index);
             let shown = Formula::Decimal(certain_number(value, DIGITS));
@@ -68,12 +69,8 @@ impl Writer<'_> {
         for (name, form) in &linear.ratios {
             items.push(display(self.name(*name).equal(self.build.sum(form))));
         }
-        for (length, square) in &linear.lengths {
-            let apart = self.equations.energies.spans.get(length.place()).cloned().unwrap_or_default();
-            let apart = apart.each_ref().map(without_motion);
-            items.push(display(self.name(*length).equal(self.build.length(square, &apart))));
-        }
-        items.extend(self.rows((0..n).map(|place| self.linear_equation(place)).collect()));
+        items.extend(self.names_at_rest(|symbol| !self.is_of_rest(symbol)));
+        items.extend(self.rows((0..n).map(|place| self.linear_equation(place, self.has_listed_entries())).collect()));
         if let Some((alpha, beta)) = &self.equations.rayleigh {
             items.push(Item::Paragraph(vec![
                 words("The damping matrix contains Rayleigh damping, "),
@@ -91,11 +88,12 @@ impl Writer<'_> {
             )));
         }
         if n <= MOST_MATRIX {
-            let mut matrices = vec![(self.letter("M", None), self.matrix(&linear.mass))];
+            let matrix = |name: &'static str, entries| (self.letter(name, None), self.matrix(name, entries));
+            let mut matrices = vec![matrix("M", &linear.mass)];
             if linear.damping.iter().flatten().any(|entry| !entry.sum.is_zero()) {
-                matrices.push((self.letter("C", None), self.matrix(&linear.damping)));
+                matrices.push(matrix("C", &linear.damping));
             }
-            matrices.push((self.letter("K", None), self.matrix(&linear.stiffness)));
+            matrices.push(matrix("K", &linear.stiffness));
             items.push(Item::Matrices(matrices));
         } else if self.entries().is_some() {
             items.push(paragraph("M, C and K are symmetric; section 6 lists their entries other than zero."));
@@ -103,21 +101,65 @@ impl Writer<'_> {
         Section { heading: "5 Linearised equations", items }
     }
 
-    fn matrix(&self, entries: &[Vec<Entry>]) -> Vec<Vec<Formula>> {
-        entries.iter().map(|row| row.iter().map(|entry| self.build.sum(&entry.sum)).collect()).collect()
+    /// Lengths, lever arms and tensions by length at rest: what the chosen names stand for.
+    fn names_at_rest(&self, is_chosen: impl Fn(Symbol) -> bool) -> Vec<Item> {
+        let linear = &self.equations.linear;
+        let length = |(length, square): &(Symbol, Sum)| {
+            let apart = self.equations.energies.spans.get(length.place()).cloned().unwrap_or_default();
+            let form = self.build.length(square, &apart.each_ref().map(without_motion));
+            display(self.name(*length).equal(form))
+        };
+        let part = |(name, form): &(Symbol, Sum)| display(self.name(*name).equal(self.build.sum(form)));
+        let lengths = linear.lengths.iter().filter(|(symbol, _)| is_chosen(*symbol)).map(length);
+        let parts = linear.parts.iter().filter(|(symbol, _)| is_chosen(*symbol)).map(part);
+        lengths.chain(parts).collect()
     }
 
-    /// One row of M q'' + C q' + K q = B u.
-    pub fn linear_equation(&self, place: usize) -> Formula {
+    /// Whether the conditions of rest mention a name, or what one that they mention stands for does.
+    fn is_of_rest(&self, symbol: Symbol) -> bool {
+        let is_mentioned = |sum: &Sum, symbol: Symbol| sum.mentions(&|known| known == symbol);
+        let in_conditions = |symbol: Symbol| {
+            self.equations.rest.conditions.iter().any(|(_, condition)| is_mentioned(condition, symbol))
+        };
+        let parts = &self.equations.linear.parts;
+        in_conditions(symbol) || parts.iter().any(|(name, form)| in_conditions(*name) && is_mentioned(form, symbol))
+    }
+
+    fn matrix(&self, name: &str, entries: &[Vec<Entry>]) -> Vec<Vec<Formula>> {
+        let cell = |i: usize, j: usize| {
+            let (negative, formula) = self.entry(name, (i, j), &entries[i][j].sum, true);
+            if negative { formula.negated() } else { formula }
+        };
+        (0..entries.len()).map(|i| (0..entries.len()).map(|j| cell(i, j)).collect()).collect()
+    }
+
+    /// Whether section 6 has the entries, so that a long one can stand as `K_12` here.
+    fn has_listed_entries(&self) -> bool {
+        self.equations.linear.coordinates.len() <= MOST_MATRIX
+    }
+
+    /// An entry with its sign: by its name in section 6 if it is long and `by_name`. The matrices are symmetric.
+    fn entry(&self, name: &str, (i, j): (usize, usize), sum: &Sum, by_name: bool) -> (bool, Formula) {
+        /// Terms that are read at a glance.
+        const MOST_TERMS: usize = 8;
+        if by_name && sum.terms().len() > MOST_TERMS {
+            let index = format!("{}{}", i.min(j) + 1, i.max(j) + 1);
+            return (false, Formula::Name(Label::new(name, index)));
+        }
+        self.build.signed(sum)
+    }
+
+    /// One row of M q'' + C q' + K q = B u; long entries by the names of section 6, or written out.
+    pub fn linear_equation(&self, place: usize, by_name: bool) -> Formula {
         let linear = &self.equations.linear;
         let mut terms = Vec::new();
-        for (order, matrix) in [(2, &linear.mass), (1, &linear.damping), (0, &linear.stiffness)] {
+        for (name, order, matrix) in [("M", 2, &linear.mass), ("C", 1, &linear.damping), ("K", 0, &linear.stiffness)] {
             for (column, entry) in matrix[place].iter().enumerate() {
                 if entry.sum.is_zero() {
                     continue;
                 }
                 let symbol = self.coordinate(linear.coordinates[column]).symbols[order];
-                let (negative, front) = self.build.signed(&entry.sum);
+                let (negative, front) = self.entry(name, (place, column), &entry.sum, by_name);
                 terms.push((negative, Formula::product(vec![front, self.name(symbol)])));
             }
         }

@@ -1,9 +1,11 @@
-//! Square roots as a textbook writes them: a length by its components, `sqrt((x - a)^2 + (y - h)^2)`, or by the law of cosines.
+//! Lengths as a textbook writes them, by components, `sqrt((x - a)^2 + (y - h)^2)`, or by the law of cosines; what springs along
+//! lines add at rest.
 
 use super::build::{Builder, absolute};
 use super::formula::Formula;
 use crate::base::Rational;
-use crate::symbols::{Factor, Sum, common_factors};
+use crate::equations::names::class;
+use crate::symbols::{Factor, Product, Sum, common_factors};
 
 /// Terms of the law of cosines: `L^2 + a^2 - 2 L a cos(theta)`.
 const LAW_OF_COSINES: usize = 3;
@@ -11,8 +13,12 @@ const LAW_OF_COSINES: usize = 3;
 impl Builder<'_> {
     /// The root of a square of a length, from the components of what it is the length of.
     pub fn length(&self, square: &Sum, components: &[Sum; 2]) -> Formula {
-        let has_wave = square.terms().iter().any(|(product, _)| product.factors().iter().any(|(f, _)| is_wave(f)));
-        let is_law_of_cosines = has_wave && square.terms().len() <= LAW_OF_COSINES;
+        let has_wave =
+            |(product, _): &&(Product, Rational)| product.factors().iter().any(|(factor, _)| is_wave(factor));
+        // Numbers that have been added up say nothing of the two lengths.
+        let is_named = square.terms().iter().all(|(product, _)| !product.is_one());
+        let is_law_of_cosines =
+            square.terms().iter().filter(has_wave).count() == 1 && square.terms().len() <= LAW_OF_COSINES && is_named;
         if is_law_of_cosines || components.iter().all(Sum::is_zero) {
             return self.root(square);
         }
@@ -35,15 +41,41 @@ impl Builder<'_> {
         self.term(&front, &Rational::ONE, &[bracket(&factored.rest.scaled(&absolute(&factored.number)))])
     }
 
+    /// What lines add by the names of their parts, k r^2 and q (a cos(theta_0) + b sin(theta_0)), each with its sign, and the rest of
+    /// the sum; `None` where it has no such names.
+    pub fn of_lines(&self, sum: &Sum) -> Option<(Vec<(bool, Formula)>, Sum)> {
+        let is_line = |factor: &Factor| matches!(factor, Factor::Name(symbol) if symbol.class() == class::LINE);
+        let (mut lines, mut others) = (Vec::new(), Sum::ZERO);
+        for (line, rest) in sum.collected(is_line) {
+            match (line.is_one(), rest.terms()) {
+                (true, _) => others = rest,
+                (false, [(product, number)]) => {
+                    lines.push((number.signum() < 0, self.term(&product.times(&line), &absolute(number), &[])));
+                }
+                (false, _) => {
+                    let (negative, coefficient) = self.signed(&rest);
+                    lines.push((negative, self.term(&line, &Rational::ONE, &[coefficient])));
+                }
+            }
+        }
+        (!lines.is_empty()).then_some((lines, others))
+    }
+
     /// A root; squares of differences in it are not multiplied out.
     pub fn root(&self, inside: &Sum) -> Formula {
         let inner = self.inner();
         let (squares, rest) = squares_of_pairs(&inside.evaluated());
-        if squares.is_empty() {
+        let has_wave = |(product, _): &(Product, Rational)| product.factors().iter().any(|(factor, _)| is_wave(factor));
+        let is_plain = inside.terms().len() != LAW_OF_COSINES
+            || !inside.terms().iter().any(has_wave)
+            || !common_factors(inside).product.is_one();
+        if squares.is_empty() && is_plain {
             return Formula::Root(Box::new(inner.sum(inside)));
         }
         let mut terms: Vec<(bool, Formula)> = squares.iter().map(|sum| (false, inner.squared(sum))).collect();
-        terms.extend(rest.terms().iter().map(|(product, c)| (c.signum() < 0, inner.term(product, &absolute(c), &[]))));
+        let (waves, others): (Vec<_>, Vec<_>) = rest.terms().iter().cloned().partition(has_wave);
+        let rest = others.iter().chain(&waves);
+        terms.extend(rest.map(|(product, c)| (c.signum() < 0, inner.term(product, &absolute(c), &[]))));
         terms.sort_by_key(|(negative, _)| *negative);
         Formula::Root(Box::new(Formula::sum(terms)))
     }

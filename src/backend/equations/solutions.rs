@@ -1,7 +1,7 @@
 //! Section 7: natural frequencies, poles and transfer functions in closed form, and with numbers for larger parts.
 
 use super::build::Builder;
-use super::document::{DIGITS, Item, Section, Writer, display, words};
+use super::document::{DIGITS, Inline, Item, Section, Writer, display, words};
 use super::formula::Formula;
 use crate::backend::decimal::certain_number;
 use crate::base::{Number, Rational};
@@ -18,6 +18,7 @@ impl Writer<'_> {
         let parts = &self.equations.parts;
         let mut items = Vec::new();
         for part in parts {
+            items.extend(self.introduced(part));
             match part.places[..] {
                 [_] => items.extend(self.single(part)),
                 [_, _] => items.extend(self.pair(part)),
@@ -30,11 +31,44 @@ impl Writer<'_> {
         Section { heading: "7 Natural frequencies, poles and transfer functions", items }
     }
 
-    /// A letter, with the coordinate where there are several parts or the model uses the letter.
+    /// A letter, with the part where there are several or the model uses the letter.
     fn lettered(&self, letter: &str, part: &Part) -> Label {
         let is_shared = self.equations.parts.len() > 1 || self.equations.names.is_taken(letter);
-        let own = if is_shared { self.equations.label(part.places[0]).plain() } else { String::new() };
-        Label::new(letter, own)
+        Label::new(letter, if is_shared { self.index_of(part) } else { String::new() })
+    }
+
+    /// The index of a part, as short as it is its own: `theta`, the body of `x_table`, the component of `x_left.box`, else its number.
+    fn index_of(&self, part: &Part) -> String {
+        let parts = &self.equations.parts;
+        let words = |part: &Part| -> Option<String> {
+            let label = self.equations.label(part.places[0]);
+            let own = if label.index.is_empty() { label.word } else { label.index };
+            let shortest = own.split('.').next().unwrap_or_default().to_string();
+            let is_taken = ["omega", "zeta", "Delta"]
+                .iter()
+                .any(|letter| self.equations.names.is_taken(&format!("{letter}_{shortest}")));
+            (!is_taken).then_some(shortest)
+        };
+        let own = words(part);
+        let is_own = own.is_some() && parts.iter().filter(|other| words(other) == own).count() == 1;
+        let number = || parts.iter().position(|other| other.places == part.places).unwrap_or(0) + 1;
+        own.filter(|_| is_own).unwrap_or_else(|| number().to_string())
+    }
+
+    /// What belongs to a part whose index is no coordinate's own.
+    fn introduced(&self, part: &Part) -> Option<Item> {
+        let labels: Vec<Label> = part.places.iter().map(|place| self.equations.label(*place)).collect();
+        let index = self.index_of(part);
+        let is_plain = labels.len() == 1 && (labels[0].word == index || labels[0].index == index);
+        if self.equations.parts.len() < 2 || is_plain || part.squares.is_empty() {
+            return None;
+        }
+        let mut sentence = vec![words(format!("Part {index}: "))];
+        for (place, label) in labels.into_iter().enumerate() {
+            sentence.extend((place > 0).then(|| words(" and ")));
+            sentence.push(Inline::Formula(Formula::Name(label)));
+        }
+        Some(Item::Paragraph(sentence))
     }
 
     /// The name that a sum is, which then needs no other.
@@ -100,8 +134,8 @@ impl Writer<'_> {
     }
 
     fn pole(&self, index: &str, part: &Part) -> Label {
-        let own = self.equations.label(part.places[0]).plain();
-        let index = if self.equations.parts.len() > 1 { format!("{index},{own}") } else { index.to_string() };
+        let is_shared = self.equations.parts.len() > 1;
+        let index = if is_shared { format!("{index},{}", self.index_of(part)) } else { index.to_string() };
         Label::new(self.laplace().word, index)
     }
 
@@ -109,9 +143,9 @@ impl Writer<'_> {
     fn pair(&self, part: &Part) -> Vec<Item> {
         let [zeroth, second, fourth] = &part.undamped[..] else { return Vec::new() };
         let own = |index: &str| {
-            let first = self.equations.label(part.places[0]).plain();
             let shared = self.equations.parts.len() > 1;
-            Formula::Name(Label::new("a", if shared { format!("{index},{first}") } else { index.to_string() }))
+            let index = if shared { format!("{index},{}", self.index_of(part)) } else { index.to_string() };
+            Formula::Name(Label::new("a", index))
         };
         let (a0, a2, a4) = (own("0"), own("2"), own("4"));
         let omega = Formula::Name(self.lettered("omega", part));
@@ -181,7 +215,7 @@ impl Writer<'_> {
         }
         let mut names = self.equations.names.clone();
         let build = self.build_with_laplace(&mut names);
-        let is_shared = part.places.len() > 2 || transfers.len() > 1 && part.places.len() > 1;
+        let is_shared = !part.numbers.is_empty() || transfers.len() > 1 && part.places.len() > 1;
         let delta = Formula::Name(self.lettered("Delta", part));
         let mut items = Vec::new();
         if is_shared {

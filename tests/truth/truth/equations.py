@@ -354,6 +354,44 @@ def leaning(rng, scene):
         start, carrier, before, place = end, f"r{i}", q, f"P{i}"
 
 
+def braced(rng, scene):
+    """A rod and a trolley in springs and a damper along lines that turn: lengths at rest, lever arms and tensions have names there."""
+    g = scene.parameter("g", "9.81", "m/s^2")
+    scene.rows.append("gravity g")
+    m, M = scene.parameter("m", word(rng), "kg"), scene.parameter("M1", word(rng), "kg")
+    end = (sympy.Rational(rng.randint(8, 14), 8), sympy.Rational(rng.randint(-14, 3), 8))
+    scene.rows += [f"point P = ({float(end[0])} m, {float(end[1])} m)", "body rod { mass = m, shape = rod((0, 0), P) }", "pivot p: ground@(0, 0) -- rod"]
+    q = scene.coordinate("rod", "angle")
+    zero = (sympy.Integer(0), sympy.Integer(0))
+    centre, tip = rod(scene, m, (zero, end), q, zero)
+    scene.V += m * g * centre[1]
+    a, h = scene.parameter("a", word(rng, 4, 12), "m"), scene.parameter("h", word(rng, 12, 24), "m")
+    scene.rows.append("body trolley { mass = M1, moves x, at = (a, h) }")
+    x = scene.coordinate("trolley", "x")
+    scene.T += M * x.diff(TIME) ** 2 / 2
+
+    def away(ends):
+        return sympy.sqrt(sum((b - a) ** 2 for a, b in zip(*ends)))
+
+    far = (sympy.Rational(rng.randint(16, 24), 8), sympy.Rational(rng.randint(-8, 8), 8))
+    b = scene.parameter("b1", word(rng, 20, 30), "m")
+    lines = [("s", f"ground@({float(far[0])} m, {float(far[1])} m) -- rod@P", (far, end), (far, tip), rng.randint(200, 500)),
+             ("t", "ground@(b1, 0) -- trolley", ((b, zero[0]), (a, h)), ((b, zero[0]), (a + x, h)), rng.randint(100, 300))]
+    if rng.random() < 0.6:
+        lines.append(("u", "rod@P -- trolley", (end, (a, h)), (tip, (a + x, h)), rng.randint(20, 80)))
+    for name, ends, drawn, moved, stiff in lines:
+        k = scene.parameter(f"k{name}", str(stiff), "N/m")
+        scene.rows.append(f"spring {name}: {ends} {{ k = k{name} }}")
+        scene.V += k * (away(moved) - away(drawn)) ** 2 / 2
+    if rng.random() < 0.6:
+        c = scene.parameter("c", word(rng), "N*s/m")
+        scene.rows.append("damper d: rod@P -- trolley { c = c }")
+        scene.D += c * away((tip, (a + x, h))).diff(TIME) ** 2 / 2
+    if rng.random() < 0.5:
+        scene.rows.append("force F: trolley along x")
+        scene.Q[x] = sympy.Symbol("F", real=True)
+
+
 def rolling(rng, scene):
     """Wheels that roll, and masses that follow them by a ratio; a weight hangs on one of them."""
     r, m = scene.parameter("r", word(rng), "m"), scene.parameter("m", word(rng), "kg")
@@ -384,7 +422,7 @@ def rolling(rng, scene):
         scene.Q[x] = sympy.Symbol("F", real=True)
 
 
-KINDS = ((links, 0.3), (net, 0.2), (four_bar, 0.15), (bead, 0.1), (leaning, 0.13), (rolling, 0.12))
+KINDS = ((links, 0.27), (net, 0.17), (four_bar, 0.15), (bead, 0.08), (leaning, 0.11), (rolling, 0.12), (braced, 0.1))
 
 
 def scene(rng):
@@ -639,7 +677,9 @@ class Comparison:
             known[label_at_rest(label)] = value
         for i, value in enumerate(point[len(self.scene.symbols):]):
             known[f"lambda_{i + 1}"] = value
-        for item in formulas(section(self.told, 1)) + formulas(section(self.told, 5)):
+        free = [item for item in formulas(section(self.told, 2)) if re.match(r"l_\S+,free = ", item["text"])]
+        named = [item for number in (1, 4, 5) for item in formulas(section(self.told, number))]
+        for item in free + named:
             left, right = item["text"].split(" = ", 1)
             if re.match(r"[A-Za-z]\w*(,\w+)*$", left) and left not in known and not left.endswith("'") and " = " not in right:
                 if left in self.labels or left in [row["name"] for row in self.told["coordinates"]]:
