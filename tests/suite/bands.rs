@@ -1,6 +1,9 @@
 //! Noise in bands: root mean squares and crossings beside a closed form and beside quadrature in 30 digits (mpmath), and what of
 //! them is infinite or not proved. See docs/method/random.md#bands.
 
+// The digits of the quadrature, as it printed them.
+#![allow(clippy::excessive_precision)]
+
 use crate::random::{assert_is, under_noise};
 use std::f64::consts::TAU;
 use vibc::Spread;

@@ -83,7 +83,8 @@ impl Piece {
         let part = NARROW.min(STEEP / steepness);
         let (low, high) = (libm::log(self.from.to_f64()), libm::log(self.to.to_f64()));
         let count = ((high - low) / (2.0 * part * down::FEW)).ceil().max(1.0);
-        if !(count <= MOST_PANELS) {
+        // Nor of a count that is no number.
+        if count.is_nan() || count > MOST_PANELS {
             return None;
         }
         let inner = (1..count as usize).map(|k| Ball::from(libm::exp(low + (high - low) * k as f64 / count)));
