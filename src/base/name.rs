@@ -15,6 +15,11 @@ pub struct Place(u32);
 impl Place {
     /// Outside of every component.
     pub const SCENE: Place = Place(0);
+
+    /// The number of a place of a component, from 0 on; `None` for the scene.
+    pub fn index(self) -> Option<usize> {
+        (self.0 as usize).checked_sub(1)
+    }
 }
 
 /// At most this many indices follow a word.
@@ -58,7 +63,8 @@ impl Name {
 pub struct Words {
     by_text: HashMap<Box<str>, Symbol>,
     texts: Vec<Box<str>>,
-    by_name: HashMap<Name, Place>,
+    /// Places that were named before they were declared.
+    mentioned: HashMap<Name, Place>,
     /// The names of the places.
     places: Vec<Name>,
 }
@@ -86,19 +92,32 @@ impl Words {
         &self.texts[symbol.0 as usize]
     }
 
-    /// The space of the names in a component that is placed under this name.
-    pub fn place(&mut self, name: Name) -> Place {
-        let next = Place(u32::try_from(self.places.len() + 1).expect("the number of places is limited far below"));
-        let place = *self.by_name.entry(name).or_insert(next);
-        if place == next {
-            self.places.push(name);
+    /// The space of the names in a component that is placed under this name, which is declared once.
+    pub fn declare_place(&mut self, name: Name) -> Place {
+        if self.mentioned.is_empty() {
+            return self.add_place(name);
         }
+        self.mentioned.get(&name).copied().unwrap_or_else(|| self.add_place(name))
+    }
+
+    /// The space of the names in a component that will be placed under this name.
+    pub fn mention_place(&mut self, name: Name) -> Place {
+        if let Some(&place) = self.mentioned.get(&name) {
+            return place;
+        }
+        let place = self.add_place(name);
+        self.mentioned.insert(name, place);
         place
+    }
+
+    fn add_place(&mut self, name: Name) -> Place {
+        self.places.push(name);
+        Place(u32::try_from(self.places.len()).expect("the number of places is limited far below"))
     }
 
     /// The name of a place; `None` for the scene.
     pub fn place_name(&self, place: Place) -> Option<Name> {
-        self.places.get((place.0 as usize).checked_sub(1)?).copied()
+        self.places.get(place.index()?).copied()
     }
 
     /// The word after the names of its places: `mount[3].s`.

@@ -97,7 +97,7 @@ impl<'a> Check<'a> {
         let component = self.tree.component(index);
         // No word of a text is a number.
         let symbol = self.words.intern(&index.to_string());
-        let place = self.words.place(Name::plain(symbol));
+        let place = self.words.declare_place(Name::plain(symbol));
         let id = places::FrameId(self.frames.len() as u32);
         let inside = self.environments.enter(id);
         let span = component.name;

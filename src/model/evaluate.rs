@@ -81,9 +81,7 @@ impl<'a> Check<'a> {
     fn evaluate_definition(&mut self, id: DefinitionId) -> Evaluated<Value> {
         let definition = &self.definitions[id.0 as usize];
         let (expr, environment, kind) = (definition.expr, definition.environment, definition.kind);
-        let varies = self.walk.varies;
-        let result = self.walk(expr, environment);
-        self.walk.varies = varies;
+        let result = self.declared_value(expr, environment);
         if matches!(result, Err(Stop::Deep)) {
             return result;
         }
@@ -91,6 +89,25 @@ impl<'a> Check<'a> {
         self.walk.in_progress.pop();
         self.definitions[id.0 as usize].state = State::Settled(result.clone());
         result
+    }
+
+    /// The value of a definition's expression; one that holds in every repetition and at every place is computed once.
+    fn declared_value(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Value> {
+        if !environment.is_top()
+            && let Some(known) = self.memory.values.get(&expr)
+        {
+            return Ok(known.clone());
+        }
+        let varies = std::mem::take(&mut self.walk.varies);
+        let value = self.walk(expr, environment);
+        let holds_everywhere = !std::mem::replace(&mut self.walk.varies, varies);
+        if holds_everywhere
+            && !environment.is_top()
+            && let Ok(value) = &value
+        {
+            self.memory.values.insert(expr, value.clone());
+        }
+        value
     }
 
     /// The value that a definition gives to its name.

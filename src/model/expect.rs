@@ -3,6 +3,7 @@
 //! spec.md#units.
 
 use super::Check;
+use super::arguments::Brackets;
 use super::elements::Coefficient;
 use super::error::ValueError;
 use super::evaluate::{Evaluated, Stop};
@@ -19,6 +20,10 @@ pub struct Cache {
     numbers: Table<ExprId, Evaluated<Number>>,
     places: Table<ExprId, Evaluated<Arc<Vec3>>>,
     pub coefficients: Table<ExprId, Evaluated<Coefficient>>,
+    /// What parameters, `let`s and points are declared as.
+    pub values: Table<ExprId, Value>,
+    /// The arguments of a place, by the word of its component.
+    pub brackets: Table<Span, Evaluated<Brackets>>,
 }
 
 const POSITION: Expected = Expected::new("a position", Dimension::LENGTH, "(0, 1 m)");

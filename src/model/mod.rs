@@ -1,12 +1,13 @@
 //! From a syntax tree to the scene it describes: names, units, freedoms. See spec.md#units and docs/method/kinematics.md.
 //!
 //! # Steps
-//! 1. `overrides`, `collect`, `places`: values from outside; names and instances, `repeat` unrolled, components placed
+//! 1. `overrides`, `collect`, `places`, `arguments`: values from outside; names and instances, `repeat` unrolled, components placed
 //! 2. `evaluate`: every parameter gets its value
 //! 3. `bodies`, `joints`, `freedoms`, `needs`: what moves, and how
 //! 4. `elements`, `inputs`, `motions`, `couplings`, `measures`: what acts on the bodies, and the questions
 //! 5. `needs` again: declarations that are never used
 
+mod arguments;
 mod bodies;
 mod collect;
 mod couplings;
@@ -233,6 +234,8 @@ struct Check<'a> {
     lacks_components: bool,
     frames: Vec<Frame>,
     ports: Vec<Port>,
+    /// How every place lies that says nothing about it.
+    unmoved: Arc<places::Motion>,
     /// The dimensions of the parameters of components.
     formals_like: Table<(u32, u32), Evaluated<Option<Scalar>>>,
     drafts: drafts::Drafts,
@@ -285,6 +288,7 @@ impl<'a> Check<'a> {
             lacks_components: false,
             frames: Vec::new(),
             ports: Vec::new(),
+            unmoved: Arc::new(places::Motion::still(None)),
             formals_like: Table::default(),
             drafts: drafts::Drafts::default(),
             reversed: HashSet::new(),

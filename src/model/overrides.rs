@@ -132,7 +132,7 @@ impl<'a> Check<'a> {
         let mut rest = text;
         while let Some((first, more)) = rest.split_once('.') {
             let name = self.read_word(first)?.within(place);
-            (place, rest) = (self.words.place(name), more);
+            (place, rest) = (self.words.mention_place(name), more);
         }
         Some(self.read_word(rest)?.within(place))
     }

@@ -10,12 +10,10 @@ use super::error::{NameError, PlaceError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::scope::{self, Definition, DefinitionId, DefinitionKind, Environment, Group, Instance, Role, State};
 use super::suggestion::nearest;
-use super::value::{Scalar, Value};
-use crate::base::{Dimension, FileId, Name, Number, Place, Quantity, Span, Symbol, Vec3};
+use super::value::Value;
+use crate::base::{Dimension, FileId, Name, Number, Place, Span, Symbol, Vec3};
 use crate::kinds::motions::is_motion;
-use crate::syntax::tree::{
-    Component, Decl, DeclKind, ExprId, ExprKind, FieldValue, Fields, Formal, FormalKind, Ident, Path, Placing, Rare,
-};
+use crate::syntax::tree::{Component, Decl, DeclKind, ExprId, ExprKind, FormalKind, Ident, Path, Placing, Rare};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -42,19 +40,13 @@ pub struct Frame {
     pub at: Option<DefinitionId>,
     pub turned: Option<DefinitionId>,
     mirrored: [bool; 2],
-    placed: Option<Evaluated<Arc<Placed>>>,
+    placed: Option<Evaluated<Placed>>,
 }
 
 impl Frame {
     /// A component that lies in its own axes, in no scene.
     pub fn alone(place: Place, component: u32, inside: Environment, span: Span) -> Frame {
-        let still = Motion {
-            origin: Some(Vec3::ZERO),
-            angle: Number::ZERO,
-            sine: Number::ZERO,
-            cosine: Number::ONE,
-            mirrored: [false, false],
-        };
+        let still = Arc::new(Motion::still(Some(Vec3::ZERO)));
         Frame {
             place,
             component: Some(component),
@@ -64,7 +56,7 @@ impl Frame {
             at: None,
             turned: None,
             mirrored: [false, false],
-            placed: Some(Ok(Arc::new(Placed { around: still.clone(), scene: still }))),
+            placed: Some(Ok(Placed { around: still.clone(), scene: still })),
         }
     }
 }
@@ -79,11 +71,17 @@ pub struct Port {
     part: Option<Evaluated<scope::Part>>,
 }
 
+impl Port {
+    pub fn tied(environment: Environment, argument: ExprId, declared: Span) -> Port {
+        Port { tied: Some((environment, argument)), declared, part: None }
+    }
+}
+
 /// How a component lies: in the axes around its place, and in those of the scene.
 #[derive(Clone, Debug)]
 pub struct Placed {
-    pub around: Motion,
-    pub scene: Motion,
+    pub around: Arc<Motion>,
+    pub scene: Arc<Motion>,
 }
 
 /// x -> o + R S x: mirrored by the signs S, turned by R, moved to o.
@@ -100,6 +98,11 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// Neither turned nor mirrored.
+    pub fn still(origin: Option<Vec3>) -> Motion {
+        Motion { origin, angle: Number::ZERO, sine: Number::ZERO, cosine: Number::ONE, mirrored: [false, false] }
+    }
+
     /// Lengths and directions stay as they are.
     pub fn keeps_directions(&self) -> bool {
         self.angle.is_zero() && self.mirrored == [false, false]
@@ -462,8 +465,8 @@ impl<'a> Check<'a> {
             let name = self.words.display(name);
             return self.report(environment, NameError::Duplicate { span, name, first: taken });
         }
-        let place = self.words.place(name);
-        let component = self.component_named(word, environment);
+        let place = self.words.declare_place(name);
+        let brackets = self.brackets(word, arguments, environment);
         let inside = self.environments.enter(id);
         let mirrored = self.mirror(placing, environment);
         let (at, turned) = self.placing_definitions(name, span, placing, environment);
@@ -478,16 +481,14 @@ impl<'a> Check<'a> {
             mirrored: mirrored.unwrap_or_default(),
             placed: mirrored.is_err().then_some(Err(Stop::Reported)),
         });
-        let Some(component) = component else { return };
-        if self.tie_arguments(id, component, word, arguments).is_err() {
-            return;
-        }
+        let Ok(brackets) = brackets else { return };
+        self.bind(id, &brackets);
         if self.drafts.is_draft {
             // The components in it are looked at by themselves.
             return;
         }
-        self.frames[id.0 as usize].component = Some(component);
-        self.declare_body(component, word, inside);
+        self.frames[id.0 as usize].component = Some(brackets.component);
+        self.declare_body(brackets.component, word, inside);
     }
 
     /// Declares what a component declares, unless that is too much.
@@ -521,7 +522,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn component_named(&mut self, word: Span, environment: Environment) -> Option<u32> {
+    pub fn component_named(&mut self, word: Span, environment: Environment) -> Option<u32> {
         let text = self.sources.slice(word);
         if let Some(&index) = self.known.by_name.get(&(word.file(), text)) {
             return (!self.known.broken[index as usize]).then_some(index);
@@ -566,145 +567,10 @@ impl<'a> Check<'a> {
         (define(placing.at, DefinitionKind::Point), define(placing.turned, DefinitionKind::Let))
     }
 
-    /// Ties ports and declares parameters; everything that is wrong with them is one finding each, and then nothing in the
-    /// component is looked at.
-    fn tie_arguments(&mut self, frame: FrameId, component: u32, word: Span, arguments: Fields) -> Evaluated<()> {
-        let (tree, outer) = (self.tree, self.frame(frame).outer);
-        let formals = &tree.component(component).formals;
-        let name = || self.sources.slice(tree.component(component).name).to_string();
-        let mut given: Vec<Option<(Span, ExprId)>> = vec![None; formals.len()];
-        let mut errors = Vec::new();
-        for field in tree.fields(arguments) {
-            let text = self.sources.slice(field.key);
-            let FieldValue::Expr(expr) = field.value else { continue };
-            match formals.iter().position(|formal| self.sources.slice(formal.name) == text) {
-                Some(index) => match given[index] {
-                    None => given[index] = Some((field.key, expr)),
-                    Some((first, _)) => {
-                        errors.push(PlaceError::ArgumentTwice { span: field.key, first, word: text.to_string() });
-                    }
-                },
-                None => {
-                    let known = || formals.iter().map(|formal| self.sources.slice(formal.name));
-                    let suggestion = nearest(text, known()).map(str::to_string);
-                    let known = known().map(str::to_string).collect();
-                    let (span, word, component) = (field.key, text.to_string(), name());
-                    errors.push(PlaceError::UnknownArgument { span, word, component, suggestion, known });
-                }
-            }
-        }
-        let lacks = |(formal, given): &(&Formal, &Option<_>)| {
-            let has_default = matches!(formal.kind, FormalKind::Number { default: Some(_), .. });
-            given.is_none() && !has_default
-        };
-        let missing: Vec<&Formal> = formals.iter().zip(&given).filter(lacks).map(|(formal, _)| formal).collect();
-        // A word that is spelt wrongly is missing too: that is one mistake.
-        if !missing.is_empty() && errors.is_empty() {
-            let example = missing.iter().map(|formal| {
-                let word = self.sources.slice(formal.name);
-                match formal.kind {
-                    FormalKind::Port => format!("{word} = ground"),
-                    FormalKind::Number { unit, .. } => {
-                        let unit = unit.map_or("1", |unit| self.sources.slice(unit));
-                        if unit == "1" { format!("{word} = 1") } else { format!("{word} = 1 {unit}") }
-                    }
-                }
-            });
-            let example = example.collect::<Vec<_>>().join(", ");
-            let missing = missing.iter().map(|formal| (self.sources.slice(formal.name).to_string(), formal.name));
-            errors.push(PlaceError::MissingArguments {
-                span: word,
-                component: name(),
-                missing: missing.collect(),
-                example,
-            });
-        }
-        let broken = !errors.is_empty();
-        for error in errors {
-            self.report(outer, error);
-        }
-        if broken {
-            return Err(Stop::Reported);
-        }
-        for (index, (formal, given)) in formals.iter().zip(given).enumerate() {
-            self.declare_formal(frame, component, (index as u32, formal), given.map(|(_, expr)| expr));
-        }
-        Ok(())
-    }
-
-    fn declare_formal(
-        &mut self,
-        frame: FrameId,
-        component: u32,
-        (index, formal): (u32, &Formal),
-        given: Option<ExprId>,
-    ) {
-        let Frame { outer, inside, place, .. } = *self.frame(frame);
-        let (span, group) = (formal.name, Group::of_component(component));
-        let symbol = self.words.intern(self.sources.slice(span));
-        let name = Name::plain(symbol).within(place);
-        // Duplicate names were reported for the component.
-        match (formal.kind, given) {
-            (FormalKind::Port, Some(argument)) => {
-                let port = scope::Part::Port(self.ports.len() as u32);
-                if self.parts.declare(group, name, span, port).is_ok() {
-                    self.ports.push(Port { tied: Some((outer, argument)), declared: span, part: None });
-                }
-            }
-            (FormalKind::Port, None) => {}
-            (FormalKind::Number { default, .. }, given) => {
-                let Some((expr, environment)) = given.map(|expr| (expr, outer)).or(default.map(|expr| (expr, inside)))
-                else {
-                    return;
-                };
-                let id = DefinitionId(self.definitions.len() as u32);
-                if self.values.declare(group, name, span, id).is_ok() {
-                    let role = Role::Parameter { frame, formal: index, given: given.is_some() };
-                    let (kind, state) = (DefinitionKind::Param, State::Unsettled);
-                    self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false, role });
-                }
-            }
-        }
-    }
-
-    /// The number that a parameter of a component is like: of its unit, or of its default.
-    pub fn formal_like(&mut self, component: u32, formal: u32, inside: Environment) -> Evaluated<Option<Scalar>> {
-        if let Some(known) = self.formals_like.get(&(component, formal)) {
-            return known.clone();
-        }
-        let described = self.tree.component(component).formals[formal as usize];
-        let FormalKind::Number { unit, default } = described.kind else { return Ok(None) };
-        let like = match (unit, default) {
-            (Some(unit), _) => self.of_unit(unit, inside).map(Some),
-            (None, Some(default)) => match self.walk(default, inside) {
-                Err(Stop::Deep) => return Err(Stop::Deep),
-                Ok(Value::Scalar(scalar)) => Ok(Some(scalar)),
-                // Said where the default is used.
-                Ok(Value::Vector(_)) | Err(Stop::Reported) => Ok(None),
-            },
-            (None, None) => Err(Stop::Reported),
-        };
-        self.formals_like.insert((component, formal), like.clone());
-        like
-    }
-
-    /// One of a unit as written in the brackets of a component.
-    fn of_unit(&mut self, span: Span, environment: Environment) -> Evaluated<Scalar> {
-        let text: &'a str = self.sources.slice(span);
-        if text == "1" {
-            return Ok(Scalar::new(Quantity::plain(Number::ONE)));
-        }
-        let per = text.starts_with('/');
-        let text = text.trim_start_matches('/');
-        let unit = self.unit(text, Span::new(span.file(), span.end() - text.len(), span.end()), environment)?;
-        let dimension = if per { unit.dimension.pow(-1, 1).ok_or(Stop::Reported)? } else { unit.dimension };
-        Ok(Scalar::new(Quantity { si: Number::ONE, dimension, angle: unit.angle }))
-    }
-
     // ---- Where a component lies ----
 
     /// How the component lies that an environment is the inside of; `None` for the scene.
-    pub fn placed(&mut self, environment: Environment) -> Evaluated<Option<Arc<Placed>>> {
+    pub fn placed(&mut self, environment: Environment) -> Evaluated<Option<Placed>> {
         match self.environments.frame(environment) {
             None => Ok(None),
             Some(frame) => loop {
@@ -718,7 +584,7 @@ impl<'a> Check<'a> {
     }
 
     /// The frame of a place with its position; may be called in the middle of a walk.
-    pub fn placed_frame(&mut self, id: FrameId) -> Evaluated<Arc<Placed>> {
+    pub fn placed_frame(&mut self, id: FrameId) -> Evaluated<Placed> {
         if let Some(placed) = &self.frame(id).placed {
             return placed.clone();
         }
@@ -729,8 +595,26 @@ impl<'a> Check<'a> {
         placed
     }
 
-    fn place_frame(&mut self, id: FrameId) -> Evaluated<Arc<Placed>> {
+    fn place_frame(&mut self, id: FrameId) -> Evaluated<Placed> {
+        let Frame { outer, span, .. } = *self.frame(id);
+        let around = self.motion_around(id)?;
+        let scene = match self.environments.frame(outer) {
+            None => around.clone(),
+            Some(frame) => match self.placed_frame(frame)?.scene.compose(&around) {
+                Some(scene) => Arc::new(scene),
+                None => return self.fail(outer, ValueError::Overflow { span }),
+            },
+        };
+        Ok(Placed { around, scene })
+    }
+
+    /// How a place lies in the axes around it.
+    fn motion_around(&mut self, id: FrameId) -> Evaluated<Arc<Motion>> {
         let Frame { at, turned, mirrored, outer, span, .. } = *self.frame(id);
+        if (at, turned, mirrored) == (None, None, [false, false]) {
+            // Rows of torsional or one-dimensional components have many of these.
+            return Ok(self.unmoved.clone());
+        }
         let origin = match at {
             None => None,
             Some(at) => match self.value_of(at, span, outer)? {
@@ -738,31 +622,14 @@ impl<'a> Check<'a> {
                 Value::Scalar(_) => return Err(Stop::Reported),
             },
         };
-        let angle = match turned {
-            None => Number::ZERO,
-            Some(turned) => {
-                let value = self.value_of(turned, span, outer)?;
-                let expr = self.definitions[turned.0 as usize].expr;
-                self.as_number(&value, expr, outer, &ANGLE)?
-            }
-        };
-        let (sine, cosine) = match angle.sin_cos() {
-            Some(known) => known,
-            None => {
-                let expr = turned.map(|turned| self.definitions[turned.0 as usize].expr);
-                let span = expr.map_or(span, |expr| self.tree.expr(expr).span);
-                return self.fail(outer, ValueError::Overflow { span });
-            }
-        };
-        let around = Motion { origin, angle, sine, cosine, mirrored };
-        let scene = match self.environments.frame(outer) {
-            None => around.clone(),
-            Some(frame) => match self.placed_frame(frame)?.scene.compose(&around) {
-                Some(scene) => scene,
-                None => return self.fail(outer, ValueError::Overflow { span }),
-            },
-        };
-        Ok(Arc::new(Placed { around, scene }))
+        let Some(turned) = turned else { return Ok(Arc::new(Motion { mirrored, ..Motion::still(origin) })) };
+        let value = self.value_of(turned, span, outer)?;
+        let expr = self.definitions[turned.0 as usize].expr;
+        let angle = self.as_number(&value, expr, outer, &ANGLE)?;
+        match angle.sin_cos() {
+            Some((sine, cosine)) => Ok(Arc::new(Motion { origin, angle, sine, cosine, mirrored })),
+            None => self.fail(outer, ValueError::Overflow { span: self.tree.expr(expr).span }),
+        }
     }
 
     /// A place of a component in the scene.

@@ -7,7 +7,7 @@
 use super::evaluate::Evaluated;
 use super::places::FrameId;
 use super::value::Value;
-use crate::base::{Name, Span, Symbol};
+use crate::base::{Name, Place, Span, Symbol};
 use crate::syntax::tree::{Decl, ExprId};
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -189,32 +189,77 @@ pub struct Family {
 /// A name space.
 ///
 /// The names that a `repeat` declares come in runs: `m[1]`, `m[2]`, ... A run is found by the name without its last index
-/// and is an array from there; a name that fits no run has an entry of its own.
+/// and is an array from there. So do the names that places of one component declare: the wheel of its first place, of its
+/// second, ... A name that fits no run has an entry of its own.
 #[derive(Debug)]
 pub struct Space<T> {
     runs: Table<Name, Run<T>>,
+    /// The names without indices in places, by component and word: runs over the places of the component.
+    columns: Table<(Group, Symbol), Run<T>>,
+    /// The places that declare something.
+    members: Members,
     others: Table<Name, T>,
     families: Table<(Group, Symbol), Family>,
     /// Words in order of declaration, for suggestions.
     words: Table<Group, Vec<Symbol>>,
 }
 
-/// Names that differ in their last index, which counts up by one.
+/// Names that differ in their last index, or in their place among those of a component, which counts up by one.
 #[derive(Debug)]
 struct Run<T> {
     first: i32,
     items: Vec<T>,
 }
 
+/// For each place in which something is declared: its component, and its number among the places of that component.
+#[derive(Debug, Default)]
+struct Members {
+    by_place: Vec<Option<(Group, i32)>>,
+    counts: Table<Group, i32>,
+}
+
+impl Members {
+    fn get(&self, place: Place) -> Option<(Group, i32)> {
+        *self.by_place.get(place.index()?)?
+    }
+
+    /// Counts the place, unless it is known; `None` for the scene, of which there is one.
+    fn enter(&mut self, place: Place, group: Group) -> Option<(Group, i32)> {
+        let index = place.index()?;
+        if index >= self.by_place.len() {
+            self.by_place.resize(index + 1, None);
+        }
+        if self.by_place[index].is_none() {
+            let count = self.counts.entry(group).or_default();
+            self.by_place[index] = Some((group, *count));
+            *count += 1;
+        }
+        self.by_place[index]
+    }
+}
+
 impl<T> Default for Space<T> {
     fn default() -> Space<T> {
-        Space { runs: Table::default(), others: Table::default(), families: Table::default(), words: Table::default() }
+        Space {
+            runs: Table::default(),
+            columns: Table::default(),
+            members: Members::default(),
+            others: Table::default(),
+            families: Table::default(),
+            words: Table::default(),
+        }
     }
 }
 
 impl<T: Copy> Space<T> {
     pub fn get(&self, name: Name) -> Option<T> {
-        let in_run = split_last(name).and_then(|(run, last)| self.runs.get(&run)?.get(last));
+        let in_run = match split_last(name) {
+            Some((run, last)) => self.runs.get(&run).and_then(|run| run.get(last)),
+            None => self
+                .members
+                .get(name.place)
+                .and_then(|(group, number)| self.columns.get(&(group, name.symbol))?.get(number)),
+        };
         in_run.or_else(|| self.others.get(&name).copied())
     }
 
@@ -223,7 +268,7 @@ impl<T: Copy> Space<T> {
         if let Some(first) = self.get(name) {
             return Err(first);
         }
-        if !self.extend_run(name, what) {
+        if !self.extend_run(group, name, what) {
             self.others.insert(name, what);
         }
         self.widen_family(group, name, span);
@@ -231,14 +276,16 @@ impl<T: Copy> Space<T> {
     }
 
     /// Appends to the run that the name continues or begins; `false` if there is no such run.
-    fn extend_run(&mut self, name: Name, what: T) -> bool {
-        let Some((run, last)) = split_last(name) else { return false };
-        let run = self.runs.entry(run).or_insert_with(|| Run { first: last, items: Vec::new() });
-        let follows = run.next() == i64::from(last);
-        if follows {
-            run.items.push(what);
+    fn extend_run(&mut self, group: Group, name: Name, what: T) -> bool {
+        let member = self.members.enter(name.place, group);
+        match (split_last(name), member) {
+            (Some((run, last)), _) => self.runs.entry(run).or_insert_with(|| Run::from(last)).push(last, what),
+            (None, Some((group, number))) => {
+                let column = self.columns.entry((group, name.symbol)).or_insert_with(|| Run::from(number));
+                column.push(number, what)
+            }
+            (None, None) => false,
         }
-        follows
     }
 
     fn widen_family(&mut self, group: Group, name: Name, span: Span) {
@@ -264,6 +311,19 @@ impl<T: Copy> Space<T> {
 }
 
 impl<T: Copy> Run<T> {
+    fn from(first: i32) -> Run<T> {
+        Run { first, items: Vec::new() }
+    }
+
+    /// Appends an item, if it is the next one.
+    fn push(&mut self, index: i32, item: T) -> bool {
+        let follows = self.next() == i64::from(index);
+        if follows {
+            self.items.push(item);
+        }
+        follows
+    }
+
     fn get(&self, index: i32) -> Option<T> {
         let place = i64::from(index) - i64::from(self.first);
         self.items.get(usize::try_from(place).ok()?).copied()
