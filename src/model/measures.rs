@@ -7,13 +7,13 @@ use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::motions::Combination;
 use super::scene::{Cause, InputId, InputKind, Measure, MotionTerm, Parameter, Signal, Solve, Written};
-use super::scope::{self, DefinitionId, DefinitionKind, Environment, Instance, Role, State};
+use super::scope::{self, Definition, DefinitionId, DefinitionKind, Environment, Instance, Role, State};
 use super::suggestion::nearest;
 use super::value::{Scalar, Value};
 use crate::base::unit::Scale;
 use crate::base::{Angle, Dimension, Name, Number, Quantity, Span, Vec3};
 use crate::kinds::functions::{self, MEASURES, Named};
-use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, Path, Rare};
+use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, FormalKind, Path, Rare};
 
 const RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE, "2 %");
 const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "-90 deg");
@@ -97,15 +97,32 @@ impl<'a> Check<'a> {
     /// A parameter with its current value.
     pub fn parameter(&self, id: DefinitionId, value: &Scalar) -> Parameter {
         let definition = &self.definitions[id.0 as usize];
-        let mut unit = self.written(definition.expr, value.quantity.dimension);
-        if unit.text.is_empty() && value.quantity.dimension == Dimension::FREQUENCY {
-            unit.text = if value.quantity.angle == Angle::Radians { "rad/s" } else { "1/s" }.to_string();
-        }
-        Parameter {
-            name: self.words.display(definition.name),
-            span: definition.span,
-            value: value.quantity.clone(),
-            unit,
+        let Quantity { dimension, angle, .. } = value.quantity;
+        let unit = self.unit_in(definition.expr, dimension).or_else(|| self.unit_of_formal(definition, dimension));
+        let unit = unit.unwrap_or_else(|| {
+            let text = match angle {
+                Angle::Cycles if dimension == Dimension::FREQUENCY => "Hz".into(),
+                Angle::Radians if dimension == Dimension::FREQUENCY => "rad/s".into(),
+                _ if dimension == Dimension::FREQUENCY => "1/s".into(),
+                _ => usual_unit(dimension),
+            };
+            Written { text, factor: Some(Number::ONE) }
+        });
+        let span = match definition.role {
+            Role::Parameter { given: true, .. } => self.tree.expr(definition.expr).span,
+            _ => definition.span,
+        };
+        Parameter { name: self.words.display(definition.name), span, value: value.quantity.clone(), unit }
+    }
+
+    /// The unit in the brackets of a component for one of its parameters, or that of its default.
+    fn unit_of_formal(&self, definition: &Definition, dimension: Dimension) -> Option<Written> {
+        let Role::Parameter { frame, formal, .. } = definition.role else { return None };
+        let component = self.tree.component(self.frame(frame).component?);
+        let FormalKind::Number { unit, default } = component.formals[formal as usize].kind else { return None };
+        match unit {
+            Some(unit) => self.unit_named(self.sources.slice(unit), dimension),
+            None => self.unit_in(default?, dimension),
         }
     }
 
@@ -120,12 +137,7 @@ impl<'a> Check<'a> {
         match node.kind {
             ExprKind::Literal { number_len } => {
                 let text = self.sources.slice(node.span).get(usize::from(number_len)..)?.trim();
-                let unit = self.units.get(text).filter(|unit| unit.dimension == dimension)?;
-                let factor = match &unit.scale {
-                    Scale::Linear(factor) => Some(factor.clone()),
-                    Scale::Decibel => None,
-                };
-                Some(Written { text: text.to_string(), factor })
+                self.unit_named(text, dimension)
             }
             ExprKind::Negate { operand } => self.unit_in(operand, dimension),
             ExprKind::Binary { left, right, .. } => {
@@ -133,6 +145,16 @@ impl<'a> Check<'a> {
             }
             _ => None,
         }
+    }
+
+    /// A unit that is in use, if it is one of this dimension.
+    fn unit_named(&self, text: &str, dimension: Dimension) -> Option<Written> {
+        let unit = self.units.get(text).filter(|unit| unit.dimension == dimension)?;
+        let factor = match &unit.scale {
+            Scale::Linear(factor) => Some(factor.clone()),
+            Scale::Decibel => None,
+        };
+        Some(Written { text: text.to_string(), factor })
     }
 
     /// The parameter to be solved for, with its declared value.

@@ -426,7 +426,7 @@ pub enum Damping {
 pub struct Parameter {
     /// With its indices, as in a model: `k`, `m[3]`.
     pub name: String,
-    /// The word that declares it.
+    /// The word that declares it, or what a place gives for it.
     pub span: Span,
     pub value: Quantity,
     pub unit: Written,
