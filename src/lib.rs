@@ -675,7 +675,7 @@ const FIGURE_DIGITS: usize = 4;
 pub fn format(sources: &Sources, model: FileId) -> Outcome<String> {
     Outcome::of(|diagnostics| {
         diagnostics.extend(reading::not_utf8(sources, model));
-        let parsed = syntax::parse(sources, model);
+        let parsed = syntax::parse_alone(sources, model);
         diagnostics.extend(parsed.errors);
         (!diagnostics.has_errors()).then(|| editor::format::format(sources.text(model), &parsed.tree))
     })

@@ -4,7 +4,7 @@ use super::document::Document;
 use super::names::is_word;
 use super::roles::Role;
 use super::tokens::TokenKind;
-use crate::base::{Change, Diagnostic, Fix};
+use crate::base::{Change, Diagnostic, Fix, Span};
 use crate::syntax::tree::FieldValue;
 use crate::syntax::words;
 use std::ops::Range;
@@ -202,7 +202,8 @@ fn starts_field(document: &Document, token: usize) -> bool {
 
 /// Changes `turns = 1` to `turns`.
 fn drop_value(document: &Document, offset: usize) -> Option<(String, Range<usize>, String)> {
-    let field = document.tree.fields.iter().find(|field| field.key.start() == offset)?;
+    let is_here = |key: Span| key.file() == document.file && key.start() == offset;
+    let field = document.tree.fields.iter().find(|field| is_here(field.key))?;
     let end = match field.value {
         FieldValue::Expr(expr) => document.tree.expr(expr).span.end(),
         _ => return None,

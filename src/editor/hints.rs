@@ -160,9 +160,11 @@ fn values(document: &Document) -> Vec<Hint> {
     hints
 }
 
-/// All declarations, including those in every `repeat`.
-pub fn all_decls(document: &Document) -> impl Iterator<Item = &Decl> {
-    document.tree.decls.iter().chain(document.tree.repeats.iter().flat_map(|repeat| &repeat.body))
+/// All declarations of the text, including those in every `repeat` and component; the tree has those of used files as well.
+fn all_decls(document: &Document) -> impl Iterator<Item = &Decl> {
+    let tree = &document.tree;
+    let inside = tree.repeats.iter().map(|repeat| &repeat.body).chain(tree.components.iter().map(|it| &it.body));
+    tree.decls.iter().chain(inside.flatten()).filter(|decl| decl.span.file() == document.file)
 }
 
 fn is_calculated(document: &Document, value: ExprId) -> bool {

@@ -206,6 +206,7 @@ impl Reader<'_> {
             1 if (self.is_sign(last, "(") || self.is_sign(last, ",")) && self.is_sign(self.next(at), "=") => {
                 Role::Field
             }
+            _ if word == "ground" && !self.is_sign(last, ".") => Role::Constant,
             _ => self.expression(at, last, open),
         }
     }
@@ -408,6 +409,7 @@ mod tests {
                 "component c(part p, m: kg, k = 2 * q) {\n body b { mass = m, at = A }\n spring s: p -- b { k = k }\n}",
                 "component:K c:C part:w p:P m:I kg:? k:I q:i body:K b:P mass:f m:i at:f A:i spring:K s:P p:p b:p k:f k:i",
             ),
+            ("place f = c(p = ground, m = n) at (x, 0)", "place:K f:L c:n p:f ground:c m:f n:v at:w x:v"),
             (
                 "place f = c(p = b, m = n) at (x, 0) mirrored x turned a",
                 "place:K f:L c:n p:f b:v m:f n:v at:w x:v mirrored:w x:d turned:w a:v",

@@ -32,10 +32,15 @@ pub struct Parsed {
     pub errors: Diagnostics,
 }
 
+/// Parses a file alone: of what it uses, the tree has the names.
+pub fn parse_alone(sources: &Sources, file: FileId) -> Parsed {
+    runs::begins("parse");
+    parse_into(Tree::new(file), sources.text(file))
+}
+
 /// Parses a model file, and for their components the files that it uses, as far as they are among the sources.
 pub fn parse(sources: &Sources, file: FileId) -> Parsed {
-    runs::begins("parse");
-    let mut parsed = parse_into(Tree::new(file), sources.text(file));
+    let mut parsed = parse_alone(sources, file);
     let mut read = vec![file];
     let mut next = 0;
     while let Some(using) = parsed.tree.uses.get(next) {

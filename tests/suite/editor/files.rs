@@ -507,3 +507,38 @@ fn a_change_in_a_library_costs_no_more_than_twice_a_change_in_the_model() {
     let [own, of_library] = shortest;
     assert!(of_library < 2.0 * own, "{of_library} s after a change in the library, {own} s in the model");
 }
+
+/// Fields, `let`s and mistakes of the files that a text uses are at other places than its own.
+#[test]
+fn a_text_is_laid_out_by_itself_and_has_the_hints_of_its_own_values() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/");
+    let [model, wagon] =
+        ["train.vib", "parts/wagon.vib"].map(|name| fs::read_to_string(format!("{root}{name}")).expect("an example"));
+    let model = model.replace("parts/", "");
+    let rows = "component row(m: kg) {\n  repeat i in 1..2 { let w[i] = i * m }\n  body b { mass = w[1] + w[2], moves x }\n}\n";
+    let mut editor = Editor::start(&[]);
+    editor.open("wagon.vib", &format!("{wagon}{rows}"));
+    editor.open("train.vib", &model);
+    let document = json!({ "uri": editor.uri("train.vib") });
+    let layout = json!({ "textDocument": document, "options": { "tabSize": 2, "insertSpaces": true } });
+    assert_eq!(editor.ask("textDocument/formatting", layout.clone()).0["result"], json!([]));
+    let all = json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 99, "character": 0 } });
+    let hints =
+        editor.ask("textDocument/inlayHint", json!({ "textDocument": document, "range": all })).0["result"].clone();
+    let lines: Vec<&str> = hints
+        .as_array()
+        .expect("hints")
+        .iter()
+        .map(|hint| {
+            let line = hint["position"]["line"].as_u64().expect("a number") as usize;
+            model.lines().nth(line).expect("a line of this text")
+        })
+        .collect();
+    assert!(
+        lines.iter().all(|line| ["model", "body", "place", "require"].iter().any(|word| line.trim().starts_with(word))),
+        "{lines:?}"
+    );
+    // A mistake in the other file is no mistake of this text's layout.
+    editor.change("wagon.vib", &wagon.replace("coupler: ahead", "coupler ahead"));
+    assert_eq!(editor.ask("textDocument/formatting", layout).0["result"], json!([]));
+}
