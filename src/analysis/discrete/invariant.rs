@@ -229,6 +229,7 @@ where
     let n = a.rows();
     let least =
         groups.iter().flat_map(|g| &g.poles).map(|s| s.abs()).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+    let parts = independent(a);
     let mut columns: Vec<Vec<Dd>> = Vec::with_capacity(n);
     for (seed, group) in groups.iter().enumerate() {
         let count = group.poles.len() as f64;
@@ -247,11 +248,53 @@ where
             space.iter_mut().for_each(|x| factors.solve(x));
             orthonormal(&mut space)?;
         }
+        confine(&mut space, &parts);
         for x in &space {
             columns.extend(real_columns(x, group.paired));
         }
     }
     (columns.len() == n).then(|| Matrix::from_fn(n, n, |i, j| columns[j][i]))
+}
+
+/// For each state, the number of its part: no entry of A leads from one part to another.
+fn independent(a: &Matrix<Dd>) -> Vec<usize> {
+    let n = a.rows();
+    let mut parts = vec![usize::MAX; n];
+    for first in 0..n {
+        if parts[first] != usize::MAX {
+            continue;
+        }
+        let mut waiting = vec![first];
+        parts[first] = first;
+        while let Some(i) = waiting.pop() {
+            for j in 0..n {
+                if parts[j] == usize::MAX && !(a[(i, j)].is_zero() && a[(j, i)].is_zero()) {
+                    parts[j] = first;
+                    waiting.push(j);
+                }
+            }
+        }
+    }
+    parts
+}
+
+/// What a vector of one part has left in another after the iteration, at most 1e-10 of its own.
+const LEFT_OVER: f64 = 1e-8;
+
+/// Sets the entries of vectors to zero in parts that do not take part in their motion: what the iteration leaves there would
+/// be states that inputs of another part seem to reach, by 1e-50 or so.
+fn confine<T: Float>(space: &mut [Vec<Complex<T>>], parts: &[usize]) {
+    let mut most = vec![0.0f64; parts.len()];
+    for x in space.iter() {
+        for (&part, z) in parts.iter().zip(x) {
+            most[part] = most[part].max(z.to_f64().abs());
+        }
+    }
+    let largest = most.iter().copied().fold(0.0, f64::max);
+    for x in space {
+        let entries = parts.iter().zip(x).filter(|(part, _)| most[**part] <= LEFT_OVER * largest);
+        entries.for_each(|(_, z)| *z = Complex::ZERO);
+    }
 }
 
 /// Numbers without a pattern, so that no vector starts orthogonal to what is looked for.
