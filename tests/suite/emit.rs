@@ -35,6 +35,7 @@ pub fn options(step: &str) -> Options {
 pub fn emission(name: &str, text: &str, options: &Options) -> vibc::Emission {
     let mut sources = Sources::new();
     let model = sources.add(SourceFile::decode(SourceKind::Model, name, text.as_bytes().to_vec()));
+    crate::examples::add_used_files(&mut sources, model);
     let outcome = vibc::discrete(&sources, model, &Overrides::default(), options);
     outcome.answer.unwrap_or_else(|| panic!("{name}: {:?}", outcome.diagnostics))
 }
@@ -88,6 +89,7 @@ fn every_style(folder: &TempDir) -> Vec<String> {
         }
         let mut sources = Sources::new();
         let model = sources.add(SourceFile::decode(SourceKind::Model, &name, text.clone().into_bytes()));
+        crate::examples::add_used_files(&mut sources, model);
         let (_, system) = vibc::linear(&sources, model, &Overrides::default()).answer.expect("a system");
         if let Ok(equations) = vibc::analysis::discrete::equations::equations(&system, Precision::Double) {
             add("equations", &|name, language| emit::equation_files(name, &equations, language));

@@ -181,6 +181,7 @@ fn examples_are_exact_after_1e5_steps() {
     for (name, text) in examples() {
         let mut sources = Sources::new();
         let model = sources.add(SourceFile::decode(SourceKind::Model, &name, text.into_bytes()));
+        crate::examples::add_used_files(&mut sources, model);
         let dynamics = vibc::dynamics(&sources, model, &Overrides::default()).answer.expect("an example has answers");
         let mut system = dynamics.system;
         if system.n() > 20 {
@@ -250,6 +251,7 @@ fn programs_print_what_simulate_does() {
         let printed = printed(&name, &emitted.system, &program);
         let mut sources = Sources::new();
         let model = sources.add(SourceFile::decode(SourceKind::Model, &name, text.into_bytes()));
+        crate::examples::add_used_files(&mut sources, model);
         let simulate = |times: &[Number]| {
             let motion = vibc::simulate(&sources, model, &Overrides::default(), times);
             motion.answer.expect("a motion").history

@@ -18,6 +18,14 @@ pub fn examples() -> Vec<PathBuf> {
     examples
 }
 
+/// Adds the files that an example uses.
+pub fn add_used_files(sources: &mut Sources, model: FileId) {
+    vibc::add_used_files(sources, model, None, |name| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name);
+        fs::read(path).map(|bytes| (name.to_string(), bytes)).map_err(|error| error.to_string())
+    });
+}
+
 #[test]
 fn every_example_analyses_to_its_report() {
     for path in examples() {
@@ -35,6 +43,7 @@ fn loaded(path: &Path) -> (String, Sources, FileId) {
     let stem = path.file_stem().expect("a file").to_string_lossy().into_owned();
     let mut sources = Sources::new();
     let model = sources.add(SourceFile::model(format!("{stem}.vib"), fs::read_to_string(path).expect("an example")));
+    add_used_files(&mut sources, model);
     (stem, sources, model)
 }
 

@@ -26,6 +26,7 @@ impl Figured {
     pub fn of(name: &str, text: &str, drawn: FigureOptions) -> Result<Figured, String> {
         let mut sources = Sources::new();
         let model = sources.add(SourceFile::model(name, text));
+        crate::examples::add_used_files(&mut sources, model);
         let outcome = vibc::draw(&sources, model, &Overrides::default(), &drawn);
         let Some(found) = outcome.answer else {
             let errors = outcome.diagnostics.iter().filter(|finding| finding.is_error());

@@ -12,6 +12,7 @@ use vibc::model::Overrides;
 fn source(text: &str) -> (Sources, FileId) {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model("model.vib", text));
+    crate::examples::add_used_files(&mut sources, file);
     (sources, file)
 }
 
@@ -78,7 +79,7 @@ fn models(folder: &str) -> Vec<PathBuf> {
 
 #[test]
 fn examples_are_in_the_one_layout() {
-    for path in models("examples") {
+    for path in ["examples", "examples/parts"].into_iter().flat_map(models) {
         let text = fs::read_to_string(&path).unwrap();
         let laid_out = lay_out(&text).unwrap_or_else(|| panic!("{} has errors", path.display()));
         assert!(laid_out == text, "`vibc fmt {}` is due", path.display());

@@ -33,6 +33,7 @@ fn examples() -> Vec<(String, String)> {
 fn answer(name: &str, model: &str) -> ModalAnswer {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model(name, model));
+    crate::examples::add_used_files(&mut sources, file);
     let outcome = vibc::analyze(&sources, file, &Overrides::default());
     outcome.answer.unwrap_or_else(|| panic!("{name}: {:?}", outcome.diagnostics))
 }
@@ -81,6 +82,7 @@ fn a_narrow_report_loses_no_number() {
 fn transfer_of(name: &str, model: &str, spoil: impl Fn(&mut Extrema)) -> Vec<Report> {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model(name, model));
+    crate::examples::add_used_files(&mut sources, file);
     let dynamics = vibc::dynamics(&sources, file, &Overrides::default()).answer.expect("a model");
     let (modes, poles) = dynamics.spectrum.clone().expect("modes");
     let sweep = Sweep { inputs: vec![0], outputs: vec![0], ..Sweep::default() };

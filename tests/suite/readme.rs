@@ -110,6 +110,8 @@ fn the_page_on_equations_shows_what_the_program_prints() {
 fn the_model_that_is_shown_is_the_example() {
     let cart = fs::read_to_string(root().join("examples/cart.vib")).unwrap();
     assert!(blocks(&page("README.md"), "vib").contains(&cart), "README.md shows examples/cart.vib as it is");
+    let hall = fs::read_to_string(root().join("examples/test_hall.vib")).unwrap();
+    assert!(blocks(&page("docs/components.md"), "vib").contains(&hall), "and docs/components.md the test hall");
 }
 
 /// The set-up consists of two commands, and the gate runs the second.
