@@ -515,6 +515,9 @@ pub fn discrete(
         let mut options = options.clone();
         if options.built_in {
             options.internal = dynamics::drives(&reading.scene, diagnostics)?;
+        } else if let Some(refusal) = dynamics::unbalance_refused(&reading.scene) {
+            diagnostics.push(refusal);
+            return None;
         }
         let modes = modes.map_or_else(|| analysis::modes(&system), Ok);
         let system = modes.and_then(|modes| analysis::discretise(&system, &modes, &options));

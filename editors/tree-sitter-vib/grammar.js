@@ -22,7 +22,7 @@ module.exports = grammar({
 
     declaration: ($) => choice(
       $.model, $.parameter, $.gravity, $.point, $.body, $.base, $.element, $.joint, $.slide, $.couple,
-      $.force, $.torque, $.initial, $.output, $.damping, $.rest, $.solve, $.require, $.repeat,
+      $.force, $.torque, $.unbalance, $.initial, $.output, $.damping, $.rest, $.solve, $.require, $.repeat,
       $.component, $.placed, $.use,
     ),
 
@@ -42,6 +42,7 @@ module.exports = grammar({
     torque: ($) => seq(
       'torque', field('name', $.name), ':', $.end, optional(seq('--', $.end)), optional($._signal),
     ),
+    unbalance: ($) => seq('unbalance', field('name', $.name), ':', $.end, $.fields),
     initial: ($) => seq('initial', $._path, $.fields),
     output: ($) => seq(
       'output', field('name', $.name), optional(seq('in', alias($.dimension, $.unit))), '=', $.expression,

@@ -169,6 +169,16 @@ pub fn noise_refused(scene: &CheckedScene) -> Option<Diagnostic> {
         .map(|span| refused(span).help("leave the signal out: the code then takes this input in each step"))
 }
 
+/// That no code is made for an unbalance whose motion is not built in: it acts by its second derivative, which a value
+/// between two samples does not have.
+pub fn unbalance_refused(scene: &CheckedScene) -> Option<Diagnostic> {
+    let is_unbalance = |input: &&scene::Input| matches!(input.kind, scene::InputKind::Unbalance { .. });
+    let input = scene.scene().inputs.iter().find(is_unbalance)?;
+    let message = "code cannot take an unbalance from sample to sample, since its force turns in between";
+    let refused = Diagnostic::error(Code::model("vib::unbalance::emit"), input.span, message);
+    Some(refused.help("build its rotation in by `--signals internal`, or give its components as forces"))
+}
+
 /// The noises of the inputs.
 pub fn noises(scene: &CheckedScene) -> Vec<Noise> {
     lower::noises(scene)

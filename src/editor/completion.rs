@@ -435,6 +435,8 @@ impl<'a> Place<'a> {
                     of_joint.filter(|(name, _)| *name != "moment" || !turns).collect()
                 }
                 "couple" => of_couple.collect(),
+                // Its components, as inputs.
+                "unbalance" => of_body.filter(|(name, _)| matches!(*name, "x" | "y")).collect(),
                 _ => {
                     let moves = of_body.filter(|(name, _)| can_move(lexed, statement, name));
                     moves.chain(of_support.filter(|(name, _)| is_guided(lexed, statement, name))).collect()

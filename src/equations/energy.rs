@@ -294,6 +294,8 @@ impl Energies {
                         [] => Sum::ZERO,
                     }
                 }
+                // A force that turns with the frequency has no form here.
+                InputKind::Unbalance { .. } => return None,
                 InputKind::Base { .. } => continue,
             };
             if !written.constant.is_zero() {

@@ -33,7 +33,7 @@ pub mod verify;
 use crate::base::{Dimension, Number, Rational, Span};
 use crate::elements::Order;
 use crate::lower::Lowered;
-use crate::model::scene::{Damping, Geometry, Scene};
+use crate::model::scene::{self, Damping, Geometry, Scene};
 use crate::model::written::{Named, Written, class_of};
 use crate::symbols::{Sum, Symbol};
 use constraint::Constraint;
@@ -220,6 +220,10 @@ fn derived(
     names: &mut Names,
     rests: &impl Fn(&mut Names, &Coordinate, usize) -> Sum,
 ) -> Result<Derived, EquationsError> {
+    let is_unbalance = |input: &&scene::Input| matches!(input.kind, scene::InputKind::Unbalance { .. });
+    if let Some(input) = scene.inputs.iter().find(is_unbalance) {
+        return Err(EquationsError::Unbalance { span: input.span });
+    }
     let without = || EquationsError::NoForm { span: scene.bodies.first().map_or_else(no_span, |body| body.span) };
     let motion = Motion::new(scene, written, names, rests).ok_or_else(without)?;
     let energies = Energies::new(scene, written, &motion, names).ok_or_else(without)?;

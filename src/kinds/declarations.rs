@@ -37,6 +37,7 @@ pub enum Shape {
     Couple,
     Force,
     Torque,
+    Unbalance,
     Initial,
     Output,
     Damping,
@@ -172,6 +173,21 @@ pub const BASE_FIELDS: [Field; 3] = [
     ),
     Field::new("at", Takes::Position, "at = (0, 0)", "The place of the base in the drawing; it turns about it."),
     Field::new("turns", Takes::Nothing, "turns", "The base turns as prescribed."),
+];
+
+/// The fields of an unbalance.
+pub const UNBALANCE_FIELDS: [Field; 3] = [
+    Field::number(
+        "me",
+        Expected::new("an unbalance", Dimension::of(1, 1, 0), "me = 0.01 kg*m"),
+        "The unbalance, kg*m: the mass that is off the axis times its distance.",
+    ),
+    Field::number(
+        "speed",
+        Expected::new("a speed of rotation", Dimension::FREQUENCY, "speed = 3000 rpm"),
+        "The speed of rotation, of which motions in time are computed; a transfer function has its own frequency.",
+    ),
+    Field::new("clockwise", Takes::Nothing, "clockwise", "The rotor turns clockwise."),
 ];
 
 /// The declarations before the joints, in the order of spec.md#keywords.
@@ -312,7 +328,7 @@ const MIDDLE: [Declaration; 1] = [Declaration {
 }];
 
 /// The declarations after the elements.
-const LAST: [Declaration; 13] = [
+const LAST: [Declaration; 14] = [
     Declaration {
         synonyms: &["support"],
         fields: &BASE_FIELDS,
@@ -359,6 +375,23 @@ const LAST: [Declaration; 13] = [
                 heading: "Forces and torques",
             },
             &[Piece::Blank, PART, COLON, LOADED_END, OTHER_END, Piece::Signal(&TORQUE_SIGNAL)],
+        )
+    },
+    Declaration {
+        synonyms: &["rotor", "imbalance"],
+        fields: &UNBALANCE_FIELDS,
+        ..declaration(
+            Shape::Unbalance,
+            "unbalance",
+            "unbalance U: rotor { me = 0.01 kg*m }",
+            Manual {
+                forms: "unbalance U: rotor { me = 0.01 kg*m }\nunbalance U: frame@A { me = 0.01 kg*m, speed = 3000 rpm, clockwise }",
+                summary: "A rotating unbalance on a part: a force m e omega^2 that turns with the frequency.",
+                rules: "At t = 0 the heavy spot is at +x; it turns counter-clockwise, or `clockwise`. It is two inputs, \
+                 the components `U.x` and `U.y` of the heavy spot's place times its mass, in kg*m. Motions in time need the `speed`.",
+                heading: "Unbalance",
+            },
+            &[Piece::Blank, PART, COLON, LOADED_END, Piece::Fields],
         )
     },
     Declaration {

@@ -458,7 +458,7 @@ impl<'a> Assembly<'a> {
                 let stretched = self.stretched(&spring.stretch);
                 self.tension(source, &stretched.rate(&spring.tension(&stretched)), &stretched);
             }
-            InputKind::Torque { .. } | InputKind::Base { .. } => {}
+            InputKind::Torque { .. } | InputKind::Unbalance { .. } | InputKind::Base { .. } => {}
         }
     }
 
@@ -484,7 +484,8 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// The column of a force or torque: the gradient of the motion through which it does work.
+    /// The column of a force or torque: the gradient of the motion through which it does work. An unbalance acts by its
+    /// second derivative, the other way.
     fn input(&mut self, index: usize, input: &Input) {
         let mut column = match &input.kind {
             InputKind::Force { ends, direction } => self.force_column(ends, &Vector::of(direction)),
@@ -494,13 +495,19 @@ impl<'a> Assembly<'a> {
                 self.slope_row(&stretched)
             }
             InputKind::Torque { ends } => self.torque_column(ends),
+            InputKind::Unbalance { end, direction, .. } => self.force_column(end, &Vector::of(direction)),
             InputKind::Base { .. } => return,
         };
+        let mut order = Order::Displacement;
+        if matches!(input.kind, InputKind::Unbalance { .. }) {
+            order = Order::Acceleration;
+            column.iter_mut().for_each(|(_, value)| *value = -&*value);
+        }
         if let Some(released) = &mut self.released {
-            released.input(index, &column);
+            released.input(index, order, &column);
         }
         let placed = column.drain(..).filter_map(|(i, value)| Some((self.reduction.place(i)?.0, value)));
-        self.columns[index][0].extend(placed);
+        self.columns[index][order as usize].extend(placed);
     }
 
     fn force_column(&mut self, ends: &[Attachment], direction: &Vector<Number>) -> Row {
@@ -631,7 +638,8 @@ fn plain(name: Name) -> Label {
     Label { name, motion: "" }
 }
 
-/// The input of a base with one motion has the base's name; with several, the motion's name as well.
+/// The input of a base with one motion has the base's name; with several, the motion's name as well. So has that of an
+/// unbalance by its axis.
 fn input_label(scene: &Scene, input: &Input) -> Label {
     let motion = match input.kind {
         InputKind::Base { base, translation } => {
@@ -643,6 +651,7 @@ fn input_label(scene: &Scene, input: &Input) -> Label {
                 _ => "",
             }
         }
+        InputKind::Unbalance { axis, .. } => axis.name(),
         _ => "",
     };
     Label { name: input.name, motion }
@@ -652,6 +661,7 @@ fn input_unit(input: &Input) -> &'static str {
     match input.kind {
         InputKind::Force { .. } | InputKind::ForceBetween { .. } => "N",
         InputKind::Torque { .. } => "N*m",
+        InputKind::Unbalance { .. } => "kg*m",
         InputKind::Base { translation: Some(_), .. } => "m",
         InputKind::Base { translation: None, .. } => "rad",
     }

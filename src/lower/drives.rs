@@ -28,6 +28,9 @@ pub fn noises(scene: &CheckedScene) -> Vec<Noise> {
 }
 
 fn of_input(input: &Input) -> Result<Vec<Signal>, LowerError> {
+    if let InputKind::Unbalance { needs_speed: true, .. } = input.kind {
+        return Err(LowerError::SpeedMissing { span: input.span });
+    }
     let course = match (&input.kind, input.derivative) {
         (InputKind::Base { .. }, 0) => Course::Spline,
         (InputKind::Base { .. }, _) => Course::LinesToZero,

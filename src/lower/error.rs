@@ -7,6 +7,8 @@ use crate::base::{Code, Diagnostic, Span};
 use crate::model::TABLE_UNREADABLE;
 use crate::model::scene::{BodyId, Scene};
 
+/// An unbalance without a speed, where a motion in time is asked for.
+pub const SPEED_MISSING: Code = Code::model("vib::unbalance::speed");
 /// Bodies without a freedom clause that no joint connects to the ground.
 pub const LOOSE: Code = Code::model("vib::freedom::loose");
 /// Nothing in the scene can move.
@@ -68,6 +70,9 @@ pub enum LowerError {
         why: Why,
     },
     TableUnread {
+        span: Span,
+    },
+    SpeedMissing {
         span: Span,
     },
     TooDeep {
@@ -155,6 +160,10 @@ impl LowerError {
             LowerError::Loop { joints, why } => closed_loop(joints, *why),
             LowerError::TableUnread { span } => Diagnostic::error(TABLE_UNREADABLE, *span, "this table was not read")
                 .help("name fewer different tables in one model"),
+            LowerError::SpeedMissing { span } => {
+                Diagnostic::error(SPEED_MISSING, *span, "a motion in time needs the speed of this unbalance")
+                    .help("write it in the braces, as in `speed = 3000 rpm`")
+            }
             LowerError::TooDeep { entries, span } => Diagnostic::error(
                 TOO_DEEP,
                 *span,

@@ -71,6 +71,8 @@ fn input(scene: &Scene, input: &Input) -> Option<Diagnostic> {
             "it acts along the line between its ends, but no motion changes their distance".into(),
             "name points that move relative to each other",
         ),
+        // A part often moves along one of both axes alone.
+        InputKind::Unbalance { .. } => return None,
         InputKind::Torque { .. } => ("torque", "no motion turns its body".into(), "let it act on a body that turns"),
         // A motion that nothing is attached to is a support that is not used yet, unless a signal moves it.
         InputKind::Base { .. } if input.signal.is_empty() => return None,

@@ -189,11 +189,8 @@ impl Kinematics {
             return Vec::new();
         }
         let elements = scene.elements.iter().filter(|element| element.geometry != Geometry::Torsion);
-        let inputs = scene.inputs.iter().flat_map(|input| match &input.kind {
-            InputKind::Force { ends, .. } => &ends[..],
-            InputKind::ForceBetween { ends } => &ends[..],
-            InputKind::Torque { .. } | InputKind::Base { .. } => &[],
-        });
+        let is_torque = |input: &&Input| matches!(input.kind, InputKind::Torque { .. });
+        let inputs = scene.inputs.iter().filter(|input| !is_torque(input)).flat_map(|input| input.kind.ends());
         let joints = scene.joints.iter().filter(|joint| !joint.kind.is_rigid());
         let ends = joints.flat_map(|joint| &joint.ends).chain(elements.flat_map(|element| &element.ends)).chain(inputs);
         let ends = ends.filter(|end| end.at.is_some()).map(|end| (end.part, end.span));

@@ -224,8 +224,8 @@ fn visit_constant(
                 }
             }
         }
-        // A constant displacement of a base is part of the state.
-        InputKind::Base { .. } => {}
+        // A constant displacement of a base is part of the state; an unbalance has no constant part.
+        InputKind::Base { .. } | InputKind::Unbalance { .. } => {}
     }
 }
 

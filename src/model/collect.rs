@@ -263,7 +263,9 @@ impl<'a> Check<'a> {
                     list.inputs.push(instance);
                     (&mut list.bases, Some((name, Part::Base)))
                 }
-                Rare::Force { name, .. } | Rare::Torque { name, .. } => (&mut list.inputs, Some((name, Part::Input))),
+                Rare::Force { name, .. } | Rare::Torque { name, .. } | Rare::Unbalance { name, .. } => {
+                    (&mut list.inputs, Some((name, Part::Input)))
+                }
                 Rare::Output { name, .. } => (&mut list.outputs, Some((name, Part::Output))),
                 Rare::Initial { .. } => (&mut list.initials, None),
                 Rare::Solve { .. } => (&mut list.solves, None),
@@ -355,6 +357,7 @@ impl<'a> Check<'a> {
             DeclKind::Rare { index } => match self.tree.rare[index as usize] {
                 Rare::Joint { name, .. } | Rare::Couple { name, .. } | Rare::Base { name, .. } => Some(name),
                 Rare::Force { name, .. } | Rare::Torque { name, .. } | Rare::Output { name, .. } => Some(name),
+                Rare::Unbalance { name, .. } => Some(name),
                 Rare::Place { name, .. } => Some(name),
                 _ => None,
             },

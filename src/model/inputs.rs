@@ -1,15 +1,17 @@
 //! Forces, torques and bases as inputs. In: ends, direction and signal. Out: an [`Input`]. See spec.md.
 
 use super::Check;
-use super::error::PartError;
+use super::error::{NameError, PartError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::freedoms::Line;
-use super::scene::{Attachment, BaseId, Geometry, Input, InputKind, Part};
+use super::scene::{Attachment, Axis, BaseId, Geometry, Input, InputKind, Part, Signal};
 use super::scope::{Environment, Instance};
 use super::signals::Signals;
-use crate::base::{Span, Vec3};
+use crate::base::{Number, Span, Takes, Vec3};
+use crate::kinds::declarations::UNBALANCE_FIELDS;
 use crate::kinds::functions::{FORCE_SIGNAL, ROTATION_SIGNALS, TORQUE_SIGNAL, TRANSLATION_SIGNALS};
-use crate::syntax::tree::{DeclKind, EndId, ExprId, Ident, Rare};
+use crate::syntax::tree::{DeclKind, EndId, ExprId, Field, Fields, Ident, Rare};
+use crate::system::Signal as Function;
 use std::sync::Arc;
 
 impl<'a> Check<'a> {
@@ -24,6 +26,7 @@ impl<'a> Check<'a> {
                     self.force(name, (from, to), along, signal, environment)
                 }
                 Rare::Torque { name, from, to, signal } => self.torque(name, (from, to), signal, environment),
+                Rare::Unbalance { name, end, fields } => self.unbalance(name, end, fields, environment),
                 Rare::Base { signal, .. } => {
                     let id = BaseId(bases.next().unwrap_or(0));
                     self.base_inputs(id, signal, environment)
@@ -106,6 +109,51 @@ impl<'a> Check<'a> {
         self.push_input(ident, InputKind::Torque { ends }, signal, environment)
     }
 
+    /// An input for each axis, with the harmonic of its speed.
+    fn unbalance(&mut self, ident: Ident, end: EndId, fields: Fields, environment: Environment) -> Evaluated<()> {
+        let given = self.fields(fields, &UNBALANCE_FIELDS, environment);
+        let [me, speed, clockwise] = [0, 1, 2].map(|place| given.get(place));
+        let clockwise = self.flag(clockwise, environment);
+        let size = self.unbalance_size(me, ident, environment);
+        let speed = speed.map(|field| {
+            let expr = self.field_expr(field, environment)?;
+            Ok((self.frequency(expr, environment)?, self.tree.expr(expr).span))
+        });
+        let speed = speed.transpose();
+        let end = self.input_ends((end, None), environment)?;
+        let (clockwise, size, speed) = (clockwise?, size?, speed?);
+        if given.broken {
+            return Err(Stop::Reported);
+        }
+        let (name, reverses) = (self.name(ident, environment)?, self.reverses(environment)?);
+        let needs_speed = speed.is_none() && !size.is_zero();
+        let signal_span = speed.as_ref().map(|(_, span)| *span);
+        for (axis, local) in [(Axis::X, Vec3::X), (Axis::Y, Vec3::Y)] {
+            let direction = self.turned(Arc::new(local), environment)?;
+            let signal = speed.iter().map(|(speed, _)| centripetal(&size, speed, axis, clockwise)).collect();
+            let kind = InputKind::Unbalance {
+                end: [end[0].clone()],
+                direction: (*direction).clone(),
+                axis,
+                clockwise: clockwise != reverses,
+                needs_speed,
+            };
+            self.scene.inputs.push(Input { name, span: ident.span, kind, signal, derivative: 2, signal_span });
+        }
+        Ok(())
+    }
+
+    fn unbalance_size(&mut self, me: Option<&Field>, ident: Ident, environment: Environment) -> Evaluated<Number> {
+        let Takes::Number(expected) = UNBALANCE_FIELDS[0].takes else { return Err(Stop::Reported) };
+        match self.field_number(me, environment, &expected)? {
+            Some((size, span)) if size.to_f64() < 0.0 => {
+                self.fail(environment, ValueError::Negative { span, what: "an unbalance" })
+            }
+            Some((size, _)) => Ok(size),
+            None => self.fail(environment, NameError::FieldMissing { span: ident.span, expected }),
+        }
+    }
+
     /// One or two ends; at least one must be on a body, and two ends must be on different parts.
     fn input_ends(
         &mut self,
@@ -184,4 +232,16 @@ impl<'a> Check<'a> {
         }
         Ok(())
     }
+}
+
+/// The second derivative of a component of the heavy spot's place times its mass: that of m e cos(omega t) along x, and of
+/// m e sin(omega t) along y, or the opposite.
+fn centripetal(size: &Number, speed: &Number, axis: Axis, clockwise: bool) -> Signal {
+    let omega = &(&Number::pi() * &Number::from(2)) * speed;
+    let value = -&(size * &(&omega * &omega));
+    let (value, phase) = match axis {
+        Axis::X => (value, &Number::pi() / &Number::from(2)),
+        Axis::Y => (if clockwise { -&value } else { value }, Number::ZERO),
+    };
+    Function::Harmonic { value, frequency: speed.clone(), phase, at: Number::ZERO }.into()
 }

@@ -495,6 +495,7 @@ impl<'a> Check<'a> {
                 self.scene.bases[base.index()].translations[*index].motion
             }
             InputKind::Base { translation: None, .. } => "angle",
+            InputKind::Unbalance { axis, .. } => axis.name(),
             _ => "",
         }
     }
@@ -546,6 +547,7 @@ pub fn dimension_of(kind: &InputKind) -> Dimension {
     match kind {
         InputKind::Force { .. } | InputKind::ForceBetween { .. } => Dimension::FORCE,
         InputKind::Torque { .. } => Dimension::TORQUE,
+        InputKind::Unbalance { .. } => Dimension::of(1, 1, 0),
         InputKind::Base { translation: Some(_), .. } => Dimension::LENGTH,
         InputKind::Base { translation: None, .. } => Dimension::NONE,
     }

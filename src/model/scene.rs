@@ -305,7 +305,8 @@ pub struct Input {
     pub kind: InputKind,
     /// A sum of signals; empty if none is declared.
     pub signal: Vec<Signal>,
-    /// Which derivative of a base's motion the signal is: 0 the motion itself, 1 its rate, 2 its acceleration.
+    /// Which derivative of the input the signal is: of a base's motion 0 the motion itself, 1 its rate, 2 its acceleration;
+    /// of an unbalance 2.
     pub derivative: u8,
     /// The place where the signal is written.
     pub signal_span: Option<Span>,
@@ -319,8 +320,39 @@ pub enum InputKind {
     ForceBetween { ends: [Attachment; 2] },
     /// A torque on `ends[0]`, and its opposite on `ends[1]` if there are two.
     Torque { ends: Vec<Attachment> },
+    /// A component of a rotating unbalance, in kg m: along `direction` it is what the heavy spot's motion has along that
+    /// axis, and its second derivative is the force on `end`, the other way.
+    Unbalance { end: [Attachment; 1], direction: Vec3, axis: Axis, clockwise: bool, needs_speed: bool },
     /// Motion number `translation` of a base, or its rotation if that is `None`.
     Base { base: BaseId, translation: Option<usize> },
+}
+
+/// An axis of the drawing, or of the component in which a part is declared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    X,
+    Y,
+}
+
+impl Axis {
+    pub fn name(self) -> &'static str {
+        match self {
+            Axis::X => "x",
+            Axis::Y => "y",
+        }
+    }
+}
+
+impl InputKind {
+    /// The points at which it acts; none for a base.
+    pub fn ends(&self) -> &[Attachment] {
+        match self {
+            InputKind::Force { ends, .. } | InputKind::Torque { ends } => ends,
+            InputKind::ForceBetween { ends } => ends,
+            InputKind::Unbalance { end, .. } => end,
+            InputKind::Base { .. } => &[],
+        }
+    }
 }
 
 /// What drives an input, or loads it.

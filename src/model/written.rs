@@ -393,6 +393,14 @@ impl<'c, 'a> Writer<'c, 'a> {
                 let constant = self.constant(signal, environment);
                 self.push_input((from, to), None, constant, environment)
             }
+            Rare::Unbalance { .. } => {
+                // One input for each component; equations have no form for them.
+                let name = self.check.scene.inputs.get(self.written.inputs.len())?.name;
+                while self.check.scene.inputs.get(self.written.inputs.len()).is_some_and(|input| input.name == name) {
+                    self.written.inputs.push(WrittenInput::default());
+                }
+                Some(())
+            }
             Rare::Base { signal, .. } => {
                 let constant = self.constant(signal, environment);
                 // One input for each motion of the base.

@@ -108,6 +108,8 @@ pub enum Rare {
     Force { name: Ident, from: EndId, to: Option<EndId>, along: Option<ExprId>, signal: Option<ExprId> },
     /// `torque T: a`, `torque T: a -- b = step(1 N*m, 0 s)`
     Torque { name: Ident, from: EndId, to: Option<EndId>, signal: Option<ExprId> },
+    /// `unbalance U: rotor@A { me = 0.01 kg*m, speed = 3000 rpm }`
+    Unbalance { name: Ident, end: EndId, fields: Fields },
     /// `initial block { x = 16 mm, vx = 0.375 m/s }`
     Initial { body: Path, fields: Fields },
     /// `output theta = rod.angle`, `output tip in mm = rod@A.x`

@@ -239,11 +239,21 @@ fn programs_print_what_simulate_does() {
     };
     // C = K / 50: 6 = 300/50, 9 = 450/50, 10 = 500/50.
     let apart = format!("{}damper w: a -- b {{ c = 10 N*s/m }}\n", riding("9 N*s/m"));
-    let scenes = [("solving", solving.to_string()), ("joined", riding("1 N*s/m")), ("apart", apart)];
+    let rotor = "body b { mass = 5 kg, at = (0, 0), inertia = 2 kg*m^2, free }\nspring s: ground@(0, 1 m) -- b@(0.2 m, 0) { k = 3 kN/m }\n\
+                 spring t: ground@(1 m, 0.3 m) -- b@(0, -0.1 m) { k = 2 kN/m }\nspring v: ground@(-1 m, 1 m) -- b { k = 1 kN/m }\n\
+                 damper d: ground@(0, 1 m) -- b { c = 3 N*s/m }\nunbalance U: b@(0.1 m, 0) { me = 0.01 kg*m, speed = 5 Hz, clockwise }\n\
+                 output x in mm = b.x\noutput ay = b.ay\noutput turn in deg = b.angle\n";
+    let scenes = [
+        ("solving", solving.to_string()),
+        ("joined", riding("1 N*s/m")),
+        ("apart", apart),
+        ("rotor", rotor.to_string()),
+    ];
     let all = examples().into_iter().chain(scenes.map(|(name, text)| (name.to_string(), text)));
     let step = number("0.01");
-    let has_signal =
-        |line: &str| ["force", "torque", "base"].iter().any(|kind| line.starts_with(kind)) && line.contains(" = ");
+    let has_signal = |line: &str| {
+        ["force", "torque", "base", "unbalance"].iter().any(|kind| line.starts_with(kind)) && line.contains(" = ")
+    };
     for (name, text) in all.filter(|(_, text)| text.lines().any(has_signal)) {
         let wanted = Options { built_in: true, ..options("0.01") };
         let emitted = emission(&name, &text, &wanted);

@@ -179,6 +179,7 @@ fn every_kind_has_its_glyph() {
         Kind::Gear,
         Kind::Force,
         Kind::Torque,
+        Kind::Unbalance,
         Kind::Output,
         Kind::Initial,
         Kind::Gravity,

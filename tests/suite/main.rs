@@ -75,4 +75,5 @@ mod systems;
 mod tables;
 mod transfer;
 mod traps;
+mod unbalance;
 mod used_files;

@@ -11,7 +11,7 @@ use vibc::{DiscreteOptions, Hold, Precision};
 /// A model that was analysed, and its findings.
 ///
 /// Lines in the model's leading comments control the run: `// --set k=3` and `// settings: k = "3 N/m"` give overrides,
-/// `// simulate` asks for its motion over a minute instead of its modal report, and `// emit` for its code. Tables are next to the models.
+/// `// simulate` asks for its motion over a minute instead of its modal report, and `// emit` for its code, `// emit held` for code that takes the inputs from sample to sample. Tables are next to the models.
 pub struct Run {
     sources: Sources,
     pub diagnostics: Vec<Diagnostic>,
@@ -50,14 +50,14 @@ impl Run {
         }
         let asks =
             |word: &str| sources.text(model).lines().take_while(|line| line.starts_with("//")).any(|line| line == word);
-        let diagnostics = if asks("// emit") {
+        let diagnostics = if asks("// emit") || asks("// emit held") {
             let options = DiscreteOptions {
                 step: Number::from("0.001"),
                 hold: Hold::Zero,
                 precision: Precision::Double,
                 tolerance: None,
                 unpruned: false,
-                built_in: true,
+                built_in: asks("// emit"),
                 internal: Vec::new(),
                 until: None,
             };

@@ -12,7 +12,7 @@ use vibc::syntax;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
 /// model gives): their pages describe the example in words.
-const IN_WORDS: [&str; 27] = [
+const IN_WORDS: [&str; 29] = [
     "vib::equations::defect",
     "vib::equations::no_form",
     "vib::equations::too_large",
@@ -38,6 +38,8 @@ const IN_WORDS: [&str; 27] = [
     "vib::table::unit",
     "vib::table::units_differ",
     "vib::table::unreadable",
+    "vib::unbalance::emit",
+    "vib::unbalance::speed",
     "vib::use::cycle",
     "vib::use::unreadable",
 ];

@@ -223,7 +223,7 @@ pub fn symbol(document: &Document, encoding: Encoding, symbol: Symbol) -> lsp::D
         "param" | "let" => lsp::SymbolKind::Variable,
         "point" => lsp::SymbolKind::Constant,
         "body" => lsp::SymbolKind::Class,
-        "base" | "force" | "torque" => lsp::SymbolKind::Event,
+        "base" | "force" | "torque" | "unbalance" => lsp::SymbolKind::Event,
         "output" => lsp::SymbolKind::Property,
         "repeat" => lsp::SymbolKind::Array,
         "component" => lsp::SymbolKind::Struct,

@@ -20,8 +20,9 @@ pub struct Forces {
     first: Index,
     /// For each released motion: a row over all coordinates for each derivative.
     rows: Vec<[Row; 3]>,
-    /// For each released motion: inputs of force and torque, and the work that a unit of each does on it.
-    inputs: Vec<Row>,
+    /// For each released motion, and each derivative of the inputs: the inputs that are no bases, and the work that a unit
+    /// of each does on it.
+    inputs: Vec<[Row; 3]>,
 }
 
 /// A reaction: its change from rest as an output, and its value at rest.
@@ -36,7 +37,7 @@ pub struct Carried {
 impl Forces {
     fn new(released: &Released) -> Forces {
         let count = released.acts_on_moved.len();
-        Forces { first: released.first, rows: vec![Default::default(); count], inputs: vec![Row::new(); count] }
+        Forces { first: released.first, rows: vec![Default::default(); count], inputs: vec![Default::default(); count] }
     }
 
     /// The number of the released motion with this coordinate.
@@ -61,11 +62,11 @@ impl Forces {
         }
     }
 
-    /// The work of an input, whose column is given over all coordinates.
-    pub fn input(&mut self, input: usize, column: &Row) {
+    /// The work of a derivative of an input, whose column is given over all coordinates.
+    pub fn input(&mut self, input: usize, order: Order, column: &Row) {
         for (coordinate, value) in column {
             if let Some(number) = self.number(*coordinate) {
-                self.inputs[number].push((input as Index, value.clone()));
+                self.inputs[number][order as usize].push((input as Index, value.clone()));
             }
         }
     }
@@ -95,7 +96,7 @@ pub fn carried(
     }
     let slopes = assembly.slopes();
     let forces = assembly.released.take().unwrap_or_default();
-    let carried = |(number, (rows, inputs)): (usize, ([Row; 3], Row))| {
+    let carried = |(number, (rows, inputs)): (usize, ([Row; 3], [Row; 3]))| {
         let sign = Number::from(if released.acts_on_moved[number] { 1 } else { -1 });
         let signed = |row: Row| -> Row { row.into_iter().map(|(i, value)| (i, &value * &sign)).collect() };
         let rows = rows.map(|row| equation::merge_entries(signed(row)));
@@ -106,7 +107,9 @@ pub fn carried(
             row.iter().filter_map(|(i, value)| Some((assembly.input_of(*i)? as u32, value.clone()))).collect()
         });
         // The joint carries what the inputs do not.
-        d[0].extend(signed(inputs).into_iter().map(|(input, value)| (input, -&value)));
+        for (d, inputs) in d.iter_mut().zip(inputs) {
+            d.extend(signed(inputs).into_iter().map(|(input, value)| (input, -&value)));
+        }
         let at_rest = assembly.force_at_rest(&slopes, released.coordinate(number));
         Carried { p, d: d.map(equation::merge_entries), at_rest: &at_rest * &sign }
     };

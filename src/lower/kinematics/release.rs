@@ -13,7 +13,9 @@ use crate::elements::Vector;
 use crate::kinds::motions::ReactionComponent;
 use crate::lower::error::LowerError;
 use crate::lower::tree::{Owner, Piece};
-use crate::model::scene::{Attachment, BodyId, Geometry, Holder, InputKind, Joint, JointId, Part, Reaction, Scene};
+use crate::model::scene::{
+    Attachment, BodyId, Geometry, Holder, Input, InputKind, Joint, JointId, Part, Reaction, Scene,
+};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -432,11 +434,8 @@ impl<'a> Builder<'a> {
             body.centre.is_none() && body.mass.as_ref().is_some_and(|mass| !mass.is_zero()) && turns(Part::Body(*id))
         });
         let elements = scene.elements.iter().filter(|element| element.geometry != Geometry::Torsion);
-        let inputs = scene.inputs.iter().flat_map(|input| match &input.kind {
-            InputKind::Force { ends, .. } => &ends[..],
-            InputKind::ForceBetween { ends } => &ends[..],
-            InputKind::Torque { .. } | InputKind::Base { .. } => &[],
-        });
+        let is_torque = |input: &&Input| matches!(input.kind, InputKind::Torque { .. });
+        let inputs = scene.inputs.iter().filter(|input| !is_torque(input)).flat_map(|input| input.kind.ends());
         let mut ends = elements.flat_map(|element| &element.ends).chain(inputs);
         let lost_end = ends.find(|end: &&Attachment| end.at.is_none() && turns(end.part));
         match (lost_body, lost_end) {

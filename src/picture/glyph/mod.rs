@@ -22,6 +22,7 @@ mod slide;
 mod spiral;
 mod spring;
 mod torque;
+mod unbalance;
 pub mod values;
 mod weld;
 
@@ -34,7 +35,7 @@ use super::stage::Stage;
 use super::{Detail, Request, text};
 use crate::base::Span;
 use crate::elements::Order;
-use crate::model::scene::{Element, Geometry, InputKind, Scene};
+use crate::model::scene::{Axis, Element, Geometry, InputKind, Scene};
 use values::Says;
 
 /// A figure while it is drawn.
@@ -259,10 +260,15 @@ impl<'a> Sheet<'a> {
             match &input.kind {
                 InputKind::Base { base, translation } => base::arrow(self, stage, base.index(), *translation, room),
                 // A mode is the motion without any load.
-                InputKind::Force { .. } | InputKind::ForceBetween { .. } | InputKind::Torque { .. } if is_mode => {}
+                _ if is_mode => {}
                 InputKind::Force { ends, direction } => force::along(self, stage, input, ends, direction, room),
                 InputKind::ForceBetween { ends } => force::draw_between(self, stage, input, ends, room),
                 InputKind::Torque { ends } => torque::draw(self, stage, input, ends, room),
+                // One figure for both components.
+                InputKind::Unbalance { axis: Axis::Y, .. } => {}
+                InputKind::Unbalance { end, clockwise, .. } => {
+                    unbalance::draw(self, stage, input, &end[0], *clockwise, room);
+                }
             }
         }
         if is_mode {

@@ -2,7 +2,7 @@
 
 use super::Outline;
 use crate::base::{Name, Vec3};
-use crate::model::scene::{Attachment, BaseId, BodyId, Freedom, InputKind, Motion, Part, Scene, Shape, Translation};
+use crate::model::scene::{Attachment, BaseId, BodyId, Freedom, Motion, Part, Scene, Shape, Translation};
 use crate::picture::Refusal;
 use crate::picture::geometry::Point;
 
@@ -120,11 +120,7 @@ impl Parts {
                 known.add(1 + self.bodies + index, at)?;
             }
         }
-        let inputs = scene.inputs.iter().flat_map(|input| match &input.kind {
-            InputKind::Force { ends, .. } | InputKind::Torque { ends } => &ends[..],
-            InputKind::ForceBetween { ends } => &ends[..],
-            InputKind::Base { .. } => &[],
-        });
+        let inputs = scene.inputs.iter().flat_map(|input| input.kind.ends());
         let joints = scene.joints.iter().flat_map(|joint| &joint.ends);
         let elements = scene.elements.iter().flat_map(|element| &element.ends);
         for end in joints.chain(elements).chain(inputs) {

@@ -254,6 +254,8 @@ output y = block.x
         ("body b { mass = ", vec!["k", "sqrt"], vec!["block"]),
         ("body b { moves ", vec!["x", "y", "along"], vec!["k"]),
         ("body b { shape = ", vec!["rod", "disk", "ring", "box"], vec!["harmonic"]),
+        ("unbalance U: block { ", vec!["me", "speed", "clockwise"], vec!["k"]),
+        ("unbalance U: block { me = 1 kg*m, speed = 3 ", vec!["rpm", "Hz"], vec!["kg"]),
         ("output z ", vec!["in"], vec!["block"]),
         ("output z in ", vec!["mm", "deg", "kN"], vec!["block", "in"]),
         ("output z in N*", vec!["m"], vec!["block"]),

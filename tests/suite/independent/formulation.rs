@@ -519,6 +519,7 @@ impl<'a> Formulation<'a> {
                 })
             }
             InputKind::Base { .. } => Quantity::new([], |_| Dd::ZERO),
+            InputKind::Unbalance { .. } => panic!("compared with forces, which are compared with this formulation"),
         }
     }
 
