@@ -3,7 +3,8 @@
 `python benches/equations.py --program target/release/vibc` prints a table. The program's time is that of a whole process, which reads the model,
 checks it, lowers it, derives and compares everything and writes the text; beside it what is left of that without a process that only checks.
 SymPy's is that of the energies and `form_lagranges_equations` alone, without linearising, and beside it the whole process with its import. Like is
-to be compared with like: process with process, and what is left without each one's start. Processor time of the fastest of several runs. Needs sympy.
+to be compared with like: process with process, and inside running processes: SymPy's in this one, ours from the text of the model to the text of the
+equations in `cargo bench --bench equations`, whose binary is named with `--inside`. The fastest of several runs. Needs sympy.
 """
 
 import argparse
@@ -64,6 +65,7 @@ def main():
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--program", default="target/release/vibc")
     words.add_argument("--links", type=int, default=10)
+    words.add_argument("--inside", help="the binary of the benchmark `equations`: times inside a running process")
     words.add_argument("--sympy-alone", type=int, help=argparse.SUPPRESS)
     options = words.parse_args()
     if options.sympy_alone:
@@ -77,14 +79,18 @@ def main():
                 file.write(chain(links))
             return place
 
-        print("| links | SymPy's process [s] | vibc's [ms] | ratio | SymPy without start [s] | vibc without `vibc check` [ms] | ratio |")
+        inside = {}
+        if options.inside:
+            run = subprocess.run([options.inside, "--bench"], capture_output=True, text=True, check=True)
+            inside = {int(links): float(time) for links, time in map(str.split, run.stdout.splitlines())}
+        print("| links | SymPy's process [s] | vibc's [ms] | ratio | SymPy inside [s] | vibc inside [ms] | ratio |")
         print("| --- | --- | --- | --- | --- | --- | --- |")
         for links in range(1, options.links + 1):
             repeats = 2 if links < 6 else 1
             theirs = min(by_sympy(links) for _ in range(repeats))
             process = by_process([sys.executable, os.path.abspath(__file__), "--sympy-alone", str(links)], repeats)
-            check, own = (by_program(options.program, command, model(links), 60) for command in ("check", "equations"))
-            derived = own - check
+            own = by_program(options.program, "equations", model(links), 60)
+            derived = inside.get(links, math.nan) * 1e-6
             whole = f"{process:.2f} | {1e3 * own:.2f} | {process / own:.0f}"
             print(f"| {links} | {whole} | {theirs:.3f} | {1e3 * derived:.2f} | {theirs / derived:.0f} |", flush=True)
         nothing = by_process(["/bin/true"], 200)

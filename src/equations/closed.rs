@@ -123,9 +123,15 @@ fn damping_ratio(equations: &Equations, places: &[usize]) -> Option<(Sum, Number
     if damping.is_zero() {
         return None;
     }
-    let critical = equations.names.length(&(stiffness * mass)).scaled(&crate::base::Rational::from(2));
+    let names = &equations.names;
+    // Two sums are not multiplied out.
+    let root = match stiffness.terms().len() > 1 && mass.terms().len() > 1 {
+        true => &names.length(stiffness) * &names.length(mass),
+        false => names.length(&(stiffness * mass)),
+    };
+    let critical = root.scaled(&crate::base::Rational::from(2));
     let ratio = damping.over(&critical)?.simplified();
-    let value = equations.names.value_of(&ratio)?;
+    let value = names.value_of(&ratio)?;
     Some((ratio, value))
 }
 

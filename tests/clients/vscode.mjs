@@ -129,9 +129,13 @@ await shot('commands');
 await page.keyboard.press('Escape');
 
 await command('Tasks: Run Task');
-await page.keyboard.press('Enter');
+// The palette does not always rank it first.
+await page.locator('.quick-input-list .monaco-list-row', { hasText: /^Tasks: Run Task$/ }).first().click();
 const task = page.locator('.quick-input-list .monaco-list-row', { hasText: 'vibc' });
-await there(task, 'tasks of vibc are offered');
+if (await there(task, 'tasks of vibc are offered')) {
+  await task.first().click();
+  await there(page.locator('.quick-input-list .monaco-list-row', { hasText: 'vibc: check cart.vib' }), 'one of them checks the model');
+}
 await shot('tasks');
 await page.keyboard.press('Escape');
 

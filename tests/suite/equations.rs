@@ -106,7 +106,7 @@ const SCENES: [(&str, &str); 24] = [
         "param m = 1 kg\nparam L = 1 m\nparam a = 0.4 m\nparam b = 2 kg\ngravity 9.81 m/s^2\nbody rod { mass = m, shape = rod((0, 0), (0, -L)) }\npivot p: ground@(0, 0) -- rod\ninerter q: ground@(a, -L) -- rod@(0, -L) { b = b }\noutput angle = rod.angle\n",
     ),
     (
-        "slider_crank",
+        "crank_and_piston",
         "param r = 0.1 m\nparam h = 0.24 m\nparam m = 1 kg\nparam J = 0.01 kg*m^2\nparam kt = 100 N*m/rad\nbody crank { mass = m, inertia = J, at = (0, 0) }\nbody rod { mass = m, shape = rod((0, r), (h, 0)) }\nbody piston { mass = m, moves x, at = (h, 0) }\npivot a: ground@(0, 0) -- crank\npivot b: crank@(0, r) -- rod\npivot c: rod@(h, 0) -- piston\nspring s: ground -- crank { k = kt }\nforce F: piston along x\noutput x = piston.x\n",
     ),
     (
@@ -147,29 +147,21 @@ const SCENES: [(&str, &str); 24] = [
     ),
 ];
 
-const EXAMPLES: [&str; 17] = [
-    "cart",
-    "double_pendulum",
-    "drive_line",
-    "four_bar",
-    "free_free_chain",
-    "half_car",
-    "hinged_body",
-    "inerter_table",
-    "inverted_pendulum",
-    "isolation_table",
-    "light_station",
-    "long_chain",
-    "mortar",
-    "quarter_car",
-    "shear_building",
-    "stacked_blocks",
-    "tuned_mass_damper",
-];
+/// The names of all examples.
+fn examples() -> Vec<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let files = std::fs::read_dir(folder).expect("examples").map(|entry| entry.expect("an entry").path());
+    let models = files.filter(|path| path.extension().is_some_and(|extension| extension == "vib"));
+    let mut names: Vec<String> =
+        models.filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned())).collect();
+    names.sort();
+    assert!(names.len() >= 22, "{names:?}");
+    names
+}
 
 /// Outputs by name.
 fn outputs() -> Vec<(String, String)> {
-    let examples = EXAMPLES.iter().map(|name| (name.to_string(), example(&format!("{name}.vib"))));
+    let examples = examples().into_iter().map(|name| (name.clone(), example(&format!("{name}.vib"))));
     let scenes = SCENES.iter().map(|(name, model)| (name.to_string(), text_of(name, model)));
     examples.chain(scenes).collect()
 }

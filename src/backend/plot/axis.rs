@@ -41,7 +41,9 @@ impl Axis {
         match scale {
             Scale::Linear => {
                 let room = (axis.high - axis.low) * 0.05;
-                let room = if room > 0.0 { room } else { (axis.high.abs() * 0.1).max(f64::MIN_POSITIVE).max(1e-30) };
+                // A constant has room around it; that is all zero, the unit.
+                let around = if axis.high == 0.0 { 1.0 } else { (axis.high.abs() * 0.1).max(f64::MIN_POSITIVE) };
+                let room = if room > 0.0 { room } else { around };
                 (axis.low, axis.high) = (axis.low - room, axis.high + room);
             }
             Scale::Degrees => (axis.low, axis.high) = (-190.0, 190.0),
@@ -101,8 +103,8 @@ impl Axis {
                     if last - first <= 4 {
                         let between = (2..=9).map(|digit| Tick {
                             at: share(f64::from(decade) + decades(f64::from(digit))),
-                            // A range within a decade has no other label.
-                            label: if self.high - self.low < 1.2 && [2, 5].contains(&digit) {
+                            // A range within two decades has few other labels.
+                            label: if self.high - self.low < 2.0 && [2, 5].contains(&digit) {
                                 format_digit(digit, decade)
                             } else {
                                 String::new()

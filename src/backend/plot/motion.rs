@@ -34,7 +34,11 @@ fn of_unit(system: &LinearSystem, history: &History, unit: &str) -> Panel {
         .collect();
     let values = curves.iter().flat_map(|curve| curve.points.iter().map(|(_, value)| *value));
     // Zero, where motions start, is always visible.
-    let y = Axis::holding(format!("[{unit}]"), Scale::Linear, values.chain([0.0]));
+    let title = match &outputs[..] {
+        [(_, name)] => format!("{name} [{unit}]"),
+        _ => format!("outputs [{unit}]"),
+    };
+    let y = Axis::holding(title, Scale::Linear, values.chain([0.0]));
     let entry =
         |number: usize, name: &str| Entry { style: Style::Curve(number), sample: Sample::Line, text: name.into() };
     let (from, to) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(1.0));

@@ -5,7 +5,7 @@ import os
 import sympy
 from sympy.physics.mechanics import dynamicsymbols
 
-from .equations import TIME, Comparison, Scene, minus, rod, turn
+from .equations import TIME, Comparison, Scene, minus, plus, rod, turn
 
 # The value that `solve` finds is the model's from then on: bounds count from it, and it has an error of its own.
 SOLVED = -26
@@ -137,8 +137,12 @@ def shear_building():
     return chain("shear_building", 4, "floor", "x", {"m": "4000", "k": "5000"}, "u")[0]
 
 
-def half_car():
-    s = Example("half_car", {"a": "1189/1000", "b": "1696/1000", "m_chassis": "1697500/981"})
+def earthquake():
+    return chain("earthquake", 3, "floor", "x", {"m": "20000", "k": "50000000"}, "u")[0]
+
+
+def half_car(name="half_car"):
+    s = Example(name, {"a": "1189/1000", "b": "1696/1000", "m_chassis": "1697500/981"})
     y, q = s.coordinate("chassis", "y"), s.coordinate("chassis", "angle")
     s.mass(s.m_chassis, y)
     s.mass(3267, q)
@@ -147,6 +151,54 @@ def half_car():
     s.spring(38000, rear)
     s.damper(1000, front)
     s.damper(1200, rear)
+    return s
+
+
+def car_over_bump():
+    return half_car("car_over_bump")
+
+
+def board_on_shaker():
+    s = Example("board_on_shaker", {})
+    board, cooler, shaker = s.coordinate("board", "y"), s.coordinate("cooler", "y"), s.base("v")
+    s.mass(sympy.Rational(1, 2), board)
+    s.mass(sympy.Rational(1, 25), cooler)
+    for k, c, stretch in ((200000, 30, board - shaker), (9000, 2, cooler - board)):
+        s.spring(k, stretch)
+        s.damper(c, stretch)
+    return s
+
+
+def slider_crank():
+    # The shaft holds the drawing: P times the piston's 0.0525 m a radian.
+    s = Example("slider_crank", {"P": "1200", "T_shaft": "63", "J_rod": "2197/9375000"})
+    o, c, a, b = ((sympy.Rational(x, 1000), sympy.Rational(y, 1000)) for x, y in ((0, 0), (9, 12), (30, 40), (126, 0)))
+    crank, bar, piston = s.coordinate("crank", "angle"), s.coordinate("rod", "angle"), s.coordinate("piston", "slide")
+    s.mass(sympy.Rational(9, 10), *turn(c, crank))
+    s.mass(sympy.Rational(12, 10000), crank)
+    pin, arm = turn(a, crank), minus(b, a)
+    s.mass(sympy.Rational(26, 100), *plus(pin, turn((arm[0] / 2, arm[1] / 2), bar)))
+    s.mass(s.J_rod, bar)
+    s.mass(sympy.Rational(4, 10), piston)
+    s.constraints += list(minus((b[0] + piston, b[1]), plus(pin, turn(arm, bar))))
+    s.spring(900, crank)
+    s.damper(sympy.Rational(6, 10), crank)
+    s.V += s.T_shaft * crank + s.P * piston
+    s.force("gas", piston, -1)
+    return s
+
+
+def optimal_absorber():
+    s = Example("optimal_absorber", {"M": "100", "f": "5", "mu": "1/20", "K": "M*(2*pi*f)**2", "m": "mu*M", "r": "sqrt(4+3*mu)",
+                                     "a": "2*(16+23*mu+9*mu**2+2*(2+mu)*r)/(3*(64+80*mu+27*mu**2))", "nu": "2/(1+mu)*sqrt(a)",
+                                     "z": "sqrt((8+9*mu-4*r)/(1+mu))/4"})
+    machine, absorber = s.coordinate("machine", "x"), s.coordinate("absorber", "x")
+    s.mass(s.M, machine)
+    s.mass(s.m, absorber)
+    s.spring(s.K, machine)
+    s.spring(s.m * (2 * sympy.pi * s.f * s.nu) ** 2, absorber - machine)
+    s.damper(2 * s.z * s.m * 2 * sympy.pi * s.f * s.nu, absorber - machine)
+    s.force("F", machine)
     return s
 
 
@@ -242,8 +294,11 @@ def tuned_mass_damper():
     return s
 
 
-ALL = [cart, double_pendulum, drive_line, four_bar, free_free_chain, half_car, hinged_body, inerter_table, inverted_pendulum,
-       isolation_table, light_station, long_chain, mortar, quarter_car, shear_building, stacked_blocks, tuned_mass_damper]
+ALL = [board_on_shaker, car_over_bump, cart, double_pendulum, drive_line, earthquake, four_bar, free_free_chain, half_car, hinged_body,
+       inerter_table, inverted_pendulum, isolation_table, light_station, long_chain, mortar, optimal_absorber, quarter_car, shear_building,
+       slider_crank, stacked_blocks, tuned_mass_damper]
+# An example that is added needs its energies here.
+assert sorted(f"{made.__name__}.vib" for made in ALL) == sorted(name for name in os.listdir(FOLDER) if name.endswith(".vib"))
 
 made = iter(())
 
