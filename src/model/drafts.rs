@@ -10,7 +10,7 @@ use super::scope::{self, Definition, DefinitionId, DefinitionKind, Environment, 
 use super::value::Value;
 use super::{Check, places};
 use crate::base::{Code, Diagnostic, Label, Name, Span};
-use crate::syntax::tree::{Formal, FormalKind};
+use crate::syntax::tree::{ExprId, Formal, FormalKind};
 use std::collections::HashSet;
 
 /// Findings that are looked into; beyond, they stay where they are.
@@ -174,7 +174,7 @@ impl<'a> Check<'a> {
         self.drafts.nominal.as_ref().is_some_and(|nominal| nominal.contains(&(code, span)))
     }
 
-    /// The argument of a place that a number comes from: the outermost one, where components are inside each other.
+    /// The argument of a place that a number or a part comes from: the outermost one, where components are inside each other.
     fn argument_behind(&mut self, span: Span, environment: Environment) -> Option<Span> {
         let mut waiting = vec![(span, environment)];
         let mut seen: HashSet<u32> = HashSet::new();
@@ -196,8 +196,25 @@ impl<'a> Check<'a> {
                 }
                 waiting.push((span, environment));
             }
+            for (environment, argument) in self.ports_within(span, environment) {
+                let span = self.tree.expr(argument).span;
+                if self.environments.frame(environment).is_none() {
+                    return Some(span);
+                }
+                found = Some(span);
+                waiting.push((span, environment));
+            }
         }
         found
+    }
+
+    /// What the ports are tied to that are named in a piece of text. They lead outwards, so there is an end.
+    fn ports_within(&self, span: Span, environment: Environment) -> Vec<(Environment, ExprId)> {
+        let place = self.place_of(environment);
+        let named = self.tree.names_within(span).chain(self.tree.ends_within(span));
+        let named = named.filter_map(|word| self.words.get(self.sources.slice(word)));
+        let parts = named.filter_map(|symbol| self.parts.get(Name::plain(symbol).within(place)));
+        parts.filter_map(|part| self.tied_to(part)).collect()
     }
 
     /// The parameters, `let`s and points that are named in a piece of text.

@@ -809,9 +809,20 @@ impl<'a> Check<'a> {
             return Err(Stop::Reported);
         }
         let group = Group::of_component(component);
-        let words: &[Symbol] =
-            if wanted == "parameter or point" { self.values.words(group) } else { self.parts.words(group) };
+        let wants_value = wanted == "parameter or point";
+        if let Some(name) = self.member_name(frame, member, environment)? {
+            let written = (member, self.words.without_indices(name));
+            let error = match wants_value {
+                true => self.wrong_index_of(&self.values, name, written, group),
+                false => self.wrong_index_of(&self.parts, name, written, group),
+            };
+            if let Some(error) = error {
+                return self.fail(environment, error);
+            }
+        }
+        let words: &[Symbol] = if wants_value { self.values.words(group) } else { self.parts.words(group) };
         let suggestion = nearest(word, words.iter().map(|symbol| self.words.text(*symbol))).map(str::to_string);
+        let suggestion = suggestion.filter(|other| other != word);
         let of = self.words.place_name(place).map_or(String::new(), |name| self.words.display(name));
         let (span, word, component) = (self.ident_span(member), word.to_string(), self.tree.component(component).name);
         self.fail(environment, PlaceError::UnknownMember { span, word, of, component, wanted, suggestion })
@@ -854,30 +865,33 @@ impl<'a> Check<'a> {
             return Ok(frame);
         }
         let node = *self.tree.expr(base);
-        let (word, inner) = match node.kind {
-            ExprKind::Member { base, .. } => (node.span, Some(base)),
-            _ => (self.word_of(node.span), None),
+        let word = match node.kind {
+            ExprKind::Name { .. } => self.word_of(node.span),
+            _ => node.span,
         };
-        // The word before it may already not be a place.
-        if let Some(inner) = inner {
-            let frame = self.frame_before(inner, environment)?;
-            if self.frame(frame).component.is_none() {
-                return Err(Stop::Reported);
-            }
-        }
         let text = self.sources.slice(word).to_string();
-        let known = self.words.get(&text).map(|symbol| Name::plain(symbol).within(self.place_of(environment)));
-        let known = known.is_some_and(|name| self.parts.get(name).is_some() || self.values.get(name).is_some());
-        if inner.is_some() || known {
-            return self.fail(environment, PlaceError::NoPlace { span: word, word: text });
+        let is_known = |check: &Check, name| check.parts.get(name).is_some() || check.values.get(name).is_some();
+        match node.kind {
+            ExprKind::Member { base, member_len, indices } => {
+                // The word before it may already not be a place.
+                let frame = self.frame_before(base, environment)?;
+                let member = self.tree.member(base, member_len, indices);
+                match self.member_name(frame, member, environment)? {
+                    Some(name) if is_known(self, name) => {}
+                    _ => return self.unknown_member(frame, member, "place", environment),
+                }
+            }
+            ExprKind::Name { indices } => {
+                let ident = Ident { span: word, indices };
+                let name = self.name(ident, environment)?;
+                if !is_known(self, name) {
+                    let error = self.unknown_part(ident, name, "place", environment);
+                    return self.fail_unless_broken(environment, word, error);
+                }
+            }
+            _ => {}
         }
-        let ExprKind::Name { indices } = node.kind else {
-            return self.fail(environment, PlaceError::NoPlace { span: word, word: text });
-        };
-        let ident = Ident { span: word, indices };
-        let name = self.name(ident, environment)?;
-        let error = self.unknown_part(ident, name, "place", environment);
-        self.fail_unless_broken(environment, word, error)
+        self.fail(environment, PlaceError::NoPlace { span: word, word: text })
     }
 
     fn member_part(
@@ -918,6 +932,14 @@ impl<'a> Check<'a> {
         match part {
             scope::Part::Port(port) => self.port(port),
             part => Ok(part),
+        }
+    }
+
+    /// What a port is tied to, and where that is looked at; `None` of another part, and of a component placed alone.
+    pub fn tied_to(&self, part: scope::Part) -> Option<(Environment, ExprId)> {
+        match part {
+            scope::Part::Port(port) => self.ports[port as usize].tied,
+            _ => None,
         }
     }
 

@@ -305,6 +305,17 @@ impl<T: Copy> Space<T> {
         self.families.get(&(group, symbol))
     }
 
+    /// The indices with which a word is declared in the place of a name; `None` if it is not declared there.
+    pub fn ranges(&self, group: Group, name: Name) -> Option<Vec<(i32, i32)>> {
+        let all = &self.family(group, name.symbol)?.ranges;
+        if name.place == Place::SCENE || all.len() != 1 {
+            return Some(all.clone());
+        }
+        // Another place of the component may have more.
+        let run = self.runs.get(&Name::plain(name.symbol).within(name.place))?;
+        Some(vec![(run.first, run.first + run.items.len() as i32 - 1)])
+    }
+
     pub fn words(&self, group: Group) -> &[Symbol] {
         self.words.get(&group).map_or(&[], Vec::as_slice)
     }

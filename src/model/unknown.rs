@@ -4,7 +4,7 @@
 use super::Check;
 use super::error::{Error, NameError, ValueError};
 use super::evaluate::{Evaluated, Stop};
-use super::scope::{Environment, Family, Group, Part, Space};
+use super::scope::{Environment, Group, Part, Space};
 use super::suggestion::nearest;
 use super::value::FUNCTIONS;
 use crate::base::unit::{self, UnitError};
@@ -153,14 +153,26 @@ impl<'a> Check<'a> {
         ident: Ident,
         environment: Environment,
     ) -> Option<NameError> {
-        let Family { span, ranges } = space.family(self.group_of(environment), name.symbol)?;
+        let word = self.words.text(name.symbol).to_string();
+        self.wrong_index_of(space, name, (ident, word), self.group_of(environment))
+    }
+
+    /// The same, of the names of a component; with the word as it is written.
+    pub fn wrong_index_of<T: Copy>(
+        &self,
+        space: &Space<T>,
+        name: Name,
+        (ident, word): (Ident, String),
+        group: Group,
+    ) -> Option<NameError> {
+        let declared = space.family(group, name.symbol)?.span;
         Some(NameError::IndexOutOfRange {
             span: self.ident_span(ident),
             name: self.words.display(name),
-            word: self.words.text(name.symbol).to_string(),
+            word,
             given: name.indices().len(),
-            ranges: ranges.clone(),
-            declared: *span,
+            ranges: space.ranges(group, name)?,
+            declared,
         })
     }
 

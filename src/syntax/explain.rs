@@ -503,7 +503,10 @@ impl Reader<'_> {
                 self.are_separated()?;
                 self.expression("an angle")?;
             } else if self.eat_word("mirrored") {
-                self.skip_blank()?;
+                self.blanks();
+                if !self.next().is_some_and(char::is_alphabetic) {
+                    return Err(self.problem(Expected::OneOf(&["x", "y"], "after `mirrored`")));
+                }
                 self.word("an axis")?;
             } else {
                 self.at = before;

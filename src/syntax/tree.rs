@@ -358,6 +358,13 @@ impl Tree {
         self.exprs.iter().filter(move |expr| inside(expr.span) && is_name(&expr.kind)).map(|expr| expr.span)
     }
 
+    /// The first words of the ends in a piece of text: `chassis` of `chassis@(0, 1 m)`.
+    pub fn ends_within(&self, span: Span) -> impl Iterator<Item = Span> {
+        let inside =
+            move |own: Span| own.file() == span.file() && span.start() <= own.start() && own.end() <= span.end();
+        self.ends.iter().filter(move |end| inside(end.span)).map(|end| end.part().first.span)
+    }
+
     /// Every text in quotes, quotes included, in the order of the file: the names of tables.
     pub fn texts(&self) -> impl Iterator<Item = Span> {
         self.exprs.iter().filter(|expr| matches!(expr.kind, ExprKind::Text)).map(|expr| expr.span)

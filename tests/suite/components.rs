@@ -295,6 +295,99 @@ fn each_rule_about_components_gives_one_finding_at_its_place() {
     }
 }
 
+/// What is behind the name of a place: in the initial state, in questions, with indices. For each rule what is right and what is wrong.
+#[test]
+fn names_of_places_stand_where_names_stand() {
+    let row = "component row(part on, n = 3) {
+  repeat i in 1..n {
+    body m[i] { mass = i * 1 kg, moves x }
+    spring s[i]: on -- m[i] { k = 4 N/m }
+    point p[i] = (i * 1 m, 0)
+  }
+  output last = m[n].x
+}
+component pair(part on) { place inner[1] = row(on = on, n = 2) }
+place f = row(on = ground)
+place g = row(on = ground, n = 5) at (0, 0)
+place h = pair(on = ground)
+force F: f.m[1]
+";
+    for (line, code, at) in [
+        ("initial f.m[2] { x = 1 mm, vx = 2 mm/s }", "", ""),
+        ("initial h.inner[1].m[2] { x = 1 mm }", "", ""),
+        ("initial f.m[2] { y = 1 mm }", "vib::motion::impossible", "y"),
+        ("initial f { x = 1 mm }", "vib::part::kind", "f"),
+        ("initial f.s[1] { x = 1 mm }", "vib::part::kind", "f.s[1]"),
+        ("initial f.m[4] { x = 1 mm }", "vib::name::index", "m[4]"),
+        ("initial f.m { x = 1 mm }", "vib::name::index", "m"),
+        ("initial e.m[1] { x = 1 mm }", "vib::part::unknown", "e"),
+        ("initial f.q { x = 1 mm }", "vib::part::unknown", "q"),
+        ("initial f.m[1] { x = 1 mm }\ninitial f.m[1] { x = 2 mm }", "vib::setting::duplicate", "f.m[1]"),
+        ("output o = f.m[3].x", "", ""),
+        ("output o = f.m[4].x", "vib::name::index", "m[4]"),
+        ("output o = f[1].m[1].x", "vib::name::index", "f[1]"),
+        ("output o = h.inner[1].m[2].x", "", ""),
+        ("output o = h.inner[1].m[3].x", "vib::name::index", "m[3]"),
+        ("output o = h.inner[2].m[1].x", "vib::name::index", "inner[2]"),
+        ("output o = h.inner.m[1].x", "vib::name::index", "inner"),
+        ("output o = h.other.m[1].x", "vib::part::unknown", "other"),
+        ("output o = f.m[1].m.x", "vib::part::kind", "f.m[1]"),
+        ("spring t: f.m[1]@g.p[2] -- ground@(9 m, 0) { k = 1 N/m }", "", ""),
+        ("spring t: f.m[1]@g.p[6] -- ground@(9 m, 0) { k = 1 N/m }", "vib::name::index", "p[6]"),
+        ("spring t: f.m[1]@f.p[1] -- ground@(9 m, 0) { k = 1 N/m }", "vib::place::position", "f"),
+        ("spring t: f.m[1]@g.n -- ground@(9 m, 0) { k = 1 N/m }", "vib::value::kind", "g.n"),
+        ("require gain(F -> f.last, 1 Hz) < 9 m/N", "", ""),
+        ("require gain(F -> f.m[1].x, 1 Hz) < 9 m/N", "", ""),
+        ("require gain(F -> f.lst, 1 Hz) < 9 m/N", "vib::part::unknown", "lst"),
+        ("require gain(F -> f.m[1], 1 Hz) < 9 m/N", "vib::measure::output", "f.m[1]"),
+        ("solve f.q in 1 .. 2: frequency(1) = 1 Hz", "vib::name::unknown", "q"),
+        ("solve f.m[1] in 1 .. 2: frequency(1) = 1 Hz", "vib::part::kind", "m[1]"),
+        ("solve g.p[1] in 1 .. 2: frequency(1) = 1 Hz", "vib::setting::not_a_parameter", "g.p[1]"),
+        ("solve g.n in 1 .. 2: frequency(1) = 1 Hz", "vib::place::solved", "g.n"),
+    ] {
+        let wanted: Vec<(&str, String)> = (!code.is_empty()).then(|| (code, at.to_string())).into_iter().collect();
+        assert_eq!(found(&format!("{row}{line}\n")), wanted, "{line}");
+    }
+    // How many there are is said of this place, not of another one.
+    for (line, help) in [
+        ("output o = f.m[4].x", "the declared ones are `f.m[1..3]`"),
+        ("output o = g.m[6].x", "the declared ones are `g.m[1..5]`"),
+        ("output o = h.inner[2].m[1].x", "the declared ones are `h.inner[1..1]`"),
+        ("output o = f[1].m[1].x", "`f` has no index: write `f`"),
+    ] {
+        let (sources, file) = source(&format!("{row}{line}\n"));
+        let found = vibc::analyze(&sources, file, &Overrides::default()).diagnostics;
+        assert_eq!(found.iter().next().and_then(|finding| finding.help.as_deref()), Some(help), "{line}");
+    }
+}
+
+/// `solve` finds a parameter of a place that has its default, in closed form: 2 pi f = sqrt(n k / m).
+#[test]
+fn a_parameter_of_a_place_is_solved_for() {
+    let text = format!(
+        "{MOUNT}place a = mount(on = ground, k = 10 N/m) at (0, 0)\nsolve a.n in 1 .. 9: frequency(1) = 1 Hz\n"
+    );
+    let (sources, file) = source(&text);
+    let answer = vibc::analyze(&sources, file, &Overrides::default()).answer.expect("an answer");
+    let solved = &answer.solved[0];
+    assert_eq!(solved.parameter, "a.n");
+    let truth = (2.0 * std::f64::consts::PI).powi(2) / 10.0;
+    assert!((solved.shown().number.to_f64() / truth - 1.0).abs() < 1e-14, "{solved:?}");
+}
+
+/// Both elements of the component would have both ends on one body: because of what this place ties the port to.
+#[test]
+fn a_part_that_one_place_ties_wrongly_is_said_at_that_place() {
+    let component = "component c(part on, m = 1 kg) {\n  body b { mass = m, moves x }\n  spring s: on -- b { k = 9 N/m }\n  damper d: on -- b { c = 1 N*s/m }\n}\n";
+    let places = "place p1 = c(on = ground)\nplace p2 = c(on = p1.b)\n";
+    assert_eq!(found(&format!("{component}{places}")), []);
+    let wrong = format!("{component}{places}place bad = c(on = bad.b)\n");
+    assert_eq!(found(&wrong), [("vib::element::equal_ends", "bad.b".to_string())]);
+    // What the component does by itself stays inside.
+    let own = component.replace("spring s: on -- b", "spring s: b -- b");
+    assert_eq!(found(&format!("{own}{places}")), [("vib::element::equal_ends", "b -- b".to_string())]);
+}
+
 #[test]
 fn a_component_sees_nothing_of_the_scene() {
     let body = |declaration: &str| {
