@@ -198,7 +198,11 @@ impl Overview {
 
     /// The page. `of`: the texts that this is the overview of.
     pub fn page(&self, of: (&Sources, FileId), shown: &Shown) -> String {
-        let report = report::modal(&self.answer, &Options { matrices: false, ..Options::default() });
+        let mut report = report::modal(&self.answer, &Options { matrices: false, ..Options::default() });
+        // Beside an editor poles come when they are there.
+        if shown.without_text && self.answer.poles.list.is_empty() && !self.answer.system.c.is_empty() {
+            report.sections.retain(|section| section.heading != "Damped motion");
+        }
         let answers = Answers {
             system: &self.answer.system,
             figure: self.figure.as_ref().map_err(String::as_str),

@@ -2,7 +2,7 @@
 //! with this one.
 
 use super::document::{Document, request};
-use crate::analysis;
+use crate::analysis::{self, Modal, Poles};
 use crate::overview::{self, Lowered, Overview, Shown};
 
 /// The page; of a scene that is too large for modes between two key strokes there is none.
@@ -16,8 +16,15 @@ pub fn page(document: &Document) -> Option<String> {
     let computed;
     let modal = match &motions.modal {
         Some(modal) => modal,
-        None => {
+        None if motions.system.c.is_empty() => {
             computed = analysis::modal(&motions.system, &request()).ok()?;
+            &computed
+        }
+        // The figure moves at once; the poles come with the results of the second thread.
+        None => {
+            let poles = Poles { left_out: 2 * motions.system.n(), ..Poles::default() };
+            let stability = analysis::stability(&motions.system, &motions.modes, &poles);
+            computed = Modal { modes: motions.modes.clone(), poles, stability };
             &computed
         }
     };

@@ -517,6 +517,30 @@ fn the_preview_is_fresh_and_outlives_errors() {
     assert!(broken.contains("class=\"vibc-figure\"") && broken.contains("3.183"), "the last figure");
 }
 
+/// A scene whose poles take longer than a key stroke has its figure and modes at once, and the poles when they are there.
+#[test]
+fn the_preview_does_not_wait_for_poles() {
+    let chain = |k: u32| {
+        format!(
+            "body m[1] {{ mass = 1 kg, moves x }}\nspring k[1]: ground -- m[1] {{ k = {k} N/m }}\n\
+             damper d: ground -- m[1] {{ c = 1 N*s/m }}\nrepeat i in 2..31 {{\nbody m[i] {{ mass = 1 kg, moves x }}\n\
+             spring k[i]: m[i-1] -- m[i] {{ k = {k} N/m }}\n}}\n"
+        )
+    };
+    let mut client = Client::open_as(&chain(100), json!({ "workspace": { "inlayHint": { "refreshSupport": true } } }));
+    let page = |client: &mut Client| {
+        let params = client.document();
+        client.ask("vibc/page", params)["html"].as_str().expect("a page").to_string()
+    };
+    let first = page(&mut client);
+    // 2 sqrt(k/m) sin(pi/126) / 2 pi
+    assert!(first.contains("class=\"vibc-figure\"") && first.contains("0.0793"), "the first mode");
+    assert!(!first.contains("Damped motion"), "nothing is said of poles that are on their way");
+    client.hear("workspace/inlayHint/refresh");
+    let second = page(&mut client);
+    assert!(second.contains("Damped motion") && second.contains("ζ"), "the poles");
+}
+
 /// The function whose arguments are typed, the innermost one, and which argument it is.
 #[test]
 fn signatures_are_those_of_the_innermost_call() {
