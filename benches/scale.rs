@@ -36,6 +36,10 @@ fn main() {
         let which: usize = which.parse().expect("a number of a scene");
         return writeln!(out, "{}", measured(&SCENES[which])).expect("standard output");
     }
+    if let Ok(cells) = std::env::var("VIBC_SCALE_CELLS") {
+        let cells = cells.parse().expect("a number of cells");
+        return writeln!(out, "{}", paired(cells)).expect("standard output");
+    }
     writeln!(out, "scenes with `repeat`, seconds of processor time and MB").expect("standard output");
     writeln!(
         out,
@@ -48,6 +52,39 @@ fn main() {
         let child = Command::new(program).env("VIBC_SCALE_SCENE", which.to_string()).output().expect("a child");
         out.write_all(&child.stdout).expect("standard output");
     }
+    writeln!(
+        out,
+        "\na component of five parts at n places, and the same parts by `repeat`: least of {ROUNDS} runs in turn"
+    )
+    .expect("standard output");
+    writeln!(out, "{:>9}{:>11}{:>9}{:>8}", "n", "by repeat", "placed", "ratio").expect("standard output");
+    for cells in [1_000, 10_000, 100_000] {
+        let program = std::env::current_exe().expect("a running program has a path");
+        let child = Command::new(program).env("VIBC_SCALE_CELLS", cells.to_string()).output().expect("a child");
+        out.write_all(&child.stdout).expect("standard output");
+    }
+}
+
+/// Runs of each of two forms of a scene, in turn.
+const ROUNDS: usize = 7;
+
+/// Parsing, checking and lowering of cells by `repeat` and as a component at its places.
+fn paired(n: usize) -> String {
+    let texts = [cells(n), placed(n)];
+    let mut least = [f64::INFINITY; 2];
+    for _ in 0..ROUNDS {
+        for (least, text) in least.iter_mut().zip(&texts) {
+            let mut sources = Sources::new();
+            let file = sources.add(SourceFile::model("scene.vib", text.as_str()));
+            let clock = Clock::start();
+            let parsed = vibc::syntax::parse(&sources, file);
+            let checked = vibc::model::check(&sources, &parsed.tree, &Overrides::default());
+            black_box(vibc::lower::lower(&checked.scene.expect("a good model")));
+            *least = clock.seconds().min(*least);
+        }
+    }
+    let [by_repeat, placed] = least;
+    format!("{n:>9}{by_repeat:>11.4}{placed:>9.4}{:>8.2}", placed / by_repeat)
 }
 
 /// Five parts again and again.

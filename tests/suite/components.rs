@@ -427,6 +427,47 @@ fn values_from_outside_reach_parameters_of_places() {
     assert_eq!(stiffness("", "\"a[1]\".k = \"5 N/m\"\n[\"a[2]\"]\nn = 1\n"), [10.0, 10.0]);
 }
 
+/// A value from outside for what is no parameter of a place, or of another kind, is one finding where the value is given.
+#[test]
+fn values_from_outside_that_fit_nothing_are_said_where_they_are_given() {
+    let text = format!(
+        "{MOUNT}component pair(part on) {{ let m = 3\n place in1 = mount(on = on, k = 10 N/m) at (0, 0) }}\n\
+         repeat i in 1..2 {{ place a[i] = mount(on = ground, k = 10 N/m) at (i * 1 m, 0) }}\nplace p = pair(on = ground) at (0, 0)\n"
+    );
+    for (argument, code, at) in [
+        ("a[2].k=3 N/m", "", ""),
+        ("p.in1.n=3", "", ""),
+        ("a.k=3 N/m", "vib::setting::unknown", "a.k"),
+        ("a[3].k=3 N/m", "vib::setting::unknown", "a[3].k"),
+        ("a[1].q=3", "vib::setting::unknown", "a[1].q"),
+        ("a[1].k[1]=3 N/m", "vib::setting::unknown", "a[1].k[1]"),
+        ("a[1].on=3", "vib::setting::unknown", "a[1].on"),
+        ("a[1].b=3", "vib::setting::unknown", "a[1].b"),
+        ("a[1]=3", "vib::setting::unknown", "a[1]"),
+        ("p.in1.q=3", "vib::setting::unknown", "p.in1.q"),
+        ("p.k=3 N/m", "vib::setting::unknown", "p.k"),
+        ("a[1].k=3 kg", "vib::unit::mismatch", "3 kg"),
+        ("a[1].k=3", "vib::unit::mismatch", "3"),
+        ("a[1].top=3", "vib::setting::not_a_parameter", "a[1].top"),
+        ("p.m=3", "vib::setting::not_a_parameter", "p.m"),
+        ("a[1]..k=3", "vib::setting::form", "a[1]..k"),
+        (".k=3", "vib::setting::form", ".k"),
+        ("a[1].=3", "vib::setting::form", "a[1]."),
+    ] {
+        let (mut sources, file) = source(&text);
+        let given = SourceFile { kind: vibc::SourceKind::Arguments, ..SourceFile::model("outside", argument) };
+        let overrides = Overrides { arguments: Some(sources.add(given)), ..Overrides::default() };
+        let found = vibc::analyze(&sources, file, &overrides).diagnostics;
+        let errors: Vec<(&str, &str)> = found
+            .iter()
+            .filter(|finding| finding.is_error())
+            .map(|finding| (finding.code.0, sources.slice(finding.primary.span)))
+            .collect();
+        let wanted: Vec<(&str, &str)> = (!code.is_empty()).then_some((code, at)).into_iter().collect();
+        assert_eq!(errors, wanted, "{argument}");
+    }
+}
+
 /// Seconds that this thread has had a processor, if the kernel says so, else seconds on the wall.
 fn seconds(start: std::time::Instant) -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
