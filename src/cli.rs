@@ -97,6 +97,9 @@ pub struct Analyze {
     /// Print the derivatives of frequencies and damping ratios with respect to each parameter
     #[arg(long)]
     pub sensitivity: bool,
+    /// Print participation factors and effective masses of the modes for each motion of a base
+    #[arg(long)]
+    pub participation: bool,
     #[command(flatten)]
     pub measured: MeasureOptions,
 }

@@ -271,6 +271,8 @@ pub struct Study<'a> {
     pub until: Option<&'a Number>,
     /// Compute the derivatives of frequencies and damping ratios with respect to each parameter.
     pub sensitivity: bool,
+    /// Compute participation factors and effective masses of the modes for each motion of a base.
+    pub participation: bool,
 }
 
 /// Like [`analyze_as`], with additional requests.
@@ -348,6 +350,10 @@ fn reported(
         true => questions::sensitivities(&reading.text(), &reading.settings, request, &system, &modes, &poles),
         false => Vec::new(),
     };
+    let excitations = match study.participation {
+        true => excitations(reading.scene.scene(), &system, &modes, rest.is_proven()),
+        false => Vec::new(),
+    };
     if let Some(shortfall) = analysis::shortfall(&system, &modes, &poles, request) {
         diagnostics.push(shortfall.to_diagnostic());
     }
@@ -364,8 +370,27 @@ fn reported(
         requirements,
         noisy,
         sensitivities,
+        excitations,
         account: None,
     })
+}
+
+/// What each motion of a base excites, or why that is not known.
+fn excitations(
+    scene: &model::scene::Scene,
+    system: &LinearSystem,
+    modes: &analysis::Modes,
+    proven: bool,
+) -> Vec<(usize, Result<analysis::Excitation, &'static str>)> {
+    let is_base = |input: &model::scene::Input| matches!(input.kind, model::scene::InputKind::Base { .. });
+    let bases: Vec<usize> = (0..scene.inputs.len()).filter(|input| is_base(&scene.inputs[*input])).collect();
+    let all = match (bases.is_empty(), proven) {
+        (true, _) => return Vec::new(),
+        (_, false) => Err("the rest about which they would be measured is not proven"),
+        (_, true) => analysis::Excitations::of(system, modes),
+    };
+    let by = |input: &usize| (*input, all.as_ref().map_err(|why| *why).and_then(|all| all.by(*input)));
+    bases.iter().map(by).collect()
 }
 
 /// A model with its poles, ready for transfer tables.

@@ -82,7 +82,7 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Err(status) => return status,
     };
     let until = options.measured.until(&options.overrides);
-    let study = vibc::Study { until, sensitivity: options.sensitivity };
+    let study = vibc::Study { until, sensitivity: options.sensitivity, participation: options.participation };
     let request = options.request();
     let (mut analysis, explained) = match options.explain_model {
         true => vibc::analyze_and_explain(&input.sources, input.model, &input.overrides, &request, &study),
@@ -258,7 +258,8 @@ fn page(options: &Report, messages: &Messages) -> Status {
         Ok(input) => input,
         Err(status) => return status,
     };
-    let study = vibc::Study { until: options.measured.until(&options.overrides), sensitivity: options.sensitivity };
+    let until = options.measured.until(&options.overrides);
+    let study = vibc::Study { until, sensitivity: options.sensitivity, ..vibc::Study::default() };
     let outcome = vibc::overview(&input.sources, input.model, &input.overrides, &study);
     let status = failure(outcome.failure());
     show(&input.sources, outcome.diagnostics, messages);

@@ -92,6 +92,7 @@ pub(crate) struct Lowered<'a> {
 impl Overview {
     pub(crate) fn known(of: &Lowered) -> Overview {
         let answer = ModalAnswer {
+            excitations: Vec::new(),
             model: of.scene.name.clone(),
             system: of.system.clone(),
             rest: of.rest.clone(),

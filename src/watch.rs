@@ -107,7 +107,8 @@ impl Maker<'_> {
     /// The page, and the files that it was made from.
     fn make(&mut self) -> Result<(String, Vec<PathBuf>), crate::files::Unreadable> {
         let Input { sources, model, overrides } = read_all(&self.options.file, &self.options.overrides)?;
-        let study = vibc::Study { until: self.options.measured.until(&self.options.overrides), sensitivity: false };
+        let study =
+            vibc::Study { until: self.options.measured.until(&self.options.overrides), ..vibc::Study::default() };
         let outcome = vibc::overview(&sources, model, &overrides, &study);
         let named = sources.files().map(|file| PathBuf::from(&file.name));
         let settings = self.options.overrides.settings_file.clone();

@@ -3,6 +3,7 @@
 
 use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::derived::hertz;
+use crate::analysis::excitation::{Excitations, Excited};
 use crate::analysis::steady::steady;
 use crate::analysis::transfer::extrema::{Supremum, supremum};
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
@@ -32,6 +33,20 @@ pub fn frequency(modes: &Modes, i: usize) -> Measurement {
             Measurement::None("it is not certain whether this mode oscillates or diverges")
         }
         Some(mode) => Measurement::Value(hertz(mode.omega)),
+    }
+}
+
+/// The effective mass of the i-th mode under the motion of a base, kg or kg m^2.
+pub fn effective_mass(system: &LinearSystem, modes: &Modes, input: usize, i: usize) -> Measurement {
+    let found = Excitations::of(system, modes).and_then(|excitations| excitations.by(input));
+    let shares = match found {
+        Ok(excitation) => excitation.modes,
+        Err(why) => return Measurement::None(why),
+    };
+    match i.checked_sub(1).and_then(|i| shares.get(i)) {
+        None => Measurement::None("there is no such mode"),
+        Some(Excited { mass: Some(mass), .. }) => Measurement::Value(*mass),
+        Some(_) => Measurement::None("modes of the same frequency have an effective mass only together"),
     }
 }
 

@@ -5,7 +5,7 @@ pub mod report;
 #[cfg(test)]
 pub(crate) mod samples;
 
-use crate::analysis::{Buckling, Modes, Noisy, Pole, Poles, Verdict};
+use crate::analysis::{Buckling, Excitation, Modes, Noisy, Pole, Poles, Verdict};
 use crate::base::Number;
 use crate::lower::{Account, Rest};
 use crate::questions::answer::{Requirement, Sensitivity, Solved};
@@ -33,6 +33,8 @@ pub struct ModalAnswer {
     pub noisy: Vec<Noisy>,
     /// Empty unless requested.
     pub sensitivities: Vec<Sensitivity>,
+    /// What each motion of a base excites, or why that is not known; empty unless requested.
+    pub excitations: Vec<(usize, Result<Excitation, &'static str>)>,
 }
 
 impl ModalAnswer {

@@ -74,6 +74,7 @@ fn free(words: Words, coordinates: Vec<Coordinate>, [m, c, k]: [Form; 3]) -> Lin
 /// The answer for a system that is at rest as drawn; it has all poles, and energy decides its stability.
 fn answer(model: &str, system: LinearSystem, modes: Vec<Mode>, poles: Vec<Pole>, stability: Stability) -> ModalAnswer {
     ModalAnswer {
+        excitations: Vec::new(),
         model: model.into(),
         rest: as_drawn(system.n()),
         system,

@@ -6,8 +6,8 @@ use super::decimal::{certain, certain_digits};
 use super::json_number::JsonNumber;
 use super::{ReportOptions, SCHEMA};
 use crate::analysis::{
-    Buckling, Mode, Net, Noisy, Normalise, Pole, Share, Split, Spread, Stability, nets, normalise, parts_of_modes,
-    splits,
+    Buckling, Excitation, Mode, Net, Noisy, Normalise, Pole, Share, Split, Spread, Stability, nets, normalise,
+    parts_of_modes, splits,
 };
 use crate::answers::ModalAnswer;
 use crate::base::{Ball, Number, Rounded, Unproven};
@@ -54,6 +54,8 @@ struct Report<'a> {
     noise: Vec<JsonNoisy>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     sensitivities: Vec<JsonSensitivity<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    base_excitation: Vec<JsonExcitation>,
 }
 
 #[derive(serde::Serialize)]
@@ -375,6 +377,58 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
         requirements: answer.requirements.iter().map(json_requirement).collect(),
         noise: answer.noisy.iter().map(|noisy| JsonNoisy::of(noisy, &answer.system)).collect(),
         sensitivities: answer.sensitivities.iter().map(json_sensitivity).collect(),
+        base_excitation: answer.excitations.iter().map(|excitation| json_excitation(answer, excitation)).collect(),
+    }
+}
+
+/// Bounds are absolute.
+#[derive(serde::Serialize)]
+struct JsonExcitation {
+    input: String,
+    unit: &'static str,
+    total: JsonNumber,
+    total_error_bound: JsonNumber,
+    /// Why there are no numbers.
+    not_computed: Option<&'static str>,
+    modes: Vec<JsonExcited>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonExcited {
+    mode: usize,
+    participation: JsonNumber,
+    participation_error_bound: JsonNumber,
+    effective_mass: JsonNumber,
+    effective_mass_error_bound: JsonNumber,
+    sum: JsonNumber,
+    sum_error_bound: JsonNumber,
+}
+
+fn json_excitation(answer: &ModalAnswer, (input, found): &(usize, Result<Excitation, &'static str>)) -> JsonExcitation {
+    let input = &answer.system.inputs[*input];
+    let value = |value: Option<Ball>| value.map_or(JsonNumber::NULL, JsonNumber::enclosed);
+    let bound = |value: Option<Ball>| value.map_or(JsonNumber::NULL, JsonNumber::absolute_bound);
+    let (total, modes) = match found {
+        Ok(excitation) => (Some(excitation.total), &excitation.modes[..]),
+        Err(_) => (None, &[][..]),
+    };
+    JsonExcitation {
+        input: answer.system.display(input.name),
+        unit: if input.unit == "rad" { "kg*m^2" } else { "kg" },
+        total: value(total),
+        total_error_bound: bound(total),
+        not_computed: found.as_ref().err().copied(),
+        modes: (answer.modes.numbered().zip(modes))
+            .map(|((mode, _), excited)| JsonExcited {
+                mode,
+                participation: value(excited.participation),
+                participation_error_bound: bound(excited.participation),
+                effective_mass: value(excited.mass),
+                effective_mass_error_bound: bound(excited.mass),
+                sum: value(excited.running),
+                sum_error_bound: bound(excited.running),
+            })
+            .collect(),
     }
 }
 

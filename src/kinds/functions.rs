@@ -326,6 +326,7 @@ pub enum Measure {
     Psd,
     Crossings,
     PeakGain,
+    EffectiveMass,
     Rest,
     Stable,
 }
@@ -406,6 +407,12 @@ pub const MEASURES: &[Named<Measure>] = &[
             named: &[],
         },
     },
+    entry(
+        Measure::EffectiveMass,
+        ["effective_mass", "effective_mass(base, i)", "effective_mass(base, 1)"],
+        "The effective mass of a mode under the motion of a base, kg; kg*m^2 if the base turns.",
+        &[Argument::Input, Argument::Mode],
+    ),
     entry(
         Measure::Rest,
         ["rest", "rest(quantity)", "rest(spring.tension)"],

@@ -268,6 +268,7 @@ impl<'a> Check<'a> {
             }
             (Word::PeakGain, &[path]) => return self.peak_gain(path, None, environment),
             (Word::PeakGain, &[path, range]) => return self.peak_gain(path, Some(range), environment),
+            (Word::EffectiveMass, &[base, mode]) => return self.effective_mass(base, mode, environment),
             (Word::Rest, &[quantity]) => {
                 let Combination { terms, dimension, .. } = self.at_rest(quantity, environment)?;
                 return Ok(Measured { measure: Measure::Rest { terms }, dimension });
@@ -343,6 +344,21 @@ impl<'a> Check<'a> {
         let range = range.map(|range| self.frequencies(range, environment)).transpose()?;
         let Pair { input, output, dimension } = path?;
         Ok(Measured { measure: Measure::PeakGain { input, output, range }, dimension })
+    }
+
+    /// `effective_mass(floor, 1)`
+    fn effective_mass(&mut self, base: ExprId, mode: ExprId, environment: Environment) -> Evaluated<Measured> {
+        let (input, _) = self.measured_input(base, environment)?;
+        let mode = self.mode(mode, environment)?;
+        let dimension = match self.scene.inputs[input.index()].kind {
+            InputKind::Base { translation: Some(_), .. } => Dimension::MASS,
+            InputKind::Base { translation: None, .. } => Dimension::INERTIA,
+            _ => {
+                let span = self.tree.expr(base).span;
+                return self.fail(environment, QuestionError::NotABase { span });
+            }
+        };
+        Ok(Measured { measure: Measure::EffectiveMass { input, mode }, dimension })
     }
 
     /// `1 Hz .. 50 Hz`

@@ -562,6 +562,11 @@ pub enum Measure {
         output: Vec<MotionTerm>,
         range: Option<[Number; 2]>,
     },
+    /// The effective mass of a mode under the motion of a base.
+    EffectiveMass {
+        input: InputId,
+        mode: u32,
+    },
     /// Motions at rest, measured from the drawing; of a spring's force its whole tension.
     Rest {
         terms: Vec<MotionTerm>,

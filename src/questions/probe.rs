@@ -25,6 +25,8 @@ pub enum Probe {
     Psd(usize, Number),
     Crossings(usize),
     PeakGain(usize, usize, Option<[Number; 2]>),
+    /// Of an input and a mode.
+    EffectiveMass(usize, usize),
     Rest(Vec<MotionTerm>, Span),
     Combined(Box<Combined<Probe>>),
     Stable,
@@ -94,6 +96,7 @@ impl Outputs {
             Measure::Psd { output, frequency } => Probe::Psd(add(output), frequency.clone()),
             Measure::Crossings { output } => Probe::Crossings(add(output)),
             Measure::PeakGain { input, output, range } => Probe::PeakGain(input.index(), add(output), range.clone()),
+            Measure::EffectiveMass { input, mode } => Probe::EffectiveMass(input.index(), *mode as usize),
             Measure::Rest { terms } => Probe::Rest(terms.clone(), span),
             Measure::Stable | Measure::Combined(_) => Probe::Stable,
         }
@@ -141,7 +144,10 @@ impl Probe {
 
     /// Whether every mode is needed.
     pub fn takes_all_modes(&self) -> bool {
-        self.any(|probe| matches!(probe, Probe::Crossings(_) | Probe::Rms(_, Cause::Noise | Cause::Either)))
+        self.any(|probe| {
+            let of_noise = matches!(probe, Probe::Crossings(_) | Probe::Rms(_, Cause::Noise | Cause::Either));
+            of_noise || matches!(probe, Probe::EffectiveMass(..))
+        })
     }
 
     /// Whether the signals or noises are needed.
@@ -208,6 +214,9 @@ impl Measured<'_> {
             Probe::PeakGain(input, output, range) => {
                 let range = range.as_ref().map(|[low, high]| (low, high));
                 transfer.map_or(NONE, |transfer| measures::peak_gain(transfer, self.poles, *input, *output, range))
+            }
+            Probe::EffectiveMass(input, mode) => {
+                self.modes.map_or(NONE, |modes| measures::effective_mass(system, modes, *input, *mode))
             }
             Probe::Rest(terms, span) => {
                 let Lowered { mechanism, rest, .. } = self.lowered;

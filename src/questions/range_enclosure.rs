@@ -176,6 +176,7 @@ impl QuestionOverRange<'_> {
             | Probe::Psd(..)
             | Probe::Crossings(_)
             | Probe::PeakGain(..)
+            | Probe::EffectiveMass(..)
             | Probe::Rest(..)
             | Probe::Combined(_)
             | Probe::Stable => RangeEnclosure { hopeless: true, ..test(None) },

@@ -14,6 +14,7 @@ mod damping;
 mod diagnostics;
 mod documents;
 mod editor;
+mod effective_masses;
 mod emit;
 mod emit_exact;
 mod emit_names;

@@ -87,6 +87,17 @@ fn sensitivities_have_the_published_form() {
 }
 
 #[test]
+fn effective_masses_have_the_published_form() {
+    let form = Form::published("analyze");
+    for example in ["earthquake", "quarter_car", "inerter_table"] {
+        let model = root().join("examples").join(format!("{example}.vib"));
+        let (result, _) = printed(&["analyze", &model.to_string_lossy(), "--participation", "--format", "json"]);
+        assert!(result.contains("base_excitation"), "{example}");
+        form.assert_valid(example, &result);
+    }
+}
+
+#[test]
 fn transfer_functions_have_the_published_form() {
     validate("transfer", &[]);
     validate("transfer", &["--points", "3"]);

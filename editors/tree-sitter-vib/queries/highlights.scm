@@ -22,8 +22,8 @@
   (#any-of? @function.builtin
     "rod" "disk" "ring" "box" "constant" "step" "impulse" "ramp" "pulse" "harmonic" "chirp" "half_sine" "haversine"
     "sawtooth" "trapezoid" "table" "delayed" "noise" "frequency" "damping" "gain" "phase" "amplitude" "static" "peak"
-    "rms" "psd" "crossings" "peak_gain" "rest" "sqrt" "abs" "min" "max" "sin" "cos" "tan" "asin" "acos" "atan" "atan2"
-    "exp" "ln"))
+    "rms" "psd" "crossings" "peak_gain" "effective_mass" "rest" "sqrt" "abs" "min" "max" "sin" "cos" "tan" "asin"
+    "acos" "atan" "atan2" "exp" "ln"))
 
 ((name (word) @constant.builtin) (#any-of? @constant.builtin "ground" "pi" "stable"))
 (parameter name: (name (word) @variable))

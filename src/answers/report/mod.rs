@@ -7,6 +7,7 @@
 //! [`super::ModalAnswer`]), so that neither computes, bounds or judges a number of its own.
 
 mod equations;
+mod excitation;
 mod modes;
 mod motion;
 mod parts;
@@ -261,6 +262,7 @@ pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
         equations::section(answer, options),
         modes::section(answer, options),
         modes::split_lines(answer),
+        excitation::section(answer),
         poles::section(answer, options),
         random::section(answer, options),
         sensitivities::section(answer),

@@ -29,6 +29,7 @@ pub enum QuestionError {
     CauseUnknown { span: Span },
     ArrowMissing { span: Span },
     NotAnInput { span: Span, found: &'static str },
+    NotABase { span: Span },
     NotAnOutput { span: Span, word: String, found: &'static str, declared: Span },
     ModeNumber { span: Span },
     RangeReversed { span: Span },
@@ -111,6 +112,10 @@ impl QuestionError {
             }
             ArrowMissing { span } => error("vib::measure::arguments", span, "from which input to which output?")
                 .help("write `input -> output`, as in `gain(floor -> table.y, 30 Hz)`"),
+            NotABase { span } => {
+                error("vib::measure::input", span, "an effective mass is that of a mode under the motion of a base")
+                    .help("name a base, as in `effective_mass(floor, 1)`")
+            }
             NotAnInput { span, found } => {
                 error("vib::measure::input", span, format!("one input is expected here, this is {found}")).help(
                     "name a force, a torque or a base; of a base with several motions one of them, as in `floor.y`",
