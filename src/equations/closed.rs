@@ -101,6 +101,8 @@ fn squares(equations: &Equations, undamped: &[Sum]) -> Vec<Square> {
     };
     match undamped {
         [stiffness, mass] => vec![quotient(stiffness, mass)],
+        // A motion without inertia follows the other.
+        [zeroth, second, fourth] if fourth.vanishes() => vec![quotient(zeroth, second)],
         [zeroth, second, fourth] if zeroth.vanishes() => {
             vec![Square { form: Some(Sum::ZERO), value: Some(Number::ZERO) }, quotient(second, fourth)]
         }
@@ -137,7 +139,18 @@ fn damping_ratio(equations: &Equations, places: &[usize]) -> Option<(Sum, Number
 
 /// The characteristic polynomial of a larger part.
 fn numbers(equations: &Equations, places: &[usize]) -> Option<Polynomial> {
-    polynomial::determinant(&matrix_of_numbers(equations, places)?)
+    let mut polynomial = polynomial::determinant(&matrix_of_numbers(equations, places)?)?;
+    // A motion of all coordinates alike that no spring resists brings a factor s, and s^2 where no damper does: these are exact zeros.
+    let resists = |matrix: &Vec<Vec<Entry>>| {
+        let row = |i: &usize| places.iter().fold(Sum::ZERO, |sum, j| &sum + &matrix[*i][*j].sum);
+        !places.iter().all(|i| row(i).vanishes())
+    };
+    let linear = &equations.linear;
+    if !resists(&linear.stiffness) {
+        let zeros = if resists(&linear.damping) { 1 } else { 2 };
+        polynomial.iter_mut().take(zeros).for_each(|coefficient| *coefficient = Number::ZERO);
+    }
+    Some(polynomial)
 }
 
 /// M s^2 + C s + K of a part with numbers.

@@ -232,6 +232,13 @@ fn numerator_of_numbers(equations: &Equations, part: &Part, column: &Column, out
             sum = polynomial::sum(&sum, &polynomial::product(&shifted, &part.numbers));
         }
     }
+    // No motion of all coordinates alike, which nothing resists, is in the output: zeros as exact as those of the denominator.
+    let is_exact_zero = |number: &Number| number.exact().is_some_and(crate::base::Rational::is_zero);
+    let zeros = part.numbers.iter().take(2).take_while(|number| is_exact_zero(number)).count();
+    let is_relative = |row: &Vec<Sum>| part.places.iter().fold(Sum::ZERO, |sum, place| &sum + &row[*place]).vanishes();
+    if zeros == 2 && output.rows.iter().all(is_relative) {
+        sum.iter_mut().take(zeros).for_each(|coefficient| *coefficient = Number::ZERO);
+    }
     while sum.last().is_some_and(Number::is_zero) {
         sum.pop();
     }

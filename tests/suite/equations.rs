@@ -10,7 +10,7 @@ use vibc::model::Overrides;
 fn text_of(name: &str, model: &str) -> String {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model(name, model));
-    vibc::add_used_files(&mut sources, file, None, |path| Err(format!("there is no `{path}`")));
+    crate::examples::add_used_files(&mut sources, file);
     let outcome = vibc::equations(&sources, file, &Overrides::default());
     match outcome.answer {
         Some(answer) => equations::text(&equations::document(&answer)),
@@ -207,6 +207,17 @@ fn the_six_problems_have_their_equations() {
             assert!(says(&text, line), "{name}: {line} is not in\n{text}");
         }
     }
+}
+
+/// A knot without mass between a spring and a damper: one natural frequency, sqrt(k/m), and no division by the mass of the knot. A
+/// train that nothing holds: the denominator has the factor s^2, and so have the forces in it.
+#[test]
+fn motions_without_inertia_and_rigid_motions_leave_no_zeros() {
+    let hall = example("test_hall.vib");
+    assert!(hall.contains("omega_instrument = 0.2 sqrt(mount.k) = 17.8885    rad/s"), "{hall}");
+    assert!(!hall.contains("a_4,instrument"), "{hall}");
+    let train = example("train.vib");
+    assert!(train.contains("2.71712e39 s^2\n") && !train.contains('≤'), "{train}");
 }
 
 /// omega from the closed form agrees with `analyze`: 2.15818 and 3.74715 rad/s.

@@ -142,6 +142,9 @@ impl Writer<'_> {
     /// a_4 omega^4 - a_2 omega^2 + a_0 = 0 and its roots.
     fn pair(&self, part: &Part) -> Vec<Item> {
         let [zeroth, second, fourth] = &part.undamped[..] else { return Vec::new() };
+        if fourth.vanishes() {
+            return self.single(part);
+        }
         let own = |index: &str| {
             let shared = self.equations.parts.len() > 1;
             let index = if shared { format!("{index},{}", self.index_of(part)) } else { index.to_string() };
