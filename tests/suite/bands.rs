@@ -51,7 +51,7 @@ fn a_flat_band_has_its_closed_form() {
     }
 }
 
-/// Two slopes that are no whole numbers; light, usual and heavy damping.
+/// Two slopes that are no whole numbers; light, usual, critical and heavy damping.
 #[test]
 fn corner_points_beside_quadrature() {
     let noise = "noise((0.5 Hz, 2 N^2/Hz), (4 Hz, 7 N^2/Hz), (10 Hz, 0.5 N^2/Hz))";
@@ -67,6 +67,12 @@ fn corner_points_beside_quadrature() {
             1e-20,
             [0.060_828_223_151_513_703, 0.898_737_367_912_950_7],
             [3.254_521_484_876_182_9, 3.769_317_907_493_329],
+        ),
+        (
+            "20",
+            1e-20,
+            [0.016_111_875_979_676_291, 1.387_486_295_390_633_7],
+            [2.474_237_775_569_261, 4.634_315_553_245_241],
         ),
         (
             "400",

@@ -1,7 +1,8 @@
 //! Mean squares under noise in bands: the integral of |H|^2 S over frequencies. In: a density, the transfer function from its noise to
 //! an output as residues at poles. Out: an enclosure. See docs/method/random.md#bands.
 
-use super::resolvent::{Parts, Resolvent};
+use super::argument::{Argument, Point};
+use super::resolvent::{Parts, Resolvent, Value};
 use super::weight::{Panels, Piece, Slope};
 use crate::base::density::{Band, Course, Density};
 use crate::base::{Ball, Dd, Number, up};
@@ -11,8 +12,8 @@ const UP: f64 = up::THOUSANDS;
 
 /// A density times a power of the angular frequency, integrated over every pole of a system.
 pub struct Bands {
-    /// Integrals over i w - s, in the order of [`Resolvent::all`].
-    of_poles: Vec<Complex<Ball>>,
+    /// Integrals over i w - D of each block and of its conjugate.
+    of_poles: Vec<[Value; 2]>,
     /// Integrals over w^(2 m), m from -2 to 2; `None` where there is none, or none is known.
     even: [Option<Ball>; 5],
     /// A bound of the mean square of the noise itself.
@@ -25,7 +26,7 @@ impl Bands {
         let pieces = pieces(density, within)?;
         let starts_at_zero = pieces.iter().any(|piece| !piece.from.is_positive());
         let panels: Vec<Panels> = pieces.iter().map(|piece| piece.panels(more)).collect::<Option<_>>()?;
-        let over = |s: &Complex<Ball>| panels.iter().fold(Complex::ZERO, |sum, panels| sum + panels.over(*s));
+        let of_poles = resolvent.values(|s| over(&panels, s), |s| over(&panels, s)).collect();
         let even = [-4, -2, 0, 2, 4].map(|power| {
             if power < 0 && starts_at_zero {
                 return None;
@@ -33,15 +34,23 @@ impl Bands {
             pieces.iter().try_fold(Ball::ZERO, |sum, piece| Some(sum + piece.panels(more + power)?.integral()))
         });
         let whole = even[2]?.magnitude() * UP;
-        Some(Bands { of_poles: resolvent.all().iter().map(over).collect(), even, whole })
+        Some(Bands { of_poles, even, whole })
     }
 
     /// The mean square of an output.
     pub fn mean_square(&self, resolvent: &Resolvent, parts: &Parts) -> Option<Ball> {
         let square = resolvent.square(parts);
-        let of_poles = square.factors.iter().zip(&self.of_poles);
         let two = Ball::from(2.0);
-        let mut sum = of_poles.fold(Ball::ZERO, |sum, (c, i)| sum + (c.re * i.re - c.im * i.im) * two);
+        let mut sum = Ball::ZERO;
+        for (b, ((p, g), [direct, mirrored])) in square.rows.iter().zip(&square.columns).zip(&self.of_poles).enumerate()
+        {
+            let mut part = direct.between(p, g).re;
+            if !resolvent.is_real(b) {
+                let conj = |x: &[Point]| x.iter().map(|z| z.conj()).collect::<Vec<Point>>();
+                part = part + mirrored.between(&conj(p), &conj(g)).re;
+            }
+            sum = sum + part * two;
+        }
         for (direct, integral) in square.direct.iter().zip(&self.even) {
             if !direct.is_zero() {
                 sum = sum + *direct * (*integral)?;
@@ -57,6 +66,11 @@ impl Bands {
         // A mean square is not negative.
         Some(if value.mid.hi < 0.0 { Ball::new(Dd::ZERO, value.magnitude()) } else { value })
     }
+}
+
+/// The integral of power laws over i w - D.
+fn over<A: Argument>(panels: &[Panels], d: A) -> A {
+    panels.iter().fold(A::of(Complex::ZERO), |sum, panels| sum.plus(panels.over(d)))
 }
 
 /// Whether a band of the density begins at 0 Hz, or may do so.

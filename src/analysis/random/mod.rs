@@ -2,7 +2,9 @@
 //! noises of its inputs. Out: for each output a number, a proof that it is infinite, or what is missing. See
 //! docs/method/random.md.
 
+mod argument;
 mod bands;
+mod blocks;
 mod channel;
 mod gramian;
 mod resolvent;

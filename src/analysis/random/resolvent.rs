@@ -1,171 +1,266 @@
-//! Transfer functions by poles: H(s) = sum r_j / (s - s_j) + a polynomial. In: the system in modal coordinates. Out: poles as exact
-//! numbers, and a bound of what H differs from such a sum by, the same at all frequencies. See docs/method/random.md#poles.
+//! Transfer functions by poles: H(s) = sum p_b (s - D_b)^-1 q_b and a polynomial. In: the system in modal coordinates. Out: blocks of one
+//! or two poles as exact numbers, and a bound of what H differs from such a sum by, the same at all frequencies. See
+//! docs/method/random.md#poles.
 //!
-//! With z_j = (x_j, s_j x_j) as columns of Z and L(s) = s [C M; M 0] + [K 0; 0 -M], Z^T L(s) Z = B (s - D) + R exactly, whatever s_j
-//! and x_j are: R_ij = x_i^T Q(s_j) x_j and B_ij = x_i^T (C + (s_i + s_j) M) x_j are small beside their diagonal for good ones.
-//! How far poles are from each other does not enter, how far they are from the axis does.
+//! With z = (X_b, X_b D_b) as columns of Z and L(s) = s [C M; M 0] + [K 0; 0 -M], Z^T L(s) Z = B (s - D) + R exactly, whatever D and X
+//! are: R_ab = X_a^T (K X_b + C X_b D_b + M X_b D_b^2) is small for good ones, and so are the blocks of B beside its diagonal. How far
+//! poles are from each other does not enter, how far they are from the axis does.
 
+use super::argument::{Argument, Point, Two};
+use super::blocks::{Block, blocks};
 use super::gramian::{Drive, Space};
-use crate::analysis::poles::schur::SchurForm;
-use crate::base::{Ball, Dd, larger, up};
+use crate::base::{Ball, up};
 use crate::kernel::complex::Complex;
-use crate::kernel::dense::enclosure::norm_bound;
-use nalgebra::DMatrix;
 
 const UP: f64 = up::THOUSANDS;
-/// The most refinements of poles and vectors; each gains at least ten digits.
-const STEPS: usize = 6;
-/// A step that is smaller, relative to the vector, changes nothing.
-const SETTLED: f64 = 1e-30;
-/// Poles that are nearer, relative to their size, are not separated by a refinement.
-const CLOSE: f64 = 1e-9;
-/// Dampers that couple two modes less, relative to the damping of both, do not make them start together.
-const UNCOUPLED: f64 = 1e-26;
-
-/// A pole and its vector in modal coordinates, both exact: real, or one of a conjugate pair, that above the real axis.
-struct Pole {
-    s: Complex<Dd>,
-    x: Vec<Complex<Dd>>,
-}
 
 /// The poles of a system, all of them in the left half-plane.
 pub struct Resolvent {
     n: usize,
-    poles: Vec<Pole>,
-    /// B_jj
-    slopes: Vec<Complex<Ball>>,
-    /// Bounds of the 2-norms of the scaled B_d^-1 R and of B_d^-1 B - 1.
-    residual: f64,
-    skew: f64,
+    blocks: Vec<Exact>,
+    /// What a transfer function may be off by, relative to the product of its scaled rows.
+    relative: f64,
 }
 
-/// A transfer function as residues at the poles, those of conjugates left out, and factors of s^-2 .. s^2.
+/// A block as enclosures of radius zero, and what follows from it.
+struct Exact {
+    is_real: bool,
+    d: Vec<Vec<Point>>,
+    x: Vec<Vec<Point>>,
+    /// X D
+    rate: Vec<Vec<Point>>,
+    /// The inverse of B_bb.
+    inverse: Vec<Vec<Point>>,
+    /// The distance of the middle of its poles from the axis.
+    far: f64,
+}
+
+/// A transfer function: rows p_b, columns q_b, factors of s^-2 .. s^2.
 pub struct Parts {
-    residues: Vec<Complex<Ball>>,
+    p: Vec<Vec<Point>>,
+    q: Vec<Vec<Point>>,
     direct: [Ball; 5],
     /// A bound of what is missing, on the axis.
     slack: f64,
 }
 
-/// |H(i w)|^2 = 2 re sum c_j / (i w - s_j) + sum l_m w^(2 m), over all poles, conjugates too.
+/// |H(i w)|^2 = 2 re sum p_b (i w - D_b)^-1 g_b + sum l_m w^(2 m), over all blocks, conjugates too.
 pub struct Square {
-    /// Of the poles that `Resolvent::all` lists.
-    pub factors: Vec<Complex<Ball>>,
+    /// p_b and g_b of those blocks whose poles are real or above the axis.
+    pub rows: Vec<Vec<Point>>,
+    pub columns: Vec<Vec<Point>>,
     /// l_-2 .. l_2
     pub direct: [Ball; 5],
     pub slack: f64,
 }
 
-impl Pole {
-    fn is_real(&self) -> bool {
-        self.s.im.is_zero()
+/// A function of D_b: of a block, or of its conjugate.
+#[derive(Clone, Copy)]
+pub enum Value {
+    One(Point),
+    Two(Two),
+}
+
+impl Value {
+    /// p f(D) g
+    pub fn between(self, p: &[Point], g: &[Point]) -> Point {
+        match self {
+            Value::One(f) => p[0] * f * g[0],
+            Value::Two(f) => (0..2).fold(Complex::ZERO, |sum, i| sum + p[i] * (f.0[i][0] * g[0] + f.0[i][1] * g[1])),
+        }
+    }
+}
+
+fn conj(x: &[Point]) -> Vec<Point> {
+    x.iter().map(|z| z.conj()).collect()
+}
+
+/// Rows times columns, as lists of columns.
+fn times(x: &[Vec<Point>], d: &[Vec<Point>]) -> Vec<Vec<Point>> {
+    let (order, n) = (d.len(), x[0].len());
+    let entry = |i: usize, l: usize| (0..order).fold(Complex::ZERO, |sum: Point, m| sum + x[m][i] * d[m][l]);
+    (0..order).map(|l| (0..n).map(|i| entry(i, l)).collect()).collect()
+}
+
+fn across(x: &[Point], y: &[Point]) -> Point {
+    x.iter().zip(y).fold(Complex::ZERO, |sum, (x, y)| sum + *x * *y)
+}
+
+fn inverse(rows: &[Vec<Point>]) -> Vec<Vec<Point>> {
+    match rows {
+        [row] => vec![vec![row[0].inverse()]],
+        _ => Two(std::array::from_fn(|i| std::array::from_fn(|j| rows[i][j]))).inverse().0.map(Vec::from).into(),
+    }
+}
+
+fn sum_of_sizes(x: &[Point]) -> f64 {
+    x.iter().map(|z| z.magnitude()).sum::<f64>() * UP
+}
+
+impl Exact {
+    fn of(block: &Block) -> Option<Exact> {
+        let of = |rows: &[Vec<_>]| -> Vec<Vec<Point>> {
+            rows.iter().map(|row: &Vec<Complex<_>>| row.iter().map(|z| Complex::to_ball(*z)).collect()).collect()
+        };
+        let (d, x) = (of(&block.d), of(&block.x));
+        let mean = block.mean();
+        let far = -mean.re.hi;
+        // How far D is from a multiple of one.
+        let apart = (0..d.len()).flat_map(|i| {
+            let d = &d;
+            (0..d.len()).map(move |j| {
+                let entry = if i == j { d[i][j] - mean.to_ball() } else { d[i][j] };
+                entry.magnitude().powi(2)
+            })
+        });
+        let is_left = far > 0.0 && far.is_finite() && apart.sum::<f64>().sqrt() * UP <= MOST_APART * far;
+        is_left.then(|| Exact { is_real: block.is_real, rate: times(&x, &d), inverse: Vec::new(), d, x, far })
     }
 
-    fn exact(&self) -> Complex<Ball> {
-        self.s.to_ball()
+    fn order(&self) -> usize {
+        self.d.len()
     }
+
+    fn value(&self, f: impl Fn(&[Vec<Point>]) -> Value) -> Value {
+        f(&self.d)
+    }
+
+    /// The columns of K X + C X D + M X D^2 and of C X, with all that M and K may be off by.
+    fn applied(&self, space: &Space) -> [Vec<Vec<Point>>; 2] {
+        let n = space.n;
+        let twice = times(&self.rate, &self.d);
+        let by_c = |x: &[Point]| -> Vec<Point> {
+            (0..n).map(|i| (0..n).fold(Complex::ZERO, |sum: Point, j| sum + x[j].scale(space.c[(i, j)]))).collect()
+        };
+        let of = |l: usize| {
+            let (x, damped) = (&self.x[l], by_c(&self.rate[l]));
+            let stretched = x.iter().zip(&space.s).map(|(x, s)| x.magnitude() * s).sum::<f64>() * UP;
+            let moved = space.of_m * sum_of_sizes(&twice[l]);
+            let force = (0..n).map(|i| {
+                let slack = (moved + space.of_k * space.s[i] * stretched) * UP;
+                (twice[l][i] + damped[i] + x[i].scale(space.k[i])).widen(slack)
+            });
+            force.collect::<Vec<Point>>()
+        };
+        let order = self.order();
+        [(0..order).map(of).collect(), self.x.iter().map(|x| by_c(x)).collect()]
+    }
+}
+
+/// The Frobenius norm of D - mean, relative to the distance of the mean from the axis.
+const MOST_APART: f64 = 0.05;
+
+/// A row of Z^T L Z: a column of a block, or of its conjugate.
+#[derive(Clone, Copy)]
+struct Row {
+    block: usize,
+    is_mirrored: bool,
 }
 
 impl Resolvent {
     /// `None` if poles or vectors are not good enough for any bound.
     pub fn of(space: &Space) -> Option<Resolvent> {
-        let mut poles = starts(space)?;
-        refine(space, &mut poles);
-        let mut resolvent =
-            Resolvent { n: space.n, poles, slopes: Vec::new(), residual: f64::INFINITY, skew: f64::INFINITY };
+        let found = blocks(space)?;
+        let blocks: Vec<Exact> = found.iter().map(Exact::of).collect::<Option<_>>()?;
+        let count: usize = blocks.iter().map(|block| block.order() * if block.is_real { 1 } else { 2 }).sum();
+        if count != 2 * space.n {
+            return None;
+        }
+        let mut resolvent = Resolvent { n: space.n, blocks, relative: f64::INFINITY };
         resolvent.certify(space)?;
         Some(resolvent)
     }
 
-    /// Every pole, a pair one after the other.
-    pub fn all(&self) -> Vec<Complex<Ball>> {
-        let of = |pole: &Pole| {
-            let s = pole.exact();
-            if pole.is_real() { vec![s] } else { vec![s, s.conj()] }
-        };
-        self.poles.iter().flat_map(of).collect()
-    }
-
-    /// The bounds of the scaled residuals. Rows and columns are weighed by the distances of the poles from the axis.
+    /// Bounds the residuals. Rows and columns are weighed by the distances of the poles from the axis.
     fn certify(&mut self, space: &Space) -> Option<()> {
-        let count: usize = self.poles.iter().map(|pole| if pole.is_real() { 1 } else { 2 }).sum();
-        if count != 2 * self.n || self.poles.iter().any(|pole| !(pole.s.re.hi < 0.0 && pole.s.re.is_finite())) {
-            return None;
-        }
-        let columns: Vec<[Vec<Complex<Ball>>; 2]> = self.poles.iter().map(|pole| applied(space, pole)).collect();
-        // Rows: all poles; columns: one of each pair, for the others are conjugates.
-        let rows: Vec<(usize, bool)> = self
-            .poles
-            .iter()
-            .enumerate()
-            .flat_map(|(i, pole)| [(i, false), (i, true)].into_iter().take(if pole.is_real() { 1 } else { 2 }))
-            .collect();
-        let across = |row: &(usize, bool), column: &[Complex<Ball>]| {
-            self.poles[row.0].x.iter().zip(column).fold(Complex::ZERO, |sum, (x, y)| {
-                let x = if row.1 { x.conj() } else { *x };
-                sum + x.to_ball() * *y
+        let applied: Vec<[Vec<Vec<Point>>; 2]> = self.blocks.iter().map(|block| block.applied(space)).collect();
+        let rows: Vec<Row> = (0..self.blocks.len())
+            .flat_map(|block| {
+                let count = if self.blocks[block].is_real { 1 } else { 2 };
+                [false, true].into_iter().take(count).map(move |is_mirrored| Row { block, is_mirrored })
             })
-        };
-        let size = |x: &[Complex<Dd>]| x.iter().map(|x| x.to_f64().one_norm()).sum::<f64>() * UP;
-        let own = |i: usize| {
-            let pole = &self.poles[i];
-            // x^T C x + 2 s x^T M x
-            let square = across(&(i, false), &pole.x.iter().map(|x| x.to_ball()).collect::<Vec<_>>());
-            let twice = pole.exact().scale(Ball::from(2.0));
-            let slack = space.of_m * size(&pole.x).powi(2) * twice.magnitude() * UP;
-            widened(across(&(i, false), &columns[i][1]) + twice * square, slack)
-        };
-        self.slopes = (0..self.poles.len()).map(own).collect();
-        let inverse: Vec<f64> =
-            self.slopes.iter().map(|slope| (Complex::real(Ball::ONE) / *slope).magnitude()).collect();
-        let far: Vec<f64> = self.poles.iter().map(|pole| pole.s.re.hi.abs()).collect();
+            .collect();
+        for (b, [_, damped]) in applied.iter().enumerate() {
+            let own = Row { block: b, is_mirrored: false };
+            self.blocks[b].inverse = inverse(&self.slope(space, own, b, damped));
+        }
+        // A column of sizes for each column of each block, and the same for its conjugate.
         let (mut residuals, mut skews) = (Vec::new(), Vec::new());
-        for (j, pole) in self.poles.iter().enumerate() {
-            let of_x: Vec<Complex<Ball>> = pole.x.iter().map(|x| x.to_ball()).collect();
-            for row in &rows {
-                let residual = across(row, &columns[j][0]).magnitude() * inverse[row.0];
-                residuals.push(residual / (far[row.0] * far[j]).sqrt());
-                if *row == (j, false) {
-                    skews.push(0.0);
-                    continue;
+        for (b, [force, damped]) in applied.iter().enumerate() {
+            let block = &self.blocks[b];
+            let mut columns = vec![(Vec::new(), Vec::new()); block.order()];
+            for &row in &rows {
+                let other = &self.blocks[row.block];
+                let turned = |rows: &[Vec<Point>]| -> Vec<Vec<Point>> {
+                    if row.is_mirrored { rows.iter().map(|x| conj(x)).collect() } else { rows.to_vec() }
+                };
+                let (x, inverse) = (turned(&other.x), turned(&other.inverse));
+                let slope = self.slope(space, row, b, damped);
+                let is_own = row.block == b && !row.is_mirrored;
+                let by = (block.far / other.far).sqrt() * UP;
+                for (l, column) in columns.iter_mut().enumerate() {
+                    let right: Vec<Point> = x.iter().map(|x| across(x, &force[l])).collect();
+                    for inverse in &inverse {
+                        let residual = across(inverse, &right).magnitude();
+                        column.0.push(residual / (block.far * other.far).sqrt() * UP);
+                        let skew =
+                            (0..other.order()).fold(Complex::ZERO, |sum: Point, k| sum + inverse[k] * slope[k][l]);
+                        column.1.push(if is_own { 0.0 } else { skew.magnitude() * by });
+                    }
                 }
-                let other = if row.1 { self.poles[row.0].exact().conj() } else { self.poles[row.0].exact() };
-                let sum = other + pole.exact();
-                let slack = space.of_m * size(&self.poles[row.0].x) * size(&pole.x) * sum.magnitude() * UP;
-                let skew = across(row, &columns[j][1]) + sum * across(row, &of_x);
-                skews.push((skew.magnitude() + slack) * inverse[row.0] * (far[j] / far[row.0]).sqrt());
+            }
+            for (residual, skew) in columns {
+                if !block.is_real {
+                    residuals.push(residual.clone());
+                    skews.push(skew.clone());
+                }
+                residuals.push(residual);
+                skews.push(skew);
             }
         }
-        // A column of a conjugate has the same sizes in another order of rows.
-        let mirror: Vec<usize> = rows
-            .iter()
-            .enumerate()
-            .map(|(at, row)| match (row.1, self.poles[row.0].is_real()) {
-                (_, true) => at,
-                (false, _) => at + 1,
-                (true, _) => at - 1,
-            })
-            .collect();
-        let norm = |list: &[f64]| {
-            norm_bound(rows.len(), rows.len(), |i, j| {
-                let row = if rows[j].1 { mirror[i] } else { i };
-                list[rows[j].0 * rows.len() + row]
-            })
+        // The columns of conjugates have the same sizes in another order of rows: Frobenius's norm alone counts.
+        let norm = |list: &[Vec<f64>]| {
+            let squares: f64 = list.iter().flatten().map(|x| x * x).sum();
+            squares.sqrt() * UP
         };
-        (self.residual, self.skew) = (norm(&residuals) * UP, norm(&skews) * UP);
-        self.relative().map(|_| ())
+        let (residual, skew) = (norm(&residuals), norm(&skews));
+        self.relative = relative(residual, skew)?;
+        Some(())
     }
 
-    /// What a transfer function may be off by, relative to the product of its scaled rows.
-    fn relative(&self) -> Option<f64> {
-        const MOST: f64 = 0.1;
-        if !(self.skew < MOST && self.residual < MOST) {
-            return None;
-        }
-        let of_inverse = self.skew / (1.0 - self.skew);
-        let residual = self.residual / (1.0 - self.skew) * UP;
-        let of_poles = residual / (1.0 - residual);
-        Some((of_poles * (1.0 + of_inverse) + of_inverse) * UP)
+    /// A block of B: X_a^T C X_b + X_a^T M X_b D_b + (X_a D_a)^T M X_b.
+    fn slope(&self, space: &Space, row: Row, b: usize, damped: &[Vec<Point>]) -> Vec<Vec<Point>> {
+        let (a, b) = (&self.blocks[row.block], &self.blocks[b]);
+        let turned = |x: &[Point]| if row.is_mirrored { conj(x) } else { x.to_vec() };
+        let entry = |k: usize, l: usize| {
+            let (x, rate) = (turned(&a.x[k]), turned(&a.rate[k]));
+            let slack = sum_of_sizes(&x) * sum_of_sizes(&b.rate[l]) + sum_of_sizes(&rate) * sum_of_sizes(&b.x[l]);
+            let sum = across(&x, &damped[l]) + across(&x, &b.rate[l]) + across(&rate, &b.x[l]);
+            sum.widen(space.of_m * slack * UP)
+        };
+        (0..a.order()).map(|k| (0..b.order()).map(|l| entry(k, l)).collect()).collect()
+    }
+
+    /// The integrals of a function over i w - D_b, for every block and its conjugate.
+    pub fn values<'r>(
+        &'r self,
+        one: impl Fn(Point) -> Point + 'r,
+        two: impl Fn(Two) -> Two + 'r,
+    ) -> impl Iterator<Item = [Value; 2]> + 'r {
+        let of = move |d: &[Vec<Point>]| match d {
+            [row] => Value::One(one(row[0])),
+            _ => Value::Two(two(Two(std::array::from_fn(|i| std::array::from_fn(|j| d[i][j]))))),
+        };
+        self.blocks.iter().map(move |block| {
+            let direct = block.value(&of);
+            let mirrored: Vec<Vec<Point>> = block.d.iter().map(|row| conj(row)).collect();
+            [direct, if block.is_real { direct } else { of(&mirrored) }]
+        })
+    }
+
+    /// Whether a block has no conjugate besides.
+    pub fn is_real(&self, block: usize) -> bool {
+        self.blocks[block].is_real
     }
 
     /// The transfer function from a noise to the row of an output over the state, and what reaches it directly.
@@ -173,70 +268,71 @@ impl Resolvent {
         let n = self.n;
         let jump: Vec<Ball> = drive.jump.iter().zip(&space.s).map(|(jump, s)| *jump / Ball::from(*s)).collect();
         let size = jump.iter().map(|h| h.magnitude()).sum::<f64>() * UP;
-        // f + C h and M h, M = 1 but for small entries.
-        let force: Vec<Ball> =
-            (0..n).map(|i| (0..n).fold(drive.force[i], |sum, j| sum + space.c[(i, j)] * jump[j])).collect();
+        // f + C h and M h, where M is one but for small entries.
+        let force = |i: usize| (0..n).fold(drive.force[i], |sum, j| sum + space.c[(i, j)] * jump[j]);
+        let force: Vec<Ball> = (0..n).map(force).collect();
         let moved: Vec<Ball> =
             jump.iter().map(|h| if size > 0.0 { h.widen(space.of_m * size * UP) } else { *h }).collect();
-        let (mut residues, mut left, mut right) = (Vec::new(), 0.0, 0.0);
-        for (pole, slope) in self.poles.iter().zip(&self.slopes) {
-            let s = pole.exact();
-            let (mut p, mut q) = (Complex::ZERO, Complex::ZERO);
-            for i in 0..n {
-                let x = pole.x[i].to_ball();
-                p = p + x * (Complex::real(row[i] * Ball::from(space.s[i])) + s.scale(row[n + i]));
-                q = q + x * (Complex::real(force[i]) + s.scale(moved[i]));
-            }
-            let q = q / *slope;
-            let (count, far) = (if pole.is_real() { 1.0 } else { 2.0 }, pole.s.re.hi.abs());
-            left += count * p.magnitude().powi(2) / far;
-            right += count * q.magnitude().powi(2) / far;
-            residues.push(p * q);
-        }
-        let slack = self.relative()? * (left * UP).sqrt() * (right * UP).sqrt() * UP;
-        slack.is_finite().then_some(Parts { residues, direct, slack })
-    }
-
-    /// The sum over all poles of a function that is conjugate at a conjugate.
-    fn sum(&self, of: impl Fn(usize, Complex<Ball>) -> Complex<Ball>) -> Ball {
-        let term = |(j, pole): (usize, &Pole)| {
-            let value = of(j, pole.exact()).re;
-            if pole.is_real() { value } else { value + value }
+        let places: Vec<Ball> = (0..n).map(|i| row[i] * Ball::from(space.s[i])).collect();
+        let along = |x: &[Point], by: &[Ball]| {
+            x.iter().zip(by).filter(|(_, by)| !by.is_zero()).fold(Complex::ZERO, |sum, (x, by)| sum + x.scale(*by))
         };
-        self.poles.iter().enumerate().map(term).fold(Ball::ZERO, |sum, x| sum + x)
+        let (mut left, mut right) = (0.0, 0.0);
+        let (mut rows, mut columns) = (Vec::new(), Vec::new());
+        for block in &self.blocks {
+            let each = || block.x.iter().zip(&block.rate);
+            let p: Vec<Point> = each().map(|(x, rate)| along(x, &places) + along(rate, &row[n..])).collect();
+            let driven: Vec<Point> = each().map(|(x, rate)| along(x, &force) + along(rate, &moved)).collect();
+            let q: Vec<Point> = block.inverse.iter().map(|inverse| across(inverse, &driven)).collect();
+            let count = if block.is_real { 1.0 } else { 2.0 };
+            let square = |x: &[Point]| x.iter().map(|z| z.magnitude().powi(2)).sum::<f64>();
+            left += count * square(&p) / block.far;
+            right += count * square(&q) / block.far;
+            rows.push(p);
+            columns.push(q);
+        }
+        let slack = self.relative * (left * UP).sqrt() * (right * UP).sqrt() * UP;
+        slack.is_finite().then_some(Parts { p: rows, q: columns, direct, slack })
     }
 
     /// |H|^2 as H(s) H(-s), by partial fractions.
     pub fn square(&self, parts: &Parts) -> Square {
-        let Parts { residues, direct, slack } = parts;
-        let all = self.all();
-        let conjugate: Vec<Complex<Ball>> = self
-            .poles
-            .iter()
-            .zip(residues)
-            .flat_map(|(pole, r)| if pole.is_real() { vec![*r] } else { vec![*r, r.conj()] })
-            .collect();
-        let mirrored = |s: Complex<Ball>| {
-            let sum = all
-                .iter()
-                .zip(&conjugate)
-                .fold(Complex::ZERO, |sum: Complex<Ball>, (other, r)| sum - *r / (s + *other));
-            sum + laurent(direct, -s)
-        };
-        let mut factors = Vec::with_capacity(all.len());
-        for (pole, r) in self.poles.iter().zip(residues) {
-            let factor = if r.re.is_zero() && r.im.is_zero() { Complex::ZERO } else { *r * mirrored(pole.exact()) };
-            factors.push(factor);
-            if !pole.is_real() {
-                factors.push(factor.conj());
+        let columns = (0..self.blocks.len()).map(|b| self.mirrored(parts, b)).collect();
+        Square { rows: parts.p.clone(), columns, direct: self.even(parts), slack: parts.slack }
+    }
+
+    /// g_b = H(-D_b) q_b
+    fn mirrored(&self, parts: &Parts, b: usize) -> Vec<Point> {
+        let (own, q) = (&self.blocks[b], &parts.q[b]);
+        let mut sum = vec![Complex::ZERO; q.len()];
+        if parts.p[b].iter().all(|p| p.re.is_zero() && p.im.is_zero()) {
+            return sum;
+        }
+        let mut add = |found: Vec<Point>| sum.iter_mut().zip(found).for_each(|(sum, x)| *sum = *sum + x);
+        for (c, other) in self.blocks.iter().enumerate() {
+            add(coupled((&own.d, q), (&other.d, &parts.q[c]), &parts.p[c]));
+            if !other.is_real {
+                let d: Vec<Vec<Point>> = other.d.iter().map(|row| conj(row)).collect();
+                add(coupled((&own.d, q), (&d, &conj(&parts.q[c])), &conj(&parts.p[c])));
             }
         }
-        Square { factors, direct: self.even(residues, direct), slack: *slack }
+        add(laurent(&parts.direct, &own.d, q));
+        sum
+    }
+
+    /// The sum over all blocks of p f(D) q, f a power of D.
+    fn sum(&self, parts: &Parts, power: i32) -> Ball {
+        let term = |b: usize| {
+            let block = &self.blocks[b];
+            let value = across(&parts.p[b], &raised(&block.d, &parts.q[b], power)).re;
+            if block.is_real { value } else { value + value }
+        };
+        (0..self.blocks.len()).map(term).fold(Ball::ZERO, |sum, x| sum + x)
     }
 
     /// What |H|^2 has of w^-4 .. w^4.
-    fn even(&self, residues: &[Complex<Ball>], direct: &[Ball; 5]) -> [Ball; 5] {
-        let two = Ball::from(2.0);
+    fn even(&self, parts: &Parts) -> [Ball; 5] {
+        let (two, direct) = (Ball::from(2.0), &parts.direct);
         // Powers of s from -4 to 4: those of the direct parts among each other, then those with the poles.
         let mut powers = [Ball::ZERO; 9];
         for (k, a) in direct.iter().enumerate() {
@@ -246,229 +342,90 @@ impl Resolvent {
             }
         }
         if !direct[3].is_zero() {
-            powers[4] = powers[4] - two * direct[3] * self.sum(|j, _| residues[j]);
+            powers[4] = powers[4] - two * direct[3] * self.sum(parts, 0);
         }
         if !direct[4].is_zero() {
-            powers[4] = powers[4] + two * direct[4] * self.sum(|j, s| residues[j] * s);
+            powers[4] = powers[4] + two * direct[4] * self.sum(parts, 1);
         }
         if !direct[0].is_zero() {
-            powers[2] = powers[2] - two * direct[0] * self.sum(|j, s| residues[j] / s);
+            powers[2] = powers[2] - two * direct[0] * self.sum(parts, -1);
         }
         // s^2 = -w^2
         [powers[0], -powers[2], powers[4], -powers[6], powers[8]]
     }
 }
 
-/// The sum of factors of s^-2 .. s^2.
-fn laurent(factors: &[Ball; 5], s: Complex<Ball>) -> Complex<Ball> {
-    let mut sum = Complex::ZERO;
-    if factors[..2].iter().any(|factor| !factor.is_zero()) {
-        let inverse = Complex::real(Ball::ONE) / s;
-        sum = (inverse.scale(factors[0]) + Complex::real(factors[1])) * inverse;
+/// What bounds of the residual and of the skewness leave of a transfer function, whose resolvent is at most 1 / (1 - `MOST_APART`)
+/// on the axis once it is scaled.
+fn relative(residual: f64, skew: f64) -> Option<f64> {
+    const MOST: f64 = 0.1;
+    const RESOLVENT: f64 = 1.0 / (1.0 - MOST_APART) * UP;
+    let is_small = skew < MOST && residual < MOST;
+    if !is_small {
+        return None;
     }
-    sum + (s.scale(factors[4]) + Complex::real(factors[3])) * s + Complex::real(factors[2])
+    let of_inverse = skew / (1.0 - skew);
+    let residual = residual / (1.0 - skew) * RESOLVENT * UP;
+    let of_poles = residual / (1.0 - residual);
+    Some((of_poles * (1.0 + of_inverse) + of_inverse) * RESOLVENT * UP)
 }
 
-fn widened(z: Complex<Ball>, by: f64) -> Complex<Ball> {
-    Complex::new(z.re.widen(by), z.im.widen(by))
-}
-
-/// Q(s) x and C x, with all that M and K may be off by.
-fn applied(space: &Space, pole: &Pole) -> [Vec<Complex<Ball>>; 2] {
-    let (n, s) = (space.n, pole.exact());
-    let x: Vec<Complex<Ball>> = pole.x.iter().map(|x| x.to_ball()).collect();
-    let damped: Vec<Complex<Ball>> =
-        (0..n).map(|i| (0..n).fold(Complex::ZERO, |sum: Complex<Ball>, j| sum + x[j].scale(space.c[(i, j)]))).collect();
-    let sizes: Vec<f64> = pole.x.iter().map(|x| x.to_f64().one_norm() * UP).collect();
-    let (square, size) = (s * s, sizes.iter().sum::<f64>() * UP);
-    let stretched = sizes.iter().zip(&space.s).map(|(x, s)| x * s).sum::<f64>() * UP;
-    let force = (0..n).map(|i| {
-        let slack = square.magnitude() * space.of_m * size + space.of_k * space.s[i] * stretched;
-        widened((square + Complex::real(space.k[i])) * x[i] + s * damped[i], slack * UP)
-    });
-    [force.collect(), damped]
-}
-
-/// Starting values from the modes that dampers couple, part by part: they are proved afterwards.
-fn starts(space: &Space) -> Option<Vec<Pole>> {
-    let mut poles = Vec::with_capacity(2 * space.n);
-    for part in coupled(space) {
-        match part[..] {
-            [mode] => poles.extend(of_one(space, mode)),
-            _ => poles.extend(of_several(space, &part)?),
-        }
+/// P p^T for D P + P E^T = - q r^T, where the blocks D and E have columns q and r.
+fn coupled((d, q): (&[Vec<Point>], &[Point]), (e, r): (&[Vec<Point>], &[Point]), p: &[Point]) -> Vec<Point> {
+    if let ([d], [e]) = (d, e) {
+        return vec![-(q[0] * r[0] * p[0]) / (d[0] + e[0])];
     }
-    Some(poles)
-}
-
-/// The modes that dampers couple, directly or by way of others.
-fn coupled(space: &Space) -> Vec<Vec<usize>> {
-    let n = space.n;
-    let c = |i: usize, j: usize| space.c[(i, j)].to_f64();
-    let is_coupled = |i: usize, j: usize| c(i, j).abs() > UNCOUPLED * (c(i, i) * c(j, j)).sqrt();
-    let mut parts: Vec<Vec<usize>> = Vec::new();
-    let mut is_free = vec![true; n];
-    for first in 0..n {
-        if !std::mem::replace(&mut is_free[first], false) {
-            continue;
-        }
-        let (mut part, mut next) = (vec![first], 0);
-        while let Some(&i) = part.get(next) {
-            for (j, is_free) in is_free.iter_mut().enumerate().filter(|(j, is_free)| **is_free && is_coupled(i, *j)) {
-                *is_free = false;
-                part.push(j);
-            }
-            next += 1;
-        }
-        part.sort_unstable();
-        parts.push(part);
-    }
-    parts
-}
-
-/// The poles of a mode by itself. A double pole is split a little: the difference is part of the residual.
-fn of_one(space: &Space, mode: usize) -> Vec<Pole> {
-    /// Of what half the damping is, squared.
-    const SPLIT: f64 = 1e-20;
-    let (half, k) = (space.c[(mode, mode)].mid.scale(0.5), space.k[mode].mid);
-    let mut square = half.square() - k;
-    if square.hi.abs() < SPLIT * k.hi {
-        square = Dd::from(-SPLIT * k.hi);
-    }
-    let root = square.abs().sqrt();
-    let of = |s: Complex<Dd>| {
-        let mut x = vec![Complex::ZERO; space.n];
-        x[mode] = Complex::real(Dd::from(scale((s.to_f64().one_norm() * 2.0).sqrt())));
-        Pole { s, x }
+    let mean = |d: &[Vec<Point>]| {
+        let sum = (0..d.len()).fold(Complex::ZERO, |sum: Point, i| sum + d[i][i]).mid();
+        let part = 1.0 / d.len() as f64;
+        Complex::new(sum.re.scale(part), sum.im.scale(part)).to_ball()
     };
-    if square.hi < 0.0 {
-        return vec![of(Complex::new(-half, root))];
-    }
-    // The slow one of two real poles without cancellation.
-    let fast = -(half + root);
-    vec![of(Complex::real(fast)), of(Complex::real(k / fast))]
-}
-
-fn of_several(space: &Space, part: &[usize]) -> Option<Vec<Pole>> {
-    let n = part.len();
-    let entry = |i: usize, j: usize| match (i < n, j < n) {
-        (true, false) if i + n == j => space.s[part[i]],
-        (false, true) if i == j + n => -space.k[part[j]].to_f64() / space.s[part[j]],
-        (false, false) => -space.c[(part[i - n], part[j - n])].to_f64(),
-        _ => 0.0,
+    let (a, b) = (mean(d), mean(e));
+    let less = |d: &[Vec<Point>], mean: Point| -> Vec<Vec<Point>> {
+        let entry = |i: usize, j: usize| if i == j { d[i][j] - mean } else { d[i][j] };
+        (0..d.len()).map(|i| (0..d.len()).map(|j| entry(i, j)).collect()).collect()
     };
-    let schur = SchurForm::of(DMatrix::from_fn(2 * n, 2 * n, entry))?;
-    let list = schur.eigenvalues();
-    let vectors = schur.eigenvectors(&list);
-    let of = |(column, eigenvalue): (usize, &crate::analysis::poles::schur::Eigenvalue)| {
-        let s = eigenvalue.value;
-        let mut x = vec![Complex::ZERO; space.n];
-        // Of the place and the rate of each mode the larger one is the more accurate.
-        for (i, &mode) in part.iter().enumerate() {
-            let (place, rate) = (vectors.at(i, column), vectors.at(n + i, column));
-            let value =
-                if place.one_norm() >= rate.one_norm() { place.scale(1.0 / space.s[mode]) } else { rate * s.recip() };
-            x[mode] = if s.im == 0.0 { Complex::real(value.re) } else { value };
-        }
-        let slope = slope(space, s, &x).one_norm().sqrt();
-        let scale = scale(slope);
-        Pole { s: s.into(), x: x.into_iter().map(|x| x.scale(scale).into()).collect() }
-    };
-    Some(list.iter().enumerate().map(of).collect())
-}
-
-/// A power of two near 1 / size.
-fn scale(size: f64) -> f64 {
-    let exponent = -libm::log2(size).round();
-    if exponent.abs() < 500.0 { libm::exp2(exponent) } else { 1.0 }
-}
-
-/// x^T (C + 2 s) x in binary64.
-fn slope(space: &Space, s: Complex<f64>, x: &[Complex<f64>]) -> Complex<f64> {
-    (0..x.len()).fold(Complex::ZERO, |sum, i| {
-        let damped = (0..x.len()).fold(Complex::ZERO, |sum, j| sum + x[j].scale(space.c[(i, j)].to_f64()));
-        sum + x[i] * (damped + x[i] * s.scale(2.0))
-    })
-}
-
-/// Refines all poles together, each along the vectors of all others (see `analysis::poles::together`), in modal coordinates.
-fn refine(space: &Space, poles: &mut [Pole]) {
-    let mut last = f64::INFINITY;
-    for _ in 0..STEPS {
-        let short: Vec<(Complex<f64>, Vec<Complex<f64>>)> =
-            poles.iter().map(|pole| (pole.s.to_f64(), pole.x.iter().map(|x| x.to_f64()).collect())).collect();
-        let slopes: Vec<Complex<f64>> = short.iter().map(|(s, x)| slope(space, *s, x)).collect();
-        let mut largest = 0.0f64;
-        let steps: Vec<(Complex<f64>, Vec<Complex<f64>>)> = (0..poles.len())
-            .map(|j| {
-                let residual = residual(space, &poles[j]);
-                let step = step(&short, &slopes, j, &residual);
-                let size = |x: &[Complex<f64>]| x.iter().map(|x| x.one_norm()).fold(0.0, larger);
-                let relative = larger(step.0.one_norm() / short[j].0.one_norm(), size(&step.1) / size(&short[j].1));
-                largest = larger(largest, relative);
-                step
-            })
-            .collect();
-        let is_progress = largest < last && largest < 1e-3;
-        if !is_progress {
-            break;
-        }
-        last = largest;
-        for (pole, (ds, dx)) in poles.iter_mut().zip(steps) {
-            let is_real = pole.is_real();
-            let add = |z: Complex<Dd>, d: Complex<f64>| {
-                if is_real { Complex::real(z.re + Dd::from(d.re)) } else { z + d.into() }
-            };
-            pole.s = add(pole.s, ds);
-            pole.x.iter_mut().zip(dx).for_each(|(x, d)| *x = add(*x, d));
-        }
-        if largest < SETTLED {
+    let (rest_d, rest_e) = (less(d, a), less(e, b));
+    let inverse = (a + b).inverse();
+    // (a + b) P = - q r^T - N P - P N'^T, term by term of the geometric series.
+    let mut term: Vec<Vec<Point>> = q.iter().map(|q| r.iter().map(|r| -(*q * *r) * inverse).collect()).collect();
+    let mut sum = term.clone();
+    let size = |m: &[Vec<Point>]| m.iter().flatten().map(|z| z.magnitude().powi(2)).sum::<f64>().sqrt() * UP;
+    let ratio = (size(&rest_d) + size(&rest_e)) * inverse.magnitude() * UP;
+    let is_small = ratio < 0.5;
+    for _ in 0..MOST_TERMS {
+        let next = |i: usize, j: usize| {
+            let left = (0..d.len()).fold(Complex::ZERO, |sum: Point, k| sum + rest_d[i][k] * term[k][j]);
+            let both = (0..e.len()).fold(left, |sum, k| sum + term[i][k] * rest_e[j][k]);
+            -(both * inverse)
+        };
+        term = (0..d.len()).map(|i| (0..e.len()).map(|j| next(i, j)).collect()).collect();
+        sum.iter_mut().flatten().zip(term.iter().flatten()).for_each(|(sum, x)| *sum = *sum + *x);
+        if size(&term) <= 1e-36 * size(&sum) {
             break;
         }
     }
-}
-
-/// Q(s) x, rounded.
-fn residual(space: &Space, pole: &Pole) -> Vec<Complex<f64>> {
-    let (n, s, x) = (space.n, pole.s, &pole.x);
-    let square = s * s;
-    (0..n)
-        .map(|i| {
-            let damped = (0..n).fold(Complex::ZERO, |sum: Complex<Dd>, j| sum + x[j].scale(space.c[(i, j)].mid));
-            ((square + Complex::real(space.k[i].mid)) * x[i] + s * damped).to_f64()
-        })
+    let beyond = if is_small { 2.0 * ratio * size(&term) * UP } else { f64::INFINITY };
+    sum.iter()
+        .map(|row| row.iter().zip(p).fold(Complex::ZERO, |sum: Point, (x, p)| sum + x.widen(beyond) * *p))
         .collect()
 }
 
-/// The step of the Rayleigh quotient, and of the vector along all others.
-fn step(
-    short: &[(Complex<f64>, Vec<Complex<f64>>)],
-    slopes: &[Complex<f64>],
-    own: usize,
-    residual: &[Complex<f64>],
-) -> (Complex<f64>, Vec<Complex<f64>>) {
-    let s = short[own].0;
-    let mut dx = vec![Complex::ZERO; residual.len()];
-    let mut ds = Complex::ZERO;
-    for (i, ((other, x), slope)) in short.iter().zip(slopes).enumerate() {
-        for is_mirrored in [false, true] {
-            let turned = |z: Complex<f64>| if is_mirrored { z.conj() } else { z };
-            if is_mirrored && other.im == 0.0 {
-                continue;
-            }
-            let across = x.iter().zip(residual).fold(Complex::ZERO, |sum, (x, r)| sum + turned(*x) * *r);
-            let factor = across * turned(*slope).recip();
-            if i == own && !is_mirrored {
-                ds = -factor;
-                continue;
-            }
-            let gap = s - turned(*other);
-            if gap.one_norm() <= CLOSE * s.one_norm() {
-                continue;
-            }
-            let factor = -(factor * gap.recip());
-            dx.iter_mut().zip(x).for_each(|(d, x)| *d = *d + turned(*x) * factor);
-        }
+const MOST_TERMS: usize = 60;
+
+/// D^power q
+fn raised(d: &[Vec<Point>], q: &[Point], power: i32) -> Vec<Point> {
+    let by = if power < 0 { inverse(d) } else { d.to_vec() };
+    (0..power.abs()).fold(q.to_vec(), |q, _| by.iter().map(|row| across(row, &q)).collect())
+}
+
+/// The factors of s^-2 .. s^2 at - D, times q.
+fn laurent(factors: &[Ball; 5], d: &[Vec<Point>], q: &[Point]) -> Vec<Point> {
+    let mut sum = vec![Complex::ZERO; q.len()];
+    for (place, factor) in factors.iter().enumerate().filter(|(_, factor)| !factor.is_zero()) {
+        let signed = if place % 2 == 0 { *factor } else { -*factor };
+        let raised = raised(d, q, place as i32 - 2);
+        sum.iter_mut().zip(raised).for_each(|(sum, x)| *sum = *sum + Complex::scale(x, signed));
     }
-    (ds, dx)
+    sum
 }

@@ -4,6 +4,7 @@
 //! A band is cut into panels w = m + h x, -1 <= x <= 1, in which the power is a binomial series in x with a bounded rest. Near a
 //! pole the series is divided by x - z, which leaves a logarithm; far from it 1 / (x - z) is a geometric series.
 
+use super::argument::Argument;
 use crate::base::{Ball, Number, down, up};
 use crate::kernel::complex::Complex;
 use std::cell::OnceCell;
@@ -34,10 +35,10 @@ const LEFT: f64 = 1e-34;
 const MOST_TERMS: usize = 600;
 /// Poles nearer than this, in half widths, are divided by; the others are expanded.
 const NEAR: f64 = 2.0;
-/// Any pole that is not certainly near is certainly beyond.
-const FAR: f64 = 1.9;
-/// 1.9^-120 is 3e-34.
-const MOMENTS: usize = 120;
+/// The inverse of any pole that is not certainly near is certainly smaller.
+const FAR: f64 = 1.0 / 1.8;
+/// 1.8^-130 is 6e-34.
+const MOMENTS: usize = 130;
 
 /// A panel: the power law as a polynomial in x.
 struct Panel {
@@ -100,8 +101,8 @@ impl Panels {
     }
 
     /// The integral of the power law over i w - s.
-    pub fn over(&self, s: Complex<Ball>) -> Complex<Ball> {
-        self.list.iter().fold(Complex::ZERO, |sum, panel| sum + panel.over(s))
+    pub fn over<A: Argument>(&self, s: A) -> A {
+        self.list.iter().fold(A::of(Complex::ZERO), |sum, panel| sum.plus(panel.over(s)))
     }
 }
 
@@ -150,50 +151,45 @@ impl Panel {
     }
 
     /// The integral of Q(x) / (i (x - z)) dx, z = -(m + i s) / h.
-    fn over(&self, s: Complex<Ball>) -> Complex<Ball> {
-        let z = Complex::new((s.im - self.mid) / self.half, -s.re / self.half);
-        let least = (z.re.mignitude().powi(2) + z.im.mignitude().powi(2)).sqrt() * down::DOZENS;
-        let value = if z.magnitude() <= NEAR {
-            self.divided(z)
-        } else if least >= FAR {
-            self.expanded(z, least)
-        } else {
-            let unknown = Ball::ZERO.widen(f64::INFINITY);
-            Complex::new(unknown, unknown)
-        };
-        Complex::new(value.im, -value.re)
+    fn over<A: Argument>(&self, s: A) -> A {
+        // i s + m, times -1 / h
+        let z = s.turned().scale(-Ball::ONE).plus_number(self.mid).scale(-Ball::ONE / self.half);
+        let value = if z.size() <= NEAR { self.divided(z) } else { self.expanded(z) };
+        value.turned()
     }
 
     /// Q(x) = Q(z) + (x - z) B(x): Q(z) ln((1 - z) / (-1 - z)) and the integral of B.
-    fn divided(&self, z: Complex<Ball>) -> Complex<Ball> {
-        let (mut value, mut integral) = (Complex::ZERO, Complex::ZERO);
+    fn divided<A: Argument>(&self, z: A) -> A {
+        let (mut value, mut integral) = (A::of(Complex::ZERO), A::of(Complex::ZERO));
         for (k, &coefficient) in self.coefficients.iter().enumerate().rev() {
             // `value` is the coefficient of x^k in B, known from those above it.
             if k % 2 == 0 {
-                integral = integral + value.scale(Ball::from(2.0) / Ball::from(k as f64 + 1.0));
+                integral = integral.plus(value.scale(Ball::from(2.0) / Ball::from(k as f64 + 1.0)));
             }
-            value = value * z + Complex::real(coefficient);
+            value = value.times(z).plus_number(coefficient);
         }
-        let logarithm = logarithm(z);
-        let rest = self.rest * (logarithm.magnitude() + 2.0) * up::FEW;
-        let sum = value * logarithm + integral;
-        Complex::new(sum.re.widen(rest), sum.im.widen(rest))
+        let logarithm = z.logarithm();
+        let rest = self.rest * (logarithm.size() + 2.0) * up::FEW;
+        value.times(logarithm).plus(integral).widen(rest)
     }
 
     /// - sum z^(-k-1) times the integral of x^k Q
-    fn expanded(&self, z: Complex<Ball>, least: f64) -> Complex<Ball> {
-        let inverse = Complex::real(Ball::ONE) / z;
+    fn expanded<A: Argument>(&self, z: A) -> A {
+        let inverse = z.inverse();
+        let ratio = inverse.size();
+        let is_far = ratio < FAR;
+        if !is_far {
+            return inverse.widen(f64::INFINITY);
+        }
         let size = self.coefficients.iter().map(Ball::magnitude).sum::<f64>() * up::THOUSANDS;
         let moments = self.moments.get_or_init(|| moments(&self.coefficients));
-        let terms = ((78.0 / libm::log(least)).ceil().max(2.0) as usize).min(MOMENTS);
+        let terms = ((-78.0 / libm::log(ratio)).ceil().max(2.0) as usize).min(MOMENTS);
         // Horner's scheme from the last term.
-        let sum = moments[..terms]
-            .iter()
-            .rev()
-            .fold(Complex::ZERO, |sum: Complex<Ball>, &moment| (sum + Complex::real(moment)) * inverse);
-        let beyond = 2.0 * size * least.powi(-(terms as i32)) / (least - 1.0);
-        let left = (beyond + 2.0 * self.rest / (least - 1.0)) * up::THOUSANDS;
-        Complex::new((-sum.re).widen(left), (-sum.im).widen(left))
+        let all = moments[..terms].iter().rev();
+        let sum = all.fold(A::of(Complex::ZERO), |sum, &moment| sum.plus_number(moment).times(inverse));
+        let beyond = 2.0 * size * ratio.powi(terms as i32 + 1) / (1.0 - ratio);
+        let left = (beyond + 2.0 * self.rest * ratio / (1.0 - ratio)) * up::THOUSANDS;
+        sum.scale(-Ball::ONE).widen(left)
     }
 }
 
@@ -206,20 +202,6 @@ fn moments(coefficients: &[Ball]) -> Vec<Ball> {
         even.fold(Ball::ZERO, |sum, (l, &a)| sum + a * inverse[k + l])
     };
     (0..MOMENTS).map(moment).collect()
-}
-
-/// The integral of 1 / (x - z) over -1 .. 1: x - z stays on one side of the real axis.
-fn logarithm(z: Complex<Ball>) -> Complex<Ball> {
-    let unknown = Ball::ZERO.widen(f64::INFINITY);
-    let ends = [Ball::ONE - z.re, -Ball::ONE - z.re];
-    let [after, before] = ends.map(|re| re * re + z.im * z.im);
-    let angle =
-        |re: Ball| Number::atan2(&Number::Ball(-z.im), &Number::Ball(re)).map_or(unknown, |angle| angle.to_ball());
-    let size = Number::Ball(after / before).ln().map_or(unknown, |ln| ln.to_ball() * Ball::from(0.5));
-    if z.im.contains_zero() {
-        return Complex::new(unknown, unknown);
-    }
-    Complex::new(size, angle(ends[0]) - angle(ends[1]))
 }
 
 /// x^slope; `None` where the number leaves the range.

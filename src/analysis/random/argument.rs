@@ -1,0 +1,180 @@
+//! Arguments of functions that are integrated over a band: complex numbers, and matrices of order two for two poles that are nearly
+//! one. Enclosures, with bounds of norms.
+
+use crate::base::{Ball, Number, up};
+use crate::kernel::complex::Complex;
+
+pub type Point = Complex<Ball>;
+
+/// A matrix of order two, its rows.
+#[derive(Clone, Copy, Debug)]
+pub struct Two(pub [[Point; 2]; 2]);
+
+/// What a function that is a power series, or ends in a logarithm, may be taken of.
+pub trait Argument: Copy {
+    fn of(z: Point) -> Self;
+    fn plus(self, other: Self) -> Self;
+    fn times(self, other: Self) -> Self;
+    fn scale(self, by: Ball) -> Self;
+    fn inverse(self) -> Self;
+    /// An upper bound of the norm.
+    fn size(self) -> f64;
+    /// Every entry widened.
+    fn widen(self, by: f64) -> Self;
+    /// The integral of 1 / (x - z) over -1 .. 1, if the upper half-plane holds z.
+    fn logarithm(self) -> Self;
+
+    fn plus_number(self, x: Ball) -> Self {
+        self.plus(Self::of(Complex::real(x)))
+    }
+
+    /// The product with -i.
+    fn turned(self) -> Self {
+        self.times(Self::of(Complex::new(Ball::ZERO, -Ball::ONE)))
+    }
+}
+
+fn unknown() -> Ball {
+    Ball::ZERO.widen(f64::INFINITY)
+}
+
+impl Argument for Point {
+    fn of(z: Point) -> Point {
+        z
+    }
+
+    fn plus(self, other: Point) -> Point {
+        self + other
+    }
+
+    fn times(self, other: Point) -> Point {
+        self * other
+    }
+
+    fn scale(self, by: Ball) -> Point {
+        Complex::scale(self, by)
+    }
+
+    fn inverse(self) -> Point {
+        Complex::real(Ball::ONE) / self
+    }
+
+    fn size(self) -> f64 {
+        self.magnitude()
+    }
+
+    fn widen(self, by: f64) -> Point {
+        Complex::new(self.re.widen(by), self.im.widen(by))
+    }
+
+    /// x - z stays on one side of the real axis.
+    fn logarithm(self) -> Point {
+        if !self.im.is_positive() {
+            return Complex::new(unknown(), unknown());
+        }
+        let ends = [Ball::ONE - self.re, -Ball::ONE - self.re];
+        let [after, before] = ends.map(|re| re * re + self.im * self.im);
+        let angle = |re: Ball| {
+            Number::atan2(&Number::Ball(-self.im), &Number::Ball(re)).map_or(unknown(), |angle| angle.to_ball())
+        };
+        let size = Number::Ball(after / before).ln().map_or(unknown(), |ln| ln.to_ball() * Ball::from(0.5));
+        Complex::new(size, angle(ends[0]) - angle(ends[1]))
+    }
+}
+
+impl Two {
+    fn map(self, f: impl Fn(Point) -> Point) -> Two {
+        Two(self.0.map(|row| row.map(&f)))
+    }
+
+    /// Half the trace, as an exact number.
+    fn mean(self) -> Point {
+        let sum = (self.0[0][0] + self.0[1][1]).mid();
+        Complex::new(sum.re.scale(0.5), sum.im.scale(0.5)).to_ball()
+    }
+}
+
+impl Argument for Two {
+    fn of(z: Point) -> Two {
+        Two([[z, Complex::ZERO], [Complex::ZERO, z]])
+    }
+
+    fn plus(self, other: Two) -> Two {
+        Two(std::array::from_fn(|i| std::array::from_fn(|j| self.0[i][j] + other.0[i][j])))
+    }
+
+    fn times(self, other: Two) -> Two {
+        let entry = |i: usize, j: usize| self.0[i][0] * other.0[0][j] + self.0[i][1] * other.0[1][j];
+        Two(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
+    }
+
+    fn scale(self, by: Ball) -> Two {
+        self.map(|z| Complex::scale(z, by))
+    }
+
+    fn inverse(self) -> Two {
+        let [[a, b], [c, d]] = self.0;
+        let inverse = Complex::real(Ball::ONE) / (a * d - b * c);
+        Two([[d, -b], [-c, a]]).map(|z| z * inverse)
+    }
+
+    /// Frobenius's norm.
+    fn size(self) -> f64 {
+        self.0.iter().flatten().map(|z| z.magnitude().powi(2)).sum::<f64>().sqrt() * up::DOZENS
+    }
+
+    fn widen(self, by: f64) -> Two {
+        self.map(|z| z.widen(by))
+    }
+
+    /// ln(1 - z - N) - ln(-1 - z - N) as power series in N, z the mean.
+    fn logarithm(self) -> Two {
+        const MOST: usize = 200;
+        const SETTLED: f64 = 1e-36;
+        let mean = self.mean();
+        let rest = self.plus(Two::of(-mean));
+        let mut sum = Two::of(mean.logarithm());
+        for end in [Ball::ONE, -Ball::ONE] {
+            let inverse = Complex::real(Ball::ONE) / (Complex::real(end) - mean);
+            let by = rest.map(|z| z * inverse);
+            let ratio = by.size();
+            let is_small = ratio < 0.5;
+            if !is_small {
+                return sum.widen(f64::INFINITY);
+            }
+            let sign = if end.is_positive() { -Ball::ONE } else { Ball::ONE };
+            let mut power = by;
+            for k in 1..=MOST {
+                sum = sum.plus(power.scale(sign / Ball::from(k as f64)));
+                let size = power.size() * ratio;
+                if size < SETTLED || k == MOST {
+                    sum = sum.widen(2.0 * size * up::FEW);
+                    break;
+                }
+                power = power.times(by);
+            }
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On the diagonal of a triangular matrix are the logarithms of its numbers, and in its corner their divided difference.
+    #[test]
+    fn a_logarithm_of_a_matrix_is_that_of_its_numbers() {
+        let point = |re: f64, im: f64| Complex::new(Ball::from(re), Ball::from(im));
+        let (a, b, corner) = (point(0.0375, 1.0), point(0.039, 1.0625), Ball::from(0.125));
+        let found = Two([[a, Complex::real(corner)], [Complex::ZERO, b]]).logarithm();
+        let [x, y] = [a, b].map(|z| z.logarithm());
+        let difference = Complex::scale((x - y) / (a - b), corner);
+        for (entry, truth, most) in
+            [(found.0[0][0], x, 1e-26), (found.0[1][1], y, 1e-26), (found.0[0][1], difference, 1e-24)]
+        {
+            let off = entry - truth;
+            assert!(off.re.contains_zero() && off.im.contains_zero() && off.magnitude() < most, "{entry:?} {truth:?}");
+        }
+    }
+}
