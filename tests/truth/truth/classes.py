@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, emitted, equations, equations_examples, extrema, extremes, large, measures, modal, modes, motions, planar, poles, reactions, sensitivities, solving, transfer
+from . import coupled, emitted, equations, equations_examples, extrema, extremes, large, measures, modal, modes, motions, noise, planar, poles, reactions, sensitivities, solving, transfer
 
 
 @dataclass(frozen=True)
@@ -35,4 +35,5 @@ ALL = {
     "examples": Class(equations_examples.scene, equations_examples.check, 22, 22),
     "planar": Class(planar.scene, planar.check, 10000, 100),
     "reactions": Class(reactions.scene, reactions.check, 5000, 60),
+    "noise": Class(noise.scene, noise.check, 5000, 60),
 }

@@ -1,0 +1,227 @@
+"""Root mean squares and upward zero crossings under noise: white (partial fractions in exact arithmetic), in bands, between corner points,
+on roads (certified integrals of |H|^2 S), and under several independent noises."""
+
+from flint import acb, acb_poly, arb, ctx, fmpq, fmpq_mat, fmpq_poly
+
+from . import draw, transfer
+from .exact import I, pi, roots
+from .net import GROUND
+from .tally import decimal
+
+# Precisions that are tried in turn.
+BITS = (110, 250, 600)
+# Bounds are printed of binary64 numbers: an integral with more digits than this shows nothing more.
+RELATIVE = arb(2) ** -75
+
+
+class Noise:
+    """A density: pieces (f1, f2, value at f1, slope or None, value at f2) in Hz, or a white one."""
+
+    def __init__(self, words, pieces=None, white=None, derivative=0):
+        self.words, self.pieces, self.white, self.derivative = words, pieces, white, derivative
+
+
+def scene(rng):
+    """A damped net, its first input and sometimes a second force under noise."""
+    net = transfer.scene(rng, 4, rng.choice((0, 0, 1, 2, 3)))
+    while not net.dampers:
+        net = transfer.scene(rng, 4, rng.choice((0, 0, 1, 2, 3)))
+    unit, kinds = "N^2", 1
+    if net.bases:
+        unit, kinds = "m^2", 3
+    net.noises = {net.inputs()[0]: drawn(rng, net, unit, kinds)}
+    if rng.random() < 0.3:
+        net.forces.append(rng.randrange(net.size()))
+        net.noises[net.inputs()[-1]] = drawn(rng, net, "N^2", 1)
+    plain = net.text
+
+    def text():
+        rows = []
+        for row in plain().splitlines():
+            words = row.split()
+            name = words[1].rstrip(":") if words[0] in ("base", "force") else None
+            rows.append(row + (f" = noise({net.noises[name].words})" if name in net.noises else ""))
+        return "\n".join(rows) + "\n"
+
+    net.text = text
+    net.smaller = lambda: iter(())
+    return net
+
+
+def drawn(rng, net, unit, kinds):
+    """Noise of one of the forms, near the poles of a net mostly."""
+    derivative = rng.randrange(kinds)
+    unit = {0: unit, 1: "m^2/s^2", 2: "m^2/s^4"}[derivative] if unit == "m^2" else unit
+    kind = rng.choice(("white", "flat", "flat", "points", "points", "points") + (("road", "road") if unit == "m^2" else ()))
+    level = draw.decimal_word(rng, -3, 3)
+    if kind == "white":
+        return Noise(f"white {level} {unit}/Hz", white=decimal(level), derivative=derivative)
+    if kind == "road":
+        speed = draw.decimal_word(rng, 0, 2, 2)
+        v = decimal(speed)
+        low, high = fmpq(11, 1000) * v, fmpq(283, 100) * v
+        size = decimal(level) * (fmpq(1, 10) / fmpq(11, 1000)) ** 2 / v
+        return Noise(f"road({level} m^3, {speed} m/s)", [(low, high, size, fmpq(-2), None)], derivative=0)
+    words = frequencies(rng, net, 2 if kind == "flat" else rng.choice((2, 3, 4)))
+    if kind == "flat":
+        if rng.random() < 0.25:
+            words[0] = "0"
+        low, high = decimal(words[0]), decimal(words[1])
+        return Noise(f"{level} {unit}/Hz, {words[0]} Hz .. {words[1]} Hz", [(low, high, decimal(level), fmpq(0), None)],
+                     derivative=derivative)
+    levels = [draw.decimal_word(rng, -3, 3) for _ in words]
+    points = ", ".join(f"({f} Hz, {s} {unit}/Hz)" for f, s in zip(words, levels))
+    ends = list(zip(map(decimal, words), map(decimal, levels)))
+    return Noise(points, [(a, b, s, None, t) for (a, s), (b, t) in zip(ends, ends[1:])], derivative=derivative)
+
+
+def frequencies(rng, net, count):
+    """Ascending decimal words about the poles, or anywhere."""
+    ctx.prec = 100
+    m, c, k = net.matrices()
+    sizes = [float(abs(root).mid()) / 6.283 for root, _ in roots(denominator(net), 60) if root != 0] or [1.0]
+    found = set()
+    while len(found) < count:
+        place = rng.choice(sizes) * 10 ** rng.uniform(-1.5, 1.5)
+        word = f"{place:.{rng.choice((1, 2, 5))}e}"
+        found.add(word)
+    return sorted(found, key=float)
+
+
+def denominator(net):
+    """det Q"""
+    row = [[fmpq(0)] * 3 for _ in range(net.size())]
+    return transfer.quotient(net, row, row)[1]
+
+
+def reduced(top, bottom):
+    common = top.gcd(bottom)
+    return (top // common, bottom // common) if common.degree() > 0 else (top, bottom)
+
+
+def white(top, bottom):
+    """The integral of |H|^2 over all frequencies from 0, Hz; None if it is infinite."""
+    if top.is_zero():
+        return arb(0)
+    top, bottom = reduced(top, bottom)
+    n = bottom.degree()
+    if top.degree() >= n:
+        return None
+    if any(not root.real < 0 for root, _ in roots(bottom, 200)):
+        return None
+    # N(s) N(-s) = X(s) D(-s) + X(-s) D(s); half the integral is x_{n-1} / d_n.
+    mirrored = lambda p: fmpq_poly([x * (-1) ** i for i, x in enumerate(p.coeffs())])
+    product = top * mirrored(top)
+    rows = fmpq_mat(n, n)
+    right = fmpq_mat(n, 1)
+    d = bottom.coeffs()
+    for m in range(n):
+        # The coefficient of s^(2 m): X(s) D(-s) has x_j d_l (-1)^l, twice.
+        for j in range(n):
+            l = 2 * m - j
+            if 0 <= l <= n:
+                rows[m, j] += 2 * d[l] * (-1) ** l
+        right[m, 0] = product[2 * m] if 2 * m <= product.degree() else fmpq(0)
+    x = rows.solve(right)
+    return arb(x[n - 1, 0] / d[n]) / 2
+
+
+def banded(top, bottom, noise, more):
+    """The integral of |H|^2 S (2 pi f)^more over the bands, Hz; None if it is infinite."""
+    if top.is_zero():
+        return arb(0)
+    top, bottom = reduced(top, bottom)
+    above, below = acb_poly(top), acb_poly(bottom)
+    total = arb(0)
+    for low, high, size, slope, last in noise.pieces:
+        ends = [arb(low), arb(high)]
+        if slope is None:
+            exponent = (arb(last) / arb(size)).log() / (arb(high) / arb(low)).log()
+        else:
+            exponent = arb(slope)
+
+        def gain(f):
+            s = I * 2 * pi() * f
+            h = above(s) * above(-s) / (below(s) * below(-s))
+            return h * (2 * pi() * f) ** more if more else h
+
+        if low == 0:
+            if bottom.coeffs()[0] == 0:
+                return None
+            total += arb(size) * acb.integral(lambda f, _: gain(f), 0, high, rel_tol=RELATIVE).real
+            continue
+
+        def of_log(x, _):
+            f = x.exp()
+            return gain(f) * arb(size) * (exponent * (x - arb(low).log())).exp() * f
+
+        places = sorted({float(abs(root.imag).mid()) / 6.283185307179586 for root, _ in roots(bottom, 60)})
+        cuts = [arb(low)] + [arb(p) for p in places if float(low.p) / float(low.q) < p < float(high.p) / float(high.q)] + [arb(high)]
+        for a, b in zip(cuts, cuts[1:]):
+            total += acb.integral(of_log, a.log(), b.log(), rel_tol=RELATIVE).real
+    return total
+
+
+def true_square(net, i, more):
+    """The mean square of an output (more = 0), or of its rate (more = 2): None if it is infinite."""
+    for bits in BITS:
+        ctx.prec = bits
+        found = square_at(net, i, more)
+        if found is None or found == 0 or found.rel_accuracy_bits() > 70:
+            break
+    return found
+
+
+def square_at(net, i, more):
+    total = arb(0)
+    for name, noise in net.noises.items():
+        top, bottom = transfer.function(net, i, name)
+        bottom = bottom * fmpq_poly([0, 1]) ** noise.derivative
+        if noise.white is None:
+            part = banded(top, bottom, noise, more)
+        else:
+            part = white(top * fmpq_poly([0, 1]) ** (more // 2), bottom)
+            part = None if part is None else part * arb(noise.white)
+        if part is None:
+            return None
+        total += part
+    return total
+
+
+def check(net, program, tally, rng):
+    """Compares every rms and every rate of crossings."""
+    tally.command = "vibc analyze MODEL --format json"
+    answer = program.run("analyze", net.text(), "--format", "json")
+    told = answer.json()
+    if told is None:
+        tally.refuse(answer.reason())
+        return
+    found = {row["output"]: row for row in told.get("noise") or []}
+    for i in range(len(net.outputs)):
+        row = found.get(f"y{i}")
+        if row is None:
+            continue
+        square = true_square(net, i, 0)
+        compare(tally, "rms", row["rms"], row["rms_error_bound"], row["rms_reason"], None if square is None else square.sqrt())
+        if square is None or row["crossings_reason"] is not None and "rate" in row["crossings_reason"]:
+            continue
+        rate = true_square(net, i, 2)
+        if rate is not None and not square > 0:
+            continue
+        truth = None if rate is None else (rate / square).sqrt() / (2 * pi())
+        compare(tally, "crossings", row["crossings_hz"], row["crossings_error_bound"], row["crossings_reason"], truth)
+
+
+def compare(tally, kind, told, bound, reason, truth):
+    """A number, or that it is infinite, or that nothing is proved."""
+    if told is None:
+        is_infinite = reason.startswith("infinite")
+        if is_infinite:
+            tally.verdict(f"{kind} is infinite", True, truth is None)
+        else:
+            tally.refuse(reason)
+        return
+    if truth is None:
+        tally.violate(kind, told, "infinite", bound)
+        return
+    tally.relative(kind, told, bound, truth)
