@@ -377,7 +377,7 @@ pub const MEASURES: &[Named<Measure>] = &[
             form: "rms(output, noise)",
             example: "rms(output, noise)",
             meaning: "The root mean square: under noise, or over the simulated time where no noise acts. Where both act, \
-                      `rms(output, noise)` or `rms(output, time)`.",
+                      `rms(output, noise)` or `rms(output, time)`; under noise, within a band: `rms(output, 20 Hz .. 2 kHz)`.",
             arguments: &[Argument::Output, Argument::Cause],
             optional: 1,
             named: &[],

@@ -306,8 +306,14 @@ impl<'a> Check<'a> {
         Ok(Measured { measure: Measure::Gain { input, output, frequency }, dimension })
     }
 
-    /// `rms(x)`, `rms(x, noise)`, `rms(x, time)`.
+    /// `rms(x)`, `rms(x, noise)`, `rms(x, time)`, `rms(x, 20 Hz .. 2 kHz)`.
     fn rms(&mut self, output: ExprId, cause: Option<ExprId>, environment: Environment) -> Evaluated<Measured> {
+        if let Some(range) = cause.filter(|&cause| matches!(self.tree.expr(cause).kind, ExprKind::Range { .. })) {
+            let combination = self.measured_output(output, environment);
+            let range = self.frequencies(range, environment)?;
+            let Combination { terms: output, dimension, .. } = combination?;
+            return Ok(Measured { measure: Measure::RmsWithin { output, range }, dimension });
+        }
         let Combination { terms: output, dimension, .. } = self.measured_output(output, environment)?;
         let signals = || self.scene.inputs.iter().flat_map(|input| &input.signal);
         let has_noise = signals().any(|signal| matches!(signal, Signal::Noise(_)));

@@ -6,6 +6,7 @@ use super::error::{PartError, ValueError};
 use super::evaluate::Evaluated;
 use super::expect::Expected;
 use super::scope::Environment;
+use super::tables::{First, TableRequest};
 use super::value::{Scalar, Value};
 use crate::base::density::{Band, Course, Density};
 use crate::base::{Angle, Dimension, Number, Span};
@@ -48,6 +49,7 @@ impl<'a> Check<'a> {
                     let word = self.sources.slice(Span::new(file, start, start + usize::from(name_len)));
                     let arguments = self.tree.list(arguments).to_vec();
                     match (word, &arguments[..]) {
+                        ("table", [file, unit]) => self.density_table([*file, *unit], kinds, environment),
                         ("road", [roughness, speed]) => self.road((*roughness, *speed), None, kinds, call, environment),
                         ("road", [roughness, speed, range]) => {
                             self.road((*roughness, *speed), Some(*range), kinds, call, environment)
@@ -119,6 +121,40 @@ impl<'a> Check<'a> {
             Band { from: from.clone(), to: to.clone(), course }
         });
         Ok(Noisy { density: Density::Bands(bands.collect()), derivative: known.unwrap_or(0) })
+    }
+
+    /// `table("psd.csv", 1 m^2/Hz)`: frequencies and densities, on a line between its rows.
+    fn density_table(
+        &mut self,
+        [name, unit]: [ExprId; 2],
+        kinds: &[SignalKind],
+        environment: Environment,
+    ) -> Evaluated<Noisy> {
+        let (factor, derivative) = self.density(unit, kinds, environment)?;
+        let read = kinds[derivative].density;
+        let node = *self.tree.expr(name);
+        if !matches!(node.kind, ExprKind::Text) {
+            let error = ValueError::Kind { span: node.span, needed: "a file name in quotes", found: "a number" };
+            return self.fail(environment, error);
+        }
+        let file = self.sources.slice(node.span).trim_matches('"').to_string();
+        let Some(table) = self.sources.table(node.span.file(), &file) else {
+            return Ok(Noisy { density: Density::Bands(Vec::new()), derivative });
+        };
+        let unit = Some((factor, self.tree.expr(unit).span));
+        let asked = TableRequest { named: node.span, unit, first: First::Frequency, read: &read };
+        let rows = self.table_rows(table, &asked, environment)?;
+        let is_wrong = |(f, s): (&Number, &Number)| f.is_negative() || s.is_negative();
+        if rows.times.iter().zip(&rows.values).any(is_wrong) || rows.values.iter().all(Number::is_zero) {
+            return self.fail(environment, PartError::NoiseTable { span: node.span });
+        }
+        let ends: Vec<(&Number, &Number)> = rows.times.iter().zip(&rows.values).collect();
+        let bands = ends.windows(2).map(|pair| {
+            let [(from, low), (to, high)] = [pair[0], pair[1]];
+            let course = Course::Line { low: low.clone(), high: high.clone() };
+            Band { from: from.clone(), to: to.clone(), course }
+        });
+        Ok(Noisy { density: Density::Bands(bands.collect()), derivative })
     }
 
     /// G(n) = G(n0) (n / n0)^-2 over wave numbers, at a speed: S(f) = G(f / v) / v (ISO 8608:2016).

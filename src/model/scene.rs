@@ -547,6 +547,11 @@ pub enum Measure {
         output: Vec<MotionTerm>,
         of: Cause,
     },
+    /// Under noise, of what the output has between two frequencies.
+    RmsWithin {
+        output: Vec<MotionTerm>,
+        range: [Number; 2],
+    },
     /// The one-sided density under noise.
     Psd {
         output: Vec<MotionTerm>,

@@ -270,7 +270,8 @@ impl<'a> Check<'a> {
         let file = self.sources.slice(node.span).trim_matches('"').to_string();
         let rows = match self.sources.table(node.span.file(), &file) {
             Some(table) => {
-                let asked = tables::TableRequest { named: node.span, unit, speed, read };
+                let first = speed.map_or(tables::First::Time, tables::First::Distance);
+                let asked = tables::TableRequest { named: node.span, unit, first, read };
                 Some(self.table_rows(table, &asked, environment)?)
             }
             None => None,

@@ -12,7 +12,7 @@ use super::expect::Expected;
 use super::scene::TableRows;
 use super::scope::Environment;
 use crate::base::unit::{self, Scale, Unit};
-use crate::base::{Dimension, FileId, Literals, Number, Rational, Span};
+use crate::base::{Angle, Dimension, FileId, Literals, Number, Rational, Span};
 use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::Arc;
@@ -33,10 +33,17 @@ pub struct TableRequest<'e> {
     pub named: Span,
     /// The SI value of a 1 in the table, and where it is written.
     pub unit: Option<(Number, Span)>,
-    /// The first column is a distance that is covered at this speed, m/s.
-    pub speed: Option<Number>,
+    pub first: First,
     /// The quantity of the values.
     pub read: &'e Expected,
+}
+
+/// What the first column of a table holds.
+pub enum First {
+    Time,
+    /// A distance that is covered at this speed, m/s.
+    Distance(Number),
+    Frequency,
 }
 
 /// The heading of a table.
@@ -82,7 +89,10 @@ impl<'a> Check<'a> {
             _ => Number::ONE,
         };
         let first = heading.as_ref().map_or(Number::ONE, |heading| factor(&heading.first));
-        let first = asked.speed.as_ref().map_or(first.clone(), |speed| &first / speed);
+        let first = match &asked.first {
+            First::Distance(speed) => &first / speed,
+            First::Time | First::Frequency => first,
+        };
         let values = match (&asked.unit, &heading) {
             (Some((unit, _)), _) => unit.clone(),
             (None, Some(heading)) => factor(&heading.values),
@@ -103,11 +113,19 @@ impl<'a> Check<'a> {
                 return self.fail(environment, PartError::TableUnitUnknown { span: column.span, named });
             }
         }
-        let wanted = if asked.speed.is_some() { Dimension::LENGTH } else { Dimension::TIME };
+        let wanted = match asked.first {
+            First::Time => Dimension::TIME,
+            First::Distance(_) => Dimension::LENGTH,
+            First::Frequency => Dimension::FREQUENCY,
+        };
         if let Some(unit) = &heading.first.unit
-            && unit.dimension != wanted
+            && (unit.dimension != wanted || (wanted == Dimension::FREQUENCY && unit.angle != Angle::Cycles))
         {
-            let (span, is_distance) = (heading.first.span, unit.dimension == Dimension::LENGTH);
+            let span = heading.first.span;
+            if wanted == Dimension::FREQUENCY {
+                return self.fail(environment, PartError::TableFrequencies { span, named });
+            }
+            let is_distance = unit.dimension == Dimension::LENGTH;
             return self.fail(environment, PartError::TableFirstColumn { span, named, is_distance });
         }
         let span = heading.values.span;

@@ -22,6 +22,7 @@ pub enum Probe {
     Static(usize),
     Peak(usize),
     Rms(usize, Cause),
+    RmsWithin(usize, [Number; 2]),
     Psd(usize, Number),
     Crossings(usize),
     PeakGain(usize, usize, Option<[Number; 2]>),
@@ -93,6 +94,7 @@ impl Outputs {
             Measure::Static { output } => Probe::Static(add(output)),
             Measure::Peak { output } => Probe::Peak(add(output)),
             Measure::Rms { output, of } => Probe::Rms(add(output), *of),
+            Measure::RmsWithin { output, range } => Probe::RmsWithin(add(output), range.clone()),
             Measure::Psd { output, frequency } => Probe::Psd(add(output), frequency.clone()),
             Measure::Crossings { output } => Probe::Crossings(add(output)),
             Measure::PeakGain { input, output, range } => Probe::PeakGain(input.index(), add(output), range.clone()),
@@ -145,8 +147,9 @@ impl Probe {
     /// Whether every mode is needed.
     pub fn takes_all_modes(&self) -> bool {
         self.any(|probe| {
-            let of_noise = matches!(probe, Probe::Crossings(_) | Probe::Rms(_, Cause::Noise | Cause::Either));
-            of_noise || matches!(probe, Probe::EffectiveMass(..))
+            let is_of_noise = matches!(probe, Probe::Crossings(_) | Probe::RmsWithin(..));
+            let is_of_modes = matches!(probe, Probe::EffectiveMass(..));
+            is_of_noise || is_of_modes || matches!(probe, Probe::Rms(_, Cause::Noise | Cause::Either))
         })
     }
 
@@ -154,7 +157,7 @@ impl Probe {
     pub fn of_signals(&self) -> bool {
         self.any(|probe| {
             let is_of_time = matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Peak(_));
-            is_of_time || matches!(probe, Probe::Rms(..) | Probe::Psd(..) | Probe::Crossings(_))
+            is_of_time || matches!(probe, Probe::Rms(..) | Probe::RmsWithin(..) | Probe::Psd(..) | Probe::Crossings(_))
         })
     }
 
@@ -247,8 +250,13 @@ impl Measured<'_> {
                 let loads = self.loads();
                 transfer.map_or(NONE, |transfer| measures::static_value(transfer, &loads, *output))
             }
-            Probe::Psd(..) | Probe::Crossings(_) | Probe::Rms(_, Cause::Noise) if self.context.noises.is_empty() => {
+            Probe::Psd(..) | Probe::Crossings(_) | Probe::RmsWithin(..) | Probe::Rms(_, Cause::Noise)
+                if self.context.noises.is_empty() =>
+            {
                 Measurement::None("no input has noise")
+            }
+            Probe::RmsWithin(output, [low, high]) => {
+                self.under_noise(system, |random| random.rms_within(&system.outputs[*output], [low, high]))
             }
             Probe::Psd(output, at) => transfer
                 .map_or(NONE, |transfer| spread(random::density(transfer, system, &self.context.noises, *output, at))),

@@ -173,6 +173,7 @@ impl QuestionOverRange<'_> {
             | Probe::Critical(_)
             | Probe::Peak(_)
             | Probe::Rms(..)
+            | Probe::RmsWithin(..)
             | Probe::Psd(..)
             | Probe::Crossings(_)
             | Probe::PeakGain(..)

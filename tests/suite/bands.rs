@@ -4,9 +4,10 @@
 // The digits of the quadrature, as it printed them.
 #![allow(clippy::excessive_precision)]
 
-use crate::random::{assert_is, under_noise};
+use crate::random::{answer, assert_is, under_noise};
 use std::f64::consts::TAU;
 use vibc::Spread;
+use vibc::base::{SourceFile, SourceKind, Sources};
 
 fn oscillator(c: &str, noise: &str, outputs: &str) -> String {
     format!(
@@ -178,4 +179,60 @@ fn what_is_not_proved_has_no_number() {
     let text = "body b { mass = 2 kg, moves x }\nspring s: ground -- b { k = 50 N/m }\n\
                 force F: b along x = noise(6 N^2/Hz, 2 Hz .. 3 Hz)\noutput x = b.x\n";
     assert!(matches!(under_noise(text)[0].0, Spread::Unknown(_)));
+}
+
+/// The same motion between two frequencies: parts add up to the whole, also of white noise, which has no ends of its own.
+#[test]
+fn an_rms_within_a_band() {
+    let value = |noise: &str, require: &str| {
+        let text = oscillator("3", noise, &format!("output x = b.x\nrequire {require} < 1 km\n"));
+        answer(&text).requirements[0].shown_value().expect("a number").number.to_f64()
+    };
+    let white = "noise(white 6 N^2/Hz)";
+    let flat = value("noise(6 N^2/Hz, 0.5 Hz .. 2 Hz)", "rms(x)");
+    assert!((value(white, "rms(x, 0.5 Hz .. 2 Hz)") / flat - 1.0).abs() < 1e-15);
+    let corners = "noise((0.5 Hz, 2 N^2/Hz), (4 Hz, 7 N^2/Hz), (10 Hz, 0.5 N^2/Hz))";
+    let parts = ["0 Hz .. 1 Hz", "1 Hz .. 5 Hz", "5 Hz .. 1 kHz"];
+    let sum: f64 = parts.iter().map(|part| value(corners, &format!("rms(x, {part})")).powi(2)).sum();
+    assert!((sum.sqrt() / value(corners, "rms(x)") - 1.0).abs() < 1e-14, "{sum}");
+    assert_eq!(value(corners, "rms(x, 11 Hz .. 12 Hz)"), 0.0);
+    // With a motion in time besides, a band is of the noise alone.
+    let text = oscillator("3", white, "output x = b.x\ninitial b { x = 1 m }\nrequire rms(x, 0.5 Hz .. 2 Hz) < 1 km\n");
+    assert!(
+        (answer(&text).requirements[0].shown_value().expect("a number").number.to_f64() / flat - 1.0).abs() < 1e-15
+    );
+}
+
+fn with_table(text: &str, rows: &str) -> vibc::Outcome<vibc::ModalAnswer> {
+    let mut sources = Sources::new();
+    let model = sources.add(SourceFile::decode(SourceKind::Model, "m", text.as_bytes().to_vec()));
+    for name in vibc::table_files(&sources, model) {
+        sources.add(SourceFile::decode(SourceKind::Table, name, rows.as_bytes().to_vec()));
+    }
+    vibc::analyze(&sources, model, &Default::default())
+}
+
+/// A table is straight between its rows: beside quadrature (mpmath), and one of two rows beside a flat band.
+#[test]
+fn a_table_of_densities() {
+    let text = oscillator("3", "noise(table(\"psd.csv\", 2 N^2/Hz))", "output x = b.x\n");
+    let rms = |rows: &str| with_table(&text, rows).answer.expect("an answer").noisy[0].rms.clone();
+    assert_is(&rms("f [Hz],density\n0.5,1\n1,4\n3,0\n"), 0.085_733_462_368_081_081);
+    assert_is(&rms("0,3\n1000,3\n"), {
+        let flat = under_noise(&oscillator("3", "noise(6 N^2/Hz, 0 Hz .. 1 kHz)", "output x = b.x\n"));
+        let Spread::Finite(flat) = flat[0].0 else { panic!("{flat:?}") };
+        flat.to_f64()
+    });
+    for (rows, code) in [
+        ("f [Hz],density\n2,1\n1,4\n", "vib::table::order"),
+        ("f [s],density\n1,1\n2,4\n", "vib::table::first_column"),
+        ("f [rad/s],density\n1,1\n2,4\n", "vib::table::first_column"),
+        ("1,1\n2,-4\n", "vib::noise::density"),
+        ("-1,1\n2,4\n", "vib::noise::density"),
+        ("1,0\n2,0\n", "vib::noise::density"),
+    ] {
+        let found = with_table(&text, rows).diagnostics;
+        let codes: Vec<&str> = found.iter().filter(|f| f.is_error()).map(|f| f.code.0).collect();
+        assert_eq!(codes, [code], "{rows}: {found:?}");
+    }
 }

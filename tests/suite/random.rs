@@ -259,3 +259,52 @@ fn what_is_wrong_is_found_where_it_stands() {
         assert_eq!(found.iter().map(|(code, _)| *code).collect::<Vec<_>>(), [code], "{noise}: {found:?}");
     }
 }
+
+/// Two equal masses between equal springs, and a damper between them alone: the motion of both together never decays, and noise
+/// drives it. No certificate exists, and the report has no number but says what is not proved.
+#[test]
+fn without_a_certificate_there_is_no_number() {
+    let text = "body a { mass = 2 kg, moves x }\nbody b { mass = 2 kg, moves x }\nspring s: ground -- a { k = 50 N/m }\n\
+                spring t: ground -- b { k = 50 N/m }\nspring u: a -- b { k = 7 N/m }\n\
+                damper d: a -- b { c = 3 N*s/m }\nforce F: a along x = noise(white 6 N^2/Hz)\noutput x = a.x\n\
+                output z = b.x - a.x\n";
+    let found = under_noise(text);
+    for (rms, crossings) in &found {
+        for spread in [rms, crossings] {
+            assert!(
+                matches!(spread, Spread::Unknown(why) if why.contains("not proved that every motion decays")),
+                "{spread:?}"
+            );
+        }
+    }
+    let report = vibc::report(&answer(text), &Default::default());
+    let section = &report[report.find("stationary response to noise").expect("a section")..];
+    let row = section.lines().find(|line| line.trim_start().starts_with("x ")).expect("a row");
+    assert!(!row.chars().any(|c| c.is_ascii_digit()), "{row}");
+    assert!(section.contains("rms of x: it is not proved that every motion decays"), "{section}");
+    // With the least damping of that motion there is a number again.
+    let damped = format!("{text}damper e: ground -- a {{ c = 1e-6 N*s/m }}\n");
+    assert!(under_noise(&damped).iter().all(|(rms, _)| matches!(rms, Spread::Finite(_))));
+}
+
+/// The chain of `a_chain_beside_fractions` by `scipy.linalg.solve_continuous_lyapunov` (SciPy 1.x), which has fourteen digits.
+#[test]
+fn a_chain_beside_scipy() {
+    let text = "body a { mass = 3 kg, moves x }\nbody b { mass = 2 kg, moves x }\nbody c { mass = 5 kg, moves x }\n\
+                spring s: ground -- a { k = 1000 N/m }\nspring t: a -- b { k = 400 N/m }\n\
+                spring u: b -- c { k = 700 N/m }\ndamper d: ground -- a { c = 4 N*s/m }\n\
+                damper e: b -- c { c = 9 N*s/m }\nforce F: c along x = noise(white 6 N^2/Hz)\noutput x1 = a.x\n\
+                output x2 = b.x\noutput x3 = c.x\noutput v1 = a.vx\noutput v3 = c.vx\noutput z = c.x - a.x\n";
+    let scipy = [
+        0.024_080_486_981_248_86,
+        0.077_856_605_958_275_14,
+        0.101_311_147_984_592_4,
+        0.148_949_853_263_554_7,
+        0.578_511_387_095_967_1,
+        0.077_500_807_623_156_82,
+    ];
+    for ((found, _), truth) in under_noise(text).iter().zip(scipy) {
+        let Spread::Finite(found) = found else { panic!("{found:?}") };
+        assert!((found.to_f64() / truth - 1.0).abs() < 1e-12, "{found:?} {truth}");
+    }
+}

@@ -92,6 +92,11 @@ impl SchurForm {
             let empty = Matrix::filled(0, 0, 0.0);
             return Some(SchurForm { q: empty.clone(), t: empty, least_pivot: 0.0 });
         }
+        if n == 1 {
+            // It is not handled there either.
+            let (q, t) = (Matrix::filled(1, 1, 1.0), Matrix::filled(1, 1, a[(0, 0)]));
+            return Some(SchurForm { q, t, least_pivot: (a[(0, 0)].abs() * f64::EPSILON).max(f64::MIN_POSITIVE) });
+        }
         let (q, t) = SPLITS.iter().find_map(|split| Schur::try_new(a.clone(), *split, 100 * n))?.unpack();
         let [q, t] = [q, t].map(|m| Matrix::from_fn(n, n, |i, j| m[(i, j)]));
         let largest = t.data().iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
@@ -264,6 +269,19 @@ mod tests {
                 assert!((ax.at(i, j) - x.at(i, j) * eigenvalue.value).one_norm() < 1e-13 * size, "{i} {j}");
             }
         }
+    }
+
+    /// The smallest matrices: none, and one number.
+    #[test]
+    fn a_number_is_its_own_eigenvalue() {
+        let form = SchurForm::of(DMatrix::from_element(1, 1, -3.0)).expect("a form");
+        let list = form.eigenvalues();
+        assert_eq!(list.len(), 1);
+        assert_eq!(list[0].value, Complex::real(-3.0));
+        assert_eq!(form.eigenvectors(&list).at(0, 0), Complex::real(1.0));
+        // -3 x - 3 x = 12
+        assert_eq!(form.lyapunov(&Matrix::filled(1, 1, 12.0))[(0, 0)], -2.0);
+        assert_eq!(SchurForm::of(DMatrix::zeros(0, 0)).expect("a form").eigenvalues().len(), 0);
     }
 
     #[test]

@@ -156,11 +156,9 @@ fn coupled(space: &Space) -> Vec<Vec<usize>> {
         }
         let (mut part, mut next) = (vec![first], 0);
         while let Some(&i) = part.get(next) {
-            for j in 0..n {
-                if is_free[j] && is_coupled(i, j) {
-                    is_free[j] = false;
-                    part.push(j);
-                }
+            for (j, is_free) in is_free.iter_mut().enumerate().filter(|(j, is_free)| **is_free && is_coupled(i, *j)) {
+                *is_free = false;
+                part.push(j);
             }
             next += 1;
         }

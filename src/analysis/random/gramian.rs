@@ -136,30 +136,18 @@ impl Space {
     fn certify(&mut self) -> Option<()> {
         let size = 2 * self.n;
         for _ in 0..2 {
-            let image = self.image(&self.g.map(Ball::from), &[]);
-            // -Y - (-D)
-            let left =
-                Matrix::from_fn(
-                    size,
-                    size,
-                    |i, j| {
-                        if i == j { image[(i, i)] + Ball::from(self.d[i]) } else { image[(i, j)] }
-                    },
-                );
-            let step = self.schur.lyapunov(&left.map(|x| -x.to_f64()));
+            let step = self.schur.lyapunov(&self.certificate_error().map(|x| -x.to_f64()));
             self.g = Matrix::from_fn(size, size, |i, j| self.g[(i, j)] + 0.5 * (step[(i, j)] + step[(j, i)]));
         }
-        let image = self.image(&self.g.map(Ball::from), &[]);
-        let left =
-            Matrix::from_fn(
-                size,
-                size,
-                |i, j| {
-                    if i == j { image[(i, i)] + Ball::from(self.d[i]) } else { image[(i, j)] }
-                },
-            );
-        self.theta = self.weighed(&left);
+        self.theta = self.weighed(&self.certificate_error());
         (self.theta < 0.5 && is_positive_definite(&self.g)).then_some(())
+    }
+
+    /// A G E^T + E G A^T + D, which is D - Y.
+    fn certificate_error(&self) -> Matrix<Ball> {
+        let image = self.image(&self.g.map(Ball::from), &[]);
+        let plus_d = |i: usize, j: usize| if i == j { image[(i, i)] + Ball::from(self.d[i]) } else { image[(i, j)] };
+        Matrix::from_fn(2 * self.n, 2 * self.n, plus_d)
     }
 
     /// A bound of the 2-norm of D^-1/2 R D^-1/2.

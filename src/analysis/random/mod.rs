@@ -43,8 +43,7 @@ const OPEN_POLES: &str = "the poles are too close to each other for a bound";
 const OPEN_DIGITS: &str = "the bound leaves no digit";
 /// The relative bound of a mean square beyond which there is no number.
 const LEAST: f64 = 0.1;
-const OPEN_RATE: &str =
-    "how often an acceleration crosses zero takes its rate, which is not computed under white noise";
+const OPEN_RATE: &str = "how often an acceleration crosses zero takes its rate, which is not computed";
 
 /// A system under noise.
 pub struct Random<'a> {

@@ -232,6 +232,13 @@ pub enum PartError {
         span: Span,
         line: usize,
     },
+    TableFrequencies {
+        span: Span,
+        named: Span,
+    },
+    NoiseTable {
+        span: Span,
+    },
     NoiseDensity {
         span: Span,
     },
@@ -483,6 +490,17 @@ impl PartError {
                 };
                 error("vib::table::first_column", span, message).related(named, "the table is named here").help(help)
             }
+            TableFrequencies { span, named } => {
+                error("vib::table::first_column", span, "the first column of a density is a frequency in Hz")
+                    .related(named, "the table is named here")
+                    .help("write `frequency [Hz]`")
+            }
+            NoiseTable { span } => error(
+                "vib::noise::density",
+                span,
+                "this table has a frequency or a density below zero, or no density at all",
+            )
+            .help("the first column is the frequency in Hz, the second the one-sided density"),
             SignalsDiffer { span } => {
                 error("vib::signal::differ", span, "this signal is not of the same dimension as the one before it")
                     .help("the signals of a base are all displacements, all velocities or all accelerations")

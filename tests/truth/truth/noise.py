@@ -9,9 +9,10 @@ from .net import GROUND
 from .tally import decimal
 
 # Precisions that are tried in turn.
-BITS = (110, 250, 600)
-# Bounds are printed of binary64 numbers: an integral with more digits than this shows nothing more.
-RELATIVE = arb(2) ** -75
+BITS = (160, 300, 700)
+# What a bound leaves below binary64 is compared too: enclosures have some 28 digits.
+DIGITS = 110
+RELATIVE = arb(2) ** -(DIGITS + 4)
 
 
 class Noise:
@@ -167,7 +168,7 @@ def true_square(net, i, more):
     for bits in BITS:
         ctx.prec = bits
         found = square_at(net, i, more)
-        if found is None or found == 0 or found.rel_accuracy_bits() > 70:
+        if found is None or found == 0 or found.rel_accuracy_bits() > DIGITS:
             break
     return found
 
