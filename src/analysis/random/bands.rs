@@ -58,7 +58,7 @@ impl Bands {
         }
         // |H|^2 is off by 2 |H| e + e^2 at most; the mean of the first is bounded by Schwarz's inequality.
         let (size, whole, slack) = (sum.magnitude(), self.whole, square.slack);
-        let off = (2.0 * slack * (size * whole).sqrt() + slack * slack * whole) * UP;
+        let off = (2.0 * slack * size.sqrt() * whole.sqrt() + slack * slack * whole) * UP;
         let value = sum.widen(off) / (Ball::PI * two);
         if !value.is_finite() {
             return None;

@@ -297,27 +297,26 @@ impl Space {
 
     /// The variance of an output.
     pub fn variance(&self, covariance: &Covariance, row: &[Ball]) -> Ball {
-        let size = 2 * self.n;
-        let mut sum = Ball::ZERO;
-        for (j, &last) in row.iter().enumerate() {
-            let inner = (0..size).fold(Ball::ZERO, |sum, i| sum + row[i] * covariance.p[(i, j)]);
-            sum = sum + inner * last;
+        let seen: Vec<usize> = (0..2 * self.n).filter(|&i| !row[i].is_zero()).collect();
+        let (mut sum, two) = (Ball::ZERO, Ball::from(2.0));
+        for (at, &j) in seen.iter().enumerate() {
+            let before = seen[..at].iter().fold(Ball::ZERO, |sum, &i| sum + row[i] * covariance.p[(i, j)]);
+            sum = sum + (before * two + row[j] * covariance.p[(j, j)]) * row[j];
         }
-        let bound = self.certified(row) * covariance.epsilon * UP;
+        let bound = self.certified(&seen, row) * covariance.epsilon * UP;
         let value = sum.widen(bound);
         // A variance is not negative.
         if value.mid.hi < 0.0 { Ball::new(Dd::ZERO, value.magnitude()) } else { value }
     }
 
     /// A bound of row G row^T.
-    fn certified(&self, row: &[Ball]) -> f64 {
-        let size = 2 * self.n;
-        let value = |row: &[Ball]| {
-            (0..size).fold(Ball::ZERO, |sum, j| {
-                sum + (0..size).fold(Ball::ZERO, |sum, i| sum + row[i] * Ball::from(self.g[(i, j)])) * row[j]
-            })
+    fn certified(&self, seen: &[usize], row: &[Ball]) -> f64 {
+        let size: Vec<f64> = seen.iter().map(|&i| row[i].magnitude()).collect();
+        let column = |(j, size_j): (&usize, &f64)| {
+            let sum: f64 = seen.iter().zip(&size).map(|(&i, size_i)| size_i * self.g[(i, *j)].abs()).sum();
+            sum * size_j
         };
-        value(row).magnitude()
+        seen.iter().zip(&size).map(column).sum::<f64>() * UP
     }
 
     /// What each mode contributes to the variance: cov(part of the mode, whole) / variance.

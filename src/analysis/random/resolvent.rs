@@ -11,6 +11,7 @@ use super::blocks::{Block, blocks};
 use super::gramian::{Drive, Space};
 use crate::base::{Ball, up};
 use crate::kernel::complex::Complex;
+use std::cell::OnceCell;
 
 const UP: f64 = up::THOUSANDS;
 
@@ -20,6 +21,8 @@ pub struct Resolvent {
     blocks: Vec<Exact>,
     /// What a transfer function may be off by, relative to the product of its scaled rows.
     relative: f64,
+    /// Of the single poles -1 / (s_b + s_c) and -1 / (s_b + conj s_c), row by row, once they are needed.
+    sums: OnceCell<Vec<[Point; 2]>>,
 }
 
 /// A block as enclosures of radius zero, and what follows from it.
@@ -166,7 +169,7 @@ impl Resolvent {
         if count != 2 * space.n {
             return None;
         }
-        let mut resolvent = Resolvent { n: space.n, blocks, relative: f64::INFINITY };
+        let mut resolvent = Resolvent { n: space.n, blocks, relative: f64::INFINITY, sums: OnceCell::new() };
         resolvent.certify(space)?;
         Some(resolvent)
     }
@@ -309,7 +312,15 @@ impl Resolvent {
             return sum;
         }
         let mut add = |found: Vec<Point>| sum.iter_mut().zip(found).for_each(|(sum, x)| *sum = *sum + x);
+        let sums = self.sums.get_or_init(|| self.inverse_sums());
         for (c, other) in self.blocks.iter().enumerate() {
+            if let ([p], [r], [q]) = (&parts.p[c][..], &parts.q[c][..], &q[..]) {
+                let product = *r * *p;
+                let [direct, mirrored] = sums[b * self.blocks.len() + c];
+                let both = if other.is_real { product * direct } else { product * direct + product.conj() * mirrored };
+                add(vec![both * *q]);
+                continue;
+            }
             add(coupled((&own.d, q), (&other.d, &parts.q[c]), &parts.p[c]));
             if !other.is_real {
                 let d: Vec<Vec<Point>> = other.d.iter().map(|row| conj(row)).collect();
@@ -318,6 +329,12 @@ impl Resolvent {
         }
         add(laurent(&parts.direct, &own.d, q));
         sum
+    }
+
+    fn inverse_sums(&self) -> Vec<[Point; 2]> {
+        let of = |a: Point, b: Point| Complex::real(-Ball::ONE) / (a + b);
+        let pair = |a: &Exact, b: &Exact| [of(a.d[0][0], b.d[0][0]), of(a.d[0][0], b.d[0][0].conj())];
+        self.blocks.iter().flat_map(|a| self.blocks.iter().map(move |b| pair(a, b))).collect()
     }
 
     /// The sum over all blocks of p f(D) q, f a power of D.
