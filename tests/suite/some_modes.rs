@@ -148,6 +148,33 @@ fn followed_poles_are_those_of_the_closed_form() {
     }
 }
 
+/// Beside a part with a damper, a chain of 405: whoever asks for all modes has all poles. Those of the chain in closed form.
+#[test]
+fn all_poles_of_parts_beyond_the_limit_are_there_when_all_modes_are_asked_for() {
+    let n = 405;
+    let model = format!(
+        "repeat i in 1..{n} {{ body m[i] {{ mass = 2 kg, moves x }} }}\nspring k[1]: ground -- m[1] {{ k = 18 N/m }}\n\
+         repeat i in 2..{n} {{ spring k[i]: m[i-1] -- m[i] {{ k = 18 N/m }} }}\n\
+         body a {{ mass = 1 kg, moves y }}\nbody b {{ mass = 3 kg, moves y }}\nspring s: ground -- a {{ k = 700 N/m }}\n\
+         spring t: a -- b {{ k = 900 N/m }}\ndamper d: a -- b {{ c = 5 N*s/m }}\n"
+    );
+    let (answer, _) = asked(&model, Which::Lowest(n + 2));
+    assert_eq!(answer["poles"].as_array().map(Vec::len), Some(2 * n + 4));
+    let (re, im) = (numbers(&answer, "poles", "re"), numbers(&answer, "poles", "im"));
+    let mut undamped: Vec<f64> =
+        re.iter().zip(&im).filter(|(re, im)| **re == 0.0 && **im > 0.0).map(|(_, im)| *im).collect();
+    undamped.sort_by(f64::total_cmp);
+    let angle = |j: usize| (2 * j + 1) as f64 * std::f64::consts::PI / (4 * n + 2) as f64;
+    let expected: Vec<f64> = (0..n).map(|j| 6.0 * angle(j).sin()).collect();
+    assert_eq!(undamped.len(), n);
+    for (found, expected) in undamped.iter().zip(&expected) {
+        assert!((found - expected).abs() <= 1e-14 * expected, "{found} {expected}");
+    }
+    // -c (1/m_a + 1/m_b) is the trace of the damped part.
+    let sum: f64 = re.iter().sum();
+    assert!((sum + 5.0 * (1.0 + 1.0 / 3.0)).abs() < 1e-13, "{sum}");
+}
+
 /// Above 400 coordinates `damping modal` is still the ratio of each mode.
 #[test]
 fn damping_by_modes_of_large_scenes_is_the_ratio_itself() {

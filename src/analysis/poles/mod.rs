@@ -31,7 +31,7 @@ use crate::analysis::modes::certificate::ball;
 use crate::analysis::modes::eigen::eigenpairs;
 use crate::analysis::modes::pair::Eigenvalue;
 use crate::analysis::modes::parts::{Part, as_system, chosen, independent};
-use crate::analysis::modes::request::DEFAULT_TOLERANCE;
+use crate::analysis::modes::request::{DEFAULT_TOLERANCE, Request, Which};
 use crate::analysis::poles::aberth::aberth;
 use crate::analysis::poles::batch::refine_all;
 use crate::analysis::poles::cluster::separate;
@@ -52,7 +52,7 @@ use crate::base::{Number, runs};
 use crate::kernel::complex::Complex;
 use crate::system::{Form, LinearSystem};
 
-/// Up to this many coupled coordinates all poles can be computed; analyses ask for up to `MAX_UNASKED`.
+/// Up to this many coupled coordinates all poles are computed where all modes are asked for; unasked, up to `MAX_UNASKED`.
 pub const MAX_DAMPED: usize = 1_000;
 /// From this many coordinates on, pairs are first refined all together.
 const TOGETHER: usize = 24;
@@ -68,11 +68,16 @@ pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisErro
         return Ok(found.sorted(system.n()));
     }
     if let Some(near_one) = scaled(system)
-        && let Ok(modes) = crate::analysis::modes(&near_one.system)
+        && let Ok(modes) = all_modes(&near_one.system)
     {
         return in_range(system, near_one.back(unscaled(&near_one.system, &modes)?));
     }
     in_range(system, unscaled(system, modes)?)
+}
+
+/// All modes, whatever their number: whoever asks for all poles has decided that.
+fn all_modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
+    crate::analysis::modes_as(system, &Request { which: Which::All, ..Request::default() })
 }
 
 /// Poles outside the range of binary64 could not be printed.
@@ -97,7 +102,7 @@ fn unscaled(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError
             part.solve(modes, &mut found)?;
         } else {
             // Modes of the whole system may mix equal frequencies of different parts.
-            part.solve(&crate::analysis::modes(&as_system(system, coordinates, &local))?, &mut found)?;
+            part.solve(&all_modes(&as_system(system, coordinates, &local))?, &mut found)?;
         }
         found.end_part(coordinates.coordinates.len());
     }
