@@ -3,6 +3,7 @@
 //! See docs/method/measures.md#effective-masses.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
+use crate::analysis::modes::parts::independent_undamped;
 use crate::base::Ball;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::solve;
@@ -70,7 +71,8 @@ impl<'a> Excitations<'a> {
             let entries = form.assemble(system.n());
             Matrix::from_fn(system.n(), system.n(), |i, j| entries[i][j])
         });
-        let shapes = shapes(modes, &m, &k).ok_or("the mass matrix is too close to a singular one")?;
+        let shapes =
+            shapes(&homes(system, modes), modes, &m, &k).ok_or("the mass matrix is too close to a singular one")?;
         Ok(Excitations { system, modes, m, k, shapes })
     }
 
@@ -125,7 +127,9 @@ fn dot(n: usize, product: impl Fn(usize) -> Ball) -> Ball {
 /// The shapes as enclosures of nothing but their own digits, each with a bound of what it has of other modes: with
 /// r = K x - s M x, and all other omega^2 at least g away from s, the M-norm of that part is at most |r| / g, where
 /// |r|^2 = r^T M^-1 r. `None` if M may be singular.
-fn shapes(modes: &Modes, m: &Matrix<Ball>, k: &Matrix<Ball>) -> Option<Vec<Option<Shape>>> {
+///
+/// A shape of one independent part has nothing of the modes of others. `homes`: the part of each mode, where it is known.
+fn shapes(homes: &[Option<u32>], modes: &Modes, m: &Matrix<Ball>, k: &Matrix<Ball>) -> Option<Vec<Option<Shape>>> {
     let (n, list) = (m.rows(), &modes.list);
     let xs: Vec<Vec<Ball>> = list.iter().map(displacements).collect();
     let times = |matrix: &Matrix<Ball>, x: &[Ball], i: usize| dot(n, |j| matrix[(i, j)] * x[j]);
@@ -136,7 +140,8 @@ fn shapes(modes: &Modes, m: &Matrix<Ball>, k: &Matrix<Ball>) -> Option<Vec<Optio
     let solved = solve(m, &residuals)?;
     let shape = |(mode, x): (usize, Vec<Ball>)| {
         let s = Ball::exact(list[mode].omega_squared.mid);
-        let others = list.iter().enumerate().filter(|(other, _)| *other != mode);
+        let apart = |other: usize| homes[mode].is_some() && homes[other].is_some() && homes[mode] != homes[other];
+        let others = list.iter().enumerate().filter(|(other, _)| *other != mode && !apart(*other));
         let gap = others.map(|(_, other)| (other.omega_squared - s).mignitude()).fold(f64::INFINITY, f64::min);
         let square = dot(n, |i| residuals[(i, mode)] * solved[(i, mode)]);
         let foreign = (square.magnitude().sqrt().next_up() / gap).next_up();
@@ -145,6 +150,28 @@ fn shapes(modes: &Modes, m: &Matrix<Ball>, k: &Matrix<Ball>) -> Option<Vec<Optio
         foreign.is_finite().then_some(Shape { x, square, foreign })
     };
     Some(xs.into_iter().enumerate().map(shape).collect())
+}
+
+/// The independent part that each mode moves; `None` for all, unless every part has as many modes as coordinates.
+fn homes(system: &LinearSystem, modes: &Modes) -> Vec<Option<u32>> {
+    let parts = independent_undamped(system);
+    let mut part_of = vec![0_u32; system.n()];
+    let mut missing: Vec<usize> = Vec::new();
+    for (number, part) in (0..).zip(&parts) {
+        part.coordinates.iter().for_each(|coordinate| part_of[*coordinate as usize] = number);
+        missing.push(part.coordinates.len());
+    }
+    let mut homes = Vec::new();
+    for mode in &modes.list {
+        let mut moved = displacements(mode).into_iter().zip(&part_of).filter(|(x, _)| !x.is_zero());
+        let home = moved.next().map(|(_, part)| *part);
+        match home.filter(|home| moved.all(|(_, part)| part == home)) {
+            Some(home) if missing[home as usize] > 0 => missing[home as usize] -= 1,
+            _ => return vec![None; modes.list.len()],
+        }
+        homes.push(home);
+    }
+    homes
 }
 
 fn displacements(mode: &Mode) -> Vec<Ball> {

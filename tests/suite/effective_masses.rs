@@ -136,23 +136,33 @@ fn each_base_has_its_own() {
     meets(&list[0]["modes"][0], "effective_mass", 2.0 * 0.5625);
 }
 
-const PAIR: &str = "base g { moves x }\nbody a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nbody c { mass = 1 kg, moves x }\n\
-    spring s: g -- a { k = 9 N/m }\nspring t: g -- b { k = 9 N/m }\nspring u: g -- c { k = 1 N/m }\n";
+/// Three masses in a ring on one base: together at k, and two motions against each other at k + 3 l.
+const RING: &str = "base g { moves x }\nbody a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nbody c { mass = 1 kg, moves x }\n\
+    spring s: g -- a { k = 9 N/m }\nspring t: g -- b { k = 9 N/m }\nspring u: g -- c { k = 9 N/m }\n\
+    spring v: a -- b { k = 2 N/m }\nspring w: b -- c { k = 2 N/m }\nspring y: c -- a { k = 2 N/m }\n";
 
 #[test]
 fn equal_frequencies_have_masses_only_together() {
-    let list = excited(PAIR);
-    meets(&list[0]["modes"][0], "effective_mass", 1.0);
+    let list = excited(RING);
+    meets(&list[0]["modes"][0], "effective_mass", 3.0);
     for mode in [1, 2] {
         assert!(list[0]["modes"][mode]["effective_mass"].is_null());
         assert!(list[0]["modes"][mode]["participation"].is_null());
     }
     assert!(list[0]["modes"][1]["sum"].is_null());
     meets(&list[0]["modes"][2], "sum", 3.0);
-    let text = ran(PAIR, &["analyze", "--participation"]);
+    let text = ran(RING, &["analyze", "--participation"]);
     let text = String::from_utf8(text.stdout).expect("text");
     assert!(text.contains("base excitation by g: 3.00000 kg in all modes") && text.contains("only together"), "{text}");
-    assert_eq!(code(&format!("{PAIR}require effective_mass(g, 2) > 1 kg\n")), "vib::require::no_value");
+    assert_eq!(code(&format!("{RING}require effective_mass(g, 2) > 1 kg\n")), "vib::require::no_value");
+    // Parts that do not touch each other have shapes of their own, whatever their frequencies.
+    let apart = RING.lines().filter(|line| !line.contains("2 N/m")).collect::<Vec<_>>().join("\n");
+    let list = excited(
+        &apart.replace("body b { mass = 1 kg", "body b { mass = 4 kg").replace("g -- b { k = 9", "g -- b { k = 36"),
+    );
+    for (mode, mass) in [1.0, 4.0, 1.0].into_iter().enumerate() {
+        meets(&list[0]["modes"][mode], "effective_mass", mass);
+    }
 }
 
 #[test]
