@@ -76,6 +76,9 @@ pub struct Analyze {
     /// How mode shapes are scaled: what is 1
     #[arg(long, value_enum, default_value_t = NormaliseOption::Translation)]
     pub normalise: NormaliseOption,
+    /// Which entries of the shapes are printed
+    #[arg(long, value_enum, default_value_t = ShapesOption::Largest)]
+    pub shapes: ShapesOption,
     /// Print M, C and K even if they are large
     #[arg(long)]
     pub matrices: bool,
@@ -559,6 +562,14 @@ impl From<LiteralsOption> for Literals {
             LiteralsOption::Binary64 => Literals::Binary64,
         }
     }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ShapesOption {
+    /// The largest ones, or all of up to 10 coordinates
+    Largest,
+    /// All, with a row for each coordinate
+    All,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

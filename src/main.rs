@@ -103,8 +103,12 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         }
         return status;
     };
-    let wanted =
-        ReportOptions { normalise: options.normalise.into(), matrices: options.matrices, digits: options.digits };
+    let wanted = ReportOptions {
+        normalise: options.normalise.into(),
+        matrices: options.matrices,
+        digits: options.digits,
+        all_shapes: options.shapes == vibc::cli::ShapesOption::All,
+    };
     let text = match options.format {
         Format::Text => {
             let width = columns(&options.page, options.output.as_deref());

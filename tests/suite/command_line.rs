@@ -400,6 +400,41 @@ fn shapes_are_scaled_as_asked() {
     assert!((1.5 * x * x + x * angle + 2.0 / 3.0 * angle * angle - 1.0).abs() < 1e-14);
 }
 
+/// Twelve equal masses between two walls: x_i(j) = sin(i j pi / 13), the largest entry 1; more coordinates than columns.
+#[test]
+fn every_entry_of_the_shapes_is_printed_on_demand() {
+    let mut model = String::from("body m[1] { mass = 1 kg, moves x }\nspring k[1]: ground -- m[1] { k = 1 N/m }\n");
+    for j in 2..=12 {
+        let before = j - 1;
+        model +=
+            &format!("body m[{j}] {{ mass = 1 kg, moves x }}\nspring k[{j}]: m[{before}] -- m[{j}] {{ k = 1 N/m }}\n");
+    }
+    model += "spring k[13]: m[12] -- ground { k = 1 N/m }\n";
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("chain.vib");
+    std::fs::write(&path, model).expect("a file");
+    let path = path.to_string_lossy();
+    assert!(!run(&["analyze", &path]).out.contains("shapes  "));
+    let text = run(&["analyze", &path, "--shapes", "all"]).out;
+    let tables: Vec<&str> = text.split("\n  shapes ").skip(1).collect();
+    assert_eq!(tables.len(), 2, "{text}");
+    for (table, first) in tables.iter().zip([1, 7]) {
+        assert!(table.trim_start().starts_with(&format!("mode {first} ")), "{table}");
+        for j in 1..=12 {
+            let name = format!("m[{j}].x ");
+            let row = table.lines().find(|line| line.trim_start().starts_with(&name)).expect("a row");
+            let entries: Vec<f64> = row.split_whitespace().skip(2).map(|x| x.parse().expect("a number")).collect();
+            assert_eq!(entries.len(), 6, "{row}");
+            for (entry, i) in entries.iter().zip(first..) {
+                let shape = |j: usize| ((i * j) as f64 * std::f64::consts::PI / 13.0).sin();
+                let largest = (1..=12).map(shape).fold(0.0_f64, |most, x| most.max(x.abs()));
+                // The sign is that of the entry that is scaled to 1.
+                assert!((entry.abs() - shape(j).abs() / largest).abs() < 1e-4, "mode {i}: {row}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_transfer_table_has_three_formats() {
     let text = run(&["transfer", CART, "--to", "x"]);

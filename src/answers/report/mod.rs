@@ -39,6 +39,8 @@ pub struct Options {
     pub matrices: bool,
     /// Number of digits of frequencies and poles, if that many are certain; without it, a handful.
     pub digits: Option<u32>,
+    /// Show every entry of the shapes, however many coordinates there are.
+    pub all_shapes: bool,
 }
 
 impl Options {

@@ -25,6 +25,9 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
         blocks.push(line!["undamped modes (", scaling(options.normalise, &answer.system), ")"].into());
         blocks.push(table(answer, options).into());
         blocks.extend(omitted_line(answer).map(Block::from));
+        if options.all_shapes && answer.system.n() > MOST_COLUMNS {
+            blocks.extend(whole_shapes(answer, options).map(Block::from));
+        }
     }
     blocks.extend(left_out(answer).map(Block::from));
     if !answer.modes.list.is_empty() {
@@ -95,6 +98,33 @@ fn fill_table(answer: &ModalAnswer, options: &Options, columns: bool) -> Table {
         table.row(cells);
     }
     table
+}
+
+/// Number of shapes beside each other, with a row for each coordinate.
+const BESIDE: usize = 6;
+
+/// Every entry of the shapes of the modes that are listed.
+fn whole_shapes<'a>(answer: &'a ModalAnswer, options: &'a Options) -> impl Iterator<Item = Table> + 'a {
+    let shapes: Vec<(usize, Vec<Unproven>)> = (answer.modes.numbered().take(MOST))
+        .map(|(number, mode)| (number, normalise(mode, options.normalise)))
+        .collect();
+    let tables = shapes.chunks(BESIDE).map(|some| {
+        let mut table = Table::of([("shapes", Align::Left), ("", Align::Left)]);
+        for (number, _) in some {
+            table = table.column(line!["mode ", *number], "", Align::Point);
+        }
+        for (place, of) in answer.system.coordinates.iter().enumerate() {
+            let unit = if unit(of.kind) == "m" { "[m]" } else { "[rad]" };
+            let entries = some.iter().map(|(_, shape)| {
+                let largest = shape.iter().fold(0.0, |largest: f64, entry| largest.max(entry.0.abs()));
+                Cell::from(displacement(shape[place], largest))
+            });
+            let name = [coordinate(&answer.system, of).into(), unit.into()];
+            table.row(name.into_iter().chain(entries).collect());
+        }
+        table
+    });
+    tables.collect::<Vec<_>>().into_iter()
 }
 
 /// The column of the bound in [`frequency_cells`].
