@@ -229,6 +229,8 @@ struct Check<'a> {
     parts: Space<Part>,
     instances: Instances<'a>,
     counted: Count,
+    /// Whether it has been reported that places declare too much.
+    is_full: bool,
     known: ComponentNames<'a>,
     /// A file of components is missing: what is unknown may be in it.
     lacks_components: bool,
@@ -284,6 +286,7 @@ impl<'a> Check<'a> {
             parts: Space::default(),
             instances: Instances::default(),
             counted: Count::default(),
+            is_full: false,
             known: ComponentNames::default(),
             lacks_components: false,
             frames: Vec::new(),

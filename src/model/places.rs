@@ -368,7 +368,10 @@ impl<'a> Check<'a> {
                         if below >= MAX_LEVELS {
                             let index = *index;
                             self.known.broken[index] = true;
-                            self.report(Environment::TOP, PlaceError::TooDeep { span, limit: MAX_LEVELS });
+                            // Those around it are too deep because of it.
+                            if below == MAX_LEVELS {
+                                self.report(Environment::TOP, PlaceError::TooDeep { span, limit: MAX_LEVELS });
+                            }
                         }
                     }
                     Visit::No => {
@@ -497,8 +500,11 @@ impl<'a> Check<'a> {
         let mut counted = self.counted;
         counted.add(body, 1);
         if let Some((limit, what)) = counted.exceeded() {
-            let error = NameError::TooManyInstances { span: word, limit, what };
-            return self.report(Environment::TOP, error);
+            // Every later place is too much as well.
+            if !std::mem::replace(&mut self.is_full, true) {
+                self.report(Environment::TOP, NameError::TooManyInstances { span: word, limit, what });
+            }
+            return;
         }
         self.counted = counted;
         for decl in body {

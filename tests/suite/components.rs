@@ -591,6 +591,18 @@ fn recursion_shows_its_chain() {
     assert!(found[0].message.contains("`a` -> `b` -> `c` -> `a`"), "{}", found[0].message);
 }
 
+#[test]
+fn components_too_deep_in_each_other_are_one_finding() {
+    let chain = |levels: usize| -> String {
+        let inner = "component c1(m = 1 kg) { body b { mass = m, moves x }\n spring s: ground -- b { k = 1 N/m } }\n";
+        let others = (2..=levels).map(|i| format!("component c{i}(m = 1 kg) {{ place p = c{}(m = m) }}\n", i - 1));
+        format!("{inner}{}place z = c{levels}()\n", others.collect::<String>())
+    };
+    assert_eq!(found(&chain(64)), []);
+    assert_eq!(found(&chain(65)), [("vib::component::recursion", "c64".to_string())]);
+    assert_eq!(found(&chain(90)), [("vib::component::recursion", "c64".to_string())]);
+}
+
 /// Inside, the axes are the component's; outside, `front.wheel.y` is the scene's. By hand for a quarter turn: the component's x is
 /// the scene's y.
 #[test]
