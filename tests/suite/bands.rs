@@ -236,3 +236,32 @@ fn a_table_of_densities() {
         assert_eq!(codes, [code], "{rows}: {found:?}");
     }
 }
+
+/// In a band that is as good as all frequencies the shares of the modes are those under white noise; they add up to one in any band.
+#[test]
+fn shares_of_modes() {
+    let shares = |noise: &str| {
+        let text = format!(
+            "body a {{ mass = 3 kg, moves x }}\nbody b {{ mass = 2 kg, moves x }}\nspring s: ground -- a {{ k = 1000 N/m }}\n\
+             spring t: a -- b {{ k = 400 N/m }}\ndamper d: ground -- a {{ c = 4 N*s/m }}\ndamper e: a -- b {{ c = 9 N*s/m }}\n\
+             force F: b along x = {noise}\noutput x = b.x\noutput z = b.x - a.x\n"
+        );
+        let noisy = answer(&text).noisy;
+        noisy.into_iter().map(|noisy| noisy.shares.into_iter().map(|(mode, share)| (mode, share.0)).collect()).collect()
+    };
+    let white: Vec<Vec<(usize, f64)>> = shares("noise(white 6 N^2/Hz)");
+    let wide: Vec<Vec<(usize, f64)>> = shares("noise(6 N^2/Hz, 0 Hz .. 1 GHz)");
+    for (white, wide) in white.iter().zip(&wide) {
+        assert_eq!(white.len(), 2);
+        for ((mode, a), (same, b)) in white.iter().zip(wide) {
+            assert!(mode == same && (a - b).abs() < 1e-9, "{white:?} {wide:?}");
+        }
+    }
+    let narrow: Vec<Vec<(usize, f64)>> = shares("noise((3 Hz, 1 N^2/Hz), (5 Hz, 7 N^2/Hz))");
+    for list in narrow.iter().chain(&wide) {
+        let sum: f64 = list.iter().map(|(_, share)| share).sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{list:?}");
+    }
+    // Above the first motion's frequency the second one's share is larger.
+    assert!(narrow[1].iter().any(|(mode, share)| *mode == 2 && *share > white[1][1].1), "{narrow:?} {white:?}");
+}

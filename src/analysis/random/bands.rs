@@ -2,7 +2,7 @@
 //! an output as residues at poles. Out: an enclosure. See docs/method/random.md#bands.
 
 use super::argument::{Argument, Point};
-use super::resolvent::{Parts, Resolvent, Value};
+use super::resolvent::{Line, Parts, Resolvent, Value};
 use super::weight::{Panels, Piece, Slope};
 use crate::base::density::{Band, Course, Density};
 use crate::base::{Ball, Dd, Number, up};
@@ -66,6 +66,48 @@ impl Bands {
         // A mean square is not negative.
         Some(if value.mid.hi < 0.0 { Ball::new(Dd::ZERO, value.magnitude()) } else { value })
     }
+}
+
+impl Bands {
+    /// What each mode contributes to the mean square: the integral of re H_i conj H S, in binary64. What reaches the output directly
+    /// is no mode's.
+    pub fn contributions(&self, resolvent: &Resolvent, lines: &[Line], direct: &[Ball; 5]) -> Option<Vec<f64>> {
+        // In the order of the lines: a conjugate before its pole.
+        let mut integrals = Vec::with_capacity(lines.len());
+        for (b, [own, mirrored]) in self.of_poles.iter().enumerate() {
+            let (Value::One(own), Value::One(mirrored)) = (own, mirrored) else { return None };
+            if !resolvent.is_real(b) {
+                integrals.push(mirrored.to_f64());
+            }
+            integrals.push(own.to_f64());
+        }
+        let direct = direct.map(|factor| factor.to_f64());
+        // H_i conj H by partial fractions: H(-s) at the poles of H_i, and H_i(-s) at those of H.
+        let weight = |at: &Line, integral: Complex<f64>| {
+            let sum = lines.iter().zip(&integrals).fold(Complex::ZERO, |sum: Complex<f64>, (line, other)| {
+                sum - line.p * line.q * (integral + *other) * (at.s + line.s).recip()
+            });
+            (sum + laurent(&direct, at.s) * integral) * at.q
+        };
+        let weights: Vec<Complex<f64>> = lines.iter().zip(&integrals).map(|(line, i)| weight(line, *i)).collect();
+        let even = |place: usize| self.even[place].map_or(0.0, |integral| integral.to_f64());
+        let of_mode = |i: usize| {
+            let each = lines.iter().zip(&weights).map(|(line, weight)| {
+                let by_q = line.of_modes[i] * line.q;
+                let plain = (line.of_modes[i] * *weight).re - direct[3] * by_q.re * even(2);
+                plain + direct[4] * (by_q * line.s).re * even(2) + direct[0] * (by_q * line.s.recip()).re * even(1)
+            });
+            each.sum::<f64>() / (2.0 * std::f64::consts::PI)
+        };
+        Some((0..lines.first()?.of_modes.len()).map(of_mode).collect())
+    }
+}
+
+/// The sum of factors of s^-2 .. s^2 at -s.
+fn laurent(factors: &[f64; 5], s: Complex<f64>) -> Complex<f64> {
+    let [a, b, c, d, e] = factors.map(Complex::real);
+    let inverse = s.recip();
+    (a * inverse - b) * inverse + c - (d - e * s) * s
 }
 
 /// The integral of power laws over i w - D.

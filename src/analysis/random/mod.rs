@@ -322,14 +322,35 @@ impl<'a> Random<'a> {
         }
     }
 
-    /// What each mode contributes to the mean square: modes from 1, and parts that add up to one.
-    pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
-        let (Ok(space), Some(covariance)) = (&self.space, &self.covariance) else { return Vec::new() };
-        if self.reaching(output).any(|source| matches!(source.noise.density, Density::Bands(_))) {
-            return Vec::new();
+    /// What each mode contributes to the mean square, in binary64.
+    fn contributions(&self, output: &Output) -> Option<Vec<f64>> {
+        let (Ok(space), Some(covariance)) = (&self.space, &self.covariance) else { return None };
+        let row = space.row(output);
+        let all = self.reaching(output);
+        let (white, banded): (Vec<&Source>, Vec<&Source>) =
+            all.partition(|source| matches!(source.noise.density, Density::White(_)));
+        let mut sum = vec![0.0; self.system.n()];
+        if !white.is_empty() {
+            let size = space.variance(covariance, &row).to_f64();
+            sum.iter_mut().zip(space.shares(covariance, &row)).for_each(|(sum, share)| *sum += share * size);
         }
-        let shares = space.shares(covariance, &space.row(output));
-        let mut list: Vec<(usize, Unproven)> = (1..).zip(shares.into_iter().map(Unproven)).collect();
+        for source in banded {
+            let (channel, resolvent) = (source.channel.as_ref()?, self.resolvent.get()?.as_ref()?);
+            let direct = channel.feed(output).map(|part| part.to_ball());
+            let parts = resolvent.parts(space, &space.drive(channel, Ball::ONE), &row, direct)?;
+            let bands = source.bands[0].get()?.as_ref()?;
+            let list = bands.contributions(resolvent, &resolvent.lines(space, &parts, &row)?, &direct)?;
+            sum.iter_mut().zip(list).for_each(|(sum, part)| *sum += part);
+        }
+        Some(sum)
+    }
+
+    /// What each mode contributes to the mean square: modes from 1, and parts that add up to one where nothing reaches the output directly.
+    pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
+        let Some(parts) = self.contributions(output) else { return Vec::new() };
+        let Spread::Finite(whole) = self.mean_square(output) else { return Vec::new() };
+        let shares = parts.into_iter().map(|part| if whole.is_zero() { 0.0 } else { part / whole.to_f64() });
+        let mut list: Vec<(usize, Unproven)> = (1..).zip(shares.map(Unproven)).collect();
         list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
         list
     }

@@ -372,6 +372,38 @@ impl Resolvent {
     }
 }
 
+/// A pole or its conjugate in binary64, with what a noise and an output have of it, mode by mode.
+pub struct Line {
+    pub s: Complex<f64>,
+    /// What each mode has in p.
+    pub of_modes: Vec<Complex<f64>>,
+    pub p: Complex<f64>,
+    pub q: Complex<f64>,
+}
+
+impl Resolvent {
+    /// The lines of a transfer function; `None` where two poles are nearly one.
+    pub fn lines(&self, space: &Space, parts: &Parts, row: &[Ball]) -> Option<Vec<Line>> {
+        let mut lines = Vec::with_capacity(2 * self.n);
+        for (block, q) in self.blocks.iter().zip(&parts.q) {
+            let ([x], [q]) = (&block.x[..], &q[..]) else { return None };
+            let (s, q) = (block.d[0][0].to_f64(), q.to_f64());
+            let of_mode = |i: usize| {
+                let place = Complex::real(row[i].to_f64() * space.s[i]);
+                x[i].to_f64() * (place + s.scale(row[self.n + i].to_f64()))
+            };
+            let of_modes: Vec<Complex<f64>> = (0..self.n).map(of_mode).collect();
+            let p = of_modes.iter().fold(Complex::ZERO, |sum, p| sum + *p);
+            if !block.is_real {
+                let of_modes = of_modes.iter().map(|p| p.conj()).collect();
+                lines.push(Line { s: s.conj(), of_modes, p: p.conj(), q: q.conj() });
+            }
+            lines.push(Line { s, of_modes, p, q });
+        }
+        Some(lines)
+    }
+}
+
 /// What bounds of the residual and of the skewness leave of a transfer function, whose resolvent is at most 1 / (1 - `MOST_APART`)
 /// on the axis once it is scaled.
 fn relative(residual: f64, skew: f64) -> Option<f64> {
