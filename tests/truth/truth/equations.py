@@ -16,7 +16,7 @@ DIGITS = 50
 mpmath.mp.dps = DIGITS
 # Differences are rounding alone below this.
 SMALL = mpmath.mpf(10) ** -35
-TOKEN = re.compile(r"\s*(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\[\d+\])*(?:,[A-Za-z0-9_]+)*'*)|(?P<sign>[-+*/^(),=]))")
+TOKEN = re.compile(r"\s*(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\[\d+\])*(?:\.[A-Za-z_][A-Za-z0-9_]*(?:\[\d+\])*)*(?:,[A-Za-z0-9_]+)*'*)|(?P<sign>[-+*/^(),=]))")
 FUNCTIONS = {"sin": sympy.sin, "cos": sympy.cos, "sqrt": sympy.sqrt, "tan": sympy.tan, "atan2": sympy.atan2}
 
 
@@ -741,7 +741,8 @@ def ordered(texts, labels, own):
         return
     leading = [re.search(r"\b" + re.escape(label) + r"''", text) for label, text in zip(labels, texts)]
     if not all(leading):
-        texts = [next((t for t in texts if re.search(r"\b" + re.escape(label) + r"''", t)), None) for label in labels]
+        # A motion without inertia has no acceleration: its equation stays in its place.
+        texts = [next((t for t in texts if re.search(r"\b" + re.escape(label) + r"''", t)), own) for label, own in zip(labels, texts)]
     yield from zip(own, texts)
 
 

@@ -202,6 +202,70 @@ def optimal_absorber():
     return s
 
 
+def train():
+    values = {}
+    for i, liquid in ((1, 40000), (2, 30000), (3, 20000)):
+        sloshing = liquid * 2 // 5
+        of = {"liquid": liquid, "sloshing": sloshing, "k": 2000000, "c": 30000, "slosh.m": sloshing, "slosh.k": f"{sloshing}*pi**2",
+              "slosh.c": f"{sloshing}*pi/100"}
+        values |= {f"wagon[{i}].{name}": str(value) for name, value in of.items()}
+    with open(os.path.join(FOLDER, "parts/wagon.vib"), encoding="utf-8") as file:
+        s = Example("train", values, ('use "parts/wagon.vib"', file.read()))
+    ahead = s.coordinate("engine", "x")
+    s.mass(80000, ahead)
+    s.force("pull", ahead)
+    for i in (1, 2, 3):
+        own = {name: s.parameters[f"wagon[{i}].{name}"] for name in ("liquid", "sloshing", "k", "c", "slosh.m", "slosh.k", "slosh.c")}
+        tank, slosh = s.coordinate(f"wagon[{i}].tank", "x"), s.coordinate(f"wagon[{i}].slosh.mass", "x")
+        s.mass(20000 + own["liquid"] - own["sloshing"], tank)
+        s.mass(own["slosh.m"], slosh)
+        for k, c, stretch in ((own["k"], own["c"], tank - ahead), (own["slosh.k"], own["slosh.c"], slosh - tank)):
+            s.spring(k, stretch)
+            s.damper(c, stretch)
+        ahead = tank
+    return s
+
+
+def test_hall():
+    mu = "(600/28000)"
+    s = Example("test_hall", {
+        "floor.m": "20000", "floor.k": "20000000", "floor.c": "40000", "roof.m": "15000", "roof.k": "15000000", "roof.c": "30000",
+        "machine.m": "800", "machine.k": "500000", "machine.c": "2000", "tmd.m": "600", "tmd.main_mass": "28000", "tmd.f": "16/5",
+        "tmd.mu": mu, "tmd.omega": f"2*pi*16/5/(1+{mu})", "tmd.zeta": f"sqrt(3*{mu}/(8*(1+{mu})))", "corner.m": "40", "corner.k": "20000",
+        "corner.c": "1500", "corner.tyre_k": "180000", "corner.tyre_c": "0", "mount.k": "8000", "mount.c": "120", "mount.n": "3",
+        "drive.J1": "1/2", "drive.J2": "1/50", "drive.k1": "800", "drive.k2": "100", "drive.ratio": "3"})
+    p = s.parameters
+    floor, roof = s.coordinate("floor.slab", "x"), s.coordinate("roof.slab", "x")
+    machine, tmd = s.coordinate("machine.mass", "x"), s.coordinate("tmd.mass", "x")
+    car, wheel = s.coordinate("car", "y"), s.coordinate("corner.wheel", "y")
+    instrument, knot = s.coordinate("instrument", "y"), s.coordinate("mount.knot", "y")
+    gear, pinion, load = (s.coordinate(f"drive.{name}", "angle") for name in ("gear", "pinion", "load"))
+    road = s.base("v")
+    for name, own, below in (("floor", floor, 0), ("roof", roof, floor), ("machine", machine, roof)):
+        s.mass(p[f"{name}.m"], own)
+        s.spring(p[f"{name}.k"], own - below)
+        s.damper(p[f"{name}.c"], own - below)
+    s.mass(p["tmd.m"], tmd)
+    s.spring(p["tmd.m"] * p["tmd.omega"] ** 2, tmd - roof)
+    s.damper(2 * p["tmd.zeta"] * p["tmd.m"] * p["tmd.omega"], tmd - roof)
+    s.mass(300, car)
+    s.mass(p["corner.m"], wheel)
+    for k, c, stretch in (("corner.tyre_k", "corner.tyre_c", wheel - road), ("corner.k", "corner.c", car - wheel)):
+        s.spring(p[k], stretch)
+        s.damper(p[c], stretch)
+    s.mass(25, instrument)
+    s.spring(p["mount.k"], instrument)
+    s.spring(p["mount.n"] * p["mount.k"], knot)
+    s.damper(p["mount.c"], instrument - knot)
+    s.mass(p["drive.J1"], gear)
+    s.mass(p["drive.J2"], load)
+    s.spring(p["drive.k1"], gear)
+    s.spring(p["drive.k2"], load - pinion)
+    s.constraints.append(pinion + p["drive.ratio"] * gear)
+    s.force("unbalance", machine)
+    return s
+
+
 def single(name, values, body, motion, m, k, c=0, force=None):
     s = Example(name, values)
     q = s.coordinate(body, motion)
@@ -296,7 +360,7 @@ def tuned_mass_damper():
 
 ALL = [board_on_shaker, car_over_bump, cart, double_pendulum, drive_line, earthquake, four_bar, free_free_chain, half_car, hinged_body,
        inerter_table, inverted_pendulum, isolation_table, light_station, long_chain, mortar, optimal_absorber, quarter_car, shear_building,
-       slider_crank, stacked_blocks, tuned_mass_damper]
+       slider_crank, stacked_blocks, test_hall, train, tuned_mass_damper]
 # An example that is added needs its energies here.
 assert sorted(f"{made.__name__}.vib" for made in ALL) == sorted(name for name in os.listdir(FOLDER) if name.endswith(".vib"))
 
