@@ -173,6 +173,16 @@ fn steep_and_narrow_bands() {
     assert!(found.relative_error() < 1e-20, "{found:?}");
 }
 
+/// Densities whose ratio leaves the range of numbers: nothing is claimed, not even that what drifts is infinite, for the band begins
+/// above 0 Hz.
+#[test]
+fn beyond_the_range_nothing_is_claimed() {
+    let noise = "noise((1 Hz, 1e-200 m^2/s^4/Hz), (2 Hz, 1e200 m^2/s^4/Hz))";
+    for (rms, crossings) in under_noise(&on_base(noise, "output x = b.x\noutput z = b.x - g.x\n")) {
+        assert!(matches!((&rms, &crossings), (Spread::Unknown(_), Spread::Unknown(_))), "{rms:?} {crossings:?}");
+    }
+}
+
 /// Where no motion decays, nothing is claimed of a band.
 #[test]
 fn what_is_not_proved_has_no_number() {

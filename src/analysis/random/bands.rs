@@ -115,9 +115,11 @@ fn over<A: Argument>(panels: &[Panels], d: A) -> A {
     panels.iter().fold(A::of(Complex::ZERO), |sum, panels| sum.plus(panels.over(d)))
 }
 
-/// Whether a band of the density begins at 0 Hz, or may do so.
-pub fn starts_at_zero(density: &Density, within: Option<[&Number; 2]>) -> bool {
-    pieces(density, within).is_none_or(|pieces| pieces.iter().any(|piece| !piece.from.is_positive()))
+/// Whether a band of the density begins at 0 Hz; `None` where numbers leave the range or do not decide.
+pub fn starts_at_zero(density: &Density, within: Option<[&Number; 2]>) -> Option<bool> {
+    let pieces = pieces(density, within)?;
+    let is_decided = pieces.iter().all(|piece| piece.from.is_zero() || piece.from.is_positive());
+    is_decided.then(|| pieces.iter().any(|piece| piece.from.is_zero()))
 }
 
 /// The power laws that a density is made of. `None` for white noise without ends, and where numbers leave the range.

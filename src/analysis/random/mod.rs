@@ -189,7 +189,10 @@ impl<'a> Random<'a> {
         };
         let Some(channel) = &source.channel else { return Spread::Unknown(OPEN_BASE) };
         let feed = channel.feed(output);
-        if bands::starts_at_zero(&source.noise.density, within) {
+        let Some(starts_at_zero) = bands::starts_at_zero(&source.noise.density, within) else {
+            return Spread::Unknown(OPEN_DIGITS);
+        };
+        if starts_at_zero {
             // What drifts has a density that no band from 0 Hz up has an integral of.
             let drift = &feed[..2];
             match () {
