@@ -357,7 +357,7 @@ force F: f.m[1]
     ] {
         let (sources, file) = source(&format!("{row}{line}\n"));
         let found = vibc::analyze(&sources, file, &Overrides::default()).diagnostics;
-        assert_eq!(found.iter().next().and_then(|finding| finding.help.as_deref()), Some(help), "{line}");
+        assert_eq!(found.first().and_then(|finding| finding.help.as_deref()), Some(help), "{line}");
     }
 }
 

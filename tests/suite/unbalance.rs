@@ -121,8 +121,9 @@ fn solved(mut a: [[Complex; 3]; 3], mut b: [Complex; 3]) -> [Complex; 3] {
                 let product = times(factor, by);
                 (from.0 - product.0, from.1 - product.1)
             };
-            for j in k..3 {
-                a[i][j] = less(a[i][j], a[k][j]);
+            let pivot = a[k];
+            for (entry, by) in a[i].iter_mut().zip(pivot).skip(k) {
+                *entry = less(*entry, by);
             }
             b[i] = less(b[i], b[k]);
         }
