@@ -116,7 +116,12 @@ fn write_equations(format: &str, ending: &str, folder: &Path) -> usize {
                 .args([&to, &model])
                 .output()
                 .expect("the program starts");
-            assert!(run.status.success(), "{}: {}", model.display(), String::from_utf8_lossy(&run.stderr));
+            let finding = String::from_utf8_lossy(&run.stderr);
+            // A rotating unbalance is not written in symbols: refused, which `unbalance::` shows.
+            if finding.contains("vib::equations::no_form") {
+                continue;
+            }
+            assert!(run.status.success(), "{}: {finding}", model.display());
             written += 1;
         }
     }
