@@ -20,9 +20,10 @@ struct Latex;
 impl Language for Latex {
     /// `3.1e-7` as a power of ten.
     fn decimal(&self, text: &str) -> Piece {
-        match text.split_once('e') {
+        let text = text.replace('≤', "\\le ");
+        match text.rsplit_once('e').filter(|(_, power)| power.parse::<i32>().is_ok()) {
             Some((number, power)) => (format!("{number} \\cdot 10^{{{power}}}"), Tight::Product),
-            None => (text.replace('≤', "\\le "), Tight::Power),
+            None => (text, Tight::Power),
         }
     }
 
@@ -224,4 +225,17 @@ fn greek(word: &str) -> Option<String> {
     ];
     let found = latin.iter().find(|(greek, _)| *greek == name);
     Some(found.map_or_else(|| format!("\\{name}"), |(_, letter)| format!("\\mathrm{{{letter}}}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_only_a_bound_has_its_sign_and_its_power() {
+        let decimal = |text| Latex.decimal(text).0;
+        assert_eq!(decimal("3.1e-7"), "3.1 \\cdot 10^{-7}");
+        assert_eq!(decimal("≤ 5e-13"), "\\le  5 \\cdot 10^{-13}");
+        assert_eq!(decimal("≤ 0.5"), "\\le  0.5");
+    }
 }
