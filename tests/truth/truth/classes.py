@@ -32,7 +32,7 @@ ALL = {
     "coupled": Class(coupled.scene, coupled.check, 5000, 60),
     "emitted": Class(emitted.scene, emitted.check, 2000, 15),
     "equations": Class(equations.scene, equations.check, 2000, 12),
-    "examples": Class(equations_examples.scene, equations_examples.check, 24, 24),
+    "examples": Class(equations_examples.scene, equations_examples.check, len(equations_examples.ALL), len(equations_examples.ALL)),
     "planar": Class(planar.scene, planar.check, 10000, 100),
     "reactions": Class(reactions.scene, reactions.check, 5000, 60),
     "noise": Class(noise.scene, noise.check, 5000, 60),
