@@ -503,22 +503,30 @@ fn rows(n: usize) -> [String; 2] {
 fn places_cost_what_a_repeat_costs_and_grow_as_it_does() {
     let (small, large) = (rows(1_000), rows(10_000));
     let mut shortest = [[f64::INFINITY; 2]; 2];
-    for _ in 0..5 {
+    let mut rounds = 0;
+    loop {
         for (size, texts) in [&small, &large].into_iter().enumerate() {
             for (form, text) in texts.iter().enumerate() {
                 shortest[size][form] = shortest[size][form].min(lowered_in(text));
             }
         }
+        rounds += 1;
+        let [[few, few_repeated], [many, many_repeated]] = shortest;
+        // Whatever the cache does to tables that are ten times as large, it does to both. Of the square, it would be ten times more.
+        let holds = [
+            many < 1.5 * many_repeated,
+            many / few < 1.5 * many_repeated / few_repeated,
+            many_repeated < 20.0 * few_repeated,
+        ];
+        if rounds >= 3 && holds == [true; 3] {
+            break;
+        }
+        // Other work on the machine only ever adds to a time, so that the shortest of more rounds comes nearer to the truth.
+        assert!(
+            rounds < 60,
+            "{holds:?} after {rounds} rounds: [placed, by `repeat`] of 1,000 and 10,000 in seconds: {shortest:?}"
+        );
     }
-    let [[few, few_repeated], [many, many_repeated]] = shortest;
-    assert!(many < 1.5 * many_repeated, "10,000 places: {many} s, by `repeat`: {many_repeated} s");
-    // Whatever the cache does to tables that are ten times as large, it does to both. Of the square, it would be ten times more.
-    let (growth, of_repeat) = (many / few, many_repeated / few_repeated);
-    assert!(
-        growth < 1.5 * of_repeat,
-        "ten times the places take {growth} times as long, by `repeat` {of_repeat} times"
-    );
-    assert!(of_repeat < 20.0, "ten times the repetitions take {of_repeat} times as long");
 }
 
 /// A component with one more declaration, placed six times.

@@ -495,7 +495,7 @@ fn a_change_in_a_library_costs_no_more_than_twice_a_change_in_the_model() {
     editor.open("model.vib", &model(2));
     assert!(editor.findings().iter().all(|(_, list)| list.is_empty()));
     let mut shortest = [f64::INFINITY; 2];
-    for round in 1..=8 {
+    for round in 1.. {
         for (which, name, text) in [(0, "model.vib", model(2 + round)), (1, "cells.vib", library(100 + round))] {
             let start = std::time::Instant::now();
             editor.change(name, &text);
@@ -503,9 +503,12 @@ fn a_change_in_a_library_costs_no_more_than_twice_a_change_in_the_model() {
             shortest[which] = shortest[which].min(start.elapsed().as_secs_f64());
             assert!(found.iter().any(|(known, list)| known == name && list.is_empty()), "{found:?}");
         }
+        let [own, of_library] = shortest;
+        if round >= 5 && of_library < 2.0 * own {
+            break;
+        }
+        assert!(round < 60, "{of_library} s after a change in the library, {own} s in the model");
     }
-    let [own, of_library] = shortest;
-    assert!(of_library < 2.0 * own, "{of_library} s after a change in the library, {own} s in the model");
 }
 
 /// Fields, `let`s and mistakes of the files that a text uses are at other places than its own.
