@@ -114,7 +114,11 @@ impl<'a> Check<'a> {
         let given = self.fields(fields, &UNBALANCE_FIELDS, environment);
         let [me, speed, clockwise] = [0, 1, 2].map(|place| given.get(place));
         let clockwise = self.flag(clockwise, environment);
-        let size = self.unbalance_size(me, ident, environment);
+        // Its name may be the mistake.
+        let size = match me {
+            None if given.broken => Err(Stop::Reported),
+            me => self.unbalance_size(me, ident, environment),
+        };
         let speed = speed.map(|field| {
             let expr = self.field_expr(field, environment)?;
             Ok((self.frequency(expr, environment)?, self.tree.expr(expr).span))

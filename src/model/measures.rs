@@ -378,10 +378,14 @@ impl<'a> Check<'a> {
         let low = self.frequency(low, environment);
         let high = self.frequency(high, environment)?;
         let low = low?;
-        if low.is_negative() || !(&high - &low).is_positive() {
-            return self.fail(environment, QuestionError::RangeReversed { span: node.span });
-        }
-        Ok([low, high])
+        let error = if low.is_negative() {
+            QuestionError::RangeBelowZero { span: node.span }
+        } else if !(&high - &low).is_positive() {
+            QuestionError::RangeReversed { span: node.span }
+        } else {
+            return Ok([low, high]);
+        };
+        self.fail(environment, error)
     }
 
     /// `input -> output`, with the dimension of its gain.
@@ -464,7 +468,14 @@ impl<'a> Check<'a> {
         };
         match name.and_then(|name| self.input_of(name, motion)) {
             Some(input) => Ok(input),
-            None => self.fail(environment, QuestionError::NotAnInput { span: node.span, found: self.noun_of(part) }),
+            None => {
+                let inputs = name.map_or_else(Vec::new, |name| self.motions_of(name, owner));
+                let error = match motion {
+                    None if inputs.len() > 1 => QuestionError::SeveralInputs { span: node.span, inputs },
+                    _ => QuestionError::NotAnInput { span: node.span, found: self.noun_of(part) },
+                };
+                self.fail(environment, error)
+            }
         }
     }
 
@@ -508,6 +519,13 @@ impl<'a> Check<'a> {
         let mut named = named.map(|(index, input)| (InputId(index as u32), dimension_of(&input.kind)));
         let first = named.next()?;
         named.next().is_none().then_some(first)
+    }
+
+    /// What each input of this name is called where `owner` names them together.
+    fn motions_of(&self, name: Name, owner: ExprId) -> Vec<String> {
+        let owner = self.sources.slice(self.tree.expr(owner).span);
+        let inputs = self.scene.inputs.iter().filter(|input| input.name == name);
+        inputs.map(|input| format!("{owner}.{}", self.motion_of(&input.kind))).collect()
     }
 
     /// `x`, `y`, `along` or `angle` of a base.

@@ -87,6 +87,12 @@ fn the_largest_gain_of_an_oscillator() {
 fn the_largest_gain_may_be_infinite() {
     let undamped = OSCILLATOR.replace("damper d: ground -- b { c = 3 N*s/m }\n", "");
     let holds = |text: &str, condition: &str| requirements(&format!("{text}require {condition}\n"))[0].0;
+    for (range, message) in
+        [("-4 Hz .. 8 Hz", "frequencies of a range are not negative"), ("8 Hz .. 4 Hz", "the range is empty")]
+    {
+        let asked = format!("{undamped}require peak_gain(F -> b.x, {range}) < 1 m/N\n");
+        assert_eq!(crate::program::finding(&asked, &["check"])["message"], message);
+    }
     assert_eq!(holds(&undamped, "peak_gain(F -> b.x) < 1 m/N"), Some(false));
     assert_eq!(holds(&undamped, "peak_gain(F -> b.x, 2 Hz .. 9 Hz) < 1 m/N"), Some(true));
     let shaken = OSCILLATOR.replace("damper d: ground", "damper d: g");

@@ -1,34 +1,18 @@
 //! Participation factors and effective masses of base excitation, beside closed forms. See
 //! docs/method/measures.md#effective-masses.
 
+use crate::program::{finding, json, ran, text};
 use serde_json::Value;
 use std::f64::consts::PI;
-use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
-
-fn ran(model: &str, arguments: &[&str]) -> Output {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path: &Path = folder.path();
-    fs::write(path.join("m.vib"), model).expect("a file");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
-    command.args(arguments).arg("m.vib").current_dir(path).output().expect("the program starts")
-}
 
 /// What each motion of a base excites.
 fn excited(model: &str) -> Vec<Value> {
-    let output = ran(model, &["analyze", "--participation", "--format", "json"]);
-    assert!(output.status.success(), "{model}\n{}", String::from_utf8_lossy(&output.stderr));
-    let whole: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let whole = json(model, &["analyze", "--participation"]);
     whole["base_excitation"].as_array().cloned().unwrap_or_default()
 }
 
 fn code(model: &str) -> String {
-    let output = ran(model, &["check", "--message-format", "json"]);
-    let text = String::from_utf8_lossy(&output.stderr);
-    let found: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).expect("one object a line")).collect();
-    assert_eq!(found.len(), 1, "{model}: {text}");
-    found[0]["code"].as_str().expect("a code").to_string()
+    crate::program::code(model, &["check"])
 }
 
 /// The value holds its bound, up to the rounding of the truth, and the bound is sharp.
@@ -151,8 +135,7 @@ fn equal_frequencies_have_masses_only_together() {
     }
     assert!(list[0]["modes"][1]["sum"].is_null());
     meets(&list[0]["modes"][2], "sum", 3.0);
-    let text = ran(RING, &["analyze", "--participation"]);
-    let text = String::from_utf8(text.stdout).expect("text");
+    let text = text(RING, &["analyze", "--participation"]);
     assert!(text.contains("base excitation by g: 3.00000 kg in all modes") && text.contains("only together"), "{text}");
     assert_eq!(code(&format!("{RING}require effective_mass(g, 2) > 1 kg\n")), "vib::require::no_value");
     // Parts that do not touch each other have shapes of their own, whatever their frequencies.
@@ -177,6 +160,9 @@ fn a_model_asks_for_it() {
     let found = |asked: &str| code(&format!("{model}require {asked}\n"));
     assert_eq!(found("effective_mass(F, 1) > 1 kg"), "vib::measure::input");
     assert_eq!(found("effective_mass(soil, 0) > 1 kg"), "vib::measure::mode");
+    let both = "base table { moves x, turns }\n".to_string() + &model;
+    let of_both = finding(&format!("{both}require effective_mass(table, 1) > 1 kg\n"), &["check"]);
+    assert_eq!(of_both["help"], "write `table.x` or `table.angle`");
     assert_eq!(found("effective_mass(soil, 5) > 1 kg"), "vib::require::no_value");
     assert_eq!(found("effective_mass(soil) > 1 kg"), "vib::measure::arguments");
     assert_eq!(found("effective_mass(soil, 1) > 1 kg*m^2"), "vib::unit::mismatch");
@@ -191,8 +177,7 @@ fn a_model_asks_for_it() {
     let z = 200.0 - (40_000.0 - 70_000.0_f64 / 3.0).sqrt();
     let b = 200.0 / (200.0 - 2.0 * z);
     let truth = (3.0 + 2.0 * b).powi(2) / (3.0 + 2.0 * b * b);
-    let output = ran(&format!("{asked}{truth:e} kg\n"), &["analyze", "--format", "json"]);
-    let whole: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let whole = json(&format!("{asked}{truth:e} kg\n"), &["analyze"]);
     let found = whole["solved"][0]["si"].as_f64().expect("a mass");
     assert!((found - 2.0).abs() < 1e-12, "{found}");
 }

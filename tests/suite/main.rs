@@ -56,6 +56,7 @@ mod pages;
 mod pole_counts;
 mod poles;
 mod problems;
+mod program;
 mod properties;
 mod pruning;
 mod published;

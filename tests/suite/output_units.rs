@@ -1,9 +1,10 @@
 //! Outputs in units of the user's choice: the same motion, divided by the unit, wherever it is shown, and nowhere else.
 //! See spec.md#outputs.
 
+use crate::program::{json, text};
 use serde_json::Value;
-use std::process::{Command, Output};
-use std::{fs, path::Path};
+use std::fs;
+use std::process::Command;
 
 /// A pendulum on a cart with a base, a step and a harmonic, and UNITS in the place of each unit.
 const SCENE: &str = "gravity 9.81 m/s^2
@@ -36,31 +37,13 @@ fn scene(own: bool) -> String {
         .fold(SCENE.to_string(), |text, (i, (word, _))| text.replace(&format!("{{{i}}}"), unit(word)))
 }
 
-fn ran(model: &str, arguments: &[&str]) -> Output {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path: &Path = folder.path();
-    fs::write(path.join("m.vib"), model).expect("a file");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
-    command.args(arguments).arg("m.vib").current_dir(path).output().expect("the program starts")
-}
-
-fn text(model: &str, arguments: &[&str]) -> String {
-    let output = ran(model, arguments);
-    assert!(output.status.success(), "{model}\n{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
-}
-
-fn json(model: &str, arguments: &[&str]) -> Value {
-    serde_json::from_str(&text(model, arguments)).expect("JSON")
-}
-
 fn near(own: f64, si: f64, unit: f64) {
     assert!((own * unit - si).abs() <= 4e-16 * si.abs(), "{own} of {unit} is not {si}");
 }
 
 #[test]
 fn samples_and_gains_are_divided_by_the_unit() {
-    let run = ["simulate", "--until", "2 s", "--step", "0.25 s", "--format", "json"];
+    let run = ["simulate", "--until", "2 s", "--step", "0.25 s"];
     let [own, si] = [true, false].map(|own| json(&scene(own), &run));
     for (i, (word, unit)) in UNITS.iter().enumerate() {
         let (own, si) = (&own["outputs"][i], &si["outputs"][i]);
@@ -71,7 +54,7 @@ fn samples_and_gains_are_divided_by_the_unit() {
             near(own.as_f64().expect("a number"), si.as_f64().expect("a number"), *unit);
         }
     }
-    let run = ["transfer", "--at", "0.7 Hz", "--format", "json"];
+    let run = ["transfer", "--at", "0.7 Hz"];
     let [own, si] = [true, false].map(|own| json(&scene(own), &run));
     let pairs = own["pairs"].as_array().expect("pairs");
     assert_eq!(pairs.len(), 10);
@@ -115,12 +98,7 @@ fn measures_and_equations_do_not_change() {
 fn a_unit_that_does_not_fit_is_found() {
     let code = |output: &str| {
         let model = scene(false).replace("output w  =", output).replace("output w =", output);
-        let found = ran(&model, &["check", "--message-format", "json"]);
-        let text = String::from_utf8_lossy(&found.stderr).into_owned();
-        let findings: Vec<Value> =
-            text.lines().map(|line| serde_json::from_str(line).expect("one object a line")).collect();
-        assert_eq!(findings.len(), 1, "{output}: {text}");
-        findings[0]["code"].as_str().expect("a code").to_string()
+        crate::program::code(&model, &["check"])
     };
     for output in ["output w in mm =", "output w in dB =", "output w in kg*m^2/s ="] {
         assert_eq!(code(output), "vib::unit::mismatch", "{output}");

@@ -1,34 +1,9 @@
 //! A rotating unbalance: closed forms of the machine on a spring, the two components together beside a solution in complex
 //! numbers, the forces that it stands for, and what is refused. See spec.md#unbalance.
 
+use crate::program::{code, json, ran};
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};
-use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
-
-fn ran(model: &str, arguments: &[&str]) -> Output {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path: &Path = folder.path();
-    fs::write(path.join("m.vib"), model).expect("a file");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
-    command.args(arguments).arg("m.vib").current_dir(path).output().expect("the program starts")
-}
-
-fn json(model: &str, arguments: &[&str]) -> Value {
-    let output = ran(model, &[arguments, &["--format", "json"]].concat());
-    assert!(output.status.success(), "{model}\n{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("JSON")
-}
-
-/// The code of the only finding.
-fn code(model: &str, arguments: &[&str]) -> String {
-    let output = ran(model, &[arguments, &["--message-format", "json"]].concat());
-    let text = String::from_utf8_lossy(&output.stderr);
-    let found: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).expect("one object a line")).collect();
-    assert_eq!(found.len(), 1, "{model}: {text}");
-    found[0]["code"].as_str().expect("a code").to_string()
-}
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is a number"))
@@ -214,6 +189,7 @@ fn what_does_not_fit_is_found() {
     assert_eq!(check("{ me = 0.02 kg*m, speed = 100 /s }"), "vib::unit::frequency");
     assert_eq!(check("{ me = 0.02 kg*m, clockwise = 1 }"), "vib::field::value");
     assert_eq!(check("{ me = 0.02 kg*m, phase = 1 }"), "vib::field::unknown");
+    assert_eq!(check("{ mee = 0.02 kg*m }"), "vib::field::unknown");
     assert_eq!(check("= 3"), "vib::syntax::unexpected");
     let on = |end: &str| code(&machine("").replace("U: frame", end), &["check"]);
     assert_eq!(on("U: ground"), "vib::input::no_effect");

@@ -29,9 +29,11 @@ pub enum QuestionError {
     CauseUnknown { span: Span },
     ArrowMissing { span: Span },
     NotAnInput { span: Span, found: &'static str },
+    SeveralInputs { span: Span, inputs: Vec<String> },
     NotABase { span: Span },
     NotAnOutput { span: Span, word: String, found: &'static str, declared: Span },
     ModeNumber { span: Span },
+    RangeBelowZero { span: Span },
     RangeReversed { span: Span },
     GivenAndSolved { span: Span, word: String, solved: Span },
     RequireWhat { span: Span, suggestion: Option<&'static str> },
@@ -117,9 +119,13 @@ impl QuestionError {
                     .help("name a base, as in `effective_mass(floor, 1)`")
             }
             NotAnInput { span, found } => {
-                error("vib::measure::input", span, format!("one input is expected here, this is {found}")).help(
-                    "name a force, a torque or a base; of a base with several motions one of them, as in `floor.y`",
-                )
+                error("vib::measure::input", span, format!("one input is expected here, this is {found}"))
+                    .help("name a force, a torque or a base, or one motion of a base, as in `floor.y`")
+            }
+            SeveralInputs { span, inputs } => {
+                let names: Vec<String> = inputs.iter().map(|name| format!("`{name}`")).collect();
+                error("vib::measure::input", span, format!("one input is expected here, these are {}", inputs.len()))
+                    .help(format!("write {}", names.join(" or ")))
             }
             NotAnOutput { span, word, found, declared } => {
                 error("vib::measure::output", span, format!("`{word}` is {found}, not an output"))
@@ -129,6 +135,8 @@ impl QuestionError {
             ModeNumber { span } => {
                 error("vib::measure::mode", span, "modes are numbered from 1").fix(span, Change::Replace("1".into()))
             }
+            RangeBelowZero { span } => error("vib::solve::range", span, "frequencies of a range are not negative")
+                .help("begin at `0 Hz` or above"),
             RangeReversed { span } => {
                 error("vib::solve::range", span, "the range is empty").help("write the lower bound first")
             }

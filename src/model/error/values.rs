@@ -130,9 +130,9 @@ fn unit_unknown(span: Span, symbol: &str, suggestion: Option<String>, is_value: 
             diagnostic.help(format!("`{symbol}` is a parameter: write spaces around `*` or `/` to calculate with it"))
         }
         (false, Some(meant)) => diagnostic.help(format!("did you mean `{meant}`?")).fix(span, Change::Replace(meant)),
-        (false, None) => {
-            diagnostic.help("a word directly after a number is its unit; to multiply, write ` * ` with spaces")
-        }
+        (false, None) => diagnostic.help(
+            "a unit is a symbol such as `mm` or `N*s/m`; to multiply a number by a value, write ` * ` with spaces",
+        ),
     }
 }
 
