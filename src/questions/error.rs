@@ -84,7 +84,8 @@ pub enum AskedError {
     Fails {
         span: Span,
         value: Phrase,
-        by: String,
+        /// How far from the limit, where that is a number.
+        by: Option<String>,
         remedy: Option<Remedy>,
     },
     Undetermined {
@@ -233,8 +234,9 @@ impl AskedError {
                     .help("narrow the ranges around the set you want")
             }
             Fails { span, value, by, remedy } => {
-                let finding = error(span, "this requirement does not hold".to_string())
-                    .label(format!("it is {value}, off by {by}"));
+                let by = by.as_ref().map_or(String::new(), |by| format!(", off by {by}"));
+                let finding =
+                    error(span, "this requirement does not hold".to_string()).label(format!("it is {value}{by}"));
                 match remedy {
                     None => finding.help("no parameter was found that makes it hold"),
                     Some(remedy) => with_remedy(finding, remedy),

@@ -127,7 +127,7 @@ fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Option<Remedy>) -
         (Some(true), _) => None,
         (Some(false), _) => {
             let by = match (&requirement.margin, requirement.limit.as_ref().filter(|limit| !limit.may_be_zero())) {
-                (Some(margin), Some(_)) => percent(-margin.to_f64()),
+                (Some(margin), Some(_)) => Some(percent(-margin.to_f64())),
                 (Some(_), None) | (None, _) => missed_by(requirement),
             };
             Some(AskedError::Fails { span, value, by, remedy: remedy() })
@@ -141,14 +141,13 @@ fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Option<Remedy>) -
     }
 }
 
-/// The amount by which a requirement is missed if no percentage is given: the distance from a limit of 0, or a phrase.
-fn missed_by(requirement: &Requirement) -> String {
+/// The amount by which a requirement is missed if no percentage is given: the distance from a limit of 0.
+fn missed_by(requirement: &Requirement) -> Option<String> {
     match (&requirement.value, &requirement.margin) {
         (Value::Number(_), Some(margin)) => {
-            shown_text(&shown(&Number::Ball(-*margin), &requirement.unit, requirement.in_radians))
+            Some(shown_text(&shown(&Number::Ball(-*margin), &requirement.unit, requirement.in_radians)))
         }
-        (Value::Infinite, _) => "any amount".to_string(),
-        _ => "being unstable or neutral".to_string(),
+        _ => None,
     }
 }
 

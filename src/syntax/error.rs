@@ -376,7 +376,7 @@ impl Remark {
             Remark::UnitOfNoNumber => {
                 "a unit can only follow a number; multiply anything else by one unit: `L * 1 N/m`"
             }
-            Remark::UnitWithOne => "write the unit without the `1`: `5 /s`",
+            Remark::UnitWithOne => "leave out the `1`: a unit may begin with `/`, as in `5 /s`",
             Remark::FunctionApart => "write a function and its bracket without a blank between them: `sqrt(x)`",
             Remark::IndexApart => "write a name and its index without a blank between them: `m[1]`",
             Remark::OperatorMissing => "write an operator between two values, such as `*`",
