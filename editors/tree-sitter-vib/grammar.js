@@ -71,7 +71,7 @@ module.exports = grammar({
     // ---- Parts of declarations
 
     // `m[i-1]`, `net[i][j]`, `net[i, j]`
-    name: ($) => seq($.word, repeat($._index)),
+    name: ($) => prec(1, seq($.word, repeat($._index))),
     _index: ($) => seq(token.immediate('['), list($.expression), ']'),
     // A name, or one in a component at its place: `front.wheel`
     _path: ($) => seq($.name, repeat(seq(token.immediate('.'), $.name))),
@@ -99,9 +99,11 @@ module.exports = grammar({
     power: ($) => prec.right(6, seq($.expression, '^', $.expression)),
 
     call: ($) => seq(field('function', $.word), token.immediate('('), optional(list($._argument)), ')'),
-    _argument: ($) => choice($.expression, $.named, $.range),
+    _argument: ($) => choice($.expression, $.named, $.white, $.range),
     // `speed = 20 m/s`
     named: ($) => seq(field('name', $.word), '=', $.expression),
+    // `white 3 N^2/Hz`, of a noise; `white - 3` is a difference
+    white: ($) => seq($.word, $.expression),
     // `1 Hz .. 50 Hz`
     range: ($) => $._range,
     group: ($) => seq('(', list($.expression), ')'),

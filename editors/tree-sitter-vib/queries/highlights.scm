@@ -26,6 +26,7 @@
     "acos" "atan" "atan2" "exp" "ln"))
 
 ((name (word) @constant.builtin) (#any-of? @constant.builtin "ground" "pi" "stable"))
+(white (word) @constant.builtin)
 (parameter name: (name (word) @variable))
 (model name: (word) @type)
 (body name: (name (word) @type))
