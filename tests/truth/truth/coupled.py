@@ -101,11 +101,8 @@ def scene(rng):
 def check(net, program, tally, rng):
     """Compares what is told of modes, poles and transfer values."""
     ctx.prec = BITS
-    tally.command = "vibc analyze MODEL --format json"
-    answer = program.run("analyze", net.text(), "--format", "json")
-    told = answer.json()
+    told = program.ask(tally, "analyze", net.text(), "--format", "json")
     if told is None:
-        tally.refuse(answer.reason())
         return
     modes.compare(told, modes.squares(net), tally)
     poles.compare(told, poles.true_poles(net), None, tally)

@@ -444,11 +444,8 @@ def formulas(items):
 
 def check(scene, program, tally, rng):
     """Everything that is printed for a scene."""
-    tally.command = "vibc equations MODEL --format json"
-    answer = program.run("equations", scene.text(), "--format", "json")
-    told = answer.json()
+    told = program.ask(tally, "equations", scene.text(), "--format", "json")
     if told is None:
-        tally.refuse(answer.reason())
         return
     Comparison(scene, told, tally, rng).run()
 

@@ -145,11 +145,8 @@ def check(net, program, tally, rng):
     if not curves:
         return
     low, high = borders(rng, next(iter(curves.values())).denominator)
-    tally.command = f"vibc transfer MODEL --format json --range {low}Hz..{high}Hz"
-    answer = program.run("transfer", net.text(), "--format", "json", "--range", f"{low}Hz..{high}Hz")
-    told = answer.json()
+    told = program.ask(tally, "transfer", net.text(), "--format", "json", "--range", f"{low}Hz..{high}Hz")
     if told is None:
-        tally.refuse(answer.reason())
         return
     if isinstance(told, list):
         told = from_text(program.run("transfer", net.text(), "--range", f"{low}Hz..{high}Hz").out)

@@ -38,11 +38,8 @@ def scene(rng):
 def check(net, program, tally, rng):
     """Compares what is told of all three."""
     ctx.prec = BITS
-    tally.command = "vibc analyze MODEL --format json"
-    answer = program.run("analyze", net.text(), "--format", "json")
-    told = answer.json()
+    told = program.ask(tally, "analyze", net.text(), "--format", "json")
     if told is None:
-        tally.refuse(answer.reason())
         return
     true = poles.true_poles(net)
     modes.compare(told, modes.squares(net), tally)

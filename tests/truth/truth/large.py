@@ -23,11 +23,8 @@ def scene(rng):
 def check(net, program, tally, rng):
     """Compares modes and poles."""
     ctx.prec = BITS
-    tally.command = "vibc analyze MODEL --format json"
-    answer = program.run("analyze", net.text(), "--format", "json")
-    told = answer.json()
+    told = program.ask(tally, "analyze", net.text(), "--format", "json")
     if told is None:
-        tally.refuse(answer.reason())
         return
     m, c, k = net.matrices()
     size = net.size()

@@ -228,11 +228,8 @@ def check(net, program, tally, rng):
             lines.append(f"require {words} {sign} {limit} {unit}".rstrip())
             plan.append((measure, (sign, decimal(limit))))
     net.lines = lines
-    tally.command = "vibc analyze MODEL --format json"
-    answer = program.run("analyze", net.text(), "--format", "json")
-    told = answer.json()
+    told = program.ask(tally, "analyze", net.text(), "--format", "json")
     if told is None:
-        tally.refuse(answer.reason())
         return
     until = next((row["until_s"] for row in told["requirements"] if row["until_s"] is not None), None)
     if until is not None:

@@ -59,11 +59,8 @@ def check(net, program, tally, rng):
             words.append(transfer.plain((x.sqrt() / (2 * pi())).mid().str(rng.choice((3, 6, 12, 17)), radius=False)))
     words += [draw.decimal_word(rng, -2, 2) for _ in range(2)]
     asked = [option for word in dict.fromkeys(words) for option in ("--at", word + "Hz")]
-    tally.command = "vibc transfer MODEL --format json " + " ".join(asked)
-    answer = program.run("transfer", net.text(), "--format", "json", *asked)
-    told = answer.json()
+    told = program.ask(tally, "transfer", net.text(), "--format", "json", *asked)
     if told is None:
-        tally.refuse(answer.reason())
         return
     exact = {float(word): decimal(word) for word in words}
     for _, output, line in transfer.rows(told):

@@ -56,11 +56,8 @@ def scale(m, k):
 def check(net, program, tally, rng):
     """Compares the list of modes."""
     ctx.prec = BITS
-    answer = program.run("analyze", net.text(), "--format", "json")
-    told = answer.json()
-    tally.command = "vibc analyze MODEL --format json"
+    told = program.ask(tally, "analyze", net.text(), "--format", "json")
     if told is None:
-        tally.refuse(answer.reason())
         return
     compare(told, squares(net), tally)
 
@@ -96,11 +93,8 @@ def compare(told, true, tally):
 def check_digits(net, program, tally, rng):
     """Compares the digits of `--digits 30`, in units of the last one shown."""
     ctx.prec = BITS
-    tally.command = "vibc analyze MODEL --digits 30 --format json"
-    answer = program.run("analyze", net.text(), "--format", "json", "--digits", "30")
-    told = answer.json()
+    told = program.ask(tally, "analyze", net.text(), "--format", "json", "--digits", "30")
     if told is None:
-        tally.refuse(answer.reason())
         return
     true = squares(net)
     if true is None or len(told["modes"]) != len(true):

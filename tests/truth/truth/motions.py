@@ -174,11 +174,8 @@ def check(net, program, tally, rng):
     ctx.prec = BITS
     step = decimal(net.until) / net.samples
     word = draw_step(net, step)
-    tally.command = f"vibc simulate MODEL --until {net.until}s --step {word}s --format json"
-    answer = program.run("simulate", net.text(), "--until", net.until + "s", "--step", word + "s", "--format", "json", tables=net.tables)
-    told = answer.json()
+    told = program.ask(tally, "simulate", net.text(), "--until", net.until + "s", "--step", word + "s", "--format", "json", tables=net.tables)
     if told is None:
-        tally.refuse(answer.reason())
         return
     try:
         motions = {f"y{i}": Motion(net, i) for i in range(len(net.outputs))}

@@ -191,11 +191,8 @@ def square_at(net, i, more):
 
 def check(net, program, tally, rng):
     """Compares every rms and every rate of crossings."""
-    tally.command = "vibc analyze MODEL --format json"
-    answer = program.run("analyze", net.text(), "--format", "json")
-    told = answer.json()
+    told = program.ask(tally, "analyze", net.text(), "--format", "json")
     if told is None:
-        tally.refuse(answer.reason())
         return
     found = {row["output"]: row for row in told.get("noise") or []}
     for i in range(len(net.outputs)):

@@ -177,11 +177,8 @@ def dampers(rng, scene):
 def check(scene, program, tally, rng):
     """Compares rest, tensions, modes, poles and buckling of a scene."""
     ctx.prec = BITS
-    tally.command = "vibc analyze MODEL --format json"
-    answer = program.run("analyze", scene.text(), "--format", "json")
-    told = answer.json()
+    told = program.ask(tally, "analyze", scene.text(), "--format", "json")
     if told is None:
-        tally.refuse(answer.reason())
         return
     if not told["rest"]["proven"]:
         tally.refuse("rest not proven")
@@ -304,11 +301,8 @@ def responses(scene, rest, program, tally, told):
     omega = told["modes"][0]["omega"] or 1.0
     words = [f"{omega / 6.283 * share:.4g}".replace("e+", "e") for share in (0.3, 1.0, 2.7)]
     asked = [option for word in words for option in ("--at", word + "Hz")]
-    tally.command = "vibc transfer MODEL --format json " + " ".join(asked)
-    answer = program.run("transfer", scene.text(), "--format", "json", *asked)
-    shown = answer.json()
+    shown = program.ask(tally, "transfer", scene.text(), "--format", "json", *asked)
     if shown is None:
-        tally.refuse(answer.reason())
         return
     for (_, _, entry), word in zip(transfer.rows(shown), words):
         s = I * 2 * pi() * decimal(word)

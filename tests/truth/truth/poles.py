@@ -133,11 +133,8 @@ def kind_of(s):
 def check(net, program, tally, rng):
     """Compares the list of poles and the verdict."""
     ctx.prec = BITS
-    tally.command = "vibc analyze MODEL --format json"
-    answer = program.run("analyze", net.text(), "--format", "json")
-    told = answer.json()
+    told = program.ask(tally, "analyze", net.text(), "--format", "json")
     if told is None:
-        tally.refuse(answer.reason())
         return
     true = true_poles(net)
     if true is None:

@@ -84,3 +84,12 @@ class Program:
         if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
             return TOO_LONG
         return Answer(done.returncode, done.stdout.decode("utf-8", "replace"), done.stderr.decode("utf-8", "replace"))
+
+    def ask(self, tally, command, text, *options, tables=None):
+        """The JSON that `command` prints; without one None, and the tally has the reason."""
+        tally.command = " ".join(["vibc", command, "MODEL", *options])
+        answer = self.run(command, text, *options, tables=tables)
+        told = answer.json()
+        if told is None:
+            tally.refuse(answer.reason())
+        return told

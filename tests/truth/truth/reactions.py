@@ -107,11 +107,8 @@ class Forces:
 def check(scene, program, tally, rng):
     """Compares the whole of each reaction at rest, and its transfer values."""
     ctx.prec = BITS
-    tally.command = "vibc analyze MODEL --format json"
-    answer = program.run("analyze", text(scene, True), "--format", "json")
-    told = answer.json()
+    told = program.ask(tally, "analyze", text(scene, True), "--format", "json")
     if told is None:
-        tally.refuse(answer.reason())
         return
     if not told["rest"]["proven"]:
         tally.refuse("rest not proven")
@@ -136,11 +133,8 @@ def responses(scene, forces, program, tally, told):
     omega = told["modes"][0]["omega"] or 1.0
     words = [f"{omega / 6.283 * share:.4g}".replace("e+", "e") for share in (0.3, 1.0, 2.7)]
     asked = [option for word in words for option in ("--at", word + "Hz")]
-    tally.command = "vibc transfer MODEL --format json " + " ".join(asked)
-    answer = program.run("transfer", text(scene, False), "--format", "json", *asked)
-    shown = answer.json()
+    shown = program.ask(tally, "transfer", text(scene, False), "--format", "json", *asked)
     if shown is None:
-        tally.refuse(answer.reason())
         return
     truths = {}
     for word in words:

@@ -105,11 +105,8 @@ def check(net, program, tally, rng):
     if not words:
         return
     asked = [option for word in words for option in ("--at", word + "Hz")]
-    tally.command = "vibc transfer MODEL --format json " + " ".join(asked)
-    answer = program.run("transfer", net.text(), "--format", "json", *asked)
-    told = answer.json()
+    told = program.ask(tally, "transfer", net.text(), "--format", "json", *asked)
     if told is None:
-        tally.refuse(answer.reason())
         return
     exact = {}
     for word in words:
