@@ -6,6 +6,7 @@ use super::error::{PartError, ValueError};
 use super::evaluate::Evaluated;
 use super::expect::Expected;
 use super::scope::Environment;
+use super::suggestion::nearest;
 use super::tables::{First, TableRequest};
 use super::value::{Scalar, Value};
 use crate::base::density::{Band, Course, Density};
@@ -46,7 +47,8 @@ impl<'a> Check<'a> {
                 ExprKind::Call { name_len, arguments } => {
                     let start = self.tree.expr(one).span.start();
                     let file = self.tree.expr(one).span.file();
-                    let word = self.sources.slice(Span::new(file, start, start + usize::from(name_len)));
+                    let called = Span::new(file, start, start + usize::from(name_len));
+                    let word = self.sources.slice(called);
                     let arguments = self.tree.list(arguments).to_vec();
                     match (word, &arguments[..]) {
                         ("table", [file, unit]) => self.density_table([*file, *unit], kinds, environment),
@@ -54,7 +56,11 @@ impl<'a> Check<'a> {
                         ("road", [roughness, speed, range]) => {
                             self.road((*roughness, *speed), Some(*range), kinds, call, environment)
                         }
-                        _ => wrong(self),
+                        ("table" | "road", _) => wrong(self),
+                        _ => {
+                            let (word, suggestion) = (word.to_string(), nearest(word, ["road", "table"]));
+                            self.fail(environment, PartError::UnknownNoise { span: called, word, suggestion })
+                        }
                     }
                 }
                 // `white -3 N^2/Hz` reads as a difference.

@@ -254,10 +254,31 @@ fn what_is_wrong_is_found_where_it_stands() {
         ("noise((1 Hz, 1 N^2/Hz), (2 Hz, 0 N^2/Hz))", "vib::noise::density"),
         ("noise((1 Hz, 1 N^2/Hz))", "vib::signal::arguments"),
         ("noise()", "vib::signal::arguments"),
+        ("noise(raod(16e-6 m^3, 20 m/s))", "vib::signal::arguments"),
     ] {
         let found = refused(&format!("{OSCILLATOR}force F: b along x = {noise}\noutput x = b.x\n"));
         assert_eq!(found.iter().map(|(code, _)| *code).collect::<Vec<_>>(), [code], "{noise}: {found:?}");
     }
+}
+
+/// A misspelt function of `noise` is named, with the known one that is nearest.
+#[test]
+fn a_misspelt_road_has_a_suggestion() {
+    let findings = |word: &str| {
+        let text = format!(
+            "body b {{ mass = 2 kg, moves y }}\nbase lane {{ moves y }} = noise({word}(16e-6 m^3, 20 m/s))\n\
+             spring s: lane -- b {{ k = 50 N/m }}\noutput y = b.y\n"
+        );
+        let mut sources = Sources::new();
+        let model = sources.add(SourceFile::decode(SourceKind::Model, "m", text.as_bytes().to_vec()));
+        let found = vibc::analyze(&sources, model, &Default::default()).diagnostics;
+        let shown = found.into_iter().filter(|finding| finding.is_error());
+        shown.map(|finding| format!("{} {:?}", finding.message, finding.help)).collect::<Vec<_>>()
+    };
+    let found = findings("raod");
+    assert!(found.len() == 1 && found[0].contains("`raod`") && found[0].contains("did you mean `road`"), "{found:?}");
+    let found = findings("spectrogram");
+    assert!(found.len() == 1 && found[0].contains("noise(road("), "{found:?}");
 }
 
 /// Two equal masses between equal springs, and a damper between them alone: the motion of both together never decays, and noise

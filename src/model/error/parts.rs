@@ -152,6 +152,11 @@ pub enum PartError {
     NoiseArguments {
         span: Span,
     },
+    UnknownNoise {
+        span: Span,
+        word: String,
+        suggestion: Option<&'static str>,
+    },
     TimesReversed {
         span: Span,
     },
@@ -436,6 +441,14 @@ impl PartError {
                 "write `noise(white 3 N^2/Hz)`, `noise(3 N^2/Hz, 20 Hz .. 2 kHz)`, \
                  `noise((20 Hz, 1 N^2/Hz), (80 Hz, 4 N^2/Hz))` or `noise(road(16e-6 m^3, 20 m/s))`",
             ),
+            UnknownNoise { span, word, suggestion } => {
+                let help = suggestion.is_none().then(|| {
+                    "the forms are `noise(road(16e-6 m^3, 20 m/s))` and `noise(table(\"psd.csv\", 1 m^2/Hz))`"
+                        .to_string()
+                });
+                let message = format!("`noise` knows no function `{word}`");
+                with_suggestion(error("vib::signal::arguments", span, message), suggestion.map(str::to_string), help)
+            }
             TimesReversed { span } => {
                 error("vib::signal::times", span, "this time is not later than the one before it")
             }
