@@ -249,7 +249,7 @@ struct JsonSolved<'a> {
     relative_slope: JsonNumber,
     others: &'static str,
     unsettled: Vec<[String; 2]>,
-    looked_at: usize,
+    evaluations: usize,
     until_s: JsonNumber,
     /// What every other number of the answer is about.
     bounds_from: &'static str,
@@ -266,7 +266,7 @@ struct JsonRequirement<'a> {
     /// Absolute bound, because a margin may be 0.
     margin_error_bound: JsonNumber,
     error_bound: JsonNumber,
-    told: Cow<'a, str>,
+    value_text: Cow<'a, str>,
     until_s: JsonNumber,
 }
 
@@ -525,7 +525,7 @@ fn json_solved(solved: &Solved) -> JsonSolved<'_> {
             Others::Unsettled(parts) => parts.iter().map(|(low, high)| [low.clone(), high.clone()]).collect(),
             Others::None(_) | Others::Unknown => Vec::new(),
         },
-        looked_at: solved.evaluations,
+        evaluations: solved.evaluations,
         bounds_from: if solved.bound == Some(0.0) { "root" } else { "value" },
         until_s: solved.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
     }
@@ -559,7 +559,7 @@ fn json_requirement(requirement: &Requirement) -> JsonRequirement<'_> {
         margin: JsonNumber::of(requirement.margin),
         margin_error_bound: requirement.margin.map_or(JsonNumber::NULL, JsonNumber::absolute_bound),
         error_bound: value.map_or(JsonNumber::NULL, |ball| JsonNumber::relative_bound(*ball)),
-        told: requirement.value_text(),
+        value_text: requirement.value_text(),
         until_s: requirement.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
     }
 }
