@@ -13,18 +13,26 @@ pub fn drives(scene: &CheckedScene) -> Result<Vec<Vec<Signal>>, LowerError> {
     scene.scene().inputs.iter().map(of_input).collect()
 }
 
-/// The noise of each input that has some.
+/// Every noise with the inputs that it drives: that which has it, and those whose signals are this one's later.
 pub fn noises(scene: &CheckedScene) -> Vec<Noise> {
-    let inputs = scene.scene().inputs.iter().enumerate();
-    let of = |(index, input): (usize, &Input)| {
-        let densities = input.signal.iter().filter_map(|signal| match signal {
-            scene::Signal::Noise(density) => Some(density.clone()),
-            _ => None,
-        });
-        let derivative = input.derivative;
-        densities.map(move |density| Noise { input: index, derivative, density }).collect::<Vec<_>>()
-    };
-    inputs.flat_map(of).collect()
+    let inputs = &scene.scene().inputs;
+    let mut driven: Vec<Vec<(usize, Number)>> = (0..inputs.len()).map(|index| vec![(index, Number::ZERO)]).collect();
+    for (index, input) in inputs.iter().enumerate() {
+        for signal in &input.signal {
+            if let scene::Signal::Delayed { by, of, .. } = signal {
+                driven[*of].push((index, by.clone()));
+            }
+        }
+    }
+    let mut list = Vec::new();
+    for (input, driven) in inputs.iter().zip(driven) {
+        for signal in &input.signal {
+            if let scene::Signal::Noise(density) = signal {
+                list.push(Noise { inputs: driven.clone(), derivative: input.derivative, density: density.clone() });
+            }
+        }
+    }
+    list
 }
 
 fn of_input(input: &Input) -> Result<Vec<Signal>, LowerError> {
@@ -51,7 +59,7 @@ fn of_input(input: &Input) -> Result<Vec<Signal>, LowerError> {
 /// A signal, or those that it is a delay of.
 fn undelayed(signal: &scene::Signal) -> Vec<(&scene::Signal, Option<&Number>)> {
     match signal {
-        scene::Signal::Delayed { by, signals } => signals.iter().map(|signal| (signal, Some(by))).collect(),
+        scene::Signal::Delayed { by, signals, .. } => signals.iter().map(|signal| (signal, Some(by))).collect(),
         signal => vec![(signal, None)],
     }
 }

@@ -84,7 +84,7 @@ impl<'a> Check<'a> {
             // A constant load is there always.
             let constants = from.signal.iter().filter(|signal| matches!(signal, Signal::Constant { .. })).cloned();
             let mut signal: Vec<Signal> = constants.collect();
-            signal.push(Signal::Delayed { by, signals: signals.clone() });
+            signal.push(Signal::Delayed { by, of: source, signals: signals.clone() });
             let derivative = from.derivative;
             let input = &mut self.scene.inputs[delay.input];
             (input.signal, input.derivative) = (signal, derivative);
@@ -102,8 +102,6 @@ impl<'a> Check<'a> {
             PartError::DelayOfOtherKind { span, name, declared }
         } else if source.signal_span.is_none() {
             PartError::DelayOfNothing { span, name, declared }
-        } else if source.signal.iter().any(|signal| matches!(signal, Signal::Noise(_))) {
-            PartError::NoiseDelayed { span, name, declared }
         } else {
             return Some(input.index());
         };

@@ -316,9 +316,8 @@ impl<'a> Check<'a> {
         }
         let Combination { terms: output, dimension, .. } = self.measured_output(output, environment)?;
         let signals = || self.scene.inputs.iter().flat_map(|input| &input.signal);
-        let has_noise = signals().any(|signal| matches!(signal, Signal::Noise(_)));
-        let in_time = |signal: &Signal| !matches!(signal, Signal::Noise(_) | Signal::Constant { .. });
-        let moves_in_time = signals().any(in_time) || !self.scene.initial.is_empty();
+        let has_noise = signals().any(Signal::has_noise);
+        let moves_in_time = signals().any(Signal::has_course) || !self.scene.initial.is_empty();
         let of = match cause.map(|cause| self.tree.expr(cause).span) {
             Some(span) => match self.sources.slice(span) {
                 "noise" => Cause::Noise,

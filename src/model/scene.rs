@@ -369,13 +369,31 @@ pub enum Signal {
         /// `None` if the file was not given to the check.
         rows: Option<Arc<TableRows>>,
     },
-    /// Other signals, so much later.
-    Delayed { by: Number, signals: Arc<[Signal]> },
+    /// The signals of another input, so much later, and the index of that input.
+    Delayed { by: Number, of: usize, signals: Arc<[Signal]> },
     /// Stationary noise, by its density.
     Noise(Density),
 }
 
 impl Signal {
+    /// Whether it is noise, or the noise of another input.
+    pub fn has_noise(&self) -> bool {
+        match self {
+            Signal::Noise(_) => true,
+            Signal::Delayed { signals, .. } => signals.iter().any(Signal::has_noise),
+            _ => false,
+        }
+    }
+
+    /// Whether it moves something in time: noise has no course, and a constant load is part of the rest.
+    pub fn has_course(&self) -> bool {
+        match self {
+            Signal::Constant { .. } | Signal::Noise(_) => false,
+            Signal::Delayed { signals, .. } => signals.iter().any(Signal::has_course),
+            _ => true,
+        }
+    }
+
     /// The signal with the opposite sign.
     pub fn negated(&self) -> Signal {
         let mut signal = self.clone();

@@ -266,7 +266,7 @@ impl Measured<'_> {
                 let reach = Reach::of(system);
                 let output_of = &system.outputs[*output];
                 let reaches = |input: usize| reach.from_input(system, input, output_of);
-                let by_noise = self.context.noises.iter().any(|noise| reaches(noise.input));
+                let by_noise = self.context.noises.iter().any(|noise| reach.from_noise(system, noise, output_of));
                 let in_time = (0..drives.len()).any(|input| !drives[input].is_empty() && reaches(input))
                     || reach.from_start(system, output_of);
                 match (by_noise, in_time) {

@@ -1,13 +1,13 @@
 //! Noise that drives inputs, as plain data in SI units. See docs/method/random.md.
 
-use crate::base::Density;
+use crate::base::{Density, Number};
 
-/// Stationary noise of an input, independent of every other one.
+/// Stationary noise, independent of every other one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
-    /// Index of the input.
-    pub input: usize,
-    /// Which derivative of the input it is: 0 the input itself, 1 its rate, 2 its acceleration.
+    /// Indices of the inputs that it drives, and how much later it reaches each, s.
+    pub inputs: Vec<(usize, Number)>,
+    /// Which derivative of the inputs it is: 0 the inputs themselves, 1 their rates, 2 their accelerations.
     pub derivative: u8,
     /// One-sided.
     pub density: Density,

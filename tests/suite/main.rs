@@ -62,6 +62,7 @@ mod pruning;
 mod published;
 mod questions;
 mod random;
+mod random_delayed;
 mod readme;
 mod reports;
 mod response;

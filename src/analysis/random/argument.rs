@@ -88,7 +88,7 @@ impl Two {
     }
 
     /// Half the trace, as an exact number.
-    fn mean(self) -> Point {
+    pub fn mean(self) -> Point {
         let sum = (self.0[0][0] + self.0[1][1]).mid();
         Complex::new(sum.re.scale(0.5), sum.im.scale(0.5)).to_ball()
     }

@@ -25,20 +25,27 @@ impl Bands {
     pub fn of(density: &Density, within: Option<[&Number; 2]>, more: i32, resolvent: &Resolvent) -> Option<Bands> {
         let pieces = pieces(density, within)?;
         let starts_at_zero = pieces.iter().any(|piece| !piece.from.is_positive());
-        let panels: Vec<Panels> = pieces.iter().map(|piece| piece.panels(more)).collect::<Option<_>>()?;
+        let panels: Vec<Panels> = pieces.iter().map(|piece| piece.panels(more, Ball::ZERO)).collect::<Option<_>>()?;
         let of_poles = resolvent.values(|s| over(&panels, s), |s| over(&panels, s)).collect();
         let even = [-4, -2, 0, 2, 4].map(|power| {
             if power < 0 && starts_at_zero {
                 return None;
             }
-            pieces.iter().try_fold(Ball::ZERO, |sum, piece| Some(sum + piece.panels(more + power)?.integral()))
+            pieces
+                .iter()
+                .try_fold(Ball::ZERO, |sum, piece| Some(sum + piece.panels(more + power, Ball::ZERO)?.integral().re))
         });
         let whole = even[2]?.magnitude() * UP;
         Some(Bands { of_poles, even, whole })
     }
 
-    /// The mean square of an output.
-    pub fn mean_square(&self, resolvent: &Resolvent, parts: &Parts) -> Option<Ball> {
+    /// A bound of the mean square of the noise itself, times 2 pi.
+    pub fn whole(&self) -> f64 {
+        self.whole
+    }
+
+    /// The integral of |H|^2 over angular frequencies, and a bound of what is missing.
+    pub fn integral(&self, resolvent: &Resolvent, parts: &Parts) -> Option<(Ball, f64)> {
         let square = resolvent.square(parts);
         let two = Ball::from(2.0);
         let mut sum = Ball::ZERO;
@@ -59,13 +66,18 @@ impl Bands {
         // |H|^2 is off by 2 |H| e + e^2 at most; the mean of the first is bounded by Schwarz's inequality.
         let (size, whole, slack) = (sum.magnitude(), self.whole, square.slack);
         let off = (2.0 * slack * size.sqrt() * whole.sqrt() + slack * slack * whole) * UP;
-        let value = sum.widen(off) / (Ball::PI * two);
-        if !value.is_finite() {
-            return None;
-        }
-        // A mean square is not negative.
-        Some(if value.mid.hi < 0.0 { Ball::new(Dd::ZERO, value.magnitude()) } else { value })
+        Some((sum, off))
     }
+}
+
+/// A mean square from an integral over angular frequencies and what it may be off by.
+pub fn settled(integral: Ball, off: f64) -> Option<Ball> {
+    let value = integral.widen(off) / (Ball::PI * Ball::from(2.0));
+    if !value.is_finite() {
+        return None;
+    }
+    // A mean square is not negative.
+    Some(if value.mid.hi < 0.0 { Ball::new(Dd::ZERO, value.magnitude()) } else { value })
 }
 
 impl Bands {
@@ -111,7 +123,7 @@ fn laurent(factors: &[f64; 5], s: Complex<f64>) -> Complex<f64> {
 }
 
 /// The integral of power laws over i w - D.
-fn over<A: Argument>(panels: &[Panels], d: A) -> A {
+pub fn over<A: Argument>(panels: &[Panels], d: A) -> A {
     panels.iter().fold(A::of(Complex::ZERO), |sum, panels| sum.plus(panels.over(d)))
 }
 
@@ -123,7 +135,7 @@ pub fn starts_at_zero(density: &Density, within: Option<[&Number; 2]>) -> Option
 }
 
 /// The power laws that a density is made of. `None` for white noise without ends, and where numbers leave the range.
-fn pieces(density: &Density, within: Option<[&Number; 2]>) -> Option<Vec<Piece>> {
+pub fn pieces(density: &Density, within: Option<[&Number; 2]>) -> Option<Vec<Piece>> {
     let white;
     let bands = match (density, within) {
         (Density::Bands(bands), _) => bands,

@@ -1,4 +1,4 @@
-//! An input with noise as a system that white noise of unit intensity w drives directly: M v'' + C v' + K v = f w, v' = u + h w, and
+//! Inputs with one noise as a system that white noise of unit intensity w drives directly: M v'' + C v' + K v = f w, v' = u + h w, and
 //! what reaches an output without delay. In: a system, an input, and of which derivative of it the noise is. Out: forces, jumps
 //! and what is fed through, exact wherever the numbers are: a variance is infinite or not by a zero. See
 //! docs/method/random.md#direct-paths.
@@ -14,7 +14,7 @@ const MOST_EXACT: usize = 12;
 /// Up to so many coordinates statics is solved in fractions.
 const MOST_STATIC: usize = 24;
 
-/// How the noise of an input drives the coordinates.
+/// How the noise of some inputs drives the coordinates.
 pub struct Channel {
     /// M h, where v' = u + h w.
     pub jump: Vec<Number>,
@@ -25,7 +25,7 @@ pub struct Channel {
     /// r and r' of q = v + r u + r' u'.
     followed: [Vec<Number>; 2],
     derivative: usize,
-    pub input: u32,
+    pub inputs: Vec<usize>,
 }
 
 /// What of the noise reaches an output other than by way of the state: the factors of s^-2 w .. s^2 w.
@@ -33,9 +33,12 @@ pub type Feed = [Number; 5];
 
 impl Channel {
     /// `None` where what the coordinates follow of a base is not found, or numbers do not decide.
-    pub fn of(system: &LinearSystem, input: usize, derivative: u8) -> Option<Channel> {
+    pub fn of(system: &LinearSystem, inputs: &[usize], derivative: u8) -> Option<Channel> {
         let (n, derivative) = (system.n(), usize::from(derivative));
-        let b = [0, 1, 2].map(|power| dense(n, &system.inputs[input].b[power]));
+        let b = [0, 1, 2].map(|power| {
+            let all = inputs.iter().flat_map(|&input| &system.inputs[input].b[power]);
+            dense(n, all)
+        });
         // The force of w times s^-2 .. s^1, in this order, once v is measured from what follows the base.
         let mut forces: [Vec<Number>; 5] = std::array::from_fn(|_| vec![Number::ZERO; n]);
         for (power, b) in b.iter().enumerate() {
@@ -61,15 +64,13 @@ impl Channel {
         let h = mass_solution(system, &jump)?;
         let force = less(less(f0, applied(&system.k, &g)), applied(&system.c, &h));
         let a = mass_solution(system, &force)?;
-        let input = u32::try_from(input).ok()?;
-        Some(Channel { jump, force, direct: [g, h, a], followed, derivative, input })
+        Some(Channel { jump, force, direct: [g, h, a], followed, derivative, inputs: inputs.to_vec() })
     }
 
     pub fn feed(&self, output: &Output) -> Feed {
         let mut feed: Feed = std::array::from_fn(|_| Number::ZERO);
         for power in 0..3 {
-            let own = output.d[power].iter().find(|(input, _)| *input == self.input);
-            if let Some((_, own)) = own {
+            for (_, own) in output.d[power].iter().filter(|(input, _)| self.inputs.contains(&(*input as usize))) {
                 let place = 2 + power - self.derivative;
                 feed[place] = &feed[place] + own;
             }
@@ -89,13 +90,18 @@ impl Channel {
         feed
     }
 
+    /// Whether an output has one of the inputs themselves in it.
+    pub fn is_fed(&self, output: &Output) -> bool {
+        output.d.iter().flatten().any(|(input, _)| self.inputs.contains(&(*input as usize)))
+    }
+
     /// Whether a base's rate, and not a force, is what reaches the velocities at once.
     pub fn jumps(&self) -> bool {
         self.jump.iter().any(|jump| !jump.is_zero())
     }
 }
 
-pub fn dense(n: usize, row: &[(CoordinateId, Number)]) -> Vec<Number> {
+pub fn dense<'r>(n: usize, row: impl IntoIterator<Item = &'r (CoordinateId, Number)>) -> Vec<Number> {
     let mut list = vec![Number::ZERO; n];
     for (i, value) in row {
         list[i.index()] = &list[i.index()] + value;

@@ -6,19 +6,21 @@ mod argument;
 mod bands;
 mod blocks;
 mod channel;
+mod coherent;
 mod gramian;
 mod resolvent;
 mod weight;
 
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::modes::parts::independent;
-use crate::analysis::transfer::{Frequency, Gain, Transfer};
+use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Density, Number, Rational, Unproven};
+use crate::kernel::complex::Complex;
 use crate::system::{CoordinateId, LinearSystem, Noise, Output};
 use bands::Bands;
-use channel::{Channel, applied, dense, is_certain};
+use channel::{Channel, Feed, applied, dense, is_certain};
 use gramian::{Covariance, Drive, Obstacle, Space};
-use resolvent::Resolvent;
+use resolvent::{Parts, Resolvent};
 use std::cell::OnceCell;
 
 /// A mean square or what follows from it.
@@ -39,7 +41,10 @@ const UNDAMPED: &str = "infinite: nothing damps what noise excites";
 
 const OPEN_FEED: &str = "whether white noise reaches it directly is not decided: the numbers are not exact";
 const OPEN_BASE: &str = "what the coordinates follow of the base is not found exactly";
+const OPEN_DELAYS: &str = "whether two delays are equal is not decided: the numbers are not exact";
+const OPEN_TOGETHER: &str = "each base drifts, and whether the output does when one follows the other is not proved";
 const OPEN_POLES: &str = "the poles are too close to each other for a bound";
+const OPEN_TURNS: &str = "the delay is too long for this band: the phase turns too often";
 const OPEN_DIGITS: &str = "the bound leaves no digit";
 /// The relative bound of a mean square beyond which there is no number.
 const LEAST: f64 = 0.1;
@@ -61,22 +66,55 @@ pub struct Random<'a> {
 /// A noise and how it drives the coordinates.
 struct Source<'a> {
     noise: &'a Noise,
-    channel: Option<Channel>,
-    /// The derivatives of its input by which the channel does not go.
+    /// One for each delay; or why it is not known how it drives them.
+    arms: Result<Vec<Arm>, &'static str>,
+    /// The derivatives of its inputs by which the channels do not go.
     left: i32,
     /// Its integrals over the bands, and those times w^2.
     bands: [OnceCell<Option<Bands>>; 2],
 }
 
+/// Inputs that a noise drives at once.
+struct Arm {
+    channel: Channel,
+    /// How much later than the noise, s.
+    delay: Number,
+}
+
 impl<'a> Source<'a> {
     /// Where it is not found what the coordinates follow of a base, noise in bands goes by the base's own motion.
     fn of(system: &LinearSystem, noise: &'a Noise) -> Source<'a> {
-        let of = |derivative: u8| Channel::of(system, noise.input, derivative);
-        let (mut channel, mut left) = (of(noise.derivative), 0);
-        if channel.is_none() && matches!(noise.density, Density::Bands(_)) {
-            (channel, left) = (of(0), i32::from(noise.derivative));
+        let of = |derivative: u8| Arm::all(system, noise, derivative);
+        let (mut arms, mut left) = (of(noise.derivative), 0);
+        if matches!(arms, Err(OPEN_BASE)) && matches!(noise.density, Density::Bands(_)) {
+            (arms, left) = (of(0), i32::from(noise.derivative));
         }
-        Source { noise, channel, left, bands: Default::default() }
+        Source { noise, arms, left, bands: Default::default() }
+    }
+
+    fn is_white(&self) -> bool {
+        matches!(self.noise.density, Density::White(_))
+    }
+}
+
+impl Arm {
+    fn all(system: &LinearSystem, noise: &Noise, derivative: u8) -> Result<Vec<Arm>, &'static str> {
+        let mut together: Vec<(&Number, Vec<usize>)> = Vec::new();
+        for (input, delay) in &noise.inputs {
+            let apart = |known: &Number| delay - known;
+            if together.iter().any(|(known, _)| !apart(known).is_zero() && apart(known).may_be_zero()) {
+                return Err(OPEN_DELAYS);
+            }
+            match together.iter_mut().find(|(known, _)| apart(known).is_zero()) {
+                Some((_, inputs)) => inputs.push(*input),
+                None => together.push((delay, vec![*input])),
+            }
+        }
+        let arm = |(delay, inputs): (&Number, Vec<usize>)| {
+            let channel = Channel::of(system, &inputs, derivative).ok_or(OPEN_BASE)?;
+            Ok(Arm { channel, delay: delay.clone() })
+        };
+        together.into_iter().map(arm).collect()
     }
 }
 
@@ -92,6 +130,11 @@ impl Reach {
             found.coordinates.iter().for_each(|&i| part[i as usize] = number);
         }
         Reach { part }
+    }
+
+    /// Whether terms or a direct path lead from an input that a noise drives to an output.
+    pub fn from_noise(&self, system: &LinearSystem, noise: &Noise, output: &Output) -> bool {
+        noise.inputs.iter().any(|(input, _)| self.from_input(system, *input, output))
     }
 
     /// Whether terms or a direct path lead from an input to an output.
@@ -121,9 +164,10 @@ impl<'a> Random<'a> {
         let space = Space::of(system, modes);
         let sources: Vec<Source> = noises.iter().map(|noise| Source::of(system, noise)).collect();
         let covariance = space.as_ref().ok().map(|space| {
-            let drives: Vec<Drive> = sources
-                .iter()
-                .filter_map(|source| Some(space.drive(source.channel.as_ref()?, intensity(source.noise)?)))
+            let white =
+                sources.iter().filter_map(|source| Some((source.arms.as_ref().ok()?, intensity(source.noise)?)));
+            let drives: Vec<Drive> = white
+                .flat_map(|(arms, intensity)| arms.iter().map(move |arm| space.drive(&arm.channel, intensity)))
                 .collect();
             space.covariance(&drives)
         });
@@ -132,8 +176,14 @@ impl<'a> Random<'a> {
 
     /// The noises that reach an output.
     fn reaching(&self, output: &Output) -> impl Iterator<Item = &Source<'a>> {
-        let reaches = move |source: &&Source| self.reach.from_input(self.system, source.noise.input, output);
-        self.sources.iter().filter(reaches)
+        self.sources.iter().filter(move |source| self.reach.from_noise(self.system, source.noise, output))
+    }
+
+    /// The arms by which a noise reaches an output.
+    fn arms<'s>(&self, source: &'s Source, output: &Output) -> Result<Vec<&'s Arm>, &'static str> {
+        let reaches = |input: &usize| self.reach.from_input(self.system, *input, output);
+        let all = source.arms.as_ref().map_err(|why| *why)?;
+        Ok(all.iter().filter(|arm| arm.channel.inputs.iter().any(reaches)).collect())
     }
 
     /// Whether noise reaches an output.
@@ -144,8 +194,7 @@ impl<'a> Random<'a> {
     /// The mean square of an output, in the square of its SI unit.
     pub fn mean_square(&self, output: &Output) -> Spread {
         let all = self.reaching(output);
-        let (white, banded): (Vec<&Source>, Vec<&Source>) =
-            all.partition(|source| matches!(source.noise.density, Density::White(_)));
+        let (white, banded): (Vec<&Source>, Vec<&Source>) = all.partition(|source| source.is_white());
         let of_white = self.under_white(&white, output);
         let of_bands = banded.iter().map(|source| self.under_bands(source, output, Part::Whole));
         of_bands.fold(of_white, Spread::plus)
@@ -159,26 +208,67 @@ impl<'a> Random<'a> {
 
     fn under_white(&self, sources: &[&Source], output: &Output) -> Spread {
         let mut open = None;
+        let mut together = Ball::ZERO;
         for source in sources {
-            match self.direct(source.channel.as_ref(), output) {
+            let arms = match self.arms(source, output) {
+                Ok(arms) => arms,
+                Err(why) => {
+                    open.get_or_insert(why);
+                    continue;
+                }
+            };
+            match direct(&arms, output) {
                 Ok(()) => {}
                 Err(Spread::Unknown(why)) => {
                     open.get_or_insert(why);
                 }
                 Err(infinite) => return infinite,
             }
-            let endless = |channel| self.endless(channel, source.noise, output);
-            if let Some(infinite) = source.channel.as_ref().and_then(endless) {
+            if let Some(infinite) = self.endless(&arms, output) {
                 return infinite;
+            }
+            if arms.len() > 1 && open.is_none() {
+                match self.covariances(source, &arms, output) {
+                    Ok(sum) => together = together + sum,
+                    Err(why) => open = Some(why),
+                }
             }
         }
         match (open, &self.space, &self.covariance) {
             (Some(why), ..) => Spread::Unknown(why),
             _ if sources.is_empty() => Spread::Finite(Ball::ZERO),
-            (None, Ok(space), Some(covariance)) => finite(Some(space.variance(covariance, &space.row(output)))),
+            (None, Ok(space), Some(covariance)) => {
+                let apart = space.variance(covariance, &space.row(output));
+                // A variance is not negative.
+                let sum = apart + together;
+                finite(Some(if sum.mid.hi < 0.0 { Ball::ZERO.widen(sum.magnitude()) } else { sum }))
+            }
             (None, Err(obstacle), _) => Spread::Unknown(why(*obstacle)),
             (None, Ok(_), None) => Spread::Unknown(why(Obstacle::Modes)),
         }
+    }
+
+    /// Twice the sum of the covariances of what the arms of a white noise contribute.
+    fn covariances(&self, source: &Source, arms: &[&Arm], output: &Output) -> Result<Ball, &'static str> {
+        let space = self.space.as_ref().map_err(|obstacle| why(*obstacle))?;
+        let resolvent = self.resolvent(space)?;
+        let intensity = intensity(source.noise).unwrap_or(Ball::ZERO);
+        let row = space.row(output);
+        let parts = |arm: &&Arm| resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, [Ball::ZERO; 5]);
+        let parts: Vec<Parts> = arms.iter().map(parts).collect::<Option<_>>().ok_or(OPEN_DIGITS)?;
+        let mut sum = Ball::ZERO;
+        for (second, later) in arms.iter().enumerate() {
+            for (first, earlier) in arms.iter().enumerate().take(second) {
+                let apart = &later.delay - &earlier.delay;
+                let (early, late) = if apart.is_positive() { (first, second) } else { (second, first) };
+                sum = sum + coherent::covariance(resolvent, &parts[early], &parts[late], apart.to_ball().abs());
+            }
+        }
+        Ok(sum * intensity * Ball::from(2.0))
+    }
+
+    fn resolvent(&self, space: &Space) -> Result<&Resolvent, &'static str> {
+        self.resolvent.get_or_init(|| Resolvent::of(space)).as_ref().ok_or(OPEN_POLES)
     }
 
     /// The mean square under a noise in bands, or within a band.
@@ -187,68 +277,66 @@ impl<'a> Random<'a> {
             Part::Within(within) => Some(within),
             _ => None,
         };
-        let Some(channel) = &source.channel else { return Spread::Unknown(OPEN_BASE) };
-        let feed = channel.feed(output);
+        let arms = match self.arms(source, output) {
+            Ok(arms) => arms,
+            Err(why) => return Spread::Unknown(why),
+        };
         let Some(starts_at_zero) = bands::starts_at_zero(&source.noise.density, within) else {
             return Spread::Unknown(OPEN_DIGITS);
         };
         if starts_at_zero {
             // What drifts has a density that no band from 0 Hz up has an integral of.
-            let drift = &feed[..2];
-            match () {
-                () if source.left > 0 => return Spread::Unknown(OPEN_BASE),
-                () if drift.iter().any(is_certain) => return Spread::Infinite(DRIFT),
-                () if drift.iter().any(|part| !part.is_zero()) => return Spread::Unknown(OPEN_FEED),
-                () => {}
+            if source.left > 0 {
+                return Spread::Unknown(OPEN_BASE);
+            }
+            if let Err(drifts) = drift(&arms, output) {
+                return drifts;
             }
         }
         let space = match &self.space {
             Ok(space) => space,
             Err(obstacle) => return Spread::Unknown(why(*obstacle)),
         };
-        let Some(resolvent) = self.resolvent.get_or_init(|| Resolvent::of(space)) else {
-            return Spread::Unknown(OPEN_POLES);
+        let resolvent = match self.resolvent(space) {
+            Ok(resolvent) => resolvent,
+            Err(why) => return Spread::Unknown(why),
         };
-        let of = |more: i32| Bands::of(&source.noise.density, within, more - 2 * source.left, resolvent);
+        let more = |part: Part| if matches!(part, Part::Rate) { 2 } else { 0 } - 2 * source.left;
+        let of = |part: Part| Bands::of(&source.noise.density, within, more(part), resolvent);
         let own;
         let bands = match part {
-            Part::Whole => source.bands[0].get_or_init(|| of(0)),
-            Part::Rate => source.bands[1].get_or_init(|| of(2)),
+            Part::Whole => source.bands[0].get_or_init(|| of(part)),
+            Part::Rate => source.bands[1].get_or_init(|| of(part)),
             Part::Within(_) => {
-                own = of(0);
+                own = of(part);
                 &own
             }
         };
-        let drive = space.drive(channel, Ball::ONE);
-        let direct = feed.map(|part| part.to_ball());
-        let parts = resolvent.parts(space, &drive, &space.row(output), direct);
-        finite(bands.as_ref().zip(parts).and_then(|(bands, parts)| bands.mean_square(resolvent, &parts)))
-    }
-
-    /// What of white noise reaches an output without delay: nothing, or why its variance is not finite.
-    fn direct(&self, channel: Option<&Channel>, output: &Output) -> Result<(), Spread> {
-        let Some(channel) = channel else { return Err(Spread::Unknown(OPEN_BASE)) };
-        let feed = channel.feed(output);
-        let is_fed = output.d.iter().flatten().any(|(input, _)| *input == channel.input);
-        let mut parts = feed.iter().enumerate().filter(|(_, part)| !part.is_zero());
-        let certain = parts.clone().find(|(_, part)| is_certain(part));
-        match (certain, parts.next()) {
-            (None, None) => Ok(()),
-            (None, Some(_)) => Err(Spread::Unknown(OPEN_FEED)),
-            (Some((0 | 1, _)), _) => Err(Spread::Infinite(DRIFT)),
-            (Some(_), _) if channel.jumps() && output.p[2].is_empty() && !is_fed => Err(Spread::Infinite(BASE_RATE)),
-            (Some(_), _) => Err(Spread::Infinite(DIRECT)),
-        }
+        let row = space.row(output);
+        let parts = |arm: &&Arm| {
+            let direct = arm.channel.feed(output).map(|part| part.to_ball());
+            resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, direct)
+        };
+        let Some((bands, parts)) = bands.as_ref().zip(arms.iter().map(parts).collect::<Option<Vec<Parts>>>()) else {
+            return Spread::Unknown(OPEN_DIGITS);
+        };
+        let delays: Vec<&Number> = arms.iter().map(|arm| &arm.delay).collect();
+        let Some(pairs) = coherent::pairs(&source.noise.density, within, more(part), &delays, resolvent) else {
+            return Spread::Unknown(OPEN_TURNS);
+        };
+        finite(coherent::mean_square(bands, &pairs, resolvent, &parts))
     }
 
     /// A proof that the variance under white noise is infinite where no motion decays.
-    fn endless(&self, channel: &Channel, noise: &Noise, output: &Output) -> Option<Spread> {
+    fn endless(&self, arms: &[&Arm], output: &Output) -> Option<Spread> {
         if self.space.is_ok() {
             return None;
         }
         if let Some(rigid) = self.only_rigid_motion() {
             let across = |row: &[Number]| row.iter().zip(&rigid).fold(Number::ZERO, |sum, (a, b)| &sum + &(a * b));
-            let (driven, seen) = (across(&channel.force), across(&dense(self.system.n(), &output.p[0])));
+            // At 0 Hz delays make no difference.
+            let driven = arms.iter().fold(Number::ZERO, |sum, arm| &sum + &across(&arm.channel.force));
+            let seen = across(&dense(self.system.n(), &output.p[0]));
             let resisted = across(&applied(&self.system.c, &rigid));
             let is_simple = resisted.is_zero() || is_certain(&resisted);
             if is_simple && is_certain(&driven) && is_certain(&seen) {
@@ -258,9 +346,11 @@ impl<'a> Random<'a> {
         // Without dampers every pole is on the axis, and a transfer function that is not zero has one.
         if self.system.c.is_empty() && self.modes.list.iter().all(|mode| mode.kind != ModeKind::Divergence) {
             let index = self.system.outputs.iter().position(|known| known.p == output.p && known.d == output.d)?;
+            let [arm] = arms else { return None };
+            let [input] = arm.channel.inputs[..] else { return None };
             let transfer = Transfer::of(self.system);
             let excites = ["0.8164", "3.1622", "31.415"].map(Number::from).iter().any(|frequency| {
-                let gain = transfer.between(&Frequency::hertz(frequency), &[noise.input], &[index])[0][0];
+                let gain = transfer.between(&Frequency::hertz(frequency), &[input], &[index])[0][0];
                 gain.disc().is_some_and(|disc| disc.relative_error() < 1.0)
             });
             return excites.then_some(Spread::Infinite(UNDAMPED));
@@ -330,15 +420,21 @@ impl<'a> Random<'a> {
         let (Ok(space), Some(covariance)) = (&self.space, &self.covariance) else { return None };
         let row = space.row(output);
         let all = self.reaching(output);
-        let (white, banded): (Vec<&Source>, Vec<&Source>) =
-            all.partition(|source| matches!(source.noise.density, Density::White(_)));
+        let (white, banded): (Vec<&Source>, Vec<&Source>) = all.partition(|source| source.is_white());
         let mut sum = vec![0.0; self.system.n()];
+        // What two inputs of one noise contribute together is no mode's.
+        let is_apart = |source: &&Source| self.arms(source, output).is_ok_and(|arms| arms.len() == 1);
+        if !white.iter().all(is_apart) {
+            return None;
+        }
         if !white.is_empty() {
             let size = space.variance(covariance, &row).to_f64();
             sum.iter_mut().zip(space.shares(covariance, &row)).for_each(|(sum, share)| *sum += share * size);
         }
         for source in banded {
-            let (channel, resolvent) = (source.channel.as_ref()?, self.resolvent.get()?.as_ref()?);
+            let resolvent = self.resolvent.get()?.as_ref()?;
+            let arms = self.arms(source, output).ok()?;
+            let [Arm { channel, .. }] = arms[..] else { return None };
             let direct = channel.feed(output).map(|part| part.to_ball());
             let parts = resolvent.parts(space, &space.drive(channel, Ball::ONE), &row, direct)?;
             let bands = source.bands[0].get()?.as_ref()?;
@@ -357,6 +453,45 @@ impl<'a> Random<'a> {
         list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
         list
     }
+}
+
+/// What of white noise reaches an output without delay: nothing, or why its variance is not finite. Direct paths that are followed
+/// at different times do not cancel, except at 0 Hz.
+fn direct(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
+    let mut open = false;
+    for Arm { channel, .. } in arms {
+        let feed = channel.feed(output);
+        let [_, _, at_once @ ..] = &feed;
+        if at_once.iter().any(is_certain) {
+            let is_rate = channel.jumps() && output.p[2].is_empty() && !channel.is_fed(output);
+            // A drift, if there is one, is the first reason to name.
+            drift(arms, output)
+                .map_err(|drift| if matches!(drift, Spread::Infinite(_)) { drift } else { Spread::Infinite(DIRECT) })?;
+            return Err(Spread::Infinite(if is_rate { BASE_RATE } else { DIRECT }));
+        }
+        open |= at_once.iter().any(|part| !part.is_zero());
+    }
+    drift(arms, output)?;
+    if open { Err(Spread::Unknown(OPEN_FEED)) } else { Ok(()) }
+}
+
+/// Whether an output drifts with what drives it: sum (a_j / s^2 + b_j / s) e^(-s t_j) is, near 0 Hz,
+/// sum a_j / s^2 + sum (b_j - a_j t_j) / s.
+fn drift(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
+    let feeds: Vec<Feed> = arms.iter().map(|arm| arm.channel.feed(output)).collect();
+    if feeds.iter().all(|feed| feed[..2].iter().all(Number::is_zero)) {
+        return Ok(());
+    }
+    let twice = feeds.iter().fold(Number::ZERO, |sum, feed| &sum + &feed[0]);
+    let once = feeds.iter().zip(arms).fold(Number::ZERO, |sum, (feed, arm)| {
+        let later = &feed[0] * &arm.delay;
+        &sum + &(&feed[1] - &later)
+    });
+    Err(match arms {
+        _ if is_certain(&twice) || is_certain(&once) => Spread::Infinite(DRIFT),
+        [_] => Spread::Unknown(OPEN_FEED),
+        _ => Spread::Unknown(OPEN_TOGETHER),
+    })
 }
 
 /// What of a noise is taken.
@@ -428,7 +563,8 @@ pub fn density(
     let at = Frequency::hertz(frequency);
     let reach = Reach::of(system);
     let mut sum = Ball::ZERO;
-    for noise in noises.iter().filter(|noise| reach.from_input(system, noise.input, &system.outputs[output])) {
+    let reached = &system.outputs[output];
+    for noise in noises.iter().filter(|noise| reach.from_noise(system, noise, reached)) {
         let Some(density) = noise.density.at(frequency) else {
             return Spread::Unknown("the density leaves the range of numbers");
         };
@@ -439,13 +575,44 @@ pub fn density(
             return Spread::Unknown("the density of what a base integrates is not finite at 0 Hz");
         }
         let by_rate = (0..2 * noise.derivative).fold(Ball::ONE, |product, _| product / at.omega);
-        match transfer.between(&at, &[noise.input], &[output])[0][0] {
-            Gain::Finite(disc) => sum = sum + disc.gain().square() * density.to_ball() * by_rate,
-            Gain::Infinite => return Spread::Infinite("infinite: an undamped motion is excited at its own frequency"),
-            Gain::Unknown => return Spread::Unknown("the gain is not known at this frequency"),
+        let inputs: Vec<&(usize, Number)> =
+            noise.inputs.iter().filter(|(input, _)| reach.from_input(system, *input, reached)).collect();
+        match gain(transfer, &at, &inputs, output) {
+            Ok(gain) => sum = sum + gain.square() * density.to_ball() * by_rate,
+            Err(why) => return why,
         }
     }
     Spread::Finite(sum)
+}
+
+/// |sum H_j e^(-i w t_j)| over inputs with delays, s.
+fn gain(transfer: &Transfer, at: &Frequency, inputs: &[&(usize, Number)], output: usize) -> Result<Ball, Spread> {
+    let list: Vec<usize> = inputs.iter().map(|(input, _)| *input).collect();
+    let gains = transfer.between(at, &list, &[output]);
+    let discs: Vec<Disc> = gains
+        .iter()
+        .flatten()
+        .map(|gain| match gain {
+            Gain::Finite(disc) => Ok(*disc),
+            // Two that are infinite may cancel.
+            Gain::Infinite if list.len() == 1 => {
+                Err(Spread::Infinite("infinite: an undamped motion is excited at its own frequency"))
+            }
+            Gain::Infinite | Gain::Unknown => Err(Spread::Unknown("the gain is not known at this frequency")),
+        })
+        .collect::<Result<_, _>>()?;
+    if let [disc] = discs[..] {
+        return Ok(disc.gain());
+    }
+    let turned = |(disc, (_, delay)): (&Disc, &&(usize, Number))| {
+        let (sine, cosine) = Number::Ball(at.omega * delay.to_ball()).sin_cos()?;
+        let value = disc.value.to_ball();
+        let value = Complex::new(value.re.widen(disc.radius), value.im.widen(disc.radius));
+        Some(value * Complex::new(cosine.to_ball(), -sine.to_ball()))
+    };
+    let sum = discs.iter().zip(inputs).try_fold(Complex::ZERO, |sum: Complex<Ball>, each| Some(sum + turned(each)?));
+    let sum = sum.ok_or(Spread::Unknown("the phase of a delay is not known at this frequency"))?;
+    Ok((sum.re.square() + sum.im.square()).sqrt())
 }
 
 /// The two-sided intensity of white noise: half of its one-sided density.

@@ -40,11 +40,11 @@ struct Exact {
 
 /// A transfer function: rows p_b, columns q_b, factors of s^-2 .. s^2.
 pub struct Parts {
-    p: Vec<Vec<Point>>,
+    pub p: Vec<Vec<Point>>,
     q: Vec<Vec<Point>>,
-    direct: [Ball; 5],
+    pub direct: [Ball; 5],
     /// A bound of what is missing, on the axis.
-    slack: f64,
+    pub slack: f64,
 }
 
 /// |H(i w)|^2 = 2 re sum p_b (i w - D_b)^-1 g_b + sum l_m w^(2 m), over all blocks, conjugates too.
@@ -85,7 +85,7 @@ fn times(x: &[Vec<Point>], d: &[Vec<Point>]) -> Vec<Vec<Point>> {
     (0..order).map(|l| (0..n).map(|i| entry(i, l)).collect()).collect()
 }
 
-fn across(x: &[Point], y: &[Point]) -> Point {
+pub fn across(x: &[Point], y: &[Point]) -> Point {
     x.iter().zip(y).fold(Complex::ZERO, |sum, (x, y)| sum + *x * *y)
 }
 
@@ -300,17 +300,22 @@ impl Resolvent {
 
     /// |H|^2 as H(s) H(-s), by partial fractions.
     pub fn square(&self, parts: &Parts) -> Square {
-        let columns = (0..self.blocks.len()).map(|b| self.mirrored(parts, b)).collect();
+        let columns = self.mirrored_all(parts, parts);
         Square { rows: parts.p.clone(), columns, direct: self.even(parts), slack: parts.slack }
     }
 
-    /// g_b = H(-D_b) q_b
-    fn mirrored(&self, parts: &Parts, b: usize) -> Vec<Point> {
-        let (own, q) = (&self.blocks[b], &parts.q[b]);
+    /// The columns g_b with which H(s) G(-s) has the poles D_b of H, for every block: G(-D_b) q_b.
+    pub fn mirrored_all(&self, own: &Parts, other: &Parts) -> Vec<Vec<Point>> {
+        (0..self.blocks.len()).map(|b| self.mirrored(own, other, b)).collect()
+    }
+
+    fn mirrored(&self, own: &Parts, parts: &Parts, b: usize) -> Vec<Point> {
+        let (is_seen, q) = (own.p[b].iter().any(|p| !(p.re.is_zero() && p.im.is_zero())), &own.q[b]);
         let mut sum = vec![Complex::ZERO; q.len()];
-        if parts.p[b].iter().all(|p| p.re.is_zero() && p.im.is_zero()) {
+        if !is_seen {
             return sum;
         }
+        let own = &self.blocks[b];
         let mut add = |found: Vec<Point>| sum.iter_mut().zip(found).for_each(|(sum, x)| *sum = *sum + x);
         let sums = self.sums.get_or_init(|| self.inverse_sums());
         for (c, other) in self.blocks.iter().enumerate() {
@@ -338,13 +343,22 @@ impl Resolvent {
     }
 
     /// The sum over all blocks of p f(D) q, f a power of D.
-    fn sum(&self, parts: &Parts, power: i32) -> Ball {
-        let term = |b: usize| {
-            let block = &self.blocks[b];
-            let value = across(&parts.p[b], &raised(&block.d, &parts.q[b], power)).re;
+    pub fn sum(&self, parts: &Parts, power: i32) -> Ball {
+        self.over_blocks(|b, d| across(&parts.p[b], &raised(d, &parts.q[b], power)))
+    }
+
+    /// The sum of a function of D_b over all blocks, conjugates too.
+    pub fn over_blocks(&self, of: impl Fn(usize, &[Vec<Point>]) -> Point) -> Ball {
+        let term = |(b, block): (usize, &Exact)| {
+            let value = of(b, &block.d).re;
             if block.is_real { value } else { value + value }
         };
-        (0..self.blocks.len()).map(term).fold(Ball::ZERO, |sum, x| sum + x)
+        self.blocks.iter().enumerate().map(term).fold(Ball::ZERO, |sum, x| sum + x)
+    }
+
+    /// How far from the axis the farthest poles are.
+    pub fn farthest(&self) -> f64 {
+        self.blocks.iter().map(|block| block.far).fold(0.0, f64::max)
     }
 
     /// What |H|^2 has of w^-4 .. w^4.

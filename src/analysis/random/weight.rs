@@ -1,10 +1,11 @@
 //! Integrals over a band of frequencies of a power of the frequency, alone and divided by i w - s. In: a power law between two
-//! frequencies, a pole. Out: enclosures. See docs/method/random.md#integrals-over-a-band.
+//! frequencies, a delay, a pole. Out: enclosures. See docs/method/random.md#integrals-over-a-band.
 //!
-//! A band is cut into panels w = m + h x, -1 <= x <= 1, in which the power is a binomial series in x with a bounded rest. Near a
-//! pole the series is divided by x - z, which leaves a logarithm; far from it 1 / (x - z) is a geometric series.
+//! A band is cut into panels w = m + h x, -1 <= x <= 1, in which the power, times the phase e^(-i w t) of a delay t, is a series
+//! in x with a bounded rest. Near a pole the series is divided by x - z, which leaves a logarithm; far from it 1 / (x - z) is a
+//! geometric series.
 
-use super::argument::Argument;
+use super::argument::{Argument, Point};
 use crate::base::{Ball, Number, down, up};
 use crate::kernel::complex::Complex;
 use std::cell::OnceCell;
@@ -30,6 +31,8 @@ const NARROW: f64 = 0.2;
 /// And h / m times the slope.
 const STEEP: f64 = 2.0;
 const MOST_PANELS: f64 = 10_000.0;
+/// The most that a phase turns in half a panel, rad: the series of it is e^4 times as large for |x| = 2 as for |x| = 0.
+const TURN: f64 = 2.0;
 /// What the rest of a series may be, relative to its first term.
 const LEFT: f64 = 1e-34;
 const MOST_TERMS: usize = 600;
@@ -40,15 +43,15 @@ const FAR: f64 = 1.0 / 1.8;
 /// 1.8^-130 is 6e-34.
 const MOMENTS: usize = 130;
 
-/// A panel: the power law as a polynomial in x.
+/// A panel: the power law, and its phase, as a polynomial in x.
 struct Panel {
     mid: Ball,
     half: Ball,
-    coefficients: Vec<Ball>,
+    coefficients: Vec<Point>,
     /// A bound of sum (k + 1) |a_k| 2^k over the terms that are left out: of the rest and its derivative for |x| <= 2.
     rest: f64,
     /// The integrals of x^k times the polynomial, once a pole needs them.
-    moments: OnceCell<Vec<Ball>>,
+    moments: OnceCell<Vec<Point>>,
 }
 
 /// A power law over a band, cut into panels.
@@ -57,8 +60,8 @@ pub struct Panels {
 }
 
 impl Piece {
-    /// The power law times w^more.
-    pub fn panels(&self, more: i32) -> Option<Panels> {
+    /// The power law times w^more e^(-i w delay).
+    pub fn panels(&self, more: i32, delay: Ball) -> Option<Panels> {
         let slope = match self.slope {
             Slope::Whole(slope) => Slope::Whole(slope + more),
             Slope::Real(slope) => Slope::Real(slope + Ball::from(f64::from(more))),
@@ -66,8 +69,15 @@ impl Piece {
         // w^more = reference^more (w / reference)^more
         let size = self.size * power(self.reference, Slope::Whole(more))?;
         let mut list = Vec::new();
-        for [from, to] in self.edges(slope)? {
-            list.push(Panel::of([from, to], self.reference, size, slope)?);
+        for edges in self.edges(slope)? {
+            for [from, to] in turning(edges, delay)? {
+                let panel = Panel::of([from, to], self.reference, size, slope)?;
+                list.push(if delay.is_zero() { panel } else { panel.turned(delay)? });
+            }
+            let is_much = list.len() as f64 > MOST_PANELS;
+            if is_much {
+                return None;
+            }
         }
         Some(Panels { list })
     }
@@ -94,10 +104,22 @@ impl Piece {
     }
 }
 
+/// Cuts a panel so that the phase of a delay turns little in each part.
+fn turning([from, to]: [Ball; 2], delay: Ball) -> Option<Vec<[Ball; 2]>> {
+    let (low, high) = (from.to_f64(), to.to_f64());
+    let count = (0.5 * (high - low) * delay.magnitude() / (TURN * down::FEW)).ceil().max(1.0);
+    if count.is_nan() || count > MOST_PANELS {
+        return None;
+    }
+    let inner = (1..count as usize).map(|k| Ball::from(low + (high - low) * k as f64 / count));
+    let edges: Vec<Ball> = std::iter::once(from).chain(inner).chain([to]).collect();
+    Some(edges.windows(2).map(|pair| [pair[0], pair[1]]).collect())
+}
+
 impl Panels {
     /// The integral of the power law.
-    pub fn integral(&self) -> Ball {
-        self.list.iter().fold(Ball::ZERO, |sum, panel| sum + panel.integral())
+    pub fn integral(&self) -> Point {
+        self.list.iter().fold(Complex::ZERO, |sum, panel| sum + panel.integral())
     }
 
     /// The integral of the power law over i w - s.
@@ -141,13 +163,50 @@ impl Panel {
         if !rest.is_finite() {
             return None;
         }
+        let coefficients = coefficients.into_iter().map(Complex::real).collect();
         Some(Panel { mid, half, coefficients, rest, moments: OnceCell::new() })
     }
 
-    fn integral(&self) -> Ball {
+    /// The panel times e^(-i w delay), a power series too. The norm sum (k + 1) |a_k| 2^k of a product of series is at most the
+    /// product of their norms, so the rests multiply as their bounds do.
+    fn turned(self, delay: Ball) -> Option<Panel> {
+        let (sine, cosine) = Number::Ball(self.mid * delay).sin_cos()?;
+        let step = -(self.half * delay);
+        let mut series = vec![Complex::new(cosine.to_ball(), -sine.to_ball())];
+        let (size, mut rest) = (2.0 * step.magnitude() * up::FEW, f64::INFINITY);
+        for k in 1..MOST_TERMS {
+            let count = k as f64;
+            let next = series[k - 1] * Complex::new(Ball::ZERO, step / Ball::from(count));
+            // The terms of the norm that follow shrink at least by this factor.
+            let factor = size * (count + 2.0) / ((count + 1.0) * (count + 1.0)) * up::DOZENS;
+            if factor < 0.5 {
+                rest = 2.0 * (count + 1.0) * next.magnitude() * NEAR.powi(k as i32) * up::DOZENS;
+                if rest <= LEFT {
+                    break;
+                }
+            }
+            series.push(next);
+        }
+        let norm = |list: &[Point]| {
+            let of = |(k, a): (usize, &Point)| (k as f64 + 1.0) * a.magnitude() * NEAR.powi(k as i32);
+            list.iter().enumerate().map(of).sum::<f64>() * up::THOUSANDS
+        };
+        let (own, phase) = (norm(&self.coefficients), norm(&series));
+        let rest = (self.rest * (phase + rest) + own * rest) * up::DOZENS;
+        let mut coefficients = vec![Complex::ZERO; self.coefficients.len() + series.len() - 1];
+        for (i, a) in self.coefficients.iter().enumerate() {
+            for (j, b) in series.iter().enumerate() {
+                coefficients[i + j] = coefficients[i + j] + *a * *b;
+            }
+        }
+        rest.is_finite().then_some(Panel { coefficients, rest, ..self })
+    }
+
+    fn integral(&self) -> Point {
         let even = self.coefficients.iter().enumerate().step_by(2);
-        let sum = even.fold(Ball::ZERO, |sum, (k, &a)| sum + a * Ball::from(2.0) / Ball::from(k as f64 + 1.0));
-        self.half * sum.widen(2.0 * self.rest)
+        let sum: Point = even
+            .fold(Complex::ZERO, |sum, (k, a)| sum + Complex::scale(*a, Ball::from(2.0) / Ball::from(k as f64 + 1.0)));
+        Complex::scale(Argument::widen(sum, 2.0 * self.rest), self.half)
     }
 
     /// The integral of Q(x) / (i (x - z)) dx, z = -(m + i s) / h.
@@ -166,7 +225,7 @@ impl Panel {
             if k % 2 == 0 {
                 integral = integral.plus(value.scale(Ball::from(2.0) / Ball::from(k as f64 + 1.0)));
             }
-            value = value.times(z).plus_number(coefficient);
+            value = value.times(z).plus(A::of(coefficient));
         }
         let logarithm = z.logarithm();
         let rest = self.rest * (logarithm.size() + 2.0) * up::FEW;
@@ -181,12 +240,12 @@ impl Panel {
         if !is_far {
             return inverse.widen(f64::INFINITY);
         }
-        let size = self.coefficients.iter().map(Ball::magnitude).sum::<f64>() * up::THOUSANDS;
+        let size = self.coefficients.iter().map(|a| a.magnitude()).sum::<f64>() * up::THOUSANDS;
         let moments = self.moments.get_or_init(|| moments(&self.coefficients));
         let terms = ((-78.0 / libm::log(ratio)).ceil().max(2.0) as usize).min(MOMENTS);
         // Horner's scheme from the last term.
         let all = moments[..terms].iter().rev();
-        let sum = all.fold(A::of(Complex::ZERO), |sum, &moment| sum.plus_number(moment).times(inverse));
+        let sum = all.fold(A::of(Complex::ZERO), |sum, &moment| sum.plus(A::of(moment)).times(inverse));
         let beyond = 2.0 * size * ratio.powi(terms as i32 + 1) / (1.0 - ratio);
         let left = (beyond + 2.0 * self.rest * ratio / (1.0 - ratio)) * up::THOUSANDS;
         sum.scale(-Ball::ONE).widen(left)
@@ -194,14 +253,17 @@ impl Panel {
 }
 
 /// The integrals of x^k Q(x) over -1 .. 1.
-fn moments(coefficients: &[Ball]) -> Vec<Ball> {
+fn moments(coefficients: &[Point]) -> Vec<Point> {
     let inverse: Vec<Ball> =
         (0..MOMENTS + coefficients.len()).map(|k| Ball::from(2.0) / Ball::from(k as f64 + 1.0)).collect();
-    let moment = |k: usize| {
-        let even = coefficients.iter().enumerate().skip(k % 2).step_by(2);
+    let of = |k: usize, list: &[Ball]| {
+        let even = list.iter().enumerate().skip(k % 2).step_by(2);
         even.fold(Ball::ZERO, |sum, (l, &a)| sum + a * inverse[k + l])
     };
-    (0..MOMENTS).map(moment).collect()
+    let re: Vec<Ball> = coefficients.iter().map(|a| a.re).collect();
+    let im: Vec<Ball> = coefficients.iter().map(|a| a.im).collect();
+    let is_real = im.iter().all(Ball::is_zero);
+    (0..MOMENTS).map(|k| Complex::new(of(k, &re), if is_real { Ball::ZERO } else { of(k, &im) })).collect()
 }
 
 /// x^slope; `None` where the number leaves the range.

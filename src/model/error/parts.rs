@@ -251,11 +251,6 @@ pub enum PartError {
         span: Span,
         is_first: bool,
     },
-    NoiseDelayed {
-        span: Span,
-        name: String,
-        declared: Span,
-    },
     RoadOfNoBase {
         span: Span,
     },
@@ -554,11 +549,6 @@ impl PartError {
                 };
                 error("vib::noise::frequency", span, message)
                     .help("write the frequencies of a density in ascending order")
-            }
-            NoiseDelayed { span, name, declared } => {
-                error("vib::signal::delayed", span, format!("the signal of `{name}` is noise, which is not delayed"))
-                    .related(declared, "declared here")
-                    .help("give both inputs a noise of their own: then they are independent")
             }
             RoadOfNoBase { span } => error("vib::noise::road", span, "a road moves a base along a line")
                 .help("write it behind a base, as in `base lane { moves y } = noise(road(16e-6 m^3, 20 m/s))`"),

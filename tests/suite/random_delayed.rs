@@ -1,0 +1,221 @@
+//! Noise that drives several inputs, each later than the other: mean squares, densities and crossings beside closed forms and
+//! beside quadrature; what delays leave infinite. See docs/method/random.md#delays.
+
+use super::random::{answer, assert_is, refused, under_noise};
+use std::f64::consts::{PI, TAU};
+use vibc::Spread;
+
+const OSCILLATOR: &str = "body b { mass = 2 kg, moves x }\nspring s: ground -- b { k = 50 N/m }\n\
+                          damper d: ground -- b { c = 3 N*s/m }\n";
+
+/// The correlation of an oscillator's motion under white noise, relative to its mean square (Crandall and Mark, 2.2).
+fn correlation(c: f64, time: f64) -> f64 {
+    let (m, k) = (2.0, 50.0);
+    let decay = c / (2.0 * m);
+    let square = k / m - decay * decay;
+    if square.abs() < 1e-12 {
+        return (-decay * time).exp() * (1.0 + decay * time);
+    }
+    if square > 0.0 {
+        let damped = square.sqrt();
+        return (-decay * time).exp() * ((damped * time).cos() + decay / damped * (damped * time).sin());
+    }
+    let damped = (-square).sqrt();
+    (-decay * time).exp() * ((damped * time).cosh() + decay / damped * (damped * time).sinh())
+}
+
+/// The same white force twice, the second time later: 2 R(0) + 2 R(T). Below, above and at critical damping.
+#[test]
+fn a_white_force_that_comes_again() {
+    for c in [3.0f64, 20.0, 40.0] {
+        for (delay, time) in [("0.4 s", 0.4f64), ("1.7 s", 1.7), ("0 s", 0.0)] {
+            let text = format!(
+                "body b {{ mass = 2 kg, moves x }}\nspring s: ground -- b {{ k = 50 N/m }}\n\
+                 damper d: ground -- b {{ c = {c} N*s/m }}\nforce F: b along x = noise(white 6 N^2/Hz)\n\
+                 force G: b along x = delayed(F, {delay})\noutput x = b.x\n"
+            );
+            let square = 6.0 / (4.0 * c * 50.0) * 2.0 * (1.0 + correlation(c, time));
+            assert_is(&under_noise(&text)[0].0, square.sqrt());
+        }
+    }
+}
+
+/// A delay of a delay is their sum, and forces that are delayed by the same time add up.
+#[test]
+fn delays_add_up() {
+    let text = format!(
+        "{OSCILLATOR}force F: b along x = noise(white 6 N^2/Hz)\nforce G: b along x = delayed(F, 0.3 s)\n\
+         force H: b along x = delayed(G, 0.1 s)\nforce I: b along x = delayed(F, 0.4 s)\noutput x = b.x\n"
+    );
+    // Weights 1, 1, 2 at 0, 0.3 and 0.4 s.
+    let r = |time: f64| correlation(3.0, time);
+    let sum = 1.0 + 1.0 + 4.0 + 2.0 * (r(0.3) + 2.0 * r(0.4) + 2.0 * r(0.1));
+    assert_is(&under_noise(&text)[0].0, (6.0 / 600.0 * sum).sqrt());
+}
+
+/// Two masses that do not touch, one later than the other: the difference has 2 R(0) - 2 R(T).
+#[test]
+fn a_difference_of_two_that_follow_each_other() {
+    let text = format!(
+        "{OSCILLATOR}body e {{ mass = 2 kg, moves x }}\nspring t: ground -- e {{ k = 50 N/m }}\n\
+         damper f: ground -- e {{ c = 3 N*s/m }}\nforce F: b along x = noise(white 6 N^2/Hz)\n\
+         force G: e along x = delayed(F, 0.4 s)\noutput x = b.x\noutput z = e.x - b.x\n"
+    );
+    let found = under_noise(&text);
+    assert_is(&found[0].0, (6.0f64 / 600.0).sqrt());
+    assert_is(&found[1].0, (6.0 / 600.0 * 2.0 * (1.0 - correlation(3.0, 0.4))).sqrt());
+}
+
+/// Two bases on one road whose own motions are seen: the integral of S (2 + 2 cos(2 pi f T)) over a flat band.
+#[test]
+fn bases_themselves_beside_the_closed_form() {
+    let text = "base g { moves x } = noise(1e-4 m^2/Hz, 1 Hz .. 9 Hz)\nbase h { moves x } = delayed(g, 0.35 s)\n\
+                body b { mass = 2 kg, moves x }\nspring s: g -- b { k = 50 N/m }\ndamper d: h -- b { c = 3 N*s/m }\n\
+                output sum = g.x + h.x\noutput difference = g.x - h.x\noutput rate = g.vx - h.vx\n";
+    let (a, b, t) = (1.0f64, 9.0f64, 0.35f64);
+    let found = under_noise(text);
+    let mixed = ((TAU * b * t).sin() - (TAU * a * t).sin()) / (PI * t);
+    assert_is(&found[0].0, (1e-4 * (2.0 * (b - a) + mixed)).sqrt());
+    assert_is(&found[1].0, (1e-4 * (2.0 * (b - a) - mixed)).sqrt());
+    // The integral of w^2 cos(w T), w = 2 pi f.
+    let part = |f: f64| {
+        let w = TAU * f;
+        (w * w * (w * t).sin() / t + 2.0 * w * (w * t).cos() / (t * t) - 2.0 * (w * t).sin() / (t * t * t)) / TAU
+    };
+    let plain = TAU * TAU * (b.powi(3) - a.powi(3)) / 3.0;
+    assert_is(&found[2].0, (1e-4 * 2.0 * (plain - (part(b) - part(a)))).sqrt());
+}
+
+/// A pair of axles on a road (ISO 8608), and a force between corner points of a slope that is no whole number, beside Simpson's rule
+/// over |sum H e^(-i w T)|^2 S of the equations of motion.
+#[test]
+fn two_axles_beside_quadrature() {
+    let text = "body a { mass = 4 kg, moves y }\nbody b { mass = 3 kg, moves y }\n\
+                base front { moves y } = noise(road(16e-6 m^3, 20 m/s))\nbase rear { moves y } = delayed(front, 0.125 s)\n\
+                spring s: front -- a { k = 900 N/m }\nspring t: rear -- b { k = 700 N/m }\nspring u: a -- b { k = 300 N/m }\n\
+                damper d: front -- a { c = 12 N*s/m }\ndamper e: rear -- b { c = 15 N*s/m }\n\
+                output y = a.y\noutput z = b.y - a.y\noutput acc = b.ay\noutput gap = b.y - rear.y\n";
+    let found = under_noise(text);
+    let density = |f: f64| {
+        let n = f / 20.0;
+        16e-6 * (n / 0.1).powi(-2) / 20.0
+    };
+    // (K + i w C - w^2 M) q = (k + i w c) u for two coordinates by Cramer's rule.
+    let outputs = |w: f64| -> [[f64; 2]; 4] {
+        let stiff = |k: f64, c: f64| [k, w * c];
+        let (p, q) = (stiff(900.0, 12.0), stiff(700.0, 15.0));
+        let late = [(w * 0.125).cos(), -(w * 0.125).sin()];
+        let (d1, d2) = (add(add(p, [300.0, 0.0]), [-w * w * 4.0, 0.0]), add(add(q, [300.0, 0.0]), [-w * w * 3.0, 0.0]));
+        let (f1, f2) = (p, times(q, late));
+        let determinant = add(times(d1, d2), [-300.0 * 300.0, 0.0]);
+        let a = over(add(times(f1, d2), scale(f2, 300.0)), determinant);
+        let b = over(add(times(f2, d1), scale(f1, 300.0)), determinant);
+        [a, add(b, scale(a, -1.0)), scale(b, -w * w), add(b, scale(late, -1.0))]
+    };
+    for (i, (rms, _)) in found.iter().enumerate() {
+        let power = |f: f64| outputs(TAU * f)[i].iter().map(|x| x * x).sum::<f64>() * density(f);
+        let truth = simpson(power, 0.011 * 20.0, 2.83 * 20.0).sqrt();
+        let Spread::Finite(value) = rms else { panic!("{rms:?}") };
+        assert!((value.to_f64() / truth - 1.0).abs() < 1e-11, "{i}: {value:?} {truth}");
+        assert!(value.relative_error() < 1e-20, "{value:?}");
+    }
+    // The density at one frequency, and the crossings by the density times w^2.
+    let answer = answer(&format!("{text}require psd(z, 2 Hz) < 1 m^2/Hz\n"));
+    let shown = answer.requirements[0].shown_value().expect("a number").number.to_f64();
+    let truth = outputs(2.0 * TAU)[1].iter().map(|x| x * x).sum::<f64>() * density(2.0);
+    assert!((shown / truth - 1.0).abs() < 1e-13, "{shown} {truth}");
+    let power = |f: f64| outputs(TAU * f)[1].iter().map(|x| x * x).sum::<f64>() * density(f);
+    let rate = simpson(|f| power(f) * f * f, 0.22, 56.6) / simpson(power, 0.22, 56.6);
+    let Spread::Finite(crossings) = &found[1].1 else { panic!("{:?}", found[1]) };
+    assert!((crossings.to_f64() / rate.sqrt() - 1.0).abs() < 1e-11, "{crossings:?} {rate}");
+}
+
+fn add(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+fn times(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
+}
+
+fn scale(a: [f64; 2], by: f64) -> [f64; 2] {
+    [a[0] * by, a[1] * by]
+}
+
+fn over(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    let size = b[0] * b[0] + b[1] * b[1];
+    scale(times(a, [b[0], -b[1]]), 1.0 / size)
+}
+
+/// Simpson's rule over the logarithm of the frequency.
+fn simpson(of: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
+    let count = 60_000;
+    let step = (to / from).ln() / count as f64;
+    let at = |k: usize| {
+        let f = from * (k as f64 * step).exp();
+        of(f) * f
+    };
+    let weight = |k: usize| if k == 0 || k == count { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
+    (0..=count).map(|k| weight(k) * at(k)).sum::<f64>() * step / 3.0
+}
+
+/// White noise by the corner: a band whose slope is no whole number, and a delay that turns the phase a hundred times.
+#[test]
+fn a_long_delay_in_a_band_of_corner_points() {
+    let text = format!(
+        "{OSCILLATOR}force F: b along x = noise((0.2 Hz, 1 N^2/Hz), (1 Hz, 7 N^2/Hz), (5 Hz, 2 N^2/Hz))\n\
+         force G: b along x = delayed(F, 20 s)\noutput x = b.x\noutput v = b.vx\n"
+    );
+    let density = |f: f64| {
+        let [(f1, s1), (f2, s2)] = if f < 1.0 { [(0.2, 1.0), (1.0, 7.0)] } else { [(1.0, 7.0), (5.0, 2.0f64)] };
+        s1 * (f / f1 as f64).powf((s2 / s1).ln() / (f2 / f1 as f64).ln())
+    };
+    let gain = |f: f64| {
+        let w = TAU * f;
+        4.0 * (w * 10.0).cos().powi(2) / ((50.0 - 2.0 * w * w).powi(2) + 9.0 * w * w)
+    };
+    let found = under_noise(&text);
+    for (i, (rms, _)) in found.iter().enumerate() {
+        let power = |f: f64| gain(f) * density(f) * (TAU * f).powi(2 * i as i32);
+        let truth = (simpson(power, 0.2, 1.0) + simpson(power, 1.0, 5.0)).sqrt();
+        let Spread::Finite(value) = rms else { panic!("{rms:?}") };
+        assert!((value.to_f64() / truth - 1.0).abs() < 1e-10, "{i}: {value:?} {truth}");
+        assert!(value.relative_error() < 1e-20, "{value:?}");
+    }
+    // Far beyond, the phase turns too often: no number.
+    let found = under_noise(&text.replace("20 s", "1e7 s"));
+    assert!(matches!(&found[0].0, Spread::Unknown(why) if why.contains("turns too often")), "{found:?}");
+}
+
+/// White noise of two bases' velocities: one base drifts, and what lies between two that follow each other is not claimed to.
+#[test]
+fn what_drifts_together_is_not_claimed() {
+    let text = "base g { moves x } = noise(white 0.5 m^2/s^2/Hz)\nbase h { moves x } = delayed(g, 0.4 s)\n\
+                body b { mass = 2 kg, moves x }\nbody e { mass = 2 kg, moves x }\n\
+                spring s: g -- b { k = 50 N/m }\ndamper d: ground -- b { c = 3 N*s/m }\n\
+                spring t: h -- e { k = 50 N/m }\ndamper f: ground -- e { c = 3 N*s/m }\n\
+                output one = b.x\noutput apart = e.x - b.x\noutput stretch = b.x - g.x\noutput both = b.x + e.x\n";
+    let found = under_noise(text);
+    assert!(matches!(&found[0].0, Spread::Infinite(why) if why.contains("drifts")), "{:?}", found[0]);
+    assert!(matches!(&found[1].0, Spread::Unknown(why) if why.contains("follows")), "{:?}", found[1]);
+    assert!(matches!(&found[2].0, Spread::Finite(_)), "{:?}", found[2]);
+    assert!(matches!(&found[3].0, Spread::Infinite(why) if why.contains("drifts")), "{:?}", found[3]);
+}
+
+/// Inputs that act at different times do not cancel: a direct path stays one.
+#[test]
+fn direct_paths_do_not_cancel() {
+    let text = format!(
+        "{OSCILLATOR}force F: b along x = noise(white 6 N^2/Hz)\nforce G: b along x = delayed(F, 0.4 s)\noutput a = b.ax\n"
+    );
+    assert!(matches!(&under_noise(&text)[0].0, Spread::Infinite(why) if why.contains("without any inertia")));
+}
+
+/// Still refused: a delay of another kind of input, and of itself.
+#[test]
+fn what_noise_cannot_be_delayed_from() {
+    let base = "base g { moves x } = noise(white 0.5 m^2/s^4/Hz)\n";
+    let text = format!("{OSCILLATOR}{base}force F: b along x = delayed(g, 0.4 s)\noutput x = b.x\n");
+    let codes: Vec<&str> = refused(&text).iter().map(|(code, _)| *code).collect();
+    assert_eq!(codes, ["vib::signal::delayed"]);
+}
