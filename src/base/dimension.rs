@@ -67,6 +67,8 @@ impl Dimension {
     pub const DAMPING: Dimension = Dimension::of(1, 0, -1);
     pub const TORSIONAL_DAMPING: Dimension = Dimension::of(1, 2, -1);
     pub const INERTIA: Dimension = Dimension::of(1, 2, 0);
+    /// A mass times its distance from an axis.
+    pub const UNBALANCE: Dimension = Dimension::of(1, 1, 0);
     pub const TEMPERATURE: Dimension = Dimension {
         exponents: [Exponent::ZERO, Exponent::ZERO, Exponent::ZERO, Exponent { numerator: 1, denominator: 1 }],
     };

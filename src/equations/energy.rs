@@ -4,11 +4,12 @@
 //! - body: m v^2/2 of its centre, I omega^2/2 of its angle; -m g . r for its weight
 //! - spring: k (stretch)^2/2 and its tension as drawn times its stretch; the length of a line stays a name with its square beside it
 //! - damper: c (rate of stretch)^2/2
-//! - force: the work on the displacement of its point
+//! - force: the work on the displacement of its point; so is an unbalance, whose force has a form of its own
 
 use super::lines::is_short;
 use super::motion::Motion;
 use super::names::{Label, Names, class, without_motion};
+use super::unbalance::Unbalance;
 use crate::base::{Number, Span, Vec3};
 use crate::elements::Order;
 use crate::model::scene::{Attachment, BodyId, Geometry, InputKind, Part, Scene, SpringRest};
@@ -77,6 +78,8 @@ pub struct Work {
     pub input: usize,
     pub force: Symbol,
     pub displacement: Sum,
+    /// What the force is, of an unbalance.
+    pub unbalance: Option<Unbalance>,
 }
 
 impl Energies {
@@ -260,8 +263,8 @@ impl Energies {
         Some(Stretch::Line { length, square, drawn: names.length(&dot(&drawn, &drawn)) })
     }
 
-    fn inputs(&mut self, scene: &Scene, written: &Written, motion: &Motion, names: &mut Names) -> Option<()> {
-        for (number, (input, written)) in scene.inputs.iter().zip(&written.inputs).enumerate() {
+    fn inputs(&mut self, scene: &Scene, whole: &Written, motion: &Motion, names: &mut Names) -> Option<()> {
+        for (number, (input, written)) in scene.inputs.iter().zip(&whole.inputs).enumerate() {
             let name = scene.words.display(input.name);
             let displacement = match &input.kind {
                 InputKind::Force { ends, direction } => {
@@ -294,8 +297,10 @@ impl Energies {
                         [] => Sum::ZERO,
                     }
                 }
-                // A force that turns with the frequency has no form here.
-                InputKind::Unbalance { .. } => return None,
+                InputKind::Unbalance { end: [end], .. } => {
+                    let place = motion.place(end.part, written.ends.first()?.as_ref());
+                    without_constants(&dot(written.along.as_ref()?, &place))
+                }
                 InputKind::Base { .. } => continue,
             };
             if !written.constant.is_zero() {
@@ -303,10 +308,19 @@ impl Energies {
             }
             let force = Symbol::new(class::FORCE, number);
             names.set(force, Label::new(name, ""), None);
-            self.works.push(Work { input: number, force, displacement });
+            let unbalance = Unbalance::new(scene, whole, number, names);
+            self.works.push(Work { input: number, force, displacement, unbalance });
         }
         self.weights = without_constants(&self.weights);
         Some(())
+    }
+
+    /// A sum with the forces of unbalances written out.
+    pub fn with_forces(&self, sum: &Sum) -> Sum {
+        sum.replaced(&|symbol| {
+            let work = self.works.iter().find(|work| work.force == symbol)?;
+            work.unbalance.as_ref().map(|unbalance| unbalance.force.clone())
+        })
     }
 
     /// An element by its place among those of the scene; `None` where nothing stretches it.

@@ -32,10 +32,6 @@ pub enum EquationsError {
         most: usize,
     },
     /// Something in the scene has no form in symbols.
-    /// An input whose force turns with the frequency.
-    Unbalance {
-        span: Span,
-    },
     NoForm {
         span: Span,
     },
@@ -73,10 +69,6 @@ impl EquationsError {
                     "the constraint equations of these loops would have {terms} terms when solved in symbols; the most are {most}"
                 );
                 Diagnostic::error(TOO_LARGE, *span, message).help("use `vibc analyze --matrices` for the numbers")
-            }
-            EquationsError::Unbalance { span } => {
-                Diagnostic::error(NO_FORM, *span, "a rotating unbalance is not written in symbols")
-                    .help("leave it out here, or write its components as forces along x and y")
             }
             EquationsError::NoForm { span } => {
                 Diagnostic::error(NO_FORM, *span, "a direction or place of this scene has no form in symbols")

@@ -29,8 +29,10 @@ pub struct Linear {
 pub struct Column {
     /// Among the inputs of the scene.
     pub input: usize,
-    /// The symbols of u, u', u''; a force has the first alone.
+    /// The symbols of u, u', u''; a force has the first alone, an unbalance none.
     pub symbols: Vec<Symbol>,
+    /// The force of an unbalance, -u''.
+    pub force: Option<Sum>,
     /// By the order of the derivative, a sum for each equation.
     pub parts: Vec<Vec<Sum>>,
 }
@@ -95,12 +97,21 @@ fn columns(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest
                 parts[order].push(-&sum);
             }
         }
-        linear.inputs.push(Column { input, symbols: coordinate.symbols.to_vec(), parts });
+        linear.inputs.push(Column { input, symbols: coordinate.symbols.to_vec(), force: None, parts });
     }
     for work in &energies.works {
-        let part =
-            equations.iter().map(|equation| at_rest.of(&equation.forces.derivative(work.force, &none))).collect();
-        linear.inputs.push(Column { input: work.input, symbols: vec![work.force], parts: vec![part] });
+        let slopes = equations.iter().map(|equation| at_rest.of(&equation.forces.derivative(work.force, &none)));
+        linear.inputs.push(match &work.unbalance {
+            None => {
+                let parts = vec![slopes.collect()];
+                Column { input: work.input, symbols: vec![work.force], force: None, parts }
+            }
+            Some(unbalance) => {
+                let zero = || vec![Sum::ZERO; equations.len()];
+                let parts = vec![zero(), zero(), slopes.map(|slope| -&slope).collect()];
+                Column { input: work.input, symbols: Vec::new(), force: Some(unbalance.force.clone()), parts }
+            }
+        });
     }
     linear.inputs.sort_by_key(|column| column.input);
 }

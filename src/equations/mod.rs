@@ -28,12 +28,13 @@ pub mod polynomial;
 pub mod reduce;
 pub mod rest;
 pub mod transfer;
+pub mod unbalance;
 pub mod verify;
 
 use crate::base::{Dimension, Number, Rational, Span};
 use crate::elements::Order;
 use crate::lower::Lowered;
-use crate::model::scene::{self, Damping, Geometry, Scene};
+use crate::model::scene::{Damping, Geometry, Scene};
 use crate::model::written::{Named, Written, class_of};
 use crate::symbols::{Sum, Symbol};
 use constraint::Constraint;
@@ -118,7 +119,9 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     let mut written = written.clone();
     name_gravity(&mut written);
     name_quotients(scene, &mut written);
+    let speeds = unbalance::name_speeds(scene, &mut written);
     let mut names = Names::new(&written);
+    speeds.into_iter().for_each(|(symbol, label)| names.set(symbol, label, None));
     let numbers = rest::numbers(lowered);
     let mut derived = derived(scene, &written, &mut names, &|names, coordinate, index| {
         rest::symbol(names, coordinate, index, &numbers)
@@ -220,10 +223,6 @@ fn derived(
     names: &mut Names,
     rests: &impl Fn(&mut Names, &Coordinate, usize) -> Sum,
 ) -> Result<Derived, EquationsError> {
-    let is_unbalance = |input: &&scene::Input| matches!(input.kind, scene::InputKind::Unbalance { .. });
-    if let Some(input) = scene.inputs.iter().find(is_unbalance) {
-        return Err(EquationsError::Unbalance { span: input.span });
-    }
     let without = || EquationsError::NoForm { span: scene.bodies.first().map_or_else(no_span, |body| body.span) };
     let motion = Motion::new(scene, written, names, rests).ok_or_else(without)?;
     let energies = Energies::new(scene, written, &motion, names).ok_or_else(without)?;

@@ -29,9 +29,12 @@ pub mod class {
     pub const COORDINATE: u8 = 40;
     pub const VELOCITY: u8 = 41;
     pub const ACCELERATION: u8 = 42;
+    /// The angles of heavy spots, their rates and their second derivatives.
+    pub const HEAVY_SPOT: u8 = 43;
     pub const PRESCRIBED: u8 = 44;
     pub const PRESCRIBED_VELOCITY: u8 = 45;
     pub const PRESCRIBED_ACCELERATION: u8 = 46;
+    pub const TIME: u8 = 47;
     /// Forces and torques.
     pub const FORCE: u8 = 48;
     /// Rates of lengths.

@@ -2,7 +2,8 @@
 //! derivatives of the energies at random states. A difference is a defect of this program, and is reported as one.
 //!
 //! d/dt dT/dq' at a state (q, q', q'') is the mixed derivative of T(q + b q', q' + a e_i + b q'') by a and b at zero: numbers with
-//! two nilpotent parts carry it through the energies, which no formula of [`lagrange`](super::lagrange) takes part in.
+//! two nilpotent parts carry it through the energies, which no formula of [`lagrange`](super::lagrange) takes part in. The force of an
+//! unbalance is compared with the second derivative of its heavy spot's place in the same way, and with the signal that drives it.
 
 use super::Equations;
 use super::error::EquationsError;
@@ -15,6 +16,7 @@ use crate::symbols::{Lengths, Sum, Symbol};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
 mod jets;
+mod rotations;
 mod solutions;
 
 /// Compares everything; the first difference is the error.
@@ -25,6 +27,7 @@ pub fn verify(equations: &Equations, scene: &Scene, lowered: &Lowered) -> Result
     inputs(equations, system)?;
     rests(equations)?;
     solutions::verify(equations, &whole, scene, system)?;
+    rotations::verify(equations, scene)?;
     jets::verify(equations)
 }
 

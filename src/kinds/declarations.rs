@@ -179,7 +179,7 @@ pub const BASE_FIELDS: [Field; 3] = [
 pub const UNBALANCE_FIELDS: [Field; 3] = [
     Field::number(
         "me",
-        Expected::new("an unbalance", Dimension::of(1, 1, 0), "me = 0.01 kg*m"),
+        Expected::new("an unbalance", Dimension::UNBALANCE, "me = 0.01 kg*m"),
         "The unbalance, kg*m: the mass that is off the axis times its distance.",
     ),
     Field::number(

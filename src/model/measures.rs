@@ -586,7 +586,7 @@ pub fn dimension_of(kind: &InputKind) -> Dimension {
     match kind {
         InputKind::Force { .. } | InputKind::ForceBetween { .. } => Dimension::FORCE,
         InputKind::Torque { .. } => Dimension::TORQUE,
-        InputKind::Unbalance { .. } => Dimension::of(1, 1, 0),
+        InputKind::Unbalance { .. } => Dimension::UNBALANCE,
         InputKind::Base { translation: Some(_), .. } => Dimension::LENGTH,
         InputKind::Base { translation: None, .. } => Dimension::NONE,
     }

@@ -8,10 +8,10 @@
 use super::Check;
 use super::evaluate::Stop;
 use super::places::{Frame, FrameId};
-use super::scene::{Freedom, Geometry, Part, Translation};
+use super::scene::{Freedom, Geometry, InputKind, Part, Translation};
 use super::scope::{self, DefinitionId, DefinitionKind, Environment, Instance, Role, State};
 use super::value::{Scalar, Value};
-use crate::base::{Dimension, Number, Rational, Span};
+use crate::base::{Angle, Dimension, Number, Rational, Span};
 use crate::kinds::motions::{BODY_MOTIONS, Direction};
 use crate::symbols::{Factor, Function, Sum, Symbol};
 use crate::syntax::tree::{Binary, DeclKind, EndId, ExprId, ExprKind, ExprList, FieldValue, Fields, Rare};
@@ -111,10 +111,21 @@ pub struct WrittenInput {
     pub along: Option<Pair>,
     /// The constant part of its signal.
     pub constant: Sum,
+    pub rotation: Option<WrittenRotation>,
+}
+
+/// How the heavy spot of an unbalance turns, in the axes of the component that it is declared in.
+#[derive(Clone, Debug)]
+pub struct WrittenRotation {
+    /// The mass times its distance from the axis, kg m.
+    pub unbalance: Sum,
+    /// In rad/s, if it is given.
+    pub speed: Option<Sum>,
+    pub clockwise: bool,
 }
 
 /// Classes of names, in the order in which their factors are written: plain numbers first, then the usual coefficients.
-const CLASSES: [Dimension; 12] = [
+const CLASSES: [Dimension; 13] = [
     Dimension::NONE,
     Dimension::MASS,
     Dimension::INERTIA,
@@ -122,6 +133,7 @@ const CLASSES: [Dimension; 12] = [
     Dimension::DAMPING,
     Dimension::TORQUE,
     Dimension::TORSIONAL_DAMPING,
+    Dimension::UNBALANCE,
     Dimension::FORCE,
     Dimension::ACCELERATION,
     Dimension::VELOCITY,
@@ -393,14 +405,7 @@ impl<'c, 'a> Writer<'c, 'a> {
                 let constant = self.constant(signal, environment);
                 self.push_input((from, to), None, constant, environment)
             }
-            Rare::Unbalance { .. } => {
-                // One input for each component; equations have no form for them.
-                let name = self.check.scene.inputs.get(self.written.inputs.len())?.name;
-                while self.check.scene.inputs.get(self.written.inputs.len()).is_some_and(|input| input.name == name) {
-                    self.written.inputs.push(WrittenInput::default());
-                }
-                Some(())
-            }
+            Rare::Unbalance { end, fields, .. } => self.unbalance(end, fields, environment),
             Rare::Base { signal, .. } => {
                 let constant = self.constant(signal, environment);
                 // One input for each motion of the base.
@@ -427,8 +432,38 @@ impl<'c, 'a> Writer<'c, 'a> {
             let part = self.check.part(path, environment).ok()?;
             ends.push(self.end(id, part, environment));
         }
-        self.written.inputs.push(WrittenInput { ends, along, constant });
+        self.written.inputs.push(WrittenInput { ends, along, constant, rotation: None });
         Some(())
+    }
+
+    /// An input for each component.
+    fn unbalance(&mut self, end: EndId, fields: Fields, environment: Environment) -> Option<()> {
+        let InputKind::Unbalance { clockwise, .. } = self.check.scene.inputs.get(self.written.inputs.len())?.kind
+        else {
+            return None;
+        };
+        let rotation = WrittenRotation {
+            unbalance: self.field_number(fields, "me", environment)?,
+            speed: self.speed(fields, environment),
+            clockwise: clockwise != self.check.reverses(environment).ok()?,
+        };
+        for axis in [[Sum::one(), Sum::ZERO], [Sum::ZERO, Sum::one()]] {
+            let along = Some(self.turned(axis, environment));
+            self.push_input((end, None), along, Sum::ZERO, environment)?;
+            self.written.inputs.last_mut()?.rotation = Some(rotation.clone());
+        }
+        Some(())
+    }
+
+    /// An angular frequency in rad/s, also where the model gives one in Hz.
+    fn speed(&mut self, fields: Fields, environment: Environment) -> Option<Sum> {
+        let Some(FieldValue::Expr(expr)) = self.field(fields, "speed") else { return None };
+        let written = self.number(expr, environment);
+        let Ok(Value::Scalar(Scalar { quantity, .. })) = self.check.evaluate(expr, environment) else { return None };
+        Some(match quantity.angle {
+            Angle::Cycles => (&Sum::pi() * &written).scaled(&Rational::from(2)),
+            _ => written,
+        })
     }
 
     /// The constant part of a signal.

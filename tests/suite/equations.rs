@@ -47,8 +47,36 @@ fn the_cart_has_the_equations_of_the_course() {
     }
 }
 
+/// Den Hartog's machine with a rotating unbalance: m x'' + c x' + k x = m_u e omega^2 sin(omega t), and the run-up of a rotor with its angle.
+#[test]
+fn a_rotating_unbalance_is_the_force_of_the_textbook() {
+    let machine = |speed: &str| {
+        let model = format!(
+            "param m = 50 kg\nparam m_u = 0.4 kg\nparam e = 2 mm\nparam k = 2 MN/m\nparam c = 1 kN*s/m\nparam omega = 1500 rpm\nparam f = 25 Hz\n\
+             body frame {{ mass = m, moves y }}\nspring s: ground -- frame {{ k = k }}\ndamper d: ground -- frame {{ c = c }}\n\
+             unbalance U: frame {{ me = m_u * e{speed} }}\noutput y = frame.y\n"
+        );
+        text_of("machine.vib", &model)
+    };
+    for (speed, lines) in [
+        (
+            ", speed = omega",
+            &["Q_y = m_u e omega^2 sin(omega t)", "m y'' + c y' + k y = m_u e omega^2 sin(omega t)"][..],
+        ),
+        (", speed = omega, clockwise", &["m y'' + c y' + k y = -m_u e omega^2 sin(omega t)"]),
+        (", speed = f", &["omega_U = 2 pi f    = 157.080 1/s", "m y'' + c y' + k y = m_u e omega_U^2 sin(omega_U t)"]),
+        (", speed = 25 Hz", &["omega_U = 50 pi    = 157.080 1/s"]),
+        ("", &["m y'' + c y' + k y = -m_u e cos(phi_U) phi_U'' + m_u e sin(phi_U) phi_U'^2"]),
+    ] {
+        let text = machine(speed);
+        for line in lines.iter().chain(&["y/U.y = -s^2/(m s^2 + c s + k)"]) {
+            assert!(says(&text, line), "{line} is not in\n{text}");
+        }
+    }
+}
+
 /// Scenes beside the examples: what a course asks for, and what is hard to write well.
-const SCENES: [(&str, &str); 24] = [
+const SCENES: [(&str, &str); 26] = [
     (
         "pendulum",
         "param m = 1 kg\nparam L = 1 m\ngravity 9.81 m/s^2\nbody bob { mass = m, inertia = 0 kg*m^2, at = (0, -L) }\npivot p: ground@(0, 0) -- bob\n",
@@ -144,6 +172,14 @@ const SCENES: [(&str, &str); 24] = [
     (
         "placed_from_library",
         "use \"std/quarter_car.vib\"\nuse \"std/absorber.vib\"\nparam M = 400 kg\nbody car { mass = M, moves y, at = (0, 0.5 m) }\nplace corner = quarter_car(car = car) at (0, 0)\nbody tower { mass = 1 t, moves x }\nspring s: ground -- tower { k = 40 kN/m }\nplace damping = absorber(main = tower, m = 20 kg, main_mass = 1 t, f = 1 Hz)\n",
+    ),
+    (
+        "unbalances",
+        "param m = 50 kg\nparam J = 2 kg*m^2\nparam e = 2 mm\nparam m_u = 0.4 kg\nparam h = 0.3 m\nparam k = 200 kN/m\nparam f = 20 Hz\ngravity 9.81 m/s^2\nbody frame { mass = m, inertia = J, at = (0, 0), moves x y, turns }\nspring a: ground@(-0.5 m, -1 m) -- frame@(-0.5 m, 0) { k = k, along = y }\nspring b: ground@(0.5 m, -1 m) -- frame@(0.5 m, 0) { k = k, along = y }\nspring c: ground@(-1.5 m, 0) -- frame@(-0.5 m, 0) { k = k, along = x }\nunbalance U: frame@(0, h) { me = m_u * e, speed = f, clockwise }\nunbalance V: frame@(0, h) { me = m_u * e, speed = f }\nunbalance W: frame@(0, 0) { me = 3 g*m }\noutput y = frame.y\noutput p = frame.angle\n",
+    ),
+    (
+        "placed_unbalances",
+        "gravity 9.81 m/s^2\ncomponent rotor(part p, e = 3 mm, f = 10 Hz) {\n  unbalance U: p@(0.2 m, 0) { me = 0.5 kg * e, speed = f, clockwise }\n}\nparam L = 1 m\nparam t = 3 m\nbody rod { mass = 2 kg, shape = rod((0, 0), (0, -L)) }\nbody box { mass = t*1 kg/m, moves x, at = (4 m, 0) }\nspring s: ground@(3 m, 0) -- box { k = 300 N/m }\npivot p: ground@(0, 0) -- rod\nunbalance V: rod@(0, -L) { me = 0.1 kg*m, speed = 3 rad/s }\nplace left = rotor(p = rod) at (0, 0) mirrored x\nplace right = rotor(p = box, f = 11 Hz) at (4 m, 0) turned 30 deg\nunbalance W: box { me = 0.1 kg*m }\nunbalance Z: box { me = 0 }\noutput a = rod.angle\noutput x = box.x\n",
     ),
 ];
 

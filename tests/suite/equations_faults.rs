@@ -314,3 +314,81 @@ fn faults_in_the_equations_of_motion_are_reported() {
         }
     }
 }
+
+/// A rotor on a frame that turns, in a component that is mirrored, and one whose speed is not given.
+const ROTORS: &str = "param m = 50 kg
+param b = 0.3 m
+component rotor(part p, f = 20 Hz, h = 0.3 m, e = 2 mm) {
+  unbalance U: p@(0.2 m, h) { me = 0.4 kg * e, speed = f, clockwise }
+}
+body frame { mass = m, inertia = 2 kg*m^2, at = (0, 0), moves x y, turns }
+spring a: ground@(-0.5 m, -1 m) -- frame@(-0.5 m, 0) { k = 200 kN/m, along = y }
+spring b: ground@(0.5 m, -1 m) -- frame@(0.5 m, 0) { k = 200 kN/m, along = y }
+spring c: ground@(-1.5 m, 0) -- frame@(-0.5 m, 0) { k = 200 kN/m, along = x }
+place left = rotor(p = frame) at (0, 0) mirrored x
+unbalance V: frame@(0, b) { me = 3 g*m }
+output tilt = frame.angle
+";
+
+fn unbalance(equations: &mut Equations, work: usize) -> &mut vibc::equations::unbalance::Unbalance {
+    equations.energies.works[work].unbalance.as_mut().expect("an unbalance")
+}
+
+#[test]
+fn faults_in_the_force_of_an_unbalance_are_reported() {
+    let scene = scene_of(ROTORS);
+    let lowered = scene.lowered();
+    scene.derive(&scene.written, &lowered).expect("no defect");
+    // In the lowered column: the opposite, another factor, another derivative, another lever.
+    for (name, fault) in [
+        (
+            "sign",
+            Box::new(|b: &mut [Vec<_>]| b[2].iter_mut().for_each(|(_, value)| *value = -&*value))
+                as Box<dyn Fn(&mut [Vec<_>])>,
+        ),
+        ("factor", Box::new(|b| b[2].iter_mut().for_each(|(_, value)| *value = &*value + &*value))),
+        ("derivative", Box::new(|b| b.swap(0, 2))),
+        (
+            "lever",
+            Box::new(|b| {
+                b[2].iter_mut()
+                    .rev()
+                    .take(1)
+                    .for_each(|(_, value)| *value = &*value * &Number::from(Rational::new(11, 10)))
+            }),
+        ),
+    ] {
+        for input in 0..4 {
+            let mut lowered = scene.lowered();
+            fault(&mut lowered.system.inputs[input].b[..]);
+            let error = scene.derive(&scene.written, &lowered).expect_err(name);
+            assert_eq!(scene.place(error), "frame", "{name} of {input}");
+        }
+    }
+    // In what the symbols are made from.
+    type Change = fn(&mut model::written::WrittenInput);
+    let changes: [(&str, usize, Change, &str); 6] = [
+        ("size", 0, |own| doubled(&mut own.rotation.as_mut().expect("a rotation").unbalance), "U"),
+        ("speed", 1, |own| doubled(own.rotation.as_mut().expect("a rotation").speed.as_mut().expect("a speed")), "U"),
+        ("sense", 1, |own| own.rotation.as_mut().expect("a rotation").clockwise = false, "U"),
+        ("sense of the free rotor", 3, |own| own.rotation.as_mut().expect("a rotation").clockwise = true, "V"),
+        ("axis", 0, |own| own.along = own.along.as_ref().map(|along| along.each_ref().map(|part| -part)), "frame"),
+        ("place", 2, |own| own.ends[0] = own.ends[0].as_ref().map(|at| at.each_ref().map(Sum::halved)), "frame"),
+    ];
+    for (name, input, change, place) in changes {
+        let mut written = scene.written.clone();
+        change(&mut written.inputs[input]);
+        let error = scene.derive(&written, &lowered).expect_err(name);
+        assert_eq!(scene.place(error), place, "{name}");
+    }
+    // In what is derived and printed.
+    let faults: [Fault; 6] = [
+        ("the force", |e| doubled(&mut unbalance(e, 1).force), "U"),
+        ("the sign of the free force", |e| unbalance(e, 2).force = -&unbalance(e, 2).force, "V"),
+        ("the place of the heavy spot", |e| unbalance(e, 3).place = -&unbalance(e, 3).place, "V"),
+        ("the force of the linearised equations", |e| e.linear.inputs[0].force = Some(Sum::one()), "U"),
+        ("its column", |e| doubled(&mut e.linear.inputs[1].parts[2][1]), "frame"),
+        ("the generalised force", |e| doubled(&mut e.nonlinear[2].forces), "frame"),
+    ];
+    assert_reported(&scene, &faults);
+}

@@ -211,7 +211,7 @@ fn what_needs_a_speed_or_a_course_says_so() {
     let internal = ["emit", "--target", "c", "--signals", "internal"];
     assert_eq!(code(&machine(""), &internal), "vib::unbalance::speed");
     assert!(ran(&machine(", speed = 25 Hz"), &internal).status.success());
-    assert_eq!(code(&machine(", speed = 25 Hz"), &["equations"]), "vib::equations::no_form");
+    assert!(ran(&machine(""), &["equations"]).status.success());
     // Nothing turns where there is no unbalance, and what stands still does not move.
     assert!(ran(&machine("").replace("0.02 kg*m", "0"), &motion).status.success());
     let still = samples(&machine(", speed = 0 Hz"));

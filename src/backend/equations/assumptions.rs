@@ -6,8 +6,9 @@ use super::formula::{Formula, Running, Shown, shown};
 use crate::backend::decimal::certain_number;
 use crate::base::Dimension;
 use crate::equations::coordinate::Coordinate;
-use crate::equations::energy::Stretch;
+use crate::equations::energy::{Stretch, Work};
 use crate::equations::names::Label;
+use crate::equations::unbalance::{self, Turns, Unbalance};
 use crate::symbols::{Sum, Symbol};
 
 impl Writer<'_> {
@@ -24,6 +25,7 @@ impl Writer<'_> {
             "Coordinates are measured from rest, which differs from the scene as drawn by the values of section 4."
         }));
         items.extend(self.sentences());
+        items.extend(self.heavy_spots());
         items.extend(self.names());
         Section { heading: "1 Assumptions and coordinates", items }
     }
@@ -46,6 +48,36 @@ impl Writer<'_> {
             Item::Paragraph(vec![Inline::Formula(name), words(format!(": {word}{range}"))])
         };
         fold::rows(rows, fold::index_letter(&self.equations.names)).into_iter().map(sentence).collect()
+    }
+
+    /// How each unbalance turns that has a force.
+    fn heavy_spots(&self) -> Vec<Item> {
+        let works = self.equations.energies.works.iter();
+        let along_x = works.filter_map(|work| Some((work, work.unbalance.as_ref()?)));
+        let along_x = along_x.filter(|(_, own)| own.is_along_x() && !own.force.is_zero());
+        let sentence = |(work, own): (&Work, &Unbalance)| {
+            let name = self.equations.inputs[work.input].trim_end_matches(".x");
+            let sense = if own.clockwise { "clockwise" } else { "counter-clockwise" };
+            let start = match own.along.each_ref().map(Sum::as_number) {
+                [Some(x), Some(y)] if y.is_zero() => if x.signum() < 0 { "-x" } else { "+x" }.to_string(),
+                _ => "+x of its component".to_string(),
+            };
+            let row = match &own.turns {
+                Turns::Steadily(speed) => vec![
+                    words(format!("{name}: an unbalance that turns {sense} with angular frequency ")),
+                    Inline::Formula(self.build.sum(speed)),
+                    words("; at "),
+                    Inline::Formula(self.name(unbalance::time()).equal(Formula::zero())),
+                    words(format!(" its heavy spot is at {start}")),
+                ],
+                Turns::Freely([angle, ..]) => {
+                    let text = format!(": angle of the heavy spot of {name} from {start}, {sense}");
+                    vec![Inline::Formula(self.name(*angle)), words(text)]
+                }
+            };
+            Item::Paragraph(row)
+        };
+        along_x.map(sentence).collect()
     }
 
     fn described(&self, index: usize, coordinate: &Coordinate) -> String {
@@ -116,7 +148,10 @@ impl Writer<'_> {
             let (Stretch::Plain(sum) | Stretch::Line { square: sum, .. }) = &element.stretch;
             look(sum);
         }
-        self.equations.energies.works.iter().for_each(|work| look(&work.displacement));
+        for work in &energies.works {
+            look(&work.displacement);
+            work.unbalance.iter().for_each(|unbalance| look(&unbalance.force));
+        }
         self.equations.constraints.iter().for_each(|constraint| look(&constraint.equation));
         if let Some((alpha, beta)) = &self.equations.rayleigh {
             look(alpha);

@@ -345,9 +345,10 @@ fn rank(factor: &Factor) -> u8 {
     }
 }
 
-/// Whether a name is a motion, a force or a multiplier.
+/// Whether a name is a motion, the time, a force or a multiplier.
 pub fn is_dynamic(symbol: Symbol) -> bool {
-    is_motion(symbol) || [class::FORCE, class::MULTIPLIER, class::LENGTH_RATE].contains(&symbol.class())
+    let others = [class::FORCE, class::MULTIPLIER, class::LENGTH_RATE, class::TIME];
+    is_motion(symbol) || others.contains(&symbol.class())
 }
 
 pub fn absolute(number: &Rational) -> Rational {

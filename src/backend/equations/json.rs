@@ -55,6 +55,9 @@ struct Term {
 struct Input {
     name: String,
     columns: Vec<Vec<Term>>,
+    /// Of an unbalance, in time: the opposite of its second derivative.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    force: Option<Term>,
 }
 
 #[derive(Serialize)]
@@ -184,6 +187,7 @@ impl Terms<'_> {
         let input = |column: &crate::equations::linear::Column| Input {
             name: self.equations.inputs[column.input].clone(),
             columns: column.parts.iter().map(|part| part.iter().map(|sum| self.sum(sum)).collect()).collect(),
+            force: column.force.as_ref().map(|force| self.sum(force)),
         };
         columns.map(input).collect()
     }

@@ -40,7 +40,7 @@ impl Writer<'_> {
         for equation in &self.equations.nonlinear {
             if !equation.forces.is_zero() {
                 let index = self.name(self.coordinate(equation.coordinate).symbols[0]);
-                let force = Formula::sum(self.ordered(&equation.forces));
+                let force = Formula::sum(self.ordered(&energies.with_forces(&equation.forces)));
                 items.push(display(self.letter("Q", Some(index)).equal(force)));
             }
         }
@@ -200,7 +200,8 @@ impl Writer<'_> {
             }
         }
         let left = left.iter().fold(Sum::ZERO, |sum, part| &sum + part);
-        let right = right.iter().fold(equation.forces.clone(), |sum, part| &sum + part);
+        let forces = self.equations.energies.with_forces(&equation.forces);
+        let right = right.iter().fold(forces, |sum, part| &sum + part);
         let mut terms = self.ordered(&left);
         for (element, slope) in self.merged_lines(&equation.lines) {
             terms.push(self.line(&element, &slope));
@@ -223,7 +224,7 @@ impl Writer<'_> {
     }
 
     /// Terms collected by acceleration, then by products of rates, then by position.
-    fn ordered(&self, sum: &Sum) -> Vec<(bool, Formula)> {
+    pub fn ordered(&self, sum: &Sum) -> Vec<(bool, Formula)> {
         let mut terms: Vec<(u8, bool, Formula)> = Vec::new();
         for (quick, part) in sum.collected(is_quick) {
             let behind = self.build.term(&quick, &crate::base::Rational::ONE, &[]);

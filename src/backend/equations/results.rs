@@ -173,6 +173,16 @@ impl Writer<'_> {
                 }
             }
         }
+        right.extend(self.ordered(&self.unbalances(place)));
         Formula::sum(terms).equal(Formula::sum(right))
+    }
+
+    /// The forces of all unbalances on a coordinate, at rest.
+    fn unbalances(&self, place: usize) -> Sum {
+        let forces = self.equations.linear.inputs.iter().filter_map(|column| Some((column, column.force.as_ref()?)));
+        forces.fold(Sum::ZERO, |sum, (column, force)| {
+            let entry = column.parts.get(2).and_then(|part| part.get(place)).cloned().unwrap_or_default();
+            &sum - &(&entry * force)
+        })
     }
 }

@@ -1,8 +1,8 @@
 //! Section 7: natural frequencies, poles and transfer functions in closed form, and with numbers for larger parts.
 
-use super::build::Builder;
+use super::build::{Builder, absolute};
 use super::document::{DIGITS, Inline, Item, Section, Writer, display, words};
-use super::formula::Formula;
+use super::formula::{Formula, Shown, shown};
 use crate::backend::decimal::certain_number;
 use crate::base::{Number, Rational};
 use crate::equations::closed::{MOST_TERMS, Part};
@@ -240,8 +240,8 @@ impl Writer<'_> {
                     fraction(polynomial(&build, &numerator), under)
                 }
                 (false, false) => {
-                    let (over, under) = &transfer.reduced;
-                    fraction(polynomial(&build, over), polynomial(&build, under))
+                    let (over, under) = without_fractions(&transfer.reduced);
+                    fraction(polynomial(&build, &over), polynomial(&build, &under))
                 }
             };
             let input = Formula::Name(Label::new(self.equations.inputs[transfer.input].clone(), ""));
@@ -278,6 +278,17 @@ fn over_whole_number(coefficients: &[Sum]) -> (Vec<Sum>, Rational) {
     });
     let common = Rational::from(common.unwrap_or(1));
     (coefficients.iter().map(|sum| sum.scaled(&common)).collect(), common)
+}
+
+/// Numerator and denominator with what the fractions of the numerator are divided by in the denominator.
+fn without_fractions((over, under): &(Vec<Sum>, Vec<Sum>)) -> (Vec<Sum>, Vec<Sum>) {
+    let is_fraction = |(_, number): &(Product, Rational)| matches!(shown(&absolute(number)), Shown::Fraction(..));
+    let over: Vec<Sum> = over.iter().map(Sum::evaluated).collect();
+    if !over.iter().flat_map(|sum| sum.terms()).any(is_fraction) {
+        return (over, under.clone());
+    }
+    let (over, common) = over_whole_number(&over);
+    (over, under.iter().map(|sum| sum.scaled(&common)).collect())
 }
 
 /// Highest power first.

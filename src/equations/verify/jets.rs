@@ -13,15 +13,15 @@ use std::collections::BTreeMap;
 
 /// x + a y + b z + a b w with a^2 = b^2 = 0.
 #[derive(Clone, Copy, Debug)]
-struct Jet {
-    value: Ball,
-    a: Ball,
-    b: Ball,
-    ab: Ball,
+pub(super) struct Jet {
+    pub value: Ball,
+    pub a: Ball,
+    pub b: Ball,
+    pub ab: Ball,
 }
 
 impl Jet {
-    fn constant(value: Ball) -> Jet {
+    pub fn constant(value: Ball) -> Jet {
         let zero = Ball::from(0.0);
         Jet { value, a: zero, b: zero, ab: zero }
     }
@@ -63,13 +63,13 @@ impl Jet {
 }
 
 /// A value for each name: motions carry nilpotent parts.
-struct Point<'a> {
-    motions: BTreeMap<Symbol, Jet>,
-    equations: &'a Equations,
+pub(super) struct Point<'a> {
+    pub motions: BTreeMap<Symbol, Jet>,
+    pub equations: &'a Equations,
 }
 
 impl Point<'_> {
-    fn sum(&self, sum: &Sum) -> Option<Jet> {
+    pub fn sum(&self, sum: &Sum) -> Option<Jet> {
         let mut total = Jet::constant(Ball::from(0.0));
         for (product, coefficient) in sum.terms() {
             let mut value = Jet::constant(coefficient.to_ball());

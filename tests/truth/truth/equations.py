@@ -111,6 +111,8 @@ class Scene:
         self.T = self.V = self.D = sympy.Integer(0)
         self.Q = {}
         self.bases = []
+        # The place on which each component of an unbalance acts, and what the angular frequencies are that have a name.
+        self.rotors, self.speeds = {}, {}
         # What is held at zero, in the order of the joints and couplings.
         self.constraints = []
 
@@ -124,6 +126,42 @@ class Scene:
         self.coordinates.append((body, motion))
         self.symbols.append(q)
         return q
+
+    def unbalance(self, name, place, size, speed, sense=1):
+        """The force of a heavy spot, the opposite of its momentum's rate, on a point that is where `place` says.
+
+        `speed` is the name of a parameter in rad/s, a form of the angular frequency that has none, or None: then the angle is a name."""
+        t = sympy.Symbol("t", real=True)
+        if speed is None:
+            angle, rate, more = (sympy.Symbol(f"phi_{name}" + primes, real=True) for primes in ("", "'", "''"))
+            derived = lambda f: f.diff(angle) * rate + f.diff(rate) * more
+        else:
+            omega = self.parameters.get(speed)
+            if omega is None:
+                # A speed in Hz: the angular frequency has a name, whose definition is read.
+                omega = sympy.Symbol(f"omega_{name}", real=True)
+                self.speeds[omega.name] = speed
+            angle = omega * t
+            derived = lambda f: f.diff(t)
+        for axis, (along, where) in enumerate(zip((sympy.cos(angle), sense * sympy.sin(angle)), place)):
+            force = -derived(derived(size * along))
+            self.rotors[f"{name}.{'xy'[axis]}"] = where
+            for q in self.symbols:
+                self.Q[q] = self.Q.get(q, 0) + force * where.diff(q)
+
+    def rotor(self, rng, ends, place):
+        """An unbalance of some speed, or without one."""
+        size = self.parameter("mu", word(rng), "kg*m")
+        kind, clockwise = rng.randrange(3), rng.random() < 0.5
+        speed = None
+        if kind == 0:
+            self.parameter("Omega", word(rng), "rad/s")
+            speed = "Omega"
+        elif kind == 1:
+            speed = 2 * sympy.pi * self.parameter("f", word(rng), "Hz")
+        given = ["", ", speed = Omega", ", speed = f"][0 if speed is None else 1 + kind]
+        self.rows.append(f"unbalance U: {ends} {{ me = mu{given}{', clockwise' if clockwise else ''} }}")
+        self.unbalance("U", place, size, speed, -1 if clockwise else 1)
 
     def moved_by(self):
         """Motions of bases that are functions of time here, each with its printed name."""
@@ -192,6 +230,8 @@ def links(rng, scene):
         if rng.random() < 0.4:
             line(rng, scene, i, top, drawn)
         carrier, place, before = f"r{i}", f"P{i}", q
+    if rng.random() < 0.4:
+        scene.rotor(rng, f"{carrier}@{place}", top)
     if rng.random() < 0.5:
         # Not M: if a model uses that name, the program renames the mass matrix.
         scene.rows.append(f"torque Q3: {carrier}")
@@ -253,6 +293,9 @@ def net(rng, scene):
         q = rng.choice(qs)
         scene.rows.append(f"force F: b{qs.index(q) + 1} along x")
         scene.Q[q] = scene.Q.get(q, 0) + sympy.Symbol("F", real=True)
+    if rng.random() < 0.3:
+        q = rng.choice(qs)
+        scene.rotor(rng, f"b{qs.index(q) + 1}", (q, sympy.Integer(0)))
 
 
 def turn(arm, angle):
@@ -475,8 +518,15 @@ class Comparison:
         self.rests()
         self.lengths = self.definitions()
         self.multipliers = [self.symbol(f"lambda_{i + 1}") for i in range(len(self.scene.constraints))]
+        self.speeds()
         self.motions()
         self.values()
+
+    def speeds(self):
+        """Angular frequencies by their definitions."""
+        told = dict(item["text"].split(" = ", 1) for item in formulas(section(self.told, 1)) if " = " in item["text"])
+        for name, mine in self.scene.speeds.items():
+            self.agree("angular frequency", mine, self.read(told.get(name, "0")), name)
 
     # ---- Where the scene rests ----
 
@@ -633,6 +683,13 @@ class Comparison:
                 for j, entry in enumerate(row):
                     self.entry(f"entry of {name}", entry, true[i, j], known)
         for column in told["inputs"]:
+            if column["name"] in scene.rotors:
+                # The force is the opposite of the second derivative of the input.
+                where = scene.rotors[column["name"]]
+                slope = [-worth(where.diff(q).xreplace(drawn).xreplace(given), at) for q in scene.symbols]
+                for entry, true in zip(column["columns"][2], follows.T * mpmath.matrix(slope)):
+                    self.entry("column of an unbalance", entry, true, known)
+                continue
             own = [scene.Q.get(q, sympy.Integer(0)) for q in scene.symbols]
             force = sympy.Symbol(column["name"], real=True)
             if not any(force in entry.free_symbols for entry in own):
