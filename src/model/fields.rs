@@ -43,6 +43,9 @@ impl<'a> Check<'a> {
         for field in tree.fields(fields) {
             let word = self.sources.slice(field.key);
             let error = match table.iter().position(|known| known.name == word) {
+                None if self.is_direction_of(word, given.fields[..].iter().flatten()) => {
+                    NameError::DirectionApart { span: field.key, word: word.to_string() }
+                }
                 None => self.unknown_field(field, word, table),
                 Some(place) => match given.fields[place] {
                     None => {
@@ -56,6 +59,11 @@ impl<'a> Check<'a> {
             self.report(environment, error);
         }
         given
+    }
+
+    /// Whether a word is the second direction of `moves x, y`.
+    fn is_direction_of<'b>(&self, word: &str, mut given: impl Iterator<Item = &'b &'b Field>) -> bool {
+        matches!(word, "x" | "y") && given.any(|field| matches!(field.value, FieldValue::Moves(_)))
     }
 
     fn unknown_field(&self, field: &Field, word: &str, table: &'static [base::Field]) -> NameError {

@@ -71,3 +71,15 @@ fn excerpts_show_the_source_as_read() {
         });
     }
 }
+
+#[test]
+fn two_directions_stand_after_one_word() {
+    for (moves, help) in [
+        ("moves x, y", "write both directions after `moves`, without a comma: `moves x y`"),
+        ("moves x, moves y", "keep one of them; both directions together are `moves x y`"),
+        ("turns, y", "known here: `mass`, `moves`, `at`, `shape`, `turns`, `inertia`, `free`"),
+    ] {
+        let model = format!("body b {{ mass = 2 kg, {moves} }}\nspring s: ground -- b {{ k = 9 N/m, along = x }}\n");
+        assert_eq!(crate::program::finding(&model, &["check"])["help"], help, "{moves}");
+    }
+}

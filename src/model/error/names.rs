@@ -32,6 +32,7 @@ pub enum NameError {
     NotAParameter { span: Span, word: String, kind: DefinitionKind, declared: Span },
     SettingTwice { span: Span, first: Span, what: &'static str },
     UnknownField { span: Span, word: String, suggestion: Option<&'static str>, known: Vec<&'static str> },
+    DirectionApart { span: Span, word: String },
     FieldTwice { span: Span, first: Span, word: String },
     FieldWithoutValue { span: Span, word: String },
     FlagWithValue { span: Span, word: String },
@@ -116,10 +117,18 @@ impl NameError {
                 let message = format!("there is no field `{word}` here");
                 with_suggestion(error("vib::field::unknown", span, message), suggestion.map(str::to_string), help)
             }
+            DirectionApart { span, word } => {
+                error("vib::field::unknown", span, format!("there is no field `{word}` here"))
+                    .help("write both directions after `moves`, without a comma: `moves x y`")
+            }
             FieldTwice { span, first, word } => {
+                let help = match &word[..] {
+                    "moves" => "keep one of them; both directions together are `moves x y`",
+                    _ => "keep one of them",
+                };
                 error("vib::field::duplicate", span, format!("`{word}` is given twice"))
                     .related(first, "given first here")
-                    .help("keep one of them")
+                    .help(help)
                     .fix(span, Change::DropField)
             }
             FieldWithoutValue { span, word } => error("vib::field::value", span, format!("`{word}` needs a value"))
