@@ -30,6 +30,7 @@ pub mod rest;
 pub mod transfer;
 pub mod unbalance;
 pub mod verify;
+mod zeros;
 
 use crate::base::{Dimension, Number, Rational, Span};
 use crate::elements::Order;

@@ -8,6 +8,7 @@ use super::lines::AtRest;
 use super::motion::Motion;
 use super::names::{class, without_motion};
 use super::polynomial::{self, Polynomial};
+use super::zeros;
 use super::{Equations, Linearised};
 use crate::base::{Number, Span};
 use crate::model::scene::{Element, Motion as Moved, Scene};
@@ -238,6 +239,15 @@ fn numerator_of_numbers(equations: &Equations, part: &Part, column: &Column, out
     let is_relative = |row: &Vec<Sum>| part.places.iter().fold(Sum::ZERO, |sum, place| &sum + &row[*place]).vanishes();
     if zeros == 2 && output.rows.iter().all(is_relative) {
         sum.iter_mut().take(zeros).for_each(|coefficient| *coefficient = Number::ZERO);
+    }
+    if sum.iter().any(|coefficient| coefficient.may_be_zero() && !coefficient.is_zero())
+        && let Some(form) = zeros::numerator(equations, part, column, output)
+    {
+        for (power, coefficient) in sum.iter_mut().enumerate() {
+            if form.get(power).is_none_or(Sum::vanishes) {
+                *coefficient = Number::ZERO;
+            }
+        }
     }
     while sum.last().is_some_and(Number::is_zero) {
         sum.pop();

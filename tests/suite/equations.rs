@@ -75,6 +75,76 @@ fn a_rotating_unbalance_is_the_force_of_the_textbook() {
     }
 }
 
+/// The stroke of a damper on a storey answers the storey's acceleration alone; a beam that is held alike on both sides does not tilt under its own
+/// force. The masses are roots, so that no coefficient is a fraction.
+#[test]
+fn numerators_that_cancel_are_zero() {
+    let absorber = text_of(
+        "absorber.vib",
+        "param m = 3 kg * sqrt(2)\nparam k = m * (2 * pi * 3 Hz)^2\nbody lower { mass = 5 kg, moves x }\nbody upper { mass = 2 * m, moves x }\n\
+         body machine { mass = m, moves x }\nspring a: ground -- lower { k = 40 * k }\nspring b: lower -- upper { k = 30 * k }\n\
+         spring c: upper -- machine { k = k }\ndamper d: upper -- machine { c = 2 N*s/m * pi }\nforce F: upper along x\noutput stroke = c.stretch\n",
+    );
+    let line = absorber.lines().find(|line| line.contains("stroke/F = ")).expect("a transfer function");
+    assert!(line.contains(" s^2)/Delta") && !line.contains('≤'), "{line}");
+    let beam = text_of(
+        "beam.vib",
+        "param w = sqrt(2) * 1 /s\nbody deck { mass = 10 kg, inertia = 1 kg*m^2, at = (0, 0), moves y, turns }\nbody l { mass = 1 kg, moves y }\n\
+         body r { mass = 1 kg, moves y }\nspring a: ground@(-1 m, -1 m) -- deck@(-1 m, 0) { k = 3 kg * w^2, along = y }\n\
+         spring b: ground@(1 m, -1 m) -- deck@(1 m, 0) { k = 3 kg * w^2 * pi / pi, along = y }\nspring c: l -- deck@(-1 m, 0) { k = 1 kg * w * pi, along = y }\n\
+         spring d: r -- deck@(1 m, 0) { k = 1 kg * w * pi, along = y }\nforce F: deck along y\noutput tilt = deck.angle\noutput y = deck.y\n"
+            .replace("* w * pi", "* w^2 * pi").as_str(),
+    );
+    assert!(says(&beam, "tilt/F = 0"), "{beam}");
+}
+
+/// Lever arms r and tensions by length q of the lines that are named, by the geometry at rest.
+#[test]
+fn names_of_levers_and_tensions_have_the_values_of_the_geometry() {
+    let (_, model) = SCENES.iter().find(|(name, _)| *name == "braced_rod").expect("a scene");
+    let mut sources = Sources::new();
+    let file = sources.add(SourceFile::model("braced_rod", *model));
+    let equations = vibc::equations(&sources, file, &Overrides::default()).answer.expect("equations");
+    let rest = |index: usize| {
+        let found = equations.rest.moved.iter().find(|(place, ..)| *place == index);
+        found.map_or(0.0, |(.., value)| value.to_f64())
+    };
+    let (theta, x) = (rest(0), rest(1));
+    assert!(theta != 0.0 && x != 0.0, "the scene rests away from its drawing");
+    let arm = (1.2 * theta.cos() + 0.8 * theta.sin(), 1.2 * theta.sin() - 0.8 * theta.cos());
+    let (tip, drawn, trolley) = ((0.1 + arm.0, arm.1), (1.3, -0.8), (0.3 + x, 0.4));
+    let apart = |a: (f64, f64), b: (f64, f64)| (b.0 - a.0, b.1 - a.1);
+    let size = |d: (f64, f64)| d.0.hypot(d.1);
+    // Each line from its fixed or first end, as it rests and as it is drawn, and how its second and first ends move by theta and x.
+    let turn = (-arm.1, arm.0);
+    let (still, along) = ((0.0, 0.0), (1.0, 0.0));
+    let lines = [
+        ("s", 300.0, apart((1.9, 0.45), tip), apart((1.9, 0.45), drawn), [(turn, "s"), (still, "")]),
+        ("t", 40.0, apart((0.7, 0.0), trolley), apart((0.7, 0.0), (0.3, 0.4)), [(still, ""), (along, "t")]),
+        ("u", 20.0, apart(tip, trolley), apart(drawn, (0.3, 0.4)), [((-turn.0, -turn.1), "u,theta"), (along, "u,x")]),
+    ];
+    let mut expected = Vec::new();
+    for (name, k, now, before, moves) in lines {
+        expected.push((format!("l_{name},0"), size(now)));
+        expected.push((format!("q_{name}"), k * (size(now) - size(before)) / size(now)));
+        for (moved, index) in moves.into_iter().filter(|(_, index)| !index.is_empty()) {
+            expected.push((format!("r_{index}"), (now.0 * moved.0 + now.1 * moved.1) / size(now)));
+        }
+    }
+    let squares = equations.linear.lengths.iter().map(|(name, square)| (name, square.root()));
+    let forms: Vec<_> = squares.chain(equations.linear.parts.iter().map(|(name, form)| (name, form.clone()))).collect();
+    assert_eq!(forms.len(), expected.len());
+    for (name, value) in expected {
+        let (symbol, form) =
+            forms.iter().find(|(symbol, _)| equations.names.label(**symbol).plain() == name).expect(&name);
+        // What is printed, and the value that entries are computed with.
+        for found in [equations.names.value_of(form), equations.names.value(**symbol).cloned()] {
+            let found = found.expect("a value").to_f64();
+            assert!((found - value).abs() < 1e-12 * (1.0 + value.abs()), "{name}: {found}, not {value}");
+        }
+    }
+}
+
 /// Scenes beside the examples: what a course asks for, and what is hard to write well.
 const SCENES: [(&str, &str); 26] = [
     (

@@ -7,6 +7,7 @@ use crate::base::readable::readable;
 use crate::base::{Diagnostic, Severity, Sources};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
 use std::fmt;
+use textwrap::{WordSeparator, WordSplitter};
 
 /// The most findings that are drawn; the rest are only counted. Nobody reads a hundred, and the other forms contain
 /// all.
@@ -79,6 +80,9 @@ fn handler(style: HumanStyle) -> GraphicalReportHandler {
     GraphicalReportHandler::new_themed(GraphicalTheme { characters, styles })
         .with_links(false)
         .with_width(WIDTH)
+        // At spaces alone: `1/s` and `N^2/Hz` stay whole.
+        .with_word_separator(WordSeparator::AsciiSpace)
+        .with_word_splitter(WordSplitter::NoHyphenation)
         .with_context_lines(CONTEXT)
         .without_cause_chain()
 }

@@ -231,7 +231,7 @@ impl Writer<'_> {
         for transfer in transfers.into_iter().take(MOST_TRANSFERS) {
             let is_short = transfer.numerator.iter().all(|sum| sum.terms().len() <= MOST_TERMS);
             let right = match (is_shared, transfer.numerator.is_empty()) {
-                (_, true) if transfer.numbers.is_empty() => continue,
+                (_, true) if transfer.numbers.is_empty() => Formula::zero(),
                 (_, true) => fraction(polynomial_of_numbers(&build, &transfer.numbers), delta.clone()),
                 _ if !is_short => continue,
                 (true, false) => {
