@@ -1,6 +1,7 @@
 //! The command line, as clap reads it. See docs/cli.md#streams-and-exit-status.
 
 use crate::analysis::discrete::Precision;
+use crate::analysis::shock;
 use crate::analysis::{Band, Frequency, Normalise, Request, Which};
 use crate::backend::explain::PAGES;
 use crate::base::unit::{self, Scale};
@@ -33,6 +34,8 @@ pub enum Command {
     Transfer(Transfer),
     /// Compute the time response under the model's signals and from its initial state
     Simulate(Simulate),
+    /// Compute shock response spectra: the largest motions of single oscillators on a base that moves as its signal says
+    Shock(Shock),
     /// Draw the scene as a textbook figure, in SVG: as drawn, at rest, or in a mode
     Draw(Draw),
     /// Write a page with everything: the figure in motion, tables, curves, the text; one HTML file that needs no network
@@ -191,6 +194,84 @@ pub struct Simulate {
     /// Write to this file instead of standard output; it is replaced completely or not at all
     #[arg(short, long, value_name = "PATH")]
     pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct Shock {
+    /// The model; `-` reads standard input
+    pub file: PathBuf,
+    /// The unit of a damping ratio that is written as in a model, with a blank: `--damping 5 %`
+    #[arg(hide = true, value_parser = ["%"], requires = "damping")]
+    pub percent: Option<String>,
+    #[command(flatten)]
+    pub overrides: OverrideOptions,
+    /// The base, by its name in the model [default: every base with a signal]
+    #[arg(long, value_name = "BASE")]
+    pub from: Vec<String>,
+    /// The damping ratio of the oscillators, such as 5% or 0.05
+    #[arg(long, value_name = "RATIO", value_parser = ratio, default_value = "5%")]
+    pub damping: Readings<Number>,
+    /// The frequencies of the oscillators, such as 0.1Hz..50Hz
+    #[arg(long, value_name = "FROM..TO", value_parser = range, required_unless_present = "at")]
+    pub range: Option<Readings<(Number, Number)>>,
+    /// The number of frequencies, evenly spaced in their logarithms
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), default_value_t = 200)]
+    pub points: u32,
+    /// Space the frequencies evenly instead of their logarithms
+    #[arg(long)]
+    pub linear: bool,
+    /// A single frequency, such as 30Hz; may be repeated
+    #[arg(long, value_name = "FREQUENCY", value_parser = frequency, conflicts_with_all = ["range", "points", "linear"])]
+    pub at: Vec<Readings<Frequency>>,
+    /// What is measured of the oscillators
+    #[arg(long, value_enum, default_value_t = QuantityOption::PseudoAcceleration)]
+    pub quantity: QuantityOption,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = TableFormat::Text)]
+    pub format: TableFormat,
+    /// Write a plot of the spectra to this file too
+    #[arg(long, value_name = "PATH")]
+    pub svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub page: Page,
+    /// Write to this file instead of standard output; it is replaced completely or not at all
+    #[arg(short, long, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+}
+
+impl Shock {
+    /// The request to the analysis.
+    pub fn request(&self) -> shock::Request {
+        let literals = self.overrides.literals;
+        let damping = self.damping.of_literals(literals);
+        let grid = match &self.range {
+            Some(range) => shock::Grid::Range {
+                ends: range.of_literals(literals).clone(),
+                points: self.points as usize,
+                linear: self.linear,
+            },
+            None => shock::Grid::At(self.at.iter().map(|at| at.of_literals(literals).hertz.clone()).collect()),
+        };
+        let damping = if self.percent.is_some() { damping / &Number::from(100) } else { damping.clone() };
+        shock::Request { quantity: self.quantity.into(), damping, grid }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum QuantityOption {
+    /// omega^2 times the motion relative to the base: the acceleration of the mass if there is no damping
+    PseudoAcceleration,
+    /// The motion relative to the base
+    RelativeDisplacement,
+}
+
+impl From<QuantityOption> for shock::Quantity {
+    fn from(option: QuantityOption) -> shock::Quantity {
+        match option {
+            QuantityOption::PseudoAcceleration => shock::Quantity::PseudoAcceleration,
+            QuantityOption::RelativeDisplacement => shock::Quantity::RelativeDisplacement,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -679,6 +760,22 @@ fn range_as(text: &str, literals: Literals) -> Result<(Number, Number), String> 
     } else {
         Err("the range is empty: write the lower end first".into())
     }
+}
+
+/// A ratio that is not negative: `5%` or `0.05`.
+fn ratio(text: &str) -> Result<Readings<Number>, String> {
+    Readings::of(|literals| {
+        let (number, percent) = match text.trim_end().strip_suffix('%') {
+            Some(number) => (number.trim_end(), true),
+            None => (text, false),
+        };
+        let read = Rational::from_literal(number.strip_prefix('-').unwrap_or(number), literals);
+        let value = Number::from(read.ok_or("write a ratio, such as 5% or 0.05")?);
+        if number.starts_with('-') && !value.is_zero() {
+            return Err("it must not be negative".into());
+        }
+        Ok(if percent { &value / &Number::from(100) } else { value })
+    })
 }
 
 /// A time in s, greater than zero.

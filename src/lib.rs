@@ -177,8 +177,11 @@ pub use analysis::{
     AnalysisError, Band, Before, Buckling, Mode, ModeKind, Modes, Noisy, Normalise, Pole, PoleCount, PoleKind, Poles,
     Reason, Request, Route, Share, Spread, Stability, Verdict, Which, normalise,
 };
-pub use answers::ModalAnswer;
+pub use answers::{ModalAnswer, Shock};
 pub use questions::answer::{Requirement, Sensitivity, Solved, Value};
+
+// Shock response spectra.
+pub use analysis::shock::{Grid as ShockGrid, Quantity as ShockQuantity, Request as ShockRequest};
 
 // Transfer functions and motions.
 pub use analysis::{
@@ -198,6 +201,7 @@ pub use backend::emit::{File as EmittedFile, Language, Program, files as emitted
 pub use backend::ReportOptions;
 pub use backend::json::json as report_json;
 pub use backend::report::text as report;
+pub use backend::shock::{csv as shock_csv, json as shock_json, text as shock_text};
 pub use backend::simulation::{csv as motion_csv, json as motion_json, text as motion_text};
 pub use backend::transfer::{csv as transfer_csv, json as transfer_json, text as transfer_text};
 
@@ -486,6 +490,81 @@ pub fn simulate(sources: &Sources, model: FileId, overrides: &Overrides, times: 
         };
         Some(Motion { model: reading.name(), system, history, steady })
     })
+}
+
+/// From the text of a model to shock response spectra of its bases; `from` names them, and is empty for all that have a signal.
+/// The inner error says why there is none.
+///
+/// ```
+/// use vibc::{Number, Overrides, ShockGrid, ShockQuantity, ShockRequest, SourceFile, Sources};
+///
+/// let mut sources = Sources::new();
+/// let text = "body block { mass = 1 kg, moves x }\nbase table { moves x } = step(1 m/s^2, 0 s)\n\
+///             spring s: table -- block { k = 1 N/m }";
+/// let model = sources.add(SourceFile::model("block.vib", text));
+/// let request = ShockRequest {
+///     quantity: ShockQuantity::PseudoAcceleration,
+///     damping: Number::from(0),
+///     grid: ShockGrid::At(vec![Number::from(7)]),
+/// };
+/// let shock = vibc::shock(&sources, model, &Overrides::default(), &[], &request).answer.expect("a model without errors");
+/// // Without damping a sudden acceleration acts twice.
+/// let row = &shock.expect("a spectrum").list[0].spectrum.rows[0];
+/// assert!((row.maximax().to_f64() - 2.0).abs() < 1e-15);
+/// ```
+pub fn shock(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    from: &[String],
+    request: &analysis::shock::Request,
+) -> Outcome<Result<Shock, String>> {
+    Outcome::of(|diagnostics| {
+        let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
+        let scene = reading.scene.scene();
+        let bases: Vec<(String, &model::scene::Input)> = (scene.inputs.iter())
+            .filter(|input| matches!(input.kind, model::scene::InputKind::Base { .. }))
+            .map(|input| (scene.words.display(input.name), input))
+            .collect();
+        let chosen: Vec<&(String, &model::scene::Input)> = match from {
+            [] => bases.iter().filter(|(_, input)| !input.signal.is_empty()).collect(),
+            names => {
+                let found = names.iter().map(|name| bases.iter().find(|(base, _)| base == name).ok_or(name));
+                match found.collect() {
+                    Ok(found) => found,
+                    Err(name) => return Some(Err(no_base(name, &bases))),
+                }
+            }
+        };
+        if chosen.is_empty() {
+            return Some(Err("no base of the model has a signal, whose shock response spectrum it would be".into()));
+        }
+        let mut list = Vec::new();
+        for (name, input) in chosen {
+            let refused =
+                |why: &dyn std::fmt::Display| Some(Err(format!("no shock response spectrum of `{name}`: {why}")));
+            if input.signal.iter().any(|signal| matches!(signal, model::scene::Signal::Noise(_))) {
+                return refused(&"noise has no course in time");
+            }
+            let signals = dynamics::declared(input, diagnostics)?;
+            let turns = matches!(input.kind, model::scene::InputKind::Base { translation: None, .. });
+            match analysis::shock::shock(&signals, input.derivative, request) {
+                Ok(spectrum) => list.push(answers::ShockOf::new(name.clone(), turns, spectrum)),
+                Err(why) => return refused(&why),
+            }
+        }
+        Some(Ok(Shock::new(reading.name(), list)))
+    })
+}
+
+fn no_base(name: &str, bases: &[(String, &model::scene::Input)]) -> String {
+    const MOST: usize = 8;
+    let known: Vec<String> = bases.iter().take(MOST).map(|(base, _)| format!("`{base}`")).collect();
+    let more = if bases.len() > MOST { ", ..." } else { "" };
+    match known.is_empty() {
+        true => format!("`{name}` is not a base of the model; it has none"),
+        false => format!("`{name}` is not a base of the model; it has {}{more}", known.join(", ")),
+    }
 }
 
 fn has_harmonics(drives: &[Vec<system::Signal>]) -> bool {

@@ -20,8 +20,8 @@ use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{Diagnostic, SourceFile, SourceKind, Sources};
 use vibc::cli::{
     self, Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Draw, Emit, Equations, EquationsFormat, Fmt,
-    Format, HoldOption, MessageFormat, Messages, Page, Report, SignalsOption, Simulate, StyleOption, TableFormat,
-    TargetOption, Transfer,
+    Format, HoldOption, MessageFormat, Messages, Page, Report, Shock, SignalsOption, Simulate, StyleOption,
+    TableFormat, TargetOption, Transfer,
 };
 use vibc::editor;
 use vibc::editor::server::{self, Leave, Named};
@@ -43,6 +43,7 @@ fn main() -> ExitCode {
         Command::Analyze(options) => analyze(options, &cli.messages),
         Command::Transfer(options) => transfer(options, &cli.messages),
         Command::Simulate(options) => simulate(options, &cli.messages),
+        Command::Shock(options) => shock(options, &cli.messages),
         Command::Draw(options) => draw(options, &cli.messages),
         Command::Report(options) => page(options, &cli.messages),
         Command::Watch(options) => watch::watch(options, &cli.messages),
@@ -231,6 +232,36 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         TableFormat::Json => backend::simulation::json(&motion.model, &motion.system, &motion.history, &motion.steady),
     };
     let picture = || backend::plot::motion::plot(&motion.model, &motion.system, &motion.history);
+    let drawn = options.svg.as_deref().map_or(Status::Done, |path| deliver(Some(path), &picture()));
+    deliver(options.output.as_deref(), &text).max(drawn).max(status)
+}
+
+fn shock(options: &Shock, messages: &Messages) -> Status {
+    let input = match open(&options.file, &options.overrides, options.output.iter().chain(&options.svg), messages) {
+        Ok(input) => input,
+        Err(status) => return status,
+    };
+    let outcome = vibc::shock(&input.sources, input.model, &input.overrides, &options.from, &options.request());
+    let status = failure(outcome.failure());
+    show(&input.sources, outcome.diagnostics, messages);
+    let shock = match &outcome.answer {
+        None => return status,
+        Some(Ok(shock)) => shock,
+        Some(Err(reason)) => {
+            report_error(reason);
+            return Status::Usage;
+        }
+    };
+    let text = match options.format {
+        TableFormat::Text => {
+            let width = columns(&options.page, options.output.as_deref());
+            backend::report::all_laid_out(&report::shock(shock), width)
+        }
+        TableFormat::Markdown => backend::markdown::all(&report::shock(shock)),
+        TableFormat::Csv => backend::shock::csv(shock),
+        TableFormat::Json => backend::shock::json(shock),
+    };
+    let picture = || backend::plot::shock::plot(shock);
     let drawn = options.svg.as_deref().map_or(Status::Done, |path| deliver(Some(path), &picture()));
     deliver(options.output.as_deref(), &text).max(drawn).max(status)
 }

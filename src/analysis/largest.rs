@@ -1,5 +1,5 @@
-//! The largest |value| of polynomials on [0, 1], each known to within an error. In: one piece after another. Out: a ball that
-//! contains the largest of them all. See docs/method/measures.md#peak-and-rms.
+//! The largest value or |value| of polynomials on [0, 1], each known to within an error. In: one piece after another. Out: a
+//! ball that contains the largest of them all, or zero if none is above it. See docs/method/measures.md#peak-and-rms.
 
 use crate::base::{Ball, Dd, up};
 
@@ -14,6 +14,8 @@ pub struct Curve<'a> {
     /// The terms in two words, for reported values.
     fine: Option<&'a [Dd]>,
     error: f64,
+    /// Whether values below zero count as such; otherwise magnitudes are compared.
+    signed: bool,
     /// Rounding errors of the value, the slope and the second derivative of the rough terms, anywhere on [0, 1].
     roundings: [f64; 3],
 }
@@ -31,17 +33,27 @@ impl<'a> Curve<'a> {
         // Horner's scheme rounds each term twice for each of the terms above it, for each of the three values.
         let each = 6.0 * (rough.len() as f64 + 2.0) * f64::EPSILON;
         let roundings = [0, 1, 2].map(|order| derivative_bound(&rough, order) * each);
-        Curve { rough, fine, error, roundings }
+        Curve { rough, fine, error, signed: false, roundings }
     }
 
-    /// |value| at a point, with an error bound.
+    /// The curve itself in place of its magnitude.
+    pub fn signed(self) -> Curve<'a> {
+        Curve { signed: true, ..self }
+    }
+
+    fn size(&self, value: f64) -> f64 {
+        if self.signed { value } else { value.abs() }
+    }
+
+    /// The compared value at a point, with an error bound.
     fn value(&self, x: Dd) -> (Dd, f64) {
         match self.fine {
             Some(terms) => {
                 let value = terms.iter().rev().fold(Dd::ZERO, |sum, &term| sum * x + term);
-                (value.abs(), self.error + self.roundings[0] / f64::EPSILON * UNIT)
+                let value = if self.signed { value } else { value.abs() };
+                (value, self.error + self.roundings[0] / f64::EPSILON * UNIT)
             }
-            None => (Dd::from(evaluate(&self.rough, x.hi)[0].abs()), self.error + self.roundings[0]),
+            None => (Dd::from(self.size(evaluate(&self.rough, x.hi)[0])), self.error + self.roundings[0]),
         }
     }
 
@@ -121,6 +133,11 @@ impl Largest {
         self.high = larger(self.high, Dd::from(high));
     }
 
+    /// Records that this value is certainly reached.
+    pub fn at_least(&mut self, low: f64) {
+        self.low = larger(self.low, Dd::from(low));
+    }
+
     /// Whether a value of this magnitude is certainly reached.
     pub fn reaches(&self, value: f64) -> bool {
         value < self.low.hi || value == 0.0
@@ -146,7 +163,7 @@ impl Largest {
         let [value, slope, bend] = evaluate(&curve.rough, middle);
         let [off, slope_off, bend_off] = curve.roundings;
         let spread = 0.5 * (slope.abs() + slope_off) * width + bends[0] * width * width / 8.0;
-        if self.reaches((value.abs() + off + spread + curve.error) * UP) {
+        if self.reaches(curve.size(value) + (off + spread + curve.error + value.abs() * f64::EPSILON) * UP) {
             return;
         }
         // The curve is flat to within its error: splitting gives no more information.
@@ -185,7 +202,7 @@ impl Largest {
     /// Records a value that the curve reaches, and by which `spread` it may rise nearby.
     fn take(&mut self, curve: &Curve, x: Dd, spread: f64) {
         let (value, error) = curve.value(x);
-        let off = (error + value.hi * UNIT) * UP;
+        let off = (error + value.hi.abs() * UNIT) * UP;
         self.low = larger(self.low, value - Dd::from(off));
         self.high = larger(self.high, value + Dd::from((off + spread) * UP));
     }

@@ -5,6 +5,7 @@ pub mod report;
 #[cfg(test)]
 pub(crate) mod samples;
 
+use crate::analysis::shock::{Quantity, ShockSpectrum};
 use crate::analysis::{Buckling, Excitation, Modes, Noisy, Pole, Poles, Verdict};
 use crate::base::Number;
 use crate::lower::{Account, Rest};
@@ -35,6 +36,44 @@ pub struct ModalAnswer {
     pub sensitivities: Vec<Sensitivity>,
     /// What each motion of a base excites, or why that is not known; empty unless requested.
     pub excitations: Vec<(usize, Result<Excitation, &'static str>)>,
+}
+
+/// The shock response spectra of a model's bases.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Shock {
+    /// The model's name.
+    pub model: String,
+    pub list: Vec<ShockOf>,
+}
+
+/// The spectrum of one base.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ShockOf {
+    /// Its name.
+    pub input: String,
+    pub unit: &'static str,
+    pub spectrum: ShockSpectrum,
+}
+
+impl Shock {
+    pub fn new(model: String, list: Vec<ShockOf>) -> Shock {
+        Shock { model, list }
+    }
+}
+
+impl ShockOf {
+    /// `turns`: whether the base turns.
+    pub fn new(input: String, turns: bool, spectrum: ShockSpectrum) -> ShockOf {
+        let unit = match (spectrum.quantity, turns) {
+            (Quantity::PseudoAcceleration, false) => "m/s^2",
+            (Quantity::PseudoAcceleration, true) => "rad/s^2",
+            (Quantity::RelativeDisplacement, false) => "m",
+            (Quantity::RelativeDisplacement, true) => "rad",
+        };
+        ShockOf { input, unit, spectrum }
+    }
 }
 
 impl ModalAnswer {

@@ -16,6 +16,7 @@ pub mod page;
 mod plain;
 pub mod plot;
 pub mod report;
+pub mod shock;
 pub mod simulation;
 pub mod transfer;
 

@@ -148,6 +148,11 @@ pub fn drives(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Vec
     lower::drives(scene).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
 }
 
+/// The signals of an input as they are declared, and which derivative of the input they are.
+pub fn declared(input: &scene::Input, diagnostics: &mut Diagnostics) -> Option<Vec<Signal>> {
+    lower::declared(input).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+}
+
 /// The place of the first noise.
 fn noise_place(scene: &CheckedScene) -> Option<Span> {
     let is_noise = |signal: &scene::Signal| matches!(signal, scene::Signal::Noise(_));

@@ -28,6 +28,16 @@ pub trait Vector:
     fn mul_add(self, b: Self, c: Self) -> Self;
     fn abs(self) -> Self;
     fn sqrt(self) -> Self;
+    /// The larger one, lane by lane; b where one of them is not a number.
+    fn max(self, b: Self) -> Self;
+    /// A bit for each lane in which self is larger than b.
+    fn exceeds(self, b: Self) -> u32;
+
+    /// The smaller one, lane by lane; b where one of them is not a number.
+    #[inline(always)]
+    fn min(self, b: Self) -> Self {
+        -(-self).max(-b)
+    }
 
     /// The lanes, and zeros behind them.
     #[inline(always)]
@@ -193,6 +203,16 @@ impl Vector for f64 {
     fn sqrt(self) -> f64 {
         f64::sqrt(self)
     }
+
+    #[inline(always)]
+    fn max(self, b: f64) -> f64 {
+        if self > b { self } else { b }
+    }
+
+    #[inline(always)]
+    fn exceeds(self, b: f64) -> u32 {
+        u32::from(self > b)
+    }
 }
 
 /// N vectors as one: two registers of four lanes are eight lanes, and the latencies of two registers overlap.
@@ -265,6 +285,17 @@ impl<V: Vector, const N: usize> Vector for Several<V, N> {
     fn sqrt(self) -> Several<V, N> {
         Several(each(|i| self.0[i].sqrt()))
     }
+
+    #[inline(always)]
+    fn max(self, b: Several<V, N>) -> Several<V, N> {
+        Several(each(|i| self.0[i].max(b.0[i])))
+    }
+
+    #[inline(always)]
+    fn exceeds(self, b: Several<V, N>) -> u32 {
+        let bits = each::<u32, N>(|i| self.0[i].exceeds(b.0[i]) << (i * V::WIDTH));
+        bits.into_iter().fold(0, |all, bit| all | bit)
+    }
 }
 
 impl Eight for Plain {
@@ -304,7 +335,7 @@ pub mod x86 {
 
     macro_rules! vector {
         ($name:ident, $inner:ty, $width:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
-         $mul:ident, $div:ident, $fused:ident, $sqrt:ident, $abs:expr) => {
+         $mul:ident, $div:ident, $fused:ident, $sqrt:ident, $max:ident, $abs:expr, $exceeds:expr) => {
             #[derive(Clone, Copy, Debug)]
             pub struct $name($inner);
 
@@ -363,6 +394,18 @@ pub mod x86 {
                     // SAFETY: the processor has the instruction, see the module.
                     $name(unsafe { $sqrt(self.0) })
                 }
+
+                #[inline(always)]
+                fn max(self, b: $name) -> $name {
+                    // SAFETY: the processor has the instruction, see the module.
+                    $name(unsafe { $max(self.0, b.0) })
+                }
+
+                #[inline(always)]
+                fn exceeds(self, b: $name) -> u32 {
+                    // SAFETY: the processor has the instructions, see the module.
+                    unsafe { $exceeds(self.0, b.0) }
+                }
             }
         };
     }
@@ -380,7 +423,9 @@ pub mod x86 {
         _mm512_div_pd,
         _mm512_fmadd_pd,
         _mm512_sqrt_pd,
-        |x| _mm512_abs_pd(x)
+        _mm512_max_pd,
+        |x| _mm512_abs_pd(x),
+        |a, b| u32::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, b))
     );
     vector!(
         Four,
@@ -395,7 +440,9 @@ pub mod x86 {
         _mm256_div_pd,
         _mm256_fmadd_pd,
         _mm256_sqrt_pd,
-        |x| _mm256_andnot_pd(_mm256_set1_pd(-0.0), x)
+        _mm256_max_pd,
+        |x| _mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
+        |a, b| _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(a, b)) as u32
     );
 }
 
@@ -408,12 +455,26 @@ mod tests {
     /// Every operation of V on the numbers, WIDTH at a time, the results one behind the other.
     #[inline(always)]
     fn all<V: Vector>(x: &[f64], y: &[f64]) -> Vec<u64> {
-        let mut results = vec![0.0; 9 * x.len()];
+        let mut results = vec![0.0; 12 * x.len()];
         let (width, n) = (V::WIDTH, x.len());
         for at in (0..n).step_by(width) {
             let (a, b) = (V::load(&x[at..]), V::load(&y[at..]));
-            let list =
-                [a + b, a - b, a * b, a / b, -a, a.mul_add(b, V::splat(0.3)), a.abs(), a.abs().sqrt(), V::splat(x[0])];
+            let bits = a.exceeds(b);
+            let larger: Vec<f64> = (0..width).map(|lane| f64::from(bits >> lane & 1)).collect();
+            let list = [
+                a + b,
+                a - b,
+                a * b,
+                a / b,
+                -a,
+                a.mul_add(b, V::splat(0.3)),
+                a.abs(),
+                a.abs().sqrt(),
+                V::splat(x[0]),
+                a.max(b),
+                (a / b).min(a),
+                V::load(&larger),
+            ];
             for (k, result) in list.into_iter().enumerate() {
                 result.store(&mut results[k * n + at..k * n + at + width]);
             }

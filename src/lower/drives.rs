@@ -35,10 +35,24 @@ pub fn noises(scene: &CheckedScene) -> Vec<Noise> {
     list
 }
 
+/// The signals of an input as they are declared: of a base those of its displacement, its rate or its acceleration.
+pub fn declared(input: &Input) -> Result<Vec<Signal>, LowerError> {
+    Ok(undelayed_of(input)?.into_iter().map(|(signal, delay)| delayed(signal, delay)).collect())
+}
+
 fn of_input(input: &Input) -> Result<Vec<Signal>, LowerError> {
     if let InputKind::Unbalance { needs_speed: true, .. } = input.kind {
         return Err(LowerError::SpeedMissing { span: input.span });
     }
+    let each = undelayed_of(input)?.into_iter().flat_map(|(signal, delay)| {
+        let integrals = integral(signal, input.derivative);
+        integrals.into_iter().map(move |signal| delayed(signal, delay))
+    });
+    Ok(each.collect())
+}
+
+/// The signals of an input, each with its delay.
+fn undelayed_of(input: &Input) -> Result<Vec<(Signal, Option<&Number>)>, LowerError> {
     let course = match (&input.kind, input.derivative) {
         (InputKind::Base { .. }, 0) => Course::Spline,
         (InputKind::Base { .. }, _) => Course::LinesToZero,
@@ -48,8 +62,7 @@ fn of_input(input: &Input) -> Result<Vec<Signal>, LowerError> {
     for signal in &input.signal {
         for (signal, delay) in undelayed(signal) {
             if let Some(signal) = of_signal(signal, course)? {
-                let integrals = integral(signal, input.derivative);
-                list.extend(integrals.into_iter().map(|signal| delayed(signal, delay)));
+                list.push((signal, delay));
             }
         }
     }

@@ -26,7 +26,7 @@ pub mod rest;
 pub mod tree;
 
 pub use account::{Account, Remark, account};
-pub use drives::{drives, noises};
+pub use drives::{declared, drives, noises};
 pub use mechanism::{Mechanism, Readout, SpringAtRest};
 pub use poses::Poses;
 pub use rest::{Dependent, Proven, Rest, Tension};

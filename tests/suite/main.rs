@@ -69,6 +69,7 @@ mod response;
 mod rest;
 mod sanitizer;
 mod schema;
+mod shock;
 mod signals;
 mod solve;
 mod some_modes;

@@ -11,6 +11,9 @@ use vibc::cli;
 const SCENE: &str = "model scene\nparam k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n\
                      damper d: ground -- b { c = 0.1 N*s/m }\nforce F: b along x = step(1 N, 0 s)\noutput x = b.x\n\
                      require peak(x) > 0 m\n";
+/// A base with a signal, for `shock`.
+const DROP: &str = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nbase t { moves x } = step(1 m/s^2, 0 s)\n\
+                    spring s: t -- b { k = k }\n";
 const SETTINGS: &str = "k = \"12 N/m\"\n";
 
 /// The expected exit status for a right value.
@@ -27,7 +30,7 @@ type Values = (&'static str, &'static str, &'static [Good], &'static [&'static s
 
 const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
 
-const VALUES: [Values; 35] = [
+const VALUES: [Values; 44] = [
     (
         "*",
         "set",
@@ -70,6 +73,39 @@ const VALUES: [Values; 35] = [
         "at",
         &[Done("1Hz"), Done("0"), Done("0Hz"), Done("3rad/s"), Done("60rpm")],
         &["", "1", "1s", "Hz", "x", "1Hz2"],
+    ),
+    ("shock", "from", &[Done("t"), Ends("b", 2), Ends("", 2)], &[]),
+    (
+        "shock",
+        "damping",
+        &[Done("5%"), Done("5 %"), Done("0.05"), Done("0"), Done("0 %"), Done("2"), Done("-0")],
+        &["", "%", "-5%", "-0.1", "5%%", "5 kg", "1e400", "little"],
+    ),
+    // Alone it is the name of a file.
+    ("shock", "percent", &[Ends("%", 3)], &[]),
+    ("shock", "output", &[Done("@/out"), Done("-"), Ends("@/missing/out", 3), Ends("@/drop.vib", 2)], &[]),
+    ("shock", "svg", &[Done("@/picture.svg"), Ends("@/missing/p.svg", 3), Ends("@/drop.vib", 2)], &[]),
+    (
+        "shock",
+        "range",
+        &[Done("0.1Hz..10Hz"), Done("1rad/s..1Hz"), Ends("0..10rad/s", 2)],
+        &["", "..", "1Hz", "1Hz..", "2Hz..1Hz", "1Hz..1Hz", "0Hz..0Hz", "-1Hz..2Hz", "1..2", "1N..2N"],
+    ),
+    ("shock", "points", &[Done("1"), Done("2"), Done("7")], &["0", "-1", "100001", "1.5", "", "few"]),
+    ("shock", "at", &[Done("1Hz"), Ends("0", 2), Ends("-1Hz", 2), Done("3rad/s")], &["", "1", "1s", "Hz"]),
+    (
+        "shock",
+        "file",
+        &[
+            Done("@/drop.vib"),
+            Ends("@/scene.vib", 2),
+            Ends("@/missing.vib", 3),
+            Ends("@", 3),
+            Ends("@/settings.toml", 1),
+            Ends("@/bytes", 1),
+            Ends("-", 1),
+        ],
+        &[],
     ),
     ("simulate", "until", &[Done("1s"), Done("500ms")], &TIMES),
     ("simulate", "step", &[Done("0.5s"), Done("2s"), Ends("1e-9s", 2)], &TIMES),
@@ -150,6 +186,8 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
     let mut needed = match command {
         "analyze" | "transfer" | "bench" | "draw" | "equations" | "report" | "watch" if option != "file" => vec![file],
         "simulate" if option != "file" => vec![file],
+        // `%` alone would be the file.
+        "shock" if !matches!(option, "file" | "percent") => vec!["@/drop.vib"],
         "emit" if option != "file" => vec![file],
         "check" | "fmt" if option != "files" => vec![file],
         "explain" if option != "subject" => vec!["vib::unit::mismatch"],
@@ -166,6 +204,10 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
         ("emit", "until") => needed.extend(["--target", "c", "--program", "--output", "@/code"]),
         ("emit", "target") => {}
         ("emit", _) => needed.extend(["--target", "c"]),
+        ("shock", "range") => {}
+        ("shock", "at") => {}
+        ("shock", "points" | "linear") => needed.extend(["--range", "0.1Hz..10Hz"]),
+        ("shock", _) => needed.extend(["--at", "1Hz"]),
         ("transfer", "points" | "linear") => needed.extend(["--range", "0.1Hz..10Hz"]),
         _ => {}
     }
@@ -187,6 +229,7 @@ impl Setting {
     fn lay_out(&self) {
         let at = |name: &str| self.folder.path().join(name);
         fs::write(at("scene.vib"), SCENE).expect("a file");
+        fs::write(at("drop.vib"), DROP).expect("a file");
         fs::write(at("settings.toml"), SETTINGS).expect("a file");
         fs::write(at("bytes"), [0xff, 0xfe, 0, 0x1b, b'\n']).expect("a file");
     }

@@ -109,6 +109,11 @@ fn time_responses_have_the_published_form() {
 }
 
 #[test]
+fn shock_response_spectra_have_the_published_form() {
+    validate("shock", &["--range", "1Hz..100Hz", "--points", "7"]);
+}
+
+#[test]
 fn equations_have_the_published_form() {
     validate("equations", &[]);
 }

@@ -281,13 +281,14 @@ fn round_up(x: f64) -> Number {
     round_numbers(x).find(|n| n.to_f64() >= x).unwrap_or(Number::ONE)
 }
 
-fn linear(low: &Number, high: &Number, points: usize) -> Vec<Number> {
+/// Evenly spaced numbers with both ends.
+pub(in crate::analysis) fn linear(low: &Number, high: &Number, points: usize) -> Vec<Number> {
     let step = &(high - low) / &Number::from((points.max(2) - 1) as i64);
     (0..points).map(|i| low + &(&step * &Number::from(i as i64))).collect()
 }
 
 /// low (high / low)^(i / (points - 1)), as binary64 numbers; the ends are exact.
-fn logarithmic(low: &Number, high: &Number, points: usize) -> Vec<Number> {
+pub(in crate::analysis) fn logarithmic(low: &Number, high: &Number, points: usize) -> Vec<Number> {
     let ends = low.ln().zip(high.ln());
     let Some((from, to)) = ends else { return linear(low, high, points) };
     let step = &(&to - &from) / &Number::from((points.max(2) - 1) as i64);

@@ -16,12 +16,14 @@ mod questions;
 mod random;
 mod rest;
 mod sensitivities;
+pub mod shock;
 mod table;
 mod transfer;
 
 pub use motion::motion;
 pub use parts::explanation;
 pub use questions::requirements;
+pub use shock::shock;
 pub use table::{Align, Cell, Column, Table};
 pub use transfer::transfer;
 

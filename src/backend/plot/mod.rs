@@ -4,6 +4,7 @@
 pub mod axis;
 pub mod motion;
 mod panel;
+pub mod shock;
 pub mod transfer;
 
 use super::draw::escaped;

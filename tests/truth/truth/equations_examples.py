@@ -148,6 +148,17 @@ def shear_building():
     return chain("shear_building", 4, "floor", "x", {"m": "4000", "k": "5000"}, "u")[0]
 
 
+def drop_test():
+    s = Example("drop_test", {})
+    module, part, table = s.coordinate("module", "y"), s.coordinate("part", "y"), s.base("v")
+    s.mass(2, module)
+    s.mass(sympy.Rational("0.1"), part)
+    for k, c, stretch in ((2000000, 400, module - table), (40000, 6, part - module)):
+        s.spring(k, stretch)
+        s.damper(c, stretch)
+    return s
+
+
 def earthquake():
     return chain("earthquake", 3, "floor", "x", {"m": "20000", "k": "50000000"}, "u")[0]
 
@@ -391,7 +402,7 @@ def tuned_mass_damper():
     return s
 
 
-ALL = [board_on_shaker, car_on_road, car_over_bump, cart, double_pendulum, drive_line, earthquake, four_bar, free_free_chain, half_car, hinged_body,
+ALL = [board_on_shaker, car_on_road, car_over_bump, cart, double_pendulum, drive_line, drop_test, earthquake, four_bar, free_free_chain, half_car, hinged_body,
        inerter_table, inverted_pendulum, isolation_table, light_station, long_chain, mortar, optimal_absorber, quarter_car, rotor, shaker_test, shear_building,
        slider_crank, stacked_blocks, test_hall, train, tuned_mass_damper]
 # An example that is added needs its energies here.
