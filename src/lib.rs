@@ -543,7 +543,7 @@ pub fn shock(
         for (name, input) in chosen {
             let refused =
                 |why: &dyn std::fmt::Display| Some(Err(format!("no shock response spectrum of `{name}`: {why}")));
-            if input.signal.iter().any(|signal| matches!(signal, model::scene::Signal::Noise(_))) {
+            if input.signal.iter().any(model::scene::Signal::has_noise) {
                 return refused(&"noise has no course in time");
             }
             let signals = dynamics::declared(input, diagnostics)?;
