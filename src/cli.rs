@@ -180,6 +180,9 @@ pub struct Simulate {
     /// The time between samples, such as 1ms
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub step: Readings<Number>,
+    /// Add the motion under a realisation of the model's noise: another one for each number
+    #[arg(long, value_name = "NUMBER")]
+    pub seed: Option<u64>,
     /// Add a column NAME_bound after each column of the CSV: the error bound of each sample
     #[arg(long)]
     pub bounds: bool,

@@ -473,14 +473,33 @@ pub struct Motion {
 /// assert!((x.to_f64() - 2f64.cos()).abs() <= x.rad + 1e-16);
 /// ```
 pub fn simulate(sources: &Sources, model: FileId, overrides: &Overrides, times: &[Number]) -> Outcome<Motion> {
+    simulate_with_noise(sources, model, overrides, times, None)
+}
+
+/// The same with the stationary motion that a realisation of the model's noise by this seed adds; without a seed, noise is left out.
+pub fn simulate_with_noise(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    times: &[Number],
+    seed: Option<u64>,
+) -> Outcome<Motion> {
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, times.last(), diagnostics)?;
         let (system, modes) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
         let drives = dynamics::drives(&reading.scene, diagnostics)?;
-        diagnostics.extend(dynamics::noise_left_out(&reading.scene));
         let history = analysis::respond_with(&system, modes.as_ref(), &drives, times);
-        let history = history.or_else(|error| push_error(&error, diagnostics).ok_or(())).ok()?;
+        let mut history = history.or_else(|error| push_error(&error, diagnostics).ok_or(())).ok()?;
         let places: Vec<base::Span> = reading.scene.scene().outputs.iter().map(|output| output.span).collect();
+        let noise = seed.map(|seed| dynamics::realisation(&reading.scene, (&system, modes.as_ref()), seed, times));
+        match noise {
+            None => diagnostics.extend(dynamics::noise_left_out(&reading.scene)),
+            Some(Ok(noise)) => history.add(&noise),
+            Some(Err(refused)) => {
+                diagnostics.push(refused);
+                return None;
+            }
+        }
         diagnostics.extend(analysis::response::findings(&system, &drives, &history, &places));
         let steady = if has_harmonics(&drives) {
             let outputs: Vec<usize> = (0..system.outputs.len()).collect();

@@ -216,7 +216,7 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         Err(status) => return status,
     };
     let times = analysis::grid(until, step);
-    let outcome = vibc::simulate(&input.sources, input.model, &input.overrides, &times);
+    let outcome = vibc::simulate_with_noise(&input.sources, input.model, &input.overrides, &times, options.seed);
     let status = failure(outcome.failure());
     show(&input.sources, outcome.diagnostics, messages);
     let Some(motion) = &outcome.answer else { return status };

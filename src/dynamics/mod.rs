@@ -2,9 +2,9 @@
 //! scene. Out: its linear system with the complete C, and the intermediate results. Every analysis of a scene starts
 //! here. See docs/method/rest.md, docs/method/linearisation.md and docs/method/response.md.
 
-use crate::analysis::damping;
+use crate::analysis::{self, damping};
 use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};
-use crate::base::{Code, Diagnostic, Diagnostics, Number, Span};
+use crate::base::{Ball, Code, Diagnostic, Diagnostics, Number, Span};
 use crate::lower::{self, Lowered, Rest};
 use crate::model::CheckedScene;
 use crate::model::scene::{self, Damping};
@@ -163,7 +163,29 @@ fn noise_place(scene: &CheckedScene) -> Option<Span> {
 pub fn noise_left_out(scene: &CheckedScene) -> Option<Diagnostic> {
     let message = "noise has no course in time: the motion is computed without it";
     let left_out = |span| Diagnostic::note(Code::model("vib::noise::left_out"), span, message);
-    noise_place(scene).map(|span| left_out(span).help("`vibc analyze` has root mean squares under noise"))
+    noise_place(scene).map(|span| {
+        left_out(span).help("`vibc analyze` has root mean squares under noise; `--seed 7` adds a realisation of it")
+    })
+}
+
+/// What a realisation of the noise by a seed adds to the motion at these times, s.
+pub fn realisation(
+    scene: &CheckedScene,
+    (system, known): (&LinearSystem, Option<&Modes>),
+    seed: u64,
+    times: &[Number],
+) -> Result<Vec<Vec<Ball>>, Diagnostic> {
+    let Some(span) = noise_place(scene) else { return Ok(Vec::new()) };
+    let own;
+    let modes = match known {
+        Some(modes) => modes,
+        None => {
+            own = modes(system).map_err(|error| error.to_diagnostic())?;
+            &own
+        }
+    };
+    let refused = |why: &str| Diagnostic::error(Code::model("vib::noise::left_out"), span, why);
+    analysis::random::realisation(system, modes, &noises(scene), seed, times).map_err(refused)
 }
 
 /// That no code is made for noise.

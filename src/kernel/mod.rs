@@ -7,6 +7,7 @@ pub mod complex;
 pub mod dense;
 pub(crate) mod lanes;
 pub(crate) mod pairwise;
+pub(crate) mod philox;
 pub(crate) mod polynomial;
 pub(crate) mod precise;
 pub(crate) mod pseudosymmetric;

@@ -63,6 +63,7 @@ mod published;
 mod questions;
 mod random;
 mod random_delayed;
+mod random_seeds;
 mod readme;
 mod reports;
 mod response;

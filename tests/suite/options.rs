@@ -30,7 +30,7 @@ type Values = (&'static str, &'static str, &'static [Good], &'static [&'static s
 
 const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
 
-const VALUES: [Values; 44] = [
+const VALUES: [Values; 45] = [
     (
         "*",
         "set",
@@ -109,6 +109,12 @@ const VALUES: [Values; 44] = [
     ),
     ("simulate", "until", &[Done("1s"), Done("500ms")], &TIMES),
     ("simulate", "step", &[Done("0.5s"), Done("2s"), Ends("1e-9s", 2)], &TIMES),
+    (
+        "simulate",
+        "seed",
+        &[Done("7"), Done("0"), Done("18446744073709551615")],
+        &["", "-1", "1.5", "x", "18446744073709551616"],
+    ),
     ("emit", "step", &[Done("1ms"), Done("0.5s")], &TIMES),
     ("emit", "parameter", &[Done("k"), Ends("q", 2), Ends("", 2)], &[]),
     ("emit", "until", &[Done("1s")], &TIMES),

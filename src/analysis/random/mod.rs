@@ -7,21 +7,27 @@ mod bands;
 mod blocks;
 mod channel;
 mod coherent;
+mod density;
 mod gramian;
+mod realisation;
 mod resolvent;
+mod source;
 mod weight;
 
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::modes::parts::independent;
-use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
+use crate::analysis::transfer::{Frequency, Transfer};
 use crate::base::{Ball, Density, Number, Rational, Unproven};
-use crate::kernel::complex::Complex;
 use crate::system::{CoordinateId, LinearSystem, Noise, Output};
 use bands::Bands;
-use channel::{Channel, Feed, applied, dense, is_certain};
+use channel::{applied, dense, is_certain};
 use gramian::{Covariance, Drive, Obstacle, Space};
 use resolvent::{Parts, Resolvent};
+use source::{Arm, OPEN_BASE, Source, direct, drift, intensity};
 use std::cell::OnceCell;
+
+pub use density::density;
+pub use realisation::realisation;
 
 /// A mean square or what follows from it.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,16 +39,9 @@ pub enum Spread {
     Unknown(&'static str),
 }
 
-const DIRECT: &str = "infinite: white noise reaches it without any inertia between";
-const BASE_RATE: &str = "infinite: white noise is the rate of a base that moves it through a damper";
-const DRIFT: &str = "infinite: the base itself drifts, and the output with it";
 const RIGID: &str = "infinite: nothing brings back a motion that noise drives on";
 const UNDAMPED: &str = "infinite: nothing damps what noise excites";
 
-const OPEN_FEED: &str = "whether white noise reaches it directly is not decided: the numbers are not exact";
-const OPEN_BASE: &str = "what the coordinates follow of the base is not found exactly";
-const OPEN_DELAYS: &str = "whether two delays are equal is not decided: the numbers are not exact";
-const OPEN_TOGETHER: &str = "each base drifts, and whether the output does when one follows the other is not proved";
 const OPEN_POLES: &str = "the poles are too close to each other for a bound";
 const OPEN_TURNS: &str = "the delay is too long for this band: the phase turns too often";
 const OPEN_DIGITS: &str = "the bound leaves no digit";
@@ -61,61 +60,6 @@ pub struct Random<'a> {
     covariance: Option<Covariance>,
     /// Needed for noise in bands alone.
     resolvent: OnceCell<Option<Resolvent>>,
-}
-
-/// A noise and how it drives the coordinates.
-struct Source<'a> {
-    noise: &'a Noise,
-    /// One for each delay; or why it is not known how it drives them.
-    arms: Result<Vec<Arm>, &'static str>,
-    /// The derivatives of its inputs by which the channels do not go.
-    left: i32,
-    /// Its integrals over the bands, and those times w^2.
-    bands: [OnceCell<Option<Bands>>; 2],
-}
-
-/// Inputs that a noise drives at once.
-struct Arm {
-    channel: Channel,
-    /// How much later than the noise, s.
-    delay: Number,
-}
-
-impl<'a> Source<'a> {
-    /// Where it is not found what the coordinates follow of a base, noise in bands goes by the base's own motion.
-    fn of(system: &LinearSystem, noise: &'a Noise) -> Source<'a> {
-        let of = |derivative: u8| Arm::all(system, noise, derivative);
-        let (mut arms, mut left) = (of(noise.derivative), 0);
-        if matches!(arms, Err(OPEN_BASE)) && matches!(noise.density, Density::Bands(_)) {
-            (arms, left) = (of(0), i32::from(noise.derivative));
-        }
-        Source { noise, arms, left, bands: Default::default() }
-    }
-
-    fn is_white(&self) -> bool {
-        matches!(self.noise.density, Density::White(_))
-    }
-}
-
-impl Arm {
-    fn all(system: &LinearSystem, noise: &Noise, derivative: u8) -> Result<Vec<Arm>, &'static str> {
-        let mut together: Vec<(&Number, Vec<usize>)> = Vec::new();
-        for (input, delay) in &noise.inputs {
-            let apart = |known: &Number| delay - known;
-            if together.iter().any(|(known, _)| !apart(known).is_zero() && apart(known).may_be_zero()) {
-                return Err(OPEN_DELAYS);
-            }
-            match together.iter_mut().find(|(known, _)| apart(known).is_zero()) {
-                Some((_, inputs)) => inputs.push(*input),
-                None => together.push((delay, vec![*input])),
-            }
-        }
-        let arm = |(delay, inputs): (&Number, Vec<usize>)| {
-            let channel = Channel::of(system, &inputs, derivative).ok_or(OPEN_BASE)?;
-            Ok(Arm { channel, delay: delay.clone() })
-        };
-        together.into_iter().map(arm).collect()
-    }
 }
 
 /// Which coordinates move together.
@@ -455,45 +399,6 @@ impl<'a> Random<'a> {
     }
 }
 
-/// What of white noise reaches an output without delay: nothing, or why its variance is not finite. Direct paths that are followed
-/// at different times do not cancel, except at 0 Hz.
-fn direct(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
-    let mut open = false;
-    for Arm { channel, .. } in arms {
-        let feed = channel.feed(output);
-        let [_, _, at_once @ ..] = &feed;
-        if at_once.iter().any(is_certain) {
-            let is_rate = channel.jumps() && output.p[2].is_empty() && !channel.is_fed(output);
-            // A drift, if there is one, is the first reason to name.
-            drift(arms, output)
-                .map_err(|drift| if matches!(drift, Spread::Infinite(_)) { drift } else { Spread::Infinite(DIRECT) })?;
-            return Err(Spread::Infinite(if is_rate { BASE_RATE } else { DIRECT }));
-        }
-        open |= at_once.iter().any(|part| !part.is_zero());
-    }
-    drift(arms, output)?;
-    if open { Err(Spread::Unknown(OPEN_FEED)) } else { Ok(()) }
-}
-
-/// Whether an output drifts with what drives it: sum (a_j / s^2 + b_j / s) e^(-s t_j) is, near 0 Hz,
-/// sum a_j / s^2 + sum (b_j - a_j t_j) / s.
-fn drift(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
-    let feeds: Vec<Feed> = arms.iter().map(|arm| arm.channel.feed(output)).collect();
-    if feeds.iter().all(|feed| feed[..2].iter().all(Number::is_zero)) {
-        return Ok(());
-    }
-    let twice = feeds.iter().fold(Number::ZERO, |sum, feed| &sum + &feed[0]);
-    let once = feeds.iter().zip(arms).fold(Number::ZERO, |sum, (feed, arm)| {
-        let later = &feed[0] * &arm.delay;
-        &sum + &(&feed[1] - &later)
-    });
-    Err(match arms {
-        _ if is_certain(&twice) || is_certain(&once) => Spread::Infinite(DRIFT),
-        [_] => Spread::Unknown(OPEN_FEED),
-        _ => Spread::Unknown(OPEN_TOGETHER),
-    })
-}
-
 /// What of a noise is taken.
 #[derive(Clone, Copy)]
 enum Part<'n> {
@@ -550,77 +455,6 @@ pub fn outputs(system: &LinearSystem, modes: &Modes, noises: &[Noise]) -> Vec<No
         Noisy { output: index, rms, crossings, shares }
     };
     reached.map(of).collect()
-}
-
-/// The one-sided density of an output at a frequency, Hz, in the square of its SI unit per Hz.
-pub fn density(
-    transfer: &Transfer,
-    system: &LinearSystem,
-    noises: &[Noise],
-    output: usize,
-    frequency: &Number,
-) -> Spread {
-    let at = Frequency::hertz(frequency);
-    let reach = Reach::of(system);
-    let mut sum = Ball::ZERO;
-    let reached = &system.outputs[output];
-    for noise in noises.iter().filter(|noise| reach.from_noise(system, noise, reached)) {
-        let Some(density) = noise.density.at(frequency) else {
-            return Spread::Unknown("the density leaves the range of numbers");
-        };
-        if density.is_zero() {
-            continue;
-        }
-        if noise.derivative > 0 && frequency.may_be_zero() {
-            return Spread::Unknown("the density of what a base integrates is not finite at 0 Hz");
-        }
-        let by_rate = (0..2 * noise.derivative).fold(Ball::ONE, |product, _| product / at.omega);
-        let inputs: Vec<&(usize, Number)> =
-            noise.inputs.iter().filter(|(input, _)| reach.from_input(system, *input, reached)).collect();
-        match gain(transfer, &at, &inputs, output) {
-            Ok(gain) => sum = sum + gain.square() * density.to_ball() * by_rate,
-            Err(why) => return why,
-        }
-    }
-    Spread::Finite(sum)
-}
-
-/// |sum H_j e^(-i w t_j)| over inputs with delays, s.
-fn gain(transfer: &Transfer, at: &Frequency, inputs: &[&(usize, Number)], output: usize) -> Result<Ball, Spread> {
-    let list: Vec<usize> = inputs.iter().map(|(input, _)| *input).collect();
-    let gains = transfer.between(at, &list, &[output]);
-    let discs: Vec<Disc> = gains
-        .iter()
-        .flatten()
-        .map(|gain| match gain {
-            Gain::Finite(disc) => Ok(*disc),
-            // Two that are infinite may cancel.
-            Gain::Infinite if list.len() == 1 => {
-                Err(Spread::Infinite("infinite: an undamped motion is excited at its own frequency"))
-            }
-            Gain::Infinite | Gain::Unknown => Err(Spread::Unknown("the gain is not known at this frequency")),
-        })
-        .collect::<Result<_, _>>()?;
-    if let [disc] = discs[..] {
-        return Ok(disc.gain());
-    }
-    let turned = |(disc, (_, delay)): (&Disc, &&(usize, Number))| {
-        let (sine, cosine) = Number::Ball(at.omega * delay.to_ball()).sin_cos()?;
-        let value = disc.value.to_ball();
-        let value = Complex::new(value.re.widen(disc.radius), value.im.widen(disc.radius));
-        Some(value * Complex::new(cosine.to_ball(), -sine.to_ball()))
-    };
-    let sum = discs.iter().zip(inputs).try_fold(Complex::ZERO, |sum: Complex<Ball>, each| Some(sum + turned(each)?));
-    let sum = sum.ok_or(Spread::Unknown("the phase of a delay is not known at this frequency"))?;
-    Ok((sum.re.square() + sum.im.square()).sqrt())
-}
-
-/// The two-sided intensity of white noise: half of its one-sided density.
-fn intensity(noise: &Noise) -> Option<Ball> {
-    match &noise.density {
-        Density::White(value) => Some(value.to_ball() * Ball::from(0.5)),
-        Density::Bands(_) => None,
-    }
 }
 
 /// The rate of an output as an output; `None` where that takes the third derivative.

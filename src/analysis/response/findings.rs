@@ -121,7 +121,11 @@ const UNSETTLED: Code = Code::limit("vib::motion::unsettled");
 
 /// The findings about a motion; `places` are those of the outputs.
 pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History, places: &[Span]) -> Vec<Diagnostic> {
-    let moved = moving_outputs(system, drives);
+    let mut moved = moving_outputs(system, drives);
+    // A realisation of noise is no signal.
+    for (output, moved) in moved.iter_mut().enumerate() {
+        *moved = *moved || history.values.iter().any(|row| !row[output].is_zero());
+    }
     let name = |output: usize| system.display(system.outputs[output].name);
     let mut list: Vec<Diagnostic> = Vec::new();
     if let (false, Some(&first)) = (moved.contains(&true), places.first()) {

@@ -41,6 +41,15 @@ pub struct History {
     pub values: Vec<Vec<Ball>>,
 }
 
+impl History {
+    /// Adds another motion at the same times; none adds nothing.
+    pub fn add(&mut self, other: &[Vec<Ball>]) {
+        for (row, other) in self.values.iter_mut().zip(other) {
+            row.iter_mut().zip(other).for_each(|(value, other)| *value = *value + *other);
+        }
+    }
+}
+
 /// The mechanical rows of exp(A h) for one h.
 struct Step {
     h: Number,

@@ -35,5 +35,9 @@ ALL = {
     "examples": Class(equations_examples.scene, equations_examples.check, len(equations_examples.ALL), len(equations_examples.ALL)),
     "planar": Class(planar.scene, planar.check, 10000, 100),
     "reactions": Class(reactions.scene, reactions.check, 5000, 60),
-    "noise": Class(noise.scene, noise.check, 5000, 60),
+    "noise_white": Class(noise.of_form("white"), noise.check, 2000, 20),
+    "noise_band": Class(noise.of_form("flat"), noise.check, 1000, 12),
+    "noise_powers": Class(noise.of_form("points", "points", "road"), noise.check, 1000, 12),
+    "noise_several": Class(noise.of_form("white", "flat", "points", "road", form="two"), noise.check, 1000, 8),
+    "noise_delayed": Class(noise.of_form("white", "white", "flat", "points", "road", form="delayed"), noise.check, 1000, 12),
 }

@@ -1,0 +1,120 @@
+//! How a noise drives the coordinates: by one input, or by several at different times. In: a system, a noise. Out: channels, and
+//! whether what reaches an output without delay leaves its variance finite. See docs/method/random.md#direct-paths.
+
+use super::Spread;
+use super::bands::Bands;
+use super::channel::{Channel, Feed, is_certain};
+use crate::base::{Ball, Density, Number};
+use crate::system::{LinearSystem, Noise, Output};
+use std::cell::OnceCell;
+
+const DIRECT: &str = "infinite: white noise reaches it without any inertia between";
+const BASE_RATE: &str = "infinite: white noise is the rate of a base that moves it through a damper";
+const DRIFT: &str = "infinite: the base itself drifts, and the output with it";
+
+const OPEN_FEED: &str = "whether white noise reaches it directly is not decided: the numbers are not exact";
+pub const OPEN_BASE: &str = "what the coordinates follow of the base is not found exactly";
+const OPEN_DELAYS: &str = "whether two delays are equal is not decided: the numbers are not exact";
+const OPEN_TOGETHER: &str = "each base drifts, and whether the output does when one follows the other is not proved";
+
+/// A noise and how it drives the coordinates.
+pub struct Source<'a> {
+    pub noise: &'a Noise,
+    /// One for each delay; or why it is not known how it drives them.
+    pub arms: Result<Vec<Arm>, &'static str>,
+    /// The derivatives of its inputs by which the channels do not go.
+    pub left: i32,
+    /// Its integrals over the bands, and those times w^2.
+    pub bands: [OnceCell<Option<Bands>>; 2],
+}
+
+/// Inputs that a noise drives at once.
+pub struct Arm {
+    pub channel: Channel,
+    /// How much later than the noise, s.
+    pub delay: Number,
+}
+
+impl<'a> Source<'a> {
+    /// Where it is not found what the coordinates follow of a base, noise in bands goes by the base's own motion.
+    pub fn of(system: &LinearSystem, noise: &'a Noise) -> Source<'a> {
+        let of = |derivative: u8| Arm::all(system, noise, derivative);
+        let (mut arms, mut left) = (of(noise.derivative), 0);
+        if matches!(arms, Err(OPEN_BASE)) && matches!(noise.density, Density::Bands(_)) {
+            (arms, left) = (of(0), i32::from(noise.derivative));
+        }
+        Source { noise, arms, left, bands: Default::default() }
+    }
+
+    pub fn is_white(&self) -> bool {
+        matches!(self.noise.density, Density::White(_))
+    }
+}
+
+impl Arm {
+    fn all(system: &LinearSystem, noise: &Noise, derivative: u8) -> Result<Vec<Arm>, &'static str> {
+        let mut together: Vec<(&Number, Vec<usize>)> = Vec::new();
+        for (input, delay) in &noise.inputs {
+            let apart = |known: &Number| delay - known;
+            if together.iter().any(|(known, _)| !apart(known).is_zero() && apart(known).may_be_zero()) {
+                return Err(OPEN_DELAYS);
+            }
+            match together.iter_mut().find(|(known, _)| apart(known).is_zero()) {
+                Some((_, inputs)) => inputs.push(*input),
+                None => together.push((delay, vec![*input])),
+            }
+        }
+        let arm = |(delay, inputs): (&Number, Vec<usize>)| {
+            let channel = Channel::of(system, &inputs, derivative).ok_or(OPEN_BASE)?;
+            Ok(Arm { channel, delay: delay.clone() })
+        };
+        together.into_iter().map(arm).collect()
+    }
+}
+
+/// What of white noise reaches an output without delay: nothing, or why its variance is not finite. Direct paths that are followed
+/// at different times do not cancel, except at 0 Hz.
+pub fn direct(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
+    let mut open = false;
+    for Arm { channel, .. } in arms {
+        let feed = channel.feed(output);
+        let [_, _, at_once @ ..] = &feed;
+        if at_once.iter().any(is_certain) {
+            let is_rate = channel.jumps() && output.p[2].is_empty() && !channel.is_fed(output);
+            // A drift, if there is one, is the first reason to name.
+            drift(arms, output)
+                .map_err(|drift| if matches!(drift, Spread::Infinite(_)) { drift } else { Spread::Infinite(DIRECT) })?;
+            return Err(Spread::Infinite(if is_rate { BASE_RATE } else { DIRECT }));
+        }
+        open |= at_once.iter().any(|part| !part.is_zero());
+    }
+    drift(arms, output)?;
+    if open { Err(Spread::Unknown(OPEN_FEED)) } else { Ok(()) }
+}
+
+/// Whether an output drifts with what drives it: sum (a_j / s^2 + b_j / s) e^(-s t_j) is, near 0 Hz,
+/// sum a_j / s^2 + sum (b_j - a_j t_j) / s.
+pub fn drift(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
+    let feeds: Vec<Feed> = arms.iter().map(|arm| arm.channel.feed(output)).collect();
+    if feeds.iter().all(|feed| feed[..2].iter().all(Number::is_zero)) {
+        return Ok(());
+    }
+    let twice = feeds.iter().fold(Number::ZERO, |sum, feed| &sum + &feed[0]);
+    let once = feeds.iter().zip(arms).fold(Number::ZERO, |sum, (feed, arm)| {
+        let later = &feed[0] * &arm.delay;
+        &sum + &(&feed[1] - &later)
+    });
+    Err(match arms {
+        _ if is_certain(&twice) || is_certain(&once) => Spread::Infinite(DRIFT),
+        [_] => Spread::Unknown(OPEN_FEED),
+        _ => Spread::Unknown(OPEN_TOGETHER),
+    })
+}
+
+/// The two-sided intensity of white noise: half of its one-sided density.
+pub fn intensity(noise: &Noise) -> Option<Ball> {
+    match &noise.density {
+        Density::White(value) => Some(value.to_ball() * Ball::from(0.5)),
+        Density::Bands(_) => None,
+    }
+}
