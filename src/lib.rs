@@ -166,7 +166,7 @@ pub use backend::diagnostics::{
 pub use base::{Code, Diagnostic, Diagnostics, Failure, Label as DiagnosticLabel, Severity};
 
 // The linear system of a model.
-pub use lower::{Account, Dependent, Proven, Remark, Rest, Tension};
+pub use lower::{Account, Dependent, LawAtRest, Proven, Remark, Rest, Tension};
 pub use system::{
     Coordinate, CoordinateId, CoordinateKind, Form, Input, Label, LinearSystem, Nature, Origin, Output, Signal, Source,
     Term,
@@ -486,8 +486,12 @@ pub fn simulate_with_noise(
 ) -> Outcome<Motion> {
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, times.last(), diagnostics)?;
-        let (system, modes) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
+        let written = dynamics::lower_written_out(&reading.scene, diagnostics)?;
         let drives = dynamics::drives(&reading.scene, diagnostics)?;
+        if let Some(end) = times.last() {
+            diagnostics.extend(dynamics::beyond_tangents(&reading.scene, &written.lowered, &drives, end));
+        }
+        let (system, modes) = written.about_rest(diagnostics)?.into_parts();
         let history = analysis::respond_with(&system, modes.as_ref(), &drives, times);
         let mut history = history.or_else(|error| push_error(&error, diagnostics).ok_or(())).ok()?;
         let places: Vec<base::Span> = reading.scene.scene().outputs.iter().map(|output| output.span).collect();

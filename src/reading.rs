@@ -158,6 +158,12 @@ impl<'a> Reading<'a> {
         let known = Facts { system, spectrum };
         let (list, errors) = questions::requirements(&self.text(), &self.scene, &self.settings, known);
         diagnostics.extend(errors.iter().map(AskedError::to_diagnostic));
+        if let (Some(written), Some(until)) = (system, &self.until)
+            && trial::asks_of_motion(&self.scene)
+            && let Some(drives) = dynamics::drives(&self.scene, diagnostics)
+        {
+            diagnostics.extend(dynamics::beyond_tangents(&self.scene, &written.lowered, &drives, until));
+        }
         list
     }
 

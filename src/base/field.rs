@@ -46,6 +46,8 @@ pub enum Takes {
     Shape,
     /// The motions that follow `moves`.
     Motions,
+    /// A force over this word, `stretch` or `rate`.
+    Law(&'static str),
     /// No value: the word alone.
     Nothing,
 }

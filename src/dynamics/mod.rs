@@ -2,6 +2,10 @@
 //! scene. Out: its linear system with the complete C, and the intermediate results. Every analysis of a scene starts
 //! here. See docs/method/rest.md, docs/method/linearisation.md and docs/method/response.md.
 
+mod laws;
+
+pub use laws::beyond_tangents;
+
 use crate::analysis::{self, damping};
 use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};
 use crate::base::{Ball, Code, Diagnostic, Diagnostics, Number, Span};

@@ -322,6 +322,10 @@ impl<'a> Place<'a> {
             Some(Takes::Motions | Takes::Direction) => directions(),
             Some(Takes::Shape) if last == "=" => functions(FunctionKind::Shape),
             Some(Takes::Position) => self.values(|kind| kind == "point"),
+            Some(Takes::Law(word)) => {
+                let variable = item(word, ItemKind::Keyword, "what the law is over");
+                std::iter::once(variable).chain(self.expression()).collect()
+            }
             _ => self.expression(),
         }
     }
@@ -622,7 +626,7 @@ fn of_field(takes: Takes) -> Vec<Dimension> {
         Takes::Number(expected) => vec![expected.dimension],
         Takes::Either { line, turn } => vec![line.dimension, turn.dimension],
         Takes::Position | Takes::Shape => vec![Dimension::LENGTH],
-        Takes::Direction | Takes::Motions | Takes::Nothing => Vec::new(),
+        Takes::Direction | Takes::Motions | Takes::Nothing | Takes::Law(_) => Vec::new(),
     }
 }
 

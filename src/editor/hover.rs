@@ -8,7 +8,7 @@ use super::roles::{Role, Space};
 use super::shown;
 use super::tokens::TokenKind;
 use crate::backend;
-use crate::base::Number;
+use crate::lower::SpringAtRest;
 use crate::model::scene::{Body, Element, Freedom, Geometry, Law, Scene};
 use crate::model::{Overrides, Scalar, Value};
 use crate::system::Origin;
@@ -319,13 +319,18 @@ fn elements(known: &Results, named: impl Fn(crate::base::Name) -> bool) -> Strin
     for (index, element) in chosen {
         let turns = element.geometry == Geometry::Torsion;
         let name = scene.words.display(element.name);
-        let Law { kind, coefficient, .. } = &element.law;
+        let Law { kind, coefficient, curve, .. } = &element.law;
         let (word, unit) = (kind.coefficient().name, kind.unit(turns));
-        text += &format!("`{name}`: {word} = {}\n\n", shown::with_unit(coefficient, unit));
-        if let Some((stiffness, _)) = element.law.spring() {
-            let spring = at_rest.iter().flatten().find(|spring| spring.element.index() == index);
-            text += &spring.map_or(String::new(), |spring| rest(&spring.tension, &spring.change, stiffness, turns));
-        }
+        let spring = at_rest.iter().flatten().find(|spring| spring.element.index() == index);
+        text += &match (curve, spring) {
+            (None, _) => format!("`{name}`: {word} = {}\n\n", shown::with_unit(coefficient, unit)),
+            (Some(_), None) if kind.is_elastic() => format!("`{name}`: a law\n\n"),
+            (Some(_), spring) => {
+                let tangent = spring.map_or(coefficient, |spring| &spring.stiffness);
+                format!("`{name}`: a law, with the tangent {word} = {} at rest\n\n", shown::with_unit(tangent, unit))
+            }
+        };
+        text += &spring.map_or(String::new(), |spring| rest(spring, turns));
         if let Some(motions) = known.motions.as_ref().filter(|_| kind.is_elastic()) {
             let own = Origin::Element(index as u32);
             text += &shares(motions, "strain energy", |mode| {
@@ -337,13 +342,11 @@ fn elements(known: &Results, named: impl Fn(crate::base::Name) -> bool) -> Strin
 }
 
 /// `at rest: stretch 0.1 m (0 m from the drawing), tension 1 N`
-fn rest(tension: &Number, change: &Number, stiffness: &Number, turns: bool) -> String {
+fn rest(spring: &SpringAtRest, turns: bool) -> String {
     let (length, force) = if turns { ("rad", "N*m") } else { ("m", "N") };
-    let stretch =
-        if tension.is_zero() { Some(Number::ZERO) } else { (!stiffness.may_be_zero()).then(|| tension / stiffness) };
-    let stretch = stretch.map_or(String::new(), |stretch| {
-        format!("stretch {} from its free length, ", shown::with_unit(&stretch, length))
+    let stretch = spring.stretch.as_ref().map_or(String::new(), |stretch| {
+        format!("stretch {} from its free length, ", shown::with_unit(stretch, length))
     });
-    let change = shown::with_unit(change, length);
-    format!("at rest: {stretch}{change} from the drawing, tension {}\n\n", shown::with_unit(tension, force))
+    let change = shown::with_unit(&spring.change, length);
+    format!("at rest: {stretch}{change} from the drawing, tension {}\n\n", shown::with_unit(&spring.tension, force))
 }

@@ -2,7 +2,14 @@
 //! stiffness. See docs/method/linearisation.md.
 
 use super::kind::{ALONG, Kind, Negative, Order};
-use crate::base::{Code, Dimension, Expected, Field, Manual};
+use crate::base::{Code, Dimension, Expected, Field, Manual, Takes};
+
+const LAW: Field = Field::new(
+    "law",
+    Takes::Law("rate"),
+    "law = 3 N*s/m * rate + 1 N*s^2/m^2 * rate * abs(rate)",
+    "Its force over the `rate` of its stretch, in place of a coefficient: an expression, or a table.",
+);
 
 pub const KIND: Kind = Kind {
     keyword: "damper",
@@ -13,7 +20,8 @@ pub const KIND: Kind = Kind {
         forms: "damper d: ground -- block { c = 5 N*s/m }\ndamper t: ground -- rod { c = 2 N*m*s/rad }",
         summary: "A viscous damper between two parts; torsional if its coefficient is in N*m*s/rad.",
         rules: "It acts in the fixed direction `along = x`, if that is given. Otherwise it acts on the line between its ends where \
-                they have different known places, and otherwise along the one line on which both parts can move.",
+                they have different known places, and otherwise along the one line on which both parts can move.\n\n\
+                `law` gives the force over the `rate` in place of `c`; motions about the rest use its tangent at zero.",
         heading: "Springs and dampers",
     },
     synonyms: &["dashpot"],
@@ -25,6 +33,7 @@ pub const KIND: Kind = Kind {
             "The damping coefficient, N*s/m; in N*m*s/rad the damper is torsional.",
         ),
         ALONG,
+        LAW,
     ],
     units: ["N*s/m", "N*m*s/rad"],
     order: Order::Velocity,

@@ -4,7 +4,7 @@
 //! - a pull P between two points with stretch e: V = P e, as of a spring with preload P and no stiffness.
 //!   A force that drives two points apart is a negative pull.
 
-use super::{Scalar, Spring, Stretch, Vector};
+use super::{Response, Scalar, Spring, Stretch, Vector};
 
 /// A force of fixed size and direction.
 #[derive(Clone, Debug)]
@@ -27,6 +27,7 @@ pub struct Pull<S> {
 
 impl<S: Scalar> Pull<S> {
     pub fn spring(&self) -> Spring<S> {
-        Spring { stretch: self.stretch.clone(), stiffness: S::zero(), preload: self.pull.clone() }
+        let response = Response::Linear { stiffness: S::zero(), preload: self.pull.clone() };
+        Spring { stretch: self.stretch.clone(), response }
     }
 }

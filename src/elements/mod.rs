@@ -5,6 +5,7 @@
 //! out in `lower::kinematics`. The formulas are written once, for binary64 (the search for the rest) and for
 //! [`Number`](crate::base::Number) (the matrices): see [`Scalar`].
 
+pub mod curve;
 pub mod damper;
 #[cfg(test)]
 mod dummy;
@@ -16,10 +17,11 @@ pub mod spring;
 pub mod stretch;
 pub mod vector;
 
+pub use curve::Curve;
 pub use force::{DeadForce, Pull};
 pub use kind::{Kind, Negative, Order};
 pub use scalar::Scalar;
-pub use spring::Spring;
+pub use spring::{Response, Spring};
 pub use stretch::{Stretch, Stretched};
 pub use vector::Vector;
 

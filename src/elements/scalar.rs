@@ -1,5 +1,6 @@
 //! The number types of the mechanics: binary64 for steps that only steer a search, [`Number`] for results.
 
+use super::curve;
 use crate::base::{Ball, Dd, Number};
 use std::fmt::Debug;
 
@@ -20,6 +21,12 @@ pub trait Scalar: Clone + Debug {
     /// Whether it is certainly zero, so that products with it can be left out.
     fn is_zero(&self) -> bool;
     fn to_f64(&self) -> f64;
+    /// This very number.
+    fn number(&self) -> Number;
+    /// Nothing is known.
+    fn unknown() -> Self;
+    /// The integral of a function from 0, which only a search needs.
+    fn integral(f: impl FnMut(f64) -> f64, to: &Self) -> Self;
 }
 
 impl Scalar for f64 {
@@ -81,11 +88,18 @@ impl Scalar for f64 {
     fn to_f64(&self) -> f64 {
         *self
     }
-}
 
-/// A ball that contains every number: nothing is known.
-fn unknown() -> Number {
-    Number::Ball(Ball::new(Dd::ZERO, f64::INFINITY))
+    fn number(&self) -> Number {
+        Number::Ball(Ball::from(*self))
+    }
+
+    fn unknown() -> f64 {
+        f64::NAN
+    }
+
+    fn integral(mut f: impl FnMut(f64) -> f64, to: &f64) -> f64 {
+        curve::integral(&mut f, *to)
+    }
 }
 
 impl Scalar for Number {
@@ -127,7 +141,7 @@ impl Scalar for Number {
     }
 
     fn root(&self) -> Number {
-        self.sqrt().unwrap_or_else(unknown)
+        self.sqrt().unwrap_or_else(Scalar::unknown)
     }
 
     fn sin_cos(&self) -> (Number, Number) {
@@ -143,5 +157,18 @@ impl Scalar for Number {
 
     fn to_f64(&self) -> f64 {
         Number::to_f64(self)
+    }
+
+    fn number(&self) -> Number {
+        self.clone()
+    }
+
+    /// A ball that contains every number.
+    fn unknown() -> Number {
+        Number::Ball(Ball::new(Dd::ZERO, f64::INFINITY))
+    }
+
+    fn integral(_: impl FnMut(f64) -> f64, _: &Number) -> Number {
+        Number::unknown()
     }
 }

@@ -31,6 +31,10 @@ pub enum EquationsError {
         terms: usize,
         most: usize,
     },
+    /// An element whose force is a law.
+    Law {
+        span: Span,
+    },
     /// Something in the scene has no form in symbols.
     NoForm {
         span: Span,
@@ -70,6 +74,14 @@ impl EquationsError {
                 );
                 Diagnostic::error(TOO_LARGE, *span, message).help("use `vibc analyze --matrices` for the numbers")
             }
+            EquationsError::Law { span } => Diagnostic::error(
+                NO_FORM,
+                *span,
+                "the law of this element is not written in symbols",
+            )
+            .help(
+                "give it the tangent at rest as its coefficient, which `vibc analyze` shows, for the linear equations",
+            ),
             EquationsError::NoForm { span } => {
                 Diagnostic::error(NO_FORM, *span, "a direction or place of this scene has no form in symbols")
                     .help("write directions with rational components, or as a pair of expressions")

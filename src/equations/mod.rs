@@ -224,6 +224,9 @@ fn derived(
     names: &mut Names,
     rests: &impl Fn(&mut Names, &Coordinate, usize) -> Sum,
 ) -> Result<Derived, EquationsError> {
+    if let Some(element) = scene.elements.iter().find(|element| element.law.curve.is_some()) {
+        return Err(EquationsError::Law { span: element.span });
+    }
     let without = || EquationsError::NoForm { span: scene.bodies.first().map_or_else(no_span, |body| body.span) };
     let motion = Motion::new(scene, written, names, rests).ok_or_else(without)?;
     let energies = Energies::new(scene, written, &motion, names).ok_or_else(without)?;

@@ -162,7 +162,7 @@ impl Explanation<'_> {
         let [a, b] = [0, 1].map(|end| self.kinematics.end(&element.ends[end]).piece);
         between.set_ends(self.kinematics, &element.ends, &element.geometry);
         match () {
-            () if element.law.coefficient.is_zero() => "its value is zero",
+            () if element.law.is_zero() => "its value is zero",
             () if a == b => "both ends are on one rigid piece",
             () if between.path.is_empty() && between.angles == [None; 2] => {
                 "its ends cannot move relative to each other"

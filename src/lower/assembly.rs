@@ -15,6 +15,7 @@ use super::constraints::{Constraints, Reduction, equation};
 use super::error::LowerError;
 use super::initial;
 use super::kinematics::{End, FreeCoordinate, Index, Kinematics, Path, PathEvaluation, State};
+use super::law;
 use super::loads::{self, EndPath};
 use super::rest::{Held, Slack};
 use crate::base::{Dimension, Name, Number, Words};
@@ -57,6 +58,9 @@ pub fn assemble(
     for (number, element) in scene.elements.iter().enumerate() {
         assembly.element(number, element);
     }
+    if !assembly.faults.is_empty() {
+        return Err(std::mem::take(&mut assembly.faults));
+    }
     assembly.reactions(constraints);
     assembly.every_freedom_is_determined()?;
     for (index, input) in scene.inputs.iter().enumerate() {
@@ -89,6 +93,8 @@ pub fn outputs<'a>(
 pub enum Idle {
     Element(usize),
     Input(usize),
+    /// A spring whose law has the slope zero at rest.
+    Flat(usize),
 }
 
 /// The system during assembly, with buffers for intermediate results.
@@ -110,8 +116,12 @@ pub struct Assembly<'a> {
     chain: Vec<ChainedRow>,
     /// Indices of the elements without a term.
     idle: Vec<usize>,
+    /// Those of springs whose law has the slope zero at rest.
+    flat: Vec<usize>,
     /// The forces on released motions, if there are any.
     released: Option<released::Forces>,
+    /// Laws that have no tangent at rest.
+    faults: Vec<LowerError>,
 }
 
 impl<'a> Assembly<'a> {
@@ -138,7 +148,9 @@ impl<'a> Assembly<'a> {
             row: Row::new(),
             chain: Vec::new(),
             idle: Vec::new(),
+            flat: Vec::new(),
             released: None,
+            faults: Vec::new(),
         }
     }
 
@@ -254,18 +266,19 @@ impl<'a> Assembly<'a> {
 
     /// Items that are declared to act but have no effect; those with the value zero are not reported.
     fn idle_parts(&self) -> Vec<Idle> {
-        let acts = |element: &Element| !element.law.coefficient.is_zero();
+        let acts = |element: &Element| !element.law.is_zero();
         let elements = self.idle.iter().copied().filter(|number| acts(&self.scene.elements[*number]));
         let still = |columns: &[Row; 3]| columns.iter().all(Vec::is_empty);
         let inputs = self.columns.iter().enumerate().filter(|(_, columns)| still(columns)).map(|(number, _)| number);
-        elements.map(Idle::Element).chain(inputs.map(Idle::Input)).collect()
+        let flat = self.flat.iter().copied().map(Idle::Flat);
+        elements.map(Idle::Element).chain(flat).chain(inputs.map(Idle::Input)).collect()
     }
 
     fn element(&mut self, number: usize, element: &Element) {
         let terms = |assembly: &Self| [&assembly.k, &assembly.c, &assembly.m].map(|form| form.terms().len());
         let before = terms(self);
         self.terms_of(number, element);
-        if terms(self) == before {
+        if terms(self) == before && self.flat.last() != Some(&number) {
             self.idle.push(number);
         }
     }
@@ -279,8 +292,13 @@ impl<'a> Assembly<'a> {
         let stretched = self.stretched(&stretch);
         let made_by = Source { name: plain(element.name), origin: Origin::Element(number as u32) };
         let source = self.form(order).source(made_by);
-        self.slope_square(order, source, &law.coefficient, &stretched);
-        if let Some(law) = law.spring() {
+        let coefficient = self.tangent(element, &stretch, &stretched);
+        if law.kind.is_elastic() && law.curve.is_some() && coefficient.is_zero() {
+            self.slope(&stretched);
+            self.flat.extend((!self.row.is_empty()).then_some(number));
+        }
+        self.slope_square(order, source, &coefficient, &stretched);
+        if law.kind.is_elastic() {
             let rate = match self.tensions.held.and_then(|held| held.rate(number)) {
                 Some(rate) => rate.clone(),
                 None if self.tensions.slack.contains(self.kinematics, &self.between) => Number::ZERO,
@@ -291,6 +309,18 @@ impl<'a> Assembly<'a> {
             };
             self.tension(source, &rate, &stretched);
         }
+    }
+
+    /// The coefficient of an element; of a nonlinear spring its tangent at rest, which must have one.
+    fn tangent(&mut self, element: &Element, stretch: &Stretch<Number>, stretched: &Stretched<Number>) -> Number {
+        if !(element.law.kind.is_elastic() && element.law.curve.is_some()) {
+            return element.law.coefficient.clone();
+        }
+        let spring = loads::spring_of(stretch.clone(), &element.ends, &element.geometry, &element.law);
+        if let Some(error) = law::fault(self.scene, element, &spring, stretched) {
+            self.faults.push(error);
+        }
+        spring.stiffness(stretched)
     }
 
     fn form(&mut self, order: Order) -> &mut Form {
@@ -584,9 +614,11 @@ impl<'a> Assembly<'a> {
     /// The change of tension of a spring, or the force of another element: its coefficient times a derivative of its
     /// stretch.
     fn element_force(&mut self, element: &Element) -> (u8, Row) {
-        let (derivative, factor) = (element.law.kind.order as u8, &element.law.coefficient);
-        let slope = self.element_slope(element);
-        (derivative, slope.into_iter().map(|(i, value)| (i, &value * factor)).collect())
+        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
+        let stretched = self.stretched(&stretch);
+        let factor = self.tangent(element, &stretch, &stretched);
+        let slope = self.slope_row(&stretched);
+        (element.law.kind.order as u8, slope.into_iter().map(|(i, value)| (i, &value * &factor)).collect())
     }
 
     fn output(&mut self, output: &Output) -> system::Output {

@@ -28,6 +28,8 @@ pub const TOO_DEEP: Code = Code::limit("vib::limit::depth");
 /// Too many coordinates in closed loops to search for a rest.
 pub const LARGE_LOOP: Code = Code::limit("vib::limit::loops");
 /// No static rest.
+const LAW_UNDEFINED: Code = Code::model("vib::law::undefined");
+const LAW_KINK: Code = Code::model("vib::law::kink");
 pub const NO_REST: Code = Code::limit("vib::rest::not_found");
 /// A rest that is not proven.
 pub const UNPROVEN: Code = Code::limit("vib::rest::unproven");
@@ -45,6 +47,21 @@ const SHOWN: usize = 6;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum LowerError {
+    /// A law that has no value or no slope at a stretch, m or rad, that the rest needs.
+    LawUndefined {
+        span: Span,
+        why: &'static str,
+        element: String,
+        stretch: f64,
+        turns: bool,
+    },
+    /// A law whose slope jumps at its stretch at rest.
+    LawKink {
+        span: Span,
+        element: String,
+        stretch: f64,
+        turns: bool,
+    },
     /// Bodies that joints connect to each other and to nothing else.
     Loose {
         names: Vec<String>,
@@ -185,6 +202,21 @@ impl LowerError {
             )
             .label("the first of the joints that close a loop there")
             .help("use fewer links, draw the scene at its rest, or remove the load"),
+            LowerError::LawUndefined { span, why, element, stretch, turns } => {
+                let stretch = law_stretch(*stretch, *turns);
+                let message =
+                    format!("the law of `{element}` is not defined at a stretch of {stretch}, which its rest needs");
+                Diagnostic::error(LAW_UNDEFINED, *span, message)
+                    .label(*why)
+                    .help("write a law that is defined there, or draw the scene nearer to its rest")
+            }
+            LowerError::LawKink { span, element, stretch, turns } => {
+                let stretch = law_stretch(*stretch, *turns);
+                let message = format!("the law of `{element}` has a kink where it rests, at a stretch of {stretch}");
+                Diagnostic::error(LAW_KINK, *span, message)
+                    .label("its slope jumps here, so motions about the rest have no tangent")
+                    .help("let a load or a `free_length` put the rest on one side of the kink, or write a law that is smooth there")
+            }
             LowerError::NoRest { span, left, reason } => no_rest_error(*span, left, *reason),
             LowerError::Unheld { declared, left, given } => unheld_error(*declared, left, *given),
             LowerError::Reaction { name, holder, span, why } => reaction_error(name, *holder, *span, why),
@@ -382,6 +414,11 @@ impl Unbalanced {
             _ => format!("more than 1.8e308 {unit}"),
         }
     }
+}
+
+/// `12 mm` as `0.012 m`.
+fn law_stretch(stretch: f64, turns: bool) -> String {
+    format!("{} {}", four_digits(stretch), if turns { "rad" } else { "m" })
 }
 
 /// Four digits, without zeros at the end: -9.81, 4905, 1.2e-7.

@@ -8,6 +8,7 @@ use crate::model::scene::{Element, Geometry, Input, InputKind, Scene};
 use std::collections::HashSet;
 
 const ELEMENT: Code = Code::model("vib::unused::element");
+const NO_TANGENT: Code = Code::model("vib::law::no_tangent");
 const INPUT: Code = Code::model("vib::unused::input");
 
 /// Declarations reported one by one: a `repeat` may make a million without effect, and one of them speaks for all.
@@ -19,7 +20,7 @@ pub fn findings(scene: &Scene, kinematics: &Kinematics, idle: &[Idle]) -> Vec<Di
     let mut findings = Vec::new();
     for idle in idle {
         let span = match idle {
-            Idle::Element(number) => scene.elements[*number].span,
+            Idle::Element(number) | Idle::Flat(number) => scene.elements[*number].span,
             Idle::Input(number) => scene.inputs[*number].span,
         };
         if findings.len() == SHOWN || !reported.insert(span) {
@@ -28,9 +29,18 @@ pub fn findings(scene: &Scene, kinematics: &Kinematics, idle: &[Idle]) -> Vec<Di
         findings.extend(match idle {
             Idle::Element(number) => Some(element(scene, kinematics, &scene.elements[*number])),
             Idle::Input(number) => input(scene, &scene.inputs[*number]),
+            Idle::Flat(number) => Some(flat(scene, &scene.elements[*number])),
         });
     }
     findings
+}
+
+fn flat(scene: &Scene, element: &Element) -> Diagnostic {
+    let name = scene.words.display(element.name);
+    let message =
+        format!("the tangent of the law of `{name}` is zero at rest: linear motions about the rest do not feel it");
+    Diagnostic::warning(NO_TANGENT, element.span, message)
+        .help("results are for small motions; preload the spring, or give its law a part in proportion to `stretch`")
 }
 
 fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnostic {

@@ -4,8 +4,8 @@
 use super::kinematics::{End, Index, Kinematics, Path, PathEvaluation, State};
 use crate::base::{Number, Vec3};
 use crate::elements::stretch::over_length;
-use crate::elements::{Pull, Scalar, Spring, Stretch, Stretched, Vector};
-use crate::model::scene::{Attachment, Geometry, Input, InputKind, Scene, Signal, SpringRest};
+use crate::elements::{Pull, Response, Scalar, Spring, Stretch, Stretched, Vector};
+use crate::model::scene::{Attachment, Geometry, Input, InputKind, Law, Scene, Signal, SpringRest};
 
 /// The path between two ends, and the angles of both.
 #[derive(Clone, Debug)]
@@ -86,24 +86,6 @@ fn first_to_second(direction: &Vec3, ends: &[Attachment; 2]) -> Vector<Number> {
     }
 }
 
-/// Tension as drawn.
-pub fn preload(
-    stretch: &Stretch<Number>,
-    ends: &[Attachment; 2],
-    geometry: &Geometry,
-    stiffness: &Number,
-    rest: &SpringRest,
-) -> Number {
-    match rest {
-        SpringRest::AsDrawn => Number::ZERO,
-        SpringRest::Preload(tension) => tension.clone(),
-        SpringRest::FreeLength(free) => {
-            let drawn = drawn_length(stretch, ends, geometry);
-            stiffness * &(&drawn - free)
-        }
-    }
-}
-
 /// Length between the ends as drawn, along the element's direction; the relative angle of a torsion is zero as drawn.
 fn drawn_length(stretch: &Stretch<Number>, ends: &[Attachment; 2], geometry: &Geometry) -> Number {
     match (stretch, geometry) {
@@ -123,21 +105,26 @@ pub fn spring(
     kinematics: &Kinematics,
     ends: &[Attachment; 2],
     geometry: &Geometry,
-    law: (&Number, &SpringRest),
+    law: &Law,
     between: &mut EndPath<Number>,
 ) -> Spring<Number> {
     spring_of(between.set_ends(kinematics, ends, geometry), ends, geometry, law)
 }
 
 /// The spring with a given stretch between two ends.
-pub fn spring_of(
-    stretch: Stretch<Number>,
-    ends: &[Attachment; 2],
-    geometry: &Geometry,
-    (stiffness, rest): (&Number, &SpringRest),
-) -> Spring<Number> {
-    let preload = preload(&stretch, ends, geometry, stiffness, rest);
-    Spring { stretch, stiffness: stiffness.clone(), preload }
+pub fn spring_of(stretch: Stretch<Number>, ends: &[Attachment; 2], geometry: &Geometry, law: &Law) -> Spring<Number> {
+    let stretched = match &law.rest {
+        SpringRest::FreeLength(free) => &drawn_length(&stretch, ends, geometry) - free,
+        SpringRest::AsDrawn | SpringRest::Preload(_) => Number::ZERO,
+    };
+    let response = match (&law.curve, &law.rest) {
+        (Some(curve), _) => Response::Curve { curve: curve.clone(), offset: stretched },
+        (None, SpringRest::Preload(tension)) => {
+            Response::Linear { stiffness: law.coefficient.clone(), preload: tension.clone() }
+        }
+        (None, _) => Response::Linear { stiffness: law.coefficient.clone(), preload: &law.coefficient * &stretched },
+    };
+    Spring { stretch, response }
 }
 
 /// grad e of a stretch whose path is in `reach`, as a row that has to be divided by the square root of the number
@@ -185,10 +172,8 @@ pub fn visit(scene: &Scene, kinematics: &Kinematics, loaded_only: bool, mut see:
     }
     let mut between = EndPath::default();
     for element in &scene.elements {
-        if let Some((stiffness, rest)) = element.law.spring()
-            && !(loaded_only && *rest == SpringRest::AsDrawn)
-        {
-            let spring = spring(kinematics, &element.ends, &element.geometry, (stiffness, rest), &mut between);
+        if element.law.kind.is_elastic() && !(loaded_only && !element.law.may_be_loaded()) {
+            let spring = spring(kinematics, &element.ends, &element.geometry, &element.law, &mut between);
             see(Load::Spring(&spring, &between));
         }
     }

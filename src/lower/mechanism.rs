@@ -11,8 +11,8 @@ use super::reactions::Holding;
 use super::rest::Rest;
 use super::{Lowered, assembly};
 use crate::base::{Dimension, Name, Number, Span};
-use crate::elements::Vector;
 use crate::elements::stretch::over_length;
+use crate::elements::{Response, Vector};
 use crate::model::scene::{ElementId, Motion, MotionTerm, Output, Scene};
 
 /// The kinematics of a scene and the state in which it rests.
@@ -32,6 +32,10 @@ pub struct SpringAtRest {
     pub tension: Number,
     /// From the drawing to the rest, m or rad.
     pub change: Number,
+    /// From its free length, or that of its law; `None` if that is not determined.
+    pub stretch: Option<Number>,
+    /// Of a nonlinear one the tangent there.
+    pub stiffness: Number,
 }
 
 impl Mechanism {
@@ -54,13 +58,19 @@ impl Mechanism {
         let (mut between, mut reach) = (EndPath::default(), PathEvaluation::default());
         let mut list = Vec::new();
         for (index, element) in (0..).zip(&scene.elements) {
-            let Some((stiffness, rest)) = element.law.spring() else { continue };
-            let law = (stiffness, rest);
-            let spring = loads::spring(&self.kinematics, &element.ends, &element.geometry, law, &mut between);
+            if !element.law.kind.is_elastic() {
+                continue;
+            }
+            let spring = loads::spring(&self.kinematics, &element.ends, &element.geometry, &element.law, &mut between);
             reach.measure(&self.kinematics, &self.state, &between.path);
             let stretched = spring.stretch.at(&reach.displacement, &between.turn(&self.state));
             let (tension, change) = (spring.tension(&stretched), stretched.change().clone());
-            list.push(SpringAtRest { element: ElementId(index), tension, change });
+            let stiffness = spring.stiffness(&stretched);
+            let stretch = match &spring.response {
+                Response::Curve { offset, .. } => Some(offset + &change),
+                Response::Linear { .. } => None,
+            };
+            list.push(SpringAtRest { element: ElementId(index), tension, change, stretch, stiffness });
         }
         // If the drawing is declared to be the rest, these tensions hold it.
         for found in &rest.tensions {
@@ -68,6 +78,10 @@ impl Mechanism {
             if let Ok(place) = spring {
                 list[place].tension = found.tension.clone();
             }
+        }
+        for spring in list.iter_mut().filter(|spring| spring.stretch.is_none()) {
+            let SpringAtRest { tension, stiffness, .. } = spring;
+            spring.stretch = if tension.is_zero() { Some(Number::ZERO) } else { tension.checked_div(stiffness) };
         }
         list
     }

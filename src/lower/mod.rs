@@ -18,6 +18,7 @@ pub mod error;
 mod idle;
 pub mod initial;
 pub mod kinematics;
+pub mod law;
 pub mod loads;
 pub mod mechanism;
 pub mod poses;
@@ -27,6 +28,7 @@ pub mod tree;
 
 pub use account::{Account, Remark, account};
 pub use drives::{declared, drives, noises};
+pub use law::LawAtRest;
 pub use mechanism::{Mechanism, Readout, SpringAtRest};
 pub use poses::Poses;
 pub use rest::{Dependent, Proven, Rest, Tension};
@@ -101,6 +103,7 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     let notes = notes.into_iter().chain(idle::findings(scene, &kinematics, &idle));
     let notes = notes.chain(unproven(&system, &rest)).collect();
     let mechanism = Mechanism::new(kinematics, reduction, state, holding);
+    let rest = Rest { laws: mechanism.laws_at_rest(scene), ..rest };
     let mut lowered = Lowered { system, rest, mechanism };
     lowered.carry(scene, &scene.outputs, 0).map_err(|error| vec![error])?;
     Ok((lowered, notes))

@@ -3,16 +3,18 @@
 
 use super::Check;
 use super::ends::are_apart;
-use super::error::{NameError, PartError, ValueError};
+use super::error::{LawError, NameError, PartError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::fields::Given;
 use super::freedoms::{Line, are_parallel};
+use super::laws;
 use super::scene::{Attachment, Element, Geometry, Law, SpringRest};
 use super::scope::{Environment, Instance};
 use super::value::Value;
-use crate::base::{Number, Span, Vec3};
+use crate::base::{Dimension, Number, Span, Takes, Vec3};
+use crate::elements::curve::Undefined;
 use crate::elements::kind::ALONG;
-use crate::elements::{Kind, Negative};
+use crate::elements::{Curve, Kind, Negative, Order};
 use crate::syntax::tree::{DeclKind, EndId, Fields, Ident};
 use std::sync::Arc;
 
@@ -29,6 +31,15 @@ pub struct Coefficient {
     key: Span,
     at: Span,
 }
+
+/// How strongly an element acts.
+struct Strength {
+    coefficient: Coefficient,
+    curve: Option<Arc<Curve>>,
+}
+
+/// The field with a law.
+const LAW: &str = "law";
 
 impl<'a> Check<'a> {
     pub fn elements(&mut self) {
@@ -57,7 +68,8 @@ impl<'a> Check<'a> {
     ) -> Evaluated<Acting> {
         let given = self.fields(fields, kind.fields, environment);
         let pair = self.element_ends(ends, environment);
-        let Coefficient { value, torsional, key, at } = self.coefficient(kind, &given, ident, environment)?;
+        let Strength { coefficient, curve } = self.strength(kind, &given, ident, environment)?;
+        let Coefficient { value, torsional, key, at } = coefficient;
         let torsional = torsional.then_some(at);
         let geometry = pair.and_then(|pair| {
             Ok((
@@ -82,7 +94,72 @@ impl<'a> Check<'a> {
         if value.is_negative() {
             self.negative_coefficient(kind, key, at, environment)?;
         }
-        Ok((pair, Law { kind, coefficient: value, rest }, geometry))
+        Ok((pair, Law { kind, coefficient: value, rest, curve }, geometry))
+    }
+
+    /// The coefficient of an element, or its law.
+    fn strength(
+        &mut self,
+        kind: &'static Kind,
+        given: &Given<'a>,
+        ident: Ident,
+        environment: Environment,
+    ) -> Evaluated<Strength> {
+        let Some((field, described)) = given.by_name(LAW) else {
+            let coefficient = self.coefficient(kind, given, ident, environment)?;
+            return Ok(Strength { coefficient, curve: None });
+        };
+        let others = [kind.coefficient().name, "preload"];
+        if let Some((other, known)) = others.iter().find_map(|name| given.by_name(name)) {
+            let word = known.name.to_string();
+            return self.fail(environment, LawError::AndAnother { span: field.key, other: other.key, word });
+        }
+        let Takes::Law(word) = described.takes else { return Err(Stop::Reported) };
+        let over = match kind.order {
+            Order::Displacement => [Dimension::LENGTH, Dimension::NONE],
+            Order::Velocity => [Dimension::VELOCITY, Dimension::ANGULAR_VELOCITY],
+            Order::Acceleration => [Dimension::ACCELERATION, Dimension::ANGULAR_ACCELERATION],
+        };
+        let expr = self.field_expr(field, environment)?;
+        let laws::Read { curve, torsional } = self.cached(
+            expr,
+            environment,
+            |memory| &mut memory.laws,
+            |check| check.law(expr, &laws::Reading { word, over }, environment),
+        )?;
+        let at = self.tree.expr(expr).span;
+        let value = match kind.order {
+            // Its tangent is known where it rests.
+            Order::Displacement => Number::ZERO,
+            _ => self.tangent_at_zero(&curve, at, torsional, environment)?,
+        };
+        let coefficient = Coefficient { value, torsional, key: field.key, at };
+        Ok(Strength { coefficient, curve: Some(curve) })
+    }
+
+    /// The tangent of a law at zero rate, where a damper has no force.
+    fn tangent_at_zero(
+        &mut self,
+        curve: &Curve,
+        span: Span,
+        torsional: bool,
+        environment: Environment,
+    ) -> Evaluated<Number> {
+        let at_rest = match curve.at(&Number::ZERO) {
+            Ok(at_rest) => at_rest,
+            Err(Undefined { span, why }) => return self.fail(environment, LawError::Undefined { span, why }),
+        };
+        if let Some(span) = curve.kink(&Number::ZERO) {
+            return self.fail(environment, LawError::Kink { span });
+        }
+        if !at_rest.value.may_be_zero() {
+            let force = at_rest.value.to_f64();
+            return self.fail(environment, LawError::ForceAtRest { span, force, torsional });
+        }
+        if at_rest.slope.is_zero() {
+            self.report(environment, LawError::NoTangent { span });
+        }
+        Ok(at_rest.slope)
     }
 
     /// Reports a negative coefficient: as a note, or as an error if the kind refuses it.

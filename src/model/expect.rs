@@ -7,6 +7,7 @@ use super::arguments::Brackets;
 use super::elements::Coefficient;
 use super::error::ValueError;
 use super::evaluate::{Evaluated, Stop};
+use super::laws;
 use super::scope::{DefinitionId, Environment, Table};
 use super::value::{Scalar, Value, Vector};
 pub use crate::base::Expected;
@@ -20,6 +21,7 @@ pub struct Cache {
     numbers: Table<ExprId, Evaluated<Number>>,
     places: Table<ExprId, Evaluated<Arc<Vec3>>>,
     pub coefficients: Table<ExprId, Evaluated<Coefficient>>,
+    pub laws: Table<ExprId, Evaluated<laws::Read>>,
     /// What parameters, `let`s and points are declared as.
     pub values: Table<ExprId, Value>,
     /// The arguments of a place, by the word of its component.

@@ -22,6 +22,7 @@ mod fields;
 mod freedoms;
 mod inputs;
 mod joints;
+mod laws;
 mod measures;
 mod motions;
 mod needs;

@@ -6,6 +6,7 @@
 //! many more ends than places.
 
 use crate::base::{Density, Name, Number, Quantity, Span, Vec3, Words};
+use crate::elements::Curve;
 use crate::kinds::motions::ReactionComponent;
 use crate::system::Signal as Function;
 use crate::{elements, joints};
@@ -261,16 +262,29 @@ pub struct Element {
 #[derive(Clone, Debug)]
 pub struct Law {
     pub kind: &'static elements::Kind,
-    /// In the SI units of its kind, translational or torsional.
+    /// In the SI units of its kind, translational or torsional. Of a nonlinear damper its tangent at rest; of a nonlinear
+    /// spring it says nothing.
     pub coefficient: Number,
     /// [`SpringRest::AsDrawn`] if the kind is not elastic.
     pub rest: SpringRest,
+    /// The force over the stretch or the rate, where that is not the coefficient times it.
+    pub curve: Option<Arc<Curve>>,
 }
 
 impl Law {
     /// Stiffness and rest of an elastic element.
     pub fn spring(&self) -> Option<(&Number, &SpringRest)> {
         self.kind.is_elastic().then_some((&self.coefficient, &self.rest))
+    }
+
+    /// Whether it may have a tension as drawn: its free length or preload is given, or its law says.
+    pub fn may_be_loaded(&self) -> bool {
+        self.kind.is_elastic() && (self.rest != SpringRest::AsDrawn || self.curve.is_some())
+    }
+
+    /// Whether it has no effect because its coefficient is zero; the tangent of a spring's law is known at rest alone.
+    pub fn is_zero(&self) -> bool {
+        self.coefficient.is_zero() && !(self.curve.is_some() && self.kind.is_elastic())
     }
 }
 

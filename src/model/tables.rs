@@ -44,6 +44,8 @@ pub enum First {
     /// A distance that is covered at this speed, m/s.
     Distance(Number),
     Frequency,
+    /// What a law is over.
+    Variable(Dimension),
 }
 
 /// The heading of a table.
@@ -91,7 +93,7 @@ impl<'a> Check<'a> {
         let first = heading.as_ref().map_or(Number::ONE, |heading| factor(&heading.first));
         let first = match &asked.first {
             First::Distance(speed) => &first / speed,
-            First::Time | First::Frequency => first,
+            First::Time | First::Frequency | First::Variable(_) => first,
         };
         let values = match (&asked.unit, &heading) {
             (Some((unit, _)), _) => unit.clone(),
@@ -117,6 +119,7 @@ impl<'a> Check<'a> {
             First::Time => Dimension::TIME,
             First::Distance(_) => Dimension::LENGTH,
             First::Frequency => Dimension::FREQUENCY,
+            First::Variable(over) => over,
         };
         if let Some(unit) = &heading.first.unit
             && (unit.dimension != wanted || (wanted == Dimension::FREQUENCY && unit.angle != Angle::Cycles))

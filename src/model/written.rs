@@ -374,12 +374,16 @@ impl<'c, 'a> Writer<'c, 'a> {
         let element = &self.check.scene.elements[self.written.elements.len()];
         let parts = [0, 1].map(|end| element.ends[end].part);
         let is_twisted = element.geometry == Geometry::Torsion;
+        let is_law = element.law.curve.is_some();
         let mut ids = [ends, EndId(ends.0 + 1)];
         if is_twisted && self.check.reverses(environment).ok()? {
             ids.reverse();
         }
         let places = [self.end(ids[0], parts[0], environment), self.end(ids[1], parts[1], environment)];
-        let coefficient = self.field_number(fields, kind.kind().coefficient().name, environment)?;
+        let coefficient = match self.field_number(fields, kind.kind().coefficient().name, environment) {
+            None if is_law => Sum::ZERO,
+            given => given?,
+        };
         let along = match self.field(fields, "along") {
             Some(FieldValue::Expr(expr)) => Some(self.direction(expr, environment)),
             _ => None,

@@ -40,6 +40,7 @@ mod inerters;
 mod kinds;
 mod language;
 mod language_page;
+mod laws;
 mod layouts;
 mod library;
 mod literals;

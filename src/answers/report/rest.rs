@@ -17,6 +17,7 @@ const DISTANCE: usize = 3;
 
 pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
     let mut blocks = displacement(answer);
+    blocks.extend(laws(answer));
     blocks.extend(unstable(answer));
     blocks.extend(undetermined(answer));
     blocks.extend(neutral(answer));
@@ -102,6 +103,38 @@ fn as_drawn(answer: &ModalAnswer) -> Vec<Block> {
     }
     let mut blocks = vec![line!["rest: as drawn, held by the tensions below", trust].into(), table.into()];
     blocks.extend(smaller(all - pulling.len()).map(Block::from));
+    blocks
+}
+
+/// The elements with laws: where they rest, and the tangents that stand for them.
+fn laws(answer: &ModalAnswer) -> Vec<Block> {
+    let all = &answer.rest.laws;
+    if all.is_empty() {
+        return Vec::new();
+    }
+    let mut table = Table::of([
+        ("law of", Align::Left),
+        ("at", Align::Point),
+        ("", Align::Left),
+        ("force", Align::Point),
+        ("", Align::Left),
+        ("tangent", Align::Point),
+        ("", Align::Left),
+    ]);
+    for law in all.iter().take(MOST) {
+        let number = |value: &Number| Figure::number(value.clone(), DIGITS).into();
+        table.row(vec![
+            answer.system.display(law.name).into(),
+            number(&law.at),
+            law.variable().1.into(),
+            number(&law.force),
+            law.force_unit().into(),
+            number(&law.slope),
+            law.slope_unit().into(),
+        ]);
+    }
+    let mut blocks = vec![line!["laws at rest; everything below is for their tangents there"].into(), table.into()];
+    blocks.extend(smaller(all.len().saturating_sub(MOST)).map(Block::from));
     blocks
 }
 

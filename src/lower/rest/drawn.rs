@@ -17,7 +17,7 @@ use crate::lower::constraints::Reduction;
 use crate::lower::error::{LowerError, Unbalanced};
 use crate::lower::kinematics::{Index, Kinematics, PathEvaluation, State};
 use crate::lower::loads::{self, EndPath};
-use crate::model::scene::{ElementId, Geometry, Law, Scene, SpringRest};
+use crate::model::scene::{ElementId, Geometry, Law, Scene};
 use crate::system::Label;
 
 /// The tensions that hold a drawing.
@@ -312,7 +312,7 @@ impl<'a> Balance<'a> {
 }
 
 fn gives_tension(law: &Law) -> bool {
-    law.rest != SpringRest::AsDrawn
+    law.may_be_loaded()
 }
 
 /// The springs whose tension is not given and that act on some coordinate.
@@ -320,9 +320,10 @@ fn columns(scene: &Scene, kinematics: &Kinematics, reduction: &Reduction, state:
     let (mut between, mut reach, mut row) = (EndPath::default(), PathEvaluation::default(), Vec::new());
     let mut columns = Vec::new();
     for (element, declared) in scene.elements.iter().enumerate() {
-        let Some((stiffness, rest @ SpringRest::AsDrawn)) = declared.law.spring() else { continue };
-        let law = (stiffness, rest);
-        let spring = loads::spring(kinematics, &declared.ends, &declared.geometry, law, &mut between);
+        if !declared.law.kind.is_elastic() || gives_tension(&declared.law) {
+            continue;
+        }
+        let spring = loads::spring(kinematics, &declared.ends, &declared.geometry, &declared.law, &mut between);
         reach.measure(kinematics, state, &between.path);
         let stretched = spring.stretch.at(&reach.displacement, &between.turn(state));
         let length_squared = loads::slope(&stretched, &reach, &between, &mut row);

@@ -28,7 +28,8 @@ use super::constraints::equation::Equation;
 use super::constraints::{Constraints, Reduction};
 use super::error::{LowerError, NoRestReason, Unbalanced};
 use super::kinematics::{Index, Kinematics, State};
-use super::{assembly, loads};
+use super::law::LawAtRest;
+use super::{assembly, law, loads};
 use crate::base::Number;
 use crate::elements::Scalar;
 use crate::model::scene::{ElementId, Scene};
@@ -62,6 +63,8 @@ pub struct Rest {
     pub steps: u32,
     /// The springs whose tension `rest as drawn` found, in order of declaration.
     pub tensions: Vec<Tension>,
+    /// The elements with laws, and their tangents, in order of declaration.
+    pub laws: Vec<LawAtRest>,
 }
 
 /// A tension that holds the drawing.
@@ -105,6 +108,10 @@ pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -
     if !is_loaded(scene) {
         return Ok(found);
     }
+    let undefined = law::as_drawn(scene, kinematics, &found.state);
+    if !undefined.is_empty() {
+        return Err(undefined);
+    }
     let drawn = constraints.reduction(scene, kinematics, &found.state)?;
     if !found.state.is_drawn() && constraints.are_linear() {
         drawn.follow(kinematics, &mut found.state);
@@ -127,10 +134,8 @@ const MAX_ALONG: usize = 2000;
 
 /// Whether anything could act as a load on the drawing.
 fn is_loaded(scene: &Scene) -> bool {
-    use crate::model::scene::{Law, SpringRest};
-    let pulls = |law: &Law| law.rest != SpringRest::AsDrawn;
     !scene.gravity.is_zero()
-        || scene.elements.iter().any(|element| pulls(&element.law))
+        || scene.elements.iter().any(|element| element.law.may_be_loaded())
         || scene.inputs.iter().any(|input| loads::constant(input).is_some())
 }
 
@@ -176,7 +181,8 @@ impl PartialRest {
             let drawn: Vec<f64> = part.coordinates.iter().map(|i| forces[*i as usize].to_f64()).collect();
             let descended = descend(kinematics, part, local, drawn, &mut steering);
             if !descended.settled {
-                lost.push(no_rest(scene, kinematics, part, &descended));
+                let stopped = law::stopped(scene, kinematics, part, &steering);
+                lost.push(stopped.unwrap_or_else(|| no_rest(scene, kinematics, part, &descended)));
                 continue;
             }
             let values: Vec<f64> = part.coordinates.iter().map(|i| *steering.value(*i)).collect();
@@ -224,7 +230,8 @@ impl PartialRest {
         let descended = match descent.run(part.unbalanced) {
             constrained::ConstrainedResult::Open => return Err(constraints.open(scene, kinematics, &part.constraints)),
             constrained::ConstrainedResult::Settled(descended) if !descended.settled => {
-                return Err(no_rest(scene, kinematics, part, &descended));
+                let stopped = law::stopped(scene, kinematics, part, steering);
+                return Err(stopped.unwrap_or_else(|| no_rest(scene, kinematics, part, &descended)));
             }
             constrained::ConstrainedResult::Settled(descended) => descended,
         };
@@ -287,6 +294,7 @@ impl Rest {
             moves_terms: false,
             steps: 0,
             tensions: Vec::new(),
+            laws: Vec::new(),
         }
     }
 

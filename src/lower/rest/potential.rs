@@ -55,11 +55,7 @@ impl Potential<Number> {
             Stretch::Along { direction } => Stretch::Along { direction: vector(direction) },
             Stretch::Torsion => Stretch::Torsion,
         };
-        let spring = |spring: &Spring<Number>| Spring {
-            stretch: stretch(&spring.stretch),
-            stiffness: S::of(&spring.stiffness),
-            preload: S::of(&spring.preload),
-        };
+        let spring = |spring: &Spring<Number>| spring.converted(stretch(&spring.stretch), S::of);
         Potential {
             springs: self.springs.iter().map(|(s, between)| (spring(s), between.converted())).collect(),
             dead: self.dead.iter().map(|(f, path)| (DeadForce { force: vector(&f.force) }, path.converted())).collect(),
@@ -130,7 +126,7 @@ impl<'a, S: Scalar> Sum<'a, S> {
         if self.detail < Detail::Curvature {
             return;
         }
-        self.square(&spring.stiffness.over(&length_squared));
+        self.square(&spring.stiffness(&stretched).over(&length_squared));
         for square in stretched.tension_squares(&rate).into_iter().flatten() {
             self.reach.row(&square.direction, &mut self.row);
             self.square(&square.weight);

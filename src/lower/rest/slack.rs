@@ -16,7 +16,7 @@ use super::proof::Proven;
 use super::reactions::equilibrium;
 use super::survey::Part;
 use crate::base::{Ball, Dd, Number};
-use crate::elements::{Scalar, Spring};
+use crate::elements::{Response, Scalar, Spring};
 use crate::lower::kinematics::{Index, Kinematics, PathEvaluation, State};
 use crate::lower::loads::{self, EndPath};
 use nalgebra::DMatrix;
@@ -61,7 +61,8 @@ pub fn prove(
 ) -> Option<Proven> {
     let potential = &part.potential;
     let nothing_else = potential.dead.is_empty() && potential.torques.is_empty() && part.constraints.is_empty();
-    let all_springs = potential.springs.iter().all(|(spring, _)| spring.stiffness.is_positive());
+    let is_stiff = |spring: &Spring<Number>| matches!(&spring.response, Response::Linear { stiffness, .. } if stiffness.is_positive());
+    let all_springs = potential.springs.iter().all(|(spring, _)| is_stiff(spring));
     if !(nothing_else && all_springs) || values.len() + potential.springs.len() > MAX_DENSE {
         return None;
     }
@@ -118,7 +119,7 @@ impl Nearest<'_> {
     fn pulls(&self) -> Potential<Number> {
         let pull = |((spring, between), multiplier): (&(Spring<Number>, EndPath<Number>), &Number)| {
             let (stretch, preload) = (spring.stretch.clone(), multiplier.clone());
-            (Spring { stretch, stiffness: Number::ZERO, preload }, between.clone())
+            (Spring { stretch, response: Response::Linear { stiffness: Number::ZERO, preload } }, between.clone())
         };
         let springs = self.part.potential.springs.iter().zip(&self.multipliers).map(pull).collect();
         Potential { springs, ..Potential::default() }
@@ -133,7 +134,7 @@ impl Nearest<'_> {
             let length = loads::slope(&stretched, &reach, between, &mut row).root();
             let placed = row.iter().map(|(i, entry)| (self.local[*i as usize], entry / &length));
             let placed = placed.filter(|(place, _)| *place != ELSEWHERE).collect();
-            (&spring.tension(&stretched) / &spring.stiffness, placed)
+            (&spring.tension(&stretched) / &spring.stiffness(&stretched), placed)
         };
         self.part.potential.springs.iter().map(of).collect()
     }

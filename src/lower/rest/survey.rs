@@ -2,11 +2,11 @@
 //! moves. See docs/method/rest.md.
 //!
 //! Two coordinates are coupled if the same spring depends on both, or if a slide turns with an angle. A set is linear if
-//! its energy is quadratic: no loaded arm turns, and every spring acts along a fixed direction.
+//! its energy is quadratic: no loaded arm turns, and every spring is linear and acts along a fixed direction.
 
 use super::potential::{Detail, ELSEWHERE, Energy, Potential, Sum};
 use crate::base::Number;
-use crate::elements::{DeadForce, Stretch};
+use crate::elements::{DeadForce, Response, Stretch};
 use crate::lower::constraints::Constraints;
 use crate::lower::kinematics::{Index, Kinematics, Path, PathEvaluation, State};
 use crate::lower::loads::{self, EndPath, Load};
@@ -212,10 +212,10 @@ impl<'a> Sets<'a> {
         let n = self.parents.len();
         match load {
             Load::Spring(spring, between) => {
-                let linear = match spring.stretch {
-                    Stretch::Line { .. } => false,
-                    Stretch::Along { .. } => between.path.is_straight(),
-                    Stretch::Torsion => true,
+                let linear = match (&spring.response, &spring.stretch) {
+                    (Response::Curve { .. }, _) | (_, Stretch::Line { .. }) => false,
+                    (_, Stretch::Along { .. }) => between.path.is_straight(),
+                    (_, Stretch::Torsion) => true,
                 };
                 let mut first = None;
                 for coordinate in coordinates(self.kinematics, between).filter(|i| (*i as usize) < n) {

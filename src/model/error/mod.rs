@@ -1,12 +1,14 @@
 //! Errors in a model: facts, and the diagnostics for them. Each variant has one code, one primary place, and a help that
 //! says what to type. See docs/diagnostics.
 
+mod laws;
 mod names;
 mod parts;
 mod places;
 mod questions;
 mod values;
 
+pub use laws::LawError;
 pub use names::NameError;
 pub use parts::{PartError, RowFault, TABLE_UNREADABLE};
 pub use places::{PlaceError, kind_with_article};
@@ -22,6 +24,7 @@ pub enum Error {
     Value(ValueError),
     Name(NameError),
     Part(PartError),
+    Law(LawError),
     Place(PlaceError),
     Question(QuestionError),
 }
@@ -33,6 +36,7 @@ impl Error {
             Error::Value(error) => error.diagnostic(),
             Error::Name(error) => error.diagnostic(),
             Error::Part(error) => error.diagnostic(),
+            Error::Law(error) => error.diagnostic(),
             Error::Place(error) => error.diagnostic(),
             Error::Question(error) => error.diagnostic(),
         }
@@ -54,6 +58,12 @@ impl From<NameError> for Error {
 impl From<PartError> for Error {
     fn from(error: PartError) -> Error {
         Error::Part(error)
+    }
+}
+
+impl From<LawError> for Error {
+    fn from(error: LawError) -> Error {
+        Error::Law(error)
     }
 }
 

@@ -41,12 +41,12 @@ fn width(label: &str) -> f64 {
     text::width(&text::clipped(label)) * text::SPARE
 }
 
-/// `k = 10 N/m`
-fn value(says: &Says, element: &Element) -> String {
+/// `k = 10 N/m`; nothing for a law.
+fn value(says: &Says, element: &Element) -> Option<String> {
     let turns = element.geometry == Geometry::Torsion;
-    let Law { kind, coefficient, .. } = &element.law;
+    let Law { kind, coefficient, curve, .. } = &element.law;
     let (letter, unit) = (kind.coefficient().name, kind.unit(turns));
-    format!("{letter} = {} {unit}", (says.request.digits)(coefficient))
+    curve.is_none().then(|| format!("{letter} = {} {unit}", (says.request.digits)(coefficient)))
 }
 
 /// A name, and the value behind it where values are asked for; a name that is the letter of the value is not said twice.
@@ -59,14 +59,15 @@ fn named(says: &Says, name: String, value: Option<String>) -> String {
 }
 
 pub fn element_label(says: &Says, element: &Element) -> String {
-    named(says, says.display(element.name), Some(value(says, element)))
+    named(says, says.display(element.name), value(says, element))
 }
 
 pub fn element_title(says: &Says, element: &Element) -> String {
     let word = element.law.kind.keyword;
     let [a, b] = [0, 1].map(|end| says.part_name(element.ends[end].part));
     let name = says.display(element.name);
-    format!("{word} {name}: {}, {a} to {b}{}", value(says, element), mode_motion(says, element.name))
+    let value = value(says, element).unwrap_or_else(|| "by its law".into());
+    format!("{word} {name}: {value}, {a} to {b}{}", mode_motion(says, element.name))
 }
 
 fn mode_motion(says: &Says, name: Name) -> String {

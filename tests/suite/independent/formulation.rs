@@ -473,7 +473,7 @@ impl<'a> Formulation<'a> {
     fn elements(&mut self) {
         for element in &self.scene.elements {
             let stretch = self.stretch(element);
-            let Law { kind, coefficient, rest } = &element.law;
+            let Law { kind, coefficient, rest, .. } = &element.law;
             let coefficient = dd(coefficient);
             match kind.keyword {
                 "spring" => {

@@ -1,0 +1,171 @@
+//! The laws of springs where they are needed: at rest, and on the way to it. In: a spring and its stretch. Out: what is wrong
+//! with its law there, or its tangent for the motions about the rest. See docs/method/rest.md#laws.
+
+use super::error::LowerError;
+use super::kinematics::{Kinematics, PathEvaluation, State};
+use super::loads;
+use super::mechanism::Mechanism;
+use super::rest::survey::Part;
+use crate::base::{Ball, Number};
+use crate::elements::curve::Undefined;
+use crate::elements::{Curve, Response, Scalar, Spring, Stretched};
+
+use crate::model::scene::{Element, ElementId, Geometry, Scene};
+use crate::system::Label;
+use std::sync::Arc;
+
+/// A law that is not defined at rest, or has a kink there.
+pub fn fault(scene: &Scene, element: &Element, spring: &Spring<Number>, at: &Stretched<Number>) -> Option<LowerError> {
+    let Response::Curve { curve, offset } = &spring.response else { return None };
+    let stretch = offset + at.change();
+    match curve.at(&stretch) {
+        Err(undefined) => Some(not_defined(scene, element, undefined, stretch.to_f64())),
+        Ok(_) => curve.kink(&stretch).map(|span| LowerError::LawKink {
+            span,
+            element: scene.words.display(element.name),
+            stretch: stretch.to_f64(),
+            turns: element.geometry == Geometry::Torsion,
+        }),
+    }
+}
+
+fn not_defined(scene: &Scene, element: &Element, undefined: Undefined, stretch: f64) -> LowerError {
+    LowerError::LawUndefined {
+        span: undefined.span,
+        why: undefined.why,
+        element: scene.words.display(element.name),
+        stretch,
+        turns: element.geometry == Geometry::Torsion,
+    }
+}
+
+/// A law of a spring or damper at rest.
+#[derive(Clone, Debug)]
+pub struct LawAtRest {
+    pub element: ElementId,
+    pub name: Label,
+    pub curve: Arc<Curve>,
+    /// m, rad or their rates.
+    pub at: Number,
+    /// N or N m.
+    pub force: Number,
+    /// The tangent.
+    pub slope: Number,
+    turns: bool,
+    of_rate: bool,
+}
+
+impl LawAtRest {
+    /// Whether it is over a rate.
+    pub fn is_of_rate(&self) -> bool {
+        self.of_rate
+    }
+
+    /// The word for what it is over, and its unit.
+    pub fn variable(&self) -> (&'static str, &'static str) {
+        match (self.of_rate, self.turns) {
+            (false, false) => ("stretch", "m"),
+            (false, true) => ("stretch", "rad"),
+            (true, false) => ("rate", "m/s"),
+            (true, true) => ("rate", "rad/s"),
+        }
+    }
+
+    pub fn force_unit(&self) -> &'static str {
+        if self.turns { "N*m" } else { "N" }
+    }
+
+    pub fn slope_unit(&self) -> &'static str {
+        match (self.of_rate, self.turns) {
+            (false, false) => "N/m",
+            (false, true) => "N*m/rad",
+            (true, false) => "N*s/m",
+            (true, true) => "N*m*s/rad",
+        }
+    }
+
+    /// The largest difference of the law and its tangent at `places` on either side of the rest, up to the distance
+    /// `size`; `None` if the law is not defined at one of them.
+    pub fn difference(&self, size: f64, places: u32) -> Option<f64> {
+        let mut largest: f64 = 0.0;
+        for place in (1..=places).flat_map(|place| [f64::from(place), -f64::from(place)]) {
+            let away = Number::Ball(Ball::from(size * place / f64::from(places)));
+            let law = self.curve.value(&(&self.at + &away)).ok()?;
+            let tangent = &self.force + &(&self.slope * &away);
+            largest = largest.max((&law - &tangent).to_f64().abs());
+        }
+        Some(largest)
+    }
+}
+
+impl Mechanism {
+    /// Every law of the scene that this was lowered from, in order of declaration.
+    pub fn laws_at_rest(&self, scene: &Scene) -> Vec<LawAtRest> {
+        let (mut between, mut reach) = (loads::EndPath::default(), PathEvaluation::default());
+        let mut list = Vec::new();
+        for (index, element) in (0..).zip(&scene.elements) {
+            let (Some(curve), id) = (&element.law.curve, ElementId(index)) else { continue };
+            let turns = element.geometry == Geometry::Torsion;
+            let (mut at, mut force, mut slope) = (Number::ZERO, Number::ZERO, element.law.coefficient.clone());
+            let of_rate = !element.law.kind.is_elastic();
+            if !of_rate {
+                let spring =
+                    loads::spring(&self.kinematics, &element.ends, &element.geometry, &element.law, &mut between);
+                reach.measure(&self.kinematics, &self.state, &between.path);
+                let stretched = spring.stretch.at(&reach.displacement, &between.turn(&self.state));
+                let Response::Curve { offset, .. } = &spring.response else { continue };
+                (at, force, slope) =
+                    (offset + stretched.change(), spring.tension(&stretched), spring.stiffness(&stretched));
+            }
+            let name = Label { name: element.name, motion: "" };
+            list.push(LawAtRest { element: id, name, curve: curve.clone(), at, force, slope, turns, of_rate });
+        }
+        list
+    }
+}
+
+/// Every law as drawn: an error for one that is not defined there, where the search for the rest begins.
+pub fn as_drawn(scene: &Scene, kinematics: &Kinematics, state: &State<Number>) -> Vec<LowerError> {
+    let (mut between, mut reach) = (loads::EndPath::default(), PathEvaluation::default());
+    let mut faults = Vec::new();
+    for element in scene.elements.iter().filter(|element| element.law.kind.is_elastic()) {
+        let Some(curve) = &element.law.curve else { continue };
+        let spring = loads::spring(kinematics, &element.ends, &element.geometry, &element.law, &mut between);
+        reach.measure(kinematics, state, &between.path);
+        let stretched = spring.stretch.at(&reach.displacement, &between.turn(state));
+        let Response::Curve { offset, .. } = &spring.response else { continue };
+        let stretch = offset + stretched.change();
+        // A slope that has no limit does not matter before the rest.
+        if let Err(undefined) = curve.value(&stretch) {
+            faults.push(not_defined(scene, element, undefined, stretch.to_f64()));
+        }
+    }
+    faults
+}
+
+/// How far beyond the place where a search was stopped a law is tried, relative to its stretch and the part's length.
+const BEYOND: f64 = 1e-9;
+
+/// The law that a search for the rest could not follow: it is not defined next to the place where the search ended.
+pub fn stopped(scene: &Scene, kinematics: &Kinematics, part: &Part, state: &State<f64>) -> Option<LowerError> {
+    let mut reach = PathEvaluation::default();
+    for (spring, between) in &part.potential.converted::<f64>().springs {
+        let Response::Curve { curve, offset } = &spring.response else { continue };
+        reach.measure(kinematics, state, &between.path);
+        let stretched = spring.stretch.at(&reach.displacement, &between.turn(state));
+        let stretch = offset + stretched.change();
+        let step = BEYOND * (stretch.abs() + part.length());
+        for there in [stretch, stretch - step, stretch + step] {
+            if let Err(undefined) = curve.value(&there.number()) {
+                return Some(not_defined(scene, owner(scene, curve)?, undefined, stretch));
+            }
+        }
+    }
+    None
+}
+
+/// The element that a law belongs to; the first of those that share it.
+fn owner<'a>(scene: &'a Scene, curve: &Arc<Curve>) -> Option<&'a Element> {
+    let is_its = |element: &&Element| element.law.curve.as_ref().is_some_and(|own| Arc::ptr_eq(own, curve));
+    scene.elements.iter().find(is_its)
+}
