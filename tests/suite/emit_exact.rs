@@ -216,7 +216,7 @@ fn hard_cases_are_exact_after_1e5_steps() {
     }
 }
 
-/// `vibc emit --program` prints the same as `vibc simulate`, starting from the text of the model: its signals, its
+/// `vibc emit --program` prints the same as `vibc simulate`, to 1e-12 or what its header says of rounding, starting from the text of the model: its signals, its
 /// initial state, and the results of its `solve` lines.
 #[test]
 fn programs_print_what_simulate_does() {
@@ -266,8 +266,10 @@ fn programs_print_what_simulate_does() {
             let motion = vibc::simulate(&sources, model, &Overrides::default(), times);
             motion.answer.expect("a motion").history
         };
+        // Springs that ride on a table which flies off are rounded as its displacement is: as much as the header says.
+        let most = emitted.system.measured.iter().map(|known| known.error).fold(1e-12, f64::max);
         for (output, error) in errors(&printed, simulate, &step, 1e-14).into_iter().enumerate() {
-            assert!(error <= 1e-12, "{name}, output {output}: {error:e}");
+            assert!(error <= most, "{name}, output {output}: {error:e}, {most:e}");
         }
     }
 }
