@@ -429,7 +429,7 @@ pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outc
         let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         let (system, modes) = dynamics::for_transfer(&reading.scene, diagnostics)?.into_parts();
         let spectrum = modes.map_or_else(|| analysis::modes(&system), Ok).and_then(|modes| {
-            let poles = analysis::poles(&system, &modes)?;
+            let poles = analysis::poles_for_table(&system, &modes)?;
             Ok((modes, poles))
         });
         let spectrum = match spectrum {

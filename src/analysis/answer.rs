@@ -1,8 +1,10 @@
 //! The answers of the analyses.
 
 use crate::analysis::poles::count::PoleCount;
+use crate::analysis::poles::residues::Residues;
 use crate::base::{Ball, Dd, Unproven};
 use crate::system::{CoordinateId, Source};
+use std::sync::Arc;
 
 /// The method that found a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,6 +170,8 @@ pub struct Poles {
     pub left_out: usize,
     /// Whether each pole was followed from a mode separately: then it is not proved that no other one lies between.
     pub followed: bool,
+    /// Transfer functions as sums over the poles, where they were asked for and proved.
+    pub residues: Option<Arc<Residues>>,
 }
 
 impl Poles {

@@ -1,7 +1,7 @@
 //! Transfer functions: the hard cases with their bounds, and closed forms.
 
 use super::ask::ask;
-use super::systems::{Builder, HardCase, chain, number};
+use super::systems::{Builder, HardCase, Random, chain, number};
 use vibc::analysis::{self, Extrema, FeatureKind, Frequency, Gain, Methods, Sweep, Table, Transfer};
 use vibc::answers;
 use vibc::backend::report;
@@ -252,6 +252,101 @@ fn pieces_for_several_cores_give_the_same_bytes() {
     let at_once = transfer.at_frequencies(&frequencies, &[0, 59], &[0, 30], 1e-13);
     let few = frequencies.chunks(48).flat_map(|some| transfer.at_frequencies(some, &[0, 59], &[0, 30], 1e-13));
     assert!(at_once.len() == 4 * 6000 && few.eq(at_once));
+}
+
+/// Two dozen masses, each with springs and dampers to three others: too many for exact arithmetic, and no path leads from the
+/// force to the output, so the zeros are unknown. Elimination in binary64 on a fine grid finds the same peaks and valleys.
+#[test]
+fn every_extremum_of_a_damped_net_is_proved() {
+    const N: usize = 24;
+    let mut chance = Random::new(41);
+    let mut model = String::from("model net\n");
+    let (mut masses, mut springs, mut dampers) = (vec![0.0; N], vec![vec![0.0; N]; N], vec![vec![0.0; N]; N]);
+    let join = |matrix: &mut Vec<Vec<f64>>, value: f64, a: Option<usize>, b: usize| {
+        matrix[b][b] += value;
+        if let Some(a) = a {
+            matrix[a][a] += value;
+            matrix[a][b] -= value;
+            matrix[b][a] -= value;
+        }
+    };
+    for i in 0..N {
+        let mass = 1.0 + chance.below(100) as f64 / 128.0;
+        masses[i] = mass;
+        model += &format!("body m{i} {{ mass = {mass} kg, moves x }}\n");
+        let mut others: Vec<Option<usize>> =
+            if i == 0 { vec![None] } else { vec![Some(i - 1), Some(i.saturating_sub(2)), Some(chance.below(i))] };
+        others.sort();
+        others.dedup();
+        for (number, other) in others.into_iter().enumerate() {
+            let end = other.map_or("ground".to_string(), |other| format!("m{other}"));
+            let (k, c) = (1.0 + chance.below(200) as f64 / 128.0, (1 + chance.below(9)) as f64 / 128.0);
+            model += &format!("spring s{i}_{number}: {end} -- m{i} {{ k = {k} N/m }}\n");
+            model += &format!("damper d{i}_{number}: {end} -- m{i} {{ c = {c} N*s/m }}\n");
+            join(&mut springs, k, other, i);
+            join(&mut dampers, c, other, i);
+        }
+    }
+    model += &format!("force F: m0 along x\noutput y = m{}.x\n", N - 1);
+    let (answer, status, told) = told(&model, "transfer", &["--range", "0.01Hz..0.5Hz"]);
+    let pair = &answer["pairs"][0];
+    assert!(status == Some(0) && pair["complete"] == true, "{told}");
+    let size = |hertz: f64| {
+        let omega = 2.0 * std::f64::consts::PI * hertz;
+        let entry = |i: usize, j: usize| {
+            let inertia = if i == j { omega * omega * masses[i] } else { 0.0 };
+            [springs[i][j] - inertia, omega * dampers[i][j]]
+        };
+        last_of_solution((0..N).map(|i| (0..N).map(|j| entry(i, j)).collect()).collect())
+    };
+    let grid: Vec<f64> = (0..=1500).map(|i| 0.01 * 50f64.powf(f64::from(i) / 1500.0)).collect();
+    let sizes: Vec<f64> = grid.iter().map(|&f| size(f)).collect();
+    let turns = sizes.windows(3).enumerate().filter_map(|(i, size)| {
+        let peak = size[1] > size[0] && size[1] > size[2];
+        let valley = size[1] < size[0] && size[1] < size[2];
+        (peak || valley).then_some((if peak { "peak" } else { "antiresonance" }, i))
+    });
+    let turns: Vec<(&str, usize)> = turns.collect();
+    let extrema = pair["extrema"].as_array().expect("a list");
+    assert_eq!(extrema.len(), turns.len(), "{told}");
+    for (extremum, (kind, i)) in extrema.iter().zip(turns) {
+        let hertz = extremum["frequency_hz"].as_f64().expect("a number");
+        assert!(extremum["kind"] == kind && (grid[i]..=grid[i + 2]).contains(&hertz), "{extremum} {}", grid[i + 1]);
+        let gain = extremum["gain"].as_f64().expect("a number");
+        assert!((size(hertz) / gain - 1.0).abs() < 1e-9, "{extremum}");
+        assert!(extremum["gain_error_bound"].as_f64().expect("a bound") < 1e-12, "{extremum}");
+        // |H| is its peak over the root of 2 at two points that are so far apart; at least one of them within this distance.
+        if let Some(width) = extremum["width_hz"].as_f64() {
+            let least = size(hertz - width).min(size(hertz + width));
+            assert!(least <= gain / 2f64.sqrt() * (1.0 + 1e-9), "{extremum}");
+        }
+    }
+}
+
+/// The modulus of the last entry of Q^-1 e_1: elimination of complex numbers with pivots.
+fn last_of_solution(mut q: Vec<Vec<[f64; 2]>>) -> f64 {
+    let n = q.len();
+    for (i, row) in q.iter_mut().enumerate() {
+        row.push([if i == 0 { 1.0 } else { 0.0 }, 0.0]);
+    }
+    let square = |z: [f64; 2]| z[0] * z[0] + z[1] * z[1];
+    let over = |a: [f64; 2], b: [f64; 2]| {
+        let d = square(b);
+        [(a[0] * b[0] + a[1] * b[1]) / d, (a[1] * b[0] - a[0] * b[1]) / d]
+    };
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&a, &b| square(q[a][k]).total_cmp(&square(q[b][k]))).expect("a row");
+        q.swap(k, pivot);
+        for i in k + 1..n {
+            let f = over(q[i][k], q[k][k]);
+            for j in k..=n {
+                let x = q[k][j];
+                q[i][j][0] -= f[0] * x[0] - f[1] * x[1];
+                q[i][j][1] -= f[0] * x[1] + f[1] * x[0];
+            }
+        }
+    }
+    square(over(q[n - 1][n], q[n - 1][n - 1])).sqrt()
 }
 
 /// Three springs at angles of 120 degrees: by symmetry a force along x moves nothing along y, although the enclosed

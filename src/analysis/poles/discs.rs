@@ -13,6 +13,7 @@
 use crate::analysis::poles::disc_columns::{Bounded, Columns, U, UP, dot_products};
 use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
+use crate::analysis::poles::residues::Proof;
 use crate::analysis::poles::rigid::RigidMotions;
 use crate::base::{Ball, Dd, larger};
 use crate::kernel::complex::Complex;
@@ -32,16 +33,25 @@ pub struct Disc {
 
 /// The discs of all pairs (one of each conjugate pair, im > 0, and real ones) together with the exact rigid motions.
 /// `count` is the number of poles; nothing is certified if there are fewer or more columns than poles.
-pub fn discs(pencil: &Pencil<Precise>, rigid: &RigidMotions, pairs: &[Pair], count: usize) -> Vec<Disc> {
+/// `also` makes from the bounds of the proof what else follows from them; `None` where there is no proof.
+pub fn discs<T>(
+    pencil: &Pencil<Precise>,
+    rigid: &RigidMotions,
+    pairs: &[Pair],
+    count: usize,
+    also: impl FnOnce(&Proof) -> T,
+) -> (Vec<Disc>, Option<T>) {
     let applied: Vec<_> = pairs.iter().map(|pair| pencil.apply(pair.s, &pair.x)).collect();
     let columns = Columns::of(pencil, rigid, pairs, &applied);
     let certified = (columns.list.len() == count).then(|| {
         let r = residual_products(&columns, pairs, &applied);
         let b = deviation(pencil, &columns, &r)?;
         let t = perturbation(&columns, &b, &r)?;
-        Some(gershgorin(&Certificate { columns, b, t }, pairs, &applied))
+        let more = also(&Proof { pencil, pairs, applied: &applied, columns: &columns, b: &b, t: &t });
+        Some((gershgorin(&Certificate { columns, b, t }, pairs, &applied), Some(more)))
     });
-    certified.flatten().unwrap_or_else(|| pairs.iter().map(|pair| around(pair, f64::INFINITY, [Some(0); 2])).collect())
+    let nothing = || pairs.iter().map(|pair| around(pair, f64::INFINITY, [Some(0); 2])).collect();
+    certified.flatten().unwrap_or_else(|| (nothing(), None))
 }
 
 impl Disc {
@@ -84,6 +94,16 @@ impl Table {
     fn column(&self, j: usize) -> &[f64] {
         &self.data[j * self.n..(j + 1) * self.n]
     }
+
+    /// Bounds of the product with a vector of bounds.
+    fn times(&self, x: &[f64]) -> Vec<f64> {
+        let mut sum = vec![f64::MIN_POSITIVE; self.n];
+        for (j, &x) in x.iter().enumerate() {
+            sum.iter_mut().zip(self.column(j)).for_each(|(sum, a)| *sum += a * x);
+        }
+        sum.iter_mut().for_each(|sum| *sum *= UP);
+        sum
+    }
 }
 
 /// Bounds of |R_ij| = |x_i^T r_j|; zero for the columns of rigid motions.
@@ -116,12 +136,19 @@ fn residual_products(columns: &Columns, pairs: &[Pair], applied: &[Application<P
 }
 
 /// Bounds of the deviation of B from a diagonal matrix.
-struct Deviation {
+pub struct Deviation {
     diagonal: Vec<Bounded>,
     /// Bounds G_ij of |B_ij| / |B_ii| off the diagonal.
     off: Table,
     /// The largest row sum of G.
-    theta: f64,
+    pub theta: f64,
+}
+
+impl Deviation {
+    /// G x, for a vector of bounds.
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        self.off.times(x)
+    }
 }
 
 /// `None` if B may be singular.
@@ -159,11 +186,18 @@ fn coupling(pencil: &Pencil<Precise>, columns: &Columns, r: &Table, i: usize, j:
 }
 
 /// Bounds of T.
-struct Perturbation {
+pub struct Perturbation {
     /// |T_ij|
     t: Table,
     /// |T_kk - R_kk / B_kk|
     own: Vec<f64>,
+}
+
+impl Perturbation {
+    /// |T| x, for a vector of bounds.
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        self.t.times(x)
+    }
 }
 
 /// T = B^-1 R: with B = Lambda (1 + F), |F| <= G, |(1 + F)^-1| <= 1 + G + G^2 + ...
@@ -308,7 +342,7 @@ mod tests {
     }
 
     fn certified(pencil: &Pencil<Precise>, pairs: &[Pair], count: usize) -> Vec<Disc> {
-        discs(pencil, &RigidMotions::default(), pairs, count)
+        discs(pencil, &RigidMotions::default(), pairs, count, |_| ()).0
     }
 
     /// The distance of the disc's centre from the true pole, and its radius.

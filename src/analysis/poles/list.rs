@@ -8,9 +8,11 @@ use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::exact::{ExactPoles, ExactRoot};
 use crate::analysis::poles::passive::Passive;
 use crate::analysis::poles::quadratic::{Root, Roots};
+use crate::analysis::poles::residues::Residues;
 use crate::base::{Ball, Dd, up};
 use crate::kernel::complex::Complex;
 use std::cmp::Ordering;
+use std::sync::Arc;
 
 /// Poles in the order in which they are found.
 #[derive(Default)]
@@ -24,6 +26,8 @@ pub struct PoleList {
     first: usize,
     /// Indices at which the poles of each part end, and those of each mode that is an independent oscillator.
     ends: Vec<usize>,
+    /// Of a system that is one part.
+    pub residues: Option<Residues>,
 }
 
 /// The known facts about a pole that is not exactly zero.
@@ -235,7 +239,12 @@ impl PoleList {
             });
             *cluster = at as u32;
         }
-        Poles { count: self.tally.counted(coordinates), list: self.list, ..Poles::default() }
+        Poles {
+            count: self.tally.counted(coordinates),
+            list: self.list,
+            residues: self.residues.map(Arc::new),
+            ..Poles::default()
+        }
     }
 
     /// Poles of different parts, or of different modes, whose enclosures meet are a cluster too: they are equal, or not

@@ -19,6 +19,7 @@ pub(in crate::analysis) mod pencil;
 pub(in crate::analysis) mod proportional;
 pub(in crate::analysis) mod quadratic;
 pub(in crate::analysis) mod refinement;
+pub mod residues;
 pub(in crate::analysis) mod rigid;
 pub(in crate::analysis) mod scaling;
 pub(in crate::analysis) mod schur;
@@ -44,6 +45,7 @@ use crate::analysis::poles::pencil::Pencil;
 use crate::analysis::poles::proportional::{Proportional, proportional};
 use crate::analysis::poles::quadratic::{Roots, real_root, roots};
 use crate::analysis::poles::refinement::{Pair, refine};
+use crate::analysis::poles::residues::{Proof, Residues};
 use crate::analysis::poles::rigid::{RigidMotions, rigid_motions};
 use crate::analysis::poles::scaling::scaled;
 use crate::analysis::poles::targeted::targeted;
@@ -70,9 +72,20 @@ pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisErro
     if let Some(near_one) = scaled(system)
         && let Ok(modes) = all_modes(&near_one.system)
     {
-        return in_range(system, near_one.back(unscaled(&near_one.system, &modes)?));
+        return in_range(system, near_one.back(unscaled(&near_one.system, &modes, false)?));
     }
-    in_range(system, unscaled(system, modes)?)
+    in_range(system, unscaled(system, modes, false)?)
+}
+
+/// All poles, and transfer functions as sums over them where their proof bounds what such a sum leaves out: of a system that is
+/// one part with general damping, none of whose poles is on the imaginary axis.
+pub fn poles_and_residues(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
+    let one_part = || matches!(&independent(system)[..], [part] if part.coordinates.len() == system.n());
+    if system.c.is_empty() || scaled(system).is_some() || !one_part() {
+        return poles(system, modes);
+    }
+    runs::begins("poles");
+    in_range(system, unscaled(system, modes, true)?)
 }
 
 /// All modes, whatever their number: whoever asks for all poles has decided that.
@@ -86,8 +99,8 @@ fn in_range(system: &LinearSystem, poles: Poles) -> Result<Poles, AnalysisError>
     if poles.list.iter().all(is_finite) { Ok(poles) } else { Err(AnalysisError::OutOfRange { at: place(system, 0) }) }
 }
 
-/// All poles of a damped system whose numbers are not rescaled.
-fn unscaled(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
+/// All poles of a damped system whose numbers are not rescaled, with residues if they are wanted.
+fn unscaled(system: &LinearSystem, modes: &Modes, with_residues: bool) -> Result<Poles, AnalysisError> {
     let mut found = PoleList::default();
     let parts = independent(system);
     let mut local = vec![0u32; system.n()];
@@ -95,7 +108,7 @@ fn unscaled(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError
         part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
     }
     for coordinates in &parts {
-        let part = Portion { system, part: coordinates, local: &local };
+        let part = Portion { system, part: coordinates, local: &local, with_residues };
         if coordinates.coordinates.len() == 1 {
             part.single(&mut found)?;
         } else if parts.len() == 1 {
@@ -218,6 +231,7 @@ struct Portion<'a> {
     system: &'a LinearSystem,
     part: &'a Part,
     local: &'a [u32],
+    with_residues: bool,
 }
 
 impl Portion<'_> {
@@ -317,21 +331,26 @@ impl Portion<'_> {
         let basis = Basis::of(&working, modes, &rigid);
         let certified = |mut pairs: Vec<Pair>| {
             separate(&working, &mut pairs);
-            let discs = discs(&pencil, &rigid, &pairs, 2 * pencil.n);
-            (pairs, discs)
+            let residues = |proof: &Proof| match self.with_residues {
+                true => proof.residues(self.system, self.local),
+                false => None,
+            };
+            let (discs, residues) = discs(&pencil, &rigid, &pairs, 2 * pencil.n, residues);
+            (pairs, discs, residues.flatten())
         };
         let one_by_one = |starts: &[Complex<f64>]| {
             starts.iter().enumerate().filter_map(|(seed, &start)| refine(&working, &basis, start, seed)).collect()
         };
         let together = || refine_together(&working, &basis, &basis.starts()?).map(certified);
-        let (mut pairs, mut discs) = if pencil.n >= TOGETHER { together() } else { None }
-            .filter(|(_, discs)| all_apart(discs))
-            .unwrap_or_default();
+        let (mut pairs, mut discs, mut residues): (_, _, Option<Residues>) =
+            if pencil.n >= TOGETHER { together() } else { None }
+                .filter(|(_, discs, _)| all_apart(discs))
+                .unwrap_or_default();
         if !all_apart(&discs) {
             let spectrum = basis.spectrum();
-            (pairs, discs) = certified(refine_all(&working, &basis, &spectrum));
+            (pairs, discs, residues) = certified(refine_all(&working, &basis, &spectrum));
             if !all_apart(&discs) {
-                (pairs, discs) = certified(one_by_one(&aberth(&basis, &spectrum.values())));
+                (pairs, discs, residues) = certified(one_by_one(&aberth(&basis, &spectrum.values())));
             }
         }
         if !all_apart(&discs) && self.exact(modes, found) {
@@ -355,6 +374,7 @@ impl Portion<'_> {
         found.unknown(lost);
         found.zeros(zeros);
         found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));
+        found.residues = residues;
         Ok(())
     }
 

@@ -274,7 +274,7 @@ mod tests {
             let basis = Basis::of(&working, &modes(&system).expect("modes"), &rigid);
             let starts = basis.starts().expect("no breakdown");
             let pairs = refine_together(&working, &basis, &starts).expect("converges");
-            let discs = discs(&pencil, &rigid, &pairs, 2 * n);
+            let (discs, _) = discs(&pencil, &rigid, &pairs, 2 * n, |_| ());
             assert!(discs.iter().all(|disc| disc.clusters == [None; 2] && disc.s.re.rad < 1e-28), "{gamma}");
             for k in 1..=n {
                 let w = 2.0 * libm::sin(k as f64 * std::f64::consts::PI / (2 * (n + 1)) as f64);

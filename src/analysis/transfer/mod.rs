@@ -10,6 +10,7 @@ pub(in crate::analysis) mod exact;
 pub mod extrema;
 pub(in crate::analysis) mod inverse;
 pub mod modal;
+pub(in crate::analysis) mod partial_fractions;
 mod pieces;
 mod scaled;
 pub(in crate::analysis) mod sparse;

@@ -5,8 +5,13 @@
 //! however close to it is bracketed. Extrema: see `extrema`. See docs/method/transfer.md.
 
 use crate::analysis::answer::{Modes, Poles};
-use crate::analysis::transfer::extrema::{Exactly, Extrema, bracketed, factored, sharpened};
+use crate::analysis::error::AnalysisError;
+use crate::analysis::poles::{poles, poles_and_residues};
+use crate::analysis::transfer::extrema::{
+    Exactly, Extrema, Extremum, MOST_ENCLOSED, bracketed, expanded, factored, sharpened,
+};
 use crate::analysis::transfer::modal::{ModalPair, ModalSum};
+use crate::analysis::transfer::partial_fractions::PartialFractions;
 use crate::analysis::transfer::{FAST_ABOVE, Frequency, Gain, TO_THE_LAST_DIGIT, Transfer};
 use crate::base::{Number, Rational};
 use crate::kernel::complex::Complex;
@@ -69,6 +74,7 @@ pub struct Methods<'a> {
 struct Pair<'a> {
     modal: Option<ModalPair>,
     exactly: Option<&'a Exactly>,
+    fractions: Option<PartialFractions>,
 }
 
 /// Fewer frequencies than this are computed one by one.
@@ -89,7 +95,8 @@ impl<'a> Methods<'a> {
                 let (sum, modal) = self.sum.as_ref().zip(pair.modal.as_ref())?;
                 Some(sum.accurate(modal, frequency)).filter(good)
             };
-            exactly.or_else(by_modes)
+            let by_poles = || pair.fractions.as_ref().map(|sum| sum.gain(frequency)).filter(good);
+            exactly.or_else(by_modes).or_else(by_poles)
         };
         let pairwise: Option<Vec<Vec<Gain>>> = pairs.iter().map(|row| row.iter().map(by_pair).collect()).collect();
         pairwise
@@ -113,8 +120,8 @@ impl<'a> Methods<'a> {
             }
         }
         let left: Vec<usize> = (0..rows.len()).filter(|&i| !rows[i].iter().all(good)).collect();
-        // Products over zeros and poles, if available, are fast enough.
-        let at_hand = pairs.iter().flatten().all(|pair| pair.exactly.is_some());
+        // Products over zeros and poles and sums over poles, if available, are fast enough.
+        let at_hand = pairs.iter().flatten().all(|pair| pair.exactly.is_some() || pair.fractions.is_some());
         if left.len() >= WORTH_SETTING_UP && !at_hand {
             let some: Vec<Frequency> = left.iter().map(|&i| frequencies[i].clone()).collect();
             let gains = self.transfer.side_by_side(&some, &sweep.inputs, &sweep.outputs, tolerance);
@@ -134,14 +141,21 @@ impl<'a> Methods<'a> {
     }
 
     /// Zeros and poles are worth computing if extrema are wanted.
-    fn pairs(&self, sweep: &Sweep, refined: bool) -> Pairs<'_> {
+    fn pairs(&self, poles: &Poles, sweep: &Sweep, refined: bool) -> Pairs<'_> {
         let pair = |input: usize, output: usize| Pair {
             modal: self.sum.as_ref().map(|sum| sum.pair(self.system, input, output)),
             exactly: if refined { self.transfer.zero_pole_form(input, output) } else { None },
+            fractions: (poles.residues.as_ref().filter(|_| refined))
+                .and_then(|residues| PartialFractions::of(self.system, residues, input, output)),
         };
         let row = |&input: &usize| sweep.outputs.iter().map(|&output| pair(input, output)).collect();
         sweep.inputs.iter().map(row).collect()
     }
+}
+
+/// The poles that a table needs: with sums over them, where exact arithmetic does not find the zeros of every pair.
+pub fn poles_for_table(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
+    if system.n() <= MOST_ENCLOSED { poles(system, modes) } else { poles_and_residues(system, modes) }
 }
 
 /// Prepared pairs, `[input][output]`.
@@ -150,7 +164,7 @@ type Pairs<'a> = Vec<Vec<Pair<'a>>>;
 /// Computes a table.
 pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
     let refined = sweep.at.is_empty() && sweep.points.is_none();
-    let pairs = methods.pairs(sweep, refined);
+    let pairs = methods.pairs(poles, sweep, refined);
     let (inputs, outputs) = (sweep.inputs.clone(), sweep.outputs.clone());
     if !refined {
         let rows = methods.rows(&pairs, sweep, &frequencies(poles, sweep));
@@ -191,6 +205,14 @@ fn from_roots(
         if let Some(found) = found.as_ref().filter(|found| found.is_complete()) {
             return found.clone();
         }
+        let of_poles = pairs[i][o].fractions.as_ref().map(|sum| expanded(sum, low, high));
+        let sharp = |extrema: &&Extrema| {
+            let error = |extremum: &Extremum| extremum.gain.disc().map_or(f64::INFINITY, |disc| disc.relative_error());
+            extrema.is_complete() && extrema.list.iter().all(|extremum| error(extremum) <= TO_THE_LAST_DIGIT)
+        };
+        if let Some(found) = of_poles.as_ref().filter(sharp) {
+            return found.clone();
+        }
         let along_path = || {
             let factored = factored(&methods.transfer, poles, sweep.inputs[i], sweep.outputs[o])?;
             let found = Exactly::of(&factored)?.extrema(low, high);
@@ -198,7 +220,7 @@ fn from_roots(
         };
         match along_path() {
             Some(found) => sharpened(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found),
-            None => found.unwrap_or_default(),
+            None => of_poles.filter(Extrema::is_complete).or(found).unwrap_or_default(),
         }
     };
     (0..sweep.inputs.len()).map(|i| (0..sweep.outputs.len()).map(|o| of_pair(i, o)).collect()).collect()

@@ -18,7 +18,7 @@ use num_traits::{One, Zero};
 const MOST_COORDINATES: usize = 12;
 
 /// Limit of coordinates for numbers known as enclosures.
-const MOST_ENCLOSED: usize = 9;
+pub const MOST_ENCLOSED: usize = 9;
 
 /// det Q of a system, prepared for its inputs and outputs.
 #[derive(Clone, Debug)]

@@ -3,6 +3,7 @@
 //! See docs/method/transfer.md#extrema.
 
 mod bracketed;
+mod expanded;
 mod expansion;
 mod fraction;
 mod jet;
@@ -14,6 +15,8 @@ mod slope;
 mod supremum;
 
 pub use bracketed::{bracketed, sharpened};
+pub use expanded::expanded;
+pub(in crate::analysis) use fraction::MOST_ENCLOSED;
 pub(in crate::analysis) use fraction::coordinates_between;
 pub use fraction::{Denominator, Factored};
 pub(in crate::analysis) use path::factored;
