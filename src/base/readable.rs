@@ -32,7 +32,8 @@ pub fn visible(c: char) -> char {
 /// the same text. Line feeds between values stay.
 pub fn escaped(json: String) -> String {
     let hidden = |c: char| c != '\n' && visible(c) != c;
-    if !json.contains(hidden) {
+    let is_printed = |byte: u8| byte == b'\n' || (b' '..0x7f).contains(&byte);
+    if json.bytes().all(is_printed) || !json.contains(hidden) {
         return json;
     }
     let mut escaped = String::with_capacity(json.len() + 64);

@@ -19,12 +19,29 @@ impl Tenths {
 
 impl fmt::Display for Tenths {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let (sign, size) = (if self.0 < 0 { "-" } else { "" }, self.0.unsigned_abs());
-        match (size / 10, size % 10) {
-            (whole, 0) => write!(f, "{sign}{whole}"),
-            (0, tenths) => write!(f, "{sign}.{tenths}"),
-            (whole, tenths) => write!(f, "{sign}{whole}.{tenths}"),
+        // Digits from the last to the first: a figure has thousands of these.
+        let (mut text, mut at) = ([0; 24], 24);
+        let mut put = |byte: u8| {
+            at -= 1;
+            text[at] = byte;
+        };
+        let size = self.0.unsigned_abs();
+        let (mut whole, tenths) = (size / 10, (size % 10) as u8);
+        if tenths > 0 {
+            put(b'0' + tenths);
+            put(b'.');
         }
+        while whole > 0 {
+            put(b'0' + (whole % 10) as u8);
+            whole /= 10;
+        }
+        if size == 0 {
+            put(b'0');
+        }
+        if self.0 < 0 {
+            put(b'-');
+        }
+        f.write_str(std::str::from_utf8(&text[at..]).unwrap_or_default())
     }
 }
 

@@ -9,9 +9,13 @@ use crate::backend::plain;
 use crate::base::{Diagnostic, Severity};
 use crate::questions::answer::Sensitivity;
 use sha2::{Digest, Sha256};
+use std::sync::LazyLock;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
+
+/// Of the style and the script, for the security policy.
+static HASHES: LazyLock<[String; 2]> = LazyLock::new(|| [STYLE, SCRIPT].map(hash));
 
 /// The whole file.
 pub fn page(page: &Page) -> String {
@@ -23,8 +27,7 @@ pub fn page(page: &Page) -> String {
     };
     let policy = format!(
         "default-src 'none'; {connect}style-src 'sha256-{}'; script-src 'sha256-{}'; base-uri 'none'; form-action 'none'",
-        hash(STYLE),
-        hash(SCRIPT)
+        HASHES[0], HASHES[1]
     );
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\

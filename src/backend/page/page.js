@@ -173,9 +173,10 @@
     }
 
     function colour() {
-      const energy = chosen().energy ?? {};
+      const energy = chosen().energy ?? [];
+      const places = new Map(page.items.map((item, place) => [item, place]));
       for (const glyph of svg.querySelectorAll('[data-item]')) {
-        const share = Math.max(0, Math.min(1, energy[glyph.dataset.item] ?? 0));
+        const share = Math.max(0, Math.min(1, energy[places.get(glyph.dataset.item)] ?? 0));
         glyph.classList.toggle('hot', share > 0);
         glyph.style.setProperty('--share', String(share));
       }

@@ -24,7 +24,13 @@ fn answers(of: &Answers) -> Value {
     {
         map.insert("figure".into(), figure(moving, of.movements));
     }
-    map.insert("motions".into(), motions(of));
+    let items = items(of);
+    let name = |item: &Item| match item {
+        Item::Body(body) => format!("b{body}"),
+        Item::Element(element) => format!("e{element}"),
+    };
+    map.insert("items".into(), items.iter().map(name).collect());
+    map.insert("motions".into(), motions(of, &items));
     map.insert("poles".into(), of.poles.iter().map(pole).collect());
     if of.transfer.is_some() {
         map.insert("transfer".into(), transfer(of));
@@ -38,11 +44,36 @@ fn answers(of: &Answers) -> Value {
     Value::Object(map)
 }
 
-/// A number of a picture.
+/// A number of a picture, to seven digits.
 fn plain(x: f64) -> Value {
-    const DIGITS: usize = 6;
-    let rounded = format!("{x:.DIGITS$e}").parse::<f64>().ok().filter(|x| x.is_finite());
-    rounded.map_or(Value::Null, |x| if x == x.trunc() && x.abs() < 1e9 { json!(x as i64) } else { json!(x) })
+    let x = rounded::<7>(x);
+    match x {
+        _ if !x.is_finite() => Value::Null,
+        _ if x == x.trunc() && x.abs() < 1e9 => Value::from(x as i64),
+        _ => Value::from(x),
+    }
+}
+
+/// Powers of ten that binary64 holds exactly.
+const POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
+];
+
+/// A number of so many decimal digits next to this one. A page has thousands of them, so that they are not written and read for it.
+fn rounded<const DIGITS: usize>(x: f64) -> f64 {
+    let size = x.abs();
+    let whole = POWERS[DIGITS];
+    if size >= whole || size == 0.0 || !size.is_finite() {
+        let written = || format!("{x:.*e}", DIGITS - 1).parse::<f64>();
+        return if size == 0.0 || x.is_nan() { x } else { written().unwrap_or(x) };
+    }
+    // The power that brings it to DIGITS digits before the point.
+    let scale = POWERS.iter().find(|power| size * **power >= POWERS[DIGITS - 1]);
+    match scale {
+        Some(scale) => (x * scale).round() / scale,
+        None => format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x),
+    }
 }
 
 /// A number that curves are computed from, whole.
@@ -84,20 +115,33 @@ fn figure(moving: &Moving, movements: &Movements) -> Value {
     })
 }
 
-fn motions(of: &Answers) -> Value {
-    let mut all: Vec<Value> = of.movements.list.iter().map(movement).collect();
+/// Every body and element that has a share of some motion's energy; of the first motion in its order.
+fn items(of: &Answers) -> Vec<Item> {
+    let mut items = Vec::new();
+    for movement in &of.movements.list {
+        for (place, (item, _)) in movement.energy.iter().enumerate() {
+            // Motions have the same parts, mostly in the same order.
+            if items.get(place) != Some(item) && !items.contains(item) {
+                items.push(*item);
+            }
+        }
+    }
+    items
+}
+
+fn motions(of: &Answers, items: &[Item]) -> Value {
+    let mut all: Vec<Value> = of.movements.list.iter().map(|of| movement(of, items)).collect();
     if let Some(motion) = of.motion {
         all.push(json!({ "kind": "time", "amount": plain(motion.amount), "says": "the motion over time" }));
     }
     Value::Array(all)
 }
 
-fn movement(of: &Movement) -> Value {
-    let item = |item: &Item| match item {
-        Item::Body(body) => format!("b{body}"),
-        Item::Element(element) => format!("e{element}"),
+fn movement(of: &Movement, items: &[Item]) -> Value {
+    let energy = match of.energy.is_empty() {
+        true => Vec::new(),
+        false => shares(&of.energy, items),
     };
-    let energy: Map<String, Value> = of.energy.iter().map(|(of, part)| (item(of), plain(*part))).collect();
     let says = match energy.is_empty() {
         true => "",
         false => "coloured by share of the energy: springs of the strain energy, bodies of the kinetic energy",
@@ -114,6 +158,15 @@ fn movement(of: &Movement) -> Value {
         value["qi"] = list(of.shape.iter().map(|x| x.im));
     }
     value
+}
+
+/// The shares of the items, in their order.
+fn shares(energy: &[(Item, f64)], items: &[Item]) -> Vec<Value> {
+    let share = |(place, item): (usize, &Item)| {
+        let own = energy.get(place).filter(|(known, _)| known == item);
+        own.or_else(|| energy.iter().find(|(known, _)| known == item)).map_or(Value::from(0), |(_, part)| plain(*part))
+    };
+    items.iter().enumerate().map(share).collect()
 }
 
 fn pole(of: &super::PoleShown) -> Value {
@@ -215,6 +268,28 @@ fn motion(of: &Answers) -> Value {
 
 /// Samples of curves, of which a page has thousands: five digits.
 fn short(values: impl IntoIterator<Item = f64>) -> Value {
-    let value = |x: f64| format!("{x:.4e}").parse::<f64>().map_or(Value::Null, plain);
-    values.into_iter().map(value).collect()
+    values.into_iter().map(|x| plain(rounded::<5>(x))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As writing them with so many digits does, of which the last may differ by one where the next ones are about a half.
+    #[test]
+    fn numbers_have_so_many_digits() {
+        let mut state = 1u64;
+        for _ in 0..20_000 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let fraction = (state >> 11) as f64 / (1u64 << 53) as f64;
+            let x = (fraction - 0.5) * 10f64.powi((state % 60) as i32 - 30);
+            let (found, written) = (rounded::<7>(x), format!("{x:.6e}").parse::<f64>().unwrap());
+            assert!((found - written).abs() <= 1.000001e-6 * written.abs(), "{x:e}: {found:e}, {written:e}");
+            assert!((found - x).abs() <= 0.500001e-6 * x.abs(), "{x:e}: {found:e}");
+            assert_eq!(format!("{found:.6e}").parse::<f64>().unwrap(), found, "{x:e} has no more than seven digits");
+        }
+        assert_eq!([rounded::<5>(0.0), rounded::<5>(1.0), rounded::<5>(-2.5e-3)], [0.0, 1.0, -2.5e-3]);
+        assert!(plain(f64::NAN).is_null() && plain(f64::INFINITY).is_null());
+        assert_eq!(plain(3.0), json!(3));
+    }
 }
