@@ -280,12 +280,15 @@ fn correction(
 
 /// f(z) by Horner's scheme; exact if `bits` is `None`.
 pub(in crate::analysis) fn value(f: &Polynomial, z: &ComplexFloat, bits: Option<u64>) -> ComplexFloat {
-    f.coefficients().iter().rev().fold(ComplexFloat::zero(), |sum, a| {
-        let next = &(&sum * z) + &ComplexFloat::new(Float::from(a.clone()), Float::zero());
-        match bits {
-            Some(bits) => next.cut(bits),
-            None => next,
-        }
+    let cut = |sum: ComplexFloat| match bits {
+        Some(bits) => sum.cut(bits),
+        None => sum,
+    };
+    let mut falling = f.coefficients().iter().rev().map(|a| Float::from(a.clone()));
+    let Some(leading) = falling.next() else { return ComplexFloat::zero() };
+    falling.fold(cut(ComplexFloat::new(leading, Float::zero())), |sum, a| {
+        let product = &sum * z;
+        cut(ComplexFloat::new(&product.re + &a, product.im))
     })
 }
 
