@@ -32,7 +32,7 @@ module.exports = grammar({
     point: ($) => seq('point', field('name', $.name), '=', $.expression),
     body: ($) => seq('body', field('name', $.name), $.fields),
     base: ($) => seq('base', field('name', $.name), $.fields, optional($._signal)),
-    element: ($) => seq(choice('spring', 'damper', 'inerter'), field('name', $.name), ':', $.end, '--', $.end, $.fields),
+    element: ($) => seq(choice('spring', 'damper', 'inerter', 'belt'), field('name', $.name), ':', $.end, '--', $.end, $.fields),
     joint: ($) => seq(choice('pivot', 'weld'), field('name', $.name), ':', $.end, '--', $.end),
     slide: ($) => seq('slide', field('name', $.name), ':', $.end, '--', $.end, optional($._along)),
     couple: ($) => seq('couple', field('name', $.name), ':', $.expression, '=', $.expression),

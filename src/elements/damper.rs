@@ -1,7 +1,7 @@
 //! A damper: force c de/dt of a stretch e. It exerts no force at rest, so it adds C = c (grad e)(grad e)^T and no
 //! stiffness. See docs/method/linearisation.md.
 
-use super::kind::{ALONG, Kind, Negative, Order};
+use super::kind::{ALONG, Acts, Kind, Negative, Order};
 use crate::base::{Code, Dimension, Expected, Field, Manual, Takes};
 
 const LAW: Field = Field::new(
@@ -38,4 +38,5 @@ pub const KIND: Kind = Kind {
     units: ["N*s/m", "N*m*s/rad"],
     order: Order::Velocity,
     negative: Negative::Noted(Code::model("vib::damper::negative"), "this damping is negative: it adds energy"),
+    acts: Acts::BetweenEnds,
 };

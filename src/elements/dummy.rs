@@ -1,7 +1,7 @@
 //! A damper under another name, for unit tests only. `kinds` takes it through every stage, which reveals any place that
 //! names kinds by hand.
 
-use super::kind::{ALONG, Kind, Negative, Order};
+use super::kind::{ALONG, Acts, Kind, Negative, Order};
 use crate::base::{Dimension, Expected, Field, Manual};
 
 pub const KIND: Kind = Kind {
@@ -28,4 +28,5 @@ pub const KIND: Kind = Kind {
     units: ["N*s/m", "N*m*s/rad"],
     order: Order::Velocity,
     negative: Negative::Refused,
+    acts: Acts::BetweenEnds,
 };

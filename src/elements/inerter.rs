@@ -4,7 +4,7 @@
 //! and, to first order, adds M = b (grad e)(grad e)^T, with the gradient at that rest, and nothing to C and K. See
 //! docs/method/linearisation.md.
 
-use super::kind::{ALONG, Kind, Negative, Order};
+use super::kind::{ALONG, Acts, Kind, Negative, Order};
 use crate::base::{Dimension, Expected, Field, Manual};
 
 pub const KIND: Kind = Kind {
@@ -35,4 +35,5 @@ pub const KIND: Kind = Kind {
     units: ["kg", "kg*m^2"],
     order: Order::Acceleration,
     negative: Negative::Refused,
+    acts: Acts::BetweenEnds,
 };

@@ -26,6 +26,16 @@ pub struct Kind {
     pub units: [&'static str; 2],
     pub order: Order,
     pub negative: Negative,
+    pub acts: Acts,
+}
+
+/// What an element's stretch is measured between.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acts {
+    /// Two points, directions or angles.
+    BetweenEnds,
+    /// Along both common tangents of two disks.
+    RoundDisks,
 }
 
 /// The order of the derivative of the stretch that an element's force is proportional to, which decides the matrix that

@@ -5,6 +5,7 @@
 //! out in `lower::kinematics`. The formulas are written once, for binary64 (the search for the rest) and for
 //! [`Number`](crate::base::Number) (the matrices): see [`Scalar`].
 
+pub mod belt;
 pub mod curve;
 pub mod damper;
 #[cfg(test)]
@@ -19,7 +20,7 @@ pub mod vector;
 
 pub use curve::Curve;
 pub use force::{DeadForce, Pull};
-pub use kind::{Kind, Negative, Order};
+pub use kind::{Acts, Kind, Negative, Order};
 pub use scalar::Scalar;
 pub use spring::{Response, Spring};
 pub use stretch::{Stretch, Stretched};
@@ -30,6 +31,7 @@ pub const KINDS: &[&Kind] = &[
     &spring::KIND,
     &damper::KIND,
     &inerter::KIND,
+    &belt::KIND,
     #[cfg(test)]
     &dummy::KIND,
 ];

@@ -18,6 +18,8 @@ pub trait Scalar: Clone + Debug {
     /// Square root of a number that is not negative.
     fn root(&self) -> Self;
     fn sin_cos(&self) -> (Self, Self);
+    /// The angle of the direction (x, y).
+    fn atan2(y: &Self, x: &Self) -> Self;
     /// Whether it is certainly zero, so that products with it can be left out.
     fn is_zero(&self) -> bool;
     fn to_f64(&self) -> f64;
@@ -77,6 +79,10 @@ impl Scalar for f64 {
     fn sin_cos(&self) -> (f64, f64) {
         let (sine, cosine) = Number::Ball(Ball::from(*self)).sin_cos().unwrap_or((Number::ZERO, Number::ONE));
         (sine.to_f64(), cosine.to_f64())
+    }
+
+    fn atan2(y: &f64, x: &f64) -> f64 {
+        Number::atan2(&y.number(), &x.number()).map_or(f64::NAN, |angle| angle.to_f64())
     }
 
     #[inline]
@@ -148,6 +154,10 @@ impl Scalar for Number {
         // Beyond the range of the argument reduction, both are only known to lie in [-1, 1].
         let anywhere = || Number::Ball(Ball::new(Dd::ZERO, 1.0));
         Number::sin_cos(self).unwrap_or_else(|| (anywhere(), anywhere()))
+    }
+
+    fn atan2(y: &Number, x: &Number) -> Number {
+        Number::atan2(y, x).unwrap_or_else(Scalar::unknown)
     }
 
     #[inline]

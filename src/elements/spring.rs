@@ -3,7 +3,7 @@
 //! grad V = T grad e; grad^2 V = k (grad e)(grad e)^T + T grad^2 e. With grad e = d / |d|, the first is the square
 //! (k / |d|^2) (d . delta)^2. See docs/method/linearisation.md.
 
-use super::kind::{ALONG, Kind, Negative, Order};
+use super::kind::{ALONG, Acts, Kind, Negative, Order};
 use super::{Curve, Scalar, Stretch, Stretched};
 use crate::base::{Code, Dimension, Expected, Field, Manual, Takes};
 use std::sync::Arc;
@@ -53,6 +53,7 @@ pub const KIND: Kind = Kind {
         Code::model("vib::spring::negative"),
         "this stiffness is negative: it pushes away from the rest",
     ),
+    acts: Acts::BetweenEnds,
 };
 
 const LAW: Field = Field::new(

@@ -4,6 +4,8 @@
 //! - line: e = |d| - |D|, d = D + delta, D the line as drawn; grad e = d / |d|, grad^2 e = (1 - d d^T / |d|^2) / |d|
 //! - along a fixed direction a: e = a . delta / |a|; grad^2 e = 0
 //! - torsion: e = the relative rotation; grad^2 e = 0
+//! - span of a belt: e = l - l0 -+ gap (phi - phi0) + turn, with l the length and phi the angle of the tangent s, and `turn` what
+//!   the disks wind up; grad e = s / |s| for the centres, and for them grad^2 e = (1 - s s^T / |s|^2) / |s|, as of a line
 //!
 //! Directions are not normalised; their squared length is kept beside them, so that the squares
 //! `(k / |d|^2) (d . delta)^2` are rational if the scene is.
@@ -19,6 +21,9 @@ pub enum Stretch<S> {
     Along { direction: Vector<S> },
     /// The relative rotation.
     Torsion,
+    /// A span of a belt between two disks: `drawn` is the vector between their centres as drawn, `gap` how far their
+    /// tangent points are apart along the normal of the span, on the `left` or right side of the way.
+    Span { drawn: Vector<S>, gap: S, left: bool },
 }
 
 /// A stretch at a state of its ends.
@@ -41,6 +46,7 @@ impl<S: Scalar> Stretch<S> {
                 Stretched::Displacement { change, direction: direction.clone(), length_squared, curved: false }
             }
             Stretch::Torsion => Stretched::Turn { change: turn.clone() },
+            Stretch::Span { drawn, gap, left } => span(drawn, gap, *left, delta, turn),
         }
     }
 }
@@ -52,6 +58,29 @@ fn line<S: Scalar>(drawn: &Vector<S>, delta: &Vector<S>) -> Stretched<S> {
     let gain = drawn.plus(&direction).dot(delta);
     let change =
         if gain.is_zero() { S::zero() } else { gain.over(&length_squared.root().plus(&drawn.norm_squared().root())) };
+    Stretched::Displacement { change, direction, length_squared, curved: true }
+}
+
+fn span<S: Scalar>(drawn: &Vector<S>, gap: &S, left: bool, delta: &Vector<S>, turn: &S) -> Stretched<S> {
+    let gap = if left { gap.clone() } else { gap.negated() };
+    let tangent = |apart: &Vector<S>| {
+        let square = apart.norm_squared();
+        let length_squared = square.minus(&gap.times(&gap));
+        let length = length_squared.root();
+        // The centres' line, turned until it is along the tangent.
+        let across = Vector { x: apart.y.negated(), y: apart.x.clone(), z: S::zero() };
+        let along = apart.scaled(&length_squared.over(&square));
+        (along.minus(&across.scaled(&length.times(&gap).over(&square))), length, length_squared)
+    };
+    if delta.is_zero() {
+        let (direction, _, length_squared) = tangent(drawn);
+        return Stretched::Displacement { change: turn.clone(), direction, length_squared, curved: true };
+    }
+    let apart = drawn.plus(delta);
+    let ((before, length, _), (direction, now, length_squared)) = (tangent(drawn), tangent(&apart));
+    let longer = drawn.plus(&apart).dot(delta).over(&length.plus(&now));
+    let turned = S::atan2(&before.cross(&direction).z, &before.dot(&direction));
+    let change = longer.minus(&gap.times(&turned)).plus(turn);
     Stretched::Displacement { change, direction, length_squared, curved: true }
 }
 

@@ -227,6 +227,9 @@ fn derived(
     if let Some(element) = scene.elements.iter().find(|element| element.law.curve.is_some()) {
         return Err(EquationsError::Law { span: element.span });
     }
+    if let Some(element) = scene.elements.iter().find(|element| matches!(element.geometry, Geometry::Span(_))) {
+        return Err(EquationsError::Belt { span: element.span });
+    }
     let without = || EquationsError::NoForm { span: scene.bodies.first().map_or_else(no_span, |body| body.span) };
     let motion = Motion::new(scene, written, names, rests).ok_or_else(without)?;
     let energies = Energies::new(scene, written, &motion, names).ok_or_else(without)?;

@@ -61,7 +61,7 @@ fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnos
             "let it act along a motion of its ends: `along = x`",
         ),
         Geometry::Torsion => ("on rotation, but no motion rotates its ends relative to each other".into(), "remove it"),
-        Geometry::Line => {
+        Geometry::Line | Geometry::Span(_) => {
             ("along the line between its ends, but no motion changes their distance".into(), on_turning.as_str())
         }
     };

@@ -13,19 +13,24 @@ pub struct EndPath<S> {
     pub path: Path<S>,
     /// Angle of the first and of the second end; `None` if it does not turn.
     pub angles: [Option<Index>; 2],
+    /// Of a belt: how much of it a turn of either disk takes from its span, m/rad.
+    pub winds: Option<[S; 2]>,
 }
 
 impl<S> Default for EndPath<S> {
     fn default() -> EndPath<S> {
-        EndPath { path: Path::default(), angles: [None; 2] }
+        EndPath { path: Path::default(), angles: [None; 2], winds: None }
     }
 }
 
 impl<S: Scalar> EndPath<S> {
-    /// The relative rotation, second end minus first.
+    /// The relative rotation, second end minus first; of a belt the length that the disks wind up.
     pub fn turn(&self, state: &State<S>) -> S {
         let angle = |end: usize| self.angles[end].map_or_else(S::zero, |angle| state.value(angle).clone());
-        angle(1).minus(&angle(0))
+        match &self.winds {
+            Some([first, second]) => first.times(&angle(0)).plus(&second.times(&angle(1))),
+            None => angle(1).minus(&angle(0)),
+        }
     }
 
     /// The gradient of the relative rotation.
@@ -34,11 +39,26 @@ impl<S: Scalar> EndPath<S> {
         row.extend(self.angles[0].map(|angle| (angle, S::one().negated())));
         row.extend(self.angles[1].map(|angle| (angle, S::one())));
     }
+
+    /// Adds the gradient of what a belt's disks wind up, times a factor.
+    fn wind_row(&self, factor: &S, row: &mut Vec<(Index, S)>) {
+        let Some(winds) = &self.winds else { return };
+        for (angle, wind) in self.angles.iter().zip(winds) {
+            let Some(angle) = angle else { continue };
+            let value = wind.times(factor);
+            // A disk may carry its centre along.
+            match row.iter_mut().find(|(known, _)| known == angle) {
+                Some((_, sum)) => *sum = sum.plus(&value),
+                None => row.push((*angle, value)),
+            }
+        }
+    }
 }
 
 impl EndPath<Number> {
     pub fn converted<S: Scalar>(&self) -> EndPath<S> {
-        EndPath { path: self.path.converted(), angles: self.angles }
+        let winds = self.winds.as_ref().map(|winds| winds.each_ref().map(S::of));
+        EndPath { path: self.path.converted(), angles: self.angles, winds }
     }
 
     /// Sets the path to that between two ends; returns the stretch between them.
@@ -56,6 +76,7 @@ impl EndPath<Number> {
         if self.angles[0] == self.angles[1] {
             self.angles = [None; 2];
         }
+        self.winds = None;
         match geometry {
             Geometry::Torsion => Stretch::Torsion,
             Geometry::Along(direction) => {
@@ -66,6 +87,12 @@ impl EndPath<Number> {
                 kinematics.path_between(a, b, &mut self.path);
                 let drawn = drawn_line(ends).expect("the check lets a line run between two places only");
                 if self.path.keeps_to(&drawn) { Stretch::Along { direction: drawn } } else { Stretch::Line { drawn } }
+            }
+            Geometry::Span(span) => {
+                kinematics.path_between(a, b, &mut self.path);
+                self.winds = Some(span.turns.clone());
+                let drawn = drawn_line(ends).expect("the check lets a belt run between two centres only");
+                Stretch::Span { drawn, gap: span.gap.clone(), left: span.left }
             }
         }
     }
@@ -89,7 +116,7 @@ fn first_to_second(direction: &Vec3, ends: &[Attachment; 2]) -> Vector<Number> {
 /// Length between the ends as drawn, along the element's direction; the relative angle of a torsion is zero as drawn.
 fn drawn_length(stretch: &Stretch<Number>, ends: &[Attachment; 2], geometry: &Geometry) -> Number {
     match (stretch, geometry) {
-        (Stretch::Torsion, _) => Number::ZERO,
+        (Stretch::Torsion | Stretch::Span { .. }, _) => Number::ZERO,
         (Stretch::Along { direction } | Stretch::Line { drawn: direction }, Geometry::Line) => {
             direction.norm_squared().root()
         }
@@ -138,6 +165,9 @@ pub fn slope<S: Scalar>(
     match stretched {
         Stretched::Displacement { direction, length_squared, .. } => {
             reach.row(direction, row);
+            if between.winds.is_some() {
+                between.wind_row(&length_squared.root(), row);
+            }
             length_squared.clone()
         }
         Stretched::Turn { .. } => {

@@ -14,7 +14,7 @@ use super::value::Value;
 use crate::base::{Dimension, Number, Span, Takes, Vec3};
 use crate::elements::curve::Undefined;
 use crate::elements::kind::ALONG;
-use crate::elements::{Curve, Kind, Negative, Order};
+use crate::elements::{Acts, Curve, Kind, Negative, Order};
 use crate::syntax::tree::{DeclKind, EndId, Fields, Ident};
 use std::sync::Arc;
 
@@ -44,10 +44,29 @@ const LAW: &str = "law";
 impl<'a> Check<'a> {
     pub fn elements(&mut self) {
         self.scene.elements.reserve_exact(self.instances.elements.len());
+        // Behind all elements that are declared, so that these keep their numbers.
+        let mut second_spans = Vec::new();
         for index in 0..self.instances.elements.len() {
             let Instance { decl, environment } = self.instances.elements[index];
             let DeclKind::Element { kind, name, ends, fields } = decl.kind else { continue };
             self.walk.varies = false;
+            if kind.kind().acts == Acts::RoundDisks {
+                match self.belt(kind.kind(), name, ends, fields, environment) {
+                    Ok((ends, law, [geometry, other])) => {
+                        let (name, span) = (self.instances.element_names[index], name.span);
+                        second_spans.push(Element {
+                            name,
+                            span,
+                            ends: ends.clone(),
+                            law: law.clone(),
+                            geometry: other,
+                        });
+                        self.scene.elements.push(Element { name, span, ends, law, geometry });
+                    }
+                    Err(_) => self.broken_elements = true,
+                }
+                continue;
+            }
             match self.element(kind.kind(), name, ends, fields, environment) {
                 Ok((ends, law, geometry)) => {
                     let (name, span) = (self.instances.element_names[index], name.span);
@@ -56,6 +75,27 @@ impl<'a> Check<'a> {
                 Err(_) => self.broken_elements = true,
             }
         }
+        self.scene.elements.extend(second_spans);
+    }
+
+    /// A belt: its disks, the law of each span, and both spans.
+    fn belt(
+        &mut self,
+        kind: &'static Kind,
+        ident: Ident,
+        ends: EndId,
+        fields: Fields,
+        environment: Environment,
+    ) -> Evaluated<([Attachment; 2], Law, [Geometry; 2])> {
+        let given = self.fields(fields, kind.fields, environment);
+        let spans = self.spans(ends, &given, environment);
+        let Coefficient { value, key, at, .. } = self.coefficient(kind, &given, ident, environment)?;
+        let rest = self.spring_rest(&given, false, environment)?;
+        let (pair, geometries) = spans?;
+        if value.is_negative() {
+            self.negative_coefficient(kind, key, at, environment)?;
+        }
+        Ok((pair, Law { kind, coefficient: value, rest, curve: None }, geometries))
     }
 
     fn element(

@@ -8,6 +8,7 @@
 //! 5. `needs` again: declarations that are never used
 
 mod arguments;
+mod belts;
 mod bodies;
 mod collect;
 mod couplings;

@@ -308,6 +308,26 @@ pub enum Geometry {
     Along(Arc<Vec3>),
     /// The relative rotation, second end minus first.
     Torsion,
+    /// A span of a belt, from disk to disk.
+    Span(Arc<BeltSpan>),
+}
+
+/// A span of a belt along a common tangent of two disks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BeltSpan {
+    /// Whether it touches the first disk on the left of the way to the second.
+    pub left: bool,
+    /// How far the centres are apart across the span, towards the side on which it touches the first disk, m.
+    pub gap: Number,
+    /// How much longer a turn of either disk makes it, m/rad.
+    pub turns: [Number; 2],
+}
+
+impl BeltSpan {
+    /// Whether it touches its disks on opposite sides.
+    pub fn is_crossed(&self) -> bool {
+        self.turns[0].is_positive() == self.turns[1].is_positive()
+    }
 }
 
 /// An external excitation of the scene. Bases are inputs too: one for each of their motions.

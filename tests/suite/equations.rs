@@ -253,8 +253,9 @@ const SCENES: [(&str, &str); 26] = [
     ),
 ];
 
-/// Laws are not written in symbols (`laws::the_equations_refuse_a_law_with_its_reason`).
-const REFUSED: &str = "stiffening_mount";
+/// Laws and belts are not written in symbols (`laws::the_equations_refuse_a_law_with_its_reason`,
+/// `belts::what_is_no_belt_is_one_finding`).
+const REFUSED: [&str; 2] = ["belt_drive", "stiffening_mount"];
 
 /// The names of all examples that have equations.
 fn examples() -> Vec<String> {
@@ -263,7 +264,7 @@ fn examples() -> Vec<String> {
     let models = files.filter(|path| path.extension().is_some_and(|extension| extension == "vib"));
     let mut names: Vec<String> =
         models.filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned())).collect();
-    names.retain(|name| name != REFUSED);
+    names.retain(|name| !REFUSED.contains(&name.as_str()));
     names.sort();
     assert!(names.len() >= 22, "{names:?}");
     names

@@ -172,6 +172,7 @@ fn every_kind_has_its_glyph() {
         Kind::Damper,
         Kind::TorsionSpring,
         Kind::TorsionDamper,
+        Kind::Belt,
         Kind::Pivot,
         Kind::Slide,
         Kind::Weld,

@@ -5,6 +5,7 @@
 
 mod ask;
 mod bands;
+mod belts;
 mod bounds;
 mod clients;
 mod command_line;

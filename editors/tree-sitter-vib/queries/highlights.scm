@@ -7,13 +7,13 @@
 (unit) @type
 
 [
-  "model" "param" "let" "gravity" "point" "body" "pivot" "slide" "weld" "couple" "spring" "damper" "inerter" "base"
-  "force" "torque" "unbalance" "initial" "output" "damping" "rest" "repeat" "solve" "require" "component" "place"
-  "use"
+  "model" "param" "let" "gravity" "point" "body" "pivot" "slide" "weld" "couple" "spring" "damper" "inerter" "belt"
+  "base" "force" "torque" "unbalance" "initial" "output" "damping" "rest" "repeat" "solve" "require" "component"
+  "place" "use"
 ] @keyword
 ["as" "drawn" "in" "along" "about" "moves" "modal" "rayleigh" "part" "at" "turned" "mirrored"] @keyword
 (axis) @constant.builtin
-((flag) @keyword (#any-of? @keyword "turns" "free" "clockwise"))
+((flag) @keyword (#any-of? @keyword "turns" "free" "crossed" "clockwise"))
 
 (assignment name: (word) @variable.parameter)
 (member member: (name (word) @variable.other.member))

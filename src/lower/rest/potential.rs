@@ -54,6 +54,7 @@ impl Potential<Number> {
             Stretch::Line { drawn } => Stretch::Line { drawn: vector(drawn) },
             Stretch::Along { direction } => Stretch::Along { direction: vector(direction) },
             Stretch::Torsion => Stretch::Torsion,
+            Stretch::Span { drawn, gap, left } => Stretch::Span { drawn: vector(drawn), gap: S::of(gap), left: *left },
         };
         let spring = |spring: &Spring<Number>| spring.converted(stretch(&spring.stretch), S::of);
         Potential {
@@ -120,6 +121,7 @@ impl<'a, S: Scalar> Sum<'a, S> {
         self.force(&rate);
         if let Some(force) = stretched.force(&rate) {
             self.sizes(&force);
+            self.wind_sizes(&tension, between);
         } else {
             self.turn_sizes(&tension);
         }
@@ -180,6 +182,17 @@ impl<'a, S: Scalar> Sum<'a, S> {
         for (coordinate, column) in &self.reach.columns {
             if let Some(sum) = self.energy.forces.get_mut(self.local[*coordinate as usize] as usize) {
                 *sum += size * column.norm_squared().to_f64().sqrt();
+            }
+        }
+    }
+
+    /// Adds the moments that a span of a belt has about its disks.
+    fn wind_sizes(&mut self, tension: &S, between: &EndPath<S>) {
+        let Some(winds) = &between.winds else { return };
+        for (angle, wind) in between.angles.iter().zip(winds) {
+            let place = angle.and_then(|angle| self.local.get(angle as usize)).map_or(ELSEWHERE, |place| *place);
+            if let Some(sum) = self.energy.forces.get_mut(place as usize) {
+                *sum += (tension.to_f64() * wind.to_f64()).abs();
             }
         }
     }

@@ -114,7 +114,7 @@ impl Part {
     /// The longest spring or arm, m; 1 m if there is none.
     pub fn length(&self) -> f64 {
         let line = |stretch: &Stretch<Number>| match stretch {
-            Stretch::Line { drawn } => drawn.norm_squared().to_f64().sqrt(),
+            Stretch::Line { drawn } | Stretch::Span { drawn, .. } => drawn.norm_squared().to_f64().sqrt(),
             Stretch::Along { .. } | Stretch::Torsion => 0.0,
         };
         let springs = self.potential.springs.iter();
@@ -216,6 +216,7 @@ impl<'a> Sets<'a> {
                     (Response::Curve { .. }, _) | (_, Stretch::Line { .. }) => false,
                     (_, Stretch::Along { .. }) => between.path.is_straight(),
                     (_, Stretch::Torsion) => true,
+                    (_, Stretch::Span { .. }) => between.path.is_empty(),
                 };
                 let mut first = None;
                 for coordinate in coordinates(self.kinematics, between).filter(|i| (*i as usize) < n) {

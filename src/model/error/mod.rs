@@ -1,6 +1,7 @@
 //! Errors in a model: facts, and the diagnostics for them. Each variant has one code, one primary place, and a help that
 //! says what to type. See docs/diagnostics.
 
+mod belts;
 mod laws;
 mod names;
 mod parts;
@@ -8,6 +9,7 @@ mod places;
 mod questions;
 mod values;
 
+pub use belts::BeltError;
 pub use laws::LawError;
 pub use names::NameError;
 pub use parts::{PartError, RowFault, TABLE_UNREADABLE};
@@ -25,6 +27,7 @@ pub enum Error {
     Name(NameError),
     Part(PartError),
     Law(LawError),
+    Belt(BeltError),
     Place(PlaceError),
     Question(QuestionError),
 }
@@ -37,6 +40,7 @@ impl Error {
             Error::Name(error) => error.diagnostic(),
             Error::Part(error) => error.diagnostic(),
             Error::Law(error) => error.diagnostic(),
+            Error::Belt(error) => error.diagnostic(),
             Error::Place(error) => error.diagnostic(),
             Error::Question(error) => error.diagnostic(),
         }
@@ -58,6 +62,12 @@ impl From<NameError> for Error {
 impl From<PartError> for Error {
     fn from(error: PartError) -> Error {
         Error::Part(error)
+    }
+}
+
+impl From<BeltError> for Error {
+    fn from(error: BeltError) -> Error {
+        Error::Belt(error)
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod arrow;
 mod base;
+mod belt;
 mod block;
 mod couple;
 mod damper;
@@ -35,7 +36,7 @@ use super::stage::Stage;
 use super::{Detail, Request, text};
 use crate::base::Span;
 use crate::elements::Order;
-use crate::model::scene::{Axis, Element, Geometry, InputKind, Scene};
+use crate::model::scene::{Axis, BeltSpan, Element, Geometry, InputKind, Scene};
 use values::Says;
 
 /// A figure while it is drawn.
@@ -193,6 +194,9 @@ impl<'a> Sheet<'a> {
         let link = &self.layout.links[index];
         let of = Subject { title: values::element_title(self.says, element), span: Some(element.span) };
         let turns = element.geometry == Geometry::Torsion;
+        if let Geometry::Span(span) = &element.geometry {
+            return self.belt(stage, index, span, of);
+        }
         let [a, b] = [&link.feet[0], &link.feet[1]]
             .map(|foot| if turns { stage.carried(foot.part, foot.at) } else { stage.point(foot.part, foot.at) });
         let hold = |foot: &Foot, at: Point| {
@@ -248,6 +252,22 @@ impl<'a> Sheet<'a> {
         let text = values::element_label(self.says, element);
         self.label_tie(text, Some(element.span), a.middle(b), half, &[side, side.times(-1.0)]);
         self.rides(between);
+    }
+
+    /// A span of a belt; the first has its name.
+    fn belt(&mut self, stage: &Stage, index: usize, span: &BeltSpan, of: Subject) {
+        let element = &self.scene.elements[index];
+        let (ride, [a, b], strokes) = belt::span(self, stage, element, span);
+        self.push_riding(Kind::Belt, of, vec![(ride, strokes)]);
+        self.name_item(Item::Element(index));
+        if !span.left || self.detail >= Detail::Plain {
+            return;
+        }
+        let text = values::element_label(self.says, element);
+        let side = b.minus(a).unit().unwrap_or_default().across();
+        let out = if side.y <= 0.0 { side } else { side.times(-1.0) };
+        self.label_tie(text, Some(element.span), a.middle(b), Point::new(3.0, 3.0), &[out, out.times(-1.0)]);
+        self.rides(ride);
     }
 
     /// Arrows: inputs, outputs and initial motions, where there is room for them.
@@ -335,6 +355,7 @@ impl<'a> Sheet<'a> {
 /// What an element is drawn as.
 fn kind(element: &Element) -> Kind {
     match (element.law.kind.order, &element.geometry) {
+        (_, Geometry::Span(_)) => Kind::Belt,
         (Order::Displacement, Geometry::Torsion) => Kind::TorsionSpring,
         (Order::Displacement, Geometry::Line | Geometry::Along(_)) => Kind::Spring,
         (Order::Velocity, Geometry::Torsion) => Kind::TorsionDamper,

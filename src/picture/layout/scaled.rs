@@ -380,7 +380,7 @@ impl Drawing<'_> {
     fn direction(&self, element: &Element) -> Option<Point> {
         match &element.geometry {
             Geometry::Along(direction) => Some(page(straight(direction))),
-            Geometry::Line | Geometry::Torsion => None,
+            Geometry::Line | Geometry::Torsion | Geometry::Span(_) => None,
         }
     }
 

@@ -437,6 +437,7 @@ impl<'a> Formulation<'a> {
     fn stretch(&self, element: &Element) -> Quantity<'a> {
         let [a, b] = [self.end(&element.ends[0]), self.end(&element.ends[1])];
         match &element.geometry {
+            Geometry::Span(_) => unimplemented!("belts have an energy of their own in belts.rs"),
             Geometry::Line => {
                 let drawn = length(minus(b.drawn, a.drawn));
                 Quantity::new([a.part, b.part], move |p| length(minus(b.now(p), a.now(p))) - drawn)
@@ -453,6 +454,7 @@ impl<'a> Formulation<'a> {
     fn drawn_length(&self, element: &Element) -> Dd {
         let [a, b] = [self.end(&element.ends[0]), self.end(&element.ends[1])];
         match &element.geometry {
+            Geometry::Span(_) => unimplemented!("belts have an energy of their own in belts.rs"),
             Geometry::Line => length(minus(b.drawn, a.drawn)),
             Geometry::Along(direction) => dot(self.first_to_second(element, direction), minus(b.drawn, a.drawn)),
             Geometry::Torsion => Dd::ZERO,
