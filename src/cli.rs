@@ -106,6 +106,12 @@ pub struct Analyze {
     /// Print participation factors and effective masses of the modes for each motion of a base
     #[arg(long)]
     pub participation: bool,
+    /// Add the missing mass to the maxima under response spectra: the modes above a spectrum's highest point
+    #[arg(long)]
+    pub missing_mass: bool,
+    /// Combine the maxima under the response spectra of several directions by SRSS, too
+    #[arg(long)]
+    pub across_directions: bool,
     #[command(flatten)]
     pub measured: MeasureOptions,
 }

@@ -173,6 +173,7 @@ pub use system::{
 };
 
 // Modes, poles, and what they say about the rest.
+pub use analysis::response_spectrum::{Additions as SpectrumAdditions, Spectral};
 pub use analysis::{
     AnalysisError, Band, Before, Buckling, Mode, ModeKind, Modes, Noisy, Normalise, Pole, PoleCount, PoleKind, Poles,
     Reason, Request, Route, Share, Spread, Stability, Verdict, Which, normalise,
@@ -277,6 +278,8 @@ pub struct Study<'a> {
     pub sensitivity: bool,
     /// Compute participation factors and effective masses of the modes for each motion of a base.
     pub participation: bool,
+    /// What is added to the maxima under response spectra.
+    pub spectra: analysis::response_spectrum::Additions,
 }
 
 /// Like [`analyze_as`], with additional requests.
@@ -350,6 +353,8 @@ fn reported(
     // About a rest that is not proven no number would have a bound.
     let noises = if rest.is_proven() { dynamics::noises(&reading.scene) } else { Vec::new() };
     let noisy = analysis::random::outputs(&system, &modes, &noises);
+    let spectra = if rest.is_proven() { dynamics::spectra(&reading.scene) } else { Vec::new() };
+    let spectral = analysis::response_spectrum::maxima(&system, &modes, &spectra, study.spectra);
     let sensitivities = match study.sensitivity {
         true => questions::sensitivities(&reading.text(), &reading.settings, request, &system, &modes, &poles),
         false => Vec::new(),
@@ -373,6 +378,7 @@ fn reported(
         solved: reading.solved.clone(),
         requirements,
         noisy,
+        spectral,
         sensitivities,
         excitations,
         account: None,
@@ -492,6 +498,7 @@ pub fn simulate_with_noise(
             diagnostics.extend(dynamics::beyond_tangents(&reading.scene, &written.lowered, &drives, end));
         }
         let (system, modes) = written.about_rest(diagnostics)?.into_parts();
+        diagnostics.extend(dynamics::spectrum_left_out(&reading.scene));
         let history = analysis::respond_with(&system, modes.as_ref(), &drives, times);
         let mut history = history.or_else(|error| push_error(&error, diagnostics).ok_or(())).ok()?;
         let places: Vec<base::Span> = reading.scene.scene().outputs.iter().map(|output| output.span).collect();
@@ -569,6 +576,9 @@ pub fn shock(
             if input.signal.iter().any(model::scene::Signal::has_noise) {
                 return refused(&"noise has no course in time");
             }
+            if input.signal.iter().any(|signal| matches!(signal, model::scene::Signal::Spectrum(_))) {
+                return refused(&"its signal is a response spectrum already");
+            }
             let signals = dynamics::declared(input, diagnostics)?;
             let turns = matches!(input.kind, model::scene::InputKind::Base { translation: None, .. });
             match analysis::shock::shock(&signals, input.derivative, request) {
@@ -635,7 +645,9 @@ pub fn discrete(
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, options.until.as_ref(), diagnostics)?;
         let (system, modes) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
-        if let Some(refusal) = dynamics::noise_refused(&reading.scene) {
+        if let Some(refusal) =
+            dynamics::noise_refused(&reading.scene).or_else(|| dynamics::spectrum_refused(&reading.scene))
+        {
             diagnostics.push(refusal);
             return None;
         }

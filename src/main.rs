@@ -83,7 +83,8 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Err(status) => return status,
     };
     let until = options.measured.until(&options.overrides);
-    let study = vibc::Study { until, sensitivity: options.sensitivity, participation: options.participation };
+    let spectra = vibc::SpectrumAdditions { missing_mass: options.missing_mass, across: options.across_directions };
+    let study = vibc::Study { until, sensitivity: options.sensitivity, participation: options.participation, spectra };
     let request = options.request();
     let (mut analysis, explained) = match options.explain_model {
         true => vibc::analyze_and_explain(&input.sources, input.model, &input.overrides, &request, &study),

@@ -104,6 +104,7 @@ impl Overview {
             solved: of.solved.to_vec(),
             requirements: of.requirements.to_vec(),
             noisy: Vec::new(),
+            spectral: analysis::response_spectrum::Spectral::default(),
             sensitivities: Vec::new(),
         };
         Overview::of(of.scene, answer, of.mechanism)

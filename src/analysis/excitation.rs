@@ -4,7 +4,7 @@
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::modes::parts::independent_undamped;
-use crate::base::Ball;
+use crate::base::{Ball, Number};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::solve;
 use crate::system::{CoordinateId, LinearSystem};
@@ -18,6 +18,8 @@ pub struct Excitation {
     pub modes: Vec<Excited>,
     /// The sum of all effective masses: kg, or kg m^2 of a base that turns.
     pub total: Ball,
+    /// What each coordinate follows of the base statically.
+    pub(in crate::analysis) carried: Vec<Ball>,
 }
 
 /// The part of a mode in the motion relative to what follows the base statically.
@@ -105,7 +107,33 @@ impl<'a> Excitations<'a> {
             mass: factors[i].map(|(_, mass)| mass),
             running: running(&factors, i, total),
         });
-        Ok(Excitation { input, modes: modes.collect(), total })
+        let carried = (0..n).map(|i| carried[(i, 0)]).collect();
+        Ok(Excitation { input, modes: modes.collect(), total, carried })
+    }
+}
+
+impl Excitations<'_> {
+    /// What a row of displacements has of each mass-normalised shape; `None` where the shape is not determined.
+    pub(in crate::analysis) fn along(&self, row: &[(CoordinateId, Number)]) -> Vec<Option<Ball>> {
+        let n = self.system.n();
+        let mut dense = vec![Ball::ZERO; n];
+        row.iter().for_each(|(i, value)| dense[i.index()] = dense[i.index()] + value.to_ball());
+        let Some(moved) = solve(&self.m, &Matrix::from_fn(n, 1, |i, _| dense[i])) else {
+            return vec![None; self.shapes.len()];
+        };
+        let root = dot(n, |i| dense[i] * moved[(i, 0)]).magnitude().sqrt().next_up();
+        let along = |shape: &Option<Shape>| {
+            let Shape { x, square, foreign } = shape.as_ref()?;
+            let product = dot(n, |i| x[i] * dense[i]).widen((foreign * root).next_up());
+            let own = square.widen((foreign * foreign).next_up());
+            own.is_positive().then(|| product / own.sqrt())
+        };
+        self.shapes.iter().map(along).collect()
+    }
+
+    /// The angular frequency of a mode, rad/s.
+    pub(in crate::analysis) fn omega(&self, mode: usize) -> Ball {
+        self.modes.list[mode].omega
     }
 }
 

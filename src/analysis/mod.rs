@@ -20,6 +20,7 @@ mod poles;
 pub mod random;
 pub mod range;
 pub mod response;
+pub mod response_spectrum;
 pub mod shock;
 mod stability;
 pub mod steady;

@@ -5,6 +5,7 @@ pub mod report;
 #[cfg(test)]
 pub(crate) mod samples;
 
+use crate::analysis::response_spectrum::Spectral;
 use crate::analysis::shock::{Quantity, ShockSpectrum};
 use crate::analysis::{Buckling, Excitation, Modes, Noisy, Pole, Poles, Verdict};
 use crate::base::Number;
@@ -32,6 +33,8 @@ pub struct ModalAnswer {
     pub requirements: Vec<Requirement>,
     /// The outputs that noise reaches.
     pub noisy: Vec<Noisy>,
+    /// The maxima under response spectra.
+    pub spectral: Spectral,
     /// Empty unless requested.
     pub sensitivities: Vec<Sensitivity>,
     /// What each motion of a base excites, or why that is not known; empty unless requested.

@@ -85,6 +85,7 @@ fn answer(model: &str, system: LinearSystem, modes: Vec<Mode>, poles: Vec<Pole>,
         solved: Vec::new(),
         requirements: Vec::new(),
         noisy: Vec::new(),
+        spectral: crate::analysis::response_spectrum::Spectral::default(),
         sensitivities: Vec::new(),
         account: None,
     }

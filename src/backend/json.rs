@@ -4,6 +4,7 @@
 
 use super::decimal::{certain, certain_digits};
 use super::json_number::JsonNumber;
+use super::json_spectra::JsonSpectral;
 use super::{ReportOptions, SCHEMA};
 use crate::analysis::{
     Buckling, Excitation, Mode, Net, Noisy, Normalise, Pole, Share, Split, Spread, Stability, nets, normalise,
@@ -52,6 +53,8 @@ struct Report<'a> {
     /// Outputs under noise.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     noise: Vec<JsonNoisy>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    response_spectra: Option<JsonSpectral>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     sensitivities: Vec<JsonSensitivity<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -376,6 +379,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
         solved: answer.solved.iter().map(json_solved).collect(),
         requirements: answer.requirements.iter().map(json_requirement).collect(),
         noise: answer.noisy.iter().map(|noisy| JsonNoisy::of(noisy, &answer.system)).collect(),
+        response_spectra: JsonSpectral::of(answer),
         sensitivities: answer.sensitivities.iter().map(json_sensitivity).collect(),
         base_excitation: answer.excitations.iter().map(|excitation| json_excitation(answer, excitation)).collect(),
     }

@@ -11,6 +11,7 @@ pub mod equations;
 pub mod explain;
 pub mod json;
 mod json_number;
+mod json_spectra;
 pub mod markdown;
 pub mod page;
 mod plain;

@@ -8,7 +8,7 @@ pub use laws::beyond_tangents;
 
 use crate::analysis::{self, damping};
 use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};
-use crate::base::{Ball, Code, Diagnostic, Diagnostics, Number, Span};
+use crate::base::{Ball, Code, Diagnostic, Diagnostics, Number, ResponseSpectrum, Span};
 use crate::lower::{self, Lowered, Rest};
 use crate::model::CheckedScene;
 use crate::model::scene::{self, Damping};
@@ -208,6 +208,32 @@ pub fn unbalance_refused(scene: &CheckedScene) -> Option<Diagnostic> {
     let message = "code cannot take an unbalance from sample to sample, since its force turns in between";
     let refused = Diagnostic::error(Code::model("vib::unbalance::emit"), input.span, message);
     Some(refused.help("build its rotation in by `--signals internal`, or give its components as forces"))
+}
+
+/// The place of the first response spectrum.
+fn spectrum_place(scene: &CheckedScene) -> Option<Span> {
+    let is_spectrum = |signal: &scene::Signal| matches!(signal, scene::Signal::Spectrum(_));
+    scene.scene().inputs.iter().find(|input| input.signal.iter().any(is_spectrum)).and_then(|input| input.signal_span)
+}
+
+/// That a motion in time is computed without the response spectra of the scene.
+pub fn spectrum_left_out(scene: &CheckedScene) -> Option<Diagnostic> {
+    let message = "a response spectrum has no course in time: the motion is computed without it";
+    let left_out = |span| Diagnostic::note(Code::model("vib::spectrum::left_out"), span, message);
+    spectrum_place(scene).map(|span| left_out(span).help("`vibc analyze` has the maxima under response spectra"))
+}
+
+/// That no code is made for a response spectrum.
+pub fn spectrum_refused(scene: &CheckedScene) -> Option<Diagnostic> {
+    let message = "code cannot be emitted for a response spectrum, which has no course in time";
+    let refused = |span| Diagnostic::error(Code::model("vib::spectrum::emit"), span, message);
+    spectrum_place(scene)
+        .map(|span| refused(span).help("leave the signal out: the code then takes this input in each step"))
+}
+
+/// The response spectra of the inputs.
+pub fn spectra(scene: &CheckedScene) -> Vec<(usize, ResponseSpectrum)> {
+    lower::spectra(scene)
 }
 
 /// The noises of the inputs.

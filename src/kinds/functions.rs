@@ -199,6 +199,7 @@ pub enum Signal {
     Table,
     Delayed,
     Noise,
+    Spectrum,
 }
 
 /// Every signal of an input.
@@ -309,6 +310,23 @@ pub const SIGNALS: &[Named<Signal>] = &[
             arguments: &[Argument::Densities, Argument::Frequencies],
             optional: 1,
             named: &[],
+        },
+    },
+    Named {
+        kind: Signal::Spectrum,
+        function: Function {
+            name: "spectrum",
+            form: "spectrum((f, a), (f, a), damping = ratio)",
+            example: "spectrum((0.5 Hz, 0.3 g0), (33 Hz, 0.3 g0), damping = 5 %)",
+            meaning: "A response spectrum in place of a history: the largest pseudo-accelerations (pseudo-velocities, relative \
+                      displacements) of oscillators of one damping ratio, straight in log-log between its points, or by \
+                      `table(\"spectrum.csv\", 1 g0)`.",
+            arguments: &[Argument::Any, Argument::Any],
+            optional: 1,
+            named: &[NamedArgument {
+                name: "damping",
+                expected: Expected::new("a damping ratio", Dimension::NONE, "5 %"),
+            }],
         },
     },
 ];

@@ -3,7 +3,7 @@
 //! See docs/method/response.md.
 
 use super::error::LowerError;
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Number, ResponseSpectrum};
 use crate::model::CheckedScene;
 use crate::model::scene::{self, Input, InputKind};
 use crate::system::{Course, Noise, Signal, Table};
@@ -33,6 +33,18 @@ pub fn noises(scene: &CheckedScene) -> Vec<Noise> {
         }
     }
     list
+}
+
+/// The response spectra, each with the index of its input.
+pub fn spectra(scene: &CheckedScene) -> Vec<(usize, ResponseSpectrum)> {
+    let of = |(index, input): (usize, &Input)| {
+        let spectra = input.signal.iter().filter_map(|signal| match signal {
+            scene::Signal::Spectrum(spectrum) => Some((index, spectrum.clone())),
+            _ => None,
+        });
+        spectra.collect::<Vec<_>>()
+    };
+    scene.scene().inputs.iter().enumerate().flat_map(of).collect()
 }
 
 /// The signals of an input as they are declared: of a base those of its displacement, its rate or its acceleration.
@@ -79,8 +91,11 @@ fn undelayed(signal: &scene::Signal) -> Vec<(&scene::Signal, Option<&Number>)> {
 
 fn of_signal(signal: &scene::Signal, course: Course) -> Result<Option<Signal>, LowerError> {
     Ok(Some(match signal.clone() {
-        // A delay of a delay is one delay: the check adds them up. Noise has no course in time.
-        scene::Signal::Constant { .. } | scene::Signal::Delayed { .. } | scene::Signal::Noise(_) => return Ok(None),
+        // A delay of a delay is one delay: the check adds them up. Noise and response spectra have no course in time.
+        scene::Signal::Constant { .. }
+        | scene::Signal::Delayed { .. }
+        | scene::Signal::Noise(_)
+        | scene::Signal::Spectrum(_) => return Ok(None),
         scene::Signal::Function(function) => function,
         scene::Signal::Table { span, rows, .. } => match rows {
             Some(rows) => Signal::Table(Table { times: rows.times.clone(), values: rows.values.clone(), course }),

@@ -27,7 +27,7 @@ pub mod rest;
 pub mod tree;
 
 pub use account::{Account, Remark, account};
-pub use drives::{declared, drives, noises};
+pub use drives::{declared, drives, noises, spectra};
 pub use law::LawAtRest;
 pub use mechanism::{Mechanism, Readout, SpringAtRest};
 pub use poses::Poses;

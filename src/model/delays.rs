@@ -102,6 +102,8 @@ impl<'a> Check<'a> {
             PartError::DelayOfOtherKind { span, name, declared }
         } else if source.signal_span.is_none() {
             PartError::DelayOfNothing { span, name, declared }
+        } else if source.signal.iter().any(|signal| matches!(signal, Signal::Spectrum(_))) {
+            PartError::DelayOfSpectrum { span, name, declared }
         } else {
             return Some(input.index());
         };

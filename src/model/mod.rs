@@ -36,6 +36,7 @@ pub mod scene;
 mod scope;
 mod settings;
 mod signals;
+mod spectrum;
 mod suggestion;
 mod tables;
 #[cfg(test)]

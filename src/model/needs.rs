@@ -7,7 +7,7 @@
 use super::Check;
 use super::error::{PartError, QuestionError};
 use super::freedoms::Line;
-use super::scene::{Body, BodyId, Damping, Freedom, Motion, Part};
+use super::scene::{BaseId, Body, BodyId, Damping, Freedom, Motion, Part, Signal};
 use super::scope::{DefinitionKind, Environment};
 use crate::base::{Number, Place, Span, Vec3};
 use crate::syntax::tree::{DeclKind, Field};
@@ -157,7 +157,13 @@ impl<'a> Check<'a> {
                 Motion::Point { part, .. } | Motion::Turn { part, .. } => Some(*part),
                 Motion::Force { .. } | Motion::Stretch { .. } | Motion::Reaction(_) => None,
             });
-        let Some(base) = ends.chain(coupled).find_map(base_of) else { return };
+        // Under a response spectrum damping ratios are those of motions relative to the base.
+        let by_spectrum = |base: &BaseId| {
+            let mut own = self.scene.inputs.iter().filter(|input| input.kind.base() == Some(*base));
+            own.any(|input| input.signal.iter().any(|signal| matches!(signal, Signal::Spectrum(_))))
+        };
+        let mut bases = ends.chain(coupled).filter_map(base_of);
+        let Some(base) = bases.find(|base| !by_spectrum(base)) else { return };
         let base = &self.scene.bases[base.index()];
         let (place, name) = (base.span, self.words.display(base.name));
         self.report(Environment::TOP, PartError::DampingBesideBase { span, base: place, name });

@@ -5,7 +5,7 @@
 //! unrolled), and ids are indices into them. Positions and directions are shared (`Arc`): a scene of a million bodies has
 //! many more ends than places.
 
-use crate::base::{Density, Name, Number, Quantity, Span, Vec3, Words};
+use crate::base::{Density, Name, Number, Quantity, ResponseSpectrum, Span, Vec3, Words};
 use crate::elements::Curve;
 use crate::kinds::motions::ReactionComponent;
 use crate::system::Signal as Function;
@@ -378,6 +378,11 @@ impl Axis {
 }
 
 impl InputKind {
+    /// The base whose motion it is.
+    pub fn base(&self) -> Option<BaseId> {
+        if let InputKind::Base { base, .. } = self { Some(*base) } else { None }
+    }
+
     /// The points at which it acts; none for a base.
     pub fn ends(&self) -> &[Attachment] {
         match self {
@@ -407,6 +412,8 @@ pub enum Signal {
     Delayed { by: Number, of: usize, signals: Arc<[Signal]> },
     /// Stationary noise, by its density.
     Noise(Density),
+    /// A response spectrum in place of a history.
+    Spectrum(ResponseSpectrum),
 }
 
 impl Signal {
@@ -422,7 +429,7 @@ impl Signal {
     /// Whether it moves something in time: noise has no course, and a constant load is part of the rest.
     pub fn has_course(&self) -> bool {
         match self {
-            Signal::Constant { .. } | Signal::Noise(_) => false,
+            Signal::Constant { .. } | Signal::Noise(_) | Signal::Spectrum(_) => false,
             Signal::Delayed { signals, .. } => signals.iter().any(Signal::has_course),
             _ => true,
         }
@@ -441,7 +448,7 @@ impl Signal {
                 }
             }
             Signal::Delayed { signals, .. } => *signals = signals.iter().map(Signal::negated).collect(),
-            Signal::Noise(_) => {}
+            Signal::Noise(_) | Signal::Spectrum(_) => {}
         }
         signal
     }

@@ -9,7 +9,7 @@ use super::scene::Signal;
 use super::scope::Environment;
 use super::suggestion::nearest;
 use super::value::Value;
-use super::{delays, noise, tables};
+use super::{delays, noise, spectrum, tables};
 use crate::base::{Dimension, Number, Span};
 use crate::kinds::functions::{self, Named, SIGNALS, SignalKind};
 use crate::syntax::tree::{Binary, ExprId, ExprKind};
@@ -74,6 +74,17 @@ impl<'a> Check<'a> {
                 found.delay = Some(delays::Written { source: called.given[0], by });
                 return Ok(found);
             }
+            if called.signal == functions::Signal::Spectrum {
+                if terms.len() > 1 {
+                    return self.fail(environment, PartError::SpectrumInSum { span: called.span });
+                }
+                let Called { span, given, named, .. } = called;
+                let damping = named.first().copied().flatten();
+                let spectrum = self.spectrum(&spectrum::SpectrumCall { span, given, damping }, kinds, environment)?;
+                found.derivative = spectrum.derivative;
+                found.list.push(Signal::Spectrum(spectrum));
+                return Ok(found);
+            }
             if called.signal == functions::Signal::Noise {
                 let Called { span, given, .. } = called;
                 let noisy = self.noise(&noise::NoiseCall { span, given }, kinds, environment)?;
@@ -131,8 +142,9 @@ impl<'a> Check<'a> {
                 _ => return self.fail(environment, PartError::SignalArguments { span: node.span, function }),
             }
         }
-        let is_noise = *signal == functions::Signal::Noise && !given.is_empty();
-        if !is_noise && !function.takes(given.len()) {
+        // These take as many points as there are.
+        let is_open = matches!(signal, functions::Signal::Noise | functions::Signal::Spectrum) && !given.is_empty();
+        if !is_open && !function.takes(given.len()) {
             return self.fail(environment, PartError::SignalArguments { span: node.span, function });
         }
         Ok(Called { signal: *signal, span: node.span, given, named })
@@ -199,7 +211,7 @@ impl<'a> Check<'a> {
                 let (phase, at) = (phase.unwrap_or(Number::ZERO), Number::ZERO);
                 list.push(Function::Harmonic { value: value?, frequency, phase, at }.into());
             }
-            Word::Chirp | Word::Table | Word::Delayed | Word::Noise => {
+            Word::Chirp | Word::Table | Word::Delayed | Word::Noise | Word::Spectrum => {
                 let (from, to) = (self.frequency(given[1], environment)?, self.frequency(given[2], environment)?);
                 let duration = self.number(given[3], environment, &TIME)?;
                 self.require_later(&Number::ZERO, &duration, given[3], environment)?;

@@ -69,6 +69,7 @@ mod random_seeds;
 mod readme;
 mod reports;
 mod response;
+mod response_spectra;
 mod rest;
 mod sanitizer;
 mod schema;

@@ -12,7 +12,7 @@ use vibc::syntax;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
 /// model gives): their pages describe the example in words.
-const IN_WORDS: [&str; 29] = [
+const IN_WORDS: [&str; 31] = [
     "vib::equations::defect",
     "vib::equations::no_form",
     "vib::equations::too_large",
@@ -27,6 +27,8 @@ const IN_WORDS: [&str; 29] = [
     "vib::noise::left_out",
     "vib::scene::more_findings",
     "vib::signal::base_impulse",
+    "vib::spectrum::emit",
+    "vib::spectrum::left_out",
     "vib::syntax::character",
     "vib::syntax::more_errors",
     "vib::table::first_column",

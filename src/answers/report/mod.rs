@@ -17,6 +17,7 @@ mod random;
 mod rest;
 mod sensitivities;
 pub mod shock;
+mod spectral;
 mod table;
 mod transfer;
 
@@ -269,6 +270,7 @@ pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
         excitation::section(answer),
         poles::section(answer, options),
         random::section(answer, options),
+        spectral::section(answer, options),
         sensitivities::section(answer),
         parts::section(answer),
     ];

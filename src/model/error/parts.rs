@@ -244,6 +244,33 @@ pub enum PartError {
     NoiseTable {
         span: Span,
     },
+    SpectrumDamping {
+        span: Span,
+        given: bool,
+    },
+    SpectrumArguments {
+        span: Span,
+    },
+    SpectrumFrequency {
+        span: Span,
+    },
+    SpectrumValue {
+        span: Span,
+    },
+    SpectrumTable {
+        span: Span,
+    },
+    SpectrumOfNoBase {
+        span: Span,
+    },
+    SpectrumInSum {
+        span: Span,
+    },
+    DelayOfSpectrum {
+        span: Span,
+        name: String,
+        declared: Span,
+    },
     NoiseDensity {
         span: Span,
     },
@@ -539,6 +566,49 @@ impl PartError {
                 error("vib::signal::cycle", span, format!("the signal of `{name}` is delayed from itself"))
                     .help("give one of the inputs in this cycle its own signal")
             }
+            SpectrumDamping { span, given: false } => error(
+                "vib::spectrum::damping",
+                span,
+                "this response spectrum does not say for which damping ratio it is",
+            )
+            .help("add it: `spectrum((0.5 Hz, 0.3 g0), (33 Hz, 0.3 g0), damping = 5 %)`"),
+            SpectrumDamping { span, given: true } => {
+                error("vib::spectrum::damping", span, "the damping ratio of a response spectrum is negative")
+                    .help("write one of zero or more, such as `5 %`")
+            }
+            SpectrumArguments { span } => error("vib::signal::arguments", span, "`spectrum` has other arguments").help(
+                "write two or more points, `spectrum((0.5 Hz, 0.3 g0), (33 Hz, 0.3 g0), damping = 5 %)`, or \
+                 `spectrum(table(\"spectrum.csv\", 1 g0), damping = 5 %)`",
+            ),
+            SpectrumFrequency { span } => {
+                error("vib::spectrum::points", span, "this frequency is not above zero and the one before it")
+                    .help("write the frequencies of a spectrum in ascending order")
+            }
+            SpectrumValue { span } => {
+                error("vib::spectrum::points", span, "this value of a spectrum is not above zero")
+                    .help("write a magnitude; between the points the spectrum is straight in the logarithms")
+            }
+            SpectrumTable { span } => error(
+                "vib::spectrum::points",
+                span,
+                "this table has fewer than two rows, or a frequency or value that is not above zero",
+            )
+            .help("the first column is the frequency in Hz, the second the value of the spectrum"),
+            SpectrumOfNoBase { span } => {
+                error("vib::spectrum::input", span, "a response spectrum is of the motion of a base")
+                    .help("write it behind a base, as in `base quake { moves x } = spectrum(...)`")
+            }
+            SpectrumInSum { span } => {
+                error("vib::spectrum::input", span, "a response spectrum cannot be part of a sum")
+                    .help("maxima are not simultaneous, so they cannot be added to other signals")
+            }
+            DelayOfSpectrum { span, name, declared } => error(
+                "vib::spectrum::input",
+                span,
+                format!("`{name}` has a response spectrum, which has no course in time"),
+            )
+            .related(declared, "declared here")
+            .help("give both inputs a history, or each a spectrum of its own"),
             NoiseDensity { span } => error("vib::noise::density", span, "this density is not above zero")
                 .help("write a density above zero; outside its range or its points it is zero"),
             NoiseFrequency { span, is_first } => {

@@ -131,6 +131,17 @@ def chain(name, count, body, motion, values, first, change=("", "")):
     return s, q
 
 
+def frame():
+    s = Example("frame", {})
+    x = [s.coordinate(body, "x") for body in ("basement", "floor[1]", "floor[2]", "roof")]
+    below = s.base("u")
+    for mass, k, at in zip((20000, 12000, 12000, 8000), (2 * 10**9, 16 * 10**6, 14 * 10**6, 10**7), x):
+        s.mass(mass, at)
+        s.spring(k, at - below)
+        below = at
+    return s
+
+
 def free_free_chain():
     s, q = chain("free_free_chain", 5, "wagon", "x", {"m": "1", "k": "1"}, None)
     s.force("pull", q[0])
@@ -402,7 +413,7 @@ def tuned_mass_damper():
     return s
 
 
-ALL = [board_on_shaker, car_on_road, car_over_bump, cart, double_pendulum, drive_line, drop_test, earthquake, four_bar, free_free_chain, half_car, hinged_body,
+ALL = [board_on_shaker, car_on_road, car_over_bump, cart, double_pendulum, drive_line, drop_test, earthquake, four_bar, frame, free_free_chain, half_car, hinged_body,
        inerter_table, inverted_pendulum, isolation_table, light_station, long_chain, mortar, optimal_absorber, quarter_car, rotor, shaker_test, shear_building,
        slider_crank, stacked_blocks, test_hall, train, tuned_mass_damper]
 # Laws and belts are not written in symbols.

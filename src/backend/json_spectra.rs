@@ -1,0 +1,125 @@
+//! Maxima under response spectra as JSON. See docs/method/response_spectra.md.
+
+use super::json_number::JsonNumber;
+use crate::analysis::response_spectrum::{Direction, Maximum};
+use crate::answers::ModalAnswer;
+use crate::base::Ball;
+
+#[derive(serde::Serialize)]
+pub(super) struct JsonSpectral {
+    missing_mass_added: bool,
+    directions: Vec<JsonDirection>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    across_directions: Vec<JsonAcross>,
+}
+
+/// A direction without maxima has a reason alone.
+#[derive(serde::Serialize)]
+struct JsonDirection {
+    input: String,
+    reason: Option<String>,
+    damping_ratio: JsonNumber,
+    rigid_from_hz: JsonNumber,
+    rigid_acceleration: JsonNumber,
+    total_mass: JsonNumber,
+    missing_mass: JsonNumber,
+    missing_mass_error_bound: JsonNumber,
+    outputs: Vec<JsonMaximum>,
+}
+
+/// Bounds are relative, but for `missing_error_bound`.
+#[derive(serde::Serialize)]
+struct JsonMaximum {
+    output: String,
+    unit: String,
+    of: Option<&'static str>,
+    reason: Option<&'static str>,
+    srss: JsonNumber,
+    srss_error_bound: JsonNumber,
+    cqc: JsonNumber,
+    cqc_error_bound: JsonNumber,
+    missing: JsonNumber,
+    missing_error_bound: JsonNumber,
+}
+
+#[derive(serde::Serialize)]
+struct JsonAcross {
+    output: String,
+    unit: String,
+    srss: JsonNumber,
+    srss_error_bound: JsonNumber,
+    cqc: JsonNumber,
+    cqc_error_bound: JsonNumber,
+}
+
+impl JsonSpectral {
+    /// Nothing in a model without spectra.
+    pub fn of(answer: &ModalAnswer) -> Option<JsonSpectral> {
+        let spectral = &answer.spectral;
+        let directions = spectral.directions.iter().map(|(input, found)| {
+            let input = answer.system.display(answer.system.inputs[*input].name);
+            match found {
+                Ok(found) => direction(answer, input, found),
+                Err(reason) => JsonDirection {
+                    input,
+                    reason: Some(reason.clone()),
+                    damping_ratio: JsonNumber::NULL,
+                    rigid_from_hz: JsonNumber::NULL,
+                    rigid_acceleration: JsonNumber::NULL,
+                    total_mass: JsonNumber::NULL,
+                    missing_mass: JsonNumber::NULL,
+                    missing_mass_error_bound: JsonNumber::NULL,
+                    outputs: Vec::new(),
+                },
+            }
+        });
+        let across = spectral.across.iter().map(|(output, [srss, cqc])| {
+            let output = &answer.system.outputs[*output];
+            JsonAcross {
+                output: answer.system.display(output.name),
+                unit: output.unit.clone(),
+                srss: JsonNumber::enclosed(*srss),
+                srss_error_bound: JsonNumber::relative_bound(*srss),
+                cqc: JsonNumber::enclosed(*cqc),
+                cqc_error_bound: JsonNumber::relative_bound(*cqc),
+            }
+        });
+        (!spectral.directions.is_empty()).then(|| JsonSpectral {
+            missing_mass_added: spectral.added.missing_mass,
+            directions: directions.collect(),
+            across_directions: across.collect(),
+        })
+    }
+}
+
+fn direction(answer: &ModalAnswer, input: String, direction: &Direction) -> JsonDirection {
+    let outputs = direction.outputs.iter().map(|(output, found)| {
+        let output = &answer.system.outputs[*output];
+        let value = |of: fn(&Maximum) -> Ball| found.as_ref().ok().map(of);
+        let enclosed = |of: fn(&Maximum) -> Ball| JsonNumber::of(value(of));
+        let relative = |of: fn(&Maximum) -> Ball| value(of).map_or(JsonNumber::NULL, JsonNumber::relative_bound);
+        JsonMaximum {
+            output: answer.system.display(output.name),
+            unit: output.unit.clone(),
+            of: found.as_ref().ok().map(|maximum| maximum.of.name()),
+            reason: found.as_ref().err().copied(),
+            srss: enclosed(|maximum| maximum.srss),
+            srss_error_bound: relative(|maximum| maximum.srss),
+            cqc: enclosed(|maximum| maximum.cqc),
+            cqc_error_bound: relative(|maximum| maximum.cqc),
+            missing: enclosed(|maximum| maximum.missing),
+            missing_error_bound: value(|maximum| maximum.missing).map_or(JsonNumber::NULL, JsonNumber::absolute_bound),
+        }
+    });
+    JsonDirection {
+        input,
+        reason: None,
+        damping_ratio: JsonNumber::number(&direction.damping),
+        rigid_from_hz: JsonNumber::number(&direction.rigid_from),
+        rigid_acceleration: JsonNumber::enclosed(direction.rigid),
+        total_mass: JsonNumber::enclosed(direction.total),
+        missing_mass: JsonNumber::enclosed(direction.missing),
+        missing_mass_error_bound: JsonNumber::absolute_bound(direction.missing),
+        outputs: outputs.collect(),
+    }
+}

@@ -1,0 +1,213 @@
+//! Maxima under response spectra beside closed forms and eigenvectors by hand, and what is refused. See
+//! docs/method/response_spectra.md.
+
+use super::program::{code, json, ran, text};
+use serde_json::Value;
+use std::f64::consts::PI;
+
+const POINTS: &str = "(0.5 Hz, 3 m/s^2), (2 Hz, 8 m/s^2), (9 Hz, 8 m/s^2), (33 Hz, 3 m/s^2)";
+
+/// The pseudo-acceleration of these points.
+fn at(hertz: f64) -> f64 {
+    let points: [(f64, f64); 4] = [(0.5, 3.0), (2.0, 8.0), (9.0, 8.0), (33.0, 3.0)];
+    for pair in points.windows(2) {
+        let ((f, a), (g, b)) = (pair[0], pair[1]);
+        if hertz <= g {
+            return a * (b / a).powf((hertz / f).ln() / (g / f).ln());
+        }
+    }
+    3.0
+}
+
+fn maxima(model: &str, more: &[&str]) -> Value {
+    json(model, &[&["analyze"], more].concat())["response_spectra"].clone()
+}
+
+fn meets(of: &Value, field: &str, truth: f64) {
+    let number = |field: &str| of[field].as_f64().unwrap_or_else(|| panic!("{field} in {of}"));
+    let value = number(field);
+    let bound = match field {
+        "missing" => number("missing_error_bound"),
+        _ => number(&format!("{field}_error_bound")) * value.abs(),
+    };
+    assert!(
+        (value - truth).abs() <= bound + 1e-12 * truth.abs().max(1e-9),
+        "{field}: {value:e} ± {bound:e}, not {truth:e}"
+    );
+    assert!(bound <= 1e-13 * truth.abs().max(1.0), "{field}: {bound:e}");
+}
+
+/// One oscillator at each part of the spectrum: its maximum is S / omega^2, the force m S and the acceleration S.
+#[test]
+fn one_oscillator_has_the_value_of_the_spectrum() {
+    for hertz in [0.5, 0.9, 3.3, 20.0, 40.0] {
+        let model = format!(
+            "base quake {{ moves x }} = spectrum({POINTS}, damping = 2 %)\nbody b {{ mass = 3 kg, moves x }}\n\
+             spring s: quake -- b {{ k = 3 kg * (2 * pi * {hertz} Hz)^2 }}\n\
+             damper d: quake -- b {{ c = 2 * 0.02 * 3 kg * 2 * pi * {hertz} Hz }}\n\
+             output sway = b.x - quake.x\noutput pull = s.force\noutput load = b.ax\n"
+        );
+        let omega = 2.0 * PI * hertz;
+        for (more, rigid) in [(&[][..], hertz > 33.0), (&["--missing-mass"], false)] {
+            let all = maxima(&model, more);
+            let found = &all["directions"][0];
+            let whole = at(hertz);
+            for (place, truth) in [whole / omega.powi(2), 3.0 * whole, whole].into_iter().enumerate() {
+                let output = &found["outputs"][place];
+                // Above the highest point it does not swing: what is missing has to be asked for.
+                let shown = if rigid { 0.0 } else { truth };
+                meets(output, "srss", shown);
+                meets(output, "cqc", shown);
+                meets(output, "missing", if hertz > 33.0 { truth } else { 0.0 });
+                assert_eq!(output["of"], ["relative", "relative", "absolute"][place]);
+            }
+            assert_eq!(found["missing_mass"].as_f64().map(f64::round), Some(if hertz > 33.0 { 3.0 } else { 0.0 }));
+        }
+    }
+}
+
+/// Two equal storeys, whose modes are the golden section's, and a third spring whose mode is rigid: contributions by hand.
+#[test]
+fn two_storeys_are_combined_by_hand() {
+    let model = format!(
+        "damping modal 5 %\nbase quake {{ moves x }} = spectrum({POINTS}, damping = 5 %)\n\
+         body a {{ mass = 2 kg, moves x }}\nbody b {{ mass = 2 kg, moves x }}\n\
+         spring s: quake -- a {{ k = 2 kN/m }}\nspring t: a -- b {{ k = 2 kN/m }}\n\
+         output top = b.x - quake.x\noutput shear = s.force\noutput load = b.ax\noutput between in mm = b.x - a.x\n"
+    );
+    let found = maxima(&model, &[])["directions"][0].clone();
+    let zeta = 0.05f64;
+    // omega^2 = 1000 (3 -+ sqrt 5) / 2, shapes (1, x) with x = 2 - omega^2 / 1000.
+    let modes: Vec<(f64, [f64; 2], f64)> = [-1.0, 1.0]
+        .into_iter()
+        .map(|sign| {
+            let square = 1000.0 * (3.0 + sign * 5f64.sqrt()) / 2.0;
+            let x = 2.0 - square / 1000.0;
+            let norm = (2.0 * (1.0 + x * x)).sqrt();
+            let shape = [1.0 / norm, x / norm];
+            (square.sqrt(), shape, 2.0 * (shape[0] + shape[1]))
+        })
+        .collect();
+    let r = modes[1].0 / modes[0].0;
+    let rho = 8.0 * zeta * zeta * (1.0 + r) * r.powf(1.5)
+        / ((1.0 - r * r).powi(2) + 4.0 * zeta * zeta * r * (1.0 + r).powi(2));
+    let rows: [&dyn Fn(&(f64, [f64; 2], f64)) -> f64; 4] = [
+        &|(w, x, g)| x[1] * g * at(w / (2.0 * PI)) / (w * w),
+        &|(w, x, g)| 2000.0 * x[0] * g * at(w / (2.0 * PI)) / (w * w),
+        &|(w, x, g)| x[1] * g * at(w / (2.0 * PI)),
+        &|(w, x, g)| 1000.0 * (x[1] - x[0]) * g * at(w / (2.0 * PI)) / (w * w),
+    ];
+    for (place, row) in rows.into_iter().enumerate() {
+        let [one, other] = [row(&modes[0]), row(&modes[1])];
+        let output = &found["outputs"][place];
+        meets(output, "srss", one.hypot(other));
+        meets(output, "cqc", (one * one + other * other + 2.0 * rho * one * other).sqrt());
+        meets(output, "missing", 0.0);
+    }
+}
+
+/// A frame along two directions: SRSS over them on request, and a direction that does not move an output adds nothing.
+#[test]
+fn directions_are_combined_on_request() {
+    let model = format!(
+        "base east {{ moves x }} = spectrum({POINTS}, damping = 0 %)\n\
+         base north {{ moves y }} = spectrum((0.5 Hz, 1 m/s^2), (33 Hz, 1 m/s^2), damping = 0 %)\n\
+         body b {{ mass = 1 kg, at = (0, 0), moves x y }}\n\
+         spring s: east -- b {{ k = 400 N/m, along = x }}\nspring t: north -- b {{ k = 900 N/m, along = y }}\n\
+         output x = b.x - east.x\noutput y = b.y - north.y\noutput both = b.ax + b.ay\n"
+    );
+    let plain = maxima(&model, &[]);
+    assert!(plain["across_directions"].is_null());
+    let all = maxima(&model, &["--across-directions"]);
+    let first = at(20.0 / (2.0 * PI));
+    for (place, truth) in [first / 400.0, 1.0 / 900.0, first.hypot(1.0)].into_iter().enumerate() {
+        meets(&all["across_directions"][place], "srss", truth);
+        meets(&all["across_directions"][place], "cqc", truth);
+    }
+    meets(&all["directions"][1]["outputs"][2], "srss", 1.0);
+}
+
+/// Velocities and displacements are converted; a table is read as points.
+#[test]
+fn spectra_have_three_units() {
+    let scene = |signal: &str| {
+        format!(
+            "damping modal 5 %\nbase quake {{ moves x }} = {signal}\nbody b {{ mass = 1 kg, moves x }}\n\
+             spring s: quake -- b {{ k = 400 N/m }}\noutput x = b.x - quake.x\n"
+        )
+    };
+    let hertz = 20.0 / (2.0 * PI);
+    let value = |signal: &str| maxima(&scene(signal), &[])["directions"][0]["outputs"][0].clone();
+    meets(
+        &value("spectrum((1 Hz, 0.1 m/s), (10 Hz, 0.4 m/s), damping = 5 %)"),
+        "srss",
+        0.1 * 4f64.powf(hertz.log10()) / 20.0,
+    );
+    meets(&value("spectrum((1 Hz, 30 mm), (10 Hz, 3 mm), damping = 5 %)"), "srss", 0.03 / hertz);
+}
+
+/// What a spectrum does not say is said, with its reason.
+#[test]
+fn what_has_no_maximum_is_named() {
+    let scene = |damper: &str, spectrum: &str| {
+        format!(
+            "base quake {{ moves x }} = spectrum({spectrum})\nbody b {{ mass = 1 kg, moves x }}\nbody c {{ mass = 2 kg, moves x }}\n\
+             spring s: quake -- b {{ k = 400 N/m }}\nspring t: b -- c {{ k = 300 N/m }}\n{damper}\n\
+             output far = c.x\noutput speed = b.vx\noutput slip = c.ax - quake.ax\noutput sway = c.x - b.x\n"
+        )
+    };
+    let usual = format!("{POINTS}, damping = 5 %");
+    let found = maxima(&scene("damping modal 5 %", &usual), &[])["directions"][0].clone();
+    for (place, why) in ["an absolute displacement", "a velocity", "relative to the base"].into_iter().enumerate() {
+        assert!(found["outputs"][place]["reason"].as_str().is_some_and(|reason| reason.contains(why)), "{found}");
+        assert!(found["outputs"][place]["srss"].is_null());
+    }
+    assert!(found["outputs"][3]["srss"].is_number());
+    for (damper, spectrum, why) in [
+        ("damper d: b -- c { c = 3 N*s/m }", usual.as_str(), "couple the modes"),
+        ("damping modal 4 %", &usual, "mode 1 has a damping ratio of 4.000 %, and the spectrum is for 5.000 %"),
+        (
+            "damping modal 5 %",
+            "(5 Hz, 1 m/s^2), (9 Hz, 1 m/s^2), damping = 5 %",
+            "mode 1 lies below the lowest frequency",
+        ),
+        ("damper d: ground -- b { c = 1 N*s/m }\ndamper e: ground -- c { c = 2 N*s/m }", &usual, ""),
+    ] {
+        let found = maxima(&scene(damper, spectrum), &[])["directions"][0].clone();
+        let reason = found["reason"].as_str().unwrap_or_else(|| panic!("{damper}: {found}"));
+        assert!(reason.contains(why), "{damper}: {reason}");
+        assert!(text(&scene(damper, spectrum), &["analyze"]).contains("by quake: "), "{damper}");
+    }
+}
+
+#[test]
+fn wrong_spectra_are_one_finding_each() {
+    let behind = |signal: &str| {
+        format!(
+            "body b {{ mass = 1 kg, moves x }}\nbase q {{ moves x }} = {signal}\nspring s: q -- b {{ k = 1 N/m }}\n"
+        )
+    };
+    for (signal, expected) in [
+        ("spectrum((1 Hz, 1 m), (2 Hz, 1 m))", "vib::spectrum::damping"),
+        ("spectrum((1 Hz, 1 m), (2 Hz, 1 m), damping = -5 %)", "vib::spectrum::damping"),
+        ("spectrum((1 Hz, 1 m), damping = 5 %)", "vib::signal::arguments"),
+        ("spectrum(1 Hz, 2 m, damping = 5 %)", "vib::signal::arguments"),
+        ("spectrum(damping = 5 %)", "vib::signal::arguments"),
+        ("spectrum((1 Hz, 1 m), (2 Hz, 1 m), ratio = 5 %)", "vib::signal::arguments"),
+        ("spectrum((0 Hz, 1 m), (2 Hz, 1 m), damping = 5 %)", "vib::spectrum::points"),
+        ("spectrum((1 Hz, 1 m), (1 Hz, 1 m), damping = 5 %)", "vib::spectrum::points"),
+        ("spectrum((1 Hz, 1 m), (2 Hz, 0 m), damping = 5 %)", "vib::spectrum::points"),
+        ("spectrum((1 Hz, 1 m), (2 Hz, 1 m/s), damping = 5 %)", "vib::signal::differ"),
+        ("spectrum((1 Hz, 1 N), (2 Hz, 1 N), damping = 5 %)", "vib::unit::mismatch"),
+        ("spectrum((1 Hz, 1 m), (2 Hz, 1 m), damping = 5 kg)", "vib::unit::mismatch"),
+        ("step(1 m, 0 s) + spectrum((1 Hz, 1 m), (2 Hz, 1 m), damping = 5 %)", "vib::spectrum::input"),
+    ] {
+        assert_eq!(code(&behind(signal), &["check"]), expected, "{signal}");
+    }
+    // No shock spectrum of a spectrum, and no peak without a motion.
+    let right = behind("spectrum((0.1 Hz, 1 m), (2 Hz, 1 m), damping = 5 %)");
+    let output = ran(&right, &["shock", "--at", "1Hz"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("a response spectrum already"));
+    let delayed = right + "base r { moves x } = delayed(q, 1 s)\nspring t: r -- b { k = 1 N/m }\n";
+    assert_eq!(code(&delayed, &["check"]), "vib::spectrum::input");
+}
