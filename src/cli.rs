@@ -694,8 +694,8 @@ fn setting(text: &str) -> Result<String, String> {
     }
 }
 
-/// Times of more samples than this are a slip of the hand.
-pub const MOST_SAMPLES: f64 = 4e6;
+pub use crate::analysis::MOST_SAMPLES;
+
 /// A program that is emitted prints them as it goes.
 pub const MOST_PROGRAM_SAMPLES: f64 = 4e9;
 

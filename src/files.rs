@@ -1,16 +1,18 @@
 //! The files of a run: reads every text within limits, and writes results completely or not at all.
 //! See docs/cli.md#streams-and-exit-status.
 
+pub use crate::named::Named;
+
+use crate::named::{add_named, read_limited};
 use crate::{Status, report_error, write_to};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use vibc::backend::diagnostics;
 use vibc::base::{FileId, SourceFile, SourceKind, Sources};
 use vibc::cli::{MessageFormat, Messages, OverrideOptions};
 use vibc::model::Overrides;
-use vibc::syntax::limits;
 
 /// The texts of a run.
 pub struct Input {
@@ -67,92 +69,9 @@ pub fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unre
         None => None,
     };
     let arguments = (!overrides.settings.is_empty()).then(|| sources.add(arguments(&overrides.settings)));
-    let folder = sources.file(model).directory.clone();
-    let folders: Vec<PathBuf> = std::iter::once(folder).chain(overrides.root.clone()).collect();
     let outside = "it lies outside the model's folder; `--root` allows another";
-    let mut components = Named::components(folders.clone(), outside);
-    vibc::add_used_files(&mut sources, model, key_of(path), |name| components.read_keyed(Path::new(name)));
-    read_tables(&mut sources, Named::tables(folders, outside));
+    add_named(&mut sources, model, path, overrides.root.as_deref(), outside);
     Ok(Input { sources, model, overrides: Overrides { arguments, settings, literals: overrides.literals.into() } })
-}
-
-/// An identity of a file that does not depend on the path to it.
-pub fn key_of(path: &Path) -> Option<String> {
-    fs::canonicalize(path).ok().map(|path| path.to_string_lossy().into_owned())
-}
-
-/// Files of tables of all files of a model: a run has room for 256 files.
-const MOST_TABLES: usize = 200;
-
-/// The tables that a model and the files that it uses name; what cannot be read is reported at its place in the model.
-fn read_tables(sources: &mut Sources, mut tables: Named) {
-    let files: Vec<FileId> = sources.models().collect();
-    let named: Vec<String> = files
-        .into_iter()
-        .flat_map(|file| vibc::table_files(sources, file).into_iter().map(move |written| (file, written)))
-        .map(|(file, written)| sources.file(file).relative_name(&written))
-        .take(MOST_TABLES)
-        .collect();
-    for name in named {
-        let file = match tables.read(Path::new(&name)) {
-            Ok(bytes) => SourceFile::decode(SourceKind::Table, name, bytes),
-            Err(reason) => SourceFile::unread(SourceKind::Table, name, reason),
-        };
-        sources.add(file);
-    }
-}
-
-/// Files that a model names: tables, and files of components. A model may come from a stranger: what it names is read below
-/// certain folders alone, and no more of it than fits.
-pub struct Named {
-    /// `""` is the folder that the program was started in.
-    folders: Vec<PathBuf>,
-    /// The reason given for a file in any other folder.
-    outside: &'static str,
-    /// Bytes that may still be read.
-    room: usize,
-    /// The message if the limit is reached.
-    full: String,
-}
-
-impl Named {
-    pub fn tables(folders: Vec<PathBuf>, outside: &'static str) -> Named {
-        let full = format!("the tables of a model have at most {} MiB in total", limits::TABLES >> 20);
-        Named { folders, outside, room: limits::TABLES, full }
-    }
-
-    pub fn components(folders: Vec<PathBuf>, outside: &'static str) -> Named {
-        let full = format!("the files that a model uses have at most {} MiB in total", limits::USED >> 20);
-        Named { folders, outside, room: limits::USED, full }
-    }
-
-    /// The content, behind what is the same for the same file.
-    pub fn read_keyed(&mut self, path: &Path) -> Result<(String, Vec<u8>), String> {
-        let bytes = self.read(path)?;
-        let key = key_of(path).ok_or("it is gone")?;
-        Ok((key, bytes))
-    }
-
-    /// Reads a regular file; a pipe or a device may have no end, or block for ever. Links count as their targets.
-    pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, String> {
-        let reported = |error: io::Error| error.to_string();
-        let path = fs::canonicalize(path).map_err(reported)?;
-        if !self.folders.iter().any(|folder| is_below(&path, folder)) {
-            return Err(self.outside.into());
-        }
-        if !fs::metadata(&path).map_err(reported)?.is_file() {
-            return Err("it is not a regular file".into());
-        }
-        let mut bytes = Vec::new();
-        File::open(&path).map_err(reported)?.take(self.room as u64 + 1).read_to_end(&mut bytes).map_err(reported)?;
-        self.room = self.room.checked_sub(bytes.len()).ok_or_else(|| self.full.clone())?;
-        Ok(bytes)
-    }
-}
-
-fn is_below(path: &Path, folder: &Path) -> bool {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    fs::canonicalize(folder).is_ok_and(|folder| path.starts_with(folder))
 }
 
 /// A file, or standard input for `-`.
@@ -164,13 +83,6 @@ pub fn read(path: &Path, kind: SourceKind) -> Result<SourceFile, Unreadable> {
     };
     let bytes = content.map_err(|error| Unreadable { path: path.to_path_buf(), error })?;
     Ok(SourceFile::decode(kind, name, bytes))
-}
-
-/// Reads up to one byte more than a model may have, which is enough to refuse it.
-fn read_limited(from: impl Read) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    from.take(limits::FILE as u64 + 1).read_to_end(&mut bytes)?;
-    Ok(bytes)
 }
 
 /// The `--set` arguments as a file, one per line.

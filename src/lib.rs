@@ -155,6 +155,7 @@ pub mod system;
 pub use base::{FileId, Literals, SourceFile, SourceKind, Sources, Span};
 pub use model::Overrides;
 pub use reading::{add_used_files, table_files};
+pub use syntax::limits;
 
 // Numbers, exact or with bounds that hold.
 pub use base::{Ball, Dd, Number, Rational, Rounded, Unproven};
@@ -186,8 +187,8 @@ pub use analysis::shock::{Grid as ShockGrid, Quantity as ShockQuantity, Request 
 
 // Transfer functions and motions.
 pub use analysis::{
-    Disc, Extrema, Extremum, FeatureKind, Frequency, Gain, History, Methods, Row, Steady, Sweep, Table, Transfer,
-    grid as times, table as transfer_table,
+    Disc, Extrema, Extremum, FeatureKind, Frequency, Gain, History, MOST_SAMPLES, Methods, Row, Steady, Sweep, Table,
+    Transfer, grid as times, table as transfer_table,
 };
 
 // Equations of motion in the model's own symbols.
@@ -198,9 +199,11 @@ pub use analysis::discrete::parameter::Parameterised;
 pub use analysis::discrete::{DiscreteSystem, Hold, Options as DiscreteOptions, Precision};
 pub use backend::emit::{File as EmittedFile, Language, Program, files as emitted_files, whole as emitted_text};
 
-// Text, JSON and CSV out.
+// Text, JSON, CSV, figures and tables of a page out.
 pub use backend::ReportOptions;
+pub use backend::draw::svg as figure_svg;
 pub use backend::json::json as report_json;
+pub use backend::page::modal_table;
 pub use backend::report::text as report;
 pub use backend::shock::{csv as shock_csv, json as shock_json, text as shock_text};
 pub use backend::simulation::{csv as motion_csv, json as motion_json, text as motion_text};

@@ -2,6 +2,7 @@
 //! streams or the exit status. See docs/cli.md#streams-and-exit-status.
 
 mod files;
+mod named;
 mod transport;
 mod watch;
 

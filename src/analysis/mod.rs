@@ -46,7 +46,7 @@ pub use poles::count::PoleCount;
 pub use poles::poles;
 pub use poles::residues::Residues;
 pub use random::{Noisy, Spread};
-pub use response::{History, grid, respond, respond_with, samples};
+pub use response::{History, MOST_SAMPLES, grid, respond, respond_with, samples};
 pub use stability::{Reason, Stability, Verdict, stability};
 pub use steady::{Steady, steady};
 pub use transfer::extrema::{Extrema, Extremum, FeatureKind};

@@ -145,6 +145,9 @@ fn respond_by_matrix_exponential(
     Ok(History { times: times.to_vec(), values })
 }
 
+/// Times of more samples than this are a slip of the hand.
+pub const MOST_SAMPLES: f64 = 4e6;
+
 /// Number of sample times.
 pub fn samples(until: &Number, step: &Number) -> u64 {
     let count = (until / step).to_f64();

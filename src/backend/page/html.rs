@@ -3,7 +3,8 @@
 use super::payload::payload;
 use super::tables::{self, Lines};
 use super::{Answers, MotionShown, Page, Text, TransferShown};
-use crate::answers::report::{Block, Report, Section};
+use crate::answers::ModalAnswer;
+use crate::answers::report::{self, Block, Options, Report, Section};
 use crate::backend::draw::{self, escaped};
 use crate::backend::plain;
 use crate::base::{Diagnostic, Severity};
@@ -189,6 +190,14 @@ fn transfer(of: &Answers, shown: &TransferShown, lines: &Lines) -> String {
          <svg id=\"phase-plot\" class=\"chart\" role=\"img\" aria-label=\"phase over frequency\"></svg>\n</figure>\n\
          <div id=\"features\">\n{features}</div>\n"
     )
+}
+
+/// The title of a modal report and its tables of modes and of damped motion, as an element of another page: without links,
+/// style or script.
+pub fn modal_table(answer: &ModalAnswer, options: &Options) -> String {
+    let Report { title, mut sections } = report::modal(answer, options);
+    sections.retain(|section| matches!(section.heading, "Undamped modes" | "Damped motion"));
+    of_report(&Report { title, sections }, &Lines::none())
 }
 
 fn of_report(report: &Report, lines: &Lines) -> String {

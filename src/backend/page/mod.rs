@@ -7,7 +7,7 @@ mod html;
 mod payload;
 mod tables;
 
-pub use html::page;
+pub use html::{modal_table, page};
 
 use crate::analysis::fractions::Fractions;
 use crate::analysis::{History, Table};

@@ -8,18 +8,23 @@ use crate::base::{FileId, LineIndex, Sources, Span};
 
 /// From places to lines of the model.
 pub struct Lines {
-    model: FileId,
+    model: Option<FileId>,
     index: LineIndex,
 }
 
 impl Lines {
     pub fn of(sources: &Sources, model: FileId) -> Lines {
-        Lines { model, index: LineIndex::new(sources.text(model)) }
+        Lines { model: Some(model), index: LineIndex::new(sources.text(model)) }
+    }
+
+    /// For a page that does not show the model: nothing leads to a line.
+    pub fn none() -> Lines {
+        Lines { model: None, index: LineIndex::new("") }
     }
 
     /// Counted from 1; none for what another file made.
     pub fn line(&self, span: Option<Span>) -> Option<usize> {
-        span.filter(|span| span.file() == self.model).map(|span| self.index.line(span.start()) + 1)
+        span.filter(|span| Some(span.file()) == self.model).map(|span| self.index.line(span.start()) + 1)
     }
 
     /// ` data-line="17"`

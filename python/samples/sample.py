@@ -1,0 +1,28 @@
+"""The tutorial's page on Python as a program: `mypy --strict` accepts it, and it runs."""
+
+import numpy as np
+import scipy.signal
+
+import vibc
+
+cart = vibc.load("../../examples/cart.vib", k="12 N/m")
+modes = cart.modes()
+for omega, bound in zip(modes.omega, modes.bound, strict=True):
+    print(f"{omega:.6f} rad/s, relative error at most {bound:.0e}")
+
+frequencies = np.linspace(0.1, 2.0, 50)
+H = cart.transfer(frequencies, "F", "x")
+peak: float = frequencies[abs(H).argmax()]
+print(f"largest of these at {peak:.2f} Hz, bound {H.bound.max():.0e}")
+
+t, y = cart.simulate(until=2.0, step=1e-3)
+space = cart.state_space()
+system = scipy.signal.StateSpace(space.A, space.B, space.C, space.D)
+poles: np.ndarray[tuple[int], np.dtype[np.complex128]] = np.sort_complex(system.poles)
+print(t[-1], y.shape, poles, space.states, cart.M @ cart.K)
+
+try:
+    vibc.parse("body block { mass = 2 m, moves x }")
+except vibc.ModelError as error:
+    first: vibc.Diagnostic = error.diagnostics[0]
+    print(first.code, first.line, error)
