@@ -6,7 +6,7 @@ use crate::dynamics;
 use crate::lower::Lowered;
 use crate::model::scene::Damping;
 use crate::model::{CheckedScene, Overrides, Setting};
-use crate::questions::{Requirement, Solved};
+use crate::questions::{Optimised, Requirement, Solved};
 use crate::reading::{self, Reading};
 use crate::syntax::tree::Tree;
 
@@ -22,6 +22,7 @@ pub struct Inspection {
     pub lowered: Option<Lowered>,
     /// The results of `solve` lines, and the values that they give to parameters.
     pub solved: Vec<Solved>,
+    pub optimised: Vec<Optimised>,
     pub settings: Vec<Setting>,
     pub requirements: Vec<Requirement>,
     pub diagnostics: Diagnostics,
@@ -62,7 +63,7 @@ fn of_reading(mut reading: Reading, effort: Effort, diagnostics: &mut Diagnostic
         }
     };
     // Findings about the scene as declared hold for the complete one, unless its unknowns get other values.
-    let solves = !reading.scene.scene().solves.is_empty();
+    let solves = reading.scene.scene().determines_parameters();
     if is_whole && (effort == Effort::Whole || solves) {
         if reading.settle(diagnostics).is_none() {
             return Inspection { tree: Some(reading.tree), is_whole, ..Inspection::default() };
@@ -88,12 +89,13 @@ fn of_reading(mut reading: Reading, effort: Effort, diagnostics: &mut Diagnostic
     };
     let asks = is_whole && system.is_some();
     let requirements = if asks { reading.requirements(system.as_ref(), None, diagnostics) } else { Vec::new() };
-    let Reading { tree, scene, settings, solved, .. } = reading;
+    let Reading { tree, scene, settings, solved, optimised, .. } = reading;
     Inspection {
         tree: Some(tree),
         scene: Some(scene),
         lowered: system.map(|system| system.lowered),
         solved,
+        optimised,
         settings,
         requirements,
         diagnostics: Diagnostics::new(),

@@ -180,7 +180,7 @@ pub use analysis::{
     Reason, Request, Route, Share, Spread, Stability, Verdict, Which, normalise,
 };
 pub use answers::{ModalAnswer, Shock};
-pub use questions::answer::{Requirement, Sensitivity, Solved, Value};
+pub use questions::answer::{Best, Optimised, OptimisedParameter, Requirement, Sensitivity, Solved, Value};
 
 // Shock response spectra.
 pub use analysis::shock::{Grid as ShockGrid, Quantity as ShockQuantity, Request as ShockRequest};
@@ -379,6 +379,7 @@ fn reported(
         stability,
         buckling,
         solved: reading.solved.clone(),
+        optimised: reading.optimised.clone(),
         requirements,
         noisy,
         spectral,

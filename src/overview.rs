@@ -15,7 +15,7 @@ use crate::lower::{Mechanism, Poses};
 use crate::model::Overrides;
 use crate::model::scene::Scene;
 use crate::picture::{self, Figure, Item, Moving};
-use crate::questions::answer::{Requirement, Solved};
+use crate::questions::answer::{Optimised, Requirement, Solved};
 use crate::reading::{self, Reading};
 use crate::system::{CoordinateId, Form, LinearSystem, Origin, Output};
 use crate::{Outcome, Study, reported};
@@ -86,6 +86,7 @@ pub(crate) struct Lowered<'a> {
     pub mechanism: &'a Mechanism,
     pub modal: &'a analysis::Modal,
     pub solved: &'a [Solved],
+    pub optimised: &'a [Optimised],
     pub requirements: &'a [Requirement],
 }
 
@@ -102,6 +103,7 @@ impl Overview {
             buckling: None,
             account: None,
             solved: of.solved.to_vec(),
+            optimised: of.optimised.to_vec(),
             requirements: of.requirements.to_vec(),
             noisy: Vec::new(),
             spectral: analysis::response_spectrum::Spectral::default(),

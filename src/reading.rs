@@ -8,7 +8,7 @@ use crate::dynamics::{self, WrittenOut};
 use crate::library;
 use crate::model::{self, Checked, CheckedScene, Overrides, Setting, Written};
 use crate::questions::error::AskedError;
-use crate::questions::{self, Facts, Requirement, Settled, Solved, Text, trial};
+use crate::questions::{self, Facts, Optimised, Requirement, Settled, Solved, Text, trial};
 use crate::syntax;
 use crate::syntax::tree::Tree;
 use crate::system::LinearSystem;
@@ -23,9 +23,10 @@ pub(crate) struct Reading<'a> {
     until: Option<Number>,
     pub tree: Tree,
     pub scene: CheckedScene,
-    /// The values that `solve` lines give to parameters.
+    /// The values that `solve`, `minimise` and `maximise` give to parameters.
     pub settings: Vec<Setting>,
     pub solved: Vec<Solved>,
+    pub optimised: Vec<Optimised>,
 }
 
 /// The tree of a text, and its scene unless there are errors. `None` if a file is not text.
@@ -71,7 +72,7 @@ pub(crate) fn read_written(
     let check = |tree: &Tree| model::check_written(sources, tree, overrides, &[]);
     let (tree, scene, written) = check_with(sources, model, overrides, diagnostics, check)?;
     let scene = scene?;
-    if scene.scene().solves.is_empty() {
+    if !scene.scene().determines_parameters() {
         return Some((scene, written?));
     }
     let mut reading = Reading::declared(sources, overrides, tree, scene);
@@ -98,12 +99,21 @@ pub(crate) fn read_and_solve<'a>(
 impl<'a> Reading<'a> {
     /// A scene as it is declared.
     pub fn declared(sources: &'a Sources, overrides: &'a Overrides, tree: Tree, scene: CheckedScene) -> Reading<'a> {
-        Reading { sources, overrides, until: None, tree, scene, settings: Vec::new(), solved: Vec::new() }
+        Reading {
+            sources,
+            overrides,
+            until: None,
+            tree,
+            scene,
+            settings: Vec::new(),
+            solved: Vec::new(),
+            optimised: Vec::new(),
+        }
     }
 
     /// Finds what the model solves for. `None` after an error.
     pub fn settle(&mut self, diagnostics: &mut Diagnostics) -> Option<()> {
-        if self.scene.scene().solves.is_empty() {
+        if !self.scene.scene().determines_parameters() {
             return Some(());
         }
         if self.until.is_none() && trial::asks_of_motion(&self.scene) {
@@ -112,10 +122,10 @@ impl<'a> Reading<'a> {
             let spectrum = system.as_ref().and_then(trial::spectrum);
             self.until = spectrum.and_then(|(_, poles)| trial::usual_time(&self.scene, &poles));
         }
-        match questions::solve(&self.text(), &self.scene) {
-            Ok(Settled { scene, settings, solved, unsettled }) => {
+        match questions::settle(&self.text(), &self.scene) {
+            Ok(Settled { scene, settings, solved, optimised, unsettled }) => {
                 diagnostics.extend(unsettled.iter().map(AskedError::to_diagnostic));
-                (self.scene, self.settings, self.solved) = (scene, settings, solved);
+                (self.scene, self.settings, self.solved, self.optimised) = (scene, settings, solved, optimised);
                 Some(())
             }
             Err(errors) => {
@@ -133,7 +143,7 @@ impl<'a> Reading<'a> {
     /// The text that questions are evaluated on.
     pub fn text(&self) -> Text<'_> {
         let Reading { sources, overrides, until, tree, .. } = self;
-        Text { sources, tree, overrides, until: until.as_ref() }
+        Text { sources, tree, overrides, until: until.as_ref(), fixed: &[] }
     }
 
     /// Whether the requirements hold. The system, modes and poles are not computed again if they are known.
@@ -169,8 +179,8 @@ impl<'a> Reading<'a> {
 
     /// The linear system as a function of a parameter.
     pub fn over_parameter(&self, name: &str) -> Result<Parameterised, String> {
-        if !self.scene.scene().solves.is_empty() {
-            return Err("the model solves for parameters, which would change with it".into());
+        if self.scene.scene().determines_parameters() {
+            return Err("the model determines parameters, which would change with it".into());
         }
         let all = self.text().parameters(&[]);
         let Some(parameter) = all.iter().find(|parameter| parameter.name == name) else {

@@ -22,7 +22,7 @@ module.exports = grammar({
 
     declaration: ($) => choice(
       $.model, $.parameter, $.gravity, $.point, $.body, $.base, $.element, $.joint, $.slide, $.couple,
-      $.force, $.torque, $.unbalance, $.initial, $.output, $.damping, $.rest, $.solve, $.require, $.repeat,
+      $.force, $.torque, $.unbalance, $.initial, $.output, $.damping, $.rest, $.solve, $.optimum, $.require, $.repeat,
       $.component, $.placed, $.use,
     ),
 
@@ -49,6 +49,11 @@ module.exports = grammar({
     ),
     damping: ($) => seq('damping', choice(seq('modal', $.expression), seq('rayleigh', $.group))),
     rest: (_) => seq('rest', 'as', 'drawn'),
+    optimum: ($) => seq(
+      choice('minimise', 'maximise'), $.expression, 'over', $.varied, repeat(seq(',', $.varied)),
+      optional(seq('while', $.expression, repeat(seq(',', $.expression)))),
+    ),
+    varied: ($) => seq($._path, 'in', $._range),
     solve: ($) => seq('solve', $._path, 'in', $._range, ':', $.expression, '=', $.expression),
     require: ($) => seq('require', $.expression),
     repeat: ($) => seq('repeat', field('index', $.word), 'in', $._range, '{', repeat($.declaration), '}'),

@@ -10,7 +10,7 @@ use crate::analysis::shock::{Quantity, ShockSpectrum};
 use crate::analysis::{Buckling, Excitation, Modes, Noisy, Pole, Poles, Verdict};
 use crate::base::Number;
 use crate::lower::{Account, Rest};
-use crate::questions::answer::{Requirement, Sensitivity, Solved};
+use crate::questions::answer::{Optimised, Requirement, Sensitivity, Solved};
 use crate::system::{Coordinate, LinearSystem};
 
 /// The contents of a modal report.
@@ -30,6 +30,8 @@ pub struct ModalAnswer {
     pub account: Option<Account>,
     /// Parameters that were solved for, in order of their lines.
     pub solved: Vec<Solved>,
+    /// What was minimised or maximised, in order of the lines.
+    pub optimised: Vec<Optimised>,
     pub requirements: Vec<Requirement>,
     /// The outputs that noise reaches.
     pub noisy: Vec<Noisy>,

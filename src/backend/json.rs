@@ -13,7 +13,9 @@ use crate::analysis::{
 use crate::answers::ModalAnswer;
 use crate::base::{Ball, Number, Rounded, Unproven};
 use crate::lower::Remark;
-use crate::questions::answer::{Derivative, Others, Requirement, Sensitivity, Slope, Solved, Value};
+use crate::questions::answer::{
+    Best, Derivative, Optimised, OptimisedParameter, Others, Requirement, Sensitivity, Slope, Solved, Value,
+};
 use crate::system::{CoordinateKind, LinearSystem};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::borrow::Cow;
@@ -49,6 +51,8 @@ struct Report<'a> {
     parts: Vec<JsonPart>,
     explained: Option<Explained<'a>>,
     solved: Vec<JsonSolved<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    optimised: Vec<JsonOptimised<'a>>,
     requirements: Vec<JsonRequirement<'a>>,
     /// Outputs under noise.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -258,6 +262,34 @@ struct JsonSolved<'a> {
     bounds_from: &'static str,
 }
 
+/// What was minimised or maximised; the measure in SI units, frequencies in Hz.
+#[derive(serde::Serialize)]
+struct JsonOptimised<'a> {
+    highest: bool,
+    measure: &'a str,
+    value: JsonNumber,
+    error_bound: JsonNumber,
+    parameters: Vec<JsonOptimisedParameter<'a>>,
+    /// `everywhere`, `near` or `seen`.
+    proved: &'static str,
+    /// No values are better by more than this.
+    gap: JsonNumber,
+    near: Vec<[&'a str; 2]>,
+    equal_peaks_hz: Vec<JsonNumber>,
+    looked_at: usize,
+    until_s: JsonNumber,
+}
+
+/// Value and bound in the parameter's own unit.
+#[derive(serde::Serialize)]
+struct JsonOptimisedParameter<'a> {
+    parameter: &'a str,
+    value: JsonNumber,
+    unit: &'a str,
+    error_bound: JsonNumber,
+    si: JsonNumber,
+}
+
 /// In SI units, frequencies in Hz.
 #[derive(serde::Serialize)]
 struct JsonRequirement<'a> {
@@ -377,6 +409,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
             left_out: account.left_out.iter().map(JsonRemark::of).collect(),
         }),
         solved: answer.solved.iter().map(json_solved).collect(),
+        optimised: answer.optimised.iter().map(json_optimised).collect(),
         requirements: answer.requirements.iter().map(json_requirement).collect(),
         noise: answer.noisy.iter().map(|noisy| JsonNoisy::of(noisy, &answer.system)).collect(),
         response_spectra: JsonSpectral::of(answer),
@@ -532,6 +565,44 @@ fn json_solved(solved: &Solved) -> JsonSolved<'_> {
         evaluations: solved.evaluations,
         bounds_from: if solved.bound == Some(0.0) { "root" } else { "value" },
         until_s: solved.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
+    }
+}
+
+fn json_optimised(found: &Optimised) -> JsonOptimised<'_> {
+    let parameter = |found: &'_ OptimisedParameter| -> (JsonNumber, JsonNumber) {
+        let number = found.shown().number;
+        let bound = found.shown_bound();
+        (
+            JsonNumber::enclosed(number),
+            bound.map_or(JsonNumber::NULL, |bound| JsonNumber::relative_bound(number.widen(bound))),
+        )
+    };
+    let (proved, gap) = match &found.best {
+        Best::Everywhere { gap, .. } => ("everywhere", Some(*gap)),
+        Best::Near { gap, .. } => ("near", Some(*gap)),
+        Best::Seen => ("seen", None),
+    };
+    JsonOptimised {
+        highest: found.highest,
+        measure: &found.measure,
+        value: JsonNumber::enclosed(found.value),
+        error_bound: JsonNumber::relative_bound(found.value),
+        parameters: (found.parameters.iter())
+            .map(|own| {
+                let (value, error_bound) = parameter(own);
+                let (unit, si) = (own.unit.text.as_str(), JsonNumber::number(&own.value));
+                JsonOptimisedParameter { parameter: &own.parameter, value, unit, error_bound, si }
+            })
+            .collect(),
+        proved,
+        gap: gap.map_or(JsonNumber::NULL, |gap| JsonNumber::absolute_bound(Ball::ZERO.widen(gap))),
+        near: match &found.best {
+            Best::Near { parts, .. } => parts.iter().map(|(low, high)| [low.as_str(), high.as_str()]).collect(),
+            Best::Everywhere { .. } | Best::Seen => Vec::new(),
+        },
+        equal_peaks_hz: found.equal.iter().map(|hertz| JsonNumber::unproven(Unproven(*hertz))).collect(),
+        looked_at: found.evaluations,
+        until_s: found.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
     }
 }
 

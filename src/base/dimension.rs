@@ -126,7 +126,7 @@ impl Dimension {
 }
 
 /// Dimension, noun with article, usual unit. The first match is used.
-const NOUNS: [(Dimension, &str, &str); 19] = [
+const NOUNS: [(Dimension, &str, &str); 20] = [
     (Dimension::NONE, "a plain number", ""),
     (Dimension::MASS, "a mass", "kg"),
     (Dimension::LENGTH, "a length", "m"),
@@ -146,6 +146,7 @@ const NOUNS: [(Dimension, &str, &str); 19] = [
     (Dimension::of(1, -1, -2), "a pressure", "Pa"),
     (Dimension::of(1, 2, -3), "a power", "W"),
     (Dimension::TEMPERATURE, "a temperature", "K"),
+    (Dimension::of(-1, 0, 2), "a compliance", "m/N"),
 ];
 
 impl fmt::Display for Dimension {

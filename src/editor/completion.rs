@@ -153,6 +153,12 @@ impl<'a> Place<'a> {
             "@" => return self.spots(),
             _ => {}
         }
+        if matches!(self.keyword(), "minimise" | "maximise") && self.open.is_empty() && self.has("over") {
+            let in_range = last == "over" || last == "," && !self.has("while");
+            if in_range {
+                return self.values(|kind| kind == "param");
+            }
+        }
         if self.keyword() == "place" && self.before.len() > 1 {
             return self.placing();
         }
@@ -593,7 +599,7 @@ fn can_move(lexed: &Lexed, statement: usize, motion: &str) -> bool {
 }
 
 /// Words after which an expression starts.
-const LEADS_ON: [&str; 4] = ["in", "along", "about", "modal"];
+const LEADS_ON: [&str; 6] = ["in", "along", "about", "modal", "over", "while"];
 
 fn directions() -> Vec<Item> {
     let direction = |word: &str| item(word, ItemKind::Keyword, "a direction");

@@ -5,7 +5,7 @@ use crate::analysis::{self, AnalysisError, Modal, Modes, Request, Which};
 use crate::base::{Diagnostic, FileId, Sources};
 use crate::lower::{Lowered, Mechanism, Rest};
 use crate::model::{self, CheckedScene, Defined, Overrides};
-use crate::questions::{Requirement, Solved};
+use crate::questions::{Optimised, Requirement, Solved};
 use crate::syntax::{self, tree::Tree};
 use crate::system::LinearSystem;
 use crate::{Effort, Inspection};
@@ -25,6 +25,7 @@ pub struct Document {
     pub values: Vec<Defined>,
     /// The results of `solve` lines and of requirements.
     pub solved: Vec<Solved>,
+    pub optimised: Vec<Optimised>,
     pub requirements: Vec<Requirement>,
     /// Results of the last version of the text that had a scene; their places are those of that version.
     pub known: Option<Arc<Results>>,
@@ -106,7 +107,7 @@ impl Document {
         let Some(known) = self.known.as_ref().filter(|_| self.is_current) else { return false };
         let scene = known.scene.scene();
         let is_damped = known.motions.as_ref().is_some_and(|motions| !motions.system.c.is_empty());
-        is_damped || scene.damping.is_some() || !scene.solves.is_empty() || !scene.requires.is_empty()
+        is_damped || scene.damping.is_some() || scene.determines_parameters() || !scene.requires.is_empty()
     }
 
     fn of(
@@ -146,6 +147,7 @@ impl Document {
             tree,
             findings,
             solved: inspection.solved,
+            optimised: inspection.optimised,
             requirements: inspection.requirements,
             values,
             known,

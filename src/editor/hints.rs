@@ -5,7 +5,7 @@ use super::shown;
 use crate::analysis::{Mode, ModeKind, Pole, PoleKind, Stability};
 use crate::base::Number;
 use crate::model::Defined;
-use crate::questions::answer;
+use crate::questions::answer::{self, Best, OptimisedParameter};
 use crate::syntax::tree::{Decl, DeclKind, ExprId, ExprKind};
 
 /// A text that is shown at a place.
@@ -23,6 +23,7 @@ pub fn hints(document: &Document) -> Vec<Hint> {
     if let Some(known) = document.known.as_ref().filter(|_| document.is_current) {
         hints.extend(frequencies(document, known));
         hints.extend(solved(document));
+        hints.extend(optimised(document));
         hints.extend(margins(document));
     }
     hints.sort_by_key(|hint| hint.at);
@@ -32,7 +33,7 @@ pub fn hints(document: &Document) -> Vec<Hint> {
 /// After the `model` line, or the first declaration.
 fn frequencies(document: &Document, known: &Results) -> Option<Hint> {
     let motions = known.motions.as_ref()?;
-    if !document.is_whole && !known.scene.scene().solves.is_empty() {
+    if !document.is_whole && known.scene.scene().determines_parameters() {
         return None;
     }
     let statements = 0..document.outline.statements.len();
@@ -106,6 +107,20 @@ fn solved(document: &Document) -> impl Iterator<Item = Hint> + '_ {
     own.filter_map(|solved| {
         let at = end_of_statement(document, solved.span.start())?;
         let text = format!("{} = {}", solved.parameter, answer::shown_text(&solved.shown()));
+        Some(Hint { at, text, tooltip: None })
+    })
+}
+
+/// After `minimise` and `maximise`: the values that were found, and the measure there.
+fn optimised(document: &Document) -> impl Iterator<Item = Hint> + '_ {
+    let own = document.optimised.iter().filter(|optimised| optimised.span.file() == document.file);
+    own.filter_map(|optimised| {
+        let at = end_of_statement(document, optimised.span.start())?;
+        let value =
+            |found: &OptimisedParameter| format!("{} = {}", found.parameter, answer::shown_text(&found.shown()));
+        let values: Vec<String> = optimised.parameters.iter().map(value).collect();
+        let mark = if matches!(optimised.best, Best::Everywhere { .. }) { "" } else { ", not proved best" };
+        let text = format!("{}: {}{mark}", values.join(", "), answer::shown_text(&optimised.shown()));
         Some(Hint { at, text, tooltip: None })
     })
 }

@@ -35,6 +35,8 @@ pub fn word(word: &str) -> Option<&'static str> {
         "stable" => "A measure: whether the rest is stable, so that no small motion grows.",
         "along" => "A fixed direction: `x`, `y` or a vector, whose length does not matter.",
         "about" => "The reference point of an inertia.",
+        "over" => "Before the parameters that `minimise` or `maximise` varies.",
+        "while" => "Before the conditions that the values found by `minimise` or `maximise` must meet.",
         "in" => "Before a range, including its bounds; of an output the unit that it is shown in.",
         "white" => "In `noise`: the density is the same at all frequencies, as in `noise(white 3 N^2/Hz)`.",
         "road" => {

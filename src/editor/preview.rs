@@ -35,6 +35,7 @@ pub fn page(document: &Document) -> Option<String> {
         mechanism: &motions.mechanism,
         modal,
         solved: if document.is_current { &document.solved } else { &[] },
+        optimised: if document.is_current { &document.optimised } else { &[] },
         requirements: if document.is_current { &document.requirements } else { &[] },
     });
     Some(overview.page((&known.sources, document.file), &shown))

@@ -226,7 +226,8 @@ impl Reader<'_> {
             let alone = !self.is_sign(next, "=") && kinds::field(word).is_some_and(Field::stands_alone);
             return if alone { Role::Word } else { Role::Field };
         }
-        if matches!(word, "along" | "about" | "in")
+        let of_optimum = matches!(self.keyword, "minimise" | "maximise") && state.open.is_empty();
+        if (matches!(word, "along" | "about" | "in") || of_optimum && matches!(word, "over" | "while"))
             && after_value
             && !self.is_sign(last, ":")
             && !self.is_sign(last, "--")
@@ -402,6 +403,10 @@ mod tests {
             ("output y[i] in N*m = b.x", "output:K y:P i:v in:w N:? m:? b:p x:m"),
             ("output y = 2 * b@A.x + s[i + 1].force", "output:K y:P b:p A:v x:m s:p i:v force:m"),
             ("require gain(floor -> table.y, f) < peak(tip)", "require:K gain:F floor:p table:p y:m f:v peak:F tip:p"),
+            (
+                "minimise peak(y) + a over c in 1 .. b, k in d .. 2 while peak(y) < 3, damping(1) > e",
+                "minimise:K peak:F y:p a:v over:w c:v in:w b:v k:v in:w d:v while:w peak:F y:p damping:F e:v",
+            ),
             ("solve fn in a .. b: static(y) = c", "solve:K fn:v in:w a:v b:v static:F y:p c:v"),
             ("initial b { x = 1 mm }", "initial:K b:p x:f"),
             ("damping modal z", "damping:K modal:w z:v"),

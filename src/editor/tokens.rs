@@ -141,7 +141,7 @@ fn unit_after(text: &str, end: usize) -> Option<usize> {
         Some(after) => end + 1 + usize::from(after.starts_with('/')),
         None => end,
     };
-    if &text[start..word_end(text, start)] == "about" {
+    if words::FOLLOWS.contains(&&text[start..word_end(text, start)]) {
         return None;
     }
     let mut end = power_end(text, unit_word_end(text, start)?);

@@ -44,6 +44,8 @@ pub enum Shape {
     Rest,
     Repeat,
     Solve,
+    Minimise,
+    Maximise,
     Require,
     Component,
     Place,
@@ -137,6 +139,14 @@ const IN: Piece = Piece::Marker("in", "before the range");
 const LOW: Piece = Piece::Value("the lower bound", Content::Any);
 const DOTS: Piece = Piece::Sign("..", "between the bounds");
 const HIGH: Piece = Piece::Value("the upper bound", Content::Any);
+const OPTIMUM: [Piece; 6] = [
+    Piece::Apart,
+    Piece::Value("a measure", Content::Measures),
+    Piece::Marker("over", "before the parameters"),
+    Piece::Blank,
+    Piece::Varied,
+    Piece::Limits,
+];
 
 /// The fields of a body.
 pub const BODY_FIELDS: [Field; 7] = [
@@ -328,7 +338,7 @@ const MIDDLE: [Declaration; 1] = [Declaration {
 }];
 
 /// The declarations after the elements.
-const LAST: [Declaration; 14] = [
+const LAST: [Declaration; 16] = [
     Declaration {
         synonyms: &["support"],
         fields: &BASE_FIELDS,
@@ -522,6 +532,38 @@ const LAST: [Declaration; 14] = [
             Piece::Value("the measure's value", Content::Measures),
         ],
     ),
+    Declaration {
+        synonyms: &["minimize", "optimise", "optimize", "min"],
+        ..declaration(
+            Shape::Minimise,
+            "minimise",
+            "minimise peak_gain(floor -> x) over c in 1 N*s/m .. 100 N*s/m, k in 1 N/m .. 50 N/m",
+            Manual {
+                forms: "minimise peak_gain(floor -> x) over c in 1 N*s/m .. 100 N*s/m, k in 1 N/m .. 50 N/m while peak(y) < 20 mm",
+                summary: "Finds the values of parameters in their ranges at which a measure is least.",
+                rules: "The rest of the model uses the values found. The report says what shows that no other values are better, or that \
+                 this is not proved. `while` lists conditions that the values must meet. A parameter of a `solve` line may depend on \
+                 them: it is solved for at each trial.",
+                heading: "Optimal parameters",
+            },
+            &OPTIMUM,
+        )
+    },
+    Declaration {
+        synonyms: &["maximize", "max"],
+        ..declaration(
+            Shape::Maximise,
+            "maximise",
+            "maximise damping(1) over c in 1 N*s/m .. 100 N*s/m",
+            Manual {
+                forms: "maximise damping(1) over c in 1 N*s/m .. 100 N*s/m",
+                summary: "Finds the values of parameters in their ranges at which a measure is largest.",
+                rules: "Like `minimise`.",
+                heading: "Optimal parameters",
+            },
+            &OPTIMUM,
+        )
+    },
     Declaration {
         synonyms: &["assert", "check"],
         ..declaration(

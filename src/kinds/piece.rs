@@ -70,6 +70,10 @@ pub enum Piece {
     Actuals,
     /// `at (1 m, 0) mirrored x turned 10 deg`, each of which may be missing.
     Placing,
+    /// Parameters and their ranges: `c in 1 N*s/m .. 100 N*s/m, k in 1 N/m .. 50 N/m`.
+    Varied,
+    /// `while peak(y) < 20 mm`, optional.
+    Limits,
     /// A file's name in quotes, and whose.
     Text(&'static str),
 }

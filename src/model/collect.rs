@@ -71,6 +71,7 @@ pub struct Instances<'a> {
     pub outputs: Vec<Instance<'a>>,
     pub initials: Vec<Instance<'a>>,
     pub solves: Vec<Instance<'a>>,
+    pub optima: Vec<Instance<'a>>,
     pub requires: Vec<Instance<'a>>,
     /// Declarations that a scene has at most once: model, gravity, damping, rest.
     pub settings: Vec<Instance<'a>>,
@@ -269,6 +270,7 @@ impl<'a> Check<'a> {
                 Rare::Output { name, .. } => (&mut list.outputs, Some((name, Part::Output))),
                 Rare::Initial { .. } => (&mut list.initials, None),
                 Rare::Solve { .. } => (&mut list.solves, None),
+                Rare::Optimum { .. } => (&mut list.optima, None),
                 Rare::Require { .. } => (&mut list.requires, None),
                 Rare::DampingModal { .. } | Rare::DampingRayleigh { .. } | Rare::RestAsDrawn => {
                     (&mut list.settings, None)

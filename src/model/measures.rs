@@ -6,14 +6,16 @@ use super::error::{NameError, PlaceError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::motions::Combination;
-use super::scene::{Cause, InputId, InputKind, Measure, MotionTerm, Parameter, Signal, Solve, Written};
+use super::scene::{
+    Cause, InputId, InputKind, Measure, MotionTerm, Optimum, Parameter, Signal, Solve, Varied, Written,
+};
 use super::scope::{self, Definition, DefinitionId, DefinitionKind, Environment, Instance, Role, State};
 use super::suggestion::nearest;
 use super::value::{Scalar, Value};
 use crate::base::unit::Scale;
 use crate::base::{Angle, Dimension, Name, Number, Quantity, Span, Vec3};
 use crate::kinds::functions::{self, MEASURES, Named};
-use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, FormalKind, Path, Rare};
+use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, ExprList, FormalKind, Path, Rare};
 
 const RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE, "2 %");
 const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "-90 deg");
@@ -56,14 +58,26 @@ impl<'a> Check<'a> {
         value: ExprId,
         environment: Environment,
     ) -> Evaluated<Solve> {
-        let id = self.solved_parameter(parameter, environment);
+        let varied = self.varied(parameter, (low, high), "solve", environment);
         let question = self.compared(measure, value, environment);
-        let (id, declared) = id?;
+        let Varied { parameter, span, low, high } = varied?;
+        Ok(Solve { parameter, span, low, high, question: question? })
+    }
+
+    /// A parameter that a line determines, and its range.
+    fn varied(
+        &mut self,
+        parameter: Path,
+        (low, high): (ExprId, ExprId),
+        by: &'static str,
+        environment: Environment,
+    ) -> Evaluated<Varied> {
+        let (id, declared) = self.solved_parameter(parameter, environment)?;
         let name = self.definitions[id.0 as usize].name;
         if let Some(span) = self.overrides.named_at(name) {
             let word = self.words.display(name);
             let solved = self.path_span(parameter);
-            return self.fail(environment, QuestionError::GivenAndSolved { span, word, solved });
+            return self.fail(environment, QuestionError::GivenAndSolved { span, word, solved, by });
         }
         let low_value = self.like_parameter(low, &declared, environment);
         let high_value = self.like_parameter(high, &declared, environment)?.si;
@@ -73,7 +87,6 @@ impl<'a> Check<'a> {
             let span = self.tree.expr(low).span.to(self.tree.expr(high).span);
             return self.fail(environment, QuestionError::RangeReversed { span });
         }
-        let question = question?;
         let mut found = self.parameter(id, &declared);
         if declared.bare_zero {
             // Declared as a plain `0`: its dimension follows from the range.
@@ -81,7 +94,72 @@ impl<'a> Check<'a> {
             found.unit = self.written(low, found.value.dimension);
         }
         let span = self.path_span(parameter);
-        Ok(Solve { parameter: found, span, low: low_value, high: high_value, question })
+        Ok(Varied { parameter: found, span, low: low_value, high: high_value })
+    }
+
+    /// The lines `minimise` and `maximise`.
+    pub fn optima(&mut self) {
+        for index in 0..self.instances.optima.len() {
+            let Instance { decl, environment } = self.instances.optima[index];
+            let DeclKind::Rare { index } = decl.kind else { continue };
+            let Rare::Optimum { highest, measure, varied, limits } = self.tree.rare[index as usize] else { continue };
+            self.walk.varies = false;
+            if let Ok(optimum) = self.optimum((decl.span, highest), measure, varied, limits, environment) {
+                self.scene.optima.push(optimum);
+            }
+        }
+    }
+
+    fn optimum(
+        &mut self,
+        (span, highest): (Span, bool),
+        measure: ExprId,
+        list: (u32, u32),
+        limits: ExprList,
+        environment: Environment,
+    ) -> Evaluated<Optimum> {
+        let by = if highest { "maximise" } else { "minimise" };
+        let question = self.objective(measure, environment);
+        let tree = self.tree;
+        let mut found = Ok(Vec::new());
+        for item in tree.varied(list) {
+            let one = self.varied(item.parameter, (item.low, item.high), by, environment);
+            let one = one.and_then(|one| self.determined_once(one, &found, environment));
+            found = match (found, one) {
+                (Ok(list), Ok(one)) => Ok([list, vec![one]].concat()),
+                (Err(stop), _) | (_, Err(stop)) => Err(stop),
+            };
+        }
+        let mut conditions = Vec::new();
+        let mut failed = None;
+        for &limit in tree.list(limits) {
+            match self.requirement(limit, environment) {
+                Ok(list) => conditions.extend(list),
+                Err(stop) => failed = Some(stop),
+            }
+        }
+        let (question, varied) = (question?, found?);
+        failed.map_or(Ok(Optimum { span, highest, question, varied, limits: conditions }), Err)
+    }
+
+    /// Refuses a parameter that another line, or this one, determines as well.
+    fn determined_once(
+        &mut self,
+        one: Varied,
+        here: &Evaluated<Vec<Varied>>,
+        environment: Environment,
+    ) -> Evaluated<Varied> {
+        let solved = self.scene.solves.iter().map(|solve| (&solve.parameter.name, solve.span));
+        let earlier = self.scene.optima.iter().flat_map(|optimum| &optimum.varied);
+        let varied = earlier.chain(here.iter().flatten()).map(|varied| (&varied.parameter.name, varied.span));
+        let first = solved.chain(varied).find(|(name, _)| **name == one.parameter.name).map(|(_, first)| first);
+        match first {
+            None => Ok(one),
+            Some(first) => {
+                let (span, word) = (one.span, one.parameter.name);
+                self.fail(environment, QuestionError::VariedTwice { span, word, first })
+            }
+        }
     }
 
     /// Every `param` that is a number.

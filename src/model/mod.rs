@@ -151,6 +151,7 @@ fn new_check<'a>(sources: &'a Sources, tree: &'a Tree, overrides: &Overrides, va
     check.outputs();
     check.initials();
     check.solves();
+    check.optima();
     check.requires();
     check.unplaced_components();
     check.unused();
@@ -404,6 +405,7 @@ fn empty_scene(name: String) -> Scene {
         damping: None,
         rest_as_drawn: None,
         solves: Vec::new(),
+        optima: Vec::new(),
         requires: Vec::new(),
     }
 }

@@ -307,6 +307,10 @@ impl<'a> Check<'a> {
                     Rare::Solve { .. } => {
                         ("it finds a parameter for the whole scene", "write it in the scene: `solve front.k in ...`")
                     }
+                    Rare::Optimum { .. } => (
+                        "it finds parameters for the whole scene",
+                        "write it in the scene: `minimise ... over front.k in ...`",
+                    ),
                     Rare::Place { name, .. } => {
                         self.no_motion_name(name.span);
                         continue;
@@ -518,6 +522,7 @@ impl<'a> Check<'a> {
                 DeclKind::Param { .. } | DeclKind::Model { .. } | DeclKind::Gravity { .. } => {}
                 DeclKind::Rare { index } => match self.tree.rare(index) {
                     Rare::Solve { .. }
+                    | Rare::Optimum { .. }
                     | Rare::DampingModal { .. }
                     | Rare::DampingRayleigh { .. }
                     | Rare::RestAsDrawn => {}

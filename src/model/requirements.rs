@@ -28,13 +28,15 @@ impl<'a> Check<'a> {
             let DeclKind::Rare { index } = decl.kind else { continue };
             let Rare::Require { condition } = self.tree.rare[index as usize] else { continue };
             self.walk.varies = false;
-            // An error has been reported.
-            let _ = self.requirement(condition, environment);
+            // Otherwise an error has been reported.
+            if let Ok(list) = self.requirement(condition, environment) {
+                self.scene.requires.extend(list);
+            }
         }
     }
 
     /// `stable`, `left < right`, or a chain of comparisons in one direction: a requirement for each comparison.
-    fn requirement(&mut self, condition: ExprId, environment: Environment) -> Evaluated<()> {
+    pub(super) fn requirement(&mut self, condition: ExprId, environment: Environment) -> Evaluated<Vec<Require>> {
         let node = *self.tree.expr(condition);
         let mut sides = Vec::new();
         let mut rest = condition;
@@ -46,14 +48,14 @@ impl<'a> Check<'a> {
         }
         if sides.is_empty() {
             let question = self.stable(condition, environment)?;
-            self.scene.requires.push(Require { span: node.span, question, comparison: None });
-            return Ok(());
+            return Ok(vec![Require { span: node.span, question, comparison: None }]);
         }
         sides.reverse();
         let rises = |comparison| matches!(comparison, Comparison::Less | Comparison::LessEqual);
         if sides.windows(2).any(|pair| rises(pair[0].0) != rises(pair[1].0)) {
             return self.fail(environment, QuestionError::RequireChain { span: node.span });
         }
+        let mut list = Vec::new();
         let mut left = rest;
         for (comparison, right) in sides {
             let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
@@ -61,10 +63,10 @@ impl<'a> Check<'a> {
             let (side, other) = if flips { (right, left) } else { (left, right) };
             let question = self.compared(side, other, environment)?;
             let comparison = if flips { flipped(comparison) } else { comparison };
-            self.scene.requires.push(Require { span, question, comparison: Some(comparison) });
+            list.push(Require { span, question, comparison: Some(comparison) });
             left = right;
         }
-        Ok(())
+        Ok(list)
     }
 
     /// `require stable`
@@ -114,6 +116,27 @@ impl<'a> Check<'a> {
         let dimension = left.dimension.unwrap_or(Dimension::NONE);
         let measured = Measured { measure: Measure::Combined(Box::new(left.combined)), dimension };
         self.question(measured, span, other, environment)
+    }
+
+    /// What `minimise` or `maximise` looks for: an expression of measures, compared with nothing.
+    pub(super) fn objective(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Question> {
+        let span = self.tree.expr(expr).span;
+        let Measured { measure, dimension } = if self.is_measure(expr) || !self.has_measure(expr) {
+            self.measure(expr, environment)?
+        } else {
+            let Term { combined, dimension } = self.term(expr, environment)?;
+            Measured { measure: Measure::Combined(Box::new(combined)), dimension: dimension.unwrap_or(Dimension::NONE) }
+        };
+        if matches!(measure, Measure::Stable) {
+            return self.fail(environment, QuestionError::MeasureAsValue { span });
+        }
+        let mut unit = Written { text: dimension.usual_unit(), factor: Some(Number::ONE) };
+        if matches!(measure, Measure::Phase { .. }) {
+            unit.text = "rad".to_string();
+        } else if dimension == Dimension::FREQUENCY {
+            unit.text = "Hz".to_string();
+        }
+        Ok(Question { measure, span, value: Number::ZERO, radians: None, unit })
     }
 
     /// A measure and the number that it is compared with.

@@ -60,6 +60,7 @@ pub struct Scene {
     pub damping: Option<Damping>,
     pub rest_as_drawn: Option<Span>,
     pub solves: Vec<Solve>,
+    pub optima: Vec<Optimum>,
     pub requires: Vec<Require>,
 }
 
@@ -556,6 +557,29 @@ pub struct Solve {
     pub question: Question,
 }
 
+/// `minimise measure over p in low .. high, ... while conditions`, or `maximise`.
+#[derive(Clone, Debug)]
+pub struct Optimum {
+    /// The whole line.
+    pub span: Span,
+    /// Whether the largest value is wanted.
+    pub highest: bool,
+    /// Its value is zero: nothing is compared.
+    pub question: Question,
+    pub varied: Vec<Varied>,
+    pub limits: Vec<Require>,
+}
+
+/// A parameter that `minimise` or `maximise` varies.
+#[derive(Clone, Debug)]
+pub struct Varied {
+    pub parameter: Parameter,
+    /// The parameter as named in the line.
+    pub span: Span,
+    pub low: Number,
+    pub high: Number,
+}
+
 /// `require left < right`; `require stable` has a measure only.
 #[derive(Clone, Debug)]
 pub struct Require {
@@ -689,6 +713,19 @@ impl<M> Combined<M> {
             Combined::Negated(part) => part.any(of),
             Combined::Binary { left, right, .. } => left.any(of) || right.any(of),
         }
+    }
+}
+
+impl Scene {
+    /// Whether the values of some parameters follow from lines of the model: `solve`, `minimise`, `maximise`.
+    pub fn determines_parameters(&self) -> bool {
+        !self.solves.is_empty() || !self.optima.is_empty()
+    }
+
+    /// The names of these parameters.
+    pub fn determined(&self) -> impl Iterator<Item = &str> {
+        let varied = self.optima.iter().flat_map(|optimum| &optimum.varied).map(|varied| &varied.parameter);
+        self.solves.iter().map(|solve| &solve.parameter).chain(varied).map(|parameter| parameter.name.as_str())
     }
 }
 

@@ -49,6 +49,88 @@ pub enum Others {
     Unknown,
 }
 
+/// The optimum of a line `minimise` or `maximise`.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Optimised {
+    pub highest: bool,
+    /// The whole line.
+    pub span: Span,
+    /// The measure as written.
+    pub measure: String,
+    /// Its value at the parameters below: the rest of the report is about the model with exactly these.
+    pub value: Ball,
+    pub unit: Written,
+    pub parameters: Vec<OptimisedParameter>,
+    pub best: Best,
+    /// Frequencies of the peaks that are equal there, Hz; empty for other measures.
+    pub equal: Vec<f64>,
+    /// Number of sets of values at which the measure was evaluated.
+    pub evaluations: usize,
+    /// Simulated time, s, if the measure needs one.
+    pub until: Option<Number>,
+}
+
+/// A parameter of an optimum.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct OptimisedParameter {
+    pub parameter: String,
+    /// Where the line names it.
+    pub span: Span,
+    /// In SI units.
+    pub value: Number,
+    pub unit: Written,
+    /// Bound of the distance to any value that is as good, SI; `None` if none is proven.
+    pub bound: Option<f64>,
+}
+
+/// What shows that an optimum is one.
+#[derive(Clone, Debug)]
+pub enum Best {
+    /// No values in the ranges are better by more than `gap`, SI.
+    Everywhere { gap: f64, proof: Everywhere },
+    /// No values in these parts of the ranges are better by more than `gap`; others are not excluded.
+    Near { gap: f64, parts: Vec<(String, String)> },
+    /// The best of the values that were tried.
+    Seen,
+}
+
+/// Made from the proofs of the searches over all ranges alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Everywhere(());
+
+impl From<Proof> for Everywhere {
+    fn from(_: Proof) -> Everywhere {
+        Everywhere(())
+    }
+}
+
+impl From<crate::analysis::range::least::Everywhere> for Everywhere {
+    fn from(_: crate::analysis::range::least::Everywhere) -> Everywhere {
+        Everywhere(())
+    }
+}
+
+impl Optimised {
+    /// The value of the measure in its unit.
+    pub fn shown(&self) -> Shown<'_> {
+        shown(&Number::Ball(self.value), &self.unit, false)
+    }
+}
+
+impl OptimisedParameter {
+    /// The value in the parameter's own unit.
+    pub fn shown(&self) -> Shown<'_> {
+        shown(&self.value, &self.unit, false)
+    }
+
+    /// The bound in the parameter's own unit.
+    pub fn shown_bound(&self) -> Option<f64> {
+        Some(self.bound? / self.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs()) * up::FEW)
+    }
+}
+
 /// A derivative.
 #[derive(Clone, Copy, Debug)]
 pub enum Derivative {

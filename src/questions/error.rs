@@ -81,6 +81,39 @@ pub enum AskedError {
         others: Vec<Span>,
         roots: Vec<String>,
     },
+    /// A measure that has no optimum over the ranges, or none that is known.
+    NoOptimum {
+        span: Span,
+        measure: String,
+        at: Span,
+        why: String,
+    },
+    /// The conditions of an optimum were not met by any of the values tried.
+    NeverMet {
+        span: Span,
+        tried: usize,
+    },
+    /// Around the optimum a parameter changes nothing.
+    Plateau {
+        span: Span,
+        name: String,
+        value: Phrase,
+        measure: String,
+        at: Span,
+    },
+    /// The optimum lies at an end of a range.
+    AtAnEnd {
+        span: Span,
+        name: String,
+        value: Phrase,
+        is_low: bool,
+        highest: bool,
+    },
+    /// Lines `minimise` and `maximise` that depend on each other's parameters.
+    Circle {
+        span: Span,
+        others: Vec<Span>,
+    },
     Fails {
         span: Span,
         value: Phrase,
@@ -143,6 +176,11 @@ impl AskedError {
             AskedError::NoValue { .. } => Code::model("vib::solve::no_value"),
             AskedError::Twice { .. } => Code::model("vib::solve::twice"),
             AskedError::Singular { .. } => Code::model("vib::solve::singular"),
+            AskedError::NoOptimum { .. } => Code::model("vib::minimise::no_value"),
+            AskedError::NeverMet { .. } => Code::model("vib::minimise::never_met"),
+            AskedError::Plateau { .. } => Code::model("vib::minimise::plateau"),
+            AskedError::AtAnEnd { .. } => Code::model("vib::minimise::end_of_range"),
+            AskedError::Circle { .. } => Code::model("vib::minimise::circle"),
             AskedError::Fails { .. } => Code::model("vib::require::fails"),
             AskedError::Undetermined { .. } => Code::limit("vib::require::undetermined"),
             AskedError::NoNumber { .. } => Code::model("vib::require::no_value"),
@@ -232,6 +270,41 @@ impl AskedError {
                 with_related(error(span, message), others)
                     .label(roots.join("; or "))
                     .help("narrow the ranges around the set you want")
+            }
+            NoOptimum { span, measure, at, why } => {
+                error(span, format!("`{measure}` has no optimum over these ranges"))
+                    .label(why.clone())
+                    .related(*at, "this measure")
+                    .help("ask for another measure, or search other ranges")
+            }
+            NeverMet { span, tried } => {
+                error(span, format!("none of the {tried} sets of values that were tried meets the conditions"))
+                    .label("the first of them")
+                    .help("widen the ranges, or ask for less")
+            }
+            Plateau { span, name, value, measure, at } => {
+                error(span, format!("`{measure}` does not determine `{name}`"))
+                    .label(format!("near {name} = {value}, other values give exactly the same"))
+                    .related(*at, "this measure")
+                    .help("vary a parameter that changes the measure, or narrow the range to where it does")
+            }
+            AtAnEnd { span, name, value, is_low, highest } => {
+                let (end, beyond) = if *is_low { ("lower", "below") } else { ("upper", "above") };
+                let best = if *highest { "largest" } else { "least" };
+                let message = format!("the {best} value lies at the {end} end of the range of `{name}`");
+                Diagnostic::warning(self.code(), *span, message)
+                    .label(format!("{name} = {value}; values {beyond} it may be better"))
+                    .help("widen the range, unless this end is a limit of the design")
+            }
+            Circle { span, others } => {
+                let finding = error(span, "these lines depend on each other's parameters".to_string());
+                others
+                    .iter()
+                    .fold(finding, |finding, other| {
+                        finding.related(*other, "this one depends on it, and it on this one")
+                    })
+                    .label("its measure changes with the parameters of the others, and theirs with its own")
+                    .help("write one measure over all of these parameters")
             }
             Fails { span, value, by, remedy } => {
                 let by = by.as_ref().map_or(String::new(), |by| format!(", off by {by}"));

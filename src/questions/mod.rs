@@ -5,8 +5,9 @@
 //! # Steps
 //! 1. [`trial`]: from values of the parameters to a scene, a system, and its measures
 //! 2. [`together`]: puts the unknowns in an order; one by one ([`search`]) or several at once ([`newton`])
-//! 3. [`require`]: whether measures keep their limits, and by how much
-//! 4. [`sensitivity`]: how frequencies and damping ratios depend on parameters
+//! 3. [`optimum`]: parameters at which a measure is least or largest
+//! 4. [`require`]: whether measures keep their limits, and by how much
+//! 5. [`sensitivity`]: how frequencies and damping ratios depend on parameters
 
 mod advice;
 pub mod answer;
@@ -17,6 +18,7 @@ pub mod error;
 mod exact;
 mod newton;
 mod one_unknown;
+mod optimum;
 mod probe;
 mod range_enclosure;
 mod require;
@@ -25,8 +27,9 @@ mod sensitivity;
 pub mod trial;
 mod unknowns;
 
-pub use answer::{Requirement, Sensitivity, Solved};
+pub use answer::{Optimised, Requirement, Sensitivity, Solved};
+pub use optimum::settle;
 pub use require::requirements;
 pub use sensitivity::sensitivities;
 pub use trial::{Facts, Text};
-pub use unknowns::{Settled, solve};
+pub use unknowns::Settled;

@@ -31,8 +31,7 @@ pub fn requirements(
         .map(|(require, measured)| requirement(text, scene, known, require, measured))
         .collect();
     // Parameters that are solved for cannot be changed.
-    let solved =
-        |parameter: &Parameter| scene.scene().solves.iter().any(|solve| solve.parameter.name == parameter.name);
+    let solved = |parameter: &Parameter| scene.scene().determined().any(|name| name == parameter.name);
     let fails = list.iter().any(|requirement| requirement.holds == Some(false));
     let mut parameters = if fails { text.parameters(settings) } else { Vec::new() };
     parameters.retain(|parameter| !solved(parameter));
@@ -111,7 +110,7 @@ fn keeps(order: Ordering, comparison: Comparison) -> bool {
 
 /// (value - limit) / |limit|, or its negative, so that it is positive on the required side; the difference itself for a
 /// limit of 0.
-fn margin(value: &Ball, comparison: Comparison, limit: &Number) -> Ball {
+pub(super) fn margin(value: &Ball, comparison: Comparison, limit: &Number) -> Ball {
     let difference = *value - limit.to_ball();
     let relative = if limit.may_be_zero() { difference } else { difference / limit.to_ball().abs() };
     match comparison {

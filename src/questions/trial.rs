@@ -12,6 +12,7 @@ use crate::analysis::{
 use crate::base::number::jet;
 use crate::base::{Diagnostics, Number, Sources};
 use crate::dynamics::{self, WrittenOut};
+use crate::lower::Lowered;
 use crate::model::scene::{Damping, Measure, Parameter, Question, Scene};
 use crate::model::{self, CheckedScene, Overrides, Setting};
 use crate::syntax::tree::Tree;
@@ -26,6 +27,8 @@ pub struct Text<'a> {
     pub overrides: &'a Overrides,
     /// Simulated time, s, if it is known.
     pub until: Option<&'a Number>,
+    /// Values that stay the same in all trials.
+    pub fixed: &'a [Setting],
 }
 
 /// The data that measures of signals need in addition to the system.
@@ -51,13 +54,16 @@ const FEW: usize = 60;
 impl Text<'_> {
     /// The scene with some parameters at these values.
     pub fn scene(&self, values: &[Setting]) -> Result<CheckedScene, String> {
-        let checked = model::check_with(self.sources, self.tree, self.overrides, values);
+        let checked = match self.fixed {
+            [] => model::check_with(self.sources, self.tree, self.overrides, values),
+            fixed => model::check_with(self.sources, self.tree, self.overrides, &[fixed, values].concat()),
+        };
         checked.scene.ok_or_else(|| first_error(&checked.diagnostics))
     }
 
     /// Every parameter, at these values where given.
     pub fn parameters(&self, values: &[Setting]) -> Vec<Parameter> {
-        model::parameters(self.sources, self.tree, self.overrides, values)
+        model::parameters(self.sources, self.tree, self.overrides, &[self.fixed, values].concat())
     }
 
     /// The measures with some parameters at these values. `choose` finds the questions in the scene.
@@ -114,25 +120,7 @@ impl Text<'_> {
         choose: impl Fn(&CheckedScene) -> Option<Question>,
         tell: impl FnOnce(&QuestionOverRange) -> T,
     ) -> Option<T> {
-        let prepared = || {
-            let scene = self.scene(values).ok()?;
-            let question = choose(&scene)?;
-            let Plan { mut probes, readouts } = prepare_crossings(scene.scene(), std::slice::from_ref(&question));
-            let probe = probes.pop()?;
-            let scene = match (&scene.scene().damping, &probe) {
-                // Damping does not affect these.
-                (_, Probe::Frequency(_) | Probe::Square(_)) => scene.without_damping(),
-                // The mode shapes that define this damping cannot be enclosed over ranges.
-                (Some(Damping::Modal { .. }), _) => return None,
-                _ => scene,
-            };
-            let mut diagnostics = Diagnostics::new();
-            let mut lowered = dynamics::lower_written_out(&scene, &mut diagnostics)?.lowered;
-            lowered.add_readouts(scene.scene(), readouts).ok().filter(|()| lowered.rest.is_proven())?;
-            let context = self.context(&scene, std::slice::from_ref(&probe)).ok()?;
-            Some((scene, question, probe, lowered, context))
-        };
-        let (prepared, lost) = jet::watched(prepared);
+        let (prepared, lost) = jet::watched(|| self.prepared(values, choose));
         let (scene, question, probe, lowered, context) = prepared?;
         let family = Family::of(&lowered.system, lost);
         let measured =
@@ -142,6 +130,50 @@ impl Text<'_> {
         let course = Family::course(&lowered.system, lost);
         let (family, drive, probe, question) = (family.as_ref(), &drive, &probe, &question);
         Some(tell(&QuestionOverRange { family, course, drive, probe, question }))
+    }
+
+    /// The system of a question while some of the values are ranges, and the probe that answers it; `None` also where a
+    /// derivative was lost on the way.
+    pub fn system_over(
+        &self,
+        values: &[Setting],
+        choose: impl Fn(&CheckedScene) -> Option<Question>,
+    ) -> Option<(LinearSystem, Probe)> {
+        let (prepared, lost) = jet::watched(|| self.prepared(values, choose));
+        let (_, _, probe, lowered, _) = prepared.filter(|_| !lost)?;
+        Some((lowered.system, probe))
+    }
+
+    /// The least and the largest size of the poles, 1/s, without rigid motions.
+    pub fn sizes_of_poles(&self, values: &[Setting]) -> Option<(f64, f64)> {
+        let modal = self.modal(values, &Request::default()).ok()?;
+        let sizes = modal.poles.list.iter().map(|pole| pole.modulus().to_f64()).filter(|size| *size > 0.0);
+        let (low, high) = sizes.fold((f64::INFINITY, 0.0f64), |(low, high), size| (low.min(size), high.max(size)));
+        (low <= high && high.is_finite()).then_some((low, high))
+    }
+
+    /// A scene with values that are ranges, its question and its system.
+    fn prepared(
+        &self,
+        values: &[Setting],
+        choose: impl Fn(&CheckedScene) -> Option<Question>,
+    ) -> Option<(CheckedScene, Question, Probe, Lowered, Context)> {
+        let scene = self.scene(values).ok()?;
+        let question = choose(&scene)?;
+        let Plan { mut probes, readouts } = prepare_crossings(scene.scene(), std::slice::from_ref(&question));
+        let probe = probes.pop()?;
+        let scene = match (&scene.scene().damping, &probe) {
+            // Damping does not affect these.
+            (_, Probe::Frequency(_) | Probe::Square(_)) => scene.without_damping(),
+            // The mode shapes that define this damping cannot be enclosed over ranges.
+            (Some(Damping::Modal { .. }), _) => return None,
+            _ => scene,
+        };
+        let mut diagnostics = Diagnostics::new();
+        let mut lowered = dynamics::lower_written_out(&scene, &mut diagnostics)?.lowered;
+        lowered.add_readouts(scene.scene(), readouts).ok().filter(|()| lowered.rest.is_proven())?;
+        let context = self.context(&scene, std::slice::from_ref(&probe)).ok()?;
+        Some((scene, question, probe, lowered, context))
     }
 
     /// The measures of a scene.
@@ -254,7 +286,10 @@ impl Text<'_> {
 /// Whether the model asks for measures of its motion in time.
 pub fn asks_of_motion(scene: &CheckedScene) -> bool {
     let (solves, requires) = (&scene.scene().solves, &scene.scene().requires);
-    let mut questions = solves.iter().map(|s| &s.question).chain(requires.iter().map(|r| &r.question));
+    let optima = &scene.scene().optima;
+    let limits = optima.iter().flat_map(|optimum| &optimum.limits);
+    let questions = solves.iter().map(|s| &s.question).chain(requires.iter().chain(limits).map(|r| &r.question));
+    let mut questions = questions.chain(optima.iter().map(|optimum| &optimum.question));
     questions.any(|question| question.measure.is_of_time())
 }
 

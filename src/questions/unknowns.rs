@@ -1,7 +1,7 @@
 //! The lines `solve`: finds every unknown, on its own if possible, otherwise together with others. In: the text and its
 //! scene. Out: a value for each unknown, or an error. See docs/method/measures.md.
 
-use super::answer::{Derivative, Others, Shown, Solved, shown, shown_text};
+use super::answer::{Derivative, Optimised, Others, Shown, Solved, shown, shown_text};
 use super::derivative::{slope, step};
 use super::error::{AskedError, Phrase, ReachedRange};
 use super::newton;
@@ -22,7 +22,8 @@ pub struct Settled {
     /// The values as settings, for trials with other values of other parameters.
     pub settings: Vec<Setting>,
     pub solved: Vec<Solved>,
-    /// Parts of ranges that were not settled.
+    pub optimised: Vec<Optimised>,
+    /// Parts of ranges that were not settled, and optima at ends of ranges.
     pub unsettled: Vec<AskedError>,
 }
 
@@ -44,7 +45,7 @@ pub fn solve(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedErro
     let unsettled = (0..solves.len()).filter_map(|i| unknowns.unsettled_part(i)).collect();
     let settings = unknowns.settings();
     match text.scene(&settings) {
-        Ok(scene) => Ok(Settled { scene, settings, solved, unsettled }),
+        Ok(scene) => Ok(Settled { scene, settings, solved, optimised: Vec::new(), unsettled }),
         Err(why) => Err(vec![unknowns.refused(why)]),
     }
 }

@@ -80,6 +80,8 @@ fn rule_of(text: &str) -> Option<(Shape, Rule)> {
         Shape::Damping => Rule::damping_modal,
         Shape::Rest => Rule::rest,
         Shape::Solve => Rule::solve,
+        Shape::Minimise => Rule::minimise,
+        Shape::Maximise => Rule::maximise,
         Shape::Require => Rule::require,
         Shape::Repeat => Rule::repeat,
         Shape::Component => Rule::component,
@@ -378,6 +380,8 @@ impl Build<'_> {
             Shape::Damping => Rare::DampingRayleigh { arguments: self.arguments().0 },
             Shape::Rest => Rare::RestAsDrawn,
             Shape::Solve => self.solve(),
+            Shape::Minimise => self.optimum(false),
+            Shape::Maximise => self.optimum(true),
             Shape::Place => self.placed(),
             Shape::Use => self.import(),
             _ => Rare::Require { condition: self.expression().id },
@@ -410,6 +414,23 @@ impl Build<'_> {
             measure: self.expression().id,
             value: self.expression().id,
         }
+    }
+
+    fn optimum(&mut self, highest: bool) -> Rare {
+        let measure = self.expression().id;
+        let start = self.tree.varied.len() as u32;
+        while self.next == Some(Rule::varied) {
+            self.step();
+            let varied = Varied { parameter: self.path(), low: self.expression().id, high: self.expression().id };
+            self.tree.varied.push(varied);
+            self.step();
+        }
+        let mut limits = Vec::new();
+        while self.next == Some(Rule::bounded) {
+            limits.push(self.wrapped_expression().0);
+        }
+        let limits = self.tree.push_list(&limits);
+        Rare::Optimum { highest, measure, varied: (start, self.tree.varied.len() as u32), limits }
     }
 
     /// `along ...` or `= ...`, if present.

@@ -285,6 +285,8 @@ impl Reader<'_> {
             Piece::Placing => self.read_placement(),
             Piece::Text(which) => self.text(which),
             Piece::Path(_, whose) => self.path(whose),
+            Piece::Varied => self.varied(),
+            Piece::Limits => self.limits(),
         }
     }
 
@@ -512,6 +514,49 @@ impl Reader<'_> {
                 self.at = before;
                 return Ok(());
             }
+        }
+    }
+
+    /// `c in 1 N*s/m .. 100 N*s/m, k in 1 N/m .. 50 N/m`
+    fn varied(&mut self) -> Read {
+        loop {
+            self.path("the parameter")?;
+            self.skip_blank()?;
+            self.marker("in", "before the range")?;
+            self.are_separated()?;
+            self.expression("the lower bound")?;
+            self.sign("..", "between the bounds")?;
+            self.expression("the upper bound")?;
+            if !self.comma() {
+                return Ok(());
+            }
+        }
+    }
+
+    /// `while peak(y) < 20 mm, damping(1) > 1 %`, if present.
+    fn limits(&mut self) -> Read {
+        let before = self.at;
+        if !(self.blanks() && self.eat_word("while")) {
+            self.at = before;
+            return Ok(());
+        }
+        self.are_separated()?;
+        self.expression("a condition")?;
+        while self.comma() {
+            self.expression("a condition")?;
+        }
+        Ok(())
+    }
+
+    /// Steps over a comma and the blanks around it.
+    fn comma(&mut self) -> bool {
+        let before = self.at;
+        self.blanks();
+        let found = self.eat(",");
+        self.at = if found { self.at } else { before };
+        found && {
+            self.blanks();
+            true
         }
     }
 
@@ -769,7 +814,7 @@ impl Reader<'_> {
             self.eat("/");
         }
         let word = self.at;
-        let follows = ["about", "at", "turned", "mirrored"].into_iter().any(|word| self.eat_word(word));
+        let follows = words::FOLLOWS.into_iter().any(|word| self.eat_word(word));
         self.at = word;
         if follows || !self.factors() {
             self.at = number;

@@ -27,6 +27,8 @@ pub struct Tree {
     pub components: Vec<Component>,
     /// `use` lines of all files, file by file.
     pub uses: Vec<Use>,
+    /// What `minimise` and `maximise` vary.
+    pub varied: Vec<Varied>,
     /// Declarations that are too large or too rare to sit in [`DeclKind`].
     pub rare: Vec<Rare>,
     /// The `///` lines before a declaration: where the declaration starts, and their span; in order.
@@ -122,12 +124,22 @@ pub enum Rare {
     RestAsDrawn,
     /// `solve fn in 5 Hz .. 29 Hz: gain(floor -> table.y, 30 Hz) = -12 dB`
     Solve { parameter: Path, low: ExprId, high: ExprId, measure: ExprId, value: ExprId },
+    /// `minimise peak_gain(F -> x) over c in 1 N*s/m .. 9 N*s/m while peak(y) < 20 mm`; `varied` are indices of [`Tree::varied`].
+    Optimum { highest: bool, measure: ExprId, varied: (u32, u32), limits: ExprList },
     /// `require frequency(1) > 2 Hz`, `require stable`
     Require { condition: ExprId },
     /// `place front = axle(m = 40 kg) at (1.2 m, 0) turned 10 deg`
     Place { name: Ident, component: Span, arguments: Fields, placing: Placing },
     /// `use "axles.vib"`: index into [`Tree::uses`].
     Use { index: u32 },
+}
+
+/// `c in 1 N*s/m .. 100 N*s/m`
+#[derive(Clone, Copy, Debug)]
+pub struct Varied {
+    pub parameter: Path,
+    pub low: ExprId,
+    pub high: ExprId,
 }
 
 /// Where a component is placed: mirrored first, then turned, then moved.
@@ -319,6 +331,7 @@ pub(super) struct Mark {
     fields: usize,
     ends: usize,
     uses: usize,
+    varied: usize,
     rare: usize,
 }
 
@@ -334,6 +347,7 @@ impl Tree {
             repeats: Vec::new(),
             components: Vec::new(),
             uses: Vec::new(),
+            varied: Vec::new(),
             rare: Vec::new(),
             docs: Vec::new(),
             broken: Vec::new(),
@@ -425,6 +439,11 @@ impl Tree {
         Some(self.docs[at].1)
     }
 
+    /// What a [`Rare::Optimum`] varies.
+    pub fn varied(&self, (start, end): (u32, u32)) -> &[Varied] {
+        &self.varied[start as usize..end as usize]
+    }
+
     pub fn component(&self, index: u32) -> &Component {
         &self.components[index as usize]
     }
@@ -464,6 +483,7 @@ impl Tree {
             fields: self.fields.len(),
             ends: self.ends.len(),
             uses: self.uses.len(),
+            varied: self.varied.len(),
             rare: self.rare.len(),
         }
     }
@@ -474,6 +494,7 @@ impl Tree {
         self.fields.truncate(mark.fields);
         self.ends.truncate(mark.ends);
         self.uses.truncate(mark.uses);
+        self.varied.truncate(mark.varied);
         self.rare.truncate(mark.rare);
     }
 

@@ -3,6 +3,9 @@
 use crate::kinds::{self, DECLARATIONS, Declaration};
 use std::ops::Range;
 
+/// Words that go on with a declaration after a number: none of them is a unit. The rule `follows` of the grammar.
+pub const FOLLOWS: [&str; 6] = ["about", "at", "turned", "mirrored", "over", "while"];
+
 pub fn is_keyword(word: &str) -> bool {
     kinds::declaration(word).is_some()
 }

@@ -52,6 +52,7 @@ mod measures;
 mod models;
 mod modes;
 mod motions;
+mod optima;
 mod options;
 mod output_units;
 mod pages;

@@ -63,7 +63,7 @@ pub fn solve(a: &JetMatrix, b: &JetMatrix) -> Option<JetMatrix> {
 }
 
 /// An approximate inverse of the midpoint; any regular matrix would be valid.
-fn middle_inverse(a: &Matrix<Ball>) -> Option<Matrix<Ball>> {
+pub(super) fn middle_inverse(a: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     let n = a.rows();
     let middle = a.map(|ball| Ball::exact(ball.mid));
     let one = Matrix::from_fn(n, n, |i, j| if i == j { Ball::ONE } else { Ball::ZERO });

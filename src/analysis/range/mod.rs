@@ -2,7 +2,9 @@
 //! ([`Jet`]). Out: enclosures of measures, and of their derivatives, for every value of the parameter in the range.
 //! They show where a measure cannot have the wanted value, and where it is monotone. See docs/method/measures.md.
 
+pub mod least;
 pub mod linear;
+pub mod several;
 
 use crate::base::{Ball, Dd, Jet, Number, larger, up};
 use crate::kernel::complex::Complex;

@@ -262,6 +262,7 @@ pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
     let account = answer.account.as_ref().map(|account| parts::account_section(account, &answer.system));
     let sections = [
         questions::solved(&answer.solved),
+        questions::optimised(&answer.optimised),
         questions::required(&answer.requirements),
         rest::section(answer, options),
         equations::section(answer, options),

@@ -2,8 +2,8 @@
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Named, Report, Section, Value, line, listed};
-use crate::base::{Ball, Number, Unproven};
-use crate::questions::answer::{Derivative, Others, Requirement, Shown, Solved};
+use crate::base::{Ball, Number, Unproven, up};
+use crate::questions::answer::{Best, Derivative, Optimised, Others, Requirement, Shown, Solved};
 
 /// Digits of solved parameters: all that a double holds.
 const MOST: usize = 16;
@@ -43,6 +43,70 @@ pub fn solved(list: &[Solved]) -> Section {
     let remarks = remarks.chain(counted_from(list));
     let blocks = [Block::Line("solved".into()), table.into()];
     Section::new(HEADING, blocks.into_iter().chain(remarks.map(Block::from)))
+}
+
+/// What was minimised or maximised.
+pub fn optimised(list: &[Optimised]) -> Section {
+    let blocks = list.iter().flat_map(|found| {
+        let word = if found.highest { "maximised" } else { "minimised" };
+        let mut table = Table::new()
+            .column("parameter", "", Align::Left)
+            .column("value", "", Align::Point)
+            .column("", "", Align::Left)
+            .column("error ≤", "", Align::Right);
+        for parameter in &found.parameters {
+            let shown = parameter.shown();
+            table.row(vec![
+                Named { text: parameter.parameter.clone(), place: Some(parameter.span) }.into(),
+                figure(&shown, MOST).into(),
+                shown.unit.to_string().into(),
+                parameter.shown_bound().map_or_else(|| "?".into(), |bound| Figure::bound(bound).into()),
+            ]);
+        }
+        let shown = found.shown();
+        let value = figure(&shown, MOST).unit(shown.unit.to_string());
+        let first = line![word, " ", found.measure.clone(), " = ", value];
+        let remarks = [Some(best_line(found)), equal_line(found), simulated_time_line(found.until.as_ref())];
+        [Block::Line(first), table.into()].into_iter().chain(remarks.into_iter().flatten().map(Block::from))
+    });
+    Section::new("Optimal parameters", blocks.collect::<Vec<_>>())
+}
+
+/// What shows that an optimum is one.
+fn best_line(found: &Optimised) -> Line {
+    let factor = found.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs());
+    let gap = |gap: f64| Figure::bound(gap / factor * up::FEW).unit(found.unit.text.clone());
+    let better = if found.highest { "larger" } else { "smaller" };
+    match &found.best {
+        Best::Everywhere { gap: by, .. } => {
+            line!["no values in the ranges make it ", better, " by more than ", gap(*by), ": proved"]
+        }
+        Best::Near { gap: by, parts } => {
+            let names = found.parameters.iter().map(|parameter| &parameter.parameter);
+            let parts = names
+                .zip(parts)
+                .map(|(name, (low, high))| line![name.clone(), " in ", low.clone(), " .. ", high.clone()]);
+            line![
+                "proved for ",
+                listed(parts),
+                ": no values make it ",
+                better,
+                " by more than ",
+                gap(*by),
+                "; others are not excluded"
+            ]
+        }
+        Best::Seen => line!["the best of ", found.evaluations, " sets of values tried; others are not excluded"],
+    }
+}
+
+/// The peaks that are equal.
+fn equal_line(found: &Optimised) -> Option<Line> {
+    if found.equal.len() < 2 {
+        return None;
+    }
+    let peaks = found.equal.iter().map(|hertz| Line::from(unproven(Unproven(*hertz))));
+    Some(line!["equal peaks near ", listed(peaks), " Hz"])
 }
 
 /// The parts of the searched range for which nothing is proven.

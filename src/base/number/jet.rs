@@ -90,7 +90,7 @@ pub(super) fn quotient(a: &Number, b: &Number) -> Number {
 }
 
 /// The square of a number that is the same in both factors: never negative.
-fn square(x: Ball) -> Ball {
+pub fn square(x: Ball) -> Ball {
     // (m + e)^2 = m^2 + r^2/2 + (2 m e + e^2 - r^2/2), and the last part is at most 2 |m| r + r^2/2 in size.
     let half = x.rad * x.rad * 0.5;
     if half == 0.0 {

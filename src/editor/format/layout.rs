@@ -288,5 +288,18 @@ fn content(line: &[Piece]) -> Content {
 
 /// Whether a name follows this keyword, so that the line has columns.
 fn is_named(keyword: &str) -> bool {
-    !matches!(keyword, "model" | "gravity" | "damping" | "rest" | "repeat" | "solve" | "require" | "component" | "use")
+    !matches!(
+        keyword,
+        "model"
+            | "gravity"
+            | "damping"
+            | "rest"
+            | "repeat"
+            | "solve"
+            | "minimise"
+            | "maximise"
+            | "require"
+            | "component"
+            | "use"
+    )
 }

@@ -128,7 +128,10 @@ impl Reader<'_> {
             Some(Role::Word | Role::Value { .. } | Role::Close) => {
                 let clause =
                     self.keyword == "place" && self.open.is_empty() && matches!(word, "at" | "turned" | "mirrored");
-                clause || matches!(word, "in" | "along" | "about")
+                let of_optimum = matches!(self.keyword, "minimise" | "maximise")
+                    && self.open.is_empty()
+                    && matches!(word, "over" | "while");
+                clause || of_optimum || matches!(word, "in" | "along" | "about")
             }
             Some(Role::Keyword) => self.keyword == "damping" && word == "modal",
             Some(_) => false,

@@ -227,7 +227,7 @@ pub fn symbol(document: &Document, encoding: Encoding, symbol: Symbol) -> lsp::D
         "output" => lsp::SymbolKind::Property,
         "repeat" => lsp::SymbolKind::Array,
         "component" => lsp::SymbolKind::Struct,
-        "require" | "solve" => lsp::SymbolKind::Boolean,
+        "require" | "solve" | "minimise" | "maximise" => lsp::SymbolKind::Boolean,
         _ => lsp::SymbolKind::Object,
     };
     let children: Vec<_> = symbol.children.into_iter().map(|child| self::symbol(document, encoding, child)).collect();

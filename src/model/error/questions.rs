@@ -35,7 +35,8 @@ pub enum QuestionError {
     ModeNumber { span: Span },
     RangeBelowZero { span: Span },
     RangeReversed { span: Span },
-    GivenAndSolved { span: Span, word: String, solved: Span },
+    GivenAndSolved { span: Span, word: String, solved: Span, by: Word },
+    VariedTwice { span: Span, word: String, first: Span },
     RequireWhat { span: Span, suggestion: Option<&'static str> },
     RateAtRest { span: Span },
     RequireChain { span: Span },
@@ -140,11 +141,18 @@ impl QuestionError {
             RangeReversed { span } => {
                 error("vib::solve::range", span, "the range is empty").help("write the lower bound first")
             }
-            GivenAndSolved { span, word, solved } => {
-                let message = format!("`{word}` is solved for: a value from outside would not be used");
+            VariedTwice { span, word, first } => {
+                error("vib::minimise::twice", span, format!("`{word}` is determined by two lines"))
+                    .related(first, "here first")
+                    .help("let each parameter be determined by one `solve`, `minimise` or `maximise`")
+            }
+            GivenAndSolved { span, word, solved, by } => {
+                let is_solved = by == "solve";
+                let what = if is_solved { "is solved for" } else { "is varied" };
+                let message = format!("`{word}` {what}: a value from outside would not be used");
                 error("vib::setting::solved", span, message)
-                    .related(solved, "solved for here")
-                    .help("remove this setting, or the `solve` line of the model")
+                    .related(solved, if is_solved { "solved for here" } else { "varied here" })
+                    .help(format!("remove this setting, or the `{by}` line of the model"))
             }
             RequireWhat { span, suggestion } => {
                 let help = "write `require frequency(1) > 2 Hz` or `require stable`".to_string();
