@@ -176,8 +176,8 @@ pub use system::{
 // Modes, poles, and what they say about the rest.
 pub use analysis::response_spectrum::{Additions as SpectrumAdditions, Spectral};
 pub use analysis::{
-    AnalysisError, Band, Before, Buckling, Mode, ModeKind, Modes, Noisy, Normalise, Pole, PoleCount, PoleKind, Poles,
-    Reason, Request, Route, Share, Spread, Stability, Verdict, Which, normalise,
+    AnalysisError, Band, Before, Buckling, Mode, ModeKind, Modes, Noisy, Normalise, Peak, Pole, PoleCount, PoleKind,
+    Poles, Reason, Request, Route, Share, Spread, Stability, Verdict, Which, normalise,
 };
 pub use answers::{ModalAnswer, Shock};
 pub use questions::answer::{Best, Optimised, OptimisedParameter, Requirement, Sensitivity, Solved, Value};

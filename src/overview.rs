@@ -88,10 +88,11 @@ pub(crate) struct Lowered<'a> {
     pub solved: &'a [Solved],
     pub optimised: &'a [Optimised],
     pub requirements: &'a [Requirement],
+    pub noisy: Vec<analysis::Noisy>,
 }
 
 impl Overview {
-    pub(crate) fn known(of: &Lowered) -> Overview {
+    pub(crate) fn known(of: Lowered) -> Overview {
         let answer = ModalAnswer {
             excitations: Vec::new(),
             model: of.scene.name.clone(),
@@ -105,7 +106,7 @@ impl Overview {
             solved: of.solved.to_vec(),
             optimised: of.optimised.to_vec(),
             requirements: of.requirements.to_vec(),
-            noisy: Vec::new(),
+            noisy: of.noisy,
             spectral: analysis::response_spectrum::Spectral::default(),
             sensitivities: Vec::new(),
         };

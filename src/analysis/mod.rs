@@ -45,7 +45,7 @@ pub use nets::{Net, NetForm, nets, parts_of_modes};
 pub use poles::count::PoleCount;
 pub use poles::poles;
 pub use poles::residues::Residues;
-pub use random::{Noisy, Spread};
+pub use random::{Noisy, Peak, Spread};
 pub use response::{History, MOST_SAMPLES, grid, respond, respond_with, samples};
 pub use stability::{Reason, Stability, Verdict, stability};
 pub use steady::{Steady, steady};

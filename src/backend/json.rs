@@ -7,7 +7,7 @@ use super::json_number::JsonNumber;
 use super::json_spectra::JsonSpectral;
 use super::{ReportOptions, SCHEMA};
 use crate::analysis::{
-    Buckling, Excitation, Mode, Net, Noisy, Normalise, Pole, Share, Split, Spread, Stability, nets, normalise,
+    Buckling, Excitation, Mode, Net, Noisy, Normalise, Peak, Pole, Share, Split, Spread, Stability, nets, normalise,
     parts_of_modes, splits,
 };
 use crate::answers::ModalAnswer;
@@ -318,6 +318,18 @@ struct JsonNoisy {
     crossings_error_bound: JsonNumber,
     crossings_reason: Option<&'static str>,
     modes: Vec<JsonModeShare>,
+    /// Null where they are not known.
+    peaks: Option<Vec<JsonPeak>>,
+    peaks_reason: Option<&'static str>,
+}
+
+/// A peak of a density; bounds are relative.
+#[derive(serde::Serialize)]
+struct JsonPeak {
+    frequency_hz: JsonNumber,
+    frequency_error_bound: JsonNumber,
+    density: JsonNumber,
+    density_error_bound: JsonNumber,
 }
 
 /// What a mode contributes to a mean square.
@@ -348,6 +360,19 @@ impl JsonNoisy {
             crossings_error_bound,
             crossings_reason,
             modes: modes.collect(),
+            peaks: noisy.peaks.as_ref().ok().map(|peaks| peaks.iter().map(JsonPeak::of).collect()),
+            peaks_reason: noisy.peaks.as_ref().err().copied(),
+        }
+    }
+}
+
+impl JsonPeak {
+    fn of(peak: &Peak) -> JsonPeak {
+        JsonPeak {
+            frequency_hz: JsonNumber::enclosed(peak.frequency),
+            frequency_error_bound: JsonNumber::relative_bound(peak.frequency),
+            density: JsonNumber::enclosed(peak.density),
+            density_error_bound: JsonNumber::relative_bound(peak.density),
         }
     }
 }

@@ -27,7 +27,11 @@ pub fn hover(document: &Document, project: &Project, offset: usize) -> Option<Ho
     let markdown = match (document.tokens[token].kind, document.roles[token]) {
         (TokenKind::Number { .. }, _) => number(document, token)?,
         (TokenKind::Word, Role::Keyword) => pages::keyword(document.token_text(token))?,
-        (TokenKind::Word, Role::Function) => pages::function(document.token_text(token))?.to_string(),
+        // `road` is a function within `noise` alone, and a word.
+        (TokenKind::Word, Role::Function) => {
+            let word = document.token_text(token);
+            pages::function(word).or_else(|| pages::word(word).map(String::from))?
+        }
         (TokenKind::Word, Role::Word | Role::Constant) => pages::word(document.token_text(token))?.to_string(),
         (TokenKind::Word, role) => match (project.meaning(at), role) {
             (Some(meaning), _) => name(document, project, at, &meaning)?,

@@ -3,6 +3,7 @@
 
 use super::document::{Document, request};
 use crate::analysis::{self, Modal, Poles};
+use crate::lower;
 use crate::overview::{self, Lowered, Overview, Shown};
 
 /// The page; of a scene that is too large for modes between two key strokes there is none.
@@ -28,7 +29,9 @@ pub fn page(document: &Document) -> Option<String> {
             &computed
         }
     };
-    let overview = Overview::known(&Lowered {
+    let noises = if motions.rest.is_proven() { lower::noises(&known.scene) } else { Vec::new() };
+    let noisy = analysis::random::outputs(&motions.system, &modal.modes, &noises);
+    let overview = Overview::known(Lowered {
         scene: known.scene.scene(),
         system: &motions.system,
         rest: &motions.rest,
@@ -36,6 +39,7 @@ pub fn page(document: &Document) -> Option<String> {
         modal,
         solved: if document.is_current { &document.solved } else { &[] },
         optimised: if document.is_current { &document.optimised } else { &[] },
+        noisy,
         requirements: if document.is_current { &document.requirements } else { &[] },
     });
     Some(overview.page((&known.sources, document.file), &shown))

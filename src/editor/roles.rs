@@ -280,7 +280,11 @@ impl Reader<'_> {
         if named_before || self.is_sign(last, "->") || of_output {
             return self.part(word);
         }
+        let is_before_number =
+            || self.next(at).is_some_and(|next| matches!(self.tokens[next].kind, TokenKind::Number { .. }));
         match (self.keyword, word) {
+            // `white 3 N^2/Hz`
+            (_, "white") if in_call && is_before_number() => Role::Word,
             (_, "pi") | ("require", "stable") => Role::Constant,
             _ => self.value(at),
         }

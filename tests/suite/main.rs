@@ -66,6 +66,7 @@ mod published;
 mod questions;
 mod random;
 mod random_delayed;
+mod random_peaks;
 mod random_seeds;
 mod readme;
 mod reports;

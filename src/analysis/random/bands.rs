@@ -2,7 +2,7 @@
 //! an output as residues at poles. Out: an enclosure. See docs/method/random.md#bands.
 
 use super::argument::{Argument, Point};
-use super::resolvent::{Line, Parts, Resolvent, Value};
+use super::resolvent::{Line, Nearness, Parts, Resolvent, Value};
 use super::weight::{Panels, Piece, Slope};
 use crate::base::density::{Band, Course, Density};
 use crate::base::{Ball, Dd, Number, up};
@@ -18,6 +18,7 @@ pub struct Bands {
     even: [Option<Ball>; 5],
     /// A bound of the mean square of the noise itself.
     whole: f64,
+    near: Nearness,
 }
 
 impl Bands {
@@ -36,7 +37,14 @@ impl Bands {
                 .try_fold(Ball::ZERO, |sum, piece| Some(sum + piece.panels(more + power, Ball::ZERO)?.integral().re))
         });
         let whole = even[2]?.magnitude() * UP;
-        Some(Bands { of_poles, even, whole })
+        let ranges: Vec<[Ball; 2]> = pieces.iter().map(|piece| [piece.from, piece.to]).collect();
+        let near = resolvent.within(&ranges)?;
+        Some(Bands { of_poles, even, whole, near })
+    }
+
+    /// How near the bands are to the poles.
+    pub fn near(&self) -> &Nearness {
+        &self.near
     }
 
     /// A bound of the mean square of the noise itself, times 2 pi.

@@ -9,6 +9,7 @@ mod channel;
 mod coherent;
 mod density;
 mod gramian;
+mod peaks;
 mod realisation;
 mod resolvent;
 mod source;
@@ -27,6 +28,7 @@ use source::{Arm, OPEN_BASE, Source, direct, drift, intensity};
 use std::cell::OnceCell;
 
 pub use density::density;
+pub use peaks::Peak;
 pub use realisation::realisation;
 
 /// A mean square or what follows from it.
@@ -198,7 +200,9 @@ impl<'a> Random<'a> {
         let resolvent = self.resolvent(space)?;
         let intensity = intensity(source.noise).unwrap_or(Ball::ZERO);
         let row = space.row(output);
-        let parts = |arm: &&Arm| resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, [Ball::ZERO; 5]);
+        let near = resolvent.on_axis().ok_or(OPEN_POLES)?;
+        let parts =
+            |arm: &&Arm| resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, [Ball::ZERO; 5], &near);
         let parts: Vec<Parts> = arms.iter().map(parts).collect::<Option<_>>().ok_or(OPEN_DIGITS)?;
         let mut sum = Ball::ZERO;
         for (second, later) in arms.iter().enumerate() {
@@ -257,11 +261,12 @@ impl<'a> Random<'a> {
             }
         };
         let row = space.row(output);
+        let Some(bands) = bands else { return Spread::Unknown(OPEN_DIGITS) };
         let parts = |arm: &&Arm| {
             let direct = arm.channel.feed(output).map(|part| part.to_ball());
-            resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, direct)
+            resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, direct, bands.near())
         };
-        let Some((bands, parts)) = bands.as_ref().zip(arms.iter().map(parts).collect::<Option<Vec<Parts>>>()) else {
+        let Some(parts) = arms.iter().map(parts).collect::<Option<Vec<Parts>>>() else {
             return Spread::Unknown(OPEN_DIGITS);
         };
         let delays: Vec<&Number> = arms.iter().map(|arm| &arm.delay).collect();
@@ -380,8 +385,8 @@ impl<'a> Random<'a> {
             let arms = self.arms(source, output).ok()?;
             let [Arm { channel, .. }] = arms[..] else { return None };
             let direct = channel.feed(output).map(|part| part.to_ball());
-            let parts = resolvent.parts(space, &space.drive(channel, Ball::ONE), &row, direct)?;
             let bands = source.bands[0].get()?.as_ref()?;
+            let parts = resolvent.parts(space, &space.drive(channel, Ball::ONE), &row, direct, bands.near())?;
             let list = bands.contributions(resolvent, &resolvent.lines(space, &parts, &row)?, &direct)?;
             sum.iter_mut().zip(list).for_each(|(sum, part)| *sum += part);
         }
@@ -439,6 +444,8 @@ pub struct Noisy {
     pub crossings: Spread,
     /// The modes that contribute, from 1, the largest parts first; without bounds.
     pub shares: Vec<(usize, Unproven)>,
+    /// Every peak of its density, ascending, or why they are not known.
+    pub peaks: Result<Vec<Peak>, &'static str>,
 }
 
 /// Every output that noise reaches.
@@ -447,12 +454,17 @@ pub fn outputs(system: &LinearSystem, modes: &Modes, noises: &[Noise]) -> Vec<No
         return Vec::new();
     }
     let random = Random::of(system, modes, noises);
+    let transfer = Transfer::of(system);
     let reached = system.outputs.iter().enumerate().filter(|(_, output)| random.reaches(output));
     let of = |(index, output): (usize, &Output)| {
         let rms = random.rms(output);
         let crossings = random.crossings(output);
         let shares = if matches!(rms, Spread::Finite(_)) { random.shares(output) } else { Vec::new() };
-        Noisy { output: index, rms, crossings, shares }
+        let peaks = match &rms {
+            Spread::Finite(_) => peaks::peaks(&transfer, system, noises, &random.reach, index),
+            Spread::Infinite(why) | Spread::Unknown(why) => Err(*why),
+        };
+        Noisy { output: index, rms, crossings, shares, peaks }
     };
     reached.map(of).collect()
 }

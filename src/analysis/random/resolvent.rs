@@ -9,7 +9,7 @@
 use super::argument::{Argument, Point, Two};
 use super::blocks::{Block, blocks};
 use super::gramian::{Drive, Space};
-use crate::base::{Ball, up};
+use crate::base::{Ball, down, up};
 use crate::kernel::complex::Complex;
 use std::cell::OnceCell;
 
@@ -19,10 +19,25 @@ const UP: f64 = up::THOUSANDS;
 pub struct Resolvent {
     n: usize,
     blocks: Vec<Exact>,
-    /// What a transfer function may be off by, relative to the product of its scaled rows.
-    relative: f64,
+    residuals: Vec<Residual>,
     /// Of the single poles -1 / (s_b + s_c) and -1 / (s_b + conj s_c), row by row, once they are needed.
     sums: OnceCell<Vec<[Point; 2]>>,
+}
+
+/// Bounds of an entry of B_d^-1 R and of B_d^-1 B - 1, in a row and a column of two blocks.
+struct Residual {
+    row: usize,
+    column: usize,
+    residual: f64,
+    skew: f64,
+}
+
+/// How far some frequencies are from every pole, and what follows from it.
+pub struct Nearness {
+    /// A lower bound of the distance from the middle of each block.
+    far: Vec<f64>,
+    /// What a transfer function may be off by at these frequencies, relative to the product of its scaled rows.
+    relative: f64,
 }
 
 /// A block as enclosures of radius zero, and what follows from it.
@@ -124,6 +139,12 @@ impl Exact {
         self.d.len()
     }
 
+    /// The height of the middle of its poles above the real axis.
+    fn height(&self) -> f64 {
+        let sum = (0..self.d.len()).fold(Complex::ZERO, |sum: Point, i| sum + self.d[i][i]);
+        sum.im.to_f64() / self.d.len() as f64
+    }
+
     fn value(&self, f: impl Fn(&[Vec<Point>]) -> Value) -> Value {
         f(&self.d)
     }
@@ -169,13 +190,50 @@ impl Resolvent {
         if count != 2 * space.n {
             return None;
         }
-        let mut resolvent = Resolvent { n: space.n, blocks, relative: f64::INFINITY, sums: OnceCell::new() };
-        resolvent.certify(space)?;
+        let mut resolvent = Resolvent { n: space.n, blocks, residuals: Vec::new(), sums: OnceCell::new() };
+        resolvent.certify(space);
         Some(resolvent)
     }
 
-    /// Bounds the residuals. Rows and columns are weighed by the distances of the poles from the axis.
-    fn certify(&mut self, space: &Space) -> Option<()> {
+    /// What holds at all frequencies.
+    pub fn on_axis(&self) -> Option<Nearness> {
+        self.near(self.blocks.iter().map(|block| block.far).collect())
+    }
+
+    /// What holds between angular frequencies.
+    pub fn within(&self, ranges: &[[Ball; 2]]) -> Option<Nearness> {
+        if ranges.is_empty() {
+            return self.on_axis();
+        }
+        let far = |block: &Exact| {
+            let height = block.height();
+            let apart = |[from, to]: &[Ball; 2]| {
+                let (low, high) = (from.mid.hi - from.rad, to.mid.hi + to.rad);
+                let beside = (low - height).max(height - high).max(0.0);
+                (block.far * block.far + beside * beside).sqrt() * down::THOUSANDS
+            };
+            ranges.iter().map(apart).fold(f64::INFINITY, f64::min).max(block.far)
+        };
+        self.near(self.blocks.iter().map(far).collect())
+    }
+
+    /// Rows and columns are weighed by the distances.
+    fn near(&self, far: Vec<f64>) -> Option<Nearness> {
+        let is_known = far.iter().all(|far| far.is_finite());
+        if !is_known {
+            return None;
+        }
+        let norm = |of: &dyn Fn(&Residual) -> f64| {
+            let squares: f64 = self.residuals.iter().map(|entry| of(entry).powi(2)).sum();
+            squares.sqrt() * UP
+        };
+        let residual = norm(&|entry| entry.residual / (far[entry.row] * far[entry.column]).sqrt() * UP);
+        let skew = norm(&|entry| entry.skew * (far[entry.column] / far[entry.row]).sqrt() * UP);
+        Some(Nearness { relative: relative(residual, skew)?, far })
+    }
+
+    /// Bounds the residuals.
+    fn certify(&mut self, space: &Space) {
         let applied: Vec<[Vec<Vec<Point>>; 2]> = self.blocks.iter().map(|block| block.applied(space)).collect();
         let rows: Vec<Row> = (0..self.blocks.len())
             .flat_map(|block| {
@@ -187,11 +245,9 @@ impl Resolvent {
             let own = Row { block: b, is_mirrored: false };
             self.blocks[b].inverse = inverse(&self.slope(space, own, b, damped));
         }
-        // A column of sizes for each column of each block, and the same for its conjugate.
-        let (mut residuals, mut skews) = (Vec::new(), Vec::new());
         for (b, [force, damped]) in applied.iter().enumerate() {
-            let block = &self.blocks[b];
-            let mut columns = vec![(Vec::new(), Vec::new()); block.order()];
+            // The columns of conjugates have the same sizes in another order of rows, and Frobenius's norm is taken.
+            let count = if self.blocks[b].is_real { 1 } else { 2 };
             for &row in &rows {
                 let other = &self.blocks[row.block];
                 let turned = |rows: &[Vec<Point>]| -> Vec<Vec<Point>> {
@@ -200,35 +256,22 @@ impl Resolvent {
                 let (x, inverse) = (turned(&other.x), turned(&other.inverse));
                 let slope = self.slope(space, row, b, damped);
                 let is_own = row.block == b && !row.is_mirrored;
-                let by = (block.far / other.far).sqrt() * UP;
-                for (l, column) in columns.iter_mut().enumerate() {
-                    let right: Vec<Point> = x.iter().map(|x| across(x, &force[l])).collect();
+                let mut found = Vec::new();
+                for (l, force) in force.iter().enumerate() {
+                    let right: Vec<Point> = x.iter().map(|x| across(x, force)).collect();
                     for inverse in &inverse {
-                        let residual = across(inverse, &right).magnitude();
-                        column.0.push(residual / (block.far * other.far).sqrt() * UP);
                         let skew =
                             (0..other.order()).fold(Complex::ZERO, |sum: Point, k| sum + inverse[k] * slope[k][l]);
-                        column.1.push(if is_own { 0.0 } else { skew.magnitude() * by });
+                        found.push((across(inverse, &right).magnitude(), if is_own { 0.0 } else { skew.magnitude() }));
+                    }
+                }
+                for (residual, skew) in found {
+                    for _ in 0..count {
+                        self.residuals.push(Residual { row: row.block, column: b, residual, skew });
                     }
                 }
             }
-            for (residual, skew) in columns {
-                if !block.is_real {
-                    residuals.push(residual.clone());
-                    skews.push(skew.clone());
-                }
-                residuals.push(residual);
-                skews.push(skew);
-            }
         }
-        // The columns of conjugates have the same sizes in another order of rows: Frobenius's norm alone counts.
-        let norm = |list: &[Vec<f64>]| {
-            let squares: f64 = list.iter().flatten().map(|x| x * x).sum();
-            squares.sqrt() * UP
-        };
-        let (residual, skew) = (norm(&residuals), norm(&skews));
-        self.relative = relative(residual, skew)?;
-        Some(())
     }
 
     /// A block of B: X_a^T C X_b + X_a^T M X_b D_b + (X_a D_a)^T M X_b.
@@ -267,7 +310,14 @@ impl Resolvent {
     }
 
     /// The transfer function from a noise to the row of an output over the state, and what reaches it directly.
-    pub fn parts(&self, space: &Space, drive: &Drive, row: &[Ball], direct: [Ball; 5]) -> Option<Parts> {
+    pub fn parts(
+        &self,
+        space: &Space,
+        drive: &Drive,
+        row: &[Ball],
+        direct: [Ball; 5],
+        near: &Nearness,
+    ) -> Option<Parts> {
         let n = self.n;
         let jump: Vec<Ball> = drive.jump.iter().zip(&space.s).map(|(jump, s)| *jump / Ball::from(*s)).collect();
         let size = jump.iter().map(|h| h.magnitude()).sum::<f64>() * UP;
@@ -282,19 +332,19 @@ impl Resolvent {
         };
         let (mut left, mut right) = (0.0, 0.0);
         let (mut rows, mut columns) = (Vec::new(), Vec::new());
-        for block in &self.blocks {
+        for (block, far) in self.blocks.iter().zip(&near.far) {
             let each = || block.x.iter().zip(&block.rate);
             let p: Vec<Point> = each().map(|(x, rate)| along(x, &places) + along(rate, &row[n..])).collect();
             let driven: Vec<Point> = each().map(|(x, rate)| along(x, &force) + along(rate, &moved)).collect();
             let q: Vec<Point> = block.inverse.iter().map(|inverse| across(inverse, &driven)).collect();
             let count = if block.is_real { 1.0 } else { 2.0 };
             let square = |x: &[Point]| x.iter().map(|z| z.magnitude().powi(2)).sum::<f64>();
-            left += count * square(&p) / block.far;
-            right += count * square(&q) / block.far;
+            left += count * square(&p) / far;
+            right += count * square(&q) / far;
             rows.push(p);
             columns.push(q);
         }
-        let slack = self.relative * (left * UP).sqrt() * (right * UP).sqrt() * UP;
+        let slack = near.relative * (left * UP).sqrt() * (right * UP).sqrt() * UP;
         slack.is_finite().then_some(Parts { p: rows, q: columns, direct, slack })
     }
 

@@ -2,7 +2,7 @@
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Options, Section, line};
-use crate::analysis::{Noisy, Spread};
+use crate::analysis::{Noisy, Peak, Spread};
 use crate::answers::ModalAnswer;
 use crate::base::{Ball, Unproven};
 
@@ -38,9 +38,49 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
             }
         }
     }
+    let peaks = peaks(answer, options);
     let intro =
         Block::Line("stationary response to noise (one-sided densities; 3 sigma is three times the rms)".into());
-    Section::new(HEADING, [intro, Block::Table(table)].into_iter().chain(reasons))
+    Section::new(HEADING, [intro, Block::Table(table)].into_iter().chain(reasons).chain(peaks))
+}
+
+/// The highest peaks of each density, by frequency.
+fn peaks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
+    let mut table = Table::new()
+        .column("output", "", Align::Left)
+        .column("peak", "[Hz]", Align::Point)
+        .column("density", "[SI^2/Hz]", Align::Point)
+        .column("error ≤", "", Align::Right);
+    let mut reasons: Vec<Block> = Vec::new();
+    let mut is_empty = true;
+    for noisy in &answer.noisy {
+        let name = answer.system.display(answer.system.outputs[noisy.output].name);
+        let found = match &noisy.peaks {
+            Ok(found) => found,
+            Err(why) if matches!(noisy.rms, Spread::Finite(_)) => {
+                reasons.push(Block::Item(line!["peaks of the density of ", name, ": ", *why]));
+                continue;
+            }
+            // The reason stands there already.
+            Err(_) => continue,
+        };
+        let mut highest: Vec<&Peak> = found.iter().collect();
+        highest.sort_by(|a, b| b.density.to_f64().total_cmp(&a.density.to_f64()));
+        highest.truncate(MOST);
+        highest.sort_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
+        for peak in highest {
+            is_empty = false;
+            let bound = peak.frequency.relative_error().max(peak.density.relative_error());
+            table.row(vec![
+                name.clone().into(),
+                Figure::ball(peak.frequency, options.digits(DIGITS)).into(),
+                Figure::ball(peak.density, options.digits(DIGITS)).into(),
+                line![Figure::bound(bound)].into(),
+            ]);
+        }
+    }
+    let table = (!is_empty).then_some(Block::Table(table));
+    table.into_iter().chain(reasons).collect()
 }
 
 fn why(spread: &Spread) -> Option<&'static str> {

@@ -170,6 +170,18 @@ fn hover_describes_a_part() {
 }
 
 #[test]
+fn hover_explains_the_words_of_noise() {
+    let mut client = Client::open(
+        "body b { mass = 1 kg, moves y }\nbase lane { moves y } = noise(road(16e-6 m^3, 20 m/s))\n\
+         spring s: lane -- b { k = 1 N/m }\ndamper d: lane -- b { c = 1 N*s/m }\n\
+         force F: b along y = noise(white 3 N^2/Hz)\noutput y = b.y\n",
+    );
+    assert!(hover(&mut client, "noise(", 0).contains("power spectral density"));
+    assert!(hover(&mut client, "road(", 0).contains("ISO 8608"));
+    assert!(hover(&mut client, "white 3", 0).contains("the same at all frequencies"));
+}
+
+#[test]
 fn a_spring_shows_its_tension_at_rest() {
     // 2 kg hang on 100 N/m with a free length of 0.5 m, drawn 0.4 m long.
     let text = "gravity 10 m/s^2\nbody b { mass = 2 kg, at = (0, -0.4 m), moves y }\nspring s: ground@(0, 0) -- b { k = 100 N/m, free_length = 0.5 m }\n";

@@ -66,6 +66,13 @@ impl Exactly {
         in_range.then(|| Exactly { lead: factored.lead, anchors: anchors(factored), largest, counts })
     }
 
+    /// The zeros and poles of |H| omega^power, for the search of extrema alone: its values are not those of H.
+    pub fn with_power(&self, power: f64) -> Exactly {
+        let at_zero = self.anchors[0].root_at_anchor();
+        let anchors = self.anchors.iter().map(|anchor| anchor.with_power(power, at_zero)).collect();
+        Exactly { anchors, ..self.clone() }
+    }
+
     /// The number of zeros less that of poles: above 0, |H| grows with the frequency.
     pub fn excess(&self) -> isize {
         if self.lead.is_zero() { 0 } else { self.counts[0] as isize - self.counts[1] as isize }

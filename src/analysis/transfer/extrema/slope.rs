@@ -111,6 +111,33 @@ impl Anchor {
         }
     }
 
+    /// The place in the list of a root exactly at the anchor.
+    pub fn root_at_anchor(&self) -> Option<usize> {
+        self.terms.iter().position(Term::is_singular)
+    }
+
+    /// The same with omega^power more, which adds to the root at zero, the term at this place, if there is one.
+    pub fn with_power(&self, power: f64, at_zero: Option<usize>) -> Anchor {
+        let mut anchor = self.clone();
+        if power == 0.0 {
+            return anchor;
+        }
+        match at_zero {
+            Some(place) => {
+                anchor.terms[place].weight += power;
+                if anchor.terms[place].weight == 0.0 {
+                    anchor.terms.remove(place);
+                }
+            }
+            None => {
+                let offset = -self.omega(Ball::ZERO);
+                let loose = offset.rad * up::THOUSANDS;
+                anchor.terms.push(Term { weight: power, offset, re: Ball::ZERO, short_re: 0.0, loose });
+            }
+        }
+        anchor
+    }
+
     /// omega of a point, rad/s.
     pub fn omega(&self, t: Ball) -> Ball {
         let place = if self.place.is_zero() { Ball::ZERO } else { self.place.to_ball(self.radius) };

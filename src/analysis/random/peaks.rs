@@ -1,0 +1,79 @@
+//! Peaks of an output's power spectral density, all of them. In: a transfer function as zeros and poles, a noise. Out: frequencies and
+//! densities as enclosures, or why it is not proved that none is missing. See docs/method/random.md#peaks.
+
+use super::density::density;
+use super::{Reach, Spread};
+use crate::analysis::transfer::Transfer;
+use crate::analysis::transfer::extrema::{Exactly, Extrema, FeatureKind};
+use crate::base::density::{Course, Density};
+use crate::base::{Ball, Number};
+use crate::system::{LinearSystem, Noise};
+
+/// A maximum of a density, not at the end of a band.
+#[derive(Clone, Debug)]
+pub struct Peak {
+    /// Hz
+    pub frequency: Ball,
+    /// In the square of the output's SI unit per Hz.
+    pub density: Ball,
+}
+
+const SEVERAL: &str = "peaks are found under one noise of one input";
+const SLOPE: &str = "peaks are found where the density is flat or has a slope that is a whole number";
+const UNPROVED: &str = "it is not proved that no peak is missing";
+/// Frequencies above so many times the largest zero or pole have no peak.
+const BEYOND: f64 = 1000.0;
+
+/// Every peak of the density of an output, ascending.
+pub fn peaks(
+    transfer: &Transfer,
+    system: &LinearSystem,
+    noises: &[Noise],
+    reach: &Reach,
+    output: usize,
+) -> Result<Vec<Peak>, &'static str> {
+    let reached = &system.outputs[output];
+    let driven = noises.iter().flat_map(|noise| noise.inputs.iter().map(move |(input, _)| (noise, *input)));
+    let reaching: Vec<(&Noise, usize)> =
+        driven.filter(|(_, input)| reach.from_input(system, *input, reached)).collect();
+    let [(noise, input)] = reaching[..] else { return Err(SEVERAL) };
+    let exactly = transfer.zero_pole_form(input, output).ok_or(UNPROVED)?;
+    let integrals = -f64::from(noise.derivative);
+    let mut list: Vec<Ball> = Vec::new();
+    match &noise.density {
+        Density::White(_) => {
+            let top = BEYOND * exactly.largest();
+            let excess = exactly.excess() as f64 + integrals;
+            // For w >= K |z| each zero and pole has w t / (t^2 + a^2) = 1 +- 2 / K in the slope.
+            let is_settled = 4.0 * exactly.roots() as f64 <= BEYOND * excess.abs() && excess != 0.0;
+            if !is_settled {
+                return Err(UNPROVED);
+            }
+            list = between(exactly, integrals, Ball::ZERO, Ball::from(top))?;
+        }
+        Density::Bands(bands) => {
+            for band in bands {
+                let slope = match band.course {
+                    Course::Flat(_) => 0,
+                    Course::Power { slope: Some(slope), .. } => slope,
+                    Course::Power { slope: None, .. } | Course::Line { .. } => return Err(SLOPE),
+                };
+                let [from, to] = [&band.from, &band.to].map(|f| f.to_ball() * Ball::PI * Ball::from(2.0));
+                list.extend(between(exactly, integrals + 0.5 * f64::from(slope), from, to)?);
+            }
+        }
+    }
+    let peak = |frequency: Ball| match density(transfer, system, noises, output, &Number::Ball(frequency)) {
+        Spread::Finite(density) => Ok(Peak { frequency, density }),
+        Spread::Infinite(_) | Spread::Unknown(_) => Err(UNPROVED),
+    };
+    list.into_iter().map(peak).collect()
+}
+
+/// The frequencies in Hz at which |H| w^power has a maximum, between two angular ones.
+fn between(exactly: &Exactly, power: f64, low: Ball, high: Ball) -> Result<Vec<Ball>, &'static str> {
+    let Extrema { list, complete, .. } = exactly.with_power(power).extrema(low, high);
+    complete.ok_or(UNPROVED)?;
+    let maxima = list.into_iter().filter(|extremum| extremum.kind == FeatureKind::Peak);
+    Ok(maxima.map(|extremum| extremum.frequency).collect())
+}

@@ -1,0 +1,80 @@
+//! Peaks of power spectral densities beside closed forms. See docs/method/random.md#peaks.
+
+use super::random::answer;
+
+fn oscillator(noise: &str, outputs: &str) -> String {
+    format!(
+        "body b {{ mass = 2 kg, moves x }}\nspring s: ground -- b {{ k = 50 N/m }}\n\
+         damper d: ground -- b {{ c = 3 N*s/m }}\nforce F: b along x = {noise}\n{outputs}"
+    )
+}
+
+/// Frequencies and densities of the peaks of each output.
+fn peaks(text: &str) -> Vec<Result<Vec<(f64, f64)>, &'static str>> {
+    let of = |noisy: &vibc::Noisy| {
+        noisy.peaks.as_ref().map_err(|why| *why).map(|list| {
+            list.iter()
+                .map(|peak| {
+                    assert!(
+                        peak.frequency.relative_error() < 1e-15 && peak.density.relative_error() < 1e-14,
+                        "{peak:?}"
+                    );
+                    (peak.frequency.to_f64(), peak.density.to_f64())
+                })
+                .collect()
+        })
+    };
+    answer(text).noisy.iter().map(of).collect()
+}
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-13 * b.abs()
+}
+
+/// |x|^2 = S / ((k - m w^2)^2 + c^2 w^2) is the largest at w^2 = k/m - c^2 / (2 m^2), |v|^2 at w^2 = k/m; a slope s moves the first one to
+/// the larger root of s ((k - m w^2)^2 + c^2 w^2) = 2 w^2 (c^2 - 2 m (k - m w^2)), by the equation for w^2.
+#[test]
+fn an_oscillator_beside_closed_forms() {
+    let (m, c, k) = (2.0f64, 3.0f64, 50.0f64);
+    let gain2 = |y: f64| 1.0 / ((k - m * y).powi(2) + c * c * y);
+    let hertz = |y: f64| y.sqrt() / std::f64::consts::TAU;
+    let outputs = "output x = b.x\noutput v = b.vx\n";
+    for noise in ["noise(white 6 N^2/Hz)", "noise(6 N^2/Hz, 0.1 Hz .. 3 Hz)"] {
+        let found = peaks(&oscillator(noise, outputs));
+        let y = k / m - c * c / (2.0 * m * m);
+        let [Ok(x), Ok(v)] = &found[..] else { panic!("{found:?}") };
+        assert!(x.len() == 1 && near(x[0].0, hertz(y)) && near(x[0].1, 6.0 * gain2(y)), "{x:?}");
+        assert!(v.len() == 1 && near(v[0].0, hertz(k / m)) && near(v[0].1, 6.0 / (c * c)), "{v:?}");
+    }
+    for (slope, top) in [(1i32, "60"), (-1, "0.6"), (-2, "0.06")] {
+        let found = peaks(&oscillator(&format!("noise((0.2 Hz, 6 N^2/Hz), (2 Hz, {top} N^2/Hz))"), outputs));
+        let Ok(x) = &found[0] else { panic!("{found:?}") };
+        let s = f64::from(slope);
+        // s (k^2 - 2 k m y + m^2 y^2 + c^2 y) - 2 y (c^2 - 2 k m + 2 m^2 y) = 0
+        let (a, b, e) = (s * m * m - 4.0 * m * m, (s - 2.0) * (c * c - 2.0 * k * m), s * k * k);
+        let y = (-b - (b * b - 4.0 * a * e).sqrt()) / (2.0 * a);
+        let density = 6.0 * (hertz(y) / 0.2).powi(slope) * gain2(y);
+        let highest = x.last().expect("a peak");
+        assert!(near(highest.0, hertz(y)) && near(highest.1, density), "{slope}: {x:?} {} {density}", hertz(y));
+    }
+    // Outside of the band there is none.
+    assert_eq!(peaks(&oscillator("noise(6 N^2/Hz, 1 Hz .. 3 Hz)", "output x = b.x\n")), [Ok(Vec::new())]);
+}
+
+/// A base by its acceleration: relative motion as of a force, and none but what is proved.
+#[test]
+fn peaks_that_are_not_found_say_why() {
+    let base = "body b { mass = 2 kg, moves x }\nbase g { moves x } = noise(white 0.5 m^2/s^4/Hz)\n\
+                spring s: g -- b { k = 50 N/m }\ndamper d: g -- b { c = 3 N*s/m }\noutput z = b.x - g.x\noutput x = b.x\n";
+    let found = peaks(base);
+    let y: f64 = 25.0 - 9.0 / 8.0;
+    assert!(
+        matches!(&found[0], Ok(list) if list.len() == 1 && near(list[0].0, y.sqrt() / std::f64::consts::TAU)),
+        "{found:?}"
+    );
+    assert!(matches!(&found[1], Err(why) if why.contains("drifts")), "{found:?}");
+    let two = oscillator("noise(white 6 N^2/Hz)", "force G: b along x = delayed(F, 1 s)\noutput x = b.x\n");
+    assert!(matches!(&peaks(&two)[0], Err(why) if why.contains("one input")));
+    let steep = oscillator("noise((0.2 Hz, 6 N^2/Hz), (2 Hz, 7 N^2/Hz))", "output x = b.x\n");
+    assert!(matches!(&peaks(&steep)[0], Err(why) if why.contains("whole number")));
+}
