@@ -8,8 +8,8 @@
 
 [
   "model" "param" "let" "gravity" "point" "body" "pivot" "slide" "weld" "couple" "spring" "damper" "inerter" "belt"
-  "base" "force" "torque" "unbalance" "initial" "output" "damping" "rest" "repeat" "solve" "require" "component"
-  "place" "use"
+  "base" "force" "torque" "unbalance" "initial" "output" "damping" "rest" "repeat" "solve" "minimise" "maximise"
+  "require" "component" "place" "use"
 ] @keyword
 ["as" "drawn" "in" "along" "about" "moves" "modal" "rayleigh" "part" "at" "turned" "mirrored"] @keyword
 (axis) @constant.builtin
