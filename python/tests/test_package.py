@@ -59,8 +59,10 @@ def test_files_are_read_below_the_folder_of_the_model_alone(tmp_path: Path) -> N
 
 def test_a_requirement_that_fails_is_a_warning() -> None:
     model = vibc.parse(BLOCK + "require frequency(1) > 100 Hz\n")
-    with pytest.warns(vibc.ModelWarning, match="frequency"):
+    with pytest.warns(vibc.ModelWarning, match="frequency") as seen:
         assert model.modes().omega[0] == 10.0
+    # It points to the line that asked.
+    assert seen[0].filename == __file__
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         vibc.parse(BLOCK).modes()

@@ -65,11 +65,11 @@ def _diagnostic(line: str) -> Diagnostic:
     return Diagnostic(**fields, related=related)
 
 
-def settled(told: tuple[T | None, str, str]) -> T:
-    """The answer, with a warning for findings; an exception if there is none."""
+def settled(told: tuple[T | None, str, str], *, calls: int = 1) -> T:
+    """The answer, with a warning for findings; an exception if there is none. `calls`: from the user's own line to this one."""
     answer, lines, text = told
     if answer is None:
         raise ModelError("\n" + text.rstrip(), findings(lines))
     if any(found.severity != "note" for found in findings(lines)):
-        warnings.warn("\n" + text.rstrip(), ModelWarning, stacklevel=4)
+        warnings.warn("\n" + text.rstrip(), ModelWarning, stacklevel=2 + calls)
     return answer

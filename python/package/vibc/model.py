@@ -74,7 +74,7 @@ def _read(
         raise ValueError('literals is "decimal" or "binary64"')
     given = [(name, _written(name, value)) for name, value in [*(settings or {}).items(), *parameters.items()]]
     answer, lines, drawn = _vibc.read(path, text, given, root, literals == "binary64")
-    return Model(settled((answer, lines, drawn)), findings(lines))
+    return Model(settled((answer, lines, drawn), calls=2), findings(lines))
 
 
 def _written(name: str, value: Value) -> str:
@@ -161,7 +161,7 @@ class Model:
     def _analysis(self, count: int | None) -> _vibc.Analysis:
         known = self._analyses.get(count)
         if known is None:
-            known = self._analyses[count] = settled(self._native.analyze(count))
+            known = self._analyses[count] = settled(self._native.analyze(count), calls=2)
         return known
 
     def modes(
