@@ -161,9 +161,7 @@ pub use syntax::limits;
 pub use base::{Ball, Dd, Number, Rational, Rounded, Unproven};
 
 // Diagnostics about a model.
-pub use backend::diagnostics::{
-    HumanStyle, human as diagnostics_text, json as diagnostics_json, short as diagnostics_short,
-};
+pub use backend::diagnostics::{HumanStyle, human as diagnostics_text, json as diagnostics_json};
 pub use base::{Code, Diagnostic, Diagnostics, Failure, Label as DiagnosticLabel, Severity};
 
 // The linear system of a model.
@@ -197,7 +195,7 @@ pub use equations::Equations;
 // Simulation code.
 pub use analysis::discrete::parameter::Parameterised;
 pub use analysis::discrete::{DiscreteSystem, Hold, Options as DiscreteOptions, Precision};
-pub use backend::emit::{File as EmittedFile, Language, Program, files as emitted_files, whole as emitted_text};
+pub use backend::emit::{File as EmittedFile, Language, Program, files as emitted_files};
 
 // Text, JSON, CSV, figures and tables of a page out.
 pub use backend::ReportOptions;
@@ -205,12 +203,11 @@ pub use backend::draw::svg as figure_svg;
 pub use backend::json::json as report_json;
 pub use backend::page::modal_table;
 pub use backend::report::text as report;
-pub use backend::shock::{csv as shock_csv, json as shock_json, text as shock_text};
-pub use backend::simulation::{csv as motion_csv, json as motion_json, text as motion_text};
-pub use backend::transfer::{csv as transfer_csv, json as transfer_json, text as transfer_text};
+pub use backend::simulation::{csv as motion_csv, json as motion_json};
+pub use backend::transfer::{csv as transfer_csv, json as transfer_json};
 
 // For editors, and for measuring.
-pub use bench::{Bench, Clock};
+pub use bench::Bench;
 pub use inspection::{Effort, Inspection, inspect};
 
 // All that a page shows.

@@ -40,7 +40,7 @@ pub fn emission(name: &str, text: &str, options: &Options) -> vibc::Emission {
     outcome.answer.unwrap_or_else(|| panic!("{name}: {:?}", outcome.diagnostics))
 }
 
-/// The examples that have outputs and signals of known course: name and text. Code for noise is refused, and so is that
+/// The examples that have outputs and signals of known course: name and text. Code for noise and response spectra is refused, and so is that
 /// for an unbalance whose rotation is not built in.
 pub fn examples() -> Vec<(String, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
@@ -51,7 +51,8 @@ pub fn examples() -> Vec<(String, String)> {
     let text = |path: &Path| fs::read_to_string(path).expect("an example");
     let name = |path: &Path| path.file_stem().expect("a name").to_string_lossy().into_owned();
     let all = files.iter().map(|path| (name(path), text(path)));
-    let is_refused = |text: &str| text.contains("= noise(") || text.contains("\nunbalance ");
+    let is_refused =
+        |text: &str| text.contains("= noise(") || text.contains("= spectrum(") || text.contains("\nunbalance ");
     let can_be_emitted = |text: &str| !is_refused(text) && text.lines().any(|line| line.starts_with("output"));
     all.filter(|(_, text)| can_be_emitted(text)).collect()
 }
