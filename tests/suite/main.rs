@@ -56,6 +56,7 @@ mod optima;
 mod options;
 mod output_units;
 mod pages;
+mod plots;
 mod pole_counts;
 mod poles;
 mod problems;
