@@ -496,7 +496,10 @@ pub fn simulate_with_noise(
         let written = dynamics::lower_written_out(&reading.scene, diagnostics)?;
         let drives = dynamics::drives(&reading.scene, diagnostics)?;
         if let Some(end) = times.last() {
-            diagnostics.extend(dynamics::beyond_tangents(&reading.scene, &written.lowered, &drives, end));
+            diagnostics.extend(match seed.is_some() && dynamics::noise_left_out(&reading.scene).is_some() {
+                true => dynamics::laws_under_noise(&reading.scene).into_iter().collect(),
+                false => dynamics::beyond_tangents(&reading.scene, &written.lowered, &drives, end),
+            });
         }
         let (system, modes) = written.about_rest(diagnostics)?.into_parts();
         diagnostics.extend(dynamics::spectrum_left_out(&reading.scene));
@@ -661,7 +664,9 @@ pub fn discrete(
         }
         let modes = modes.map_or_else(|| analysis::modes(&system), Ok);
         let system = modes.and_then(|modes| analysis::discretise(&system, &modes, &options));
-        let system = system.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+        let mut system = system.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
+        diagnostics.extend(dynamics::laws_in_code(&reading.scene));
+        system.laws = dynamics::names_of_laws(&reading.scene);
         Some(Emission { model: reading.name(), system })
     })
 }
@@ -675,6 +680,7 @@ pub fn parameterised(
 ) -> Outcome<(String, Result<Parameterised, String>)> {
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
+        diagnostics.extend(dynamics::laws_in_code(&reading.scene));
         Some((reading.name(), reading.over_parameter(name)))
     })
 }
@@ -684,6 +690,7 @@ pub fn linear(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcom
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         let (system, _) = dynamics::about_rest(&reading.scene, diagnostics)?.into_parts();
+        diagnostics.extend(dynamics::laws_in_code(&reading.scene));
         Some((reading.name(), system))
     })
 }

@@ -59,6 +59,43 @@ pub fn beyond_tangents(
     findings
 }
 
+/// The elements whose force is a law.
+pub fn names_of_laws(scene: &CheckedScene) -> Vec<String> {
+    let scene = scene.scene();
+    let laws = scene.elements.iter().filter(|element| element.law.curve.is_some());
+    laws.map(|element| scene.words.display(element.name)).collect()
+}
+
+/// A warning at the first law of a scene, in which all are named.
+fn of_all(scene: &CheckedScene, message: impl Fn(&str) -> String) -> Option<Diagnostic> {
+    const NAMED: usize = 5;
+    let first = scene.scene().elements.iter().find(|element| element.law.curve.is_some())?;
+    let names = names_of_laws(scene);
+    let named: Vec<String> = names.iter().take(NAMED).map(|name| format!("`{name}`")).collect();
+    let more = names.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    Some(Diagnostic::warning(TANGENT, first.span, message(&format!("{}{more}", named.join(", ")))))
+}
+
+/// That code runs the tangents in place of the laws.
+pub fn laws_in_code(scene: &CheckedScene) -> Option<Diagnostic> {
+    let warned =
+        of_all(scene, |names| format!("this code follows the tangents at rest in place of the laws of {names}"))?;
+    Some(warned.help("`vibc simulate` reports how far a motion leaves them"))
+}
+
+/// That nothing bounds how far a motion under noise leaves the tangents.
+pub fn laws_under_noise(scene: &CheckedScene) -> Option<Diagnostic> {
+    let warned = of_all(scene, |names| {
+        format!("how far the motion leaves the tangents of the laws of {names} is not known: noise acts")
+    })?;
+    Some(
+        warned.help(
+            "results are those of the tangents at rest; leave out `--seed` to compare them under the signals alone",
+        ),
+    )
+}
+
 fn finding(scene: &crate::model::scene::Scene, law: &LawAtRest, reached: &Measurement) -> Diagnostic {
     let element = &scene.elements[law.element.index()];
     let (name, keyword) = (scene.words.display(element.name), element.law.kind.keyword);

@@ -4,7 +4,7 @@
 
 mod laws;
 
-pub use laws::beyond_tangents;
+pub use laws::{beyond_tangents, laws_in_code, laws_under_noise, names_of_laws};
 
 use crate::analysis::{self, damping};
 use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};

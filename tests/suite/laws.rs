@@ -312,6 +312,27 @@ fn a_rest_on_a_kink_is_refused_with_its_place() {
     assert!(text.contains("at a stretch of -0.00981 m"), "{text}");
 }
 
+/// Code and realisations of noise follow the tangents, and say so.
+#[test]
+fn what_follows_the_tangents_says_so() {
+    let model = "body b { mass = 1 kg, moves x }\nspring s: ground -- b { law = 100 N/m * stretch + 1 kN/m^3 * stretch^3 }\n\
+                 damper d: ground -- b { c = 1 N*s/m }\nforce F: b along x = noise(white 1 N^2/Hz)\nforce G: b along x\noutput x = b.x\n";
+    let quiet = model.replace(" = noise(white 1 N^2/Hz)", "");
+    for style in [&["emit", "--target", "c"][..], &["emit", "--target", "c", "--style", "equations"]] {
+        let output = ran(&quiet, &[style, &["--message-format", "json"]].concat());
+        let (code, found) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert!(found.contains("vib::law::tangent") && found.lines().count() == 1, "{style:?}: {found}");
+        assert!(
+            code.contains("its tangent at rest in place of its law") || code.contains("linearised there"),
+            "{code}"
+        );
+    }
+    let noisy =
+        ran(model, &["simulate", "--until", "1 s", "--step", "0.5 s", "--seed", "1", "--message-format", "json"]);
+    let found = String::from_utf8_lossy(&noisy.stderr);
+    assert!(found.contains("is not known: noise acts"), "{found}");
+}
+
 #[test]
 fn the_equations_refuse_a_law_with_its_reason() {
     let model = "body b { mass = 1 kg, moves y }\nspring s: ground -- b { law = 10 N/m * stretch }\n";

@@ -118,6 +118,8 @@ pub struct DiscreteSystem {
     pub set: Vec<bool>,
     /// Outputs that would follow the derivative of an input; an input that is held has none.
     pub without_slope: Vec<usize>,
+    /// The elements whose laws the code replaces by their tangents at rest.
+    pub laws: Vec<String>,
     pub left: Vec<DroppedBlock>,
     /// A bound of the effect of rounding whatever the inputs are; none where signals are built in beside them.
     pub rounding: Option<Rounding>,
@@ -255,6 +257,7 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
         tolerance: options.tolerance,
         method: split.method,
         without_slope: without_slope.collect(),
+        laws: Vec::new(),
         cells,
         direct: direct.into_iter().map(round).collect(),
         offset: offset.into_iter().map(round).collect(),

@@ -45,6 +45,12 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
             readable(&system.outputs[output].name)
         ));
     }
+    for name in system.laws.iter().take(LISTED) {
+        lines.push(format!("laws       {}: its tangent at rest in place of its law", readable(name)));
+    }
+    if let Some(more) = system.laws.len().checked_sub(LISTED).filter(|more| *more > 0) {
+        lines.push(format!("           and {more} more"));
+    }
     lines.push(format!("cost       {} states; {operations} a step", system.states()));
     lines.extend(dropped_lines(&system.left));
     lines
