@@ -146,6 +146,33 @@ fn spectra_have_three_units() {
     meets(&value("spectrum((1 Hz, 30 mm), (10 Hz, 3 mm), damping = 5 %)"), "srss", 0.03 / hertz);
 }
 
+/// A table has the maxima of the same points.
+#[test]
+fn a_table_is_read_as_points() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let run = |signal: &str| -> Value {
+        let model = format!(
+            "damping modal 5 %\nbase quake {{ moves x }} = {signal}\nbody b {{ mass = 1 kg, moves x }}\n\
+             spring s: quake -- b {{ k = 400 N/m }}\noutput x = b.x - quake.x\n"
+        );
+        std::fs::write(folder.path().join("m.vib"), model).expect("a file");
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_vibc"));
+        let command = command.args(["analyze", "m.vib", "--format", "json"]).current_dir(folder.path());
+        let output = command.output().expect("the program starts");
+        let text = String::from_utf8_lossy(&output.stderr);
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|_| Value::from(text.into_owned()))
+    };
+    let rows = "frequency [Hz],acc [g0]\n0.5,0.3\n2,0.8\n9,0.8\n33,0.3\n";
+    std::fs::write(folder.path().join("s.csv"), rows).expect("a file");
+    let points = "spectrum((0.5 Hz, 0.3 g0), (2 Hz, 0.8 g0), (9 Hz, 0.8 g0), (33 Hz, 0.3 g0), damping = 5 %)";
+    let [table, written] = ["spectrum(table(\"s.csv\", 1 g0), damping = 5 %)", points].map(run);
+    assert!(written["response_spectra"]["directions"][0]["outputs"][0]["srss"].is_number(), "{written}");
+    assert_eq!(table["response_spectra"], written["response_spectra"], "{table}");
+    std::fs::write(folder.path().join("s.csv"), "0,1\n2,3\n").expect("a file");
+    let refused = run("spectrum(table(\"s.csv\", 1 g0), damping = 5 %)");
+    assert!(refused.as_str().is_some_and(|text| text.contains("vib::spectrum::points")), "{refused}");
+}
+
 /// What a spectrum does not say is said, with its reason.
 #[test]
 fn what_has_no_maximum_is_named() {
