@@ -161,7 +161,9 @@ pub use syntax::limits;
 pub use base::{Ball, Dd, Number, Rational, Rounded, Unproven};
 
 // Diagnostics about a model.
-pub use backend::diagnostics::{HumanStyle, human as diagnostics_text, json as diagnostics_json};
+pub use backend::diagnostics::{
+    HumanStyle, human as diagnostics_text, json as diagnostics_json, short as diagnostics_short,
+};
 pub use base::{Code, Diagnostic, Diagnostics, Failure, Label as DiagnosticLabel, Severity};
 
 // The linear system of a model.
@@ -193,7 +195,6 @@ pub use analysis::{
 pub use equations::Equations;
 
 // Simulation code.
-pub use analysis::discrete::parameter::Parameterised;
 pub use analysis::discrete::{DiscreteSystem, Hold, Options as DiscreteOptions, Precision};
 pub use backend::emit::{File as EmittedFile, Language, Program, files as emitted_files};
 

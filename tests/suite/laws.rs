@@ -11,7 +11,7 @@ fn analyzed(model: &str) -> ModalAnswer {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model("m.vib", model));
     let outcome = vibc::analyze(&sources, file, &Overrides::default());
-    let shown = vibc::backend::diagnostics::short(&sources, &outcome.diagnostics);
+    let shown = vibc::diagnostics_short(&sources, &outcome.diagnostics);
     outcome.answer.unwrap_or_else(|| panic!("{model}\n{shown}"))
 }
 
