@@ -4,6 +4,7 @@
 //! - body: m v^2/2 of its centre, I omega^2/2 of its angle; -m g . r for its weight
 //! - spring: k (stretch)^2/2 and its tension as drawn times its stretch; the length of a line stays a name with its square beside it
 //! - damper: c (rate of stretch)^2/2
+//! - law: an element for each of its powers; k (stretch)^n adds k (stretch)^(n+1)/(n+1), and so does c (rate)^n
 //! - force: the work on the displacement of its point; so is an unbalance, whose force has a form of its own
 
 use super::lines::is_short;
@@ -14,7 +15,7 @@ use crate::base::{Number, Span, Vec3};
 use crate::elements::Order;
 use crate::model::scene::{Attachment, BodyId, Geometry, InputKind, Part, Scene, SpringRest};
 use crate::model::written::{Pair, Written, WrittenElement, WrittenInput, difference, dot};
-use crate::symbols::{Lengths, Sum, Symbol};
+use crate::symbols::{Lengths, Power, Powers, Sum, Symbol};
 
 /// How far a spring or damper is stretched.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +37,8 @@ pub struct Element {
     pub order: Order,
     /// k, c or b.
     pub coefficient: Sum,
+    /// The power of what it answers that the coefficient stands before: the first, but in a law.
+    pub power: Power,
     pub stretch: Stretch,
     /// What the stretch is counted from, so that k times the difference is the tension: the free length of a line, or what is added
     /// to a plain stretch.
@@ -164,17 +167,36 @@ impl Energies {
                 SpringRest::AsDrawn => free = self.named_length(written, free, &name, names),
             }
         }
-        let coefficient = written.coefficient.clone();
         let idle = matches!(&stretch, Stretch::Plain(plain) if plain.is_zero());
-        if !idle {
-            let (span, order) = (element.span, element.law.kind.order);
-            let element = Element { number, name, span, order, coefficient, stretch, free, tension };
-            match (order, &element.stretch) {
-                (Order::Acceleration, Stretch::Plain(_)) => self.inerter(element, motion),
-                _ => self.elements.push(element),
-            }
+        if idle {
+            return Some(());
+        }
+        let (span, order) = (element.span, element.law.kind.order);
+        let coefficient = written.coefficient.clone();
+        let element = Element { number, name, span, order, coefficient, power: Power::FIRST, stretch, free, tension };
+        match (order, &element.stretch, &written.law) {
+            (.., Some(law)) => self.law(law, element),
+            (Order::Acceleration, Stretch::Plain(_), _) => self.inerter(element, motion),
+            _ => self.elements.push(element),
         }
         Some(())
+    }
+
+    /// A law: its linear part, which its constant part is a tension of, and its other powers.
+    fn law(&mut self, law: &Powers, element: Element) {
+        let (coefficient, tension) = (law.coefficient(Power::FIRST), law.coefficient(Power::ZEROTH));
+        let others = law.terms().filter(|(power, _)| ![Power::ZEROTH, Power::FIRST].contains(power));
+        let others = others.map(|(power, coefficient)| Element {
+            coefficient: coefficient.clone(),
+            power,
+            tension: Sum::ZERO,
+            ..element.clone()
+        });
+        let others: Vec<Element> = others.collect();
+        if others.is_empty() || !(coefficient.is_zero() && tension.is_zero()) {
+            self.elements.push(Element { coefficient, tension, ..element });
+        }
+        self.elements.extend(others);
     }
 
     /// A length as drawn that is long to write gets a name.
@@ -323,9 +345,9 @@ impl Energies {
         })
     }
 
-    /// An element by its place among those of the scene; `None` where nothing stretches it.
-    pub fn element_of(&self, number: usize) -> Option<&Element> {
-        self.elements.iter().chain(&self.inerters).find(|known| known.number == number)
+    /// What an element of the scene is here, by its place there: nothing where nothing stretches it, several of a law.
+    pub fn elements_of(&self, number: usize) -> impl Iterator<Item = &Element> {
+        self.elements.iter().chain(&self.inerters).filter(move |known| known.number == number)
     }
 }
 
@@ -340,13 +362,6 @@ impl Stretch {
 }
 
 impl Element {
-    /// k (e - e_free)^2/2 + T e.
-    pub fn energy(&self) -> Sum {
-        let stretched = &self.stretch.sum() - &self.free;
-        let own = (&self.coefficient * &stretched.square()).halved();
-        &own + &(&self.tension * &self.stretch.sum())
-    }
-
     /// Half the coefficient times the square of the rate of stretch: the energy of an inerter, half the power of a damper.
     pub fn rate_energy(&self, motion: &Motion) -> Sum {
         let rate = match &self.stretch {
@@ -363,9 +378,30 @@ impl Element {
         self.order == Order::Displacement
     }
 
-    /// k (e - e_free) + T.
+    /// e - e_free, which the force of a spring is a power of.
+    pub fn stretched(&self) -> Sum {
+        &self.stretch.sum() - &self.free
+    }
+
+    /// k (e - e_free)^n + T.
     pub fn pull(&self) -> Sum {
-        &(&self.coefficient * &(&self.stretch.sum() - &self.free)) + &self.tension
+        self.pull_at(&self.stretched())
+    }
+
+    /// The tension of a spring that is stretched so far.
+    pub fn pull_at(&self, stretched: &Sum) -> Sum {
+        &(&self.coefficient * &self.power.of(stretched)) + &self.tension
+    }
+
+    /// The coefficient of the linearised equations, at rest: n k (e - e_free)^(n-1) of a spring.
+    pub fn tangent(&self, stretched_at_rest: &Sum) -> Sum {
+        let at = if self.is_spring() { stretched_at_rest } else { &Sum::ZERO };
+        &self.coefficient * &self.power.slope(at)
+    }
+
+    /// Whether its force is proportional to what it answers.
+    pub fn is_linear(&self) -> bool {
+        self.power == Power::FIRST
     }
 }
 

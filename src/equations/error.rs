@@ -31,9 +31,10 @@ pub enum EquationsError {
         terms: usize,
         most: usize,
     },
-    /// An element whose force is a law.
+    /// An element with a law that is no sum of powers, up to the highest that is written.
     Law {
         span: Span,
+        most: u32,
     },
     /// The spans of a belt.
     Belt {
@@ -78,14 +79,13 @@ impl EquationsError {
                 );
                 Diagnostic::error(TOO_LARGE, *span, message).help("use `vibc analyze --matrices` for the numbers")
             }
-            EquationsError::Law { span } => Diagnostic::error(
-                NO_FORM,
-                *span,
-                "the law of this element is not written in symbols",
-            )
-            .help(
-                "give it the tangent at rest as its coefficient, which `vibc analyze` shows, for the linear equations",
-            ),
+            EquationsError::Law { span, most } => {
+                let message = format!(
+                    "the law of this element is not written in symbols: it is no sum of powers up to the {most}th"
+                );
+                Diagnostic::error(NO_FORM, *span, message)
+                    .help("give it the tangent at rest as its coefficient, which `vibc analyze` shows, for the linear equations")
+            }
             EquationsError::Belt { span } => {
                 Diagnostic::error(NO_FORM, *span, "the spans of a belt are not written in symbols")
                     .help("between centres that do not move, a torsion spring of 2 k r^2 and a coupling say the same")

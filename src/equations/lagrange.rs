@@ -2,11 +2,13 @@
 //!
 //!   d/dt dT/dq' - dT/dq + dV/dq + dD/dq' + sum lambda dg/dq = Q,
 //!
-//! nothing approximated. Where the lever of a spring or damper turns with the motion, what it adds stays apart as pull times lever.
+//! nothing approximated. Where the lever of a spring or damper turns with the motion, what it adds stays apart as pull times lever;
+//! so do the higher powers of a law.
 
 use super::constraint::Constraint;
 use super::energy::{Element, Energies, Stretch, is_motion};
 use super::motion::Motion;
+use super::names::without_motion;
 use crate::elements::Order;
 use crate::symbols::{Lengths, Sum, Symbol};
 
@@ -22,7 +24,7 @@ pub struct Equation {
     pub forces: Sum,
 }
 
-/// A spring, damper or inerter at work on a coordinate by a lever that the motion changes.
+/// A spring, damper or inerter at work on a coordinate by a lever that the motion changes, or with a higher power.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Its place among the elements of the energies.
@@ -48,7 +50,7 @@ pub fn equations(motion: &Motion, energies: &Energies, constraints: &[Constraint
                     if slope.is_zero() {
                         continue;
                     }
-                    if slope.mentions(&is_motion) {
+                    if slope.mentions(&is_motion) || !element.is_linear() {
                         lines.push(Line { element: number, slope });
                         continue;
                     }
@@ -86,24 +88,28 @@ fn plain_rate(motion: &Motion, stretch: &Stretch) -> Sum {
 }
 
 impl Equation {
-    /// The left side less the right, everything multiplied out; lengths stay names.
-    pub fn whole(&self, motion: &Motion, energies: &Energies) -> Sum {
-        let mut whole = &self.plain - &self.forces;
+    /// The left side less the right with every motion at zero; lengths stay names.
+    pub fn at_rest(&self, energies: &Energies) -> Sum {
+        let mut whole = without_motion(&(&self.plain - &self.forces));
         for line in &self.lines {
-            whole = &whole + &line.force(motion, energies);
+            whole = &whole + &line.force_at_rest(energies);
         }
         for (multiplier, slope) in &self.reactions {
-            whole = &whole + &(&Sum::name(*multiplier) * slope);
+            whole = &whole + &(&Sum::name(*multiplier) * &without_motion(slope));
         }
         whole
     }
 }
 
 impl Line {
-    /// The pull of its element times its lever.
-    pub fn force(&self, motion: &Motion, energies: &Energies) -> Sum {
+    /// The pull of its element times its lever, with every motion at zero: that of a spring.
+    pub fn force_at_rest(&self, energies: &Energies) -> Sum {
         let element = &energies.elements[self.element];
-        let force = &pull(element, motion) * &self.slope;
+        if !element.is_spring() {
+            return Sum::ZERO;
+        }
+        let pull = element.pull_at(&without_motion(&element.stretched()));
+        let force = &pull * &without_motion(&self.slope);
         match &element.stretch {
             Stretch::Line { length, .. } => &force * &Sum::name(*length).inverse().unwrap_or_default(),
             Stretch::Plain(_) => force,
@@ -111,25 +117,22 @@ impl Line {
     }
 }
 
-/// The force of an element: k (e - e_free) + T, c e' or b e''.
-pub fn pull(element: &Element, motion: &Motion) -> Sum {
+/// Which power of it the force is times the coefficient: e - e_free of a spring, e' of a damper, e'' of an inerter.
+pub fn answered(element: &Element, motion: &Motion) -> Sum {
     let none = Lengths::default();
     match (element.order, &element.stretch) {
-        (Order::Displacement, _) => element.pull(),
-        (Order::Velocity, Stretch::Plain(stretch)) => &element.coefficient * &motion.rate(stretch, &none),
-        (Order::Acceleration, Stretch::Plain(stretch)) => {
-            &element.coefficient * &motion.rate(&motion.rate(stretch, &none), &none)
-        }
+        (Order::Displacement, _) => element.stretched(),
+        (Order::Velocity, Stretch::Plain(stretch)) => motion.rate(stretch, &none),
+        (Order::Acceleration, Stretch::Plain(stretch)) => motion.rate(&motion.rate(stretch, &none), &none),
         (order, Stretch::Line { length, square, .. }) => {
             let inverse = Sum::name(*length).inverse().unwrap_or_default();
             // l l' = (l^2)'/2, and l l'' = (l^2)''/2 - l'^2
             let half_rate = motion.rate(square, &none).halved();
             let rate = &half_rate * &inverse;
-            let whole = match order {
+            match order {
                 Order::Acceleration => &(&motion.rate(&half_rate, &none) - &rate.square()) * &inverse,
                 _ => rate,
-            };
-            &element.coefficient * &whole
+            }
         }
     }
 }

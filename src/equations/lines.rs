@@ -30,6 +30,8 @@ struct Parts {
     levers: BTreeMap<Symbol, Sum>,
     /// The tension by length; zero of what is no spring.
     density: Sum,
+    /// k, or the tangent of a law.
+    tangent: Sum,
 }
 
 impl AtRest {
@@ -52,8 +54,10 @@ impl AtRest {
             };
             at_rest.lengths.push((*symbol, length));
         }
-        for (number, element) in energies.elements.iter().enumerate() {
-            at_rest.name_parts(number, element, motion, names);
+        // The powers of a law follow each other, and act together.
+        let numbers: Vec<usize> = (0..energies.elements.len()).collect();
+        for shares in numbers.chunk_by(|a, b| energies.elements[*a].number == energies.elements[*b].number) {
+            at_rest.name_parts(shares, energies, motion, names);
         }
         at_rest
     }
@@ -68,15 +72,29 @@ impl AtRest {
     }
 
     fn pull(&self, element: &Element) -> Sum {
-        if element.is_spring() { self.of(&element.pull()) } else { Sum::ZERO }
+        if element.is_spring() { element.pull_at(&self.of(&element.stretched())) } else { Sum::ZERO }
+    }
+
+    /// The coefficient of an element in the linearised equations.
+    pub fn tangent(&self, element: &Element) -> Sum {
+        match element.is_linear() {
+            true => element.coefficient.clone(),
+            false => element.tangent(&self.of(&element.stretched())),
+        }
     }
 
     /// Names for the parts of a line that would be long in an entry.
-    fn name_parts(&mut self, number: usize, element: &Element, motion: &Motion, names: &mut Names) {
+    fn name_parts(&mut self, shares: &[usize], energies: &Energies, motion: &Motion, names: &mut Names) {
+        let (element, others) = (&energies.elements[shares[0]], &shares[1..]);
         let Stretch::Line { length, square, .. } = &element.stretch else { return };
         let none = Lengths::default();
         let Some(inverse) = self.length(*length).inverse() else { return };
-        let density = &self.pull(element) * &inverse;
+        let (mut pull, mut tangent) = (Sum::ZERO, Sum::ZERO);
+        for share in shares.iter().map(|share| &energies.elements[*share]) {
+            pull = &pull + &self.pull(share);
+            tangent = &tangent + &self.tangent(share);
+        }
+        let density = &pull * &inverse;
         let slope = |symbol: Symbol| square.derivative(symbol, &none).halved();
         let moved: Vec<(Symbol, Sum)> = motion
             .coordinates
@@ -88,10 +106,14 @@ impl AtRest {
         let terms = |i: usize, j: usize| {
             let both = &levers[i] * &levers[j];
             let bend = &without_motion(&moved[i].1.derivative(moved[j].0, &none)) - &both;
-            (&(&element.coefficient * &both) + &(&density * &bend)).terms().len()
+            (&(&tangent * &both) + &(&density * &bend)).terms().len()
         };
         if (0..moved.len()).all(|i| (i..moved.len()).all(|j| terms(i, j) <= MOST_TERMS)) {
             return;
+        }
+        if !(others.is_empty() && element.is_linear()) {
+            let letter = if element.is_spring() { "k" } else { "c" };
+            tangent = self.named_part(tangent, names, names.fresh(letter, element.name.clone()));
         }
         let density = self.named_part(density, names, names.fresh("q", element.name.clone()));
         let is_alone = moved.len() == 1;
@@ -100,8 +122,13 @@ impl AtRest {
             let index = if is_alone { element.name.clone() } else { format!("{},{of}", element.name) };
             (*symbol, self.named_part(lever, names, names.fresh("r", index)))
         });
-        let levers = levers.collect();
-        self.lines.insert(number, Parts { levers, density });
+        let levers: BTreeMap<Symbol, Sum> = levers.collect();
+        // The first of them stands for all.
+        for other in others {
+            let (density, tangent) = (Sum::ZERO, Sum::ZERO);
+            self.lines.insert(*other, Parts { levers: levers.clone(), density, tangent });
+        }
+        self.lines.insert(shares[0], Parts { levers, density, tangent });
     }
 
     /// A form of several terms gets a name.
@@ -117,7 +144,7 @@ impl AtRest {
     }
 
     /// The forces of an equation at rest: what has to vanish there; `None` if none of its lines has parts with names.
-    pub fn condition(&self, equation: &Equation, motion: &Motion, energies: &Energies) -> Option<Sum> {
+    pub fn condition(&self, equation: &Equation, energies: &Energies) -> Option<Sum> {
         if !equation.lines.iter().any(|line| self.lines.contains_key(&line.element)) {
             return None;
         }
@@ -125,7 +152,7 @@ impl AtRest {
         for line in &equation.lines {
             let force = match self.lines.get(&line.element) {
                 Some(parts) => &parts.density * &without_motion(&line.slope),
-                None => self.of(&line.force(motion, energies)),
+                None => self.of(&line.force_at_rest(energies)),
             };
             sum = &sum + &force;
         }
@@ -150,26 +177,27 @@ pub fn is_short(length: &Sum) -> bool {
 /// What a line adds to an entry, its row and column by their displacements: k r_i r_j and q (g_ij - r_i r_j).
 pub fn entry(energies: &Energies, line: &Line, [row, column]: [Symbol; 2], at_rest: &AtRest) -> (Sum, Sum) {
     let element = &energies.elements[line.element];
+    let tangent = at_rest.tangent(element);
     let none = Lengths::default();
     let (length, square) = match &element.stretch {
         Stretch::Line { length, square, .. } => (length, square),
         Stretch::Plain(stretch) => {
             let own = &without_motion(&line.slope) * &without_motion(&stretch.derivative(column, &none));
             let pull = at_rest.pull(element);
-            return (&element.coefficient * &own, &pull * &without_motion(&line.slope.derivative(column, &none)));
+            return (&tangent * &own, &pull * &without_motion(&line.slope.derivative(column, &none)));
         }
     };
     let bend = without_motion(&line.slope.derivative(column, &none));
     if let Some(parts) = at_rest.lines.get(&line.element) {
         let lever = |symbol: Symbol| parts.levers.get(&symbol).cloned().unwrap_or_default();
         let both = &lever(row) * &lever(column);
-        return (&element.coefficient * &both, &parts.density * &(&bend - &both));
+        return (&parts.tangent * &both, &parts.density * &(&bend - &both));
     }
     let length = at_rest.length(*length);
     let Some(per_square) = length.square().inverse() else { return Default::default() };
     let (own, other) = (without_motion(&line.slope), without_motion(&square.derivative(column, &none).halved()));
     let both = &(&own * &other) * &per_square;
-    let elastic = &element.coefficient * &both;
+    let elastic = &tangent * &both;
     let pull = at_rest.pull(element);
     if pull.is_zero() {
         return (elastic, Sum::ZERO);

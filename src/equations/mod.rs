@@ -37,7 +37,7 @@ use crate::elements::Order;
 use crate::lower::Lowered;
 use crate::model::scene::{Damping, Geometry, Scene};
 use crate::model::written::{Named, Written, class_of};
-use crate::symbols::{Sum, Symbol};
+use crate::symbols::{Powers, Sum, Symbol};
 use constraint::Constraint;
 use coordinate::Coordinate;
 use energy::Energies;
@@ -142,7 +142,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     }
     let Derived { motion, energies, constraints, equations } = derived;
     let at_rest = AtRest::new(&motion, &energies, &mut names);
-    rest.settle(&at_rest, &names, |equation| at_rest.condition(&equations[equation], &motion, &energies));
+    rest.settle(&at_rest, &names, |equation| at_rest.condition(&equations[equation], &energies));
     let full = linear::linear(&motion, &energies, &equations, &at_rest);
     let independent = reduce::independent(lowered, &motion)?;
     let follows = match constraints.is_empty() {
@@ -224,8 +224,9 @@ fn derived(
     names: &mut Names,
     rests: &impl Fn(&mut Names, &Coordinate, usize) -> Sum,
 ) -> Result<Derived, EquationsError> {
-    if let Some(element) = scene.elements.iter().find(|element| element.law.curve.is_some()) {
-        return Err(EquationsError::Law { span: element.span });
+    let mut elements = scene.elements.iter().zip(&written.elements);
+    if let Some((element, _)) = elements.find(|(element, own)| element.law.curve.is_some() && own.law.is_none()) {
+        return Err(EquationsError::Law { span: element.span, most: Powers::MOST });
     }
     if let Some(element) = scene.elements.iter().find(|element| matches!(element.geometry, Geometry::Span(_))) {
         return Err(EquationsError::Belt { span: element.span });

@@ -6,7 +6,7 @@ use super::energy::Energies;
 use super::lagrange::Equation;
 use super::lines::AtRest;
 use super::motion::Motion;
-use super::names::{Label, Names, class, without_motion};
+use super::names::{Label, Names, class};
 use crate::base::{Name, Number, Rational};
 use crate::lower::Lowered;
 use crate::symbols::{Factor, Sum, Symbol};
@@ -75,7 +75,7 @@ impl Rest {
     ) -> Rest {
         let mut rest = Rest { proven: numbers.proven, ..Rest::default() };
         for equation in equations {
-            let condition = without_motion(&equation.whole(motion, energies));
+            let condition = equation.at_rest(energies);
             if !condition.is_zero() {
                 rest.conditions.push((equation.coordinate, condition));
             }

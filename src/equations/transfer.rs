@@ -82,15 +82,15 @@ fn form(
         Moved::Force { element } => {
             let own: &Element = scene.elements.get(element.index())?;
             let form = stretch(energies, element.index(), motion, at_rest);
-            let coefficient = energies.element_of(element.index());
-            let coefficient = coefficient.map_or(Sum::ZERO, |known| known.coefficient.clone());
-            (own.law.kind.order as usize, &coefficient * &form)
+            let shares = energies.elements_of(element.index());
+            let tangent = shares.fold(Sum::ZERO, |sum, share| &sum + &at_rest.tangent(share));
+            (own.law.kind.order as usize, &tangent * &form)
         }
     })
 }
 
 fn stretch(energies: &Energies, number: usize, motion: &Motion, at_rest: &AtRest) -> Sum {
-    let Some(element) = energies.element_of(number) else { return Sum::ZERO };
+    let Some(element) = energies.elements_of(number).next() else { return Sum::ZERO };
     match &element.stretch {
         Stretch::Plain(sum) => first_order(sum, motion, &Lengths::default(), at_rest),
         Stretch::Line { .. } => first_order(&element.stretch.sum(), motion, &energies.lengths, at_rest),

@@ -6,6 +6,7 @@
 //! unbalance is compared with the second derivative of its heavy spot's place in the same way, and with the signal that drives it.
 
 use super::Equations;
+use super::energy::Element;
 use super::error::EquationsError;
 use super::names::without_motion;
 use crate::base::{Number, Rational, Span};
@@ -81,13 +82,19 @@ fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &
         _ => Order::Acceleration,
     };
     let elements = energies.elements.iter().chain(&energies.inerters);
+    let share = |element: &Element| {
+        let stretch = element.stretch.sum();
+        let slope = |by: Symbol| stretch.derivative(by, &energies.lengths);
+        let at = without_motion(&element.stretched());
+        let own = &(&element.tangent(&at) * &slope(a[0])) * &slope(b[0]);
+        match element.is_spring() {
+            true => &own + &(&element.pull_at(&at) * &slope(a[0]).derivative(b[0], &energies.lengths)),
+            false => own,
+        }
+    };
     for element in elements.filter(|element| element.order == order) {
-        let slope = |by: Symbol| element.stretch.sum().derivative(by, &energies.lengths);
-        let own = if element.is_spring() {
-            element.energy().derivative(a[0], &energies.lengths).derivative(b[0], &energies.lengths)
-        } else {
-            &(&element.coefficient * &slope(a[0])) * &slope(b[0])
-        };
+        // A law is several elements here.
+        let own = energies.elements_of(element.number).fold(Sum::ZERO, |sum, other| &sum + &share(other));
         if differs(at_rest(equations, &own), &element.name) {
             return element.span;
         }

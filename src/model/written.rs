@@ -11,9 +11,10 @@ use super::places::{Frame, FrameId};
 use super::scene::{Freedom, Geometry, InputKind, Part, Translation};
 use super::scope::{self, DefinitionId, DefinitionKind, Environment, Instance, Role, State};
 use super::value::{Scalar, Value};
-use crate::base::{Angle, Dimension, Number, Rational, Span};
+use crate::base::{Angle, Dimension, Number, Rational, Span, Takes};
+use crate::elements::Kind;
 use crate::kinds::motions::{BODY_MOTIONS, Direction};
-use crate::symbols::{Factor, Function, Sum, Symbol};
+use crate::symbols::{Factor, Function, Powers, Sum, Symbol};
 use crate::syntax::tree::{Binary, DeclKind, EndId, ExprId, ExprKind, ExprList, FieldValue, Fields, Rare};
 use std::sync::Arc;
 
@@ -100,6 +101,8 @@ pub struct WrittenElement {
     pub ends: [Option<Pair>; 2],
     /// Its coefficient, such as `k` or `c`.
     pub coefficient: Sum,
+    /// Its law in powers of the stretch or the rate; `None` if it has no law, or one that is no such sum.
+    pub law: Option<Powers>,
     pub free_length: Option<Sum>,
     pub preload: Option<Sum>,
     pub along: Option<Pair>,
@@ -384,6 +387,10 @@ impl<'c, 'a> Writer<'c, 'a> {
             None if is_law => Sum::ZERO,
             given => given?,
         };
+        let law = match self.field(fields, "law") {
+            Some(FieldValue::Expr(expr)) => self.law(expr, law_variable(kind.kind())?, environment),
+            _ => None,
+        };
         let along = match self.field(fields, "along") {
             Some(FieldValue::Expr(expr)) => Some(self.direction(expr, environment)),
             _ => None,
@@ -391,10 +398,65 @@ impl<'c, 'a> Writer<'c, 'a> {
         Some(WrittenElement {
             ends: places,
             coefficient,
+            law,
             free_length: self.field_number(fields, "free_length", environment),
             preload: self.field_number(fields, "preload", environment),
             along,
         })
+    }
+
+    /// A law in powers of its variable; `None` if it is a table or has another function of it.
+    fn law(&mut self, expr: ExprId, variable: &str, environment: Environment) -> Option<Powers> {
+        let tree = self.check.tree;
+        let node = *tree.expr(expr);
+        if !self.varies(expr, variable) {
+            return match node.kind {
+                ExprKind::Call { .. } if self.function(expr) == Some("table") => None,
+                _ => Some(Powers::constant(self.number(expr, environment))),
+            };
+        }
+        match node.kind {
+            ExprKind::Name { .. } => Some(Powers::variable()),
+            ExprKind::Negate { operand } => {
+                Some(self.law(operand, variable, environment)?.scaled(&Sum::fraction(-1, 1)))
+            }
+            ExprKind::Binary { operator, left, right } => {
+                let (a, b) = (self.law(left, variable, environment)?, self.law(right, variable, environment)?);
+                match operator {
+                    Binary::Add => Some(a.plus(&b)),
+                    Binary::Subtract => Some(a.plus(&b.scaled(&Sum::fraction(-1, 1)))),
+                    Binary::Multiply => a.times(&b),
+                    Binary::Divide => Some(a.scaled(&b.as_constant()?.inverse()?)),
+                    Binary::Power => a.power(u32::try_from(b.as_constant()?.as_number()?.to_i64()?).ok()?),
+                    _ => None,
+                }
+            }
+            ExprKind::Call { arguments, .. } if self.function(expr) == Some("abs") => {
+                self.law(*tree.list(arguments).first()?, variable, environment)?.magnitude()
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether a word occurs in an expression of a law.
+    fn varies(&self, expr: ExprId, variable: &str) -> bool {
+        let tree = self.check.tree;
+        let node = *tree.expr(expr);
+        match node.kind {
+            ExprKind::Name { indices } => indices.is_empty() && self.check.sources.slice(node.span) == variable,
+            ExprKind::Negate { operand } => self.varies(operand, variable),
+            ExprKind::Binary { left, right, .. } => self.varies(left, variable) || self.varies(right, variable),
+            ExprKind::Call { arguments, .. } => tree.list(arguments).iter().any(|own| self.varies(*own, variable)),
+            _ => false,
+        }
+    }
+
+    /// The name of the function that is called.
+    fn function(&self, expr: ExprId) -> Option<&'a str> {
+        let node = self.check.tree.expr(expr);
+        let ExprKind::Call { name_len, .. } = node.kind else { return None };
+        let start = node.span.start();
+        Some(self.check.sources.slice(Span::new(node.span.file(), start, start + usize::from(name_len))))
     }
 
     fn input(&mut self, instance: Instance<'a>) -> Option<()> {
@@ -820,6 +882,14 @@ impl<'c, 'a> Writer<'c, 'a> {
             _ => call(Function::named(name)?, values.into()),
         }))
     }
+}
+
+/// The word that a law of this kind is over.
+fn law_variable(kind: &Kind) -> Option<&'static str> {
+    kind.fields.iter().find_map(|field| match field.takes {
+        Takes::Law(word) => Some(word),
+        _ => None,
+    })
 }
 
 fn call(function: Function, arguments: Arc<[Sum]>) -> Sum {

@@ -11,6 +11,7 @@
 
 mod derivative;
 mod factors;
+mod powers;
 mod product;
 mod root;
 mod sum;
@@ -19,6 +20,7 @@ mod value;
 
 pub use derivative::Lengths;
 pub use factors::{Factored, common_factors};
+pub use powers::{Power, Powers};
 pub use product::{Factor, Function, Product};
 pub use sum::Sum;
 

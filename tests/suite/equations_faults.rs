@@ -46,17 +46,17 @@ force  F: bar along x
 output sway = bar.x
 ";
 
-struct Scene {
+pub struct Scene {
     sources: Sources,
     checked: CheckedScene,
-    written: Written,
+    pub written: Written,
 }
 
 fn scene() -> Scene {
     scene_of(MODEL)
 }
 
-fn scene_of(model: &str) -> Scene {
+pub fn scene_of(model: &str) -> Scene {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model("faults.vib", model));
     let tree = vibc::syntax::parse(&sources, file).tree;
@@ -66,19 +66,19 @@ fn scene_of(model: &str) -> Scene {
 }
 
 impl Scene {
-    fn lowered(&self) -> Lowered {
+    pub fn lowered(&self) -> Lowered {
         let mut unheard = Diagnostics::new();
         let outcome = lower::lower(&self.checked);
         unheard.extend(outcome.diagnostics);
         outcome.lowered.expect("a sound scene")
     }
 
-    fn derive(&self, written: &Written, lowered: &Lowered) -> Result<Equations, EquationsError> {
+    pub fn derive(&self, written: &Written, lowered: &Lowered) -> Result<Equations, EquationsError> {
         derive(self.checked.scene(), written, lowered)
     }
 
     /// The name in the model at which a defect is reported.
-    fn place(&self, error: EquationsError) -> String {
+    pub fn place(&self, error: EquationsError) -> String {
         match error {
             EquationsError::Defect { span, .. } => self.sources.slice(span).to_string(),
             other => panic!("no defect: {other:?}"),
@@ -87,7 +87,7 @@ impl Scene {
 }
 
 /// The form with each term changed by `change`, or removed if that returns nothing.
-fn changed(
+pub fn changed(
     form: &Form,
     names: &[&str],
     display: impl Fn(u32) -> String,
@@ -222,13 +222,13 @@ fn ten_faults_in_the_symbols_are_reported() {
 }
 
 /// A fault in one thing that was derived, and the place in the model where it is reported.
-type Fault = (&'static str, fn(&mut Equations), &'static str);
+pub type Fault = (&'static str, fn(&mut Equations), &'static str);
 
-fn doubled(sum: &mut Sum) {
+pub fn doubled(sum: &mut Sum) {
     *sum = sum.scaled(&Rational::from(2));
 }
 
-fn assert_reported(scene: &Scene, faults: &[Fault]) {
+pub fn assert_reported(scene: &Scene, faults: &[Fault]) {
     let lowered = scene.lowered();
     let sound = scene.derive(&scene.written, &lowered).expect("no defect");
     let verify = |equations: &Equations| verify::verify(equations, scene.checked.scene(), &lowered);

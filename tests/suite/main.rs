@@ -24,6 +24,7 @@ mod emit_state;
 mod emit_target;
 mod equations;
 mod equations_faults;
+mod equations_laws;
 mod equations_linter;
 mod exact;
 mod examples;

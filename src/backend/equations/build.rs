@@ -5,7 +5,7 @@ use super::formula::{Formula, Shown, shown};
 use crate::base::Rational;
 use crate::equations::energy::is_motion;
 use crate::equations::names::{Names, class};
-use crate::symbols::{Factor, Product, Sum, Symbol, common_factors};
+use crate::symbols::{Factor, Power, Product, Sum, Symbol, common_factors};
 
 /// The position of a numerical fraction: `1/2 m x'^2` or `m x''/2`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,6 +129,19 @@ impl<'a> Builder<'a> {
             }
         }
         (found, left)
+    }
+
+    /// c x^n or c |x| x^(n-1), a sum x in brackets.
+    pub fn with_power(&self, coefficient: &Sum, power: Power, of: &Sum) -> (bool, Formula) {
+        if of.terms().len() == 1 && !power.has_magnitude {
+            return self.signed(&(coefficient * &power.of(of)));
+        }
+        let (mut negative, front) = self.signed(coefficient);
+        let is_opposite = !of.is_zero() && of.terms().iter().all(|(_, c)| c.signum() < 0);
+        let is_odd = (power.exponent % 2 == 1) != power.has_magnitude;
+        negative ^= is_opposite && is_odd;
+        let of = if is_opposite { &-of } else { of };
+        (negative, Formula::product(vec![front, powered(power, self.plain_sum(of))]))
     }
 
     fn with_coefficient(&self, coefficient: Formula, moving: &Product) -> Formula {
@@ -306,6 +319,20 @@ impl<'a> Builder<'a> {
     /// The builder for arguments of functions, in which numerical fractions are written as `x/2`.
     pub fn inner(&self) -> Builder<'a> {
         Builder { fractions: Fractions::Below, ..*self }
+    }
+}
+
+/// x^n; |x| x^(n-1), and |x|^n where that is the same.
+pub fn powered(power: Power, of: Formula) -> Formula {
+    let raised = |of: Formula, exponent: u32| match exponent {
+        1 => of,
+        _ => Formula::Power(Box::new(of), exponent),
+    };
+    let size = |of: &Formula| Formula::Call("abs", vec![of.clone()]);
+    match power {
+        Power { exponent, has_magnitude: false } => raised(of, exponent),
+        Power { exponent, .. } if exponent % 2 == 1 => raised(size(&of), exponent),
+        Power { exponent, .. } => Formula::product(vec![size(&of), raised(of, exponent - 1)]),
     }
 }
 

@@ -1,15 +1,16 @@
 //! Sections 2 and 3: energies, dissipation and forces, and the equations of motion before anything is linearised.
 
-use super::build::is_dynamic;
+use super::build::{is_dynamic, powered};
 use super::document::{Inline, Item, Section, Writer, display, paragraph, words};
 use super::fold;
 use super::formula::{Formula, Running};
+use crate::base::Rational;
 use crate::elements::Order;
 use crate::equations::energy::{Element, Stretch};
 use crate::equations::lagrange::{Equation, Line};
 use crate::equations::loops::{Kept, MOST_TERMS, MOST_TOGETHER, Ratio};
 use crate::equations::names::{Label, class, without_motion};
-use crate::symbols::{Factor, Lengths, Sum, Symbol};
+use crate::symbols::{Factor, Lengths, Power, Sum, Symbol};
 
 impl Writer<'_> {
     pub fn energies(&self) -> Section {
@@ -61,9 +62,12 @@ impl Writer<'_> {
     /// `1/2 k (x_2 - x_1)^2`, plus the term of a pretension.
     fn spring_energy(&self, spring: &Element) -> Vec<(bool, Formula)> {
         let build = self.build.in_front();
-        let stretched = &spring.stretch.sum() - &spring.free;
+        let stretched = spring.stretched();
         let mut terms = Vec::new();
-        terms.extend(self.half_square(&spring.coefficient, &stretched));
+        terms.extend(match spring.is_linear() {
+            true => self.half_square(&spring.coefficient, &stretched),
+            false => Some(self.integral(spring, &stretched)),
+        });
         if !spring.tension.is_zero() {
             let (negative, stretch) = build.signed(&stretched);
             let (opposite, tension) = build.signed(&spring.tension);
@@ -72,21 +76,42 @@ impl Writer<'_> {
         terms
     }
 
-    /// `1/2 c l'^2`: half the power of a damper, the energy of an inerter.
+    /// `1/4 k (x_2 - x_1)^4`, `1/3 c |x'|^3`: the integral of a power of a law.
+    fn integral(&self, element: &Element, of: &Sum) -> (bool, Formula) {
+        let (build, exponent) = (self.build.in_front(), element.power.exponent + 1);
+        let front = element.coefficient.scaled(&Rational::new(1, i64::from(exponent)));
+        let power = Power { exponent, ..element.power };
+        match &element.stretch {
+            Stretch::Line { length, .. } if !element.is_spring() => {
+                let (negative, front) = build.signed(&front);
+                (negative, Formula::product(vec![front, powered(power, self.dotted(*length, 1))]))
+            }
+            _ => build.with_power(&front, power, of),
+        }
+    }
+
+    /// `1/2 c l'^2`: half the power of a damper, the energy of an inerter; of a law what its force is the derivative of.
     fn rate_energy(&self, element: &Element) -> Vec<(bool, Formula)> {
+        if !element.is_linear() {
+            return vec![self.integral(element, &self.answered(element))];
+        }
         match &element.stretch {
             Stretch::Plain(stretch) => {
                 let rate = self.equations.motion.rate(stretch, &Lengths::default());
                 self.half_square(&element.coefficient, &rate).into_iter().collect()
             }
             Stretch::Line { length, .. } => {
-                let label = self.equations.names.label(*length);
-                let rate = Formula::Power(Box::new(Formula::Name(Label { dots: 1, ..label })), 2);
+                let rate = Formula::Power(Box::new(self.dotted(*length, 1)), 2);
                 let half = Sum::one().halved();
                 let (negative, coefficient) = self.build.in_front().signed(&(&element.coefficient * &half));
                 vec![(negative, Formula::product(vec![coefficient, rate]))]
             }
         }
+    }
+
+    /// A length or its rate.
+    fn dotted(&self, length: Symbol, dots: u8) -> Formula {
+        Formula::Name(Label { dots, ..self.equations.names.label(length) })
     }
 
     /// c x^2/2; a sum is squared in brackets.
@@ -141,8 +166,7 @@ impl Writer<'_> {
         for (length, square) in &self.equations.energies.lengths.0 {
             let orders = elements().filter(|element| element.stretch.sum() == Sum::name(*length)).map(|it| it.order);
             let most = orders.max_by_key(|order| *order as usize);
-            let label = self.equations.names.label(*length);
-            let dotted = |dots| Formula::Name(Label { dots, ..label.clone() });
+            let dotted = |dots| self.dotted(*length, dots);
             let rate = motion.rate(square, &none).halved();
             if most.is_some_and(|most| most != Order::Displacement) {
                 items.push(display(dotted(1).equal(Formula::quotient(self.build.sum(&rate), dotted(0)))));
@@ -193,7 +217,7 @@ impl Writer<'_> {
             match moving.factors() {
                 [] => left.push(part),
                 _ => {
-                    let whole = &Sum::term(moving, crate::base::Rational::ONE) * &part;
+                    let whole = &Sum::term(moving, Rational::ONE) * &part;
                     // A prescribed motion without a free factor goes to the right.
                     if part.mentions(&is_free_motion) { left.push(whole) } else { right.push(-&whole) }
                 }
@@ -202,10 +226,19 @@ impl Writer<'_> {
         let left = left.iter().fold(Sum::ZERO, |sum, part| &sum + part);
         let forces = self.equations.energies.with_forces(&equation.forces);
         let right = right.iter().fold(forces, |sum, part| &sum + part);
-        let mut terms = self.ordered(&left);
+        let mut terms = self.ranked(&left);
         for (element, slope) in self.merged_lines(&equation.lines) {
-            terms.push(self.line(&element, &slope));
+            let (negative, formula) = self.line(&element, &slope);
+            let rank = match element.is_linear() {
+                true => BEHIND,
+                false if element.is_spring() => POSITION,
+                false => RATE,
+            };
+            terms.push((rank, negative, formula));
         }
+        terms.sort_by_key(|(rank, ..)| *rank);
+        let mut terms: Vec<(bool, Formula)> =
+            terms.into_iter().map(|(_, negative, formula)| (negative, formula)).collect();
         for (multiplier, slope) in &equation.reactions {
             let (negative, slope) = self.build.signed(slope);
             terms.push((negative, Formula::product(vec![slope, self.name(*multiplier)])));
@@ -219,30 +252,42 @@ impl Writer<'_> {
             equation.plain.terms().iter().filter(|(product, _)| !product.mentions(&is_dynamic)).cloned().collect();
         let constant = Sum::of_terms(constant);
         let varying = &equation.plain - &constant;
-        let balanced = equation.lines.is_empty() && equation.reactions.is_empty() && without_motion(&varying).is_zero();
+        // A power of a rate is no force at rest.
+        let rests = |line: &Line| {
+            let element = &self.equations.energies.elements[line.element];
+            !element.is_spring() && !element.is_linear()
+        };
+        let balanced =
+            equation.lines.iter().all(rests) && equation.reactions.is_empty() && without_motion(&varying).is_zero();
         if balanced { varying } else { equation.plain.clone() }
     }
 
     /// Terms collected by acceleration, then by products of rates, then by position.
     pub fn ordered(&self, sum: &Sum) -> Vec<(bool, Formula)> {
+        let mut terms = self.ranked(sum);
+        terms.sort_by_key(|(rank, ..)| *rank);
+        terms.into_iter().map(|(_, negative, formula)| (negative, formula)).collect()
+    }
+
+    /// Terms, each with its rank.
+    fn ranked(&self, sum: &Sum) -> Vec<(u8, bool, Formula)> {
         let mut terms: Vec<(u8, bool, Formula)> = Vec::new();
         for (quick, part) in sum.collected(is_quick) {
-            let behind = self.build.term(&quick, &crate::base::Rational::ONE, &[]);
+            let behind = self.build.term(&quick, &Rational::ONE, &[]);
             let order = match quick.factors() {
                 [] => {
                     let places = self.build.collected(&part);
-                    terms.extend(places.into_iter().map(|(negative, formula)| (3, negative, formula)));
+                    terms.extend(places.into_iter().map(|(negative, formula)| (POSITION, negative, formula)));
                     continue;
                 }
                 [(factor, 1)] if !is_rate(factor) => 0,
-                [(_, 1)] => 2,
+                [(_, 1)] => RATE,
                 _ => 1,
             };
             let (negative, front) = self.build.signed(&part);
             terms.push((order, negative, Formula::product(vec![front, behind])));
         }
-        terms.sort_by_key(|(order, ..)| *order);
-        terms.into_iter().map(|(_, negative, formula)| (negative, formula)).collect()
+        terms
     }
 
     /// `k (l - l_0) + T`
@@ -288,8 +333,35 @@ impl Writer<'_> {
         }
     }
 
+    /// `k (l - l_0)^3 slope`: a power of a law.
+    fn power(&self, element: &Element, slope: &Sum) -> (bool, Formula) {
+        let (power, coefficient) = (element.power, &element.coefficient);
+        let Stretch::Line { length, .. } = &element.stretch else {
+            let answered = self.answered(element);
+            if slope.terms().len() == 1 {
+                return self.build.with_power(&(coefficient * slope), power, &answered);
+            }
+            let (negative, pull) = self.build.with_power(coefficient, power, &answered);
+            let (opposite, slope) = self.build.signed(slope);
+            return (negative != opposite, Formula::product(vec![pull, slope]));
+        };
+        let (mut negative, slope) = self.build.signed(slope);
+        let (opposite, pull) = match element.is_spring() {
+            true => self.build.with_power(coefficient, power, &element.stretched()),
+            false => {
+                let (opposite, front) = self.build.signed(coefficient);
+                (opposite, Formula::product(vec![front, powered(power, self.dotted(*length, 1))]))
+            }
+        };
+        negative ^= opposite;
+        (negative, Formula::product(vec![Formula::quotient(pull, self.name(*length)), slope]))
+    }
+
     /// `k (1 - l_0/l) slope`.
     fn line(&self, element: &Element, slope: &Sum) -> (bool, Formula) {
+        if !element.is_linear() {
+            return self.power(element, slope);
+        }
         if let Some(single) = self.single_term(element, slope) {
             return self.build.signed(&single);
         }
@@ -338,7 +410,7 @@ impl Writer<'_> {
                 stiffness
             } else {
                 let share = Formula::Quotient(Box::new(free), Box::new(name));
-                let one = Formula::Number(crate::base::Rational::ONE);
+                let one = Formula::Number(Rational::ONE);
                 Formula::product(vec![stiffness, Formula::Sum(vec![(false, one), (!shorter, share)])])
             }
         } else {
@@ -347,6 +419,11 @@ impl Writer<'_> {
         (negative, Formula::product(vec![pull, slope]))
     }
 }
+
+/// Ranks of terms in an equation: behind accelerations and products of rates.
+const RATE: u8 = 2;
+const POSITION: u8 = 3;
+const BEHIND: u8 = 4;
 
 /// Why there is no form without multipliers.
 fn reason(kept: Kept) -> String {
@@ -372,7 +449,7 @@ fn merged(elements: &[Element], order: Order) -> Vec<Element> {
 }
 
 fn is_alike(a: &Element, b: &Element) -> bool {
-    a.order == b.order && a.stretch.sum() == b.stretch.sum() && a.free == b.free
+    a.order == b.order && a.power == b.power && a.stretch.sum() == b.stretch.sum() && a.free == b.free
 }
 
 fn add(to: &mut Element, other: &Element) {

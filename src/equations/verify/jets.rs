@@ -5,10 +5,10 @@ use crate::base::{Ball, Number, Rational};
 use crate::elements::Order;
 use crate::equations::constraint::Constraint;
 use crate::equations::energy::{Energies, Stretch};
-use crate::equations::lagrange::{Equation, pull};
+use crate::equations::lagrange::{Equation, answered};
 use crate::equations::loops::Reduced;
 use crate::equations::{Equations, EquationsError};
-use crate::symbols::{Factor, Sum, Symbol};
+use crate::symbols::{Factor, Power, Sum, Symbol};
 use std::collections::BTreeMap;
 
 /// x + a y + b z + a b w with a^2 = b^2 = 0.
@@ -59,6 +59,24 @@ impl Jet {
     fn power(self, exponent: i32) -> Jet {
         let base = if exponent < 0 { self.inverse() } else { self };
         (0..exponent.unsigned_abs()).fold(Jet::constant(Ball::from(1.0)), |power, _| power.times(base))
+    }
+
+    /// x^n, or |x| x^(n-1): `None` where the sign is not known.
+    fn raised(self, exponent: u32, has_magnitude: bool) -> Option<Jet> {
+        let power = self.power(exponent as i32);
+        match Number::Ball(self.value) {
+            _ if !has_magnitude => Some(power),
+            value if value.is_positive() => Some(power),
+            value if value.is_negative() => Some(Jet::constant(Ball::from(-1.0)).times(power)),
+            _ => None,
+        }
+    }
+
+    /// The integral of a power: x^(n+1)/(n+1), or |x| x^n/(n+1).
+    fn integral(self, power: Power) -> Option<Jet> {
+        let next = power.exponent + 1;
+        let share = Ball::from(1.0) / Ball::from(f64::from(next));
+        Some(Jet::constant(share).times(self.raised(next, power.has_magnitude)?))
     }
 }
 
@@ -280,12 +298,13 @@ impl<'a> State<'a> {
             }
             let coefficient = shifted.sum(&element.coefficient)?.value;
             if element.is_spring() {
-                let free = shifted.sum(&element.free)?.value;
+                let stretched = shifted.sum(&element.stretched())?;
                 let tension = shifted.sum(&element.tension)?.value;
-                derived = derived + (coefficient * (stretch.value - free) + tension) * stretch.a;
+                derived = derived + coefficient * stretched.integral(element.power)?.a + tension * stretch.a;
             } else {
                 // The rate of the stretch is its part along the motion; its slope by the velocity that by the displacement.
-                derived = derived + coefficient * stretch.b * stretch.a;
+                let rate = Jet { a: stretch.a, ..Jet::constant(stretch.b) };
+                derived = derived + coefficient * rate.integral(element.power)?.a;
             }
         }
         for constraint in &equations.constraints {
@@ -307,7 +326,9 @@ impl Point<'_> {
         let mut whole = self.sum(&equation.plain)?.value - self.sum(&equation.forces)?.value;
         for line in &equation.lines {
             let element = &self.equations.energies.elements[line.element];
-            let pull = self.sum(&pull(element, &self.equations.motion))?.value;
+            let answered = self.sum(&answered(element, &self.equations.motion))?.value;
+            let power = Jet::constant(answered).raised(element.power.exponent, element.power.has_magnitude)?.value;
+            let pull = self.sum(&element.coefficient)?.value * power + self.sum(&element.tension)?.value;
             let force = pull * self.sum(&line.slope)?.value;
             whole = match &element.stretch {
                 Stretch::Line { length, .. } => whole + force / self.motions.get(length)?.value,

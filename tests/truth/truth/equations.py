@@ -17,7 +17,7 @@ mpmath.mp.dps = DIGITS
 # Differences are rounding alone below this.
 SMALL = mpmath.mpf(10) ** -35
 TOKEN = re.compile(r"\s*(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\[\d+\])*(?:\.[A-Za-z_][A-Za-z0-9_]*(?:\[\d+\])*)*(?:,[A-Za-z0-9_]+)*'*)|(?P<sign>[-+*/^(),=]))")
-FUNCTIONS = {"sin": sympy.sin, "cos": sympy.cos, "sqrt": sympy.sqrt, "tan": sympy.tan, "atan2": sympy.atan2}
+FUNCTIONS = {"sin": sympy.sin, "cos": sympy.cos, "sqrt": sympy.sqrt, "tan": sympy.tan, "atan2": sympy.atan2, "abs": sympy.Abs}
 
 
 class Reader:
