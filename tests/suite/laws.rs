@@ -336,7 +336,11 @@ fn what_follows_the_tangents_says_so() {
 /// Sums of powers have equations (`equations_laws`); other functions and tables have none.
 #[test]
 fn the_equations_refuse_a_law_with_its_reason() {
-    for law in ["10 N * sin(stretch / 1 m)", "10 N * (stretch / 1 m)^9", "10 N * (sqrt(1 + (stretch / 1 m)^2) - 1)"] {
+    for law in [
+        "10 N * sin(stretch / 1 m)",
+        "10 N/m * stretch + 10 N * (stretch / 1 m)^9",
+        "10 N/m * stretch * sqrt(1 + (stretch / 1 m)^2)",
+    ] {
         let model = format!("body b {{ mass = 1 kg, moves y }}\nspring s: ground -- b {{ law = {law} }}\n");
         assert_eq!(code(&model, &["equations"]), "vib::equations::no_form", "{law}");
     }
