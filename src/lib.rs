@@ -678,7 +678,7 @@ pub fn parameterised(
     model: FileId,
     overrides: &Overrides,
     name: &str,
-) -> Outcome<(String, Result<Parameterised, String>)> {
+) -> Outcome<(String, Result<analysis::discrete::parameter::Parameterised, String>)> {
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         diagnostics.extend(dynamics::laws_in_code(&reading.scene));

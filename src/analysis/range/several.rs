@@ -65,7 +65,9 @@ impl Affine {
         unit: f64,
     ) -> Option<Affine> {
         let n = middle.n();
-        let fits = |system: &LinearSystem| system.n() == n && n > 0 && n <= MOST && !system.is_chained();
+        let names = middle.coordinate_names();
+        let fits =
+            |system: &LinearSystem| n > 0 && n <= MOST && !system.is_chained() && system.coordinate_names() == names;
         if !fits(middle) || !moved.iter().all(fits) {
             return None;
         }
