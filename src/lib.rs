@@ -512,7 +512,7 @@ pub fn simulate_with_noise(
             None => diagnostics.extend(dynamics::noise_left_out(&reading.scene)),
             Some(Ok(noise)) => history.add(&noise),
             Some(Err(refused)) => {
-                diagnostics.push(refused);
+                diagnostics.push(*refused);
                 return None;
             }
         }

@@ -116,14 +116,14 @@ fn along(
         return Err("its table was not read".into());
     };
     let masses = excitation.modes.iter().zip(&modes).filter(|(_, mode)| mode.is_rigid);
-    let missing = masses.fold(Some(Ball::ZERO), |sum, (excited, _)| Some(sum? + excited.mass?));
-    let missing = missing.ok_or(NO_SHAPE)?;
-    let outputs = (0..system.outputs.len()).filter_map(|output| {
+    let mut masses = masses.map(|(excited, _)| excited.mass);
+    let missing = masses.try_fold(Ball::ZERO, |sum, mass| Some(sum + mass?)).ok_or(NO_SHAPE)?;
+    let outputs = (0..system.outputs.len()).map(|output| {
         let of = &system.outputs[output];
         let found = measured(of, &excitation, inputs);
         let (of, row) = match found {
             Ok(found) => found,
-            Err(why) => return Some((output, Err(why))),
+            Err(why) => return (output, Err(why)),
         };
         let factors = excitations.along(row);
         let contributions: Option<Vec<Ball>> = (modes.iter().zip(&excitation.modes).zip(factors))
@@ -133,7 +133,7 @@ fn along(
             })
             .collect();
         let found = contributions.ok_or(NO_SHAPE).and_then(|parts| combined(of, &modes, &parts, added));
-        Some((output, found))
+        (output, found)
     });
     Ok(Direction {
         input,

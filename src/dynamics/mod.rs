@@ -178,17 +178,17 @@ pub fn realisation(
     (system, known): (&LinearSystem, Option<&Modes>),
     seed: u64,
     times: &[Number],
-) -> Result<Vec<Vec<Ball>>, Diagnostic> {
+) -> Result<Vec<Vec<Ball>>, Box<Diagnostic>> {
     let Some(span) = noise_place(scene) else { return Ok(Vec::new()) };
     let own;
     let modes = match known {
         Some(modes) => modes,
         None => {
-            own = modes(system).map_err(|error| error.to_diagnostic())?;
+            own = modes(system).map_err(|error| Box::new(error.to_diagnostic()))?;
             &own
         }
     };
-    let refused = |why: &str| Diagnostic::error(Code::model("vib::noise::left_out"), span, why);
+    let refused = |why: &str| Box::new(Diagnostic::error(Code::model("vib::noise::left_out"), span, why));
     analysis::random::realisation(system, modes, &noises(scene), seed, times).map_err(refused)
 }
 

@@ -202,7 +202,7 @@ pub fn visit(scene: &Scene, kinematics: &Kinematics, loaded_only: bool, mut see:
     }
     let mut between = EndPath::default();
     for element in &scene.elements {
-        if element.law.kind.is_elastic() && !(loaded_only && !element.law.may_be_loaded()) {
+        if element.law.kind.is_elastic() && (!loaded_only || element.law.may_be_loaded()) {
             let spring = spring(kinematics, &element.ends, &element.geometry, &element.law, &mut between);
             see(Load::Spring(&spring, &between));
         }

@@ -168,7 +168,7 @@ fn a_long_delay_in_a_band_of_corner_points() {
     );
     let density = |f: f64| {
         let [(f1, s1), (f2, s2)] = if f < 1.0 { [(0.2, 1.0), (1.0, 7.0)] } else { [(1.0, 7.0), (5.0, 2.0f64)] };
-        s1 * (f / f1 as f64).powf((s2 / s1).ln() / (f2 / f1 as f64).ln())
+        s1 * (f / f1).powf((s2 / s1).ln() / (f2 / f1).ln())
     };
     let gain = |f: f64| {
         let w = TAU * f;

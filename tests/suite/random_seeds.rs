@@ -1,6 +1,9 @@
 //! Realisations of noise by a seed (`vibc simulate --seed`): samples beside an independent computation, their mean square, delays,
 //! and what has no realisation. See docs/method/random.md#realisations.
 
+// The digits of the other computation, as it printed them.
+#![allow(clippy::excessive_precision)]
+
 use super::program::{finding, json, ran};
 use serde_json::Value;
 

@@ -91,7 +91,8 @@ fn two_storeys_are_combined_by_hand() {
     let r = modes[1].0 / modes[0].0;
     let rho = 8.0 * zeta * zeta * (1.0 + r) * r.powf(1.5)
         / ((1.0 - r * r).powi(2) + 4.0 * zeta * zeta * r * (1.0 + r).powi(2));
-    let rows: [&dyn Fn(&(f64, [f64; 2], f64)) -> f64; 4] = [
+    type Part<'a> = &'a dyn Fn(&(f64, [f64; 2], f64)) -> f64;
+    let rows: [Part; 4] = [
         &|(w, x, g)| x[1] * g * at(w / (2.0 * PI)) / (w * w),
         &|(w, x, g)| 2000.0 * x[0] * g * at(w / (2.0 * PI)) / (w * w),
         &|(w, x, g)| x[1] * g * at(w / (2.0 * PI)),

@@ -97,7 +97,8 @@ fn a_half_sine_has_its_closed_form() {
 /// same pulse later, and its mirror image.
 #[test]
 fn undamped_residuals_are_fourier_transforms() {
-    let transforms: [(&str, fn(f64) -> (f64, f64)); 3] = [
+    type Transform = fn(f64) -> (f64, f64);
+    let transforms: [(&str, Transform); 3] = [
         // t on (0, 1): the integral of t sin and t cos.
         ("sawtooth(1 m/s^2, 0.25 s, 1.25 s)", |w| {
             (w.sin() / w + (w.cos() - 1.0) / (w * w), w.sin() / (w * w) - w.cos() / w)
@@ -111,7 +112,7 @@ fn undamped_residuals_are_fourier_transforms() {
         // (1 - cos 2 pi t) / 2 about its middle.
         ("haversine(-1 m/s^2, 0 s, 1 s)", |w| {
             let bump = |w: f64| (0.5 * w).sin() / w;
-            (bump(w) + 0.5 * (bump(w - 2.0 * PI) + bump(w + 2.0 * PI)) * -1.0, 0.0)
+            (bump(w) - 0.5 * (bump(w - 2.0 * PI) + bump(w + 2.0 * PI)), 0.0)
         }),
     ];
     for (signal, transform) in transforms {

@@ -270,9 +270,8 @@ fn every_extremum_of_a_damped_net_is_proved() {
             matrix[b][a] -= value;
         }
     };
-    for i in 0..N {
-        let mass = 1.0 + chance.below(100) as f64 / 128.0;
-        masses[i] = mass;
+    for (i, mass) in masses.iter_mut().enumerate() {
+        *mass = 1.0 + chance.below(100) as f64 / 128.0;
         model += &format!("body m{i} {{ mass = {mass} kg, moves x }}\n");
         let mut others: Vec<Option<usize>> =
             if i == 0 { vec![None] } else { vec![Some(i - 1), Some(i.saturating_sub(2)), Some(chance.below(i))] };
@@ -339,10 +338,10 @@ fn last_of_solution(mut q: Vec<Vec<[f64; 2]>>) -> f64 {
         q.swap(k, pivot);
         for i in k + 1..n {
             let f = over(q[i][k], q[k][k]);
-            for j in k..=n {
-                let x = q[k][j];
-                q[i][j][0] -= f[0] * x[0] - f[1] * x[1];
-                q[i][j][1] -= f[0] * x[1] + f[1] * x[0];
+            let pivot = q[k].clone();
+            for (entry, x) in q[i].iter_mut().zip(&pivot).skip(k) {
+                entry[0] -= f[0] * x[0] - f[1] * x[1];
+                entry[1] -= f[0] * x[1] + f[1] * x[0];
             }
         }
     }

@@ -491,10 +491,12 @@ fn least_eigenvalue(free: &[usize], entry: &dyn Fn(usize, usize) -> Ball) -> Opt
             if !rows[step][step].is_positive() {
                 return false;
             }
-            for i in step + 1..m {
-                let factor = rows[i][step] / rows[step][step];
-                for j in step + 1..m {
-                    rows[i][j] = rows[i][j] - factor * rows[step][j];
+            let (above, below) = rows.split_at_mut(step + 1);
+            let pivot = &above[step];
+            for row in below {
+                let factor = row[step] / pivot[step];
+                for (entry, over) in row[step + 1..].iter_mut().zip(&pivot[step + 1..]) {
+                    *entry = *entry - factor * *over;
                 }
             }
         }

@@ -168,7 +168,8 @@ impl PartialFractions {
     pub fn gain(&self, frequency: &Frequency) -> Gain {
         let omega = frequency.omega;
         let (clearance, reach) = (self.clearance(omega.mid), omega.rad);
-        if !(2.0 * reach <= clearance) {
+        let is_clear = 2.0 * reach <= clearance;
+        if !is_clear {
             return Gain::Unknown;
         }
         let local = self.at(omega.mid);
@@ -187,7 +188,8 @@ impl PartialFractions {
     /// `half`. With `precise`, sums are taken in double-double, for frequencies at which most of H cancels.
     pub fn expansion(&self, middle: Dd, half: f64, precise: bool) -> Option<Expansion> {
         let clearance = self.clearance(middle);
-        if !(2.0 * half <= clearance) {
+        let is_clear = 2.0 * half <= clearance;
+        if !is_clear {
             return None;
         }
         let mut sums = taylor(&self.terms, middle, half, precise);

@@ -144,7 +144,7 @@ impl<'a> Search<'a> {
     pub fn is_flat(&mut self, seen: &Seen, i: usize) -> bool {
         [-1e-3, 1e-3].into_iter().all(|step| {
             let mut at = seen.at.clone();
-            at[i] = at[i] + step;
+            at[i] += step;
             if !(0.0..=1.0).contains(&at[i]) {
                 at[i] = seen.at[i] - 2.0 * step;
             }

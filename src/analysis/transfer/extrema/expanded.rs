@@ -124,14 +124,15 @@ impl Search<'_> {
     }
 
     fn search(&mut self, low: f64, high: f64) {
-        if !(low < high) {
+        let has_width = low < high;
+        if !has_width {
             return;
         }
         let mut stack = vec![Interval { low: low.into(), high: high.into(), renewed: 0 }];
         while let Some(interval) = stack.pop() {
             let width = (interval.high - interval.low).to_f64();
-            let fine = !(width > interval.high.to_f64() * 1e-28);
-            if self.left == 0 || fine || interval.renewed > MOST_RENEWALS {
+            let is_divisible = width > interval.high.to_f64() * 1e-28;
+            if self.left == 0 || !is_divisible || interval.renewed > MOST_RENEWALS {
                 self.open.push((interval.low.to_f64().next_down(), interval.high.to_f64().next_up()));
                 continue;
             }
@@ -441,7 +442,8 @@ impl Widths<'_> {
             let [h, slope] = self.h.near(omega);
             (h.re * h.re + h.im * h.im - level.hi, 2.0 * (h.re * slope.re + h.im * slope.im))
         };
-        if !(value(end).0 < -1e-9 * level.hi) {
+        let changes_sign = value(end).0 < -1e-9 * level.hi;
+        if !changes_sign {
             return None;
         }
         // Newton's method between the peak, where the value is positive, and the end.
@@ -462,7 +464,7 @@ impl Widths<'_> {
             }
             slope = at.1;
             let step = Dd::from(at.0 / at.1);
-            omega = omega - step;
+            omega -= step;
             if step.hi.abs() <= 1e-14 * (omega - from).hi.abs() {
                 break;
             }
