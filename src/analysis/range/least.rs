@@ -49,7 +49,7 @@ pub struct Place {
 pub struct Valley {
     /// Half its widths.
     pub radius: Vec<f64>,
-    /// The square of the peak is not below this in the box.
+    /// The square of the peak is not below the lower end of this in the box.
     pub least: Ball,
     /// Least curvature along the free parameters, as multiples of half the widths.
     curvature: f64,
@@ -527,4 +527,60 @@ fn highest(f: &dyn Fn(f64) -> f64, [mut low, mut high]: [f64; 2], sections: usiz
     }
     let ends = [(low, f(low)), (high, f(high))];
     ends.into_iter().fold(if fa > fb { (a, fa) } else { (b, fb) }, |best, end| if end.1 > best.1 { end } else { best })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::range::several::absorber;
+
+    fn peaks() -> Peaks {
+        Peaks { affine: absorber(), band: [0.0, 30.0], lowest: 0.03, fixed: None, most: 5000 }
+    }
+
+    /// The square of the peak on a grid over the ranges, by a fine scan.
+    fn grid(peaks: &Peaks) -> Vec<([f64; 2], f64)> {
+        let along = |i: usize| i as f64 / 7.5 - 1.0;
+        let places = (0..16).flat_map(|i| (0..16).map(move |j| [along(i), along(j)]));
+        places.map(|at| (at, peaks.maxima(&at)[0].1)).collect()
+    }
+
+    /// The bound holds at all places, and is reached at the optimum; the excluded part of the ranges has higher peaks.
+    #[test]
+    fn the_bound_lies_below_all_peaks() {
+        let peaks = peaks();
+        let place = peaks.settle(&[0.1, -0.1]).expect("an optimum");
+        let valley = peaks.valley(&place).expect("a valley");
+        let at: Vec<f64> = place.at.iter().map(|x| x.to_f64()).collect();
+        let here = peaks.maxima(&at)[0].1;
+        assert!((valley.least.to_f64() - here).abs() < 1e-12 * here, "{} {here}", valley.least.to_f64());
+        assert!(grid(&peaks).iter().all(|(_, square)| *square > valley.least.to_f64()));
+        // Published: 6.407920768004619, Nishihara and Asami 2002.
+        assert!((valley.least.to_f64().sqrt() - 6.407920768004619).abs() < 1e-12);
+        let bar = valley.least * Ball::from(1.0 + 1e-12);
+        assert!(peaks.excludes(&place, &valley, bar).is_ok());
+    }
+
+    /// What is not so is not proved: a bar above the peaks of some places outside of the valley, and a place that is no optimum.
+    #[test]
+    fn a_bar_that_is_too_high_is_not_excluded() {
+        let peaks = Peaks { most: 2000, ..peaks() };
+        let place = peaks.settle(&[0.1, -0.1]).expect("an optimum");
+        let valley = peaks.valley(&place).expect("a valley");
+        let outside = |at: &[f64; 2]| (0..2).any(|i| (at[i] - place.at[i].to_f64()).abs() > valley.radius[i]);
+        let lowest =
+            grid(&peaks).into_iter().filter(|(at, _)| outside(at)).map(|(_, square)| square).fold(f64::MAX, f64::min);
+        assert!(peaks.excludes(&place, &valley, Ball::from(1.0001 * lowest)).is_err());
+        // Around a place beside the optimum the bound still lies below the optimum, as far as it holds there.
+        let best = valley.least.to_f64();
+        let beside = [[1e-3, 0.0], [0.0, 1e-3], [0.0, -1e-3], [1e-4, 1e-4]].map(|step| {
+            let mut moved = place.clone();
+            (0..2).for_each(|i| moved.at[i] += Dd::from(step[i]));
+            let valley = peaks.valley(&moved)?;
+            let holds = (0..2).all(|i| step[i].abs() < valley.radius[i]);
+            holds.then_some((valley.least.to_f64() - valley.least.rad) / best)
+        });
+        assert!(beside.iter().flatten().count() > 1, "{beside:?}");
+        assert!(beside.iter().flatten().all(|ratio| *ratio <= 1.0 + 1e-15), "{beside:?}");
+    }
 }

@@ -305,6 +305,33 @@ fn squared(z: Complexes) -> Ball {
     square(z.re) + square(z.im)
 }
 
+/// A mass of 1 kg on a spring of 1 N/m, and 50 g on it by k = 0.045 + 0.005 u N/m and c = 0.0125 + 0.004 v N*s/m; a force on the first.
+#[cfg(test)]
+pub(super) fn absorber() -> Affine {
+    let linear = |value: f64, slopes: [f64; 2]| Linear {
+        value: Ball::from(value),
+        slopes: slopes.iter().map(|x| Ball::from(*x)).collect(),
+    };
+    let still = |value: f64| linear(value, [0.0; 2]);
+    let link = |sign: f64| linear(sign * 0.045, [sign * 0.005, 0.0]);
+    let oil = |sign: f64| linear(sign * 0.0125, [0.0, sign * 0.004]);
+    let k = vec![linear(1.045, [0.005, 0.0]), link(-1.0), link(-1.0), link(1.0)];
+    let c = vec![oil(1.0), oil(-1.0), oil(-1.0), oil(1.0)];
+    let m = vec![still(1.0), still(0.0), still(0.0), still(0.05)];
+    let none = || vec![still(0.0), still(0.0)];
+    let first = || vec![still(1.0), still(0.0)];
+    let d = [still(0.0), still(0.0), still(0.0)];
+    Affine {
+        n: 2,
+        parameters: 2,
+        unit: 1.0,
+        forms: [k, c, m],
+        b: [first(), none(), none()],
+        p: [first(), none(), none()],
+        d,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
