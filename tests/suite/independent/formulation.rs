@@ -437,7 +437,21 @@ impl<'a> Formulation<'a> {
     fn stretch(&self, element: &Element) -> Quantity<'a> {
         let [a, b] = [self.end(&element.ends[0]), self.end(&element.ends[1])];
         match &element.geometry {
-            Geometry::Span(_) => unimplemented!("belts have an energy of their own in belts.rs"),
+            // By the lengths of the tangent and of what lies on the disks, the angle of the span's normal between them.
+            Geometry::Span(span) => {
+                let (gap, turns) = (dd(&span.gap), span.turns.each_ref().map(dd));
+                let side = if span.left { Dd::ONE } else { -Dd::ONE };
+                let tangent = move |d: [Dd; 2]| (dot(d, d) - gap * gap).sqrt();
+                let apart = minus(b.drawn, a.drawn);
+                let drawn = tangent(apart);
+                Quantity::new([a.part, b.part], move |p| {
+                    let d = minus(b.now(p), a.now(p));
+                    let turned = angle_of([dot(apart, d), apart[0] * d[1] - apart[1] * d[0]]);
+                    let normal = turned + side * (angle_of([gap, tangent(d)]) - angle_of([gap, drawn]));
+                    let wound = turns[0] * (angle(p, a.part) - normal) + turns[1] * (angle(p, b.part) - normal);
+                    tangent(d) - drawn + wound
+                })
+            }
             Geometry::Line => {
                 let drawn = length(minus(b.drawn, a.drawn));
                 Quantity::new([a.part, b.part], move |p| length(minus(b.now(p), a.now(p))) - drawn)
@@ -454,10 +468,10 @@ impl<'a> Formulation<'a> {
     fn drawn_length(&self, element: &Element) -> Dd {
         let [a, b] = [self.end(&element.ends[0]), self.end(&element.ends[1])];
         match &element.geometry {
-            Geometry::Span(_) => unimplemented!("belts have an energy of their own in belts.rs"),
+            // A belt has no free length.
+            Geometry::Span(_) | Geometry::Torsion => Dd::ZERO,
             Geometry::Line => length(minus(b.drawn, a.drawn)),
             Geometry::Along(direction) => dot(self.first_to_second(element, direction), minus(b.drawn, a.drawn)),
-            Geometry::Torsion => Dd::ZERO,
         }
     }
 
@@ -478,7 +492,7 @@ impl<'a> Formulation<'a> {
             let Law { kind, coefficient, rest, .. } = &element.law;
             let coefficient = dd(coefficient);
             match kind.keyword {
-                "spring" => {
+                "spring" | "belt" => {
                     let k = coefficient;
                     let tension = match rest {
                         SpringRest::AsDrawn => Dd::ZERO,
@@ -564,8 +578,13 @@ impl<'a> Formulation<'a> {
             Motion::Stretch { .. } | Motion::Reaction(_) => (coefficient, 0),
             Motion::Force { element } => {
                 let Law { kind, coefficient: own, .. } = &self.scene.elements[element.index()].law;
-                let order = ["spring", "damper", "inerter"].iter().position(|keyword| *keyword == kind.keyword);
-                (coefficient * dd(own), order.expect("a known element"))
+                let order = match kind.keyword {
+                    "spring" | "belt" => 0,
+                    "damper" => 1,
+                    "inerter" => 2,
+                    other => panic!("no law for a {other}"),
+                };
+                (coefficient * dd(own), order)
             }
         }
     }
@@ -1059,6 +1078,13 @@ fn columns(matrix: &Matrix, from: usize, to: usize) -> Matrix {
 
 fn norm(row: &[Dd]) -> Dd {
     row.iter().fold(Dd::ZERO, |sum, a| sum + *a * *a).sqrt()
+}
+
+/// The angle of a direction: that of binary64, and what is left of it.
+fn angle_of([x, y]: [Dd; 2]) -> Dd {
+    let near = Dd::from(y.hi.atan2(x.hi));
+    let (sine, cosine) = sin_cos(near);
+    near + (y * cosine - x * sine) / (x * cosine + y * sine)
 }
 
 fn angle(poses: &[Pose], part: Option<usize>) -> Dd {

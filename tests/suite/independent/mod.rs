@@ -171,6 +171,26 @@ output tip = c@(3 m, 2 m).x"
     }
 }
 
+/// Belts, open and crossed, whose disks turn and move away from the drawing.
+#[test]
+fn belts_between_moving_disks() {
+    for word in ["", ", crossed"] {
+        let text = format!(
+            "gravity 9.81 m/s^2
+body motor {{ mass = 3 kg, shape = disk(0.1 m), at = (0, 0), free }}
+body pump {{ mass = 2 kg, shape = disk(0.2 m), at = (0.6 m, 0.3 m), moves y, turns }}
+body fan {{ mass = 1 kg, shape = disk(0.15 m), at = (-0.7 m, 0.2 m), turns }}
+spring s: ground@(-1 m, 1 m) -- motor {{ k = 3 kN/m }}\nspring t: ground@(0.5 m, 1 m) -- motor {{ k = 2 kN/m }}
+spring u: ground -- pump {{ k = 5 kN/m, along = y }}\nspring v: ground -- fan {{ k = 40 N*m/rad }}
+belt r: motor -- pump {{ k = 2 kN/m, preload = 90 N{word} }}\nbelt q: fan -- motor {{ k = 3 kN/m, preload = 70 N }}
+damper d: ground -- pump {{ c = 2 N*m*s/rad }}\noutput slip = motor.angle - pump.angle\noutput pull = r.force"
+        );
+        let answer = ask(&text);
+        assert_formulations_agree(&answer, &text);
+        assert!(displacement(&answer).iter().any(|x| x.hi.abs() > 1e-3), "it settles");
+    }
+}
+
 /// Supports that shake bodies through springs and dampers of every geometry.
 #[test]
 fn supports() {
