@@ -15,8 +15,6 @@ const TANGENT: Code = Code::model("vib::law::tangent");
 const MOST: usize = 32;
 /// Differences up to here are a note.
 const SMALL: f64 = 0.01;
-/// Places on either side of the rest at which law and tangent are compared.
-const PLACES: u32 = 32;
 
 /// A finding for each law of the scene. The rows of `lowered` are written out.
 pub fn beyond_tangents(
@@ -118,18 +116,20 @@ fn finding(scene: &crate::model::scene::Scene, law: &LawAtRest, reached: &Measur
             format!("the {keyword} `{name}` stays at rest, where its law and its tangent agree"),
         );
     }
-    let reach = format!("the {variable} of the {keyword} `{name}` goes up to {} {unit} from its rest", short(size));
-    let Some(difference) = law.difference(size, PLACES) else {
-        return warned(format!("{reach}, where its law is not defined"));
+    let reach =
+        format!("the {variable} of the {keyword} `{name}` goes up to about {} {unit} from its rest", short(size));
+    let Some(difference) = law.difference(size) else {
+        return warned(format!("{reach}, where its law may have no value"));
     };
-    let tangent = law.slope.to_f64().abs() * size;
+    let tangent = law.slope.to_ball().mignitude() * size;
     let share = difference / tangent;
     if share <= SMALL {
-        let message = format!("{reach}, where its law and its tangent differ by {} %", short(100.0 * share));
+        let message =
+            format!("{reach}, where its law and its tangent differ by up to about {} %", short(100.0 * share));
         return Diagnostic::note(TANGENT, element.span, message);
     }
     warned(match share.is_finite() {
-        true => format!("{reach}, where its law and its tangent differ by {} %", short(100.0 * share)),
+        true => format!("{reach}, where its law and its tangent differ by up to about {} %", short(100.0 * share)),
         false => format!(
             "{reach}, where the tangent at rest has no force and the law {} {}",
             short(difference),

@@ -6,7 +6,8 @@
 //! or `max` the derivative is an enclosure of both one-sided derivatives: [`Curve::kink`] reports whether these differ.
 
 use super::Scalar;
-use crate::base::{Ball, Number, Span};
+use crate::base::number::Dd;
+use crate::base::{Ball, Number, Span, up};
 use std::cmp::Ordering;
 use std::sync::Arc;
 
@@ -295,7 +296,7 @@ fn called(function: Function, arguments: &[Dual], side: Side) -> Result<Dual, &'
             Dual { value, slope: turn.checked_div(&square).ok_or(ZERO)? }
         }
         Function::Exp => {
-            let value = u.value.exp().ok_or("it is too large")?;
+            let value = exponential(&u.value).ok_or("it is too large")?;
             chain(value.clone(), value)
         }
         Function::Ln => {
@@ -303,6 +304,19 @@ fn called(function: Function, arguments: &[Dual], side: Side) -> Result<Dual, &'
             chain(value, u.value.recip().ok_or(ZERO)?)
         }
     })
+}
+
+/// e^u, where it is too small for binary64 too: between zero and its value at the upper end of `u`.
+fn exponential(u: &Number) -> Option<Number> {
+    let near = u.exp();
+    if near.is_some() {
+        return near;
+    }
+    let (ball, lowest) = (u.to_ball(), Ball::from(-699.0));
+    let upper = ball.mid + Dd::from(ball.rad);
+    let upper = Ball::exact(if upper > lowest.mid { upper } else { lowest.mid }).widen(upper.hi.abs() * f64::EPSILON);
+    let top = Number::Ball(upper).exp()?.to_ball().magnitude();
+    Some(Number::Ball(Ball::from(0.5 * top).widen(0.5 * top * up::FEW)))
 }
 
 /// |u|. At a kink its derivative is -|u'| below and |u'| above.

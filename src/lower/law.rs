@@ -6,10 +6,9 @@ use super::kinematics::{Kinematics, PathEvaluation, State};
 use super::loads;
 use super::mechanism::Mechanism;
 use super::rest::survey::Part;
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Number, up};
 use crate::elements::curve::Undefined;
 use crate::elements::{Curve, Response, Scalar, Spring, Stretched};
-
 use crate::model::scene::{Element, ElementId, Geometry, Scene};
 use crate::system::Label;
 use std::sync::Arc;
@@ -55,6 +54,15 @@ pub struct LawAtRest {
     of_rate: bool,
 }
 
+/// Distances from the rest, and the difference of law and tangent there: one that is reached, and one that is not exceeded.
+#[derive(Clone, Copy)]
+struct Cell {
+    low: f64,
+    high: f64,
+    reached: f64,
+    bound: f64,
+}
+
 impl LawAtRest {
     /// Whether it is over a rate.
     pub fn is_of_rate(&self) -> bool {
@@ -84,17 +92,47 @@ impl LawAtRest {
         }
     }
 
-    /// The largest difference of the law and its tangent at `places` on either side of the rest, up to the distance
-    /// `size`; `None` if the law is not defined at one of them.
-    pub fn difference(&self, size: f64, places: u32) -> Option<f64> {
-        let mut largest: f64 = 0.0;
-        for place in (1..=places).flat_map(|place| [f64::from(place), -f64::from(place)]) {
-            let away = Number::Ball(Ball::from(size * place / f64::from(places)));
-            let law = self.curve.value(&(&self.at + &away)).ok()?;
-            let tangent = &self.force + &(&self.slope * &away);
-            largest = largest.max((&law - &tangent).to_f64().abs());
+    /// What the difference of the law and its tangent stays below, up to the distance `size` on either side of the rest: by
+    /// enclosures over intervals, of which the one with the largest bound is halved until that is near to a difference that is
+    /// reached. `None` if the law may have no value somewhere.
+    pub fn difference(&self, size: f64) -> Option<f64> {
+        const MOST: usize = 1_000;
+        const NEAR: f64 = 1.01;
+        let mut cells = vec![self.over(-size, 0.0), self.over(0.0, size)];
+        let mut reached: f64 = 0.0;
+        for _ in 0..MOST {
+            let widest = (0..cells.len()).max_by(|&a, &b| cells[a].bound.total_cmp(&cells[b].bound))?;
+            let Cell { low, high, reached: here, bound } = cells[widest];
+            reached = reached.max(here);
+            let middle = 0.5 * (low + high);
+            if bound <= NEAR * reached || !(low < middle && middle < high) {
+                break;
+            }
+            cells[widest] = self.over(low, middle);
+            cells.push(self.over(middle, high));
         }
-        Some(largest)
+        let bound = cells.iter().map(|cell| cell.bound).fold(0.0, f64::max);
+        bound.is_finite().then_some(bound)
+    }
+
+    /// The difference over an interval of distances from the rest: by its derivative from the middle, or as it stands.
+    fn over(&self, low: f64, high: f64) -> Cell {
+        let middle = 0.5 * (low + high);
+        let half = 0.5 * (high - low) * up::FEW + middle.abs() * f64::EPSILON;
+        let from_tangent = |away: &Number| {
+            let law = self.curve.value(&(&self.at + away)).ok()?;
+            Some((&law - &(&self.force + &(&self.slope * away))).to_ball())
+        };
+        let wide = Ball::from(middle).widen(half);
+        let turned = self.curve.at(&(&self.at + &Number::Ball(wide))).map(|dual| (&dual.slope - &self.slope).to_ball());
+        let here = from_tangent(&Number::Ball(Ball::from(middle)));
+        let by_slope =
+            here.zip(turned.ok()).map(|(here, turned)| (here.magnitude() + turned.magnitude() * half) * up::FEW);
+        let plain = from_tangent(&Number::Ball(wide)).map(|ball| ball.magnitude());
+        let bound =
+            [by_slope, plain].into_iter().flatten().filter(|bound| !bound.is_nan()).fold(f64::INFINITY, f64::min);
+        let reached = here.map_or(0.0, |ball| ball.mignitude());
+        Cell { low, high, reached, bound }
     }
 }
 

@@ -64,7 +64,10 @@ impl<'a> Check<'a> {
             return self.tabulated_law(expr, &given, reading, environment);
         }
         let mut nodes = Vec::new();
-        self.list_nodes(expr, reading.word, environment, &mut nodes)?;
+        self.law_over = Some(reading.word);
+        let listed = self.list_nodes(expr, reading.word, environment, &mut nodes);
+        self.law_over = None;
+        listed?;
         let readings = reading.over.map(|over| typed(&nodes, over));
         let gives = |turns: usize| match &readings[turns] {
             Ok((Value::Scalar(scalar), _)) => scalar.dimension().is_none_or(|found| found == FORCES[turns].dimension),

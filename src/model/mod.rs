@@ -223,6 +223,8 @@ struct Check<'a> {
     overrides: Given,
     /// Whether this checks a value from outside, which knows no names of the model.
     outside: bool,
+    /// What the law that is being read is over: `stretch` or `rate`.
+    law_over: Option<&'static str>,
     /// Words of declarations that could not be read or unrolled: no message calls them unknown.
     broken_words: HashSet<&'a str>,
     /// Number of searches for a similar word so far.
@@ -282,6 +284,7 @@ impl<'a> Check<'a> {
             tallies: Default::default(),
             overrides: Given::default(),
             outside: false,
+            law_over: None,
             broken_words: HashSet::new(),
             searches: 0,
             environments: Environments::default(),

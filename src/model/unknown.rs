@@ -87,6 +87,12 @@ impl<'a> Check<'a> {
         if let Some(place) = describe_misplaced_function(text) {
             return Some(place);
         }
+        if matches!(text, "stretch" | "rate") {
+            return Some(match self.law_over {
+                Some(word) => format!("this law is over `{word}`"),
+                None => format!("`{text}` stands in the `law` of a spring or damper alone"),
+            });
+        }
         unit::is_known(text)
             .then(|| format!("`{text}` is a unit: it follows a number, as in `1 {text}` or `1 /{text}`"))
     }
@@ -105,7 +111,7 @@ impl<'a> Check<'a> {
         let group = self.group_of(environment);
         self.may_search().then(|| {
             let declared = self.values.words(group).iter().map(|&symbol| self.words.text(symbol));
-            nearest(text, declared.chain(["pi"])).map(str::to_string)
+            nearest(text, declared.chain(["pi"]).chain(self.law_over)).map(str::to_string)
         })?
     }
 

@@ -259,6 +259,18 @@ fn a_motion_says_how_far_it_leaves_the_tangent() {
     }
 }
 
+/// A force that acts only 3.3 mm from the rest, within 10 um, lies between any places that one would try; the bound has it.
+#[test]
+fn a_difference_between_all_places_is_found() {
+    let model = "body b { mass = 1 kg, moves x }\n\
+        spring s: ground -- b { law = 100 N/m * stretch + 5 N * exp(-((stretch - 3.3 mm) / 10 um)^2) }\n\
+        force F: b along x = step(1 N, 0 s)\noutput x = b.x\n";
+    let output = ran(model, &["simulate", "--until", "2 s", "--step", "1 s", "--message-format", "json"]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    // 5 N beside 100 N/m over 20 mm, the bound a hundredth above it.
+    assert!(text.contains("warning") && text.contains("up to about 250 %"), "{text}");
+}
+
 #[test]
 fn what_is_no_law_is_one_finding() {
     let scene = |element: &str| {
@@ -290,6 +302,14 @@ fn what_is_no_law_is_one_finding() {
     ] {
         assert_eq!(code(&scene(element), &["check"]), wanted, "{element}");
     }
+    for (law, help) in [("10 N/m * strech", "did you mean `stretch`?"), ("10 N/m * rate", "this law is over `stretch`")]
+    {
+        let model = scene(&format!("spring s: ground -- b {{ law = {law} }}"));
+        assert_eq!(crate::program::finding(&model, &["check"])["help"], help);
+    }
+    let outside = scene("spring s: ground -- b { k = 10 N/m * stretch / 1 m }");
+    let help = "`stretch` stands in the `law` of a spring or damper alone";
+    assert_eq!(crate::program::finding(&outside, &["check"])["help"], help);
     // Unloaded, each rests where its law begins.
     for (law, wanted) in [
         ("10 N/m * stretch + 5 N/m * abs(stretch)", "vib::law::kink"),
