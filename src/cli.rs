@@ -10,6 +10,7 @@ use crate::kinds;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsStr;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// A compiler for mechanical vibrations: from a drawn scene to its modal report.
@@ -89,13 +90,13 @@ pub struct Analyze {
     #[arg(long)]
     pub explain_model: bool,
     /// Compute the N lowest modes [default: all, or 20 for large models]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=100_000))]
     pub modes: Option<u32>,
     /// Compute the modes with frequencies in this band, such as 10Hz..50Hz
     #[arg(long, value_name = "FROM..TO", value_parser = range, conflicts_with = "modes")]
     pub band: Option<Readings<(Number, Number)>>,
     /// Print up to N digits of frequencies and poles, as far as they are certain; at most 30
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=32))]
     pub digits: Option<u32>,
     /// The proved relative error that every frequency and pole must reach, such as 1e-14; exit status 4 if one does not
     #[arg(long, value_name = "ERROR", value_parser = tolerance)]
@@ -150,7 +151,7 @@ pub struct Transfer {
     #[arg(long, value_name = "FROM..TO", value_parser = range)]
     pub range: Option<Readings<(Number, Number)>>,
     /// The number of evenly spaced frequencies [default: a grid refined at every peak and antiresonance]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1_000_000))]
     pub points: Option<u32>,
     /// Space the frequencies evenly instead of their logarithms
     #[arg(long)]
@@ -187,7 +188,7 @@ pub struct Simulate {
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub step: Readings<Number>,
     /// Add the motion under a realisation of the model's noise: another one for each number
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = seed)]
     pub seed: Option<u64>,
     /// Add a column NAME_bound after each column of the CSV: the error bound of each sample
     #[arg(long)]
@@ -224,7 +225,7 @@ pub struct Shock {
     #[arg(long, value_name = "FROM..TO", value_parser = range, required_unless_present = "at")]
     pub range: Option<Readings<(Number, Number)>>,
     /// The number of frequencies, evenly spaced in their logarithms
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), default_value_t = 200)]
+    #[arg(long, value_name = "N", value_parser = whole(1..=100_000), default_value_t = 200)]
     pub points: u32,
     /// Space the frequencies evenly instead of their logarithms
     #[arg(long)]
@@ -293,7 +294,7 @@ pub struct Draw {
     #[arg(long, conflicts_with = "mode")]
     pub rest: bool,
     /// Draw the shape of this mode over the rest, counted from 1
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=100_000))]
     pub mode: Option<u32>,
     /// Write values beside names, such as k = 10 N/m
     #[arg(long)]
@@ -577,7 +578,7 @@ pub struct OverrideOptions {
 #[derive(Debug, Args)]
 pub struct Page {
     /// Width of text reports in columns [default: that of the terminal, or 100]
-    #[arg(long, value_name = "COLUMNS", value_parser = clap::value_parser!(u32).range(20..=10_000))]
+    #[arg(long, value_name = "COLUMNS", value_parser = whole(20..=10_000))]
     pub width: Option<u32>,
 }
 
@@ -795,6 +796,18 @@ fn time(text: &str) -> Result<Readings<Number>, String> {
 fn time_as(text: &str, literals: Literals) -> Result<Number, String> {
     let (value, _) = quantity(text, Dimension::TIME, literals)?;
     if value.is_positive() { Ok(value) } else { Err("it must be greater than zero".into()) }
+}
+
+/// A count within limits.
+fn whole(limits: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let count = text.parse().ok().filter(|count| limits.contains(count));
+        count.ok_or_else(|| format!("write a whole number from {} to {}", limits.start(), limits.end()))
+    }
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("write a whole number from 0 to {}", u64::MAX))
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
