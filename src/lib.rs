@@ -464,6 +464,8 @@ pub struct Motion {
     pub history: History,
     /// The steady state for each frequency of the harmonic signals.
     pub steady: Vec<analysis::Steady>,
+    /// Whether noise acts on the model, of which a motion has a part only with a seed.
+    pub has_noise: bool,
 }
 
 /// From the text of a model to its motion at ascending times, s, under its signals and from its initial state.
@@ -523,7 +525,8 @@ pub fn simulate_with_noise(
         } else {
             Vec::new()
         };
-        Some(Motion { model: reading.name(), system, history, steady })
+        let has_noise = dynamics::has_noise(&reading.scene);
+        Some(Motion { model: reading.name(), system, history, steady, has_noise })
     })
 }
 

@@ -226,6 +226,12 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         report_error("the model declares no output");
         return Status::Usage;
     }
+    if options.seed.is_some() && !motion.has_noise {
+        report_error(
+            "the model has no noise that `--seed` could add: write one, such as `noise(1 N^2/Hz, 1 Hz .. 20 Hz)`",
+        );
+        return Status::Usage;
+    }
     let report = || report::motion(&motion.model, &motion.system, &motion.history, &motion.steady);
     let text = match options.format {
         TableFormat::Text => backend::report::laid_out(&report(), columns(&options.page, options.output.as_deref())),

@@ -157,6 +157,11 @@ pub fn declared(input: &scene::Input, diagnostics: &mut Diagnostics) -> Option<V
     lower::declared(input).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
 }
 
+/// Whether noise acts on a scene.
+pub fn has_noise(scene: &CheckedScene) -> bool {
+    noise_place(scene).is_some()
+}
+
 /// The place of the first noise.
 fn noise_place(scene: &CheckedScene) -> Option<Span> {
     let is_noise = |signal: &scene::Signal| matches!(signal, scene::Signal::Noise(_));

@@ -14,6 +14,10 @@ const SCENE: &str = "model scene\nparam k = 10 N/m\nbody b { mass = 1 kg, moves 
 /// A base with a signal, for `shock`.
 const DROP: &str = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nbase t { moves x } = step(1 m/s^2, 0 s)\n\
                     spring s: t -- b { k = k }\n";
+/// A model with noise, for `--seed`.
+const SHAKEN: &str = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n\
+                      damper d: ground -- b { c = 1 N*s/m }\nforce F: b along x = noise(1 N^2/Hz, 1 Hz .. 2 Hz)\n\
+                      output x = b.x\n";
 const SETTINGS: &str = "k = \"12 N/m\"\n";
 
 /// The expected exit status for a right value.
@@ -191,6 +195,7 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
     let file = "@/scene.vib";
     let mut needed = match command {
         "analyze" | "transfer" | "bench" | "draw" | "equations" | "report" | "watch" if option != "file" => vec![file],
+        "simulate" if option == "seed" => vec!["@/shaken.vib"],
         "simulate" if option != "file" => vec![file],
         // `%` alone would be the file.
         "shock" if !matches!(option, "file" | "percent") => vec!["@/drop.vib"],
@@ -236,6 +241,7 @@ impl Setting {
         let at = |name: &str| self.folder.path().join(name);
         fs::write(at("scene.vib"), SCENE).expect("a file");
         fs::write(at("drop.vib"), DROP).expect("a file");
+        fs::write(at("shaken.vib"), SHAKEN).expect("a file");
         fs::write(at("settings.toml"), SETTINGS).expect("a file");
         fs::write(at("bytes"), [0xff, 0xfe, 0, 0x1b, b'\n']).expect("a file");
     }

@@ -124,6 +124,11 @@ fn what_has_no_realisation() {
         assert!(found["message"].as_str().is_some_and(|message| message.contains(why)), "{found}");
         assert!(!ran(text, &seeded).status.success());
     }
+    // A seed that would change nothing is a mistake of the command line.
+    let quiet = format!("{OSCILLATOR}force F: b along x = step(1 N, 0 s)\noutput x = b.x\n");
+    let output = ran(&quiet, &seeded);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the model has no noise that `--seed` could add"));
     // Without a seed it is left out, with a note that names the option.
     let stepped = format!("{white}force G: b along x = step(10 N, 1 s)\n");
     let found = finding(&stepped, &["simulate", "--until", "4s", "--step", "1s"]);
