@@ -235,6 +235,25 @@ def optimal_absorber():
     return s
 
 
+def tuned_absorber():
+    # `minimise` sets both parameters: the optimum of Nishihara and Asami.
+    mu = "Rational(1,20)"
+    r, nu = f"sqrt(4+3*{mu})", f"2/(1+{mu})"
+    a = f"2*(16+23*{mu}+9*{mu}**2+2*(2+{mu})*{r})/(3*(64+80*{mu}+27*{mu}**2))"
+    k = f"5*(2*pi*f*{nu})**2*{a}"
+    c = f"sqrt((8+9*{mu}-4*{r})/(1+{mu}))/2*5*2*pi*f*{nu}*sqrt({a})"
+    s = Example("tuned_absorber", {"M": "100", "f": "5", "K": "M*(2*pi*f)**2", "k": k, "c": c})
+    machine, absorber = s.coordinate("machine", "x"), s.coordinate("absorber", "x")
+    s.mass(s.M, machine)
+    s.mass(5, absorber)
+    s.spring(s.K, machine)
+    s.spring(s.k, absorber - machine)
+    s.damper(s.c, absorber - machine)
+    s.force("F", machine)
+    s.digits = SOLVED
+    return s
+
+
 def train():
     values = {}
     for i, liquid in ((1, 40000), (2, 30000), (3, 20000)):
@@ -428,7 +447,7 @@ def tuned_mass_damper():
 
 ALL = [board_on_shaker, car_on_road, car_over_bump, cart, double_pendulum, drive_line, drop_test, earthquake, four_bar, frame, free_free_chain, half_car, hinged_body,
        inerter_table, inverted_pendulum, isolation_table, light_station, long_chain, mortar, optimal_absorber, quarter_car, rotor, shaker_test, shear_building,
-       slider_crank, stacked_blocks, stiffening_mount, test_hall, train, tuned_mass_damper]
+       slider_crank, stacked_blocks, stiffening_mount, test_hall, train, tuned_absorber, tuned_mass_damper]
 # The spans of a belt are not written in symbols.
 REFUSED = ["belt_drive.vib"]
 # An example that is added needs its energies here.
