@@ -74,9 +74,8 @@ pub struct Analyze {
     pub format: Format,
     #[command(flatten)]
     pub page: Page,
-    /// Write to this file instead of standard output; it is replaced completely or not at all
-    #[arg(short, long, value_name = "PATH")]
-    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
     /// How mode shapes are scaled: what is 1
     #[arg(long, value_enum, default_value_t = NormaliseOption::Translation)]
     pub normalise: NormaliseOption,
@@ -170,9 +169,8 @@ pub struct Transfer {
     pub svg: Option<PathBuf>,
     #[command(flatten)]
     pub page: Page,
-    /// Write to this file instead of standard output; it is replaced completely or not at all
-    #[arg(short, long, value_name = "PATH")]
-    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
 }
 
 #[derive(Debug, Args)]
@@ -201,9 +199,8 @@ pub struct Simulate {
     /// Write a plot of the outputs over time to this file too
     #[arg(long, value_name = "PATH")]
     pub svg: Option<PathBuf>,
-    /// Write to this file instead of standard output; it is replaced completely or not at all
-    #[arg(short, long, value_name = "PATH")]
-    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
 }
 
 #[derive(Debug, Args)]
@@ -244,9 +241,8 @@ pub struct Shock {
     pub svg: Option<PathBuf>,
     #[command(flatten)]
     pub page: Page,
-    /// Write to this file instead of standard output; it is replaced completely or not at all
-    #[arg(short, long, value_name = "PATH")]
-    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
 }
 
 impl Shock {
@@ -299,9 +295,8 @@ pub struct Draw {
     /// Write values beside names, such as k = 10 N/m
     #[arg(long)]
     pub values: bool,
-    /// Write to this file instead of standard output; it is replaced completely or not at all
-    #[arg(short, long, value_name = "PATH")]
-    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
 }
 
 #[derive(Debug, Args)]
@@ -398,9 +393,8 @@ pub struct Bench {
     /// Write the plot to this file too
     #[arg(long, value_name = "PATH")]
     pub svg: Option<PathBuf>,
-    /// Write to this file instead of standard output; it is replaced completely or not at all
-    #[arg(short, long, value_name = "PATH")]
-    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
 }
 
 #[derive(Debug, Args)]
@@ -414,9 +408,8 @@ pub struct Report {
     /// With the derivatives of frequencies and damping ratios by each parameter
     #[arg(long)]
     pub sensitivity: bool,
-    /// Write to this file instead of standard output; it is replaced whole or left as it was
-    #[arg(short, long, value_name = "PATH")]
-    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
 }
 
 #[derive(Debug, Args)]
@@ -441,9 +434,8 @@ pub struct Equations {
     /// What to print
     #[arg(long, value_enum, default_value_t = EquationsFormat::Text)]
     pub format: EquationsFormat,
-    /// Write to this file instead of standard output; it is replaced completely or not at all
-    #[arg(short, long, value_name = "PATH")]
-    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -573,6 +565,13 @@ pub struct OverrideOptions {
     /// How to read a literal such as 9.81
     #[arg(long, value_enum, default_value_t = LiteralsOption::Decimal, value_name = "READING")]
     pub literals: LiteralsOption,
+}
+
+#[derive(Debug, Args)]
+pub struct Output {
+    /// Write to this file instead of standard output; it is replaced completely or not at all
+    #[arg(id = "output", short, long = "output", value_name = "PATH")]
+    pub file: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

@@ -79,7 +79,7 @@ fn refuse(error: &clap::Error) -> ! {
 }
 
 fn analyze(options: &Analyze, messages: &Messages) -> Status {
-    let input = match open(&options.file, &options.overrides, &options.output, messages) {
+    let input = match open(&options.file, &options.overrides, &options.output.file, messages) {
         Ok(input) => input,
         Err(status) => return status,
     };
@@ -100,9 +100,9 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
                 &explained.model,
                 &explained.account,
                 &explained.system,
-                columns(&options.page, options.output.as_deref()),
+                columns(&options.page, options.output.file.as_deref()),
             );
-            return deliver(options.output.as_deref(), &text).max(status);
+            return deliver(options.output.file.as_deref(), &text).max(status);
         }
         return status;
     };
@@ -114,18 +114,19 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
     };
     let text = match options.format {
         Format::Text => {
-            let width = columns(&options.page, options.output.as_deref());
+            let width = columns(&options.page, options.output.file.as_deref());
             backend::report::laid_out(&report::modal(answer, &wanted), width)
         }
         Format::Markdown => backend::markdown::markdown(&report::modal(answer, &wanted)),
         Format::Json => backend::json::json(answer, &wanted),
     };
     // An accuracy that was not reached, or a requirement that fails, is reported in addition to the answer.
-    deliver(options.output.as_deref(), &text).max(status)
+    deliver(options.output.file.as_deref(), &text).max(status)
 }
 
 fn transfer(options: &Transfer, messages: &Messages) -> Status {
-    let input = match open(&options.file, &options.overrides, options.output.iter().chain(&options.svg), messages) {
+    let input = match open(&options.file, &options.overrides, options.output.file.iter().chain(&options.svg), messages)
+    {
         Ok(input) => input,
         Err(status) => return status,
     };
@@ -168,7 +169,7 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     let table = analysis::table(&Methods::of(system, &modes), &poles, &sweep);
     let text = match options.format {
         TableFormat::Text => {
-            let width = columns(&options.page, options.output.as_deref());
+            let width = columns(&options.page, options.output.file.as_deref());
             backend::report::all_laid_out(&report::transfer(&dynamics.model, system, &table), width)
         }
         TableFormat::Markdown => backend::markdown::all(&report::transfer(&dynamics.model, system, &table)),
@@ -177,7 +178,7 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     };
     let picture = || backend::plot::transfer::plot(&dynamics.model, system, &table);
     let drawn = options.svg.as_deref().map_or(Status::Done, |path| deliver(Some(path), &picture()));
-    drawn.max(deliver(options.output.as_deref(), &text))
+    drawn.max(deliver(options.output.file.as_deref(), &text))
 }
 
 /// The indices of the requested names, or of all names.
@@ -213,7 +214,8 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
         report_error(&format!("that would be {samples:.0} samples; the limit is {}", cli::MOST_SAMPLES));
         return Status::Usage;
     }
-    let input = match open(&options.file, &options.overrides, options.output.iter().chain(&options.svg), messages) {
+    let input = match open(&options.file, &options.overrides, options.output.file.iter().chain(&options.svg), messages)
+    {
         Ok(input) => input,
         Err(status) => return status,
     };
@@ -234,18 +236,21 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
     }
     let report = || report::motion(&motion.model, &motion.system, &motion.history, &motion.steady);
     let text = match options.format {
-        TableFormat::Text => backend::report::laid_out(&report(), columns(&options.page, options.output.as_deref())),
+        TableFormat::Text => {
+            backend::report::laid_out(&report(), columns(&options.page, options.output.file.as_deref()))
+        }
         TableFormat::Markdown => backend::markdown::markdown(&report()),
         TableFormat::Csv => backend::simulation::csv(&motion.system, &motion.history, options.bounds),
         TableFormat::Json => backend::simulation::json(&motion.model, &motion.system, &motion.history, &motion.steady),
     };
     let picture = || backend::plot::motion::plot(&motion.model, &motion.system, &motion.history);
     let drawn = options.svg.as_deref().map_or(Status::Done, |path| deliver(Some(path), &picture()));
-    deliver(options.output.as_deref(), &text).max(drawn).max(status)
+    deliver(options.output.file.as_deref(), &text).max(drawn).max(status)
 }
 
 fn shock(options: &Shock, messages: &Messages) -> Status {
-    let input = match open(&options.file, &options.overrides, options.output.iter().chain(&options.svg), messages) {
+    let input = match open(&options.file, &options.overrides, options.output.file.iter().chain(&options.svg), messages)
+    {
         Ok(input) => input,
         Err(status) => return status,
     };
@@ -262,7 +267,7 @@ fn shock(options: &Shock, messages: &Messages) -> Status {
     };
     let text = match options.format {
         TableFormat::Text => {
-            let width = columns(&options.page, options.output.as_deref());
+            let width = columns(&options.page, options.output.file.as_deref());
             backend::report::all_laid_out(&report::shock(shock), width)
         }
         TableFormat::Markdown => backend::markdown::all(&report::shock(shock)),
@@ -271,11 +276,11 @@ fn shock(options: &Shock, messages: &Messages) -> Status {
     };
     let picture = || backend::plot::shock::plot(shock);
     let drawn = options.svg.as_deref().map_or(Status::Done, |path| deliver(Some(path), &picture()));
-    deliver(options.output.as_deref(), &text).max(drawn).max(status)
+    deliver(options.output.file.as_deref(), &text).max(drawn).max(status)
 }
 
 fn draw(options: &Draw, messages: &Messages) -> Status {
-    let input = match open(&options.file, &options.overrides, &options.output, messages) {
+    let input = match open(&options.file, &options.overrides, &options.output.file, messages) {
         Ok(input) => input,
         Err(status) => return status,
     };
@@ -287,7 +292,7 @@ fn draw(options: &Draw, messages: &Messages) -> Status {
         None => status,
         Some(Ok(figure)) => {
             let text = backend::draw::svg(figure, &input.sources, input.model);
-            deliver(options.output.as_deref(), &text).max(status)
+            deliver(options.output.file.as_deref(), &text).max(status)
         }
         Some(Err(reason)) => {
             report_error(reason);
@@ -297,7 +302,7 @@ fn draw(options: &Draw, messages: &Messages) -> Status {
 }
 
 fn page(options: &Report, messages: &Messages) -> Status {
-    let input = match open(&options.file, &options.overrides, &options.output, messages) {
+    let input = match open(&options.file, &options.overrides, &options.output.file, messages) {
         Ok(input) => input,
         Err(status) => return status,
     };
@@ -308,7 +313,7 @@ fn page(options: &Report, messages: &Messages) -> Status {
     show(&input.sources, outcome.diagnostics, messages);
     let Some(overview) = &outcome.answer else { return status };
     let page = overview.page((&input.sources, input.model), &vibc::PageShown::default());
-    deliver(options.output.as_deref(), &page).max(status)
+    deliver(options.output.file.as_deref(), &page).max(status)
 }
 
 fn emit(options: &Emit, messages: &Messages) -> Status {
@@ -366,7 +371,7 @@ fn emit(options: &Emit, messages: &Messages) -> Status {
 }
 
 fn equations(options: &Equations, messages: &Messages) -> Status {
-    let input = match open(&options.file, &options.overrides, &options.output, messages) {
+    let input = match open(&options.file, &options.overrides, &options.output.file, messages) {
         Ok(input) => input,
         Err(status) => return status,
     };
@@ -382,7 +387,7 @@ fn equations(options: &Equations, messages: &Messages) -> Status {
         EquationsFormat::Mathml => backend::equations::mathml(&document),
         EquationsFormat::Json => backend::equations::json(equations, &document),
     };
-    deliver(options.output.as_deref(), &text).max(status)
+    deliver(options.output.file.as_deref(), &text).max(status)
 }
 
 fn emit_equations(options: &Emit, input: &Input, language: Language, messages: &Messages) -> Status {
@@ -464,7 +469,7 @@ fn deliver_all(folder: &Path, files: &[backend::emit::File], options: &Emit, inp
 }
 
 fn bench(options: &Bench, messages: &Messages) -> Status {
-    let outputs = options.output.iter().chain(&options.svg);
+    let outputs = options.output.file.iter().chain(&options.svg);
     let input = match open(&options.file, &options.overrides, outputs, messages) {
         Ok(input) => input,
         Err(status) => return status,
@@ -482,7 +487,7 @@ fn bench(options: &Bench, messages: &Messages) -> Status {
         BenchFormat::Csv => backend::bench::csv(found),
         BenchFormat::Svg => picture(),
     };
-    drawn.max(deliver(options.output.as_deref(), &text))
+    drawn.max(deliver(options.output.file.as_deref(), &text))
 }
 
 /// Writes a result, and reports errors.

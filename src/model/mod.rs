@@ -11,6 +11,7 @@ mod arguments;
 mod belts;
 mod bodies;
 mod collect;
+mod corner_points;
 mod couplings;
 mod delays;
 mod drafts;

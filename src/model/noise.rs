@@ -96,37 +96,18 @@ impl<'a> Check<'a> {
 
     /// Corner points, straight in the logarithms between them.
     fn corners(&mut self, call: &NoiseCall, kinds: &[SignalKind], environment: Environment) -> Evaluated<Noisy> {
-        let mut points: Vec<(Number, Number)> = Vec::new();
-        let mut known = None;
-        for &point in &call.given {
-            let pair = match self.tree.expr(point).kind {
-                ExprKind::Tuple { items } => <[ExprId; 2]>::try_from(self.tree.list(items)).ok(),
-                _ => None,
-            };
-            let Some([at, value]) = pair else {
-                return self.fail(environment, PartError::NoiseArguments { span: call.span });
-            };
-            let frequency = self.frequency(at, environment)?;
-            match points.last() {
-                Some((before, _)) => self.ascending(&before.clone(), &frequency, at, environment)?,
-                None => self.ascending(&Number::ZERO, &frequency, at, environment)?,
-            }
-            let (density, derivative) = self.density(value, kinds, environment)?;
-            if known.is_some_and(|known| known != derivative) {
-                let span = self.tree.expr(value).span;
-                return self.fail(environment, PartError::SignalsDiffer { span });
-            }
-            known = Some(derivative);
-            points.push((frequency, density));
-        }
-        if points.len() < 2 {
+        let rises = |check: &mut Self, before: &Number, frequency: &Number, at| {
+            check.ascending(before, frequency, at, environment)
+        };
+        let density = |check: &mut Self, value| check.density(value, kinds, environment);
+        let Some((points, derivative)) = self.corner_points(&call.given, environment, rises, density)? else {
             return self.fail(environment, PartError::NoiseArguments { span: call.span });
-        }
+        };
         let bands = points.iter().zip(points.iter().skip(1)).map(|((from, low), (to, high))| {
             let course = Course::between([from, to], [low, high]);
             Band { from: from.clone(), to: to.clone(), course }
         });
-        Ok(Noisy { density: Density::Bands(bands.collect()), derivative: known.unwrap_or(0) })
+        Ok(Noisy { density: Density::Bands(bands.collect()), derivative })
     }
 
     /// `table("psd.csv", 1 m^2/Hz)`: frequencies and densities, on a line between its rows.

@@ -2,6 +2,7 @@
 //! which derivative of the base's motion it is. See spec.md#signals.
 
 use super::Check;
+use super::corner_points::CornerPoints;
 use super::error::PartError;
 use super::evaluate::Evaluated;
 use super::expect::Expected;
@@ -54,33 +55,19 @@ impl<'a> Check<'a> {
         call: &SpectrumCall,
         kinds: &[SignalKind],
         environment: Environment,
-    ) -> Evaluated<(Vec<(Number, Number)>, u8)> {
-        let mut points: Vec<(Number, Number)> = Vec::new();
-        let mut known = None;
-        for &point in &call.given {
-            let pair = match self.tree.expr(point).kind {
-                ExprKind::Tuple { items } => <[ExprId; 2]>::try_from(self.tree.list(items)).ok(),
-                _ => None,
-            };
-            let Some([at, value]) = pair else { return self.no_points(call, environment) };
-            let frequency = self.frequency(at, environment)?;
-            let before = points.last().map_or(&Number::ZERO, |(before, _)| before);
-            if !(&frequency - before).is_positive() {
-                let span = self.tree.expr(at).span;
-                return self.fail(environment, PartError::SpectrumFrequency { span });
+    ) -> Evaluated<CornerPoints<u8>> {
+        let rises = |check: &mut Self, before: &Number, frequency: &Number, at| {
+            if (frequency - before).is_positive() {
+                return Ok(());
             }
-            let (size, derivative) = self.spectrum_value(value, kinds, environment)?;
-            if known.is_some_and(|known| known != derivative) {
-                let span = self.tree.expr(value).span;
-                return self.fail(environment, PartError::SignalsDiffer { span });
-            }
-            known = Some(derivative);
-            points.push((frequency, size));
+            let span = check.tree.expr(at).span;
+            check.fail(environment, PartError::SpectrumFrequency { span })
+        };
+        let value = |check: &mut Self, value| check.spectrum_value(value, kinds, environment);
+        match self.corner_points(&call.given, environment, rises, value)? {
+            Some(points) => Ok(points),
+            None => self.no_points(call, environment),
         }
-        if points.len() < 2 {
-            return self.no_points(call, environment);
-        }
-        Ok((points, known.unwrap_or(2)))
     }
 
     fn no_points<T>(&mut self, call: &SpectrumCall, environment: Environment) -> Evaluated<T> {
@@ -94,7 +81,7 @@ impl<'a> Check<'a> {
         kinds: &[SignalKind],
         call: &SpectrumCall,
         environment: Environment,
-    ) -> Evaluated<(Vec<(Number, Number)>, u8)> {
+    ) -> Evaluated<CornerPoints<u8>> {
         let node = *self.tree.expr(table);
         let ExprKind::Call { name_len, arguments } = node.kind else { return self.no_points(call, environment) };
         let start = node.span.start();

@@ -346,18 +346,22 @@ mod tests {
         piece.map_or(0.0, |piece| piece.after(&t)[0].to_f64())
     }
 
-    #[test]
-    fn a_chirp_follows_its_formula() {
-        let n = |text: &str| Number::from(text);
+    /// From 1 to 5 Hz in 10 s.
+    fn chirp() -> Source {
         let chirp = Signal::Chirp {
-            value: n("3"),
-            from: n("1"),
-            to: n("5"),
-            duration: n("10"),
+            value: Number::from("3"),
+            from: Number::from("1"),
+            to: Number::from("5"),
+            duration: Number::from("10"),
             at: Number::ZERO,
             phase: Number::ZERO,
         };
-        let source = Source::of(&chirp, None).expect("few pieces");
+        Source::of(&chirp, None).expect("few pieces")
+    }
+
+    #[test]
+    fn a_chirp_follows_its_formula() {
+        let source = chirp();
         for t in ["0.1", "3.3", "9.99"] {
             let x = t.parse::<f64>().expect("a number");
             let phase = 2.0 * std::f64::consts::PI * (x + 0.2 * x * x);
@@ -370,25 +374,16 @@ mod tests {
     /// likewise for its slopes.
     #[test]
     fn the_remainder_of_a_chirp_is_reported() {
-        let n = |text: &str| Number::from(text);
-        let chirp = Signal::Chirp {
-            value: n("3"),
-            from: n("1"),
-            to: n("5"),
-            duration: n("10"),
-            at: Number::ZERO,
-            phase: Number::ZERO,
-        };
-        let source = Source::of(&chirp, None).expect("few pieces");
+        let source = chirp();
         let Source::Pieces { pieces, .. } = &source else { panic!("pieces") };
         let two_pi = &Number::pi() * &Number::from(2);
         let mut largest = [0.0f64; 2];
         for pair in pieces.windows(2).take(pieces.len() - 2) {
             let t = &pair[1].at;
-            let phase = &two_pi * &(t + &(&n("0.2") * &t.square()));
-            let rate = &two_pi * &(&Number::ONE + &(&n("0.4") * t));
+            let phase = &two_pi * &(t + &(&Number::from("0.2") * &t.square()));
+            let rate = &two_pi * &(&Number::ONE + &(&Number::from("0.4") * t));
             let (sine, cosine) = phase.sin_cos().expect("an angle");
-            let truth = [&n("3") * &sine, &(&n("3") * &cosine) * &rate];
+            let truth = [&Number::from("3") * &sine, &(&Number::from("3") * &cosine) * &rate];
             for (k, (found, truth)) in pair[0].after(t).iter().zip(&truth).enumerate() {
                 let off = (found - truth).to_ball();
                 assert!(off.mid.hi.abs() <= source.approximation(k) + off.rad, "{k} at {}: {off:?}", t.to_f64());
