@@ -158,7 +158,7 @@ pub use reading::{add_used_files, table_files};
 pub use syntax::limits;
 
 // Numbers, exact or with bounds that hold.
-pub use base::{Ball, Dd, Number, Rational, Rounded, Unproven};
+pub use base::{Ball, Bound, Dd, Number, Rational, Rounded, Unproven};
 
 // Diagnostics about a model.
 pub use backend::diagnostics::{
@@ -167,7 +167,7 @@ pub use backend::diagnostics::{
 pub use base::{Code, Diagnostic, Diagnostics, Failure, Label as DiagnosticLabel, Severity};
 
 // The linear system of a model.
-pub use lower::{Account, Dependent, LawAtRest, Proven, Remark, Rest, Tension};
+pub use lower::{Account, Dependent, LawAtRest, Remark, Rest, Tension};
 pub use system::{
     Coordinate, CoordinateId, CoordinateKind, Form, Input, Label, LinearSystem, Nature, Origin, Output, Signal, Source,
     Term,

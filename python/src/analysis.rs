@@ -5,7 +5,7 @@ use numpy::{Complex64, PyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vibc::{ModalAnswer, Mode, Normalise, Pole, ReportOptions, Rounded, Share, Source};
+use vibc::{ModalAnswer, Mode, Normalise, Pole, ReportOptions, Share, Source};
 
 /// Modes and poles, computed once.
 #[pyclass(frozen, module = "vibc._vibc")]
@@ -23,8 +23,8 @@ fn normalisation(name: &str) -> PyResult<Normalise> {
 
 impl Analysis {
     /// A bound, which at a rest that is not proven is none.
-    pub fn proven(&self, bound: f64) -> f64 {
-        if self.0.rest.is_proven() { bound } else { f64::INFINITY }
+    pub fn proven(&self, bound: vibc::Bound) -> f64 {
+        if self.0.rest.is_proven() { bound.value() } else { f64::INFINITY }
     }
 
     fn shares(&self, shares: &[Share<Source>]) -> Vec<(String, f64)> {
@@ -66,7 +66,7 @@ impl Analysis {
         let column = |of: &dyn Fn(&Pole) -> f64| PyArray1::from_vec(py, poles.list.iter().map(of).collect());
         let value = |pole: &Pole| Complex64::new(printed(Some(pole.re)), printed(Some(pole.im)));
         let ratio_bound =
-            |pole: &Pole| self.proven(pole.damping_ratio.map_or(f64::INFINITY, Rounded::relative_bound_of));
+            |pole: &Pole| self.proven(pole.damping_ratio.map_or(vibc::Bound::UNKNOWN, vibc::Bound::relative));
         let found = PyDict::new(py);
         found.set_item("values", PyArray1::from_vec(py, poles.list.iter().map(value).collect()))?;
         found.set_item("bound", column(&|pole| self.proven(pole.error_bound())))?;

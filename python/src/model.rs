@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use vibc::{
     Ball, CoordinateId, CoordinateKind, Dynamics, FigureOptions, FileId, Form, Frequency, Gain, Input, LinearSystem,
-    Literals, Methods, Number, Outcome, Output, Overrides, Rational, Request, Rounded, SourceFile, SourceKind, Sources,
+    Literals, Methods, Number, Outcome, Output, Overrides, Rational, Request, SourceFile, SourceKind, Sources,
     Study, Sweep, Which,
 };
 
@@ -174,7 +174,7 @@ impl Model {
     fn matrix_bounds(&self, py: Python<'_>, analysis: &Analysis) -> (f64, f64, f64) {
         let bound = |form: &Form| {
             let entries = form.assemble(self.system.n()).into_iter().flatten();
-            analysis.proven(entries.map(Rounded::bound_of).fold(0.0, f64::max))
+            analysis.proven(entries.map(vibc::Bound::absolute).fold(vibc::Bound::ZERO, vibc::Bound::or_larger))
         };
         py.detach(|| (bound(&self.system.m), bound(&self.system.c), bound(&self.system.k)))
     }
@@ -238,7 +238,7 @@ impl Model {
                 let times: Vec<f64> = history.times.iter().map(|time| printed(Some(time.to_ball()))).collect();
                 let samples = || history.values.iter().flatten().copied();
                 let values: Vec<f64> = samples().map(|sample| printed(Some(sample))).collect();
-                let bounds: Vec<f64> = samples().map(Rounded::bound_of).collect();
+                let bounds: Vec<f64> = samples().map(|sample| vibc::Bound::absolute(sample).value()).collect();
                 (times, values, bounds)
             });
             told(found, &self.sources, &outcome.diagnostics)
@@ -268,9 +268,11 @@ impl Model {
 
 /// An infinite value has no phase; of an unknown one nothing is known.
 fn value_and_bound(gain: Gain) -> (Complex64, f64) {
-    let part = |of| printed(Some(Ball::exact(of)));
     match gain.disc() {
-        Some(disc) => (Complex64::new(part(disc.value.re), part(disc.value.im)), disc.error_bound()),
+        Some(disc) => {
+            let [re, im] = disc.parts().map(|part| printed(Some(part)));
+            (Complex64::new(re, im), disc.error_bound().value())
+        }
         None if gain == Gain::Infinite => (Complex64::new(f64::INFINITY, f64::NAN), f64::INFINITY),
         None => (Complex64::new(f64::NAN, f64::NAN), f64::INFINITY),
     }

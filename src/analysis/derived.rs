@@ -8,10 +8,7 @@ use crate::analysis::modes::buckling::Buckling;
 use crate::analysis::modes::splits::Split;
 use crate::analysis::response::History;
 use crate::analysis::transfer::Disc;
-use crate::base::{Ball, Dd, Number, Rounded, down, up};
-
-/// Covers the few roundings of a bound itself.
-const UP: f64 = up::DOZENS;
+use crate::base::{Ball, Bound, Number, down, up};
 
 /// Converts rad/s to Hz.
 pub fn hertz(omega: Ball) -> Ball {
@@ -67,14 +64,14 @@ impl Mode {
 
     /// A bound of the relative error of the angular frequency and of the frequency (of the growth rate if the mode
     /// diverges), each as binary64; infinite if none is known.
-    pub fn error_bound(&self) -> f64 {
+    pub fn error_bound(&self) -> Bound {
         let frequency = if self.kind == ModeKind::Divergence { Ball::ZERO } else { hertz(self.omega) };
-        Rounded::relative_bound_of(self.omega).max(Rounded::relative_bound_of(frequency))
+        Bound::relative(self.omega).or_larger(Bound::relative(frequency))
     }
 
-    /// Bound on the relative error of the enclosures themselves, whose digits may go beyond binary64.
-    pub fn enclosure_error(&self) -> f64 {
-        self.omega.relative_error().max(hertz(self.omega).relative_error())
+    /// A bound of the relative error of the enclosures themselves, whose digits may go beyond binary64.
+    pub fn enclosure_bound(&self) -> Bound {
+        Bound::of_midpoint(self.omega).or_larger(Bound::of_midpoint(hertz(self.omega)))
     }
 }
 
@@ -90,8 +87,8 @@ impl Split {
     }
 
     /// A bound of the relative error of both differences, in rad/s and Hz, as binary64.
-    pub fn error_bound(&self) -> f64 {
-        Rounded::relative_bound_of(self.omega).max(Rounded::relative_bound_of(self.frequency()))
+    pub fn error_bound(&self) -> Bound {
+        Bound::relative(self.omega).or_larger(Bound::relative(self.frequency()))
     }
 }
 
@@ -149,13 +146,18 @@ impl Pole {
     }
 
     /// A bound of the relative error as binary64: of the point in the complex plane, of its modulus and of its frequency.
-    pub fn error_bound(&self) -> f64 {
+    pub fn error_bound(&self) -> Bound {
         let omega = self.modulus();
         if omega.is_zero() {
-            return self.relative_error;
+            return self.enclosure_bound();
         }
-        let in_plane = (Rounded::bound_of(self.re) + Rounded::bound_of(self.im)) / omega.mignitude() * UP;
-        in_plane.max(Rounded::relative_bound_of(omega)).max(Rounded::relative_bound_of(self.frequency()))
+        let in_plane = (Bound::absolute(self.re) + Bound::absolute(self.im)).per(omega);
+        in_plane.or_larger(Bound::relative(omega)).or_larger(Bound::relative(self.frequency()))
+    }
+
+    /// A bound of the relative error of the disc itself, whose digits may go beyond binary64.
+    pub fn enclosure_bound(&self) -> Bound {
+        Bound::proved(self.relative_error)
     }
 }
 
@@ -183,23 +185,27 @@ impl Disc {
     }
 
     /// A bound of |printed - true| / |true| for the printed numbers: the two parts in the complex plane, and the gain.
-    pub fn error_bound(&self) -> f64 {
-        let part = |x: Dd| Rounded::bound_of(Ball::exact(x));
+    pub fn error_bound(&self) -> Bound {
+        let [re, im] = [self.value.re, self.value.im].map(|part| Bound::absolute(Ball::exact(part)).value());
         let size = self.value.to_f64().abs() * down::FEW - self.radius;
-        let lost = self.radius + part(self.value.re) + part(self.value.im);
-        let in_plane = match (lost, size) {
+        let in_plane = match (self.radius + re + im, size) {
             (0.0, _) => 0.0,
-            (_, size) if size > 0.0 => lost / size * up::THOUSANDS,
+            (lost, size) if size > 0.0 => lost / size * up::THOUSANDS,
             _ => f64::INFINITY,
         };
-        in_plane.max(Rounded::relative_bound_of(self.gain()))
+        Bound::proved(in_plane).or_larger(Bound::relative(self.gain()))
+    }
+
+    /// The real and the imaginary part.
+    pub fn parts(&self) -> [Ball; 2] {
+        [self.value.re, self.value.im].map(|part| Ball::new(part, self.radius))
     }
 }
 
 impl History {
     /// The largest |printed - true| of an output's samples as binary64; infinite if some sample is unknown.
-    pub fn error_bound(&self, output: usize) -> f64 {
-        self.values.iter().map(|row| Rounded::bound_of(row[output])).fold(0.0, f64::max)
+    pub fn error_bound(&self, output: usize) -> Bound {
+        self.values.iter().map(|row| Bound::absolute(row[output])).fold(Bound::ZERO, Bound::or_larger)
     }
 }
 
@@ -231,7 +237,7 @@ mod tests {
         assert_near(Some(pole.damped_frequency()), 4.0 / turn);
         assert_near(pole.decay_time(), 1.0 / 3.0);
         assert_near(pole.half_life(), 4.0 * std::f64::consts::LN_2 / (3.0 * turn));
-        assert!(pole.doubling_time().is_none() && pole.error_bound() < 3e-16);
+        assert!(pole.doubling_time().is_none() && pole.error_bound().value() < 3e-16);
     }
 
     #[test]

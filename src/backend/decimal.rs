@@ -4,7 +4,7 @@
 //! and divided as integers, so the digits are those of the exact value, rounded half to even: the same on every
 //! machine. Nothing else rounds numbers to decimals. See docs/method/report.md#numbers.
 
-use crate::base::{Ball, Dd, Number, Rational};
+use crate::base::{Ball, Bound, Dd, Number, Rational, Unproven};
 use num_bigint::{BigInt, BigUint, Sign};
 use num_integer::Integer;
 use num_traits::{One, Zero};
@@ -103,7 +103,7 @@ pub fn certain(value: &Ball, most: usize) -> String {
         return "0".into();
     }
     match certain_digits(value).min(most) {
-        0 => format!("≤ {}", upper(value.magnitude())),
+        0 => format!("≤ {}", upper(Bound::size(*value))),
         digits if value.is_exact() => Decimal::round(value.mid, digits).trimmed().text(),
         digits => Decimal::round(value.mid, digits).text(),
     }
@@ -151,11 +151,21 @@ pub fn certain_digits(value: &Ball) -> usize {
     digits
 }
 
+/// A number without a bound, to so many significant digits; `?` if it is not finite.
+pub fn rounded(Unproven(number): Unproven, digits: usize) -> String {
+    match number {
+        0.0 => "0".into(),
+        number if number.is_finite() => Decimal::round(Dd::from(number), digits).text(),
+        _ => "?".into(),
+    }
+}
+
 /// The most digits of a double-double.
 const MOST_DIGITS: usize = 32;
 
 /// An upper bound in one digit: `3e-16`. Exact zero is `0`.
-pub fn upper(bound: f64) -> String {
+pub fn upper(bound: Bound) -> String {
+    let bound = bound.value();
     if bound == 0.0 {
         return "0".into();
     }
@@ -303,11 +313,11 @@ mod tests {
 
     #[test]
     fn bounds_are_rounded_up() {
-        assert_eq!(upper(2.220446e-16), "3e-16");
-        assert_eq!(upper(9.5e-16), "1e-15");
-        assert_eq!(upper(0.25), "3e-1");
-        assert_eq!(upper(4.0), "4e0");
-        assert_eq!(upper(0.0), "0");
+        assert_eq!(upper(Bound::proved(2.220446e-16)), "3e-16");
+        assert_eq!(upper(Bound::proved(9.5e-16)), "1e-15");
+        assert_eq!(upper(Bound::proved(0.25)), "3e-1");
+        assert_eq!(upper(Bound::proved(4.0)), "4e0");
+        assert_eq!(upper(Bound::proved(0.0)), "0");
     }
 
     proptest! {
@@ -330,7 +340,7 @@ mod tests {
         fn an_upper_bound_is_above_by_less_than_one_digit(bits in any::<u64>()) {
             let value = f64::from_bits(bits).abs();
             prop_assume!(value.is_finite() && value > 1e-300 && value < 1e300);
-            let shown: f64 = upper(value).parse().unwrap_or(0.0);
+            let shown: f64 = upper(Bound::proved(value)).parse().unwrap_or(0.0);
             prop_assert!(shown * (1.0 + 1e-15) >= value && shown <= value * 2.0 * (1.0 + 1e-15));
         }
     }

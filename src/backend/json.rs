@@ -3,7 +3,7 @@
 //! See docs/method/report.md.
 
 use super::decimal::{certain, certain_digits};
-use super::json_number::JsonNumber;
+use super::json_number::{Bounds, JsonNumber};
 use super::json_spectra::JsonSpectral;
 use super::{ReportOptions, SCHEMA};
 use crate::analysis::{
@@ -11,7 +11,7 @@ use crate::analysis::{
     parts_of_modes, splits,
 };
 use crate::answers::ModalAnswer;
-use crate::base::{Ball, Number, Rounded, Unproven};
+use crate::base::{Ball, Bound, Number, Unproven};
 use crate::lower::Remark;
 use crate::questions::answer::{
     Best, Derivative, Optimised, OptimisedParameter, Others, Requirement, Sensitivity, Slope, Solved, Value,
@@ -340,10 +340,10 @@ struct JsonModeShare {
 }
 
 impl JsonNoisy {
-    fn of(noisy: &Noisy, system: &LinearSystem) -> JsonNoisy {
+    fn of(noisy: &Noisy, system: &LinearSystem, bounds: Bounds) -> JsonNoisy {
         let output = &system.outputs[noisy.output];
         let parts = |spread: &Spread| match spread {
-            Spread::Finite(value) => (JsonNumber::enclosed(*value), JsonNumber::relative_bound(*value), None),
+            Spread::Finite(value) => (JsonNumber::enclosed(*value), bounds.relative(*value), None),
             Spread::Infinite(why) | Spread::Unknown(why) => (JsonNumber::NULL, JsonNumber::NULL, Some(*why)),
         };
         let (rms, rms_error_bound, rms_reason) = parts(&noisy.rms);
@@ -360,19 +360,19 @@ impl JsonNoisy {
             crossings_error_bound,
             crossings_reason,
             modes: modes.collect(),
-            peaks: noisy.peaks.as_ref().ok().map(|peaks| peaks.iter().map(JsonPeak::of).collect()),
+            peaks: noisy.peaks.as_ref().ok().map(|peaks| peaks.iter().map(|peak| JsonPeak::of(peak, bounds)).collect()),
             peaks_reason: noisy.peaks.as_ref().err().copied(),
         }
     }
 }
 
 impl JsonPeak {
-    fn of(peak: &Peak) -> JsonPeak {
+    fn of(peak: &Peak, bounds: Bounds) -> JsonPeak {
         JsonPeak {
             frequency_hz: JsonNumber::enclosed(peak.frequency),
-            frequency_error_bound: JsonNumber::relative_bound(peak.frequency),
+            frequency_error_bound: bounds.relative(peak.frequency),
             density: JsonNumber::enclosed(peak.density),
-            density_error_bound: JsonNumber::relative_bound(peak.density),
+            density_error_bound: bounds.relative(peak.density),
         }
     }
 }
@@ -396,6 +396,7 @@ impl Serialize for ByName<'_> {
 /// `all`: the names of the coordinates, then of those that depend on them.
 fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String]) -> Report<'a> {
     let (names, dependent) = all.split_at(answer.system.n());
+    let bounds = Bounds::about_rest_of(answer);
     let wanted = options.matrices || answer.system.n() <= MATRICES_UP_TO;
     Report {
         vibc: env!("CARGO_PKG_VERSION"),
@@ -403,8 +404,8 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
         model: &answer.model,
         coordinates: names,
         dependent_coordinates: dependent,
-        rest: rest(answer, all),
-        matrices: wanted.then(|| matrices(&answer.system, answer.rest.is_proven())),
+        rest: rest(answer, all, bounds),
+        matrices: wanted.then(|| matrices(&answer.system, bounds)),
         normalisation: normalisation(options.normalise),
         not_computed: NotComputed {
             modes_below: answer.modes.before.count(),
@@ -414,32 +415,26 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
             not_proved: answer.not_proved().collect(),
             matrices: !wanted,
         },
-        modes: answer.modes.numbered().map(|(number, mode)| json_mode(answer, options, names, number, mode)).collect(),
-        splits: splits(&answer.modes)
-            .iter()
-            .map(|split| json_split(split, options))
-            .map(|split| split.bounded_if_proven(answer))
+        modes: (answer.modes.numbered())
+            .map(|(number, mode)| json_mode(answer, options, names, (number, mode), bounds))
             .collect(),
-        poles: answer
-            .poles
-            .list
-            .iter()
-            .map(|pole| json_pole(pole, options))
-            .map(|pole| pole.bounded_if_proven(answer))
-            .collect(),
-        buckling: answer.buckling.as_ref().map(|found| json_buckling(found, options, names).bounded_if_proven(answer)),
+        splits: splits(&answer.modes).iter().map(|split| json_split(split, options, bounds)).collect(),
+        poles: answer.poles.list.iter().map(|pole| json_pole(pole, options, bounds)).collect(),
+        buckling: answer.buckling.as_ref().map(|found| json_buckling(found, options, names, bounds)),
         parts: parts(answer, names),
         explained: answer.account.as_ref().map(|account| Explained {
             kept: account.kept.iter().map(JsonRemark::of).collect(),
             left_out: account.left_out.iter().map(JsonRemark::of).collect(),
         }),
-        solved: answer.solved.iter().map(json_solved).collect(),
-        optimised: answer.optimised.iter().map(json_optimised).collect(),
-        requirements: answer.requirements.iter().map(json_requirement).collect(),
-        noise: answer.noisy.iter().map(|noisy| JsonNoisy::of(noisy, &answer.system)).collect(),
-        response_spectra: JsonSpectral::of(answer),
-        sensitivities: answer.sensitivities.iter().map(json_sensitivity).collect(),
-        base_excitation: answer.excitations.iter().map(|excitation| json_excitation(answer, excitation)).collect(),
+        solved: answer.solved.iter().map(|solved| json_solved(solved, bounds)).collect(),
+        optimised: answer.optimised.iter().map(|found| json_optimised(found, bounds)).collect(),
+        requirements: answer.requirements.iter().map(|asked| json_requirement(asked, bounds)).collect(),
+        noise: answer.noisy.iter().map(|noisy| JsonNoisy::of(noisy, &answer.system, bounds)).collect(),
+        response_spectra: JsonSpectral::of(answer, bounds),
+        sensitivities: answer.sensitivities.iter().map(|found| json_sensitivity(found, bounds)).collect(),
+        base_excitation: (answer.excitations.iter())
+            .map(|excitation| json_excitation(answer, excitation, bounds))
+            .collect(),
     }
 }
 
@@ -466,10 +461,14 @@ struct JsonExcited {
     sum_error_bound: JsonNumber,
 }
 
-fn json_excitation(answer: &ModalAnswer, (input, found): &(usize, Result<Excitation, &'static str>)) -> JsonExcitation {
+fn json_excitation(
+    answer: &ModalAnswer,
+    (input, found): &(usize, Result<Excitation, &'static str>),
+    bounds: Bounds,
+) -> JsonExcitation {
     let input = &answer.system.inputs[*input];
     let value = |value: Option<Ball>| value.map_or(JsonNumber::NULL, JsonNumber::enclosed);
-    let bound = |value: Option<Ball>| value.map_or(JsonNumber::NULL, JsonNumber::absolute_bound);
+    let bound = |value: Option<Ball>| value.map_or(JsonNumber::NULL, |value| bounds.absolute(value));
     let (total, modes) = match found {
         Ok(excitation) => (Some(excitation.total), &excitation.modes[..]),
         Err(_) => (None, &[][..]),
@@ -521,10 +520,11 @@ struct JsonSlope {
     slopes: Vec<JsonNumber>,
 }
 
-fn json_sensitivity(sensitivity: &Sensitivity) -> JsonSensitivity<'_> {
+fn json_sensitivity(sensitivity: &Sensitivity, bounds: Bounds) -> JsonSensitivity<'_> {
     let shown = sensitivity.shown();
     let slopes = |list: &[Option<Slope>], number: fn(usize, usize) -> (Option<usize>, Option<usize>)| {
-        let numbered = list.iter().enumerate().map(|(i, slope)| json_slope(slope, number(sensitivity.first, i)));
+        let numbered =
+            list.iter().enumerate().map(|(i, slope)| json_slope(slope, number(sensitivity.first, i), bounds));
         numbered.collect()
     };
     JsonSensitivity {
@@ -537,7 +537,7 @@ fn json_sensitivity(sensitivity: &Sensitivity) -> JsonSensitivity<'_> {
     }
 }
 
-fn json_slope(slope: &Option<Slope>, (mode, motion): (Option<usize>, Option<usize>)) -> JsonSlope {
+fn json_slope(slope: &Option<Slope>, (mode, motion): (Option<usize>, Option<usize>), bounds: Bounds) -> JsonSlope {
     let (kind, found) = match slope {
         None => ("none", None),
         Some(Slope::Splits(_)) => ("splits", None),
@@ -553,7 +553,7 @@ fn json_slope(slope: &Option<Slope>, (mode, motion): (Option<usize>, Option<usiz
         motion,
         kind,
         derivative: found.map_or(JsonNumber::NULL, |(absolute, _)| derivative(absolute)),
-        error_bound: found.map_or(JsonNumber::NULL, |(absolute, _)| derivative_bound(absolute)),
+        error_bound: found.map_or(JsonNumber::NULL, |(absolute, _)| derivative_bound(absolute, bounds)),
         relative: found.map_or(JsonNumber::NULL, |(_, relative)| derivative(relative)),
         slopes: match slope {
             Some(Slope::Splits(slopes)) => slopes.iter().copied().map(JsonNumber::unproven).collect(),
@@ -562,21 +562,21 @@ fn json_slope(slope: &Option<Slope>, (mode, motion): (Option<usize>, Option<usiz
     }
 }
 
-fn json_solved(solved: &Solved) -> JsonSolved<'_> {
+fn json_solved(solved: &Solved, bounds: Bounds) -> JsonSolved<'_> {
     let shown = solved.shown();
     JsonSolved {
         parameter: &solved.parameter,
         value: JsonNumber::enclosed(shown.number),
         unit: shown.unit,
         error_bound: (solved.shown_bound())
-            .map_or(JsonNumber::NULL, |bound| JsonNumber::relative_bound(shown.number.widen(bound))),
+            .map_or(JsonNumber::NULL, |bound| bounds.relative(shown.number.widen(bound.value()))),
         si: JsonNumber::number(&solved.value),
         measure: &solved.measure,
         target: JsonNumber::number(&solved.target),
         residual: JsonNumber::enclosed(solved.residual),
-        residual_error_bound: JsonNumber::absolute_bound(solved.residual),
+        residual_error_bound: bounds.absolute(solved.residual),
         slope: solved.slope.as_ref().map_or(JsonNumber::NULL, derivative),
-        slope_error_bound: solved.slope.as_ref().map_or(JsonNumber::NULL, derivative_bound),
+        slope_error_bound: solved.slope.as_ref().map_or(JsonNumber::NULL, |slope| derivative_bound(slope, bounds)),
         relative_slope: solved.relative_slope().as_ref().map_or(JsonNumber::NULL, derivative),
         others: match solved.others {
             Others::None(_) => "none",
@@ -593,13 +593,13 @@ fn json_solved(solved: &Solved) -> JsonSolved<'_> {
     }
 }
 
-fn json_optimised(found: &Optimised) -> JsonOptimised<'_> {
+fn json_optimised(found: &Optimised, bounds: Bounds) -> JsonOptimised<'_> {
     let parameter = |found: &'_ OptimisedParameter| -> (JsonNumber, JsonNumber) {
         let number = found.shown().number;
         let bound = found.shown_bound();
         (
             JsonNumber::enclosed(number),
-            bound.map_or(JsonNumber::NULL, |bound| JsonNumber::relative_bound(number.widen(bound))),
+            bound.map_or(JsonNumber::NULL, |bound| bounds.relative(number.widen(bound.value()))),
         )
     };
     let (proved, gap) = match &found.best {
@@ -611,7 +611,7 @@ fn json_optimised(found: &Optimised) -> JsonOptimised<'_> {
         highest: found.highest,
         measure: &found.measure,
         value: JsonNumber::enclosed(found.value),
-        error_bound: JsonNumber::relative_bound(found.value),
+        error_bound: bounds.relative(found.value),
         parameters: (found.parameters.iter())
             .map(|own| {
                 let (value, error_bound) = parameter(own);
@@ -620,7 +620,7 @@ fn json_optimised(found: &Optimised) -> JsonOptimised<'_> {
             })
             .collect(),
         proved,
-        gap: gap.map_or(JsonNumber::NULL, |gap| JsonNumber::absolute_bound(Ball::ZERO.widen(gap))),
+        gap: gap.map_or(JsonNumber::NULL, |gap| bounds.of(gap)),
         near: match &found.best {
             Best::Near { parts, .. } => parts.iter().map(|(low, high)| [low.as_str(), high.as_str()]).collect(),
             Best::Everywhere { .. } | Best::Seen => Vec::new(),
@@ -639,14 +639,14 @@ fn derivative(derivative: &Derivative) -> JsonNumber {
 }
 
 /// `null` if the derivative has no proven bound.
-fn derivative_bound(derivative: &Derivative) -> JsonNumber {
+fn derivative_bound(derivative: &Derivative, bounds: Bounds) -> JsonNumber {
     match derivative {
-        Derivative::Enclosed(ball) => JsonNumber::relative_bound(*ball),
+        Derivative::Enclosed(ball) => bounds.relative(*ball),
         Derivative::Estimated(_) => JsonNumber::NULL,
     }
 }
 
-fn json_requirement(requirement: &Requirement) -> JsonRequirement<'_> {
+fn json_requirement(requirement: &Requirement, bounds: Bounds) -> JsonRequirement<'_> {
     let value = match &requirement.value {
         Value::Number(ball) => Some(ball),
         _ => None,
@@ -657,8 +657,8 @@ fn json_requirement(requirement: &Requirement) -> JsonRequirement<'_> {
         value: value.map_or(JsonNumber::NULL, |ball| JsonNumber::enclosed(*ball)),
         limit: requirement.limit.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
         margin: JsonNumber::of(requirement.margin),
-        margin_error_bound: requirement.margin.map_or(JsonNumber::NULL, JsonNumber::absolute_bound),
-        error_bound: value.map_or(JsonNumber::NULL, |ball| JsonNumber::relative_bound(*ball)),
+        margin_error_bound: requirement.margin.map_or(JsonNumber::NULL, |value| bounds.absolute(value)),
+        error_bound: value.map_or(JsonNumber::NULL, |ball| bounds.relative(*ball)),
         value_text: requirement.value_text(),
         until_s: requirement.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
     }
@@ -684,59 +684,52 @@ fn normalisation(normalise: Normalise) -> &'static str {
     }
 }
 
-fn rest<'a>(answer: &ModalAnswer, names: &'a [String]) -> Rest<'a> {
-    // If the rest is not proven, its balls refer to a point that may not be a rest.
-    let proven = answer.rest.is_proven();
+fn rest<'a>(answer: &ModalAnswer, names: &'a [String], bounds: Bounds) -> Rest<'a> {
     let tensions = answer.rest.tensions.iter();
     let tensions = tensions.map(|found| (answer.system.display(found.spring), JsonNumber::number(&found.tension)));
     let by_name = |of: &dyn Fn(&Number) -> JsonNumber| ByName {
         names,
         values: answer.displacements().map(|(_, q)| of(q)).collect(),
     };
-    let bounds = answer.rest.tensions.iter();
-    let bound = |tension: &Number| JsonNumber::absolute_bound(tension.to_ball()).only_if(proven);
-    let bounds = bounds.map(|found| (answer.system.display(found.spring), bound(&found.tension)));
+    let bound = |tension: &Number| bounds.absolute(tension.to_ball());
+    let tension_bounds =
+        (answer.rest.tensions.iter()).map(|found| (answer.system.display(found.spring), bound(&found.tension)));
     Rest {
         stable: answer.stability == Stability::Stable,
         kind: answer.stability.kind().name(),
         displacement: by_name(&JsonNumber::number),
-        displacement_error_bound: by_name(&|q| JsonNumber::absolute_bound(q.to_ball()).only_if(proven)),
-        distance: distance(answer),
+        displacement_error_bound: by_name(&|q| bounds.absolute(q.to_ball())),
+        distance: distance(answer, bounds),
         residual: JsonNumber::unproven(Unproven(answer.rest.residual)),
-        proven,
+        proven: answer.rest.is_proven(),
         steps: answer.rest.steps,
         tensions: Named(tensions.collect()),
-        tensions_error_bound: Named(bounds.collect()),
+        tensions_error_bound: Named(tension_bounds.collect()),
     }
 }
 
-fn distance(answer: &ModalAnswer) -> Distance {
-    // The error of the largest magnitude is at most the largest radius.
+fn distance(answer: &ModalAnswer, bounds: Bounds) -> Distance {
     let largest = |kind: CoordinateKind| {
         let of_kind = answer.displacements().filter(|(coordinate, _)| coordinate.kind == kind);
-        of_kind.map(|(_, value)| value.to_ball().abs()).fold(Ball::ZERO, |largest, size| {
-            let mid = if size.mid.to_f64() > largest.mid.to_f64() { size.mid } else { largest.mid };
-            Ball::new(mid, largest.rad.max(size.rad))
-        })
+        of_kind.map(|(_, value)| value.to_ball().abs()).fold(Ball::ZERO, Ball::or_larger)
     };
     let (translation, rotation) = (largest(CoordinateKind::Translation), largest(CoordinateKind::Rotation));
     Distance {
         translation_m: JsonNumber::enclosed(translation),
         rotation_rad: JsonNumber::enclosed(rotation),
-        translation_error_bound: JsonNumber::absolute_bound(translation).only_if(answer.rest.is_proven()),
-        rotation_error_bound: JsonNumber::absolute_bound(rotation).only_if(answer.rest.is_proven()),
+        translation_error_bound: bounds.absolute(translation),
+        rotation_error_bound: bounds.absolute(rotation),
     }
 }
 
-fn matrices(system: &LinearSystem, proven: bool) -> Matrices {
+fn matrices(system: &LinearSystem, bounds: Bounds) -> Matrices {
     let system = &system.clone().flattened(u64::MAX).expect("as many entries as there may be");
     let [m, c, k] = [&system.m, &system.c, &system.k].map(|form| form.assemble(system.n()));
     let rows =
         |form: &[Vec<Ball>]| form.iter().map(|row| row.iter().map(|x| JsonNumber::enclosed(*x)).collect()).collect();
     let bound = |form: &[Vec<Ball>]| {
-        JsonNumber::bound(form.iter().flatten().map(|x| Rounded::bound_of(*x)).fold(0.0, f64::max))
+        bounds.of(form.iter().flatten().map(|x| Bound::absolute(*x)).fold(Bound::ZERO, Bound::or_larger))
     };
-    let bound = |form: &[Vec<Ball>]| bound(form).only_if(proven);
     Matrices {
         error_bound: MatrixBounds { m: bound(&m), c: bound(&c), k: bound(&k) },
         m: rows(&m),
@@ -754,21 +747,19 @@ fn json_mode<'a>(
     answer: &ModalAnswer,
     options: &ReportOptions,
     names: &'a [String],
-    number: usize,
-    mode: &Mode,
+    (number, mode): (usize, &Mode),
+    bounds: Bounds,
 ) -> JsonMode<'a> {
     let system = &answer.system;
     let (omega, frequency, growth) = (mode.angular_frequency(), mode.frequency(), mode.growth_rate());
-    // At a rest that is not proven, a bound of the linearisation there would be mistaken for one of the scene.
-    let proven = answer.rest.is_proven();
-    let digits = |value: Option<Ball>| value.filter(|_| proven).and_then(|value| digits(&value, options));
+    let digits = |value: Option<Ball>| value.and_then(|value| digits(&value, options, bounds));
     JsonMode {
         mode: number,
         kind: mode.kind.name(),
         omega: JsonNumber::of(omega),
         frequency_hz: JsonNumber::of(frequency),
         growth_rate: JsonNumber::of(growth),
-        omega_error_bound: JsonNumber::bound(mode.error_bound()).only_if(proven),
+        omega_error_bound: bounds.of(mode.error_bound()),
         shape: ByName { names, values: unproven(&normalise(mode, options.normalise)) },
         kinetic: shares(&mode.kinetic, |of| system.display(of)),
         strain: shares(&mode.strain, |of| system.display(of)),
@@ -782,62 +773,36 @@ fn json_mode<'a>(
 }
 
 /// The requested digits that are certain; `None` if none were requested or none are certain.
-fn digits(value: &Ball, options: &ReportOptions) -> Option<String> {
-    let most = options.digits? as usize;
+fn digits(value: &Ball, options: &ReportOptions, bounds: Bounds) -> Option<String> {
+    let most = options.digits.filter(|_| bounds.hold())? as usize;
     (value.is_zero() || certain_digits(value) > 0).then(|| certain(value, most))
 }
 
-/// A split at a rest that is not proven: without bounds, and without the digits that they would make certain.
-impl JsonSplit {
-    fn bounded_if_proven(self, answer: &ModalAnswer) -> JsonSplit {
-        match answer.rest.is_proven() {
-            true => self,
-            false => JsonSplit { error_bound: JsonNumber::NULL, omega_digits: None, ..self },
-        }
-    }
-}
-
-impl JsonPole {
-    fn bounded_if_proven(self, answer: &ModalAnswer) -> JsonPole {
-        if answer.rest.is_proven() {
-            return self;
-        }
-        let (error_bound, damping_ratio_error_bound) = (JsonNumber::NULL, JsonNumber::NULL);
-        let (re_digits, im_digits, damping_ratio_digits) = (None, None, None);
-        JsonPole { error_bound, damping_ratio_error_bound, re_digits, im_digits, damping_ratio_digits, ..self }
-    }
-}
-
-impl<'a> JsonBuckling<'a> {
-    fn bounded_if_proven(self, answer: &ModalAnswer) -> JsonBuckling<'a> {
-        if answer.rest.is_proven() {
-            return self;
-        }
-        let (error_bound, margin_error_bound) = (JsonNumber::NULL, JsonNumber::NULL);
-        JsonBuckling { error_bound, margin_error_bound, load_factor_digits: None, margin_digits: None, ..self }
-    }
-}
-
-fn json_split(split: &Split, options: &ReportOptions) -> JsonSplit {
+fn json_split(split: &Split, options: &ReportOptions, bounds: Bounds) -> JsonSplit {
     JsonSplit {
         modes: [split.lower, split.lower + 1],
         omega: JsonNumber::enclosed(split.omega),
         frequency_hz: JsonNumber::enclosed(split.frequency()),
-        error_bound: JsonNumber::bound(split.error_bound()),
-        omega_digits: digits(&split.omega, options),
+        error_bound: bounds.of(split.error_bound()),
+        omega_digits: digits(&split.omega, options, bounds),
     }
 }
 
-fn json_buckling<'a>(found: &Buckling, options: &ReportOptions, names: &'a [String]) -> JsonBuckling<'a> {
+fn json_buckling<'a>(
+    found: &Buckling,
+    options: &ReportOptions,
+    names: &'a [String],
+    bounds: Bounds,
+) -> JsonBuckling<'a> {
     let (factor, margin) = (found.load_factor, found.margin());
     JsonBuckling {
         load_factor: JsonNumber::enclosed(factor),
-        error_bound: JsonNumber::relative_bound(factor),
+        error_bound: bounds.relative(factor),
         margin: JsonNumber::enclosed(margin),
-        margin_error_bound: JsonNumber::relative_bound(margin),
+        margin_error_bound: bounds.relative(margin),
         shape: ByName { names, values: unproven(&found.shape) },
-        load_factor_digits: digits(&factor, options),
-        margin_digits: digits(&margin, options),
+        load_factor_digits: digits(&factor, options, bounds),
+        margin_digits: digits(&margin, options, bounds),
     }
 }
 
@@ -845,7 +810,7 @@ fn shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> Vec<JsonS
     shares.iter().map(|share| JsonShare { of: name(share.of), share: JsonNumber::unproven(share.part) }).collect()
 }
 
-fn json_pole(pole: &Pole, options: &ReportOptions) -> JsonPole {
+fn json_pole(pole: &Pole, options: &ReportOptions, bounds: Bounds) -> JsonPole {
     JsonPole {
         re: JsonNumber::enclosed(pole.re),
         im: JsonNumber::enclosed(pole.im),
@@ -854,13 +819,13 @@ fn json_pole(pole: &Pole, options: &ReportOptions) -> JsonPole {
         damping_ratio: JsonNumber::of(pole.damping_ratio),
         damped_frequency_hz: JsonNumber::enclosed(pole.damped_frequency()),
         kind: pole.kind.name(),
-        error_bound: JsonNumber::bound(pole.error_bound()),
-        damping_ratio_error_bound: pole.damping_ratio.map_or(JsonNumber::NULL, JsonNumber::relative_bound),
+        error_bound: bounds.of(pole.error_bound()),
+        damping_ratio_error_bound: pole.damping_ratio.map_or(JsonNumber::NULL, |value| bounds.relative(value)),
         cluster: pole.cluster,
         defective: pole.defective,
         route: pole.route.name(),
-        re_digits: digits(&pole.re, options),
-        im_digits: digits(&pole.im, options),
-        damping_ratio_digits: pole.damping_ratio.as_ref().and_then(|zeta| digits(zeta, options)),
+        re_digits: digits(&pole.re, options, bounds),
+        im_digits: digits(&pole.im, options, bounds),
+        damping_ratio_digits: pole.damping_ratio.as_ref().and_then(|zeta| digits(zeta, options, bounds)),
     }
 }

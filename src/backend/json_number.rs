@@ -2,7 +2,8 @@
 //! binary64 number is not accepted, so that no result can be written without deciding whether it has a bound
 //! (`tests/suite/house.rs` looks for such fields). See docs/method/report.md.
 
-use crate::base::{Ball, Number, Rounded, Unproven};
+use crate::answers::ModalAnswer;
+use crate::base::{Ball, Bound, Number, Rounded, Unproven};
 use serde::Serialize;
 
 /// A number, or `null` if it is unknown or infinite.
@@ -30,17 +31,17 @@ impl JsonNumber {
 
     /// A bound of |x - true| / |true| for the x of [`JsonNumber::enclosed`].
     pub fn relative_bound(value: Ball) -> JsonNumber {
-        JsonNumber::bound(Rounded::relative_bound_of(value))
+        JsonNumber::bound(Bound::relative(value))
     }
 
     /// A bound of |x - true| for the x of [`JsonNumber::enclosed`].
     pub fn absolute_bound(value: Ball) -> JsonNumber {
-        JsonNumber(Rounded::of(value).map(Rounded::bound))
+        JsonNumber::bound(Bound::absolute(value))
     }
 
-    /// An upper bound, already rounded upwards.
-    pub fn bound(bound: f64) -> JsonNumber {
-        JsonNumber(Some(bound).filter(|bound| bound.is_finite()))
+    /// `null` if nothing is known.
+    pub fn bound(bound: Bound) -> JsonNumber {
+        JsonNumber(Some(bound.value()).filter(|bound| bound.is_finite()))
     }
 
     /// A number without a bound; README.md lists them.
@@ -64,6 +65,38 @@ impl JsonNumber {
     }
 }
 
+/// The bounds of the modal report, in which each number is about the rest: a bound of the linear system there is one of
+/// the scene only if the rest is proven. Otherwise each is `null`, for it would be mistaken for one of the scene.
+#[derive(Clone, Copy)]
+pub(super) struct Bounds {
+    hold: bool,
+}
+
+impl Bounds {
+    pub fn about_rest_of(answer: &ModalAnswer) -> Bounds {
+        Bounds { hold: answer.rest.is_proven() }
+    }
+
+    /// Whether the bounds are bounds of the scene.
+    pub fn hold(self) -> bool {
+        self.hold
+    }
+
+    /// A bound of |x - true| / |true| for the x of [`JsonNumber::enclosed`].
+    pub fn relative(self, value: Ball) -> JsonNumber {
+        JsonNumber::relative_bound(value).only_if(self.hold)
+    }
+
+    /// A bound of |x - true| for the x of [`JsonNumber::enclosed`].
+    pub fn absolute(self, value: Ball) -> JsonNumber {
+        JsonNumber::absolute_bound(value).only_if(self.hold)
+    }
+
+    pub fn of(self, bound: Bound) -> JsonNumber {
+        JsonNumber::bound(bound).only_if(self.hold)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -78,7 +111,7 @@ mod tests {
         for number in [
             JsonNumber::enclosed(Ball::new(Dd::ONE, f64::INFINITY)),
             JsonNumber::relative_bound(Ball::new(Dd::ZERO, 1.0)),
-            JsonNumber::bound(f64::INFINITY),
+            JsonNumber::bound(Bound::UNKNOWN),
             JsonNumber::unproven(Unproven(f64::NAN)),
             JsonNumber::of(None),
         ] {

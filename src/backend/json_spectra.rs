@@ -1,6 +1,6 @@
 //! Maxima under response spectra as JSON. See docs/method/response_spectra.md.
 
-use super::json_number::JsonNumber;
+use super::json_number::{Bounds, JsonNumber};
 use crate::analysis::response_spectrum::{Direction, Maximum};
 use crate::answers::ModalAnswer;
 use crate::base::Ball;
@@ -54,12 +54,12 @@ struct JsonAcross {
 
 impl JsonSpectral {
     /// Nothing in a model without spectra.
-    pub fn of(answer: &ModalAnswer) -> Option<JsonSpectral> {
+    pub fn of(answer: &ModalAnswer, bounds: Bounds) -> Option<JsonSpectral> {
         let spectral = &answer.spectral;
         let directions = spectral.directions.iter().map(|(input, found)| {
             let input = answer.system.display(answer.system.inputs[*input].name);
             match found {
-                Ok(found) => direction(answer, input, found),
+                Ok(found) => direction(answer, input, found, bounds),
                 Err(reason) => JsonDirection {
                     input,
                     reason: Some(reason.clone()),
@@ -79,9 +79,9 @@ impl JsonSpectral {
                 output: answer.system.display(output.name),
                 unit: output.unit.clone(),
                 srss: JsonNumber::enclosed(*srss),
-                srss_error_bound: JsonNumber::relative_bound(*srss),
+                srss_error_bound: bounds.relative(*srss),
                 cqc: JsonNumber::enclosed(*cqc),
-                cqc_error_bound: JsonNumber::relative_bound(*cqc),
+                cqc_error_bound: bounds.relative(*cqc),
             }
         });
         (!spectral.directions.is_empty()).then(|| JsonSpectral {
@@ -92,12 +92,12 @@ impl JsonSpectral {
     }
 }
 
-fn direction(answer: &ModalAnswer, input: String, direction: &Direction) -> JsonDirection {
+fn direction(answer: &ModalAnswer, input: String, direction: &Direction, bounds: Bounds) -> JsonDirection {
     let outputs = direction.outputs.iter().map(|(output, found)| {
         let output = &answer.system.outputs[*output];
         let value = |of: fn(&Maximum) -> Ball| found.as_ref().ok().map(of);
         let enclosed = |of: fn(&Maximum) -> Ball| JsonNumber::of(value(of));
-        let relative = |of: fn(&Maximum) -> Ball| value(of).map_or(JsonNumber::NULL, JsonNumber::relative_bound);
+        let relative = |of: fn(&Maximum) -> Ball| value(of).map_or(JsonNumber::NULL, |value| bounds.relative(value));
         JsonMaximum {
             output: answer.system.display(output.name),
             unit: output.unit.clone(),
@@ -108,7 +108,8 @@ fn direction(answer: &ModalAnswer, input: String, direction: &Direction) -> Json
             cqc: enclosed(|maximum| maximum.cqc),
             cqc_error_bound: relative(|maximum| maximum.cqc),
             missing: enclosed(|maximum| maximum.missing),
-            missing_error_bound: value(|maximum| maximum.missing).map_or(JsonNumber::NULL, JsonNumber::absolute_bound),
+            missing_error_bound: value(|maximum| maximum.missing)
+                .map_or(JsonNumber::NULL, |value| bounds.absolute(value)),
         }
     });
     JsonDirection {
@@ -119,7 +120,7 @@ fn direction(answer: &ModalAnswer, input: String, direction: &Direction) -> Json
         rigid_acceleration: JsonNumber::enclosed(direction.rigid),
         total_mass: JsonNumber::enclosed(direction.total),
         missing_mass: JsonNumber::enclosed(direction.missing),
-        missing_mass_error_bound: JsonNumber::absolute_bound(direction.missing),
+        missing_mass_error_bound: bounds.absolute(direction.missing),
         outputs: outputs.collect(),
     }
 }

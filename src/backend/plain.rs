@@ -1,7 +1,7 @@
 //! Lines and numbers of a report as plain text. The space between a number and its unit must not break: it is
 //! [`NO_BREAK`], which the layout replaces at the end.
 
-use super::decimal::{Decimal, certain_number, upper};
+use super::decimal::{Decimal, certain_number, rounded, upper};
 use crate::answers::report::{Figure, Line, Part, Value};
 use crate::base::readable::readable;
 use crate::base::{Ball, Dd, Unproven};
@@ -30,19 +30,12 @@ pub fn figure(figure: &Figure) -> String {
         Value::Unproven { number, digits } => rounded(*number, *digits),
         Value::Share(part) => percent(*part),
         Value::Bound(bound) => upper(*bound),
+        Value::Exact => "exact".into(),
         Value::Count(count) => count.to_string(),
     };
     match &figure.unit[..] {
         "" => number,
         unit => format!("{number}{NO_BREAK}{}", readable(unit)),
-    }
-}
-
-fn rounded(Unproven(number): Unproven, digits: usize) -> String {
-    match number {
-        0.0 => "0".into(),
-        number if number.is_finite() => Decimal::round(Dd::from(number), digits).text(),
-        _ => "?".into(),
     }
 }
 

@@ -32,7 +32,7 @@ pub fn csv(system: &LinearSystem, history: &History, bounds: bool) -> String {
             if bounds {
                 text.push(b',');
                 if let Some(value) = value {
-                    shortest(&mut text, value.bound());
+                    shortest(&mut text, value.bound().value());
                 }
             }
         }
@@ -46,7 +46,7 @@ pub fn csv(system: &LinearSystem, history: &History, bounds: bool) -> String {
 /// printed in full, because this rounding would widen the bound.
 fn settled(sample: &Ball) -> Option<Rounded> {
     let whole = Rounded::of(*sample)?;
-    if whole.bound() <= whole.value().abs() * f64::EPSILON {
+    if whole.bound().value() <= whole.value().abs() * f64::EPSILON {
         return Some(whole);
     }
     let settled = match certain_digits(sample) {

@@ -3,8 +3,8 @@
 use super::SCHEMA;
 use super::json_number::JsonNumber;
 use super::report;
-use crate::analysis::{Disc, Extremum, Gain, Row, Table};
-use crate::base::{Ball, Dd};
+use crate::analysis::{Extremum, Gain, Row, Table};
+use crate::base::Ball;
 use crate::system::LinearSystem;
 
 /// A row: one frequency of one pair. Infinite or unknown values are `null`.
@@ -154,11 +154,11 @@ fn each_line(system: &LinearSystem, table: &Table, mut take: impl FnMut(&str, &s
 
 fn line(row: &Row, gain: Gain) -> Line {
     let disc = gain.disc();
-    let part = |of: fn(&Disc) -> Dd| JsonNumber::of(disc.as_ref().map(|disc| Ball::exact(of(disc))));
+    let [re, im] = disc.map_or([JsonNumber::NULL; 2], |disc| disc.parts().map(JsonNumber::enclosed));
     Line {
         frequency_hz: JsonNumber::number(&row.frequency),
-        re: part(|disc| disc.value.re),
-        im: part(|disc| disc.value.im),
+        re,
+        im,
         gain: JsonNumber::of(disc.map(|disc| disc.gain())),
         gain_db: JsonNumber::of(disc.and_then(|disc| disc.level())),
         phase_deg: JsonNumber::of(disc.and_then(|disc| disc.phase())),

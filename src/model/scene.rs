@@ -5,7 +5,7 @@
 //! unrolled), and ids are indices into them. Positions and directions are shared (`Arc`): a scene of a million bodies has
 //! many more ends than places.
 
-use crate::base::{Density, Name, Number, Quantity, ResponseSpectrum, Span, Vec3, Words};
+use crate::base::{Bound, Density, Name, Number, Quantity, ResponseSpectrum, Span, Vec3, Words};
 use crate::elements::Curve;
 use crate::kinds::motions::ReactionComponent;
 use crate::system::Signal as Function;
@@ -531,6 +531,13 @@ pub struct Written {
     pub text: String,
     /// The SI value of one such unit; `None` for `dB`, which is not a multiple of anything.
     pub factor: Option<Number>,
+}
+
+impl Written {
+    /// A bound in SI as a bound in this unit.
+    pub fn bound(&self, bound: Bound) -> Bound {
+        self.factor.as_ref().map_or(bound, |factor| bound.per(factor.enclosure()))
+    }
 }
 
 /// A measure, the value it is compared with, and how both were written.

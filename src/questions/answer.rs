@@ -1,7 +1,7 @@
 //! Answers to the lines `solve` and `require`: plain data for reports.
 
 use super::cover::Proof;
-use crate::base::{Ball, Number, Span, Unproven, up};
+use crate::base::{Ball, Bound, Number, Span, Unproven};
 use crate::model::scene::Written;
 use std::borrow::Cow;
 
@@ -89,9 +89,9 @@ pub struct OptimisedParameter {
 #[derive(Clone, Debug)]
 pub enum Best {
     /// No values in the ranges are better by more than `gap`, SI.
-    Everywhere { gap: f64, proof: Everywhere },
+    Everywhere { gap: Bound, proof: Everywhere },
     /// No values in these parts of the ranges are better by more than `gap`; others are not excluded.
-    Near { gap: f64, parts: Vec<(String, String)> },
+    Near { gap: Bound, parts: Vec<(String, String)> },
     /// The best of the values that were tried.
     Seen,
 }
@@ -126,8 +126,8 @@ impl OptimisedParameter {
     }
 
     /// The bound in the parameter's own unit.
-    pub fn shown_bound(&self) -> Option<f64> {
-        Some(self.bound? / self.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs()) * up::FEW)
+    pub fn shown_bound(&self) -> Option<Bound> {
+        Some(self.unit.bound(Bound::proved(self.bound?)))
     }
 }
 
@@ -221,8 +221,8 @@ impl Solved {
     }
 
     /// The bound in the parameter's own unit.
-    pub fn shown_bound(&self) -> Option<f64> {
-        Some(self.bound? / self.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs()) * up::FEW)
+    pub fn shown_bound(&self) -> Option<Bound> {
+        Some(self.unit.bound(Bound::proved(self.bound?)))
     }
 
     /// The target of the measure, as it was written.

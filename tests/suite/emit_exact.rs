@@ -133,7 +133,7 @@ pub fn check_as(
     }
     if let Some(rounding) = &discrete.rounding {
         // If inputs come from outside (here they are zero), the bound holds for any inputs.
-        let bound = rounding.error_after(samples);
+        let bound = rounding.error_after(samples).value();
         for error in errors(&printed, history, &step, room) {
             assert!(error <= bound + 2e-16, "{name}: {error:e} above {bound:e}");
         }
@@ -143,8 +143,8 @@ pub fn check_as(
         let found = errors(&Printed { header: String::new(), rows }, history, &step, room);
         let worst = found.into_iter().fold(0.0, f64::max);
         // The reference is rounded to binary64.
-        assert!(worst <= reported.error + 2e-16, "{name}: {reported:?}, {worst:e}");
-        assert!(reported.error <= 1e3 * worst.max(1e-17), "{name}: {reported:?}, {worst:e}");
+        assert!(worst <= reported.error.value() + 2e-16, "{name}: {reported:?}, {worst:e}");
+        assert!(reported.error.value() <= 1e3 * worst.max(1e-17), "{name}: {reported:?}, {worst:e}");
     }
 }
 
@@ -267,7 +267,7 @@ fn programs_print_what_simulate_does() {
             motion.answer.expect("a motion").history
         };
         // Springs that ride on a table which flies off are rounded as its displacement is: as much as the header says.
-        let most = emitted.system.measured.iter().map(|known| known.error).fold(1e-12, f64::max);
+        let most = emitted.system.measured.iter().map(|known| known.error.value()).fold(1e-12, f64::max);
         for (output, error) in errors(&printed, simulate, &step, 1e-14).into_iter().enumerate() {
             assert!(error <= most, "{name}, output {output}: {error:e}, {most:e}");
         }
@@ -337,7 +337,7 @@ fn single_precision_stays_within_its_bound() {
     let wanted = Options { precision: Precision::Single, ..options("0.01") };
     let modes = analysis::modes(&system).expect("modes");
     let discrete = discretise(&system, &modes, &wanted).expect("a discrete system");
-    let bound = discrete.rounding.as_ref().expect("the force is an input").error_after(100_000);
+    let bound = discrete.rounding.as_ref().expect("the force is an input").error_after(100_000).value();
     check_as(100_001, "single", &system, &[], "0.01", &wanted, bound.min(1e-3));
 }
 
@@ -465,7 +465,7 @@ fn omitted_modes_stay_below_the_tolerance() {
     };
     let share = |system: &DiscreteSystem| -> f64 {
         let shares = system.left.iter().map(|left| match left.why {
-            Why::Small(share) => share,
+            Why::Small(share) => share.0,
             Why::Unreached | Why::Unseen => 0.0,
         });
         shares.sum()

@@ -36,7 +36,10 @@ fn near(what: &str, reported: Ball, written: &str) {
     // The printed number keeps its own bound.
     let printed = Rounded::of(reported).expect("finite");
     let error = (Ball::from(printed.value()) - truth).mid.abs().to_f64();
-    assert!(error <= printed.bound() + unit && printed.bound() < 1.2e-16 * truth.to_f64().abs(), "{what}");
+    assert!(
+        error <= printed.bound().value() + unit && printed.bound().value() < 1.2e-16 * truth.to_f64().abs(),
+        "{what}"
+    );
 }
 
 fn check(text: &str, range: Option<(&str, &str)>, expected: &[(FeatureKind, &str, &str, &str)]) {

@@ -49,8 +49,8 @@ fn compare(what: &str, ball: Ball, truth: &str) -> (f64, f64) {
     assert!(off <= ball.rad + 1e-38 * truth.abs().to_f64(), "{what}: off by {off:e}, bound {:e}", ball.rad);
     let printed = Rounded::of(ball).expect("a number");
     let error = (&Number::Ball(Ball::from(printed.value())) - &truth).to_ball();
-    assert!(error.mignitude() <= printed.bound(), "{what}: {error:?}, bound {:e}", printed.bound());
-    (error.to_f64().abs(), printed.bound())
+    assert!(error.mignitude() <= printed.bound().value(), "{what}: {error:?}, bound {:e}", printed.bound().value());
+    (error.to_f64().abs(), printed.bound().value())
 }
 
 const HELD: &str = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 100 N/m }\n\

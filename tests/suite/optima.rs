@@ -34,7 +34,7 @@ fn findings(text: &str) -> Vec<Diagnostic> {
 /// What is proved: that no values in the ranges are better by more than this.
 fn gap(found: &Optimised) -> f64 {
     match found.best {
-        Best::Everywhere { gap, .. } => gap,
+        Best::Everywhere { gap, .. } => gap.value(),
         _ => panic!("not proved: {found:?}"),
     }
 }

@@ -29,8 +29,11 @@ fn solved(report: &ModalAnswer, parameter: &str, unit: &str, truth: f64) {
     assert_eq!(shown.unit, unit);
     let off = (shown.number.to_f64() - truth).abs();
     // The closed form is rounded to binary64.
-    assert!(off <= found.shown_bound().expect("proven") + 4e-16 * truth.abs(), "{parameter}: {shown:?} {truth}");
-    assert!(found.shown_bound().expect("proven") < 1e-20 * truth.abs(), "{parameter}: {found:?}");
+    assert!(
+        off <= found.shown_bound().expect("proven").value() + 4e-16 * truth.abs(),
+        "{parameter}: {shown:?} {truth}"
+    );
+    assert!(found.shown_bound().expect("proven").value() < 1e-20 * truth.abs(), "{parameter}: {found:?}");
 }
 
 /// The measured value of a requirement of the example.

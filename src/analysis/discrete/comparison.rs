@@ -11,7 +11,7 @@ use crate::analysis::discrete::cell::{Cell, ExactCell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
 use crate::analysis::discrete::precision::Precision;
 use crate::analysis::discrete::{DiscreteSystem, Measured};
-use crate::base::Dd;
+use crate::base::{Bound, Dd};
 
 /// A discrete system before rounding.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ pub fn measure_rounding(system: &DiscreteSystem, exact: &Exact, last: Option<u64
     for step in 1..=most {
         run.step();
         if step == most || step == FEW {
-            found.push(Measured { steps: step, error: run.error() });
+            found.push(Measured { steps: step, error: Bound::proved(run.error()) });
         }
     }
     found

@@ -41,7 +41,7 @@ use crate::analysis::discrete::events::Fault;
 use crate::analysis::discrete::turn::too_far;
 use crate::analysis::error::AnalysisError;
 use crate::analysis::poles::poles;
-use crate::base::{Dd, Number};
+use crate::base::{Bound, Dd, Number};
 use crate::kernel::dense::Matrix;
 use crate::system::{CoordinateKind, LinearSystem, Signal};
 
@@ -131,7 +131,7 @@ pub struct DiscreteSystem {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     pub steps: u64,
-    pub error: f64,
+    pub error: Bound,
 }
 
 impl DiscreteSystem {

@@ -4,7 +4,7 @@
 
 use crate::analysis::discrete::Options;
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product};
-use crate::base::Dd;
+use crate::base::{Dd, Unproven};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 
@@ -22,8 +22,9 @@ pub enum Why {
     Unreached,
     /// No output sees it.
     Unseen,
-    /// It contributes at most this share of any output over the band; its static part is kept.
-    Small(f64),
+    /// It contributes about this share of any output over the band, the largest at the frequencies that were compared; its
+    /// static part is kept.
+    Small(Unproven),
 }
 
 /// Number of frequencies at which contributions are compared, between 0 and the highest of the band.
@@ -99,7 +100,11 @@ fn drop_small(split: &mut Split, start: &[Dd], tolerance: f64, highest: f64, lef
         match dropped.zip(static_part(&block)) {
             Some((share, gain)) => {
                 add(&mut split.direct.outputs[0], &gain);
-                left.push(DroppedBlock { name: block.name.clone(), states: block.size(), why: Why::Small(share) });
+                left.push(DroppedBlock {
+                    name: block.name.clone(),
+                    states: block.size(),
+                    why: Why::Small(Unproven(share)),
+                });
             }
             None => kept.push(block),
         }

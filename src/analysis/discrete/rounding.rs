@@ -12,7 +12,7 @@
 use crate::analysis::discrete::cell::{Cell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
 use crate::analysis::discrete::precision::Precision;
-use crate::base::{Dd, larger};
+use crate::base::{Bound, Dd, larger};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::norm_bound;
 
@@ -42,11 +42,11 @@ const UP: f64 = 1.000_01;
 impl Rounding {
     /// The bound after `steps` steps: |emitted - exact| is at most this times the sum of the largest sizes that the parts
     /// of the output have had. Infinite if nothing can be said, as for a motion that grows beyond its inputs.
-    pub fn error_after(&self, steps: u64) -> f64 {
+    pub fn error_after(&self, steps: u64) -> Bound {
         let worst = self.cells.iter().map(|(step, growth)| step * growth.after(steps));
         let bound = (self.output + worst.fold(0.0, larger)) * UP;
         // The roundings are those of the emitted states, which are larger than the exact ones by the error itself.
-        if bound < 1.0 { bound / (1.0 - bound) * UP } else { f64::INFINITY }
+        Bound::proved(if bound < 1.0 { bound / (1.0 - bound) * UP } else { f64::INFINITY })
     }
 }
 
@@ -431,7 +431,7 @@ mod tests {
         for (form, start) in &forms {
             for steps in [1023, 65535] {
                 let bound = rounding(&[cell(form.clone(), start.len())], &[], Precision::Double);
-                let bound = (bound.error_after(steps) - bound.output) / Precision::Double.unit();
+                let bound = (bound.error_after(steps).value() - bound.output) / Precision::Double.unit();
                 let worst = worst_case(form, start, steps as usize);
                 let over = bound / worst;
                 assert!((1.0..100.0).contains(&over), "{form:?}, {steps}: {bound:e} for {worst:e}");
@@ -496,7 +496,7 @@ mod tests {
             largest = largest.max(frame.norm.length(&truth.iter().map(|x| x.to_f64()).collect::<Vec<f64>>()));
             seen = seen.max(errors(&w, &truth)[0].abs());
         }
-        let bound = rounding(&[cell], &[Vec::new()], Precision::Double).error_after(steps);
+        let bound = rounding(&[cell], &[Vec::new()], Precision::Double).error_after(steps).value();
         (bound, seen / (largest * frame.most[0]))
     }
 
@@ -531,7 +531,7 @@ mod tests {
     fn inputs_that_cancel_are_parts_by_themselves() {
         let mut cell = cell(Form::Keep(0.5), 1);
         cell.input = vec![vec![(Operand::Input(0), 0.7), (Operand::Input(1), -0.7)]];
-        let one = rounding(&[cell.clone()], &[Vec::new()], Precision::Double).error_after(1000);
+        let one = rounding(&[cell.clone()], &[Vec::new()], Precision::Double).error_after(1000).value();
         let huge = 1e16 / 3.0;
         // x <- x / 2 + 0.7 u - 0.7 u: each part is 1.4 u at most, and the states are what is left of the roundings.
         let (mut x, mut largest) = (0.25f64, 0.0f64);
@@ -547,7 +547,7 @@ mod tests {
     #[test]
     fn a_motion_that_grows_has_no_bound_after_long() {
         let bound = rounding(&[cell(Form::Lose(-0.01), 1)], &[], Precision::Double);
-        assert!(bound.error_after(100) < 1e-12);
-        assert_eq!(bound.error_after(100_000), f64::INFINITY);
+        assert!(bound.error_after(100).value() < 1e-12);
+        assert_eq!(bound.error_after(100_000).value(), f64::INFINITY);
     }
 }

@@ -4,7 +4,7 @@ use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Section, line};
 use crate::analysis::Excitation;
 use crate::answers::ModalAnswer;
-use crate::base::Ball;
+use crate::base::{Ball, Bound};
 
 /// Number of modes that are listed; the JSON has all.
 const MOST: usize = 20;
@@ -51,7 +51,7 @@ fn table(answer: &ModalAnswer, excitation: &Excitation, turns: bool) -> Table {
             Some(value) if value.is_finite() => Figure::ball(value, digits).into(),
             _ => Cell::from("?"),
         };
-        let error = excited.mass.map_or_else(|| "?".into(), |mass| Figure::bound(mass.relative_error()).into());
+        let error = excited.mass.map_or_else(|| "?".into(), |mass| Figure::bound(Bound::of_midpoint(mass)).into());
         table.row(vec![
             number.into(),
             shown(excited.participation, DIGITS),

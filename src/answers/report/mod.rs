@@ -30,7 +30,7 @@ pub use transfer::transfer;
 
 use crate::analysis::{Mode, ModeKind, Normalise, Share, Stability};
 use crate::answers::ModalAnswer;
-use crate::base::{Ball, Number, Rounded, Span, Unproven};
+use crate::base::{Ball, Bound, Number, Rounded, Span, Unproven};
 use crate::system::{Coordinate, CoordinateKind, LinearSystem, Source};
 use std::borrow::Cow;
 
@@ -134,13 +134,28 @@ pub enum Value {
     /// A share of a whole, shown as a percentage.
     Share(Unproven),
     /// An upper bound, shown with one digit, rounded up.
-    Bound(f64),
+    Bound(Bound),
+    /// In place of a bound, for a number without error.
+    Exact,
     Count(usize),
 }
 
 impl Report {
     fn new(title: Line, sections: impl IntoIterator<Item = Section>) -> Report {
         Report { title, sections: sections.into_iter().filter(|section| !section.blocks.is_empty()).collect() }
+    }
+
+    /// The report about a rest that is not proven: a bound of the linear system there would be mistaken for one of the
+    /// scene, so each is unknown, whichever section it is in.
+    fn without_bounds(mut self) -> Report {
+        for block in self.sections.iter_mut().flat_map(|section| &mut section.blocks) {
+            match block {
+                Block::Line(line) | Block::Item(line) => line.forget_bounds(),
+                Block::Table(table) => table.forget_bounds(),
+                Block::Matrices(_) => {}
+            }
+        }
+        self
     }
 }
 
@@ -159,6 +174,16 @@ impl Line {
 
     fn is_empty(&self) -> bool {
         self.parts.is_empty()
+    }
+
+    /// No bound in the line is known.
+    fn forget_bounds(&mut self) {
+        for part in &mut self.parts {
+            match part {
+                Part::Figure(figure) if figure.is_bound() => figure.value = Value::Bound(Bound::UNKNOWN),
+                _ => {}
+            }
+        }
     }
 }
 
@@ -224,21 +249,26 @@ impl Figure {
         Figure::of(Value::Enclosed { number, digits })
     }
 
-    fn bound(bound: f64) -> Figure {
+    fn bound(bound: Bound) -> Figure {
         Figure::of(Value::Bound(bound))
+    }
+
+    fn exact() -> Figure {
+        Figure::of(Value::Exact)
     }
 
     fn share(part: Unproven) -> Figure {
         Figure::of(Value::Share(part))
     }
 
-    /// Whether not even one digit is certain, so that its bound is shown instead.
+    /// Whether a bound is shown: of another figure, or in place of a number of which not even one digit is certain.
     fn is_bound(&self) -> bool {
         /// The relative error at which one digit is still certain.
         const ONE_DIGIT: f64 = 0.05;
         match &self.value {
             Value::Enclosed { number, .. } => !number.is_zero() && number.to_ball().relative_error() > ONE_DIGIT,
-            _ => false,
+            Value::Bound(_) | Value::Exact => true,
+            Value::Hundredths(_) | Value::Unproven { .. } | Value::Share(_) | Value::Count(_) => false,
         }
     }
 
@@ -252,7 +282,7 @@ impl Figure {
         match &self.value {
             Value::Enclosed { number, .. } => Rounded::of_number(number),
             Value::Hundredths(ball) => Rounded::of(*ball),
-            Value::Unproven { .. } | Value::Share(_) | Value::Bound(_) | Value::Count(_) => None,
+            Value::Unproven { .. } | Value::Share(_) | Value::Bound(_) | Value::Exact | Value::Count(_) => None,
         }
     }
 }
@@ -275,7 +305,8 @@ pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
         sensitivities::section(answer),
         parts::section(answer),
     ];
-    Report::new(title(answer), sections.into_iter().chain(account))
+    let report = Report::new(title(answer), sections.into_iter().chain(account));
+    if answer.rest.is_proven() { report } else { report.without_bounds() }
 }
 
 /// `cart · 2 degrees of freedom, linearised about a stable rest`
@@ -376,19 +407,9 @@ fn shares(system: &LinearSystem, shares: &[Share<Source>]) -> Cell {
     Cell::wordings(all_named.into_iter().chain((1..=few).rev()).map(wording))
 }
 
-/// `≤ 3e-16`, or `?` if nothing is proven.
-fn error(proven: bool, bound: f64) -> Line {
-    if proven { line!["≤ ", Figure::bound(bound)] } else { "?".into() }
-}
-
-/// At a rest that is not proven, no bound is shown: it would refer to a position that may not be a rest. `column` is the
-/// bound's.
-fn bound_only_if(proven: bool, cells: &mut [Cell], column: usize) {
-    for (at, cell) in cells.iter_mut().enumerate().filter(|_| !proven) {
-        if at == column || matches!(&cell.longest().parts[..], [Part::Figure(figure)] if figure.is_bound()) {
-            *cell = "?".into();
-        }
-    }
+/// `≤ 3e-16`, `0`, or `?` if nothing is proven.
+fn error(bound: Bound) -> Line {
+    line![if bound.is_finite() { "≤ " } else { "" }, Figure::bound(bound)]
 }
 
 /// The bodies that carry a mode's kinetic energy.

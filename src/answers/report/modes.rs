@@ -2,7 +2,7 @@
 
 use super::table::{Align, Cell, Table};
 use super::{
-    Block, Figure, Line, Options, Section, Value, bound_only_if, carried_by, coordinate, counted, line, listed,
+    Block, Figure, Line, Options, Section, Value, carried_by, coordinate, counted, line, listed,
     shares as largest_shares, unit,
 };
 use crate::analysis::{Mode, ModeKind, Normalise, Split, derived, normalise, splits};
@@ -88,7 +88,6 @@ fn fill_table(answer: &ModalAnswer, options: &Options, columns: bool) -> Table {
     for (number, mode) in answer.modes.numbered().take(MOST) {
         let shape = normalise(mode, options.normalise);
         let mut cells = frequency_cells(number, mode, options);
-        bound_only_if(answer.rest.is_proven(), &mut cells, BOUND);
         if columns {
             let largest = shape.iter().fold(0.0, |largest: f64, entry| largest.max(entry.0.abs()));
             cells.extend(shape.iter().map(|entry| Cell::from(displacement(*entry, largest))));
@@ -127,20 +126,17 @@ fn whole_shapes<'a>(answer: &'a ModalAnswer, options: &'a Options) -> impl Itera
     tables.collect::<Vec<_>>().into_iter()
 }
 
-/// The column of the bound in [`frequency_cells`].
-const BOUND: usize = 4;
-
 /// Number, f, omega, T and the bound; for a divergence, its growth rate in place of omega.
 fn frequency_cells(number: usize, mode: &Mode, options: &Options) -> Vec<Cell> {
     let ball = |value, usual| Figure::ball(value, options.digits(usual));
     let (f, omega) = (mode.frequency().map(|f| ball(f, DIGITS)), ball(mode.omega, DIGITS));
     // Digits beyond binary64 come from the enclosures, and so do the bounds beside them.
-    let bound = if options.digits.is_some() { mode.enclosure_error() } else { mode.error_bound() };
+    let bound = if options.digits.is_some() { mode.enclosure_bound() } else { mode.error_bound() };
     let bound = Cell::from(Figure::bound(bound));
     let period = mode.period().map(|period| ball(period, SHAPE_DIGITS));
     let [f, omega, period, bound] = match mode.kind {
         ModeKind::Oscillation => [f.into(), omega.into(), period.into(), bound],
-        ModeKind::Rigid => ["0".into(), "0".into(), "rigid".into(), "exact".into()],
+        ModeKind::Rigid => ["0".into(), "0".into(), "rigid".into(), Figure::exact().into()],
         ModeKind::Divergence => [Cell::default(), line![omega, "i"].into(), "unstable".into(), bound],
         ModeKind::Undetermined => [
             Cell::default(),
@@ -196,7 +192,7 @@ fn left_out(answer: &ModalAnswer) -> Option<Line> {
 
 /// Close frequencies: their difference keeps the digits that cancel in the two numbers.
 fn beats<'a>(answer: &'a ModalAnswer, options: &Options) -> impl Iterator<Item = Line> + use<'a> {
-    let (digits, proven) = (options.digits(DIGITS), answer.rest.is_proven());
+    let digits = options.digits(DIGITS);
     let shown = answer.modes.before.count() + MOST;
     let beat = move |split: Split| {
         line![
@@ -205,7 +201,7 @@ fn beats<'a>(answer: &'a ModalAnswer, options: &Options) -> impl Iterator<Item =
             " are ",
             Figure::ball(split.omega, digits).unit("rad/s"),
             " apart (error ",
-            super::error(proven, split.error_bound()),
+            super::error(split.error_bound()),
             "): a beat of ",
             Figure::ball(split.beat(), SHAPE_DIGITS).unit("s")
         ]
@@ -255,8 +251,8 @@ fn sensitive_lines(answer: &ModalAnswer) -> impl Iterator<Item = Line> {
         line![
             "mode ",
             number,
-            " is sensitive: its ω changes by up to ",
-            Figure::bound(factor.0),
+            " is sensitive: its ω changes by about ",
+            Figure::of(Value::Unproven { number: factor, digits: 1 }),
             " times the relative change of masses, stiffnesses and tensions"
         ]
     })

@@ -2,7 +2,7 @@
 
 use super::modes::MOST;
 use super::table::{Align, Cell, Table};
-use super::{Block, Figure, Line, Options, Section, bound_only_if, counted, line, listed};
+use super::{Block, Figure, Line, Options, Section, counted, line, listed};
 use crate::analysis::{Pole, Route, Stability};
 use crate::answers::ModalAnswer;
 
@@ -25,7 +25,7 @@ fn blocks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
         return vec![line!["damped motion: no damping; every pole is ±iω of its mode", growth].into()];
     }
     let shown: Vec<(usize, &Pole)> = answer.motions().collect();
-    let mut blocks = vec![Block::Line("damped motion".into()), table(&shown, options, answer.rest.is_proven()).into()];
+    let mut blocks = vec![Block::Line("damped motion".into()), table(&shown, options).into()];
     let left = shown.len().saturating_sub(MOST);
     let more = (left > 0).then(|| line!["... and ", left, " more (--format json has all)"]);
     let remarks = more.into_iter().chain(clusters(&shown)).chain(infinite(answer)).chain(not_proved(answer));
@@ -33,7 +33,7 @@ fn blocks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
     blocks
 }
 
-fn table(shown: &[(usize, &Pole)], options: &Options, proven: bool) -> Table {
+fn table(shown: &[(usize, &Pole)], options: &Options) -> Table {
     let mut table = Table::new()
         .column("pole", "", Align::Right)
         .column("re s", "[1/s]", Align::Point)
@@ -45,9 +45,7 @@ fn table(shown: &[(usize, &Pole)], options: &Options, proven: bool) -> Table {
         .column("error ≤", "", Align::Right)
         .column("kind", "", Align::Left);
     for (number, pole) in shown.iter().take(MOST) {
-        let mut cells = cells(*number, pole, options);
-        bound_only_if(proven, &mut cells, BOUND);
-        table.row(cells);
+        table.row(cells(*number, pole, options));
     }
     table
 }
@@ -121,15 +119,12 @@ fn not_proved(answer: &ModalAnswer) -> Option<Line> {
     Some(line!["NOT proved: that these are all poles, and each is there once", why])
 }
 
-/// The column of the bound in [`cells`].
-const BOUND: usize = 7;
-
 fn cells(number: usize, pole: &Pole, options: &Options) -> Vec<Cell> {
     let digits = options.digits(DIGITS);
     let figure = |value| Figure::ball(value, digits);
     let few = |value| Figure::ball(value, FEW);
     // Digits beyond binary64 come from the enclosures, and so do the bounds beside them.
-    let bound = if options.digits.is_some() { pole.relative_error } else { pole.error_bound() };
+    let bound = if options.digits.is_some() { pole.enclosure_bound() } else { pole.error_bound() };
     let complex = pole.is_complex();
     let decay = match pole.decay_time() {
         Some(time) => few(time).into(),
@@ -144,7 +139,7 @@ fn cells(number: usize, pole: &Pole, options: &Options) -> Vec<Cell> {
         pole.damping_ratio.filter(|_| complex).map(figure).into(),
         decay,
         pole.half_life().map(few).into(),
-        if pole.modulus().is_zero() { "exact".into() } else { Figure::bound(bound).into() },
+        if pole.modulus().is_zero() { Figure::exact().into() } else { Figure::bound(bound).into() },
         kind(pole).into(),
     ]
 }

@@ -2,7 +2,7 @@
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Named, Report, Section, Value, line, listed};
-use crate::base::{Ball, Number, Unproven, up};
+use crate::base::{Ball, Bound, Number, Unproven};
 use crate::questions::answer::{Best, Derivative, Optimised, Others, Requirement, Shown, Solved};
 
 /// Digits of solved parameters: all that a double holds.
@@ -32,7 +32,7 @@ pub fn solved(list: &[Solved]) -> Section {
             shown.unit.to_string().into(),
             solved.shown_bound().map_or_else(|| "?".into(), |bound| Figure::bound(bound).into()),
             line![solved.measure.clone(), " = ", figure(&target, DIGITS).unit(target.unit.to_string())].into(),
-            Figure::bound(solved.residual.magnitude()).into(),
+            Figure::bound(Bound::size(solved.residual)).into(),
             solved.relative_slope().map_or_else(Cell::default, |slope| derivative(&slope, FEW).into()),
         ]);
     }
@@ -74,8 +74,7 @@ pub fn optimised(list: &[Optimised]) -> Section {
 
 /// What shows that an optimum is one.
 fn best_line(found: &Optimised) -> Line {
-    let factor = found.unit.factor.as_ref().map_or(1.0, |factor| factor.to_f64().abs());
-    let gap = |gap: f64| Figure::bound(gap / factor * up::FEW).unit(found.unit.text.clone());
+    let gap = |gap: Bound| Figure::bound(found.unit.bound(gap)).unit(found.unit.text.clone());
     let better = if found.highest { "larger" } else { "smaller" };
     match &found.best {
         Best::Everywhere { gap: by, .. } => {
@@ -205,7 +204,7 @@ fn cells(requirement: &Requirement) -> Vec<Cell> {
         limit.as_ref().map(|limit| figure(limit, DIGITS)).into(),
         limit.as_ref().map_or_else(Cell::default, |limit| limit.unit.to_string().into()),
         margin.map(|margin| Figure::ball(margin, FEW)).into(),
-        value.map(|value| Figure::bound(value.number.relative_error())).into(),
+        value.map(|value| Figure::bound(Bound::of_midpoint(value.number))).into(),
     ]
 }
 

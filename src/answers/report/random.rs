@@ -4,7 +4,7 @@ use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Options, Section, line};
 use crate::analysis::{Noisy, Peak, Spread};
 use crate::answers::ModalAnswer;
-use crate::base::{Ball, Unproven};
+use crate::base::{Ball, Bound, Unproven};
 
 const DIGITS: usize = 6;
 /// Modes are named until they make up this much.
@@ -70,7 +70,7 @@ fn peaks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
         highest.sort_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
         for peak in highest {
             is_empty = false;
-            let bound = peak.frequency.relative_error().max(peak.density.relative_error());
+            let bound = Bound::of_midpoint(peak.frequency).or_larger(Bound::of_midpoint(peak.density));
             table.row(vec![
                 name.clone().into(),
                 Figure::ball(peak.frequency, options.digits(DIGITS)).into(),
@@ -99,7 +99,7 @@ fn cells(name: &str, unit: &str, noisy: &Noisy, digits: usize) -> Vec<Cell> {
         }
     };
     let error = match &noisy.rms {
-        Spread::Finite(value) => line![Figure::bound(value.relative_error())],
+        Spread::Finite(value) => line![Figure::bound(Bound::of_midpoint(*value))],
         Spread::Infinite(_) => Line::default(),
         Spread::Unknown(_) => "?".into(),
     };

@@ -2,11 +2,11 @@
 
 use super::modes::mode_named;
 use super::table::{Align, Table};
-use super::{Block, Figure, Line, Options, Section, coordinate, counted, line, unit};
+use super::{Block, Figure, Line, Options, Section, Value, coordinate, counted, line, unit};
 use crate::analysis::derived::{degrees, doubling_time};
 use crate::analysis::{Mode, ModeKind, PoleKind, Stability};
 use crate::answers::ModalAnswer;
-use crate::base::{Ball, Number, Rounded};
+use crate::base::{Ball, Bound, Number, Unproven};
 use crate::lower::Tension;
 use crate::system::{Coordinate, CoordinateKind};
 
@@ -144,7 +144,10 @@ fn proof_status(answer: &ModalAnswer) -> Line {
     let proven = if rest.is_proven() { ", proven, " } else { ", NOT proven, " };
     let left = match rest.residual {
         0.0 => "balanced exactly".into(),
-        residual => line!["unbalanced ≤ ", Figure::bound(residual), " of the largest force"],
+        residual => {
+            let number = Unproven(residual);
+            line!["unbalanced by ", Figure::of(Value::Unproven { number, digits: 1 }), " of the largest force"]
+        }
     };
     line![proven, left]
 }
@@ -210,7 +213,7 @@ fn buckling(answer: &ModalAnswer, options: &Options) -> Option<Line> {
     let found = answer.buckling.as_ref()?;
     let digits = options.digits(DIGITS);
     let (factor, margin) = (found.load_factor, found.margin());
-    let bound = if options.digits.is_some() { factor.relative_error() } else { Rounded::relative_bound_of(factor) };
+    let bound = if options.digits.is_some() { Bound::of_midpoint(factor) } else { Bound::relative(factor) };
     let meaning = match (margin.contains_zero(), margin.mid.hi > 0.0) {
         (true, _) => "at the buckling load, as far as the bounds decide".into(),
         (false, true) => {
@@ -221,7 +224,7 @@ fn buckling(answer: &ModalAnswer, options: &Options) -> Option<Line> {
             line!["the loads are too large by ", Figure::ball(margin.abs(), digits), " times their size"]
         }
     };
-    let (factor, bound) = (Figure::ball(factor, digits), super::error(answer.rest.is_proven(), bound));
+    let (factor, bound) = (Figure::ball(factor, digits), super::error(bound));
     Some(line!["load factor to buckling ", factor, " (error ", bound, "): ", meaning])
 }
 

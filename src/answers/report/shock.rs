@@ -4,7 +4,7 @@ use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Report, Section, line};
 use crate::analysis::shock::{Quantity, ShockRow, Sides};
 use crate::answers::{Shock, ShockOf};
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Bound, Number};
 
 const DIGITS: usize = 6;
 /// Number of frequencies that are shown.
@@ -81,7 +81,7 @@ fn cells(row: &ShockRow) -> Vec<Cell> {
         let negative = if negative.is_zero() { negative } else { -negative };
         cells.extend([Cell::from(shown(positive)), shown(negative).into()]);
     }
-    cells.push(Figure::bound(maximax.relative_error()).into());
+    cells.push(Figure::bound(Bound::of_midpoint(maximax)).into());
     cells
 }
 

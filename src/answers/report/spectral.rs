@@ -4,7 +4,7 @@ use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Options, Section, line};
 use crate::analysis::response_spectrum::Direction;
 use crate::answers::ModalAnswer;
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Bound, Number};
 
 const DIGITS: usize = 6;
 const PERCENT: usize = 4;
@@ -79,7 +79,9 @@ fn of_direction(answer: &ModalAnswer, direction: &Direction, options: &Options, 
                     [maximum.srss, maximum.cqc, maximum.missing]
                         .map(|x| Cell::from(Figure::ball(x, options.digits(DIGITS)))),
                 );
-                cells.push(Figure::bound(maximum.srss.relative_error().max(maximum.cqc.relative_error())).into());
+                cells.push(
+                    Figure::bound(Bound::of_midpoint(maximum.srss).or_larger(Bound::of_midpoint(maximum.cqc))).into(),
+                );
             }
             Err(why) => {
                 cells.extend(["".into(), "?".into(), "?".into(), "?".into(), "?".into()]);
@@ -108,7 +110,7 @@ fn across(answer: &ModalAnswer, options: &Options) -> Block {
         .column("error ≤", "", Align::Right);
     for (output, [srss, cqc]) in list {
         let output = &answer.system.outputs[*output];
-        let error = srss.relative_error().max(cqc.relative_error());
+        let error = Bound::of_midpoint(*srss).or_larger(Bound::of_midpoint(*cqc));
         table.row(vec![
             answer.system.display(output.name).into(),
             output.unit.clone().into(),

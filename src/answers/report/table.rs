@@ -51,6 +51,15 @@ impl Table {
     pub(super) fn row(&mut self, cells: Vec<Cell>) {
         self.rows.push(cells);
     }
+
+    /// No bound in the table is known.
+    pub(super) fn forget_bounds(&mut self) {
+        let cells = self.rows.iter_mut().flatten();
+        cells.flat_map(|cell| &mut cell.wordings).for_each(Line::forget_bounds);
+        if let Some(narrower) = &mut self.narrower {
+            narrower.forget_bounds();
+        }
+    }
 }
 
 impl Cell {

@@ -5,8 +5,9 @@ use super::plan::Operations;
 use crate::analysis::discrete::equations::Equations;
 use crate::analysis::discrete::parameter::Parameterised;
 use crate::analysis::discrete::{DiscreteSystem, DroppedBlock, Hold, Port, Precision, Why};
-use crate::backend::decimal::upper;
+use crate::backend::decimal::{rounded, upper};
 use crate::backend::diagnostics::readable;
+use crate::base::Unproven;
 
 /// The most omitted parts that are listed.
 const LISTED: usize = 12;
@@ -31,8 +32,8 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
     lines.extend(error(system));
     if let Some(tolerance) = system.tolerance {
         lines.push(format!(
-            "tolerance  {tolerance:?}: omitted parts change an output by at most {} of its largest gain, for",
-            upper(system.left.iter().map(share).sum())
+            "tolerance  {tolerance:?}: omitted parts change an output by about {} of its largest gain, for",
+            rounded(Unproven(system.left.iter().map(share).sum()), 1)
         ));
         lines.push(format!(
             "           harmonic inputs up to {:?} Hz; just after a step or an impulse the change may be larger",
@@ -147,7 +148,7 @@ fn ports(what: &str, ports: &[Port]) -> Vec<String> {
 
 fn share(left: &DroppedBlock) -> f64 {
     match left.why {
-        Why::Small(share) => share,
+        Why::Small(Unproven(share)) => share,
         Why::Unreached | Why::Unseen => 0.0,
     }
 }
@@ -157,7 +158,7 @@ fn dropped_lines(left: &[DroppedBlock]) -> Vec<String> {
         let why = match left.why {
             Why::Unreached => "no input reaches it, and it starts at rest".to_string(),
             Why::Unseen => "no output depends on it".to_string(),
-            Why::Small(share) => format!("it contributes at most {}, its static part is kept", upper(share)),
+            Why::Small(share) => format!("it contributes about {}, its static part is kept", rounded(share, 1)),
         };
         format!("left out   {}: {why}", left.name)
     };

@@ -132,6 +132,13 @@ impl Ball {
         Ball { mid: self.mid.abs(), rad: self.rad }
     }
 
+    /// The larger of two numbers.
+    pub fn or_larger(self, other: Ball) -> Ball {
+        // max(x, y) is off by no more than the worse of the two.
+        let mid = if other.mid > self.mid { other.mid } else { self.mid };
+        Ball { mid, rad: larger(self.rad, other.rad) }
+    }
+
     /// The ball with its radius increased by `by`.
     #[inline]
     pub fn widen(self, by: f64) -> Ball {

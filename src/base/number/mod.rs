@@ -6,6 +6,7 @@
 //! See docs/method/numbers.md.
 
 pub mod ball;
+pub mod bound;
 pub mod dd;
 mod functions;
 pub mod jet;
@@ -15,6 +16,7 @@ pub mod rounding;
 pub mod surd;
 
 pub use ball::{Ball, larger};
+pub use bound::Bound;
 pub use dd::Dd;
 pub use jet::Jet;
 pub use rational::{Literals, Rational};

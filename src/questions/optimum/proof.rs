@@ -7,7 +7,7 @@ use super::{Lines, Outcome, setting, short};
 use crate::analysis::range::least::Peaks;
 use crate::analysis::range::several::Affine;
 use crate::base::number::jet::Jet;
-use crate::base::{Ball, Dd, Number, up};
+use crate::base::{Ball, Bound, Dd, Number, up};
 use crate::model::scene::{Measure, Optimum, Question, Varied};
 use crate::model::{CheckedScene, Setting};
 use crate::questions::answer::{Best, shown, shown_text};
@@ -80,7 +80,7 @@ impl Lines<'_> {
         let Some(valley) = peaks.valley(&place) else { return Some(unproved(values)) };
         let least = valley.least.sqrt() * Ball::from(size);
         let gap = value - least;
-        let gap = ((gap.mid.hi + gap.rad) * up::FEW).max(0.0);
+        let gap = Bound::proved((gap.mid.hi + gap.rad) * up::FEW);
         let reach = valley.reach(&place, Ball::exact(bar.mid + Dd::from(bar.rad * up::FEW)));
         let within = reach.iter().zip(&ranges.list).zip(place.at.iter().zip(&values));
         let within = within.map(|((reach, (middle, width)), (at, value))| {
@@ -205,7 +205,7 @@ impl Lines<'_> {
         let covered = Cover { over: &over, side: &side, most: MOST_PARTS }.settle(vec![whole]);
         let best = match covered.rest.or_proof() {
             Rest::Empty(proof) if covered.missed.is_empty() => {
-                let gap = (step.hi + 2.0 * seen.value.rad) * up::THOUSANDS;
+                let gap = Bound::proved((step.hi + 2.0 * seen.value.rad) * up::THOUSANDS);
                 Best::Everywhere { gap, proof: proof.into() }
             }
             _ => Best::Seen,
