@@ -4,7 +4,7 @@
 //! and divided as integers, so the digits are those of the exact value, rounded half to even: the same on every
 //! machine. Nothing else rounds numbers to decimals. See docs/method/report.md#numbers.
 
-use crate::base::{Ball, Bound, Dd, Number, Rational, Unproven};
+use crate::base::{Ball, Bound, Dd, Number, Power, Rational, Unproven};
 use num_bigint::{BigInt, BigUint, Sign};
 use num_integer::Integer;
 use num_traits::{One, Zero};
@@ -122,7 +122,7 @@ pub fn certain_number(value: &Number, most: usize) -> String {
 /// Like [`certain_number`], with every digit before the decimal point unless there are too many: `103168` rather than `1.0317e5`.
 pub fn certain_whole(value: &Number, most: usize) -> String {
     let size = value.to_f64().abs();
-    let whole = (most..=WHOLE).find(|digits| size < 10f64.powi(*digits as i32)).unwrap_or(most);
+    let whole = (most..=WHOLE).find(|digits| size < 10f64.power(*digits as i32)).unwrap_or(most);
     certain_number(value, whole)
 }
 

@@ -22,7 +22,9 @@ pub use field::{Expected, Field, Takes};
 pub use line_index::LineIndex;
 pub use manual::Manual;
 pub use name::{Name, Place, Symbol, Words};
-pub use number::{Ball, Bound, Dd, Jet, Literals, Number, Rational, Rounded, Unproven, down, larger, rounding, up};
+pub use number::{
+    Ball, Bound, Dd, Jet, Literals, Number, Power, Rational, Rounded, Unproven, down, larger, rounding, two_to, up,
+};
 pub use response_spectrum::ResponseSpectrum;
 pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};
 pub use vector::Vec3;

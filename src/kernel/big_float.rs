@@ -2,7 +2,7 @@
 //! until they are cut to a number of bits. Used for roots of polynomials that double-double does not separate. See
 //! docs/method/poles.md#exact-arithmetic.
 
-use crate::base::{Ball, Dd, up};
+use crate::base::{Ball, Dd, two_to, up};
 use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
 use std::cmp::Ordering;
@@ -86,7 +86,7 @@ impl Float {
         let excess = (self.mantissa.bits() as i64 - 53).max(0);
         let mantissa = (&self.mantissa >> excess as u64) + i32::from(excess > 0);
         // At most 2^53 and exact, so only the factor can leave the range.
-        let value = mantissa.to_f64().unwrap_or(f64::INFINITY) * power_of_two(self.exponent + excess);
+        let value = mantissa.to_f64().unwrap_or(f64::INFINITY) * two_to(self.exponent + excess);
         (value * (1.0 + f64::EPSILON)).max(f64::MIN_POSITIVE)
     }
 
@@ -95,7 +95,7 @@ impl Float {
         let excess = (self.mantissa.bits() as i64 - 53).max(0);
         // Cut towards zero, so that the remainder has the same sign.
         let magnitude = (self.mantissa.abs() >> excess as u64).to_f64().unwrap_or(f64::INFINITY);
-        let value = magnitude * power_of_two(self.exponent + excess);
+        let value = magnitude * two_to(self.exponent + excess);
         if self.is_negative() { -value } else { value }
     }
 
@@ -116,12 +116,6 @@ impl Float {
     pub fn abs(&self) -> Float {
         Float { mantissa: self.mantissa.abs(), exponent: self.exponent }
     }
-}
-
-/// 2^e; 0 or infinity beyond the range.
-fn power_of_two(e: i64) -> f64 {
-    let e = e.clamp(-2200, 2200) as i32;
-    2f64.powi(e / 2) * 2f64.powi(e - e / 2)
 }
 
 impl From<BigInt> for Float {

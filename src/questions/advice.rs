@@ -8,7 +8,7 @@ use super::error::Remedy;
 use super::require::holds_for;
 use super::trial::{Facts, Text};
 use crate::analysis::Measurement;
-use crate::base::{Ball, Number, Quantity, Rational};
+use crate::base::{Ball, Number, Power, Quantity, Rational};
 use crate::model::Setting;
 use crate::model::scene::{Parameter, Question, Require};
 
@@ -192,6 +192,6 @@ fn decimal_from(parameter: &Parameter, start: f64, x: f64) -> Option<Number> {
         return Some(rounded);
     }
     let factor = parameter.unit.factor.as_ref().map_or(1.0, Number::to_f64);
-    let unit = 10f64.powi(format!("{:e}", x / factor).split_once('e')?.1.parse::<i32>().ok()? - 2);
+    let unit = 10f64.power(format!("{:e}", x / factor).split_once('e')?.1.parse::<i32>().ok()? - 2);
     decimal(parameter, rounded.to_f64() + (unit * factor.abs()).copysign(x - start))
 }

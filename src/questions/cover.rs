@@ -6,7 +6,7 @@
 //! lies on the same side at both ends. Other parts are halved as long as the effort allows.
 
 use super::range_enclosure::RangeEnclosure;
-use crate::base::{Ball, Dd, up};
+use crate::base::{Ball, Dd, two_to, up};
 use std::cmp::Ordering;
 
 /// A part of a range.
@@ -116,7 +116,7 @@ impl Part {
     pub fn ball(&self) -> Ball {
         let middle = (self.low + self.high).scale(0.5);
         let radius = (self.high - middle).hi.abs().max((middle - self.low).hi.abs());
-        Ball::exact(middle).widen(radius * up::FEW + middle.hi.abs() * 2f64.powi(-100))
+        Ball::exact(middle).widen(radius * up::FEW + middle.hi.abs() * two_to(-100))
     }
 
     /// The distance from a number to the part's far end.
@@ -129,7 +129,7 @@ impl Part {
         let middle = (self.low + self.high).scale(0.5);
         let width = (self.high - self.low).to_f64();
         let size = self.low.hi.abs().max(self.high.hi.abs());
-        let between = middle > self.low && middle < self.high && width > size * 2f64.powi(-96);
+        let between = middle > self.low && middle < self.high && width > size * two_to(-96);
         between.then_some([Part { low: self.low, high: middle }, Part { low: middle, high: self.high }])
     }
 }

@@ -4,7 +4,7 @@
 //! and everything else. See docs/method/measures.md.
 
 use super::search::to_fraction;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, two_to};
 
 /// Why there is no derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,10 +25,10 @@ const MOST: i32 = -7;
 /// is zero.
 pub fn step(p: &Number, unit: &Number, relative_error: f64) -> Number {
     let size = if p.may_be_zero() { unit.to_f64().abs() } else { p.to_f64().abs() };
-    let exponent = (LEAST..=MOST).find(|&k| 2f64.powi(3 * k) >= relative_error).unwrap_or(MOST);
+    let exponent = (LEAST..=MOST).find(|&k| two_to(3 * k) >= relative_error).unwrap_or(MOST);
     // Rounded down to a power of two, so that the steps are short fractions.
     let bits = ((size.max(f64::MIN_POSITIVE).to_bits() >> 52) & 0x7ff) as i32 - 1023;
-    to_fraction(Dd::from(2f64.powi((bits + exponent).clamp(-1000, 1000))))
+    to_fraction(Dd::from(two_to((bits + exponent).clamp(-1000, 1000))))
 }
 
 /// The slope of a function from its values at p - h, p and p + h.

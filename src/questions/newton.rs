@@ -8,7 +8,7 @@ use super::error::AskedError;
 use super::range_enclosure::{Centre, Moved};
 use super::search::{Difference, Root, to_fraction};
 use super::unknowns::{Pairing, Unknowns, between, finite_value};
-use crate::base::{Ball, Dd, Jet, Number, up};
+use crate::base::{Ball, Dd, Jet, Number, two_to, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::Lu;
 use crate::kernel::real::Scalar;
@@ -61,7 +61,7 @@ pub fn solve_group(unknowns: &mut Unknowns, group: &[Pairing]) -> Result<(), Vec
             for (i, &(equation, unknown)) in group.iter().enumerate() {
                 let root = match &within {
                     Some(within) => Root::enclosed(x[i], within[i]),
-                    None => Root::seen(x[i], x[i].hi.abs() * 2f64.powi(-96)),
+                    None => Root::seen(x[i], x[i].hi.abs() * two_to(-96)),
                 };
                 unknowns.take(equation, unknown, &root, evaluations, Others::Unknown);
             }
@@ -225,7 +225,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         let step: Vec<f64> = (0..n)
             .map(|i| (0..n).map(|e| y[e][i].hi.abs() * end.differences[e].magnitude()).sum::<f64>() * up::THOUSANDS)
             .collect();
-        let rounding = |i: usize| end.x[i].hi.abs().max(self.high[i].hi.abs() * 1e-9) * 2f64.powi(-98);
+        let rounding = |i: usize| end.x[i].hi.abs().max(self.high[i].hi.abs() * 1e-9) * two_to(-98);
         let mut radius: Vec<f64> = (0..n).map(|i| 2.0 * step[i] + rounding(i)).collect();
         for _ in 0..WIDENINGS {
             let slopes = self.slopes(&end.x, &radius)?;

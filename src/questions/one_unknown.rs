@@ -7,7 +7,7 @@ use super::cover::{Cover, Covered, Part, Rest};
 use super::error::AskedError;
 use super::search::{Difference, Evaluation, Root, SearchResult, narrow, search, sign, to_fraction};
 use super::unknowns::{Unknowns, constant, shortest};
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, two_to};
 
 /// Rounds of searching for roots that were missed.
 const MOST_ROUNDS: usize = 6;
@@ -112,7 +112,7 @@ impl Search<'_, '_> {
             if meets {
                 let near = short.enclosure().mid;
                 self.seen.roots.retain(|root| root.proof.is_some() || (root.near - near).hi.abs() > touch.within * 4.0);
-                let rounding = near.hi.abs() * 2f64.powi(-100);
+                let rounding = near.hi.abs() * two_to(-100);
                 self.seen.add(Some(Root { near, within: rounding, proof: Some(super::search::Crossing::exact()) }));
             }
         }

@@ -2,7 +2,7 @@
 //! and the range. Out: every root that was found, each between two numbers at which the enclosures of the measure lie on
 //! different sides; and how the measure behaved elsewhere. See docs/method/measures.md.
 
-use crate::base::{Ball, Dd, Number, Rational};
+use crate::base::{Ball, Dd, Number, Rational, two_to};
 use std::cmp::Ordering;
 
 /// The measure minus its target, at one value.
@@ -180,7 +180,7 @@ impl Search<'_> {
     /// The narrowest pair of numbers around this one, on different sides, that the enclosures allow.
     fn certified(&mut self, near: &Evaluation) -> Option<Root> {
         let x = near.at.to_ball().mid;
-        let mut within = (x.hi.abs() * 2f64.powi(-100)).max(f64::MIN_POSITIVE * 2f64.powi(60));
+        let mut within = (x.hi.abs() * two_to(-100)).max(f64::MIN_POSITIVE * two_to(60));
         for _ in 0..30 {
             let (left, right) = (self.evaluate_at(x - Dd::from(within)), self.evaluate_at(x + Dd::from(within)));
             let (a, b) = (sign(&left.difference), sign(&right.difference));
@@ -280,7 +280,7 @@ fn middle(a: &Evaluation, b: &Evaluation, step: usize) -> Option<Dd> {
     let (left, right) = (a.at.to_ball().mid, b.at.to_ball().mid);
     let width = right - left;
     let scale = left.hi.abs().max(right.hi.abs());
-    if width.to_f64() <= scale * 2f64.powi(-98) {
+    if width.to_f64() <= scale * two_to(-98) {
         return None;
     }
     let secant = || match (&a.difference, &b.difference) {

@@ -4,7 +4,7 @@
 //! docs/method/emit.md.
 
 use crate::analysis::response::exponential::Generator;
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, two_to};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::norm_bound;
 
@@ -48,7 +48,7 @@ pub fn coupled(a: &Matrix<Dd>, drive: &Matrix<Dd>, r: &Matrix<Dd>, steps: Dd, h:
     if most == 0.0 || steps.is_zero() {
         return Some(Matrix::zeros(n, m));
     }
-    let unit = 2f64.powi(exponent(most).clamp(-1000, 1000));
+    let unit = two_to(exponent(most).clamp(-1000, 1000));
     let augmented = Matrix::from_fn(n + m, n + m, |i, j| {
         let entry = match (i < n, j < n) {
             (true, true) => (a[(i, j)] * h).scale(scale[j] / scale[i]),
@@ -94,7 +94,7 @@ fn balance(a: &Matrix<Dd>) -> Vec<f64> {
                 (0..n).filter(|&j| j != i).fold((0.0, 0.0), |(r, c), j| (r + size(i, j), c + size(j, i)));
             if row > 0.0 && column > 0.0 && !(0.25..4.0).contains(&(row / column)) {
                 let exponent = exponent((row / column).sqrt()).clamp(-400, 400);
-                scale[i] *= 2f64.powi(exponent);
+                scale[i] *= two_to(exponent);
                 changed = true;
             }
         }

@@ -9,7 +9,7 @@
 
 use crate::analysis::discrete::precision::Precision;
 use crate::analysis::discrete::turn::Turn;
-use crate::base::Dd;
+use crate::base::{Dd, Power};
 use crate::kernel::dense::Matrix;
 
 /// The step of a pair of states.
@@ -153,7 +153,7 @@ fn coordinates(turn: &Turn, det: Dd, p: Dd, drive: Option<[Dd; 2]>) -> Option<Ma
 /// The hypotenuse, written out so that it is the same on every machine.
 fn hypotenuse(a: f64, b: f64) -> f64 {
     let most = a.abs().max(b.abs());
-    if most == 0.0 { 0.0 } else { most * ((a / most).powi(2) + (b / most).powi(2)).sqrt() }
+    if most == 0.0 { 0.0 } else { most * ((a / most).power(2) + (b / most).power(2)).sqrt() }
 }
 
 impl Lift {

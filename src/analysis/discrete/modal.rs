@@ -5,7 +5,7 @@
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};
 use crate::analysis::modes::form::{ModalForm, gram};
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, Power};
 use crate::kernel::dense::Matrix;
 use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, LinearSystem};
@@ -202,7 +202,7 @@ fn length(column: &[(CoordinateId, Number)]) -> f64 {
 fn split_real_rates(block: Block, k: Dd, c: Dd) -> Vec<Block> {
     let half = c * 0.5;
     let square = half * half - k;
-    if square.hi <= (APART * half.hi).powi(2) || square.hi <= 0.0 {
+    if square.hi <= (APART * half.hi).power(2) || square.hi <= 0.0 {
         return vec![block];
     }
     let root = square.sqrt();

@@ -12,7 +12,7 @@
 use crate::analysis::discrete::cell::{Cell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
 use crate::analysis::discrete::precision::Precision;
-use crate::base::{Bound, Dd, larger};
+use crate::base::{Bound, Dd, Power, larger};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::norm_bound;
 
@@ -337,7 +337,7 @@ fn norm(f: &Matrix<f64>) -> f64 {
     if n != 2 {
         return bound;
     }
-    let squares = (0..4).map(|i| f[(i / 2, i % 2)].powi(2)).sum::<f64>();
+    let squares = (0..4).map(|i| f[(i / 2, i % 2)].power(2)).sum::<f64>();
     let det = f[(0, 0)] * f[(1, 1)] - f[(0, 1)] * f[(1, 0)];
     let apart = (squares * squares - 4.0 * det * det).max(0.0).sqrt();
     // A root of a difference that cancels is off by 1e-7 of the whole at most.

@@ -5,7 +5,7 @@
 //! minus or plus one. See docs/method/emit.md.
 
 use crate::analysis::discrete::precision::exp_minus_one;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, Power};
 use crate::kernel::dense::Matrix;
 
 /// F = sign (1 + change), with the minus sign if the motion turns by more than a quarter of a period.
@@ -36,7 +36,7 @@ const GONE: f64 = -700.0;
 /// Whether two states turn so far that their phase is lost before they have decayed.
 pub fn too_far(a: &Matrix<Dd>) -> bool {
     let half = (a[(0, 0)].hi + a[(1, 1)].hi) * 0.5;
-    let square = (a[(0, 0)].hi - half).powi(2) + a[(0, 1)].hi * a[(1, 0)].hi;
+    let square = (a[(0, 0)].hi - half).power(2) + a[(0, 1)].hi * a[(1, 0)].hi;
     half >= GONE && -square > MOST_ANGLE * MOST_ANGLE
 }
 

@@ -18,7 +18,7 @@
 
 use crate::analysis::modes::gram::{Gram, SLACK};
 use crate::analysis::modes::scale::{by_power, exponent};
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, Power};
 use crate::kernel::dense::Matrix;
 use crate::kernel::triple::Triple;
 use std::cmp::Ordering;
@@ -192,7 +192,7 @@ impl<'a> Pencil<'a> {
             residual = residual.max(self.residual[i]);
             mass = mass.min(self.mass[i]);
             for j in (0..start).chain(end..n) {
-                outer += (self.coupling(i, j, span) * scale[j]).powi(2);
+                outer += (self.coupling(i, j, span) * scale[j]).power(2);
             }
         }
         (residual + inner.0 + assumed * inner.1 + outer / (1.0 - q)) / mass * SLACK
@@ -204,7 +204,7 @@ impl<'a> Pencil<'a> {
         for (j, &outer) in scale.iter().enumerate().filter(|(_, scale)| **scale > 0.0) {
             let (k, m) = (self.k_size.column(j), self.m_size.column(j));
             let row: f64 =
-                k.iter().zip(m).zip(scale).take(j).map(|((k, m), inner)| ((k + largest * m) * inner).powi(2)).sum();
+                k.iter().zip(m).zip(scale).take(j).map(|((k, m), inner)| ((k + largest * m) * inner).power(2)).sum();
             sum += 2.0 * row * outer * outer;
         }
         sum.sqrt() * SLACK

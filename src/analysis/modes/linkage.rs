@@ -15,7 +15,7 @@ use crate::analysis::answer::Modes;
 use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::request::Request;
 use crate::analysis::modes::{MAX_DENSE, modes_as, shape};
-use crate::base::Number;
+use crate::base::{Number, Power};
 use crate::system::chain::ChainedRow;
 use crate::system::{CoordinateId, Form, LinearSystem};
 
@@ -343,7 +343,7 @@ impl Masses {
         for place in 0..self.chain.starts.len() - 1 {
             motions.push(dot(self.chain.row(place), &motions));
         }
-        let energy = |(t, weight): (usize, &f64)| weight * dot(self.terms.row(t), &motions).powi(2);
+        let energy = |(t, weight): (usize, &f64)| weight * dot(self.terms.row(t), &motions).power(2);
         self.weights.iter().enumerate().map(energy).sum()
     }
 }

@@ -5,7 +5,7 @@
 use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::rigid::RigidMotions;
-use crate::base::{Ball, Dd, rounding};
+use crate::base::{Ball, Dd, Power, rounding};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, error, product};
@@ -268,7 +268,7 @@ fn rigid_columns(pencil: &Pencil<Precise>, rigid: &RigidMotions, pairs: &[Pair])
 
 /// sum w (a . x)^2 in binary64.
 fn square(squares: &Squares<Precise>, x: &[Precise]) -> f64 {
-    (0..squares.len()).map(|t| squares.weights[t].to_f64() * squares.stretch_of(t, x).to_f64().powi(2)).sum()
+    (0..squares.len()).map(|t| squares.weights[t].to_f64() * squares.stretch_of(t, x).to_f64().power(2)).sum()
 }
 
 /// The geometric mean of the slowest and the fastest rate.

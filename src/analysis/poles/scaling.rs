@@ -3,7 +3,7 @@
 //! poles are 2^-q times those of the system. See docs/method/poles.md#parts-and-scaling.
 
 use crate::analysis::answer::{Modes, Poles};
-use crate::base::{Ball, Number, Rational};
+use crate::base::{Ball, Number, Rational, two_to};
 use crate::system::{Form, LinearSystem};
 
 /// Exponents beyond which products of a few numbers, or their lower words, may leave the range of binary64.
@@ -75,7 +75,7 @@ impl Scaled {
 
 /// 2^power as a product of two numbers within the range.
 fn halves(power: i32) -> [f64; 2] {
-    [2f64.powi(power / 2), 2f64.powi(power - power / 2)]
+    [two_to(power / 2), two_to(power - power / 2)]
 }
 
 /// The least and the largest log2 of w a^2.

@@ -1,7 +1,7 @@
 //! Arguments of functions that are integrated over a band: complex numbers, and matrices of order two for two poles that are nearly
 //! one. Enclosures, with bounds of norms.
 
-use crate::base::{Ball, Number, up};
+use crate::base::{Ball, Number, Power, up};
 use crate::kernel::complex::Complex;
 
 pub type Point = Complex<Ball>;
@@ -120,7 +120,7 @@ impl Argument for Two {
 
     /// Frobenius's norm.
     fn size(self) -> f64 {
-        self.0.iter().flatten().map(|z| z.magnitude().powi(2)).sum::<f64>().sqrt() * up::DOZENS
+        self.0.iter().flatten().map(|z| z.magnitude().power(2)).sum::<f64>().sqrt() * up::DOZENS
     }
 
     fn widen(self, by: f64) -> Two {

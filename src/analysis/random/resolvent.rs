@@ -9,7 +9,7 @@
 use super::argument::{Argument, Point, Two};
 use super::blocks::{Block, blocks};
 use super::gramian::{Drive, Space};
-use crate::base::{Ball, down, up};
+use crate::base::{Ball, Power, down, up};
 use crate::kernel::complex::Complex;
 use std::cell::OnceCell;
 
@@ -128,7 +128,7 @@ impl Exact {
             let d = &d;
             (0..d.len()).map(move |j| {
                 let entry = if i == j { d[i][j] - mean.to_ball() } else { d[i][j] };
-                entry.magnitude().powi(2)
+                entry.magnitude().power(2)
             })
         });
         let is_left = far > 0.0 && far.is_finite() && apart.sum::<f64>().sqrt() * UP <= MOST_APART * far;
@@ -224,7 +224,7 @@ impl Resolvent {
             return None;
         }
         let norm = |of: &dyn Fn(&Residual) -> f64| {
-            let squares: f64 = self.residuals.iter().map(|entry| of(entry).powi(2)).sum();
+            let squares: f64 = self.residuals.iter().map(|entry| of(entry).power(2)).sum();
             squares.sqrt() * UP
         };
         let residual = norm(&|entry| entry.residual / (far[entry.row] * far[entry.column]).sqrt() * UP);
@@ -338,7 +338,7 @@ impl Resolvent {
             let driven: Vec<Point> = each().map(|(x, rate)| along(x, &force) + along(rate, &moved)).collect();
             let q: Vec<Point> = block.inverse.iter().map(|inverse| across(inverse, &driven)).collect();
             let count = if block.is_real { 1.0 } else { 2.0 };
-            let square = |x: &[Point]| x.iter().map(|z| z.magnitude().powi(2)).sum::<f64>();
+            let square = |x: &[Point]| x.iter().map(|z| z.magnitude().power(2)).sum::<f64>();
             left += count * square(&p) / far;
             right += count * square(&q) / far;
             rows.push(p);
@@ -503,7 +503,7 @@ fn coupled((d, q): (&[Vec<Point>], &[Point]), (e, r): (&[Vec<Point>], &[Point]),
     // (a + b) P = - q r^T - N P - P N'^T, term by term of the geometric series.
     let mut term: Vec<Vec<Point>> = q.iter().map(|q| r.iter().map(|r| -(*q * *r) * inverse).collect()).collect();
     let mut sum = term.clone();
-    let size = |m: &[Vec<Point>]| m.iter().flatten().map(|z| z.magnitude().powi(2)).sum::<f64>().sqrt() * UP;
+    let size = |m: &[Vec<Point>]| m.iter().flatten().map(|z| z.magnitude().power(2)).sum::<f64>().sqrt() * UP;
     let ratio = (size(&rest_d) + size(&rest_e)) * inverse.magnitude() * UP;
     let is_small = ratio < 0.5;
     for _ in 0..MOST_TERMS {

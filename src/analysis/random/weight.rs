@@ -6,7 +6,7 @@
 //! geometric series.
 
 use super::argument::{Argument, Point};
-use crate::base::{Ball, Number, down, up};
+use crate::base::{Ball, Number, Power, down, up};
 use crate::kernel::complex::Complex;
 use std::cell::OnceCell;
 
@@ -151,7 +151,7 @@ impl Panel {
             // The terms that follow shrink at least by this factor.
             let factor = growth(count) * up::DOZENS;
             if factor < 0.9 {
-                let first = (count + 1.0) * next.magnitude() * NEAR.powi(k as i32) * up::DOZENS;
+                let first = (count + 1.0) * next.magnitude() * NEAR.power(k as i32) * up::DOZENS;
                 rest = first / (1.0 - factor) * up::DOZENS;
                 if rest <= least {
                     break;
@@ -180,7 +180,7 @@ impl Panel {
             // The terms of the norm that follow shrink at least by this factor.
             let factor = size * (count + 2.0) / ((count + 1.0) * (count + 1.0)) * up::DOZENS;
             if factor < 0.5 {
-                rest = 2.0 * (count + 1.0) * next.magnitude() * NEAR.powi(k as i32) * up::DOZENS;
+                rest = 2.0 * (count + 1.0) * next.magnitude() * NEAR.power(k as i32) * up::DOZENS;
                 if rest <= LEFT {
                     break;
                 }
@@ -188,7 +188,7 @@ impl Panel {
             series.push(next);
         }
         let norm = |list: &[Point]| {
-            let of = |(k, a): (usize, &Point)| (k as f64 + 1.0) * a.magnitude() * NEAR.powi(k as i32);
+            let of = |(k, a): (usize, &Point)| (k as f64 + 1.0) * a.magnitude() * NEAR.power(k as i32);
             list.iter().enumerate().map(of).sum::<f64>() * up::THOUSANDS
         };
         let (own, phase) = (norm(&self.coefficients), norm(&series));
@@ -246,7 +246,7 @@ impl Panel {
         // Horner's scheme from the last term.
         let all = moments[..terms].iter().rev();
         let sum = all.fold(A::of(Complex::ZERO), |sum, &moment| sum.plus(A::of(moment)).times(inverse));
-        let beyond = 2.0 * size * ratio.powi(terms as i32 + 1) / (1.0 - ratio);
+        let beyond = 2.0 * size * ratio.power(terms as i32 + 1) / (1.0 - ratio);
         let left = (beyond + 2.0 * self.rest * ratio / (1.0 - ratio)) * up::THOUSANDS;
         sum.scale(-Ball::ONE).widen(left)
     }

@@ -11,7 +11,7 @@
 //! If the bordered matrix is regular, A is singular exactly where s is zero (W. Govaerts, *Numerical Methods for
 //! Bifurcations of Dynamical Equilibria*, SIAM 2000, chapter 3); x is then its null vector with v . x = 1.
 
-use crate::base::{Ball, Dd, Jet, Number};
+use crate::base::{Ball, Dd, Jet, Number, two_to};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::{product, solve as eliminated};
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -123,7 +123,7 @@ fn of_jets(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> Jet) -> 
 fn scales(sizes: &[f64]) -> Vec<Ball> {
     let exponent = |size: f64| ((size.to_bits() >> 52) & 0x7ff) as i32 - 1023;
     let power = |size: f64| if size >= f64::MIN_POSITIVE && size.is_finite() { -exponent(size) / 2 } else { 0 };
-    sizes.iter().map(|size| Ball::from(2f64.powi(power(*size)))).collect()
+    sizes.iter().map(|size| Ball::from(two_to(power(*size)))).collect()
 }
 
 fn scaled(a: &JetMatrix, scale: &[Ball]) -> JetMatrix {

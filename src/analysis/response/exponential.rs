@@ -7,7 +7,7 @@
 //! evaluated in eight products (Paterson and Stockmeyer 1973). With F = exp + e, |F^2 - exp^2| <= 2 |F| |e| + |e|^2,
 //! and the norms of the computed powers are used, so that a decayed exponential keeps its relative error.
 
-use crate::base::{Ball, Dd, Number, up};
+use crate::base::{Ball, Dd, Number, two_to, up};
 use crate::kernel::dense::enclosure::norm_bound;
 use crate::kernel::dense::{Matrix, add_scaled, dot};
 
@@ -64,20 +64,20 @@ impl Generator {
     pub fn parts(&self, t: Ball) -> Option<Parts> {
         let size = self.norm * t.magnitude() * 2.0;
         let mut squarings = 0u32;
-        while size > 2f64.powi(squarings as i32) {
+        while size > two_to(squarings as i32) {
             squarings += 1;
             if squarings > MOST_SQUARINGS {
                 return None;
             }
         }
-        let scale = 1.0 / 2f64.powi(squarings as i32);
+        let scale = 1.0 / two_to(squarings as i32);
         let first = Ball::new(t.mid.scale(scale), t.rad * scale);
         Some(Parts { power: self.taylor(first), first, squarings })
     }
 
     /// The square of a power; `left` squarings later it is exp(A t).
     pub fn squared(&self, power: &Exponential, t: Ball, left: u32) -> Exponential {
-        let time = t.magnitude() / 2f64.powi(left as i32);
+        let time = t.magnitude() / two_to(left as i32);
         square(power, growth(self.rate * time))
     }
 

@@ -22,7 +22,7 @@ use crate::analysis::response::exponential::growth;
 use crate::analysis::response::propagator::{StateSpace, dense};
 use crate::analysis::response::signal::order;
 use crate::analysis::response::trail::Trail;
-use crate::base::{Ball, Dd, Number, up};
+use crate::base::{Ball, Dd, Number, Power, up};
 use crate::kernel::dense::enclosure::norm_bound;
 use crate::kernel::dense::{Matrix, add_scaled};
 use crate::system::{LinearSystem, Signal};
@@ -310,7 +310,7 @@ impl<'a> Run<'a> {
                 let index = channel.first + k;
                 let scaled = 1.0 / self.space.scale[index];
                 self.z[mechanical + index] = value.mid.scale(scaled);
-                radii += (value.rad * scaled).powi(2);
+                radii += (value.rad * scaled).power(2);
             }
         }
         self.source_error = radii.sqrt() * UP;
@@ -355,7 +355,7 @@ impl<'a> Run<'a> {
             let zeros = vec![Ball::ZERO; self.system.n()];
             let size = |k: usize| {
                 let impulse = self.space.impulse_response_jump(&dense(&b[k], self.system.n()), &zeros);
-                impulse.map_or(f64::INFINITY, |z| z.iter().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt())
+                impulse.map_or(f64::INFINITY, |z| z.iter().map(|x| x.magnitude().power(2)).sum::<f64>().sqrt())
             };
             (0..3).filter(|&k| !b[k].is_empty()).map(|k| size(k) * channel.approximation(k)).sum()
         };
@@ -377,7 +377,7 @@ impl<'a> Run<'a> {
             for j in 0..size {
                 let factor = self.outputs[(row, j)];
                 y = y + factor * Ball::exact(self.z[j]);
-                let square = factor.magnitude().powi(2);
+                let square = factor.magnitude().power(2);
                 if j < mechanical { own += square } else { sources += square }
             }
             y.widen(

@@ -12,7 +12,7 @@
 
 use crate::analysis::error::AnalysisError;
 use crate::analysis::response::exponential::Generator;
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, Power, two_to};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::cholesky;
 use crate::kernel::dense::enclosure::{norm_bound, product, solve};
@@ -300,16 +300,16 @@ impl Shaping {
                 k[(i, j)] + extra
             })
         };
-        let least = (2.0 / horizon.max(1e-150)).powi(2);
+        let least = (2.0 / horizon.max(1e-150)).power(2);
         let mut s_factor = cholesky::upper(&shifted(0.0), LEAST_PIVOT);
         for shift in 0..MOST_SHIFTS {
             if s_factor.is_some() {
                 break;
             }
-            s_factor = cholesky::upper(&shifted(least * 4f64.powi(shift)), LEAST_PIVOT);
+            s_factor = cholesky::upper(&shifted(least * 4f64.power(shift)), LEAST_PIVOT);
             if s_factor.is_some() && shift > 0 {
                 // Twice the least shift has the smallest rate: sigma / (2 sqrt(sigma - mu^2)) at sigma = 2 mu^2.
-                s_factor = cholesky::upper(&shifted(2.0 * least * 4f64.powi(shift)), LEAST_PIVOT);
+                s_factor = cholesky::upper(&shifted(2.0 * least * 4f64.power(shift)), LEAST_PIVOT);
             }
         }
         let s_factor = s_factor.ok_or_else(|| AnalysisError::singular_mass(system, &parts.heavy))?;
@@ -410,7 +410,7 @@ const MOST_TO_RELAX: usize = 64;
 /// or that the system remembers, and the states of a chain to the same magnitude.
 pub fn scales(coupling: &Matrix<Ball>, sources: &Exogenous) -> Vec<f64> {
     let natural = |j: usize| {
-        let size = coupling.column(j).iter().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt();
+        let size = coupling.column(j).iter().map(|x| x.magnitude().power(2)).sum::<f64>().sqrt();
         if size > 0.0 { 1.0 / (size * sources.longest[j]) } else { f64::INFINITY }
     };
     let mut scale: Vec<f64> = Vec::with_capacity(sources.count);
@@ -435,7 +435,7 @@ fn power_of_two_near(x: f64) -> f64 {
         return 1.0;
     }
     let exponent = ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023;
-    2f64.powi(exponent.clamp(-500, 500))
+    two_to(exponent.clamp(-500, 500))
 }
 
 /// The part that may make |z| grow: (A + A^T) / 2 without the dissipation -L^T C L (L: the rows of the velocities, C:

@@ -3,7 +3,7 @@
 //! chirp is a sequence of Taylor polynomials with a bounded remainder. In: the model's declarations, in SI units. Out:
 //! breakpoints and coefficients. Every signal is zero before t = 0. See docs/method/response.md.
 
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Number, Power};
 use crate::system::{Course, Signal, Table};
 use std::cmp::Ordering;
 
@@ -71,7 +71,7 @@ impl Source {
     /// A bound of the error of the k-th derivative of its pieces.
     pub fn approximation(&self, k: usize) -> f64 {
         match self {
-            Source::Pieces { error, rise, .. } if *error > 0.0 => error * rise.powi(k as i32),
+            Source::Pieces { error, rise, .. } if *error > 0.0 => error * rise.power(k as i32),
             _ => 0.0,
         }
     }
@@ -194,7 +194,7 @@ fn chirp(wave: &Wave, step: Option<&Number>) -> Result<Source, TooManyPieces> {
     pieces.push(Piece { at: begin + duration, derivatives: Vec::new(), jump: true });
     let size = value.abs().to_f64();
     // Each derivative of the remainder is larger by a factor 16 / h.
-    let lost = 2.0 * (3.01 * CHIRP_PHASE / 16.0).powi(16) * size;
+    let lost = 2.0 * (3.01 * CHIRP_PHASE / 16.0).power(16) * size;
     let rise = 17.0 / length.to_f64();
     Ok(pieces_from_zero(pieces, lost, rise))
 }

@@ -4,7 +4,7 @@
 //! The state is (x, v) with x = omega y and v = y', where y is by how much the mass lags behind the base:
 //! y'' + 2 zeta omega y' + omega^2 y = a. Both have one unit, and without an acceleration x^2 + v^2 never grows.
 
-use crate::base::Ball;
+use crate::base::{Ball, Power};
 
 /// omega h max(1, 2 zeta) of a step is at most this.
 pub const LONGEST: f64 = 0.5;
@@ -60,7 +60,7 @@ pub fn step(omega: Ball, damping: Ball, h: Ball, derivatives: usize, factorials:
         power = power * theta;
     }
     // |theta^j c_(j+1)| <= (theta (1 + 2 zeta))^j, at most 1.
-    let rest = (3.0 * theta.magnitude().max((theta * twice).magnitude())).min(1.0).powi(TERMS as i32)
+    let rest = (3.0 * theta.magnitude().max((theta * twice).magnitude())).min(1.0).power(TERMS as i32)
         * (factorials.0[TERMS + top].mid.hi * 1.1);
     let mut powers = vec![Ball::ONE];
     for k in 0..=top + 1 {

@@ -3,7 +3,7 @@
 //! R, a bound of |E| entry by entry, and from these a bound of |x - y| for any residual (Rump, *Verification methods*,
 //! Acta Numerica 19 (2010), section 10). See docs/method/transfer.md.
 
-use crate::base::{Ball, Dd, larger, up};
+use crate::base::{Ball, Dd, larger, two_to, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::{Matrix, lu};
 use crate::kernel::real;
@@ -139,16 +139,12 @@ fn equilibrate(n: usize, entries: &[Entry]) -> Option<Vec<f64>> {
             *e -= largest.div_euclid(2);
         }
     }
-    exponent.iter().all(|e| e.abs() < 500).then(|| exponent.iter().map(|&e| power_of_two(e)).collect())
+    exponent.iter().all(|e| e.abs() < 500).then(|| exponent.iter().map(|&e| two_to(e)).collect())
 }
 
 /// The exponent e of 2^e <= x < 2^(e+1), for normal numbers.
 fn binary_exponent(x: f64) -> i32 {
     ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023
-}
-
-fn power_of_two(e: i32) -> f64 {
-    f64::from_bits(((e + 1023) as u64) << 52)
 }
 
 /// A bound of |I - R' Q'|: the computed difference, its rounding, and what Q is uncertain by or lost when it was rounded.

@@ -11,7 +11,7 @@
 
 use crate::analysis::poles::residues::Residues;
 use crate::analysis::transfer::{Disc, Frequency, Gain, feed_through};
-use crate::base::{Ball, Dd, up};
+use crate::base::{Ball, Dd, Power, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::simd::simd;
 use crate::system::LinearSystem;
@@ -176,7 +176,7 @@ impl PartialFractions {
         // Over the ball |dH/domega| is at most 4 sum |r| / |i omega - s|^2, and that of the polynomial, and of the rest.
         let steepest = 4.0 * sums(&self.terms, omega.mid).sizes[1]
             + (1..4)
-                .map(|l| l as f64 * self.polynomial[l].magnitude() * omega.magnitude().powi(l as i32 - 1))
+                .map(|l| l as f64 * self.polynomial[l].magnitude() * omega.magnitude().power(l as i32 - 1))
                 .sum::<f64>();
         let radius = (local.errors[0] + reach * (steepest * up::MILLIONS + local.errors[1])) * up::MILLIONS;
         let disc = Disc { value: local.h, radius };
@@ -218,12 +218,12 @@ impl PartialFractions {
             for k in 0..=power {
                 // e i^l C(l, k) middle^(l - k) half^k
                 let powers =
-                    (0..power - k).fold(e.mid * Dd::from(binomial), |x, _| x * middle).to_f64() * half.powi(k as i32);
+                    (0..power - k).fold(e.mid * Dd::from(binomial), |x, _| x * middle).to_f64() * half.power(k as i32);
                 let sum = &mut sums.coefficients[k];
                 *sum = *sum + Complex::new(turn.0 * powers, turn.1 * powers);
                 binomial *= (power - k) as f64 / (k + 1) as f64;
             }
-            let most = (w.to_f64() + half).powi(power as i32) * up::DOZENS;
+            let most = (w.to_f64() + half).power(power as i32) * up::DOZENS;
             for k in 0..3 {
                 sums.sizes[k] += 9.0 * e.magnitude() * most;
                 sums.doubts[k] += 9.0 * e.rad * most;

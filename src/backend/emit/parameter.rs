@@ -10,6 +10,7 @@ use super::plan::{
 use super::plan::{product, remove_unused, sum, total};
 use crate::analysis::discrete::parameter::{Parameterised, Polynomial};
 use crate::analysis::discrete::{Port, Precision};
+use crate::base::two_to;
 
 /// Terms of the exponential's series: for a norm of at most a half, the remainder is below 1e-19.
 const TERMS: usize = 15;
@@ -92,7 +93,7 @@ impl<'a> Written<'a> {
         let scale = if stiff > 0.0 && stiff.is_finite() { power_of_two(stiff.sqrt()) } else { 1.0 };
         let norm = step * n as f64 * (2.0 * scale + 2.0 * stiff / scale + damped);
         let mut squarings = 1;
-        while norm / 2f64.powi(squarings) > 0.5 && squarings < 60 {
+        while norm / two_to(squarings) > 0.5 && squarings < 60 {
             squarings += 1;
         }
         Written { system, n, inputs: system.inputs.len(), step, scale, squarings }
@@ -183,7 +184,7 @@ impl<'a> Written<'a> {
     #[allow(clippy::needless_range_loop)]
     fn exponential(&self, moves: &[Vec<bool>]) -> Vec<Statement> {
         let (n, width) = (self.n, self.width());
-        let h = self.step / 2f64.powi(self.squarings);
+        let h = self.step / two_to(self.squarings);
         let entry = |name: &str, i: Index, j: Index| E::Entry(name.into(), i, j);
         let put = |name: &str, i: Index, j: Index, value: E| Statement::Assign(Target::Entry(name.into(), i, j), value);
         let (i, j, k) = (Index::Of("i"), Index::Of("j"), Index::Of("k"));

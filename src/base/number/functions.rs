@@ -2,7 +2,7 @@
 //! numbers whose value is rational, Taylor series in ball arithmetic with a bounded remainder otherwise.
 
 use super::surd::Surd;
-use super::{Ball, Dd, Jet, MAX_EXACT_BITS, Number, Rational};
+use super::{Ball, Dd, Jet, MAX_EXACT_BITS, Number, Power, Rational, two_to};
 
 impl Number {
     /// Non-negative square root; `None` if the number is or may be negative.
@@ -21,7 +21,7 @@ impl Number {
             let half = value.floor_log2() / 2;
             if half.unsigned_abs() > 480 {
                 let factor = Number::from(4).powi(-half)?;
-                let (root, power) = ((self * &factor).to_ball().sqrt(), 2f64.powi(half));
+                let (root, power) = ((self * &factor).to_ball().sqrt(), two_to(half));
                 return Some(Number::Ball(Ball::new(root.mid.scale(power), root.rad * power).widen(f64::MIN_POSITIVE)));
             }
         }
@@ -233,13 +233,13 @@ fn exp(x: Ball) -> Ball {
         sum = sum + term;
     }
     // The remainder is below 2 |r|^14 / 14!, at most 2 x 0.0055^14 / 8.7e10; a wide argument counts with its radius.
-    let mut value = sum.widen(2.0 * r.magnitude().powi(14) / 8.7e10);
+    let mut value = sum.widen(2.0 * r.magnitude().power(14) / 8.7e10);
     for _ in 0..6 {
         value = value.square();
     }
     // Two factors, each in range, since k may be as low as -1010.
     let half = (k / 2.0).trunc();
-    value * Ball::from(2f64.powi(half as i32)) * Ball::from(2f64.powi((k - half) as i32))
+    value * Ball::from(two_to(half as i32)) * Ball::from(two_to((k - half) as i32))
 }
 
 /// ln(x): two Newton steps y <- y + 2 (x - e^y) / (x + e^y) from binary64, then the last correction as a ball:
@@ -257,7 +257,7 @@ fn ln(x: Ball) -> Ball {
         return Ball::new(y, f64::INFINITY);
     }
     // |2 artanh z - 2 z| <= z^3 for |z| <= 1/2.
-    Ball::exact(y) + (z * Ball::from(2.0)).widen(size.powi(3))
+    Ball::exact(y) + (z * Ball::from(2.0)).widen(size.power(3))
 }
 
 /// Sine and cosine: r = x - k pi/2 with |r| <= pi/4.
@@ -294,7 +294,7 @@ fn near_zero(r: Ball) -> (Ball, Ball) {
         cosine = cosine + c_term;
         sine = sine + s_term;
     }
-    let rest = r.magnitude().powi(32) / LEFT_OUT;
+    let rest = r.magnitude().power(32) / LEFT_OUT;
     (sine.widen(rest), cosine.widen(rest))
 }
 
@@ -304,7 +304,7 @@ const LEFT_OUT: f64 = 2.63e35;
 /// Angles with many digits before the point.
 mod wide {
     use super::{near_zero, turned};
-    use crate::base::number::{Ball, Dd, Rational};
+    use crate::base::number::{Ball, Dd, Rational, two_to};
     use num_bigint::BigInt;
     use num_integer::Integer;
     use num_rational::BigRational;
@@ -340,7 +340,7 @@ mod wide {
         // Rounded down by less than one unit at 2^-BEHIND, and once more to two words of binary64.
         let high = scaled.to_f64().unwrap_or(0.0);
         let low = (&scaled - BigInt::from(high as i128)).to_f64().unwrap_or(0.0);
-        let unit = 0.5f64.powi(BEHIND as i32);
+        let unit = two_to(-(BEHIND as i32));
         let left = Dd::new(high * unit, low * unit);
         (quarters, Ball::new(left, 3.0 * unit + left.hi.abs() * Dd::EPSILON))
     }
@@ -381,7 +381,7 @@ fn atan2(y: Ball, x: Ball) -> Ball {
         return Ball::new(t, f64::INFINITY);
     }
     // |atan w - w| <= |w|^3 / 3.
-    Ball::exact(t) + w.widen(size.powi(3))
+    Ball::exact(t) + w.widen(size.power(3))
 }
 
 /// arcsine by atan2(x, sqrt(1 - x^2)); `None` outside [-1, 1].

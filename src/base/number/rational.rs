@@ -5,6 +5,7 @@
 
 use super::ball::Ball;
 use super::dd::Dd;
+use super::two_to;
 use num_bigint::{BigInt, Sign};
 use num_integer::Integer;
 use num_rational::BigRational;
@@ -303,21 +304,17 @@ fn big_to_ball(value: &BigRational) -> Ball {
         let mask = (num_bigint::BigUint::one() << 43u32) - 1u32;
         ((magnitude >> low) & mask).to_f64().unwrap_or(0.0)
     };
-    let mut mid = Dd::from(piece(86) * pow2(86));
-    mid += Dd::from(piece(43) * pow2(43));
+    let mut mid = Dd::from(piece(86) * two_to(86));
+    mid += Dd::from(piece(43) * two_to(43));
     mid += Dd::from(piece(0));
     let sign = if quotient.sign() == Sign::Minus { -1.0 } else { 1.0 };
     // Two scalings, so that neither power of two overflows before the result does.
     let half = -shift / 2;
-    let mid = mid.scale(pow2(half)).scale(pow2(-shift - half)).scale(sign);
+    let mid = mid.scale(two_to(half)).scale(two_to(-shift - half)).scale(sign);
     if rest.is_zero() && magnitude.trailing_zeros().unwrap_or(0) + 106 >= magnitude.bits() && mid.hi.abs() > 1e-250 {
         return Ball::exact(mid);
     }
     Ball::new(mid, mid.hi.abs() * (4.0 * Dd::EPSILON) + 1e-318)
-}
-
-fn pow2(exponent: i64) -> f64 {
-    2f64.powi(exponent.clamp(-1074, 1024) as i32)
 }
 
 impl From<BigRational> for Rational {

@@ -1,6 +1,6 @@
 //! Small dense matrices of balls: products, solutions and triangular factors with known errors.
 
-use crate::base::{Ball, Dd, larger, up};
+use crate::base::{Ball, Dd, larger, two_to, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::inverse;
 
@@ -163,7 +163,7 @@ fn balance(a: &Matrix<Ball>) -> Option<(Vec<f64>, Vec<f64>)> {
     let n = a.rows();
     let of = |largest: f64| {
         let exponent = ((largest.to_bits() >> 52) & 0x7ff) as i32 - 1023;
-        (largest.is_finite() && (-500..500).contains(&exponent)).then(|| 2f64.powi(-exponent))
+        (largest.is_finite() && (-500..500).contains(&exponent)).then(|| two_to(-exponent))
     };
     let size = |i: usize, j: usize| a[(i, j)].mid.hi.abs();
     let rows = (0..n).map(|i| of((0..n).map(|j| size(i, j)).fold(0.0, f64::max))).collect::<Option<Vec<f64>>>()?;

@@ -13,7 +13,7 @@ use super::krawczyk::{MAX_REFINEMENTS, NEAR};
 use super::potential::{Detail, Energy};
 use super::proof::Proven;
 use super::refinement::Refinement;
-use crate::base::{Ball, Dd, Number, up};
+use crate::base::{Ball, Dd, Number, Power, up};
 use crate::kernel::sparse::ldl::Factors;
 use crate::lower::kinematics::Index;
 
@@ -65,7 +65,7 @@ fn prove(
     part.place(moving, middle, |_| 0.0);
     let gradient = part.energy(local, n, Detail::Gradient).gradient;
     let scale = &curvature.scale;
-    let forces = gradient.iter().zip(scale).map(|(force, scale)| (force.to_ball().magnitude() * scale).powi(2));
+    let forces = gradient.iter().zip(scale).map(|(force, scale)| (force.to_ball().magnitude() * scale).power(2));
     // Sums and products of n positive numbers: the factor covers their roundings for n below 1e8.
     let force = forces.sum::<f64>().sqrt() * up::HUNDREDS_OF_MILLIONS;
     let sigma = 0.5 * estimate(factors, n);

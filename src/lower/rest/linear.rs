@@ -10,7 +10,7 @@
 use super::definite::{Scaled, estimate};
 use super::proof::Proven;
 use super::survey::{Part, Survey};
-use crate::base::{Ball, Dd, Number, larger, up};
+use crate::base::{Ball, Dd, Number, Power, larger, up};
 use crate::elements::Scalar;
 use crate::kernel::sparse::ldl::{Factors, Symmetric};
 use crate::kernel::squares::{Squares, by_factor};
@@ -202,7 +202,7 @@ impl Stiffness {
         let sigma = 0.5 * estimate(&scaled.factor(0.0, 0.0)?, self.n);
         let least = scaled.least_eigenvalue(sigma)?;
         let regular = Proven::definiteness(least)?;
-        let squares = left.iter().zip(&scaled.scale).map(|(left, scale)| (left.magnitude() * scale).powi(2));
+        let squares = left.iter().zip(&scaled.scale).map(|(left, scale)| (left.magnitude() * scale).power(2));
         // Sums and products of n positive numbers: the factor covers their roundings for n below 1e8.
         let norm = squares.sum::<f64>().sqrt() * up::HUNDREDS_OF_MILLIONS;
         Some((scaled.scale.iter().map(|scale| norm / least * scale * up::FEW).collect(), regular))

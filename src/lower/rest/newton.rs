@@ -7,6 +7,7 @@
 
 use super::potential::{Detail, Energy, Potential};
 use super::trust::{Region, ShiftedMatrix, Step};
+use crate::base::Power;
 use crate::kernel::sparse::ldl::{Factors, Symmetric};
 use crate::lower::kinematics::{Index, Kinematics, State};
 
@@ -131,7 +132,7 @@ impl Descent<'_> {
     /// The diagonal of D: 1 for an angle, 1 / length^2 for a translation.
     fn measure(&self) -> Vec<f64> {
         let weight =
-            |coordinate: &Index| if self.kinematics.is_angle(*coordinate) { 1.0 } else { self.length.powi(-2) };
+            |coordinate: &Index| if self.kinematics.is_angle(*coordinate) { 1.0 } else { self.length.power(-2) };
         self.coordinates.iter().map(weight).collect()
     }
 

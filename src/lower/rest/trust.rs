@@ -8,6 +8,8 @@
 //! downhill. If that component is zero up to rounding, z is not used: a coordinate without force stays where it is drawn,
 //! even on top of a hill.
 
+use crate::base::Power;
+
 /// H + s D in factored form.
 pub trait ShiftedMatrix {
     type Factors;
@@ -133,7 +135,7 @@ impl Region<'_> {
             let weighted = self.weighted(&z);
             let mut next = weighted.clone();
             matrix.solve(&factors, &mut next);
-            above = dot(&next, &weighted) / self.norm(&next).powi(2);
+            above = dot(&next, &weighted) / self.norm(&next).power(2);
             z = next;
         }
         let length = self.norm(&z);

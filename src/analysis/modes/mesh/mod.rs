@@ -32,7 +32,7 @@ use crate::analysis::modes::pair::Found;
 use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::modes::terms::Terms;
-use crate::base::Dd;
+use crate::base::{Dd, Power};
 use crate::kernel::dense::Matrix;
 use crate::kernel::triple::Triple;
 use std::ops::Range;
@@ -328,7 +328,7 @@ impl<'a> Mesh<'a> {
                 if i == j {
                     least = least.min(t - error);
                 } else {
-                    outside += (t.abs() + error).powi(2);
+                    outside += (t.abs() + error).power(2);
                 }
             }
         }

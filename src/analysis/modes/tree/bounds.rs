@@ -23,7 +23,7 @@ use crate::analysis::modes::mesh::close::CLOSE;
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::pop_sum;
 use crate::analysis::modes::tree::lanes::Lanes;
-use crate::base::{Dd, up};
+use crate::base::{Dd, Power, up};
 use crate::kernel::pairwise::PairwiseSum;
 use crate::kernel::real::Float;
 use crate::kernel::simd::each;
@@ -124,7 +124,7 @@ pub fn enclosed<T: Float, const W: usize>(
 fn enclose_near<T: Float>(strain: T, inertia: T, error: f64, rounding: f64, tree: &Tree, frame: &Frame) -> Enclosed {
     let shifted = strain / inertia;
     // e^2 / mu^2, all in the norm of K; the least distance of 1 / mu to its neighbours' on either side.
-    let square = (error * shifted.to_f64()).powi(2) / strain.to_f64() * UP;
+    let square = (error * shifted.to_f64()).power(2) / strain.to_f64() * UP;
     let value = shifted.to_f64() * (1.0 - 2.0 * rounding);
     let top = shifted.to_f64() * (1.0 + 2.0 * rounding);
     let below = frame.next.map_or(0.0, |next| square / (1.0 - top / (next + frame.holding)));

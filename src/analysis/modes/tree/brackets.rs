@@ -7,6 +7,7 @@ use crate::analysis::modes::request::Band;
 use crate::analysis::modes::tree::bounds::Frame;
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::{LANES, counts};
+use crate::base::Power;
 use crate::kernel::real::Float;
 use std::ops::Range;
 
@@ -192,7 +193,7 @@ fn interpolate(low: f64, high: f64, part: f64) -> f64 {
         true => f64::from_bits(low.to_bits() + (part * (high.to_bits() - low.to_bits()) as f64) as u64),
         false => {
             let (from, to) = (low.sqrt(), high.sqrt());
-            (from + part * (to - from)).powi(2)
+            (from + part * (to - from)).power(2)
         }
     };
     place.clamp(low, high)

@@ -15,7 +15,7 @@ use crate::analysis::poles::discs::Disc;
 use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::targeted::frame::{Frame, Level};
-use crate::base::{Ball, Dd, down, up};
+use crate::base::{Ball, Dd, Power, down, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::Lu;
@@ -90,12 +90,12 @@ impl Found<'_> {
         let block = Block::of(frame, &modes, s, reach)?;
         let (mut p, mut e) = (0.0, 0.0);
         for (&i, &scale) in modes.iter().zip(&block.scale) {
-            p += of(self.star.along[i]).powi(2) / scale;
-            e += frame.coupling(level, i, size).powi(2) / scale;
+            p += of(self.star.along[i]).power(2) / scale;
+            e += frame.coupling(level, i, size).power(2) / scale;
         }
         let (p, e, q) = ((p * UP).sqrt() * UP, (e * UP).sqrt() * UP, of(self.star.outside));
         let rest = block.least - e * e / eta * UP;
-        (eta > 0.0 && rest > 0.0).then(|| (q * q / eta + (p + e * q / eta).powi(2) / rest) * UP)
+        (eta > 0.0 && rest > 0.0).then(|| (q * q / eta + (p + e * q / eta).power(2) / rest) * UP)
     }
 }
 
@@ -214,11 +214,11 @@ impl Block {
         };
         let a = Matrix::from_fn(count, count, |i, j| scaled(i, j).0);
         let doubt: f64 =
-            (0..count).flat_map(|j| (0..count).map(move |i| (i, j))).map(|(i, j)| scaled(i, j).1.powi(2)).sum();
+            (0..count).flat_map(|j| (0..count).map(move |i| (i, j))).map(|(i, j)| scaled(i, j).1.power(2)).sum();
         let inverse = inverse(&a)?;
         // |A^-1| <= |B| / (1 - |1 - A B|), in Frobenius norms.
         let norm = |b: &Matrix<Complex<f64>>| {
-            (0..count).flat_map(|j| b.column(j)).map(|z| z.abs().powi(2)).sum::<f64>().sqrt() * UP
+            (0..count).flat_map(|j| b.column(j)).map(|z| z.abs().power(2)).sum::<f64>().sqrt() * UP
         };
         let gamma = (4 * count + 16) as f64 * f64::EPSILON;
         let (size_a, size_b) = (norm(&a), norm(&inverse));

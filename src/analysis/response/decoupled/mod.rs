@@ -16,7 +16,7 @@ use super::trail::Trail;
 use super::{History, UP};
 use crate::analysis::answer::Modes;
 use crate::analysis::response::signal::Source;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, Power};
 use crate::kernel::lanes::Lanes;
 use crate::system::{LinearSystem, Signal};
 use lanes::{Batch, Row, Samples, State};
@@ -172,9 +172,9 @@ impl<'a> Run<'a> {
                 radii += sum.rad * sum.rad;
                 square += sum.mid.hi * sum.mid.hi;
             }
-            size += eta[i].magnitude().powi(2);
+            size += eta[i].magnitude().power(2);
         }
-        let rates = rate.iter().map(|v| v.magnitude().powi(2)).sum::<f64>();
+        let rates = rate.iter().map(|v| v.magnitude().power(2)).sum::<f64>();
         self.square = square;
         self.trail.add((radii.sqrt() + of.defect_of_change(size.sqrt() * UP, rates.sqrt() * UP)) * UP);
     }

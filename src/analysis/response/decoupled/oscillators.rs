@@ -8,7 +8,7 @@ use crate::analysis::response::channel::{Channel, derivatives, exogenous, fed_ap
 use crate::analysis::response::propagator::scales;
 use crate::analysis::response::{UNIT, UP};
 use crate::analysis::transfer::modal::ModalSum;
-use crate::base::{Ball, Dd, Number, rounding};
+use crate::base::{Ball, Dd, Number, Power, rounding};
 use crate::kernel::dense::Matrix;
 use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, LinearSystem};
@@ -124,7 +124,7 @@ impl Oscillators {
         let radii: f64 = sum(&mut self.force.iter().flatten().map(|b| b.rad));
         let generator = sum(&mut self.generator.iter().map(|(_, _, value)| value.magnitude()));
         let generator_radii = sum(&mut self.generator.iter().map(|(_, _, value)| value.rad));
-        let own = |i: usize| self.s[i].hi.powi(2) + self.back[i].hi.powi(2) + self.c[i].hi.powi(2);
+        let own = |i: usize| self.s[i].hi.power(2) + self.back[i].hi.power(2) + self.c[i].hi.power(2);
         let largest_own = (0..n).map(own).fold(0.0, f64::max);
         self.force_norm = forces.sqrt() * UP;
         self.norm = (largest_own + forces + generator).sqrt() * UP;
@@ -215,7 +215,7 @@ impl Oscillators {
         let of = |channel: &Channel| -> f64 {
             let b = &system.inputs[channel.input].b;
             let size = |k: usize| {
-                let square: f64 = self.participation(&b[k]).iter().map(|b| b.magnitude().powi(2)).sum();
+                let square: f64 = self.participation(&b[k]).iter().map(|b| b.magnitude().power(2)).sum();
                 square.sqrt() * channel.approximation(k) * 2.0
             };
             (0..3).filter(|&k| channel.approximation(k) > 0.0 && !b[k].is_empty()).map(size).sum()
@@ -250,7 +250,7 @@ impl Oscillators {
                     }
                 }
             }
-            let accelerations = a.iter().map(|a| a.magnitude().powi(2)).sum::<f64>().sqrt() * UP;
+            let accelerations = a.iter().map(|a| a.magnitude().power(2)).sum::<f64>().sqrt() * UP;
             Output::of(row, sources, accelerations)
         };
         system.outputs.iter().map(of).collect()

@@ -8,7 +8,7 @@
 
 use super::oscillators::Oscillators;
 use crate::analysis::response::exponential::growth;
-use crate::base::{Ball, Dd, Number, rounding, up};
+use crate::base::{Ball, Dd, Number, Power, rounding, two_to, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::lanes::{Double, Lanes};
 use crate::kernel::simd::{Vector, simd};
@@ -102,13 +102,13 @@ impl Step {
         let m = on.len();
         let generator = of.generator_of(on);
         let mut squarings = 0;
-        while of.norm * t.magnitude() * 2.0 > 2f64.powi(squarings as i32) {
+        while of.norm * t.magnitude() * 2.0 > two_to(squarings as i32) {
             squarings += 1;
             if squarings > MOST_SQUARINGS {
                 return None;
             }
         }
-        let scaled = Ball::new(t.mid.scale(0.5f64.powi(squarings as i32)), t.rad * 0.5f64.powi(squarings as i32));
+        let scaled = Ball::new(t.mid.scale(two_to(-(squarings as i32))), t.rad * two_to(-(squarings as i32)));
         let times = |values: &[Dd]| Lanes::of(values.iter().map(|&x| x * scaled.mid));
         let minus = |values: &[Dd]| Lanes::of(values.iter().map(|&x| -(x * scaled.mid)));
         let forces = on.iter().enumerate().filter(|&(_, &state)| of.force[state].iter().any(|b| !b.is_zero()));
@@ -207,7 +207,7 @@ impl Errors {
         let (mut f, mut phi, mut r) = (vec![start; n], vec![start; n], start);
         let (mut own, mut from_sources) = (vec![0.0; n], vec![0.0; n]);
         for (level, power) in powers.iter().enumerate() {
-            let time = time * 0.5f64.powi((squarings - level) as i32);
+            let time = time * 0.5f64.power((squarings - level) as i32);
             let (allowed, allowed_r) = (growth(of.rate * time), growth(of.rate_of_sources * time));
             let computed_r = frobenius(power);
             let norm_r = allowed_r.min(computed_r + r);

@@ -17,7 +17,7 @@ use crate::analysis::answer::{Pole, Poles};
 use crate::analysis::modes::modes;
 use crate::analysis::poles::poles;
 use crate::analysis::transfer::{Frequency, MatrixEntry, Transfer, feed_through};
-use crate::base::{Ball, Dd, Number, Rational, up};
+use crate::base::{Ball, Dd, Number, Rational, two_to, up};
 use crate::kernel::big_float::{ComplexFloat, Float};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
@@ -285,7 +285,7 @@ fn with_factor(
     let largest = sizes().fold(0.0, f64::max);
     // Products of hundreds of roots leave the range of binary64; those of their ratios to a typical one do not.
     let typical = sizes().map(libm::log2).sum::<f64>() / sizes().count().max(1) as f64;
-    let unit = 2f64.powi(typical.round().clamp(-900.0, 900.0) as i32);
+    let unit = two_to(typical.round().clamp(-900.0, 900.0) as i32);
     let omega = Number::from(Rational::from_f64(1.25 * largest).filter(|_| largest > 0.0)?);
     let frequency = Frequency::radians(&omega);
     let value = transfer.between(&frequency, &[input], &[output])[0][0].disc()?;

@@ -11,7 +11,7 @@
 use super::{Exactly, Extrema, Extremum, FeatureKind, factored};
 use crate::analysis::answer::Poles;
 use crate::analysis::transfer::{Frequency, Gain, Transfer};
-use crate::base::{Ball, Dd, Number, Rational};
+use crate::base::{Ball, Dd, Number, Power, Rational};
 
 /// The largest |H|.
 #[derive(Clone, Copy, Debug)]
@@ -78,7 +78,7 @@ pub fn supremum(
     {
         // A root's size is at most the root of 2 times the larger one of its parts.
         let near = 1.5 / BEYOND;
-        let spread = ((1.0 + near) / (1.0 - near)).powi(exactly.roots() as i32) * (1.0 + 1e-12);
+        let spread = ((1.0 + near) / (1.0 - near)).power(exactly.roots() as i32) * (1.0 + 1e-12);
         largest.take(disc.gain(), spread);
     }
     Ok(Supremum::Finite(largest.ball()))

@@ -12,7 +12,7 @@ mod lanes;
 use crate::analysis::answer::{Modes, PRECISE};
 use crate::analysis::modes::form::{LEAST_EPSILON, ModalForm, gram, kinds, least_stiffness, off_diagonal, sizes};
 use crate::analysis::transfer::{Disc, Frequency, Gain};
-use crate::base::{Ball, Dd, Number, larger, up};
+use crate::base::{Ball, Dd, Number, Power, larger, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::squares::Squares;
@@ -122,7 +122,7 @@ impl ModalSum {
         let n = p.len() as f64;
         let products: Vec<Ball> = p.iter().zip(b).map(|(&p, &b)| p * b).collect();
         // The square of a nonzero number must not underflow to zero.
-        let square = |x: &Ball| if x.is_zero() { 0.0 } else { x.magnitude().powi(2).max(f64::MIN_POSITIVE) };
+        let square = |x: &Ball| if x.is_zero() { 0.0 } else { x.magnitude().power(2).max(f64::MIN_POSITIVE) };
         let slack = |unit: f64| -> Vec<f64> {
             // D_i and its reciprocal: a dozen rounding errors; the sum: one for each mode.
             products.iter().map(|c| ((n + 16.0) * unit * c.mid.hi.abs() + c.rad) * UP).collect()
@@ -222,7 +222,7 @@ fn times_power(frequency: &Frequency, power: usize, z: Complex<Ball>) -> Complex
 }
 
 fn size_of_power(frequency: &Frequency, power: usize) -> f64 {
-    frequency.omega.magnitude().powi(power as i32) * UP
+    frequency.omega.magnitude().power(power as i32) * UP
 }
 
 #[cfg(test)]
