@@ -5,6 +5,7 @@
 pub(crate) mod big_float;
 pub mod complex;
 pub mod dense;
+pub mod disc;
 pub(crate) mod lanes;
 pub(crate) mod pairwise;
 pub(crate) mod philox;

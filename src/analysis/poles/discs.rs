@@ -23,7 +23,7 @@ use crate::kernel::triple::{Precise, Triple};
 
 /// The certified result for one pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Disc {
+pub struct PoleEnclosure {
     /// A rectangle that contains the pole; of infinite size if nothing is certified.
     pub s: Complex<Ball>,
     /// Discs with the same number overlap: their union contains as many poles as discs. One entry for the pair, one for
@@ -40,7 +40,7 @@ pub fn discs<T>(
     pairs: &[Pair],
     count: usize,
     also: impl FnOnce(&Proof) -> T,
-) -> (Vec<Disc>, Option<T>) {
+) -> (Vec<PoleEnclosure>, Option<T>) {
     let applied: Vec<_> = pairs.iter().map(|pair| pencil.apply(pair.s, &pair.x)).collect();
     let columns = Columns::of(pencil, rigid, pairs, &applied);
     let certified = (columns.list.len() == count).then(|| {
@@ -54,14 +54,14 @@ pub fn discs<T>(
     certified.flatten().unwrap_or_else(|| (nothing(), None))
 }
 
-impl Disc {
+impl PoleEnclosure {
     pub fn is_certified(&self) -> bool {
         self.s.re.rad.is_finite()
     }
 }
 
-fn around(pair: &Pair, radius: f64, clusters: [Option<u32>; 2]) -> Disc {
-    Disc { s: Complex::new(Ball::new(pair.s.re, radius), Ball::new(pair.s.im, radius)), clusters }
+fn around(pair: &Pair, radius: f64, clusters: [Option<u32>; 2]) -> PoleEnclosure {
+    PoleEnclosure { s: Complex::new(Ball::new(pair.s.re, radius), Ball::new(pair.s.im, radius)), clusters }
 }
 
 /// A square table of bounds.
@@ -231,7 +231,7 @@ struct Certificate {
 }
 
 /// Radii from the columns of D - T. Disjoint discs contain one pole each, and may then be shrunk.
-fn gershgorin(known: &Certificate, pairs: &[Pair], applied: &[Application<Precise>]) -> Vec<Disc> {
+fn gershgorin(known: &Certificate, pairs: &[Pair], applied: &[Application<Precise>]) -> Vec<PoleEnclosure> {
     let (columns, t) = (&known.columns, &known.t.t);
     let (first, n) = (columns.rigid.len(), columns.list.len());
     let radii: Vec<f64> = (0..n).map(|k| t.column(k)[first..].iter().sum::<f64>() * UP).collect();
@@ -251,14 +251,14 @@ fn gershgorin(known: &Certificate, pairs: &[Pair], applied: &[Application<Precis
 impl Certificate {
     /// A disc that overlaps no other, around s_k - R_kk / B_kk; the part of that centre that double-double cannot hold
     /// is added to the radius.
-    fn isolated_disc(&self, radii: &[f64], k: usize, pair: &Pair, step: Bounded) -> Disc {
+    fn isolated_disc(&self, radii: &[f64], k: usize, pair: &Pair, step: Bounded) -> PoleEnclosure {
         let radius = (self.shrunk_radius(radii, k) + self.t.own[k] + step.error) * UP;
         let enclose = |s: Dd, step: f64| {
             let (mid, rest) = (Triple::from(s) + Triple::from(step)).split();
             Ball::new(mid, (radius + rest.abs() + mid.hi.abs() * (2.0 * Triple::ERROR)) * UP)
         };
         let s = Complex::new(enclose(pair.s.re, step.value.re), enclose(pair.s.im, step.value.im));
-        Disc { s, clusters: [None; 2] }
+        PoleEnclosure { s, clusters: [None; 2] }
     }
 
     /// sum_{i != k} |T_ik| tau: scaling column k by tau and row k by 1 / tau is a similarity, and while disc k stays
@@ -341,12 +341,12 @@ mod tests {
         (pencil, pairs.collect())
     }
 
-    fn certified(pencil: &Pencil<Precise>, pairs: &[Pair], count: usize) -> Vec<Disc> {
+    fn certified(pencil: &Pencil<Precise>, pairs: &[Pair], count: usize) -> Vec<PoleEnclosure> {
         discs(pencil, &RigidMotions::default(), pairs, count, |_| ()).0
     }
 
     /// The distance of the disc's centre from the true pole, and its radius.
-    fn error(disc: &Disc, truth: &Disc) -> (f64, f64) {
+    fn error(disc: &PoleEnclosure, truth: &PoleEnclosure) -> (f64, f64) {
         let d = disc.s - truth.s;
         (d.re.mid.to_f64().hypot(d.im.mid.to_f64()), disc.s.re.rad.max(disc.s.im.rad))
     }

@@ -4,7 +4,7 @@
 
 use crate::analysis::answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, modulus};
 use crate::analysis::poles::count::Tally;
-use crate::analysis::poles::discs::Disc;
+use crate::analysis::poles::discs::PoleEnclosure;
 use crate::analysis::poles::exact::{ExactPoles, ExactRoot};
 use crate::analysis::poles::passive::Passive;
 use crate::analysis::poles::quadratic::{Root, Roots};
@@ -146,7 +146,7 @@ impl PoleList {
     }
 
     /// Adds the discs of a part's pairs, each marked if its centre is real.
-    pub fn refined(&mut self, discs: impl Iterator<Item = (bool, Disc)>, passive: Passive) {
+    pub fn refined(&mut self, discs: impl Iterator<Item = (bool, PoleEnclosure)>, passive: Passive) {
         let first = self.next_cluster;
         for (real, disc) in discs {
             let [cluster, conjugate] = disc.clusters.map(|cluster| self.numbered(first, cluster));

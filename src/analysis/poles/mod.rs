@@ -37,7 +37,7 @@ use crate::analysis::poles::aberth::aberth;
 use crate::analysis::poles::batch::refine_all;
 use crate::analysis::poles::cluster::separate;
 use crate::analysis::poles::companion::Basis;
-use crate::analysis::poles::discs::{Disc, discs};
+use crate::analysis::poles::discs::{PoleEnclosure, discs};
 use crate::analysis::poles::exact::{Exact, ExactPoles, exact_poles};
 use crate::analysis::poles::list::PoleList;
 use crate::analysis::poles::passive::{Passive, takes_energy};
@@ -398,7 +398,7 @@ impl Portion<'_> {
 }
 
 /// Whether every disc is certified and overlaps no other.
-fn all_apart(discs: &[Disc]) -> bool {
+fn all_apart(discs: &[PoleEnclosure]) -> bool {
     !discs.is_empty() && discs.iter().all(|disc| disc.is_certified() && disc.clusters == [None; 2])
 }
 

@@ -283,7 +283,7 @@ mod tests {
                 // The slow one of two real poles without cancellation.
                 let fast = Complex::real(-half) - root;
                 for expected in [fast.conj(), (fast.recip()).scale(w * w)] {
-                    let near = |disc: &&crate::analysis::poles::discs::Disc| {
+                    let near = |disc: &&crate::analysis::poles::discs::PoleEnclosure| {
                         let z = Complex::new(disc.s.re.to_f64(), disc.s.im.to_f64());
                         (z - expected).abs() < 1e-12 * expected.abs()
                     };

@@ -68,9 +68,9 @@ pub struct Everywhere(());
 const NEWTON: usize = 40;
 /// A peak this much lower than the highest one is not taken for equal to it.
 const NEARLY: f64 = 0.03;
-/// A parameter this near to an end of its range is tried at the end.
 /// How far the weights move over a box, as parts of what keeps them above zero.
 const TILTED: [f64; 5] = [0.3, 0.03, 3e-3, 3e-4, 3e-5];
+/// A parameter this near to an end of its range is tried at the end.
 const AT_AN_END: [f64; 3] = [1e-6, 1e-3, 3e-2];
 
 impl Peaks {

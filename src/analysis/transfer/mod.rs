@@ -26,6 +26,7 @@ use crate::analysis::transfer::sparse::Pattern;
 use crate::analysis::transfer::two_sided::TwoSided;
 use crate::base::{Ball, Dd, Number, down, larger, up};
 use crate::kernel::complex::Complex;
+pub use crate::kernel::disc::Disc;
 use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, Form, LinearSystem, Output};
 use std::sync::OnceLock;
@@ -38,14 +39,6 @@ pub enum Gain {
     Infinite,
     /// Too close to a pole to be resolved with double-double numbers.
     Unknown,
-}
-
-/// A complex number within `radius` of `value`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Disc {
-    pub value: Complex<Dd>,
-    /// A bound of |true - value|, absolute.
-    pub radius: f64,
 }
 
 /// A frequency: s = i omega.
@@ -152,10 +145,6 @@ impl Gain {
 }
 
 impl Disc {
-    pub(in crate::analysis) fn of(value: Complex<Ball>) -> Disc {
-        Disc { value: value.mid(), radius: value.radius() }
-    }
-
     fn into_gain(self) -> Gain {
         if self.radius.is_finite() { Gain::Finite(self) } else { Gain::Unknown }
     }
@@ -163,15 +152,6 @@ impl Disc {
     /// |value| as a ball: |true| lies within the disc's radius of it.
     pub fn gain(&self) -> Ball {
         modulus(Ball::exact(self.value.re), Ball::exact(self.value.im)).widen(self.radius)
-    }
-
-    /// A bound of |true - value| / |true|; 0 for an exact zero, infinite where the disc contains zero.
-    pub fn relative_error(&self) -> f64 {
-        if self.radius == 0.0 {
-            return 0.0;
-        }
-        let size = self.value.to_f64().abs() * down::FEW;
-        if size > self.radius { self.radius / (size - self.radius) * up::THOUSANDS } else { f64::INFINITY }
     }
 }
 

@@ -7,10 +7,10 @@
 //! The elimination order is approximate minimum degree (Amestoy, Davis, Duff 1996), for trees from the leaves inwards;
 //! the elimination is up-looking, along the [elimination tree](crate::kernel::sparse::tree).
 
-use crate::analysis::transfer::Disc;
 use crate::analysis::transfer::inverse::Entry;
 use crate::base::{Ball, Dd, down, up};
 use crate::kernel::complex::Complex;
+use crate::kernel::disc::Disc;
 use crate::kernel::simd::simd;
 use crate::kernel::sparse::order::least_fill;
 use crate::kernel::sparse::tree::EliminationTree;
@@ -204,28 +204,8 @@ impl<T: Scalar> Factors<'_, T> {
     }
 }
 
-/// Relative error of a complex operation in double-double: two products and a sum for each part are below 2^-100 of the
-/// modulus, a reciprocal below 2^-98.
-const UNIT: f64 = 4.0 * Dd::EPSILON;
-/// Covers the roundings of a radius, and underflow.
-const UP: f64 = up::DOZENS;
-const TINY: f64 = 1e-300;
-/// Underflow error of the four products and two sums of a complex product.
-const UNDERFLOW: f64 = 1e-317;
-
-impl Disc {
-    /// An upper bound of the midpoint's modulus.
-    #[inline(always)]
-    fn size(&self) -> f64 {
-        let (re, im) = (self.value.re.hi, self.value.im.hi);
-        let root = (re * re + im * im).sqrt();
-        // Squares of smaller numbers may underflow.
-        if root > 1e-150 { root * UP + TINY } else { re.abs() + im.abs() + TINY }
-    }
-}
-
 impl Scalar for Disc {
-    const ZERO: Disc = Disc { value: Complex { re: Dd::ZERO, im: Dd::ZERO }, radius: 0.0 };
+    const ZERO: Disc = Disc::ZERO;
 
     fn of(z: Complex<Ball>) -> Disc {
         Disc::of(z)
@@ -233,38 +213,22 @@ impl Scalar for Disc {
 
     #[inline(always)]
     fn is_zero(&self) -> bool {
-        self.value.re.is_zero() && self.value.im.is_zero() && self.radius == 0.0
+        Disc::is_zero(self)
     }
 
     #[inline(always)]
     fn times(self, b: Disc) -> Disc {
-        if self.is_zero() || b.is_zero() {
-            return Disc::ZERO;
-        }
-        let (size, other) = (self.size(), b.size());
-        let radius = size * b.radius + other * self.radius + self.radius * b.radius + UNIT * size * other + UNDERFLOW;
-        Disc { value: self.value * b.value, radius: radius * UP }
+        self * b
     }
 
     #[inline(always)]
     fn minus(self, b: Disc) -> Disc {
-        let value = self.value - b.value;
-        let difference = Disc { value, radius: 0.0 };
-        Disc { value, radius: (self.radius + b.radius + UNIT * difference.size()) * UP }
+        self - b
     }
 
-    /// `None` if the number may be zero: |1/z - 1/m| <= r / (|m| (|m| - r)).
     #[inline(always)]
     fn reciprocal(self) -> Option<Disc> {
-        let (re, im) = (self.value.re, self.value.im);
-        let size = self.size() * (1.0 - 4e-14) - 2.0 * TINY;
-        if !(size > self.radius && size > 1e-140 && size < 1e140) {
-            return None;
-        }
-        let square = re * re + im * im;
-        let value = Complex::new(re / square, -(im / square));
-        let radius = self.radius / (size * (size - self.radius)) + 4.0 * UNIT / size;
-        Some(Disc { value, radius: radius * UP })
+        self.recip()
     }
 
     fn eliminate(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<Disc>> {
@@ -412,16 +376,5 @@ mod tests {
         let entries = entries(2, |i, j| Some((if i == j { 0.0 } else { 1.0 }, 0.0)));
         let pattern = Pattern::of(2, &entries.iter().map(|e| (e.i, e.j)).collect::<Vec<_>>()).expect("small");
         assert!(pattern.factor::<Disc>(&entries).is_none());
-    }
-
-    /// A product that underflows is not known to be zero, and the radius of a product with a small factor is small.
-    #[test]
-    fn underflow_keeps_a_radius() {
-        let real = |x: f64, radius: f64| Disc { value: Complex { re: Dd::from(x), im: Dd::ZERO }, radius };
-        let product = real(1e-200, 0.0).times(real(1e-150, 0.0));
-        assert!(product.radius > 0.0 && !product.is_zero());
-        // 1e-170 (3 +- 2): within 2e-170 of its midpoint, and no less.
-        let scaled = real(1e-170, 0.0).times(real(3.0, 2.0));
-        assert!(scaled.radius >= 2e-170, "{:e}", scaled.radius);
     }
 }

@@ -11,7 +11,7 @@
 
 use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::mesh::residual::Image;
-use crate::analysis::poles::discs::Disc;
+use crate::analysis::poles::discs::PoleEnclosure;
 use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::targeted::frame::{Frame, Level};
@@ -28,7 +28,13 @@ const MOST_CIRCLES: usize = 40;
 
 /// The disc of a pair that comes from mode `from` of the frame, with a relative radius of about `tolerance` if that
 /// takes less time than a smaller one.
-pub fn disc(frame: &Frame, pencil: &Pencil<Precise>, pair: &Pair, from: usize, tolerance: f64) -> Option<Disc> {
+pub fn disc(
+    frame: &Frame,
+    pencil: &Pencil<Precise>,
+    pair: &Pair,
+    from: usize,
+    tolerance: f64,
+) -> Option<PoleEnclosure> {
     let applied = pencil.apply(pair.s, &pair.x);
     let s = pair.s.to_f64();
     let slope = Slope::of(pencil, s, &applied);
@@ -57,7 +63,7 @@ struct Found<'a> {
 
 impl Found<'_> {
     /// The smallest of the tried circles on which the slope exceeds the rest.
-    fn circle(&self, level: Level, [re, im]: [Precise; 2]) -> Option<Disc> {
+    fn circle(&self, level: Level, [re, im]: [Precise; 2]) -> Option<PoleEnclosure> {
         let slope = &self.slope;
         // The Rayleigh quotient moves the centre by -rho / d.
         let rho = Complex::new(re, im).to_f64();
@@ -100,13 +106,13 @@ impl Found<'_> {
 }
 
 /// The disc about s_0 + step; the part of the centre that double-double cannot hold is added to the radius.
-fn around(pair: &Pair, step: Complex<f64>, radius: f64) -> Option<Disc> {
+fn around(pair: &Pair, step: Complex<f64>, radius: f64) -> Option<PoleEnclosure> {
     let enclose = |s: Dd, step: f64| {
         let (mid, rest) = (Triple::from(s) + Triple::from(step)).split();
         Ball::new(mid, (radius + rest.abs() + mid.hi.abs() * (2.0 * Triple::ERROR)) * UP)
     };
     let s = Complex::new(enclose(pair.s.re, step.re), enclose(pair.s.im, step.im));
-    radius.is_finite().then_some(Disc { s, clusters: [None; 2] })
+    radius.is_finite().then_some(PoleEnclosure { s, clusters: [None; 2] })
 }
 
 /// d = x^T Q'(s_0) x, and a bound of |x^T M x|.

@@ -20,7 +20,7 @@ use crate::analysis::modes::mesh::elimination::Pattern;
 use crate::analysis::modes::mesh::network::Network;
 use crate::analysis::modes::parts::Part;
 use crate::analysis::modes::terms::Terms;
-use crate::analysis::poles::discs::Disc;
+use crate::analysis::poles::discs::PoleEnclosure;
 use crate::analysis::poles::pencil::Pencil;
 use crate::analysis::poles::targeted::disc::disc;
 use crate::analysis::poles::targeted::elimination::Networks;
@@ -41,7 +41,7 @@ pub fn targeted(
     modes: &[Mode],
     wanted: usize,
     tolerance: f64,
-) -> Option<Vec<Disc>> {
+) -> Option<Vec<PoleEnclosure>> {
     let large = Large::of(system, whole)?;
     let pencil = large.exact.to_dd();
     let frame = large.frame(modes, wanted);
@@ -93,13 +93,13 @@ impl Large {
 }
 
 /// A disc for a midpoint of which nothing is proved.
-fn unproved(s: Complex<Ball>) -> Disc {
+fn unproved(s: Complex<Ball>) -> PoleEnclosure {
     let unknown = |x: Ball| Ball::new(x.mid, f64::INFINITY);
-    Disc { s: Complex::new(unknown(s.re), unknown(s.im)), clusters: [None; 2] }
+    PoleEnclosure { s: Complex::new(unknown(s.re), unknown(s.im)), clusters: [None; 2] }
 }
 
 /// Discs that meet may contain the same pole: then neither is proved.
-fn discard_overlapping(discs: Vec<Disc>) -> Vec<Disc> {
+fn discard_overlapping(discs: Vec<PoleEnclosure>) -> Vec<PoleEnclosure> {
     let meets = |i: usize, j: usize| {
         let d = discs[i].s - discs[j].s;
         i != j && discs[i].is_certified() && discs[j].is_certified() && d.re.contains_zero() && d.im.contains_zero()
@@ -148,18 +148,18 @@ mod tests {
         system
     }
 
-    fn followed(system: &LinearSystem, all: &Modes, wanted: usize) -> Vec<Disc> {
+    fn followed(system: &LinearSystem, all: &Modes, wanted: usize) -> Vec<PoleEnclosure> {
         let list = &all.list[..wanted + 6];
         targeted(system, &Part::whole(system), list, wanted, 1e-12).expect("sparse")
     }
 
-    fn distance(disc: &Disc, pole: &Pole) -> f64 {
+    fn distance(disc: &PoleEnclosure, pole: &Pole) -> f64 {
         let part = |a: Ball, b: Ball| (a.mid - b.mid).to_f64();
         part(disc.s.re, pole.re).hypot(part(disc.s.im, pole.im))
     }
 
     /// The number of known poles within a disc.
-    fn poles_within(disc: &Disc, truth: &[Pole]) -> usize {
+    fn poles_within(disc: &PoleEnclosure, truth: &[Pole]) -> usize {
         let room = |pole: &Pole| disc.s.radius() + pole.re.rad.hypot(pole.im.rad);
         truth.iter().filter(|pole| distance(disc, pole) <= room(pole)).count()
     }

@@ -207,7 +207,7 @@ fn logarithmic_slope(a: &[f64], z: Complex<f64>) -> Complex<f64> {
 }
 
 /// A disc that contains a root.
-struct Disc {
+struct RootDisc {
     centre: ComplexFloat,
     radius: Float,
 }
@@ -215,31 +215,31 @@ struct Disc {
 /// Discs |s - z| <= d |f / f'|: each contains a root (Laguerre; Henrici, Applied and Computational Complex Analysis I,
 /// 6.4), and d disjoint ones contain them all. `None` if they touch one another or the real axis, or are wider than
 /// necessary.
-fn discs(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], even: bool) -> Option<Vec<Disc>> {
-    let discs: Vec<Disc> = values.iter().map(|z| Disc::around(f, slope, z, even)).collect::<Option<_>>()?;
-    let apart = |(i, a): (usize, &Disc)| discs[..i].iter().all(|b| a.is_apart_from(b));
-    let sharp = |disc: &Disc| disc.is_certain() && (!f.is_exact() || disc.is_sharp());
+fn discs(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], even: bool) -> Option<Vec<RootDisc>> {
+    let discs: Vec<RootDisc> = values.iter().map(|z| RootDisc::around(f, slope, z, even)).collect::<Option<_>>()?;
+    let apart = |(i, a): (usize, &RootDisc)| discs[..i].iter().all(|b| a.is_apart_from(b));
+    let sharp = |disc: &RootDisc| disc.is_certain() && (!f.is_exact() || disc.is_sharp());
     let whole = discs.len() == f.middle.degree() && discs.iter().enumerate().all(apart) && discs.iter().all(sharp);
     whole.then_some(discs)
 }
 
-impl Disc {
+impl RootDisc {
     /// The disc around z; if that meets an axis of symmetry, the disc around the nearest point of the axis instead: it
     /// also contains the mirror image of its root, so that the root, if it is the only one, is on the axis.
-    fn around(f: &Coefficients, slope: &Coefficients, z: &ComplexFloat, even: bool) -> Option<Disc> {
+    fn around(f: &Coefficients, slope: &Coefficients, z: &ComplexFloat, even: bool) -> Option<RootDisc> {
         let radius = radius(f, slope, z)?;
         let centre = if !is_less(&radius, &z.im.abs()) {
             ComplexFloat::new(z.re.clone(), Float::zero())
         } else if even && !is_less(&radius, &z.re.abs()) {
             ComplexFloat::new(Float::zero(), z.im.clone())
         } else {
-            return Some(Disc { centre: z.clone(), radius });
+            return Some(RootDisc { centre: z.clone(), radius });
         };
         let radius = self::radius(f, slope, &centre)?;
-        Some(Disc { centre, radius })
+        Some(RootDisc { centre, radius })
     }
 
-    fn is_apart_from(&self, other: &Disc) -> bool {
+    fn is_apart_from(&self, other: &RootDisc) -> bool {
         let reach = &self.radius + &other.radius;
         is_less(&(&reach * &reach), &(&self.centre - &other.centre).norm())
     }
@@ -258,7 +258,7 @@ impl Disc {
 
     /// `None` for the lower root of a pair.
     fn root(self, multiplicity: usize) -> Option<Root> {
-        let Disc { centre, radius } = self;
+        let RootDisc { centre, radius } = self;
         let place = match (centre.re.is_zero(), centre.im.is_zero()) {
             (_, true) => Place::Real,
             (true, false) => Place::Axis,
@@ -394,7 +394,7 @@ mod tests {
     #[test]
     fn discs_that_meet_are_not_disjoint() {
         let disc =
-            |at: f64| Disc { centre: ComplexFloat::new(Float::from(at), Float::zero()), radius: Float::from(1.0) };
+            |at: f64| RootDisc { centre: ComplexFloat::new(Float::from(at), Float::zero()), radius: Float::from(1.0) };
         assert!(!disc(0.0).is_apart_from(&disc(1.5)) && disc(0.0).is_apart_from(&disc(2.5)));
     }
 
@@ -403,7 +403,7 @@ mod tests {
     fn a_disc_that_is_moved_to_an_axis_still_holds_a_root() {
         let f = Coefficients::exact(polynomial(&[1, 0, 1]));
         let at = ComplexFloat::new(Float::from(0.01), Float::from(0.7));
-        let disc = Disc::around(&f, &f.derivative(), &at, false).expect("a slope");
+        let disc = RootDisc::around(&f, &f.derivative(), &at, false).expect("a slope");
         let to_a_root = &disc.centre - &ComplexFloat::new(Float::zero(), Float::from(1.0));
         assert!(!is_less(&(&disc.radius * &disc.radius), &to_a_root.norm()), "{:?}", disc.radius);
     }
