@@ -134,7 +134,12 @@ impl Course<'_> {
         for (source, place) in self.sources.iter().zip(&self.places) {
             let Source::Pieces { pieces, .. } = source else { continue };
             let Some(piece) = place.checked_sub(1).map(|last| &pieces[last]) else { continue };
-            let all = here(piece, now);
+            let mut all = here(piece, now);
+            if sum.is_empty() {
+                all.drain(..all.len().min(2 - self.derivative));
+                sum = all;
+                continue;
+            }
             for (k, value) in all.into_iter().skip(2 - self.derivative).enumerate() {
                 match sum.get_mut(k) {
                     Some(known) => *known = *known + value,

@@ -44,14 +44,16 @@ pub fn sweep(motion: &BaseMotion, damping: Ball, omegas: &[Ball]) -> Result<Vec<
     }
     let factorials = Factorials::new(factorials_for(course.terms));
     let mut found = Vec::with_capacity(omegas.len());
-    let mut pieces: Option<Pieces> = None;
+    let most = omegas.chunks(LANES).map(|group| course.steps(damping, group)).fold(0.0, f64::max);
+    let mut pieces = Pieces::with_room(&course, most as usize);
+    let mut is_filled = false;
     for group in omegas.chunks(LANES) {
         let parts = course.parts(damping, group);
-        if pieces.as_ref().is_none_or(|known| known.parts != parts) {
-            pieces = Some(Pieces::of(&course, motion, parts));
+        if !is_filled || pieces.parts != parts {
+            pieces.fill(&course, motion, parts);
+            is_filled = true;
         }
-        let Some(pieces) = &pieces else { continue };
-        found.extend(of_group(&course, pieces, &factorials, damping, group)?);
+        found.extend(of_group(&course, &pieces, &factorials, damping, group)?);
     }
     Ok(found)
 }
@@ -125,47 +127,55 @@ struct Pieces {
 }
 
 impl Pieces {
-    fn of(course: &Course, motion: &BaseMotion, parts: Vec<f64>) -> Pieces {
-        let count: f64 = course.class.iter().map(|class| parts[*class as usize]).sum();
-        let (count, terms) = (count as usize, course.terms);
+    /// Room for so many steps.
+    fn with_room(course: &Course, count: usize) -> Pieces {
         let with = Vec::<f64>::with_capacity;
-        let mut pieces = Pieces {
-            terms,
+        Pieces {
+            terms: course.terms,
             class: Vec::with_capacity(count),
-            derivatives: with(count * terms),
+            derivatives: with(count * course.terms),
             most: with(count),
             rise: with(count),
             added: with(count),
             jumps: Vec::new(),
-            parts,
-        };
+            parts: Vec::new(),
+        }
+    }
+
+    /// All steps, where each length is divided into so many parts.
+    fn fill(&mut self, course: &Course, motion: &BaseMotion, parts: Vec<f64>) {
+        let pieces = self;
+        pieces.class.clear();
+        pieces.jumps.clear();
+        for list in [&mut pieces.derivatives, &mut pieces.most, &mut pieces.rise, &mut pieces.added] {
+            list.clear();
+        }
+        pieces.parts = parts;
+        let lengths: Vec<Ball> =
+            course.lengths.iter().zip(&pieces.parts).map(|(length, parts)| *length * Ball::from(1.0 / parts)).collect();
         let mut jumps = motion.jumps.iter().peekable();
         for (i, (segment, class)) in motion.segments.iter().zip(&course.class).enumerate() {
             if let Some(jump) = jumps.next_if(|jump| jump.segment == i) {
                 pieces.jumps.push((pieces.class.len(), jump.displacement, jump.velocity));
             }
-            let parts = pieces.parts[*class as usize];
-            let h = course.lengths[*class as usize] * Ball::from(1.0 / parts);
-            pieces.divide(&segment.derivatives, *class, h, parts as usize, motion.error);
+            pieces.divide(&segment.derivatives, *class, lengths[*class as usize], motion.error);
         }
         if let Some(jump) = jumps.next() {
             pieces.jumps.push((pieces.class.len(), jump.displacement, jump.velocity));
         }
-        pieces
     }
 
     /// Adds the steps of a segment.
-    fn divide(&mut self, derivatives: &[Ball], class: u32, h: Ball, parts: usize, error: f64) {
+    fn divide(&mut self, derivatives: &[Ball], class: u32, h: Ball, error: f64) {
         let length = h.magnitude();
-        for part in 0..parts {
+        for part in 0..self.parts[class as usize] as usize {
             let (mut most, mut rise, mut off) = (0.0, 0.0, error);
             let mut power = 1.0;
             for k in 0..self.terms {
-                let d = shifted(derivatives, k, part, h);
-                let size = d.magnitude();
-                self.derivatives.push(d.mid.hi);
+                let (value, size, error) = shifted(derivatives, k, part as f64 * h.mid.hi);
+                self.derivatives.push(value);
                 most += size * power;
-                off += (d.rad + size * UNIT) * power;
+                off += error * power;
                 if k > 0 {
                     rise += size * power * k as f64 / length;
                 }
@@ -183,14 +193,25 @@ impl Pieces {
     }
 }
 
-/// The k-th derivative at the start of a part.
-fn shifted(derivatives: &[Ball], k: usize, part: usize, h: Ball) -> Ball {
-    let Some(last) = derivatives.len().checked_sub(k + 1) else { return Ball::ZERO };
-    if part == 0 {
-        return derivatives[k];
+/// The k-th derivative after a time t that is rounded twice, a bound of its size, and one of its error.
+fn shifted(derivatives: &[Ball], k: usize, t: f64) -> (f64, f64, f64) {
+    let Some((last, others)) = derivatives.get(k..).and_then(<[Ball]>::split_last) else { return (0.0, 0.0, 0.0) };
+    let own = |d: &Ball| (d.mid.hi, d.mid.hi.abs(), d.rad + d.mid.lo.abs());
+    if t == 0.0 {
+        let (value, size, error) = own(others.first().unwrap_or(last));
+        return (value, (size + error) * up::FEW, error * up::FEW);
     }
-    let t = h * Ball::from(part as f64);
-    (0..last).rev().fold(derivatives[k + last], |sum, i| sum * t / Ball::from(i as f64 + 1.0) + derivatives[k + i])
+    let (mut value, mut size, mut error) = own(last);
+    for (i, d) in others.iter().enumerate().rev() {
+        let (factor, (own, own_size, own_error)) = (t / (i as f64 + 1.0), own(d));
+        value = value * factor + own;
+        size = size * factor + own_size;
+        error = error * factor + own_error;
+    }
+    // Each step of Horner's scheme rounds the factor, which is off by three units already, the product and the sum.
+    let rounded = (6.0 * others.len() as f64 + 2.0) * UNIT;
+    let size = (size + error) * up::MILLIONS;
+    (value, size, (error * up::MILLIONS + rounded * size) * up::FEW)
 }
 
 /// Relative rounding of a step: each of its sums has `terms` + 2 products, whose factors are rounded.
@@ -304,14 +325,23 @@ fn of_group(
         let side = |side: usize| {
             let mut largest = Largest::default();
             largest.at_least(lanes.low[side][lane]);
-            let mut list = lanes.candidates[2 * lane + side].clone();
-            list.sort_by(|a, b| b.high.total_cmp(&a.high));
-            for candidate in list {
+            let take = |candidate: &Candidate, largest: &mut Largest| {
+                let class = pieces.class[candidate.piece as usize] as usize;
+                examine(pieces, candidate, [group[lane], damping, length(class)], side == 1, largest);
+            };
+            // Few others are left after the highest.
+            let list = &lanes.candidates[2 * lane + side];
+            let highest = list.iter().max_by(|a, b| a.high.total_cmp(&b.high));
+            if let Some(highest) = highest.filter(|highest| !largest.reaches(highest.high)) {
+                take(highest, &mut largest);
+            }
+            let mut others: Vec<&Candidate> = list.iter().filter(|other| !largest.reaches(other.high)).collect();
+            others.sort_by(|a, b| b.high.total_cmp(&a.high));
+            for candidate in others {
                 if largest.reaches(candidate.high) {
                     break;
                 }
-                let class = pieces.class[candidate.piece as usize] as usize;
-                examine(pieces, &candidate, [group[lane], damping, length(class)], side == 1, &mut largest);
+                take(candidate, &mut largest);
             }
             largest.ball()
         };
