@@ -112,6 +112,9 @@ pub struct Analyze {
     /// Combine the maxima under the response spectra of several directions by SRSS, too
     #[arg(long)]
     pub across_directions: bool,
+    /// Correct response spectra for modes with another damping ratio, by the factor of EN 1998-1
+    #[arg(long)]
+    pub other_damping: bool,
     #[command(flatten)]
     pub measured: MeasureOptions,
 }

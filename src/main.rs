@@ -84,7 +84,11 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Err(status) => return status,
     };
     let until = options.measured.until(&options.overrides);
-    let spectra = vibc::SpectrumAdditions { missing_mass: options.missing_mass, across: options.across_directions };
+    let spectra = vibc::SpectrumAdditions {
+        missing_mass: options.missing_mass,
+        across: options.across_directions,
+        other_damping: options.other_damping,
+    };
     let study = vibc::Study { until, sensitivity: options.sensitivity, participation: options.participation, spectra };
     let request = options.request();
     let (mut analysis, explained) = match options.explain_model {

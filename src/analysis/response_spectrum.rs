@@ -15,6 +15,8 @@ pub struct Additions {
     pub missing_mass: bool,
     /// The square root of the sum of squares over all directions.
     pub across: bool,
+    /// The correction of a spectrum for modes with another damping ratio.
+    pub other_damping: bool,
 }
 
 /// The maxima under the spectrum of one base.
@@ -30,7 +32,19 @@ pub struct Direction {
     /// Effective mass of all modes and of those above the highest point: kg, or kg m^2 for a base that turns.
     pub total: Ball,
     pub missing: Ball,
+    /// The modes whose damping ratio is not that of the spectrum.
+    pub corrected: Vec<Corrected>,
     pub outputs: Vec<(usize, Result<Maximum, &'static str>)>,
+}
+
+/// A mode for whose damping the spectrum is corrected.
+#[derive(Clone, Copy, Debug)]
+pub struct Corrected {
+    /// From 1.
+    pub mode: usize,
+    pub damping: Ball,
+    /// Of its value in the spectrum.
+    pub factor: Ball,
 }
 
 /// The largest magnitude of an output, as combined.
@@ -111,7 +125,10 @@ fn along(
         return Err("dampers hold against what does not move with this base, so that its velocity acts as well".into());
     }
     let modes: Vec<Mode> =
-        (0..system.n()).map(|i| mode(excitations, sum, spectrum, &excitation, i)).collect::<Result<_, _>>()?;
+        (0..system.n()).map(|i| mode(excitations, sum, spectrum, &excitation, added, i)).collect::<Result<_, _>>()?;
+    let corrected = (1..)
+        .zip(&modes)
+        .filter_map(|(number, mode)| Some(Corrected { mode: number, damping: mode.damping, factor: mode.correction? }));
     let (Some((_, rigid_from)), Some(rigid)) = (spectrum.ends(), spectrum.rigid()) else {
         return Err("its table was not read".into());
     };
@@ -142,6 +159,7 @@ fn along(
         rigid,
         total: excitation.total,
         missing,
+        corrected: corrected.collect(),
         outputs: outputs.collect(),
     })
 }
@@ -154,6 +172,8 @@ struct Mode {
     damping: Ball,
     /// Its largest pseudo-acceleration.
     acceleration: Ball,
+    /// The factor of the spectrum's value in it, if the mode has another damping.
+    correction: Option<Ball>,
     /// Whether it lies above the highest point.
     is_rigid: bool,
 }
@@ -163,6 +183,7 @@ fn mode(
     sum: &ModalSum,
     spectrum: &ResponseSpectrum,
     excitation: &Excitation,
+    added: Additions,
     i: usize,
 ) -> Result<Mode, String> {
     let omega = excitations.omega(i);
@@ -175,10 +196,13 @@ fn mode(
     let own = spectrum.damping.to_ball();
     let is_rigid = spectrum.ends().is_some_and(|(_, last)| (hertz - last.to_ball()).is_positive());
     // An oscillator that follows its base has the same maximum with any damping, and one that is not excited none.
-    if is_excited && !is_rigid && (damping - own).magnitude() > SAME * own.magnitude() {
+    let is_other = is_excited && !is_rigid && (damping - own).magnitude() > SAME * own.magnitude();
+    let correction = (is_other && added.other_damping).then(|| reduction(damping) / reduction(own));
+    if is_other && correction.is_none() {
         let percent = |ratio: Ball| format!("{:.3} %", ratio.to_f64() * 100.0);
         return Err(format!(
-            "mode {} has a damping ratio of {}, and the spectrum is for {}: give the spectrum of that damping, or all modes this one",
+            "mode {} has a damping ratio of {}, and the spectrum is for {}: give the spectrum of that damping, or all modes this one, or \
+             have it corrected by --other-damping",
             i + 1,
             percent(damping),
             percent(own)
@@ -186,11 +210,26 @@ fn mode(
     }
     let Some(acceleration) = spectrum.at(hertz) else {
         if !is_excited {
-            return Ok(Mode { omega, damping, acceleration: Ball::ZERO, is_rigid });
+            return Ok(Mode { omega, damping, acceleration: Ball::ZERO, correction, is_rigid });
         }
         return Err(format!("mode {} lies below the lowest frequency of the spectrum", i + 1));
     };
-    Ok(Mode { omega, damping, acceleration, is_rigid })
+    let acceleration = correction.map_or(acceleration, |factor| acceleration * factor);
+    Ok(Mode { omega, damping, acceleration, correction, is_rigid })
+}
+
+/// The factor of a spectrum for 5 % that makes it one for another damping ratio: eta of EN 1998-1:2004, 3.2.2.2 (3).
+fn reduction(damping: Ball) -> Ball {
+    let [tenth, half, least] = ["0.1", "0.05", "0.55"].map(|text| Number::from(text).to_ball());
+    let eta = (tenth / (half + damping)).sqrt();
+    let above = eta - least;
+    if above.is_positive() {
+        eta
+    } else if above.is_negative() {
+        least
+    } else {
+        least.widen(above.magnitude())
+    }
 }
 
 /// Whether the base carries along what dampers hold: C r = b_1 for the motion r that follows the base statically. Damping that

@@ -8,6 +8,7 @@ use crate::base::Ball;
 #[derive(serde::Serialize)]
 pub(super) struct JsonSpectral {
     missing_mass_added: bool,
+    damping_corrected: bool,
     directions: Vec<JsonDirection>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     across_directions: Vec<JsonAcross>,
@@ -24,7 +25,18 @@ struct JsonDirection {
     total_mass: JsonNumber,
     missing_mass: JsonNumber,
     missing_mass_error_bound: JsonNumber,
+    corrected_modes: Vec<JsonCorrected>,
     outputs: Vec<JsonMaximum>,
+}
+
+/// A mode with another damping ratio than the spectrum; bounds are relative.
+#[derive(serde::Serialize)]
+struct JsonCorrected {
+    mode: usize,
+    damping_ratio: JsonNumber,
+    damping_ratio_error_bound: JsonNumber,
+    factor: JsonNumber,
+    factor_error_bound: JsonNumber,
 }
 
 /// Bounds are relative, but for `missing_error_bound`.
@@ -69,6 +81,7 @@ impl JsonSpectral {
                     total_mass: JsonNumber::NULL,
                     missing_mass: JsonNumber::NULL,
                     missing_mass_error_bound: JsonNumber::NULL,
+                    corrected_modes: Vec::new(),
                     outputs: Vec::new(),
                 },
             }
@@ -86,6 +99,7 @@ impl JsonSpectral {
         });
         (!spectral.directions.is_empty()).then(|| JsonSpectral {
             missing_mass_added: spectral.added.missing_mass,
+            damping_corrected: spectral.added.other_damping,
             directions: directions.collect(),
             across_directions: across.collect(),
         })
@@ -112,6 +126,13 @@ fn direction(answer: &ModalAnswer, input: String, direction: &Direction, bounds:
                 .map_or(JsonNumber::NULL, |value| bounds.absolute(value)),
         }
     });
+    let corrected = direction.corrected.iter().map(|corrected| JsonCorrected {
+        mode: corrected.mode,
+        damping_ratio: JsonNumber::enclosed(corrected.damping),
+        damping_ratio_error_bound: bounds.relative(corrected.damping),
+        factor: JsonNumber::enclosed(corrected.factor),
+        factor_error_bound: bounds.relative(corrected.factor),
+    });
     JsonDirection {
         input,
         reason: None,
@@ -121,6 +142,7 @@ fn direction(answer: &ModalAnswer, input: String, direction: &Direction, bounds:
         total_mass: JsonNumber::enclosed(direction.total),
         missing_mass: JsonNumber::enclosed(direction.missing),
         missing_mass_error_bound: bounds.absolute(direction.missing),
+        corrected_modes: corrected.collect(),
         outputs: outputs.collect(),
     }
 }

@@ -107,6 +107,111 @@ fn two_storeys_are_combined_by_hand() {
     }
 }
 
+/// Chopra, Dynamics of Structures, section 13.8: the five-storey shear frame (100 kips a floor, 31.54 kips/in a storey, 5 %) under El
+/// Centro. Of the printed base shears of the modes follow the values of the spectrum; SRSS and CQC of the base shear and of the top
+/// storey's are compared with the printed ones (tables 13.8.4 and 13.8.5: 66.066, 66.507, 30.074, 29.338 kips).
+#[test]
+fn the_five_storey_frame_of_chopra() {
+    const KIP: f64 = 4_448.221_615_260_5;
+    const INCH: f64 = 0.0254;
+    let shears = [60.469, 24.533, 9.867, 2.943, 0.595];
+    let (m, k) = (100.0 * KIP / (386.09 * INCH), 31.54 * KIP / INCH);
+    // Shapes sin((2 n - 1) j pi / 11), omega = 2 sqrt(k / m) sin((2 n - 1) pi / 22).
+    let points = shears.iter().enumerate().flat_map(|(n, shear)| {
+        let angle = (2 * n + 1) as f64 * PI / 11.0;
+        let shape: Vec<f64> = (1..=5).map(|j| (angle * j as f64).sin()).collect();
+        let (sum, square) = (shape.iter().sum::<f64>(), shape.iter().map(|x| x * x).sum::<f64>());
+        let hertz = 2.0 * (k / m).sqrt() * (0.5 * angle).sin() / (2.0 * PI);
+        let value = shear * KIP / (m * sum * sum / square);
+        [(0.99 * hertz, value), (1.01 * hertz, value)]
+    });
+    let points: Vec<String> = points.map(|(f, a)| format!("({f:.9} Hz, {a:.12} m/s^2)")).collect();
+    let mut model =
+        format!("damping modal 5 %\nbase quake {{ moves x }} = spectrum({}, damping = 5 %)\n", points.join(", "));
+    for i in 1..=5 {
+        let below = if i == 1 { "quake".to_string() } else { format!("f{}", i - 1) };
+        model +=
+            &format!("body f{i} {{ mass = {m:.9} kg, moves x }}\nspring s{i}: {below} -- f{i} {{ k = {k:.9} N/m }}\n");
+    }
+    model += "output base_shear = s1.force\noutput top = s5.force\n";
+    let found = maxima(&model, &[])["directions"][0].clone();
+    for (place, srss, cqc) in [(0, 66.066, 66.507), (1, 30.074, 29.338)] {
+        for (field, printed) in [("srss", srss), ("cqc", cqc)] {
+            let value = found["outputs"][place][field].as_f64().expect("a number") / KIP;
+            // Base shears have three decimals.
+            assert!((value - printed).abs() < 1.5e-3, "{field} of {place}: {value}, printed {printed}");
+        }
+    }
+}
+
+/// Code_Aster's SDLD301: two masses between two supports with spectra of their own, S = a w^2 / |w_0^2 - w^2|, undamped and
+/// independent of each other. With m = 2533 kg and k = 1e5, 2e5, 1e5 N/m the modes are sqrt(k/m) and sqrt(5 k/m), a support carries 3/5
+/// and 2/5 of its motion, and the participation factors are sqrt(m/2) (1, 1/5).
+#[test]
+fn two_supports_have_spectra_of_their_own() {
+    let squares = [1e5 / 2533.0, 5e5 / 2533.0];
+    let spectrum = |hertz: f64| -> [f64; 2] { squares.map(|w| 0.5 * w / ((2.0 * PI * hertz).powi(2) - w).abs()) };
+    let words = |[one, other]: [f64; 2]| {
+        format!(
+            "spectrum((0.9 Hz, {one:.17} m/s^2), (1.1 Hz, {one:.17} m/s^2), (2.1 Hz, {other:.17} m/s^2), (2.4 Hz, {other:.17} m/s^2), damping = 0 %)"
+        )
+    };
+    let (left, right) = (spectrum(1.5), spectrum(2.0));
+    let model = format!(
+        "base no1 {{ moves x }} = {}\nbase no4 {{ moves x }} = {}\nbody a {{ mass = 2533 kg, moves x }}\n\
+         body b {{ mass = 2533 kg, moves x }}\nspring k1: no1 -- a {{ k = 100 kN/m }}\nspring k2: a -- b {{ k = 200 kN/m }}\n\
+         spring k3: b -- no4 {{ k = 100 kN/m }}\noutput da = a.x - 0.6 * no1.x - 0.4 * no4.x\n\
+         output db = b.x - 0.4 * no1.x - 0.6 * no4.x\noutput aa = a.ax\n",
+        words(left),
+        words(right)
+    );
+    let all = maxima(&model, &["--across-directions"]);
+    let part = |s: [f64; 2], order: i32| [0.5 * s[0] / squares[0].powi(order), 0.1 * s[1] / squares[1].powi(order)];
+    let size = |[a, b]: [f64; 2]| a.hypot(b);
+    for (place, order) in [(0, 1), (1, 1), (2, 0)] {
+        let (one, other) = (size(part(left, order)), size(part(right, order)));
+        meets(&all["directions"][0]["outputs"][place], "srss", one);
+        meets(&all["directions"][1]["outputs"][place], "srss", other);
+        meets(&all["across_directions"][place], "srss", one.hypot(other));
+        meets(&all["across_directions"][place], "cqc", one.hypot(other));
+    }
+}
+
+/// EN 1998-1:2004, 3.2.2.2 (3): eta = sqrt(10 / (5 + xi)), at least 0.55, of a spectrum for 5 %; of another one the ratio of two. CQC takes
+/// the damping of each mode, a rigid mode is not corrected, and without the option the direction is refused.
+#[test]
+fn a_spectrum_is_corrected_for_other_damping() {
+    let eta = |zeta: f64| (0.10 / (0.05 + zeta)).sqrt().max(0.55);
+    let scene = |spectrum: f64, mode: f64| {
+        format!(
+            "base quake {{ moves x }} = spectrum({POINTS}, damping = {spectrum})\nbody b {{ mass = 3 kg, moves x }}\n\
+             spring s: quake -- b {{ k = 3 kg * (2 * pi * 3.3 Hz)^2 }}\ndamping modal {mode}\noutput pull = s.force\n"
+        )
+    };
+    for (spectrum, mode) in [(0.05, 0.02), (0.05, 0.1), (0.02, 0.05), (0.05, 0.4), (0.1, 0.0)] {
+        let all = maxima(&scene(spectrum, mode), &["--other-damping"]);
+        assert_eq!(all["damping_corrected"], true);
+        let found = &all["directions"][0];
+        let factor = eta(mode) / eta(spectrum);
+        meets(&found["outputs"][0], "srss", 3.0 * at(3.3) * factor);
+        meets(&found["corrected_modes"][0], "factor", factor);
+        assert_eq!(found["corrected_modes"][0]["mode"], 1);
+        let refused = maxima(&scene(spectrum, mode), &[])["directions"][0].clone();
+        assert!(refused["reason"].as_str().is_some_and(|reason| reason.contains("--other-damping")), "{refused}");
+    }
+    let report = text(&scene(0.05, 0.02), &["analyze", "--other-damping"]);
+    assert!(
+        report.contains("mode 1: damping 2.00000 %, for which the spectrum is corrected by the factor 1.19523"),
+        "{report}"
+    );
+    let same = maxima(&scene(0.05, 0.05), &["--other-damping"]);
+    assert_eq!(same["directions"][0]["corrected_modes"].as_array().map(Vec::len), Some(0));
+    let stiff = scene(0.05, 0.02).replace("3.3 Hz", "40 Hz");
+    let found = maxima(&stiff, &["--other-damping", "--missing-mass"])["directions"][0].clone();
+    assert_eq!(found["corrected_modes"].as_array().map(Vec::len), Some(0));
+    meets(&found["outputs"][0], "srss", 9.0);
+}
+
 /// A frame along two directions: SRSS over them on request, and a direction that does not move an output adds nothing.
 #[test]
 fn directions_are_combined_on_request() {

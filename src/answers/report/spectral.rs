@@ -59,6 +59,17 @@ fn of_direction(answer: &ModalAnswer, direction: &Direction, options: &Options, 
         ", ",
         share
     ]));
+    blocks.extend(direction.corrected.iter().map(|corrected| {
+        Block::Item(line![
+            "mode ",
+            corrected.mode,
+            ": damping ",
+            Figure::ball(corrected.damping * Ball::from(100.0), DIGITS).unit("%"),
+            ", for which the spectrum is corrected by the factor ",
+            Figure::ball(corrected.factor, DIGITS),
+            " (EN 1998-1)"
+        ])
+    }));
     let mut table = Table::new()
         .column("output", "", Align::Left)
         .column("unit", "", Align::Left)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, emitted, equations, equations_examples, extrema, extremes, large, measures, modal, modes, motions, noise, planar, poles, reactions, sensitivities, shock, solving, transfer
+from . import coupled, emitted, equations, equations_examples, extrema, extremes, large, measures, modal, modes, motions, noise, planar, poles, reactions, sensitivities, shock, solving, spectrum, transfer
 
 
 @dataclass(frozen=True)
@@ -41,4 +41,5 @@ ALL = {
     "noise_several": Class(noise.of_form("white", "flat", "points", "road", form="two"), noise.check, 1000, 8),
     "noise_delayed": Class(noise.of_form("white", "white", "flat", "points", "road", form="delayed"), noise.check, 1000, 12),
     "shock": Class(shock.scene, shock.check, 5000, 60),
+    "spectrum": Class(spectrum.scene, spectrum.check, 5000, 60),
 }
