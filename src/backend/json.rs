@@ -313,14 +313,14 @@ struct JsonNoisy {
     rms: JsonNumber,
     /// Relative.
     rms_error_bound: JsonNumber,
-    rms_reason: Option<&'static str>,
+    rms_reason: Option<String>,
     crossings_hz: JsonNumber,
     crossings_error_bound: JsonNumber,
-    crossings_reason: Option<&'static str>,
+    crossings_reason: Option<String>,
     modes: Vec<JsonModeShare>,
     /// Null where they are not known.
     peaks: Option<Vec<JsonPeak>>,
-    peaks_reason: Option<&'static str>,
+    peaks_reason: Option<String>,
 }
 
 /// A peak of a density; bounds are relative.
@@ -344,7 +344,8 @@ impl JsonNoisy {
         let output = &system.outputs[noisy.output];
         let parts = |spread: &Spread| match spread {
             Spread::Finite(value) => (JsonNumber::enclosed(*value), bounds.relative(*value), None),
-            Spread::Infinite(why) | Spread::Unknown(why) => (JsonNumber::NULL, JsonNumber::NULL, Some(*why)),
+            Spread::Infinite(why) => (JsonNumber::NULL, JsonNumber::NULL, Some(why.to_string())),
+            Spread::Unknown(why) => (JsonNumber::NULL, JsonNumber::NULL, Some(why.to_string())),
         };
         let (rms, rms_error_bound, rms_reason) = parts(&noisy.rms);
         let (crossings_hz, crossings_error_bound, crossings_reason) = parts(&noisy.crossings);
@@ -361,7 +362,7 @@ impl JsonNoisy {
             crossings_reason,
             modes: modes.collect(),
             peaks: noisy.peaks.as_ref().ok().map(|peaks| peaks.iter().map(|peak| JsonPeak::of(peak, bounds)).collect()),
-            peaks_reason: noisy.peaks.as_ref().err().copied(),
+            peaks_reason: noisy.peaks.as_ref().err().map(ToString::to_string),
         }
     }
 }

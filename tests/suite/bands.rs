@@ -183,14 +183,6 @@ fn beyond_the_range_nothing_is_claimed() {
     }
 }
 
-/// Where no motion decays, nothing is claimed of a band.
-#[test]
-fn what_is_not_proved_has_no_number() {
-    let text = "body b { mass = 2 kg, moves x }\nspring s: ground -- b { k = 50 N/m }\n\
-                force F: b along x = noise(6 N^2/Hz, 2 Hz .. 3 Hz)\noutput x = b.x\n";
-    assert!(matches!(under_noise(text)[0].0, Spread::Unknown(_)));
-}
-
 /// The same motion between two frequencies: parts add up to the whole, also of white noise, which has no ends of its own.
 #[test]
 fn an_rms_within_a_band() {

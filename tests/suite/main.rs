@@ -70,6 +70,7 @@ mod random;
 mod random_delayed;
 mod random_peaks;
 mod random_seeds;
+mod random_undamped;
 mod readme;
 mod reports;
 mod response;

@@ -281,12 +281,12 @@ fn a_misspelt_road_has_a_suggestion() {
     assert!(found.len() == 1 && found[0].contains("noise(road("), "{found:?}");
 }
 
-/// Two equal masses between equal springs, and a damper between them alone: the motion of both together never decays, and noise
-/// drives it. No certificate exists, and the report has no number but says what is not proved.
+/// Two equal masses between equal springs, a damper between them alone, and numbers that are no fractions: the undamped motion is not
+/// found. No certificate exists, and the report has no number but says what is not proved.
 #[test]
 fn without_a_certificate_there_is_no_number() {
-    let text = "body a { mass = 2 kg, moves x }\nbody b { mass = 2 kg, moves x }\nspring s: ground -- a { k = 50 N/m }\n\
-                spring t: ground -- b { k = 50 N/m }\nspring u: a -- b { k = 7 N/m }\n\
+    let text = "body a { mass = 2 kg * sqrt(2), moves x }\nbody b { mass = 2 kg * sqrt(2), moves x }\n\
+                spring s: ground -- a { k = 50 N/m }\nspring t: ground -- b { k = 50 N/m }\nspring u: a -- b { k = 7 N/m }\n\
                 damper d: a -- b { c = 3 N*s/m }\nforce F: a along x = noise(white 6 N^2/Hz)\noutput x = a.x\n\
                 output z = b.x - a.x\n";
     let found = under_noise(text);

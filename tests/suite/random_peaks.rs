@@ -10,9 +10,9 @@ fn oscillator(noise: &str, outputs: &str) -> String {
 }
 
 /// Frequencies and densities of the peaks of each output.
-fn peaks(text: &str) -> Vec<Result<Vec<(f64, f64)>, &'static str>> {
+fn peaks(text: &str) -> Vec<Result<Vec<(f64, f64)>, String>> {
     let of = |noisy: &vibc::Noisy| {
-        noisy.peaks.as_ref().map_err(|why| *why).map(|list| {
+        noisy.peaks.as_ref().map_err(ToString::to_string).map(|list| {
             list.iter()
                 .map(|peak| {
                     assert!(

@@ -21,7 +21,7 @@ pub trait Argument: Copy {
     fn size(self) -> f64;
     /// Every entry widened.
     fn widen(self, by: f64) -> Self;
-    /// The integral of 1 / (x - z) over -1 .. 1, if the upper half-plane holds z.
+    /// The integral of 1 / (x - z) over -1 .. 1, if the upper half-plane holds z, or z is beyond one of the ends.
     fn logarithm(self) -> Self;
 
     fn plus_number(self, x: Ball) -> Self {
@@ -67,15 +67,19 @@ impl Argument for Point {
         Complex::new(self.re.widen(by), self.im.widen(by))
     }
 
-    /// x - z stays on one side of the real axis.
+    /// x - z stays on one side of the real axis, or of the imaginary one.
     fn logarithm(self) -> Point {
-        if !self.im.is_positive() {
+        let ends = [Ball::ONE - self.re, -Ball::ONE - self.re];
+        let is_beyond = ends[1].is_positive() || ends[0].is_negative();
+        if !(self.im.is_positive() || is_beyond) {
             return Complex::new(unknown(), unknown());
         }
-        let ends = [Ball::ONE - self.re, -Ball::ONE - self.re];
         let [after, before] = ends.map(|re| re * re + self.im * self.im);
+        // Both x - z turned by half a turn have the same ratio, and their angles are on one side of the cut.
+        let sign = if ends[0].is_negative() { -Ball::ONE } else { Ball::ONE };
         let angle = |re: Ball| {
-            Number::atan2(&Number::Ball(-self.im), &Number::Ball(re)).map_or(unknown(), |angle| angle.to_ball())
+            let [re, im] = [sign * re, -(sign * self.im)].map(Number::Ball);
+            Number::atan2(&im, &re).map_or(unknown(), |angle| angle.to_ball())
         };
         let size = Number::Ball(after / before).ln().map_or(unknown(), |ln| ln.to_ball() * Ball::from(0.5));
         Complex::new(size, angle(ends[0]) - angle(ends[1]))
@@ -85,6 +89,10 @@ impl Argument for Point {
 impl Two {
     fn map(self, f: impl Fn(Point) -> Point) -> Two {
         Two(self.0.map(|row| row.map(&f)))
+    }
+
+    pub fn conj(self) -> Two {
+        self.map(|z| z.conj())
     }
 
     /// Half the trace, as an exact number.
@@ -118,9 +126,15 @@ impl Argument for Two {
         Two([[d, -b], [-c, a]]).map(|z| z * inverse)
     }
 
-    /// Frobenius's norm.
+    /// The size of the mean and Frobenius's norm of the rest: hardly more than the largest pole of two that are nearly one.
     fn size(self) -> f64 {
-        self.0.iter().flatten().map(|z| z.magnitude().power(2)).sum::<f64>().sqrt() * up::DOZENS
+        let mean = self.mean();
+        let square = |(i, j): (usize, usize)| {
+            let entry = if i == j { self.0[i][j] - mean } else { self.0[i][j] };
+            entry.magnitude() * entry.magnitude()
+        };
+        let rest = [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter().map(square).sum::<f64>().sqrt();
+        (mean.magnitude() + rest) * up::DOZENS
     }
 
     fn widen(self, by: f64) -> Two {

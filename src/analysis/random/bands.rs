@@ -1,7 +1,7 @@
 //! Mean squares under noise in bands: the integral of |H|^2 S over frequencies. In: a density, the transfer function from its noise to
 //! an output as residues at poles. Out: an enclosure. See docs/method/random.md#bands.
 
-use super::argument::{Argument, Point};
+use super::argument::{Argument, Point, Two};
 use super::resolvent::{Line, Nearness, Parts, Resolvent, Value};
 use super::weight::{Panels, Piece, Slope};
 use crate::base::density::{Band, Course, Density};
@@ -19,6 +19,8 @@ pub struct Bands {
     /// A bound of the mean square of the noise itself.
     whole: f64,
     near: Nearness,
+    /// Integrals over (i w - s_b) (i w + conj s_c) of the pairs of poles that are close for the bands, and of their conjugates.
+    of_close: Vec<[Point; 2]>,
 }
 
 impl Bands {
@@ -39,7 +41,10 @@ impl Bands {
         let whole = even[2]?.magnitude() * UP;
         let ranges: Vec<[Ball; 2]> = pieces.iter().map(|piece| [piece.from, piece.to]).collect();
         let near = resolvent.within(&ranges)?;
-        Some(Bands { of_poles, even, whole, near })
+        let divided = |pair: Two, corner: Ball| over(&panels, pair).0[0][1].scale(Ball::ONE / corner);
+        let pairs = resolvent.close_pairs(&near).into_iter();
+        let of_close = pairs.map(|(pair, corner)| [pair, pair.conj()].map(|pair| divided(pair, corner))).collect();
+        Some(Bands { of_poles, even, whole, near, of_close })
     }
 
     /// How near the bands are to the poles.
@@ -54,7 +59,7 @@ impl Bands {
 
     /// The integral of |H|^2 over angular frequencies, and a bound of what is missing.
     pub fn integral(&self, resolvent: &Resolvent, parts: &Parts) -> Option<(Ball, f64)> {
-        let square = resolvent.square(parts);
+        let square = resolvent.square(parts, &self.near);
         let two = Ball::from(2.0);
         let mut sum = Ball::ZERO;
         for (b, ((p, g), [direct, mirrored])) in square.rows.iter().zip(&square.columns).zip(&self.of_poles).enumerate()
@@ -65,6 +70,9 @@ impl Bands {
                 part = part + mirrored.between(&conj(p), &conj(g)).re;
             }
             sum = sum + part * two;
+        }
+        for (factor, [direct, mirrored]) in resolvent.close_factors(parts, &self.near).into_iter().zip(&self.of_close) {
+            sum = sum + (factor * *direct).re + (factor.conj() * *mirrored).re;
         }
         for (direct, integral) in square.direct.iter().zip(&self.even) {
             if !direct.is_zero() {

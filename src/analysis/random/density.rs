@@ -51,7 +51,7 @@ fn gain(transfer: &Transfer, at: &Frequency, inputs: &[&(usize, Number)], output
             Gain::Finite(disc) => Ok(*disc),
             // Two that are infinite may cancel.
             Gain::Infinite if list.len() == 1 => {
-                Err(Spread::Infinite("infinite: an undamped motion is excited at its own frequency"))
+                Err(Spread::Infinite("infinite: an undamped motion is excited at its own frequency".into()))
             }
             Gain::Infinite | Gain::Unknown => Err(Spread::Unknown("the gain is not known at this frequency")),
         })

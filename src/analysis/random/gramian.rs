@@ -12,8 +12,8 @@ use crate::analysis::modes::form::{ModalForm, gram, off_diagonal};
 use crate::analysis::poles::schur::SchurForm;
 use crate::base::{Ball, Dd, Number, larger, rounding::UNIT, up};
 use crate::kernel::dense::Matrix;
-use crate::kernel::dense::cholesky;
 use crate::kernel::dense::enclosure::product;
+use crate::kernel::dense::product::{self as rough, View};
 use crate::kernel::squares::Squares;
 use crate::system::{LinearSystem, Output};
 use nalgebra::DMatrix;
@@ -25,6 +25,9 @@ pub const MOST: usize = 150;
 const STEPS: usize = 5;
 /// What is left over, relative to the certificate's right-hand side and to the solution, at which refinement ends.
 const SETTLED: f64 = 1e-24;
+
+/// Covers underflow in sums of products.
+const TINY: f64 = 1e-290;
 
 /// Why there is no space in which variances are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,10 +55,19 @@ pub struct Space {
     /// Bounds of the entries of X^T M X - 1 and, divided by s_i s_j, of X^T K X - diag k.
     pub(super) of_m: f64,
     pub(super) of_k: f64,
+    /// Whether no damper has a negative coefficient, so that no motion grows.
+    pub(super) is_passive: bool,
+    /// A proof that every motion decays.
+    certificate: Option<Certificate>,
+}
+
+/// G with A G E^T + E G A^T = -Y, Y near the diagonal D.
+struct Certificate {
     schur: SchurForm,
-    /// The certificate's G, its D, and how far below D its Y may be, relative to it.
     g: Matrix<f64>,
-    d: Vec<f64>,
+    /// Bounds of D^-1/2.
+    scale: Vec<f64>,
+    /// How far below D its Y may be, relative to it.
     theta: f64,
 }
 
@@ -119,43 +131,49 @@ impl Space {
             }
             (false, false) => -c[(i - n, j - n)].to_f64(),
         };
-        let schur = SchurForm::of(DMatrix::from_fn(2 * n, 2 * n, entry)).ok_or(Obstacle::NotStable)?;
-        let most = (0..n).map(|i| c[(i, i)].to_f64()).fold(0.0, f64::max);
-        if most <= 0.0 {
-            return Err(Obstacle::NotStable);
-        }
-        let damping = |i: usize| c[(i % n, i % n)].to_f64().max(1e-12 * most);
-        let d: Vec<f64> = (0..2 * n).map(damping).collect();
-        let g = Matrix::filled(2 * n, 2 * n, 0.0);
-        let mut space = Space { n, shapes: form.shapes, s, k, a, c, of_m, of_k, schur, g, d, theta: f64::INFINITY };
-        space.certify().ok_or(Obstacle::NotStable)?;
+        let start = DMatrix::from_fn(2 * n, 2 * n, entry);
+        let is_passive = system.c.terms().iter().all(|term| term.weight.is_positive());
+        let mut space = Space { n, shapes: form.shapes, s, k, a, c, of_m, of_k, is_passive, certificate: None };
+        space.certificate = space.certify(start);
         Ok(space)
     }
 
-    /// Finds G and proves that it is a certificate.
-    fn certify(&mut self) -> Option<()> {
-        let size = 2 * self.n;
-        for _ in 0..2 {
-            let step = self.schur.lyapunov(&self.certificate_error().map(|x| -x.to_f64()));
-            self.g = Matrix::from_fn(size, size, |i, j| self.g[(i, j)] + 0.5 * (step[(i, j)] + step[(j, i)]));
+    /// Whether every motion is proved to decay.
+    pub fn decays(&self) -> bool {
+        self.certificate.is_some()
+    }
+
+    /// Finds G and proves that it is a certificate. `start`: A in binary64.
+    fn certify(&self, start: DMatrix<f64>) -> Option<Certificate> {
+        let (n, size) = (self.n, 2 * self.n);
+        let most = (0..n).map(|i| self.c[(i, i)].to_f64()).fold(0.0, f64::max);
+        if most <= 0.0 {
+            return None;
         }
-        self.theta = self.weighed(&self.certificate_error());
-        (self.theta < 0.5 && is_positive_definite(&self.g)).then_some(())
+        let schur = SchurForm::of(start)?;
+        let damping = |i: usize| self.c[(i % n, i % n)].to_f64().max(1e-12 * most);
+        let d: Vec<f64> = (0..size).map(damping).collect();
+        let scale: Vec<f64> = d.iter().map(|d| up::FEW / d.sqrt()).collect();
+        let mut g = symmetric(&schur.lyapunov(&Matrix::from_fn(size, size, |i, j| if i == j { -d[i] } else { 0.0 })));
+        // Rough numbers are enough unless the damping is very light.
+        let (image, off) = self.rough_image(&g);
+        let rough =
+            |i: usize, j: usize| (image[(i, j)] + if i == j { d[i] } else { 0.0 }).abs() * up::FEW + off[(i, j)];
+        let mut theta = weighed(&scale, rough);
+        if !(theta < 0.5) {
+            let step = symmetric(&schur.lyapunov(&self.certificate_error(&g, &d).map(|x| -x.to_f64())));
+            g = Matrix::from_fn(size, size, |i, j| g[(i, j)] + step[(i, j)]);
+            let error = self.certificate_error(&g, &d);
+            theta = weighed(&scale, |i, j| error[(i, j)].magnitude());
+        }
+        (theta < 0.5 && is_positive_definite(&g)).then_some(Certificate { schur, g, scale, theta })
     }
 
     /// A G E^T + E G A^T + D, which is D - Y.
-    fn certificate_error(&self) -> Matrix<Ball> {
-        let image = self.image(&self.g.map(Ball::from), &[]);
-        let plus_d = |i: usize, j: usize| if i == j { image[(i, i)] + Ball::from(self.d[i]) } else { image[(i, j)] };
+    fn certificate_error(&self, g: &Matrix<f64>, d: &[f64]) -> Matrix<Ball> {
+        let image = self.image(&g.map(Ball::from), &[]);
+        let plus_d = |i: usize, j: usize| if i == j { image[(i, i)] + Ball::from(d[i]) } else { image[(i, j)] };
         Matrix::from_fn(2 * self.n, 2 * self.n, plus_d)
-    }
-
-    /// A bound of the 2-norm of D^-1/2 R D^-1/2.
-    fn weighed(&self, r: &Matrix<Ball>) -> f64 {
-        let size = 2 * self.n;
-        let row =
-            |i: usize| (0..size).map(|j| r[(i, j)].magnitude() / (self.d[i] * self.d[j]).sqrt()).sum::<f64>() * UP;
-        (0..size).map(row).fold(0.0, larger)
     }
 
     /// A P E^T + E P A^T + sum of q b b^T, with all that E and A may be off by.
@@ -178,6 +196,13 @@ impl Space {
             }
         });
         self.add_uncertainty(&mut image, [&z, &w, &v], &cv);
+        self.add_drives(&mut image, drives);
+        image
+    }
+
+    /// Adds the sum of q b b^T to a symmetric matrix whose block below the diagonal is not read.
+    fn add_drives(&self, image: &mut Matrix<Ball>, drives: &[Drive]) {
+        let n = self.n;
         for Drive { jump, force, intensity } in drives {
             let b: Vec<Ball> = jump.iter().chain(force).copied().collect();
             let product = |i: usize, j: usize| b[i] * b[j] * *intensity;
@@ -192,28 +217,77 @@ impl Space {
                 image[(i, j)] = image[(j, i)];
             }
         }
-        image
     }
 
     /// Widens the image by what the entries of X^T M X - 1 and X^T K X - diag k may do.
     fn add_uncertainty(&self, image: &mut Matrix<Ball>, [z, w, v]: [&Matrix<Ball>; 3], cv: &Matrix<Ball>) {
+        let n = self.n;
+        let (mixed, lower) = self.uncertainty([z, w, v, cv].map(|m| m.map(|x| x.magnitude())));
+        for i in 0..n {
+            for j in 0..n {
+                image[(i, n + j)] = image[(i, n + j)].widen(mixed[(i, j)]);
+                image[(n + i, n + j)] = image[(n + i, n + j)].widen(lower[(i, j)]);
+            }
+        }
+    }
+
+    /// What those entries may add to the blocks of the image beside and below the first one. Magnitudes of the blocks of P, and of C V.
+    fn uncertainty(&self, [z, w, v, cv]: [Matrix<f64>; 4]) -> (Matrix<f64>, Matrix<f64>) {
         /// Products of two of the small entries are smaller than this part of the sums by far.
         const MORE: f64 = 1.01;
         let n = self.n;
-        let row_sum = |m: &Matrix<Ball>, i: usize| (0..n).map(|k| m[(i, k)].magnitude()).sum::<f64>();
-        let sums = |m: &Matrix<Ball>| -> Vec<f64> { (0..n).map(|i| row_sum(m, i)).collect() };
-        let (of_z, of_w, of_v, of_cv) = (sums(z), sums(w), sums(v), sums(cv));
-        let down_w: Vec<f64> = (0..n).map(|j| (0..n).map(|k| w[(k, j)].magnitude()).sum::<f64>()).collect();
+        let sums = |m: &Matrix<f64>| -> Vec<f64> { (0..n).map(|i| (0..n).map(|k| m[(i, k)]).sum()).collect() };
+        let (of_z, of_w, of_v, of_cv) = (sums(&z), sums(&w), sums(&v), sums(&cv));
+        let down_w: Vec<f64> = (0..n).map(|j| w.column(j).iter().sum()).collect();
         let mixed = |i: usize, j: usize| self.of_m * self.s[i] * of_v[i] + self.of_k * self.s[j] * of_z[i];
         let one = |i: usize, j: usize| {
             self.of_k * self.s[i] * down_w[j] + self.of_m * (self.a[i].magnitude() * of_w[i] + of_cv[i])
         };
-        for i in 0..n {
-            for j in 0..n {
-                image[(i, n + j)] = image[(i, n + j)].widen(MORE * mixed(i, j) * UP);
-                image[(n + i, n + j)] = image[(n + i, n + j)].widen(MORE * (one(i, j) + one(j, i)) * UP);
+        (
+            Matrix::from_fn(n, n, |i, j| MORE * mixed(i, j) * UP),
+            Matrix::from_fn(n, n, |i, j| MORE * (one(i, j) + one(j, i)) * UP),
+        )
+    }
+
+    /// A P E^T + E P A^T in binary64, and bounds of its errors with all that E and A may be off by.
+    fn rough_image(&self, p: &Matrix<f64>) -> (Matrix<f64>, Matrix<f64>) {
+        let n = self.n;
+        let block = |row: usize, column: usize| Matrix::from_fn(n, n, |i, j| p[(row + i, column + j)]);
+        let (z, w, v) = (block(0, 0), block(0, n), block(n, n));
+        let c = self.c.map(|c| c.to_f64());
+        // C as rounded, and a bound of the error of its products, relative to the other factor.
+        let relative = rough::error(n) + 4.0 * UNIT;
+        let slack = self.c.map(|c| (c.magnitude() * relative + c.rad + c.mid.lo.abs()) * up::FEW);
+        let (aw, av) = (w.map(|x| x.abs()), v.map(|x| x.abs()));
+        let of = |a: &Matrix<f64>, b: &Matrix<f64>| rough::product(View::of(a), View::of(b));
+        let (wc, cv) = (of(&w, &c), of(&c, &v));
+        let (wc_off, cv_off) = (of(&aw, &slack), of(&slack, &av));
+        let a: Vec<f64> = self.a.iter().map(Ball::to_f64).collect();
+        let cv_size = Matrix::from_fn(n, n, |i, j| cv[(i, j)].abs() + cv_off[(i, j)]);
+        let (mixed, lower) = self.uncertainty([z.map(|x| x.abs()), aw, av, cv_size]);
+        let (mut image, mut off) = (Matrix::filled(2 * n, 2 * n, 0.0), Matrix::filled(2 * n, 2 * n, 0.0));
+        // Each entry is a sum of products that are rounded, with factors that are; some may underflow.
+        let rounded = |parts: [f64; 4]| 8.0 * UNIT * parts.iter().map(|x| x.abs()).sum::<f64>() + TINY;
+        for j in 0..n {
+            for i in 0..n {
+                let own = [self.s[i] * w[(j, i)], self.s[j] * w[(i, j)], 0.0, 0.0];
+                image[(i, j)] = own[0] + own[1];
+                off[(i, j)] = rounded(own) * UP;
+                let parts = [self.s[i] * v[(i, j)], z[(i, j)] * a[j], wc[(i, j)], 0.0];
+                image[(i, n + j)] = parts[0] - parts[1] - parts[2];
+                off[(i, n + j)] = (rounded(parts) + wc_off[(i, j)] + mixed[(i, j)]) * UP;
+                let parts = [a[i] * w[(i, j)], cv[(i, j)], a[j] * w[(j, i)], cv[(j, i)]];
+                image[(n + i, n + j)] = -(parts[0] + parts[1]) - (parts[2] + parts[3]);
+                off[(n + i, n + j)] = (rounded(parts) + cv_off[(i, j)] + cv_off[(j, i)] + lower[(i, j)]) * UP;
             }
         }
+        for j in 0..n {
+            for i in 0..n {
+                image[(n + j, i)] = image[(i, n + j)];
+                off[(n + j, i)] = off[(i, n + j)];
+            }
+        }
+        (image, off)
     }
 
     /// The drive of a channel.
@@ -244,17 +318,30 @@ impl Space {
         (0..self.n).map(of).collect()
     }
 
-    /// The covariance under white noises that are independent.
-    pub fn covariance(&self, drives: &[Drive]) -> Covariance {
+    /// The covariance under white noises that are independent; `None` where it is not proved that there is one.
+    pub fn covariance(&self, drives: &[Drive]) -> Option<Covariance> {
+        let Certificate { schur, scale, theta, .. } = self.certificate.as_ref()?;
         let size = 2 * self.n;
         let mut p = Matrix::filled(size, size, Dd::ZERO);
-        let mut left = self.image(&p.map(Ball::exact), drives);
-        let mut best = self.weighed(&left);
-        for _ in 0..STEPS {
-            let step = self.schur.lyapunov(&left.map(|x| -x.to_f64()));
-            let next = Matrix::from_fn(size, size, |i, j| p[(i, j)] + Dd::from(0.5 * (step[(i, j)] + step[(j, i)])));
+        let mut left = Matrix::none(size, size);
+        self.add_drives(&mut left, drives);
+        let mut best = weighed(scale, |i, j| left[(i, j)].magnitude());
+        for count in 0..STEPS {
+            let step = symmetric(&schur.lyapunov(&left.map(|x| -x.to_f64())));
+            let next = Matrix::from_fn(size, size, |i, j| p[(i, j)] + Dd::from(step[(i, j)]));
+            // The sum of two numbers is exact, and what the second step leaves is what the first one left and its own image, which
+            // is small enough for rough numbers.
+            if count == 1 {
+                let (image, off) = self.rough_image(&step);
+                let now = weighed(scale, |i, j| (left[(i, j)] + Ball::from(image[(i, j)])).magnitude() + off[(i, j)]);
+                let large = (0..size).map(|i| next[(i, i)].hi).fold(0.0, f64::max);
+                if now <= SETTLED * large {
+                    (p, best) = (next, now);
+                    break;
+                }
+            }
             let after = self.image(&next.map(Ball::exact), drives);
-            let now = self.weighed(&after);
+            let now = weighed(scale, |i, j| after[(i, j)].magnitude());
             let is_better = now < best;
             if !is_better {
                 break;
@@ -266,7 +353,7 @@ impl Space {
                 break;
             }
         }
-        Covariance { p: p.map(Ball::exact), epsilon: best / (1.0 - self.theta) * UP }
+        Some(Covariance { p: p.map(Ball::exact), epsilon: best / (1.0 - theta) * UP })
     }
 
     /// The row of an output over the state: y = row z.
@@ -312,8 +399,9 @@ impl Space {
     /// A bound of row G row^T.
     fn certified(&self, seen: &[usize], row: &[Ball]) -> f64 {
         let size: Vec<f64> = seen.iter().map(|&i| row[i].magnitude()).collect();
+        let Some(Certificate { g, .. }) = &self.certificate else { return f64::INFINITY };
         let column = |(j, size_j): (&usize, &f64)| {
-            let sum: f64 = seen.iter().zip(&size).map(|(&i, size_i)| size_i * self.g[(i, *j)].abs()).sum();
+            let sum: f64 = seen.iter().zip(&size).map(|(&i, size_i)| size_i * g[(i, *j)].abs()).sum();
             sum * size_j
         };
         seen.iter().zip(&size).map(column).sum::<f64>() * UP
@@ -331,6 +419,20 @@ impl Space {
     }
 }
 
+/// A bound of the 2-norm of D^-1/2 R D^-1/2 for a symmetric R, by bounds of D^-1/2 and of the magnitudes of R: the largest sum of a
+/// column.
+fn weighed(scale: &[f64], magnitude: impl Fn(usize, usize) -> f64) -> f64 {
+    let column = |j: usize| {
+        let sum = scale.iter().enumerate().map(|(i, scale)| magnitude(i, j) * scale).sum::<f64>();
+        sum * scale[j] * UP
+    };
+    (0..scale.len()).map(column).fold(0.0, larger)
+}
+
+fn symmetric(x: &Matrix<f64>) -> Matrix<f64> {
+    Matrix::from_fn(x.rows(), x.columns(), |i, j| 0.5 * (x[(i, j)] + x[(j, i)]))
+}
+
 /// Whether a symmetric matrix, exact in binary64, is certainly positive definite: Cholesky's factorisation of the matrix, scaled
 /// to a diagonal near one and less what rounding may do, goes through (Rump, BIT 46 (2006) 433).
 fn is_positive_definite(a: &Matrix<f64>) -> bool {
@@ -341,11 +443,20 @@ fn is_positive_definite(a: &Matrix<f64>) -> bool {
     }
     // The trace of the scaled matrix is at most 4 n.
     let less = 8.0 * n as f64 * (n as f64 + 4.0) * UNIT;
-    let scaled = Matrix::from_fn(n, n, |i, j| {
-        let entry = Dd::from(a[(i, j)] * scale[i] * scale[j]);
-        if i == j { entry - Dd::from(less) } else { entry }
-    });
-    cholesky::factor(scaled, 0.0).is_ok()
+    let mut l = Matrix::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j] - if i == j { less } else { 0.0 });
+    for j in 0..n {
+        let root = l[(j, j)].sqrt();
+        // Nor a number that is none.
+        if !(root > 0.0 && root.is_finite()) {
+            return false;
+        }
+        l.column_mut(j)[j..].iter_mut().for_each(|x| *x /= root);
+        for k in j + 1..n {
+            let (factor, column) = (l[(k, j)], l.column(j)[k..].to_vec());
+            l.column_mut(k)[k..].iter_mut().zip(column).for_each(|(x, y)| *x -= factor * y);
+        }
+    }
+    true
 }
 
 /// A power of two near 1 / sqrt(x).

@@ -4,27 +4,29 @@
 
 mod argument;
 mod bands;
+mod basis;
 mod blocks;
 mod channel;
 mod coherent;
 mod density;
+mod driven;
 mod gramian;
 mod peaks;
 mod realisation;
 mod resolvent;
 mod source;
+mod undamped;
 mod weight;
 
-use crate::analysis::answer::{ModeKind, Modes};
+use crate::analysis::answer::Modes;
 use crate::analysis::modes::parts::independent;
-use crate::analysis::transfer::{Frequency, Transfer};
-use crate::base::{Ball, Density, Number, Rational, Unproven};
+use crate::analysis::transfer::Transfer;
+use crate::base::{Ball, Number, Unproven};
 use crate::system::{CoordinateId, LinearSystem, Noise, Output};
-use bands::Bands;
-use channel::{applied, dense, is_certain};
-use gramian::{Covariance, Drive, Obstacle, Space};
-use resolvent::{Parts, Resolvent};
-use source::{Arm, OPEN_BASE, Source, direct, drift, intensity};
+use basis::Basis;
+use driven::Driven;
+use gramian::Obstacle;
+use std::borrow::Cow;
 use std::cell::OnceCell;
 
 pub use density::density;
@@ -36,46 +38,47 @@ pub use realisation::realisation;
 pub enum Spread {
     Finite(Ball),
     /// Proved, with its reason.
-    Infinite(&'static str),
+    Infinite(Cow<'static, str>),
     /// Nothing is proved; why.
     Unknown(&'static str),
 }
 
-const RIGID: &str = "infinite: nothing brings back a motion that noise drives on";
-const UNDAMPED: &str = "infinite: nothing damps what noise excites";
-
-const OPEN_POLES: &str = "the poles are too close to each other for a bound";
-const OPEN_TURNS: &str = "the delay is too long for this band: the phase turns too often";
 const OPEN_DIGITS: &str = "the bound leaves no digit";
 /// The relative bound of a mean square beyond which there is no number.
 const LEAST: f64 = 0.1;
-const OPEN_RATE: &str = "how often an acceleration crosses zero takes its rate, which is not computed";
 
-/// A system under noise.
+/// A system under noise. What an output shows goes by those independent parts alone that noise moves and that the output shows.
 pub struct Random<'a> {
     system: &'a LinearSystem,
     modes: &'a Modes,
-    sources: Vec<Source<'a>>,
+    noises: &'a [Noise],
     reach: Reach,
-    space: Result<Space, Obstacle>,
-    /// Under all white noises.
-    covariance: Option<Covariance>,
-    /// Needed for noise in bands alone.
-    resolvent: OnceCell<Option<Resolvent>>,
+    driven: Vec<bool>,
+    whole: OnceCell<Driven<'a>>,
+    some: Vec<Subset<'a>>,
+}
+
+/// Parts of the system, but not all of them.
+struct Subset<'a> {
+    parts: Vec<bool>,
+    basis: Basis,
+    /// `None` where a mode moves others too.
+    driven: OnceCell<Option<Driven<'a>>>,
 }
 
 /// Which coordinates move together.
 pub struct Reach {
     part: Vec<usize>,
+    count: usize,
 }
 
 impl Reach {
     pub fn of(system: &LinearSystem) -> Reach {
-        let mut part = vec![0; system.n()];
-        for (number, found) in independent(system).iter().enumerate() {
+        let (mut part, parts) = (vec![0; system.n()], independent(system));
+        for (number, found) in parts.iter().enumerate() {
             found.coordinates.iter().for_each(|&i| part[i as usize] = number);
         }
-        Reach { part }
+        Reach { part, count: parts.len() }
     }
 
     /// Whether terms or a direct path lead from an input that a noise drives to an output.
@@ -98,6 +101,25 @@ impl Reach {
         seen.any(|(i, _)| row.clone().any(|(j, _)| self.part[i.index()] == self.part[j.index()]))
     }
 
+    /// The parts that inputs with noise move.
+    fn driven(&self, system: &LinearSystem, noises: &[Noise]) -> Vec<bool> {
+        let mut is_driven = vec![false; self.count];
+        let inputs = noises.iter().flat_map(|noise| &noise.inputs);
+        let moved = inputs.flat_map(|(input, _)| system.inputs[*input].b.iter().flatten());
+        moved.for_each(|(i, _)| is_driven[self.part[i.index()]] = true);
+        is_driven
+    }
+
+    /// Those of some parts that an output shows.
+    fn shown(&self, output: &Output, parts: &[bool]) -> Vec<bool> {
+        let mut is_shown = vec![false; self.count];
+        for (i, _) in output.p.iter().flatten().filter(|(_, factor)| !factor.is_zero()) {
+            let part = self.part[i.index()];
+            is_shown[part] = parts[part];
+        }
+        is_shown
+    }
+
     /// Whether the initial state moves an output.
     pub fn from_start(&self, system: &LinearSystem, output: &Output) -> bool {
         let mut seen = output.p.iter().flatten();
@@ -107,314 +129,110 @@ impl Reach {
 
 impl<'a> Random<'a> {
     pub fn of(system: &'a LinearSystem, modes: &'a Modes, noises: &'a [Noise]) -> Random<'a> {
-        let space = Space::of(system, modes);
-        let sources: Vec<Source> = noises.iter().map(|noise| Source::of(system, noise)).collect();
-        let covariance = space.as_ref().ok().map(|space| {
-            let white =
-                sources.iter().filter_map(|source| Some((source.arms.as_ref().ok()?, intensity(source.noise)?)));
-            let drives: Vec<Drive> = white
-                .flat_map(|(arms, intensity)| arms.iter().map(move |arm| space.drive(&arm.channel, intensity)))
-                .collect();
-            space.covariance(&drives)
+        let reach = Reach::of(system);
+        let driven = reach.driven(system, noises);
+        let mut some: Vec<Subset> = Vec::new();
+        let is_divided = reach.count > 1 && !system.is_chained();
+        for output in system.outputs.iter().filter(|_| is_divided) {
+            let parts = reach.shown(output, &driven);
+            let is_new =
+                parts.contains(&true) && parts.contains(&false) && some.iter().all(|known| known.parts != parts);
+            if is_new {
+                let kept: Vec<usize> = (0..system.n()).filter(|&i| parts[reach.part[i]]).collect();
+                some.push(Subset { parts, basis: Basis::of_coordinates(system.n(), &kept), driven: OnceCell::new() });
+            }
+        }
+        Random { system, modes, noises, reach, driven, whole: OnceCell::new(), some }
+    }
+
+    /// The system by which an output goes, and the output there.
+    fn place<'o>(&self, output: &'o Output) -> (&Driven<'a>, Cow<'o, Output>) {
+        let parts = self.reach.shown(output, &self.driven);
+        let found = self.some.iter().find(|some| some.parts == parts).and_then(|some| {
+            let of = || {
+                let (numbers, modes) = self.modes_of(&some.parts)?;
+                let system = Cow::Owned(some.basis.system(self.system));
+                Some(Driven::of(system, Cow::Owned(modes), self.noises, numbers))
+            };
+            let driven = some.driven.get_or_init(of).as_ref()?;
+            Some((driven, Cow::Owned(some.basis.output(output))))
         });
-        Random { system, modes, sources, reach: Reach::of(system), space, covariance, resolvent: OnceCell::new() }
+        let (driven, output) = found.unwrap_or_else(|| {
+            let numbers = (1..=self.modes.list.len()).collect();
+            let of = || Driven::of(Cow::Borrowed(self.system), Cow::Borrowed(self.modes), self.noises, numbers);
+            (self.whole.get_or_init(of), Cow::Borrowed(output))
+        });
+        match driven.without_undamped(&output) {
+            Some((driven, output)) => (driven, Cow::Owned(output)),
+            None => (driven, output),
+        }
     }
 
-    /// The noises that reach an output.
-    fn reaching(&self, output: &Output) -> impl Iterator<Item = &Source<'a>> {
-        self.sources.iter().filter(move |source| self.reach.from_noise(self.system, source.noise, output))
-    }
-
-    /// The arms by which a noise reaches an output.
-    fn arms<'s>(&self, source: &'s Source, output: &Output) -> Result<Vec<&'s Arm>, &'static str> {
-        let reaches = |input: &usize| self.reach.from_input(self.system, *input, output);
-        let all = source.arms.as_ref().map_err(|why| *why)?;
-        Ok(all.iter().filter(|arm| arm.channel.inputs.iter().any(reaches)).collect())
+    /// The modes of some parts with their numbers from 1; `None` where a mode moves others too.
+    fn modes_of(&self, parts: &[bool]) -> Option<(Vec<usize>, Modes)> {
+        let kept: Vec<usize> = (0..self.system.n()).filter(|&i| parts[self.reach.part[i]]).collect();
+        let (mut numbers, mut list) = (Vec::new(), Vec::new());
+        for (number, mode) in (1..).zip(&self.modes.list) {
+            let is_moved = |i: &usize| mode.shape[*i] != 0.0 || mode.precise.as_ref().is_some_and(|x| !x[*i].is_zero());
+            let moved: Vec<usize> = (0..mode.shape.len()).filter(is_moved).collect();
+            match moved.iter().filter(|&&i| parts[self.reach.part[i]]).count() {
+                0 => continue,
+                count if count < moved.len() => return None,
+                _ => {}
+            }
+            let mut own = mode.clone();
+            own.shape = kept.iter().map(|&i| mode.shape[i]).collect();
+            own.precise = mode.precise.as_ref().map(|x| kept.iter().map(|&i| x[i]).collect());
+            numbers.push(number);
+            list.push(own);
+        }
+        (list.len() == kept.len()).then(|| (numbers, Modes { list, ..Modes::default() }))
     }
 
     /// Whether noise reaches an output.
     pub fn reaches(&self, output: &Output) -> bool {
-        self.reaching(output).next().is_some()
+        self.noises.iter().any(|noise| self.reach.from_noise(self.system, noise, output))
     }
 
-    /// The mean square of an output, in the square of its SI unit.
-    pub fn mean_square(&self, output: &Output) -> Spread {
-        let all = self.reaching(output);
-        let (white, banded): (Vec<&Source>, Vec<&Source>) = all.partition(|source| source.is_white());
-        let of_white = self.under_white(&white, output);
-        let of_bands = banded.iter().map(|source| self.under_bands(source, output, Part::Whole));
-        of_bands.fold(of_white, Spread::plus)
-    }
-
-    /// The mean square of an output by what it has between two frequencies, Hz.
-    pub fn mean_square_within(&self, output: &Output, within: [&Number; 2]) -> Spread {
-        let each = self.reaching(output).map(|source| self.under_bands(source, output, Part::Within(within)));
-        each.fold(Spread::Finite(Ball::ZERO), Spread::plus)
-    }
-
-    fn under_white(&self, sources: &[&Source], output: &Output) -> Spread {
-        let mut open = None;
-        let mut together = Ball::ZERO;
-        for source in sources {
-            let arms = match self.arms(source, output) {
-                Ok(arms) => arms,
-                Err(why) => {
-                    open.get_or_insert(why);
-                    continue;
-                }
-            };
-            match direct(&arms, output) {
-                Ok(()) => {}
-                Err(Spread::Unknown(why)) => {
-                    open.get_or_insert(why);
-                }
-                Err(infinite) => return infinite,
-            }
-            if let Some(infinite) = self.endless(&arms, output) {
-                return infinite;
-            }
-            if arms.len() > 1 && open.is_none() {
-                match self.covariances(source, &arms, output) {
-                    Ok(sum) => together = together + sum,
-                    Err(why) => open = Some(why),
-                }
-            }
-        }
-        match (open, &self.space, &self.covariance) {
-            (Some(why), ..) => Spread::Unknown(why),
-            _ if sources.is_empty() => Spread::Finite(Ball::ZERO),
-            (None, Ok(space), Some(covariance)) => {
-                let apart = space.variance(covariance, &space.row(output));
-                // A variance is not negative.
-                let sum = apart + together;
-                finite(Some(if sum.mid.hi < 0.0 { Ball::ZERO.widen(sum.magnitude()) } else { sum }))
-            }
-            (None, Err(obstacle), _) => Spread::Unknown(why(*obstacle)),
-            (None, Ok(_), None) => Spread::Unknown(why(Obstacle::Modes)),
-        }
-    }
-
-    /// Twice the sum of the covariances of what the arms of a white noise contribute.
-    fn covariances(&self, source: &Source, arms: &[&Arm], output: &Output) -> Result<Ball, &'static str> {
-        let space = self.space.as_ref().map_err(|obstacle| why(*obstacle))?;
-        let resolvent = self.resolvent(space)?;
-        let intensity = intensity(source.noise).unwrap_or(Ball::ZERO);
-        let row = space.row(output);
-        let near = resolvent.on_axis().ok_or(OPEN_POLES)?;
-        let parts =
-            |arm: &&Arm| resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, [Ball::ZERO; 5], &near);
-        let parts: Vec<Parts> = arms.iter().map(parts).collect::<Option<_>>().ok_or(OPEN_DIGITS)?;
-        let mut sum = Ball::ZERO;
-        for (second, later) in arms.iter().enumerate() {
-            for (first, earlier) in arms.iter().enumerate().take(second) {
-                let apart = &later.delay - &earlier.delay;
-                let (early, late) = if apart.is_positive() { (first, second) } else { (second, first) };
-                sum = sum + coherent::covariance(resolvent, &parts[early], &parts[late], apart.to_ball().abs());
-            }
-        }
-        Ok(sum * intensity * Ball::from(2.0))
-    }
-
-    fn resolvent(&self, space: &Space) -> Result<&Resolvent, &'static str> {
-        self.resolvent.get_or_init(|| Resolvent::of(space)).as_ref().ok_or(OPEN_POLES)
-    }
-
-    /// The mean square under a noise in bands, or within a band.
-    fn under_bands(&self, source: &Source, output: &Output, part: Part) -> Spread {
-        let within = match part {
-            Part::Within(within) => Some(within),
-            _ => None,
-        };
-        let arms = match self.arms(source, output) {
-            Ok(arms) => arms,
-            Err(why) => return Spread::Unknown(why),
-        };
-        let Some(starts_at_zero) = bands::starts_at_zero(&source.noise.density, within) else {
-            return Spread::Unknown(OPEN_DIGITS);
-        };
-        if starts_at_zero {
-            // What drifts has a density that no band from 0 Hz up has an integral of.
-            if source.left > 0 {
-                return Spread::Unknown(OPEN_BASE);
-            }
-            if let Err(drifts) = drift(&arms, output) {
-                return drifts;
-            }
-        }
-        let space = match &self.space {
-            Ok(space) => space,
-            Err(obstacle) => return Spread::Unknown(why(*obstacle)),
-        };
-        let resolvent = match self.resolvent(space) {
-            Ok(resolvent) => resolvent,
-            Err(why) => return Spread::Unknown(why),
-        };
-        let more = |part: Part| if matches!(part, Part::Rate) { 2 } else { 0 } - 2 * source.left;
-        let of = |part: Part| Bands::of(&source.noise.density, within, more(part), resolvent);
-        let own;
-        let bands = match part {
-            Part::Whole => source.bands[0].get_or_init(|| of(part)),
-            Part::Rate => source.bands[1].get_or_init(|| of(part)),
-            Part::Within(_) => {
-                own = of(part);
-                &own
-            }
-        };
-        let row = space.row(output);
-        let Some(bands) = bands else { return Spread::Unknown(OPEN_DIGITS) };
-        let parts = |arm: &&Arm| {
-            let direct = arm.channel.feed(output).map(|part| part.to_ball());
-            resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, direct, bands.near())
-        };
-        let Some(parts) = arms.iter().map(parts).collect::<Option<Vec<Parts>>>() else {
-            return Spread::Unknown(OPEN_DIGITS);
-        };
-        let delays: Vec<&Number> = arms.iter().map(|arm| &arm.delay).collect();
-        let Some(pairs) = coherent::pairs(&source.noise.density, within, more(part), &delays, resolvent) else {
-            return Spread::Unknown(OPEN_TURNS);
-        };
-        finite(coherent::mean_square(bands, &pairs, resolvent, &parts))
-    }
-
-    /// A proof that the variance under white noise is infinite where no motion decays.
-    fn endless(&self, arms: &[&Arm], output: &Output) -> Option<Spread> {
-        if self.space.is_ok() {
-            return None;
-        }
-        if let Some(rigid) = self.only_rigid_motion() {
-            let across = |row: &[Number]| row.iter().zip(&rigid).fold(Number::ZERO, |sum, (a, b)| &sum + &(a * b));
-            // At 0 Hz delays make no difference.
-            let driven = arms.iter().fold(Number::ZERO, |sum, arm| &sum + &across(&arm.channel.force));
-            let seen = across(&dense(self.system.n(), &output.p[0]));
-            let resisted = across(&applied(&self.system.c, &rigid));
-            let is_simple = resisted.is_zero() || is_certain(&resisted);
-            if is_simple && is_certain(&driven) && is_certain(&seen) {
-                return Some(Spread::Infinite(RIGID));
-            }
-        }
-        // Without dampers every pole is on the axis, and a transfer function that is not zero has one.
-        if self.system.c.is_empty() && self.modes.list.iter().all(|mode| mode.kind != ModeKind::Divergence) {
-            let index = self.system.outputs.iter().position(|known| known.p == output.p && known.d == output.d)?;
-            let [arm] = arms else { return None };
-            let [input] = arm.channel.inputs[..] else { return None };
-            let transfer = Transfer::of(self.system);
-            let excites = ["0.8164", "3.1622", "31.415"].map(Number::from).iter().any(|frequency| {
-                let gain = transfer.between(&Frequency::hertz(frequency), &[input], &[index])[0][0];
-                gain.disc().is_some_and(|disc| disc.relative_error() < 1.0)
-            });
-            return excites.then_some(Spread::Infinite(UNDAMPED));
-        }
-        None
-    }
-
-    /// The only motion without stiffness, as a vector of simple fractions that is proved to be one.
-    fn only_rigid_motion(&self) -> Option<Vec<Number>> {
-        const LARGEST_DENOMINATOR: i64 = 64;
-        let mut rigid = self.modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid);
-        let (Some(mode), None) = (rigid.next(), rigid.next()) else { return None };
-        let largest = mode.shape.iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
-        let simple = |x: &f64| {
-            (1..=LARGEST_DENOMINATOR).find_map(|denominator| {
-                let numerator = x / largest * denominator as f64;
-                let whole = numerator.round();
-                ((numerator - whole).abs() < 1e-6).then(|| Number::from(Rational::new(whole as i64, denominator)))
-            })
-        };
-        let motion: Vec<Number> = mode.shape.iter().map(simple).collect::<Option<_>>()?;
-        applied(&self.system.k, &motion).iter().all(Number::is_zero).then_some(motion)
-    }
-
-    /// The root mean square.
+    /// The root mean square, in the SI unit of the output.
     pub fn rms(&self, output: &Output) -> Spread {
-        match self.mean_square(output) {
-            Spread::Finite(square) => Spread::Finite(square.sqrt()),
-            other => other,
-        }
+        let (driven, output) = self.place(output);
+        driven.mean_square(&output).root()
     }
 
     /// The same of what an output has between two frequencies, Hz.
     pub fn rms_within(&self, output: &Output, within: [&Number; 2]) -> Spread {
-        match self.mean_square_within(output, within) {
+        let (driven, output) = self.place(output);
+        driven.mean_square_within(&output, within).root()
+    }
+
+    /// The expected number of upward zero crossings per second.
+    pub fn crossings(&self, output: &Output) -> Spread {
+        self.measures(output)[1].clone()
+    }
+
+    /// The root mean square and the crossings.
+    fn measures(&self, output: &Output) -> [Spread; 2] {
+        let (driven, output) = self.place(output);
+        let mean_square = driven.mean_square(&output);
+        [mean_square.clone().root(), driven.crossings(&output, mean_square)]
+    }
+
+    /// What each mode contributes to the mean square, with numbers of modes from 1.
+    pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
+        let (driven, output) = self.place(output);
+        driven.shares(&output)
+    }
+}
+
+impl Spread {
+    fn root(self) -> Spread {
+        match self {
             Spread::Finite(square) => Spread::Finite(square.sqrt()),
             other => other,
         }
     }
 
-    /// The mean square of the rate of an output.
-    fn rate(&self, output: &Output) -> Spread {
-        if let Some(rate) = rate_of(output) {
-            return self.mean_square(&rate);
-        }
-        let of = |source: &Source| match source.noise.density {
-            Density::White(_) => Spread::Unknown(OPEN_RATE),
-            Density::Bands(_) => self.under_bands(source, output, Part::Rate),
-        };
-        self.reaching(output).map(of).fold(Spread::Finite(Ball::ZERO), Spread::plus)
-    }
-
-    /// The expected number of upward zero crossings per second: the rms of the rate over 2 pi times the rms (Rice 1945).
-    pub fn crossings(&self, output: &Output) -> Spread {
-        match (self.rate(output), self.mean_square(output)) {
-            (Spread::Finite(_), Spread::Finite(square)) if square.is_zero() => Spread::Unknown("no noise moves it"),
-            (Spread::Finite(rate), Spread::Finite(square)) => {
-                Spread::Finite((rate / square).sqrt() / (Ball::PI * Ball::from(2.0)))
-            }
-            (_, Spread::Infinite(why)) | (Spread::Infinite(why), _) => Spread::Infinite(why),
-            (Spread::Unknown(why), _) | (_, Spread::Unknown(why)) => Spread::Unknown(why),
-        }
-    }
-
-    /// What each mode contributes to the mean square, in binary64.
-    fn contributions(&self, output: &Output) -> Option<Vec<f64>> {
-        let (Ok(space), Some(covariance)) = (&self.space, &self.covariance) else { return None };
-        let row = space.row(output);
-        let all = self.reaching(output);
-        let (white, banded): (Vec<&Source>, Vec<&Source>) = all.partition(|source| source.is_white());
-        let mut sum = vec![0.0; self.system.n()];
-        // What two inputs of one noise contribute together is no mode's.
-        let is_apart = |source: &&Source| self.arms(source, output).is_ok_and(|arms| arms.len() == 1);
-        if !white.iter().all(is_apart) {
-            return None;
-        }
-        if !white.is_empty() {
-            let size = space.variance(covariance, &row).to_f64();
-            sum.iter_mut().zip(space.shares(covariance, &row)).for_each(|(sum, share)| *sum += share * size);
-        }
-        for source in banded {
-            let resolvent = self.resolvent.get()?.as_ref()?;
-            let arms = self.arms(source, output).ok()?;
-            let [Arm { channel, .. }] = arms[..] else { return None };
-            let direct = channel.feed(output).map(|part| part.to_ball());
-            let bands = source.bands[0].get()?.as_ref()?;
-            let parts = resolvent.parts(space, &space.drive(channel, Ball::ONE), &row, direct, bands.near())?;
-            let list = bands.contributions(resolvent, &resolvent.lines(space, &parts, &row)?, &direct)?;
-            sum.iter_mut().zip(list).for_each(|(sum, part)| *sum += part);
-        }
-        Some(sum)
-    }
-
-    /// What each mode contributes to the mean square: modes from 1, and parts that add up to one where nothing reaches the output directly.
-    pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
-        let Some(parts) = self.contributions(output) else { return Vec::new() };
-        let Spread::Finite(whole) = self.mean_square(output) else { return Vec::new() };
-        let shares = parts.into_iter().map(|part| if whole.is_zero() { 0.0 } else { part / whole.to_f64() });
-        let mut list: Vec<(usize, Unproven)> = (1..).zip(shares.map(Unproven)).collect();
-        list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
-        list
-    }
-}
-
-/// What of a noise is taken.
-#[derive(Clone, Copy)]
-enum Part<'n> {
-    Whole,
-    /// Its rate.
-    Rate,
-    /// What it has between two frequencies, Hz.
-    Within([&'n Number; 2]),
-}
-
-impl Spread {
     /// The sum of mean squares of independent noises.
     fn plus(self, other: Spread) -> Spread {
         match (self, other) {
@@ -445,7 +263,7 @@ pub struct Noisy {
     /// The modes that contribute, from 1, the largest parts first; without bounds.
     pub shares: Vec<(usize, Unproven)>,
     /// Every peak of its density, ascending, or why they are not known.
-    pub peaks: Result<Vec<Peak>, &'static str>,
+    pub peaks: Result<Vec<Peak>, Cow<'static, str>>,
 }
 
 /// Every output that noise reaches.
@@ -457,28 +275,16 @@ pub fn outputs(system: &LinearSystem, modes: &Modes, noises: &[Noise]) -> Vec<No
     let transfer = Transfer::of(system);
     let reached = system.outputs.iter().enumerate().filter(|(_, output)| random.reaches(output));
     let of = |(index, output): (usize, &Output)| {
-        let rms = random.rms(output);
-        let crossings = random.crossings(output);
+        let [rms, crossings] = random.measures(output);
         let shares = if matches!(rms, Spread::Finite(_)) { random.shares(output) } else { Vec::new() };
         let peaks = match &rms {
-            Spread::Finite(_) => peaks::peaks(&transfer, system, noises, &random.reach, index),
-            Spread::Infinite(why) | Spread::Unknown(why) => Err(*why),
+            Spread::Finite(_) => peaks::peaks(&transfer, system, noises, &random.reach, index).map_err(Cow::from),
+            Spread::Infinite(why) => Err(why.clone()),
+            Spread::Unknown(why) => Err((*why).into()),
         };
         Noisy { output: index, rms, crossings, shares, peaks }
     };
     reached.map(of).collect()
-}
-
-/// The rate of an output as an output; `None` where that takes the third derivative.
-fn rate_of(output: &Output) -> Option<Output> {
-    let [p0, p1, p2] = &output.p;
-    let [d0, d1, d2] = &output.d;
-    let is_low = p2.is_empty() && d2.is_empty();
-    is_low.then(|| Output {
-        p: [Vec::new(), p0.clone(), p1.clone()],
-        d: [Vec::new(), d0.clone(), d1.clone()],
-        ..output.clone()
-    })
 }
 
 fn why(obstacle: Obstacle) -> &'static str {

@@ -1,7 +1,7 @@
 //! A realisation of noise: the motion of every output under lines of random phases, which noise has kept up for ever. In: a stable
 //! system, noises in bands, a seed, times. Out: an enclosure for each output and time. See docs/method/random.md#realisations.
 
-use super::gramian::Space;
+use super::gramian::{Obstacle, Space};
 use super::why;
 use crate::analysis::answer::Modes;
 use crate::analysis::transfer::{Frequency, Gain, Transfer};
@@ -40,8 +40,8 @@ pub fn realisation(
 ) -> Result<Vec<Vec<Ball>>, &'static str> {
     let outputs: Vec<usize> = (0..system.outputs.len()).collect();
     let transfer = Transfer::of(system);
-    if let Err(obstacle) = Space::of(system, modes) {
-        return Err(why(obstacle));
+    if !Space::of(system, modes).map_err(why)?.decays() {
+        return Err(why(Obstacle::NotStable));
     }
     let until = times.last().cloned().unwrap_or(Number::ZERO);
     let mut lines = Vec::new();

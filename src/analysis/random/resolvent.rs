@@ -38,6 +38,14 @@ pub struct Nearness {
     far: Vec<f64>,
     /// What a transfer function may be off by at these frequencies, relative to the product of its scaled rows.
     relative: f64,
+    /// Pairs of blocks b, c with s_b nearly - conj s_c, for all the frequencies can tell: of poles that are nearly on the axis.
+    close: Vec<(usize, usize)>,
+}
+
+impl Nearness {
+    fn is_close(&self, b: usize, c: usize) -> bool {
+        self.close.contains(&(b, c))
+    }
 }
 
 /// A block as enclosures of radius zero, and what follows from it.
@@ -122,7 +130,9 @@ impl Exact {
         };
         let (d, x) = (of(&block.d), of(&block.x));
         let mean = block.mean();
-        let far = -mean.re.hi;
+        // Where noise in bands does not come near, a pole may lie on the axis.
+        let is_swing = d.len() == 1 && mean.re.hi.abs() <= ON_AXIS * mean.im.hi;
+        let far = if is_swing { (-mean.re.hi).max(0.0) } else { -mean.re.hi };
         // How far D is from a multiple of one.
         let apart = (0..d.len()).flat_map(|i| {
             let d = &d;
@@ -131,7 +141,7 @@ impl Exact {
                 entry.magnitude().power(2)
             })
         });
-        let is_left = far > 0.0 && far.is_finite() && apart.sum::<f64>().sqrt() * UP <= MOST_APART * far;
+        let is_left = (far > 0.0 || is_swing) && far.is_finite() && apart.sum::<f64>().sqrt() * UP <= MOST_APART * far;
         is_left.then(|| Exact { is_real: block.is_real, rate: times(&x, &d), inverse: Vec::new(), d, x, far })
     }
 
@@ -171,6 +181,10 @@ impl Exact {
     }
 }
 
+/// A real part that is less than this part of the imaginary one may be zero.
+const ON_AXIS: f64 = 1e-14;
+/// The sum of a pole and the conjugate of another that is less than this part of their distances from a band.
+const CLOSE: f64 = 1e-9;
 /// The Frobenius norm of D - mean, relative to the distance of the mean from the axis.
 const MOST_APART: f64 = 0.05;
 
@@ -219,7 +233,7 @@ impl Resolvent {
 
     /// Rows and columns are weighed by the distances.
     fn near(&self, far: Vec<f64>) -> Option<Nearness> {
-        let is_known = far.iter().all(|far| far.is_finite());
+        let is_known = far.iter().all(|far| far.is_finite() && *far > 0.0);
         if !is_known {
             return None;
         }
@@ -229,7 +243,19 @@ impl Resolvent {
         };
         let residual = norm(&|entry| entry.residual / (far[entry.row] * far[entry.column]).sqrt() * UP);
         let skew = norm(&|entry| entry.skew * (far[entry.column] / far[entry.row]).sqrt() * UP);
-        Some(Nearness { relative: relative(residual, skew)?, far })
+        Some(Nearness { relative: relative(residual, skew)?, close: self.close(&far), far })
+    }
+
+    fn close(&self, far: &[f64]) -> Vec<(usize, usize)> {
+        let single: Vec<usize> =
+            (0..self.blocks.len()).filter(|&b| !self.blocks[b].is_real && self.blocks[b].order() == 1).collect();
+        let pole = |b: usize| self.blocks[b].d[0][0];
+        let is_close = |b: usize, c: usize| {
+            let apart = (pole(b) + pole(c).conj()).to_f64().one_norm();
+            apart < CLOSE * far[b].min(far[c])
+        };
+        let pairs = single.iter().flat_map(|&b| single.iter().map(move |&c| (b, c)));
+        pairs.filter(|&(b, c)| is_close(b, c)).collect()
     }
 
     /// Bounds the residuals.
@@ -348,18 +374,36 @@ impl Resolvent {
         slack.is_finite().then_some(Parts { p: rows, q: columns, direct, slack })
     }
 
-    /// |H|^2 as H(s) H(-s), by partial fractions.
-    pub fn square(&self, parts: &Parts) -> Square {
-        let columns = self.mirrored_all(parts, parts);
+    /// |H|^2 as H(s) H(-s), by partial fractions; without close pairs, see [`Resolvent::close_pairs`].
+    pub fn square(&self, parts: &Parts, near: &Nearness) -> Square {
+        let columns = (0..self.blocks.len()).map(|b| self.mirrored(parts, parts, b, |c| near.is_close(b, c))).collect();
         Square { rows: parts.p.clone(), columns, direct: self.even(parts), slack: parts.slack }
+    }
+
+    /// For each close pair b, c the matrix with s_b and - conj s_c on its diagonal and a corner: the corner of a function of it, over
+    /// the corner, is the divided difference of the function.
+    pub fn close_pairs(&self, near: &Nearness) -> Vec<(Two, Ball)> {
+        let of = |&(b, c): &(usize, usize)| {
+            let corner = Ball::from(0.125 * near.far[b].min(near.far[c]));
+            let [s, t] = [self.blocks[b].d[0][0], -self.blocks[c].d[0][0].conj()];
+            (Two([[s, Complex::real(corner)], [Complex::ZERO, t]]), corner)
+        };
+        near.close.iter().map(of).collect()
+    }
+
+    /// The factors of 1 / ((s - s_b) (s + conj s_c)) in H(s) H(-s) for each close pair.
+    pub fn close_factors(&self, parts: &Parts, near: &Nearness) -> Vec<Point> {
+        let own = |b: usize| parts.p[b][0] * parts.q[b][0];
+        near.close.iter().map(|&(b, c)| -(own(b) * own(c).conj())).collect()
     }
 
     /// The columns g_b with which H(s) G(-s) has the poles D_b of H, for every block: G(-D_b) q_b.
     pub fn mirrored_all(&self, own: &Parts, other: &Parts) -> Vec<Vec<Point>> {
-        (0..self.blocks.len()).map(|b| self.mirrored(own, other, b)).collect()
+        (0..self.blocks.len()).map(|b| self.mirrored(own, other, b, |_| false)).collect()
     }
 
-    fn mirrored(&self, own: &Parts, parts: &Parts, b: usize) -> Vec<Point> {
+    /// `is_left_out`: whether the conjugate of a block is not taken account of.
+    fn mirrored(&self, own: &Parts, parts: &Parts, b: usize, is_left_out: impl Fn(usize) -> bool) -> Vec<Point> {
         let (is_seen, q) = (own.p[b].iter().any(|p| !(p.re.is_zero() && p.im.is_zero())), &own.q[b]);
         let mut sum = vec![Complex::ZERO; q.len()];
         if !is_seen {
@@ -372,7 +416,8 @@ impl Resolvent {
             if let ([p], [r], [q]) = (&parts.p[c][..], &parts.q[c][..], &q[..]) {
                 let product = *r * *p;
                 let [direct, mirrored] = sums[b * self.blocks.len() + c];
-                let both = if other.is_real { product * direct } else { product * direct + product.conj() * mirrored };
+                let is_alone = other.is_real || is_left_out(c);
+                let both = if is_alone { product * direct } else { product * direct + product.conj() * mirrored };
                 add(vec![both * *q]);
                 continue;
             }

@@ -82,9 +82,10 @@ pub fn direct(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
         if at_once.iter().any(is_certain) {
             let is_rate = channel.jumps() && output.p[2].is_empty() && !channel.is_fed(output);
             // A drift, if there is one, is the first reason to name.
-            drift(arms, output)
-                .map_err(|drift| if matches!(drift, Spread::Infinite(_)) { drift } else { Spread::Infinite(DIRECT) })?;
-            return Err(Spread::Infinite(if is_rate { BASE_RATE } else { DIRECT }));
+            drift(arms, output).map_err(|drift| {
+                if matches!(drift, Spread::Infinite(_)) { drift } else { Spread::Infinite(DIRECT.into()) }
+            })?;
+            return Err(Spread::Infinite(if is_rate { BASE_RATE } else { DIRECT }.into()));
         }
         open |= at_once.iter().any(|part| !part.is_zero());
     }
@@ -105,7 +106,7 @@ pub fn drift(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
         &sum + &(&feed[1] - &later)
     });
     Err(match arms {
-        _ if is_certain(&twice) || is_certain(&once) => Spread::Infinite(DRIFT),
+        _ if is_certain(&twice) || is_certain(&once) => Spread::Infinite(DRIFT.into()),
         [_] => Spread::Unknown(OPEN_FEED),
         _ => Spread::Unknown(OPEN_TOGETHER),
     })

@@ -34,7 +34,7 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
         let of_crossings = why(&noisy.crossings).filter(|why| of_rms != Some(*why));
         for (what, why) in [("rms of ", of_rms), ("crossings of ", of_crossings)] {
             if let Some(why) = why {
-                reasons.push(Block::Item(line![what, name.clone(), ": ", why]));
+                reasons.push(Block::Item(line![what, name.clone(), ": ", why.to_string()]));
             }
         }
     }
@@ -58,7 +58,7 @@ fn peaks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
         let found = match &noisy.peaks {
             Ok(found) => found,
             Err(why) if matches!(noisy.rms, Spread::Finite(_)) => {
-                reasons.push(Block::Item(line!["peaks of the density of ", name, ": ", *why]));
+                reasons.push(Block::Item(line!["peaks of the density of ", name, ": ", why.to_string()]));
                 continue;
             }
             // The reason stands there already.
@@ -83,10 +83,11 @@ fn peaks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
     table.into_iter().chain(reasons).collect()
 }
 
-fn why(spread: &Spread) -> Option<&'static str> {
+fn why(spread: &Spread) -> Option<&str> {
     match spread {
         Spread::Finite(_) => None,
-        Spread::Infinite(why) | Spread::Unknown(why) => Some(why),
+        Spread::Infinite(why) => Some(why),
+        Spread::Unknown(why) => Some(why),
     }
 }
 

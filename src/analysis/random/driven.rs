@@ -1,0 +1,418 @@
+//! One system under noise, all of whose motions count: mean squares by Lyapunov's equation and by residues at poles. In: a linear
+//! system with all its modes, the noises of its inputs. Out: for each output a number, a proof that it is infinite, or what is
+//! missing. See docs/method/random.md.
+
+use super::bands::{self, Bands};
+use super::channel::{applied, dense, is_certain};
+use super::coherent;
+use super::gramian::{Covariance, Drive, Obstacle, Space};
+use super::resolvent::{Parts, Resolvent};
+use super::source::{Arm, OPEN_BASE, Source, direct, drift, intensity};
+use super::undamped::{Excited, Undamped};
+use super::{Reach, Spread, finite, why};
+use crate::analysis::answer::{ModeKind, Modes};
+use crate::analysis::transfer::{Frequency, Transfer};
+use crate::base::{Ball, Density, Number, Rational, Unproven};
+use crate::system::{LinearSystem, Noise, Output};
+use std::borrow::Cow;
+use std::cell::OnceCell;
+
+const RIGID: &str = "infinite: nothing brings back a motion that noise drives on";
+const UNDAMPED: &str = "infinite: nothing damps what noise excites";
+
+const OPEN_POLES: &str = "the poles are too close to each other for a bound";
+const OPEN_TURNS: &str = "the delay is too long for this band: the phase turns too often";
+const OPEN_DIGITS: &str = "the bound leaves no digit";
+const OPEN_RATE: &str = "how often an acceleration crosses zero takes its rate, which is not computed";
+const OPEN_UNDAMPED: &str = "whether the noise has power where it excites an undamped motion is not decided";
+const OPEN_LATER: &str = "a motion is not damped, which is not computed under noises with delays";
+
+/// A system under noise.
+pub struct Driven<'a> {
+    system: Cow<'a, LinearSystem>,
+    modes: Cow<'a, Modes>,
+    /// The numbers of these modes in the scene, from 1; empty where they are others.
+    numbers: Vec<usize>,
+    noises: &'a [Noise],
+    sources: Vec<Source<'a>>,
+    reach: Reach,
+    space: Result<Space, Obstacle>,
+    /// Under all white noises, where every motion decays.
+    covariance: Option<Covariance>,
+    /// Needed for noise in bands alone.
+    resolvent: OnceCell<Option<Resolvent>>,
+    /// Needed where motions do not decay.
+    undamped: OnceCell<Option<Undamped<'a>>>,
+}
+
+impl<'a> Driven<'a> {
+    pub fn of(
+        system: Cow<'a, LinearSystem>,
+        modes: Cow<'a, Modes>,
+        noises: &'a [Noise],
+        numbers: Vec<usize>,
+    ) -> Driven<'a> {
+        let space = Space::of(&system, &modes);
+        let sources: Vec<Source> = noises.iter().map(|noise| Source::of(&system, noise)).collect();
+        let covariance = space.as_ref().ok().and_then(|space| {
+            let white =
+                sources.iter().filter_map(|source| Some((source.arms.as_ref().ok()?, intensity(source.noise)?)));
+            let drives: Vec<Drive> = white
+                .flat_map(|(arms, intensity)| arms.iter().map(move |arm| space.drive(&arm.channel, intensity)))
+                .collect();
+            space.covariance(&drives)
+        });
+        let reach = Reach::of(&system);
+        let (resolvent, undamped) = (OnceCell::new(), OnceCell::new());
+        Driven { system, modes, numbers, noises, sources, reach, space, covariance, resolvent, undamped }
+    }
+
+    /// Whether every motion is proved to decay.
+    fn decays(&self) -> bool {
+        self.space.as_ref().is_ok_and(Space::decays)
+    }
+
+    /// The undamped motions, where some motions are not proved to decay and none grows.
+    fn undamped(&self) -> Option<&Undamped<'a>> {
+        if self.decays() || !self.space.as_ref().is_ok_and(|space| space.is_passive) {
+            return None;
+        }
+        self.undamped.get_or_init(|| Undamped::of(&self.system, &self.modes, self.noises)).as_ref()
+    }
+
+    /// The system without its undamped motions and the output there, if they have no part in the output under any noise.
+    pub fn without_undamped(&self, output: &Output) -> Option<(&Driven<'a>, Output)> {
+        let undamped = self.undamped()?;
+        let (basis, rest) = undamped.rest.as_ref()?;
+        let is_apart = self.reaching(output).all(|source| undamped.is_apart(source.noise, output));
+        is_apart.then(|| (&**rest, basis.output(output)))
+    }
+
+    /// A proof that a noise excites an undamped motion that an output shows, where it has power at its frequency.
+    fn resonant(&self, source: &Source, output: &Output, within: Option<[&Number; 2]>) -> Result<Excited, Spread> {
+        let Some(undamped) = self.undamped() else { return Ok(Excited::Open) };
+        match undamped.under(source.noise, output, within) {
+            Excited::At(omega) => {
+                let is_it = |i: &usize| (self.modes.list[*i].omega - omega).contains_zero();
+                let found = (0..self.modes.list.len()).find(is_it).and_then(|i| self.numbers.get(i));
+                Err(Spread::Infinite(match found {
+                    Some(number) => {
+                        format!("infinite: nothing damps mode {number}, and the noise has power at its frequency")
+                            .into()
+                    }
+                    None => UNDAMPED.into(),
+                }))
+            }
+            other => Ok(other),
+        }
+    }
+
+    /// The noises that reach an output.
+    fn reaching(&self, output: &Output) -> impl Iterator<Item = &Source<'a>> {
+        self.sources.iter().filter(move |source| self.reach.from_noise(&self.system, source.noise, output))
+    }
+
+    /// The arms by which a noise reaches an output.
+    fn arms<'s>(&self, source: &'s Source, output: &Output) -> Result<Vec<&'s Arm>, &'static str> {
+        let reaches = |input: &usize| self.reach.from_input(&self.system, *input, output);
+        let all = source.arms.as_ref().map_err(|why| *why)?;
+        Ok(all.iter().filter(|arm| arm.channel.inputs.iter().any(reaches)).collect())
+    }
+
+    /// The mean square of an output, in the square of its SI unit.
+    pub fn mean_square(&self, output: &Output) -> Spread {
+        let all = self.reaching(output);
+        let (white, banded): (Vec<&Source>, Vec<&Source>) = all.partition(|source| source.is_white());
+        let of_white = self.under_white(&white, output);
+        let of_bands = banded.iter().map(|source| self.under_bands(source, output, Part::Whole));
+        of_bands.fold(of_white, Spread::plus)
+    }
+
+    /// The mean square of an output by what it has between two frequencies, Hz.
+    pub fn mean_square_within(&self, output: &Output, within: [&Number; 2]) -> Spread {
+        let each = self.reaching(output).map(|source| self.under_bands(source, output, Part::Within(within)));
+        each.fold(Spread::Finite(Ball::ZERO), Spread::plus)
+    }
+
+    fn under_white(&self, sources: &[&Source], output: &Output) -> Spread {
+        let mut open = None;
+        let mut together = Ball::ZERO;
+        for source in sources {
+            let arms = match self.arms(source, output) {
+                Ok(arms) => arms,
+                Err(why) => {
+                    open.get_or_insert(why);
+                    continue;
+                }
+            };
+            match direct(&arms, output) {
+                Ok(()) => {}
+                Err(Spread::Unknown(why)) => {
+                    open.get_or_insert(why);
+                }
+                Err(infinite) => return infinite,
+            }
+            if let Some(infinite) = self.endless(source, &arms, output) {
+                return infinite;
+            }
+            if arms.len() > 1 && open.is_none() {
+                match self.covariances(source, &arms, output) {
+                    Ok(sum) => together = together + sum,
+                    Err(why) => open = Some(why),
+                }
+            }
+        }
+        match (open, &self.space, &self.covariance) {
+            (Some(why), ..) => Spread::Unknown(why),
+            _ if sources.is_empty() => Spread::Finite(Ball::ZERO),
+            (None, Ok(space), Some(covariance)) => {
+                let apart = space.variance(covariance, &space.row(output));
+                // A variance is not negative.
+                let sum = apart + together;
+                finite(Some(if sum.mid.hi < 0.0 { Ball::ZERO.widen(sum.magnitude()) } else { sum }))
+            }
+            (None, Err(obstacle), _) => Spread::Unknown(why(*obstacle)),
+            (None, Ok(_), None) => Spread::Unknown(why(Obstacle::NotStable)),
+        }
+    }
+
+    /// Twice the sum of the covariances of what the arms of a white noise contribute.
+    fn covariances(&self, source: &Source, arms: &[&Arm], output: &Output) -> Result<Ball, &'static str> {
+        let space = self.space.as_ref().map_err(|obstacle| why(*obstacle))?;
+        let resolvent = self.resolvent(space)?;
+        let intensity = intensity(source.noise).unwrap_or(Ball::ZERO);
+        let row = space.row(output);
+        let near = resolvent.on_axis().ok_or(OPEN_POLES)?;
+        let parts =
+            |arm: &&Arm| resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, [Ball::ZERO; 5], &near);
+        let parts: Vec<Parts> = arms.iter().map(parts).collect::<Option<_>>().ok_or(OPEN_DIGITS)?;
+        let mut sum = Ball::ZERO;
+        for (second, later) in arms.iter().enumerate() {
+            for (first, earlier) in arms.iter().enumerate().take(second) {
+                let apart = &later.delay - &earlier.delay;
+                let (early, late) = if apart.is_positive() { (first, second) } else { (second, first) };
+                sum = sum + coherent::covariance(resolvent, &parts[early], &parts[late], apart.to_ball().abs());
+            }
+        }
+        Ok(sum * intensity * Ball::from(2.0))
+    }
+
+    fn resolvent(&self, space: &Space) -> Result<&Resolvent, &'static str> {
+        self.resolvent.get_or_init(|| Resolvent::of(space)).as_ref().ok_or(OPEN_POLES)
+    }
+
+    /// The mean square under a noise in bands, or within a band.
+    fn under_bands(&self, source: &Source, output: &Output, part: Part) -> Spread {
+        let within = match part {
+            Part::Within(within) => Some(within),
+            _ => None,
+        };
+        let arms = match self.arms(source, output) {
+            Ok(arms) => arms,
+            Err(why) => return Spread::Unknown(why),
+        };
+        let Some(starts_at_zero) = bands::starts_at_zero(&source.noise.density, within) else {
+            return Spread::Unknown(OPEN_DIGITS);
+        };
+        if starts_at_zero {
+            // What drifts has a density that no band from 0 Hz up has an integral of.
+            if source.left > 0 {
+                return Spread::Unknown(OPEN_BASE);
+            }
+            if let Err(drifts) = drift(&arms, output) {
+                return drifts;
+            }
+        }
+        let space = match &self.space {
+            Ok(space) => space,
+            Err(obstacle) => return Spread::Unknown(why(*obstacle)),
+        };
+        // Where something may not decay, a proved number needs that nothing grows and that no pole is in a band.
+        let mut open = OPEN_DIGITS;
+        if !self.decays() {
+            open = match self.resonant(source, output, within) {
+                Err(infinite) => return infinite,
+                Ok(Excited::Open) => OPEN_UNDAMPED,
+                Ok(_) => OPEN_DIGITS,
+            };
+            if !space.is_passive || self.undamped().is_none() {
+                open = why(Obstacle::NotStable);
+            }
+            if !space.is_passive {
+                return Spread::Unknown(open);
+            }
+            // Pairs of poles on the axis are not taken apart there.
+            if arms.len() > 1 {
+                return Spread::Unknown(OPEN_LATER);
+            }
+        }
+        let resolvent = match self.resolvent(space) {
+            Ok(resolvent) => resolvent,
+            Err(why) => return Spread::Unknown(why),
+        };
+        let more = |part: Part| if matches!(part, Part::Rate) { 2 } else { 0 } - 2 * source.left;
+        let of = |part: Part| Bands::of(&source.noise.density, within, more(part), resolvent);
+        let own;
+        let bands = match part {
+            Part::Whole => source.bands[0].get_or_init(|| of(part)),
+            Part::Rate => source.bands[1].get_or_init(|| of(part)),
+            Part::Within(_) => {
+                own = of(part);
+                &own
+            }
+        };
+        let row = space.row(output);
+        let Some(bands) = bands else { return Spread::Unknown(open) };
+        let parts = |arm: &&Arm| {
+            let direct = arm.channel.feed(output).map(|part| part.to_ball());
+            resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, direct, bands.near())
+        };
+        let Some(parts) = arms.iter().map(parts).collect::<Option<Vec<Parts>>>() else {
+            return Spread::Unknown(OPEN_DIGITS);
+        };
+        let delays: Vec<&Number> = arms.iter().map(|arm| &arm.delay).collect();
+        let Some(pairs) = coherent::pairs(&source.noise.density, within, more(part), &delays, resolvent) else {
+            return Spread::Unknown(OPEN_TURNS);
+        };
+        match finite(coherent::mean_square(bands, &pairs, resolvent, &parts)) {
+            Spread::Unknown(_) => Spread::Unknown(open),
+            found => found,
+        }
+    }
+
+    /// A proof that the variance under white noise is infinite where no motion decays.
+    fn endless(&self, source: &Source, arms: &[&Arm], output: &Output) -> Option<Spread> {
+        if self.decays() {
+            return None;
+        }
+        if let Err(infinite) = self.resonant(source, output, None) {
+            return Some(infinite);
+        }
+        if let Some(rigid) = self.only_rigid_motion() {
+            let across = |row: &[Number]| row.iter().zip(&rigid).fold(Number::ZERO, |sum, (a, b)| &sum + &(a * b));
+            // At 0 Hz delays make no difference.
+            let driven = arms.iter().fold(Number::ZERO, |sum, arm| &sum + &across(&arm.channel.force));
+            let seen = across(&dense(self.system.n(), &output.p[0]));
+            let resisted = across(&applied(&self.system.c, &rigid));
+            let is_simple = resisted.is_zero() || is_certain(&resisted);
+            if is_simple && is_certain(&driven) && is_certain(&seen) {
+                return Some(Spread::Infinite(RIGID.into()));
+            }
+        }
+        // Without dampers every pole is on the axis, and a transfer function that is not zero has one.
+        if self.system.c.is_empty() && self.modes.list.iter().all(|mode| mode.kind != ModeKind::Divergence) {
+            let index = self.system.outputs.iter().position(|known| known.p == output.p && known.d == output.d)?;
+            let [arm] = arms else { return None };
+            let [input] = arm.channel.inputs[..] else { return None };
+            let transfer = Transfer::of(&self.system);
+            let excites = ["0.8164", "3.1622", "31.415"].map(Number::from).iter().any(|frequency| {
+                let gain = transfer.between(&Frequency::hertz(frequency), &[input], &[index])[0][0];
+                gain.disc().is_some_and(|disc| disc.relative_error() < 1.0)
+            });
+            return excites.then(|| Spread::Infinite(UNDAMPED.into()));
+        }
+        None
+    }
+
+    /// The only motion without stiffness, as a vector of simple fractions that is proved to be one.
+    fn only_rigid_motion(&self) -> Option<Vec<Number>> {
+        const LARGEST_DENOMINATOR: i64 = 64;
+        let mut rigid = self.modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid);
+        let (Some(mode), None) = (rigid.next(), rigid.next()) else { return None };
+        let largest = mode.shape.iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
+        let simple = |x: &f64| {
+            (1..=LARGEST_DENOMINATOR).find_map(|denominator| {
+                let numerator = x / largest * denominator as f64;
+                let whole = numerator.round();
+                ((numerator - whole).abs() < 1e-6).then(|| Number::from(Rational::new(whole as i64, denominator)))
+            })
+        };
+        let motion: Vec<Number> = mode.shape.iter().map(simple).collect::<Option<_>>()?;
+        applied(&self.system.k, &motion).iter().all(Number::is_zero).then_some(motion)
+    }
+
+    /// The mean square of the rate of an output.
+    fn rate(&self, output: &Output) -> Spread {
+        if let Some(rate) = rate_of(output) {
+            return self.mean_square(&rate);
+        }
+        let of = |source: &Source| match source.noise.density {
+            Density::White(_) => Spread::Unknown(OPEN_RATE),
+            Density::Bands(_) => self.under_bands(source, output, Part::Rate),
+        };
+        self.reaching(output).map(of).fold(Spread::Finite(Ball::ZERO), Spread::plus)
+    }
+
+    /// The expected number of upward zero crossings per second: the rms of the rate over 2 pi times the rms (Rice 1945).
+    pub fn crossings(&self, output: &Output, mean_square: Spread) -> Spread {
+        match (self.rate(output), mean_square) {
+            (Spread::Finite(_), Spread::Finite(square)) if square.is_zero() => Spread::Unknown("no noise moves it"),
+            (Spread::Finite(rate), Spread::Finite(square)) => {
+                Spread::Finite((rate / square).sqrt() / (Ball::PI * Ball::from(2.0)))
+            }
+            (_, Spread::Infinite(why)) | (Spread::Infinite(why), _) => Spread::Infinite(why),
+            (Spread::Unknown(why), _) | (_, Spread::Unknown(why)) => Spread::Unknown(why),
+        }
+    }
+
+    /// What each mode contributes to the mean square, in binary64.
+    fn contributions(&self, output: &Output) -> Option<Vec<f64>> {
+        let (Ok(space), Some(covariance)) = (&self.space, &self.covariance) else { return None };
+        let row = space.row(output);
+        let all = self.reaching(output);
+        let (white, banded): (Vec<&Source>, Vec<&Source>) = all.partition(|source| source.is_white());
+        let mut sum = vec![0.0; self.system.n()];
+        // What two inputs of one noise contribute together is no mode's.
+        let is_apart = |source: &&Source| self.arms(source, output).is_ok_and(|arms| arms.len() == 1);
+        if !white.iter().all(is_apart) {
+            return None;
+        }
+        if !white.is_empty() {
+            let size = space.variance(covariance, &row).to_f64();
+            sum.iter_mut().zip(space.shares(covariance, &row)).for_each(|(sum, share)| *sum += share * size);
+        }
+        for source in banded {
+            let resolvent = self.resolvent.get()?.as_ref()?;
+            let arms = self.arms(source, output).ok()?;
+            let [Arm { channel, .. }] = arms[..] else { return None };
+            let direct = channel.feed(output).map(|part| part.to_ball());
+            let bands = source.bands[0].get()?.as_ref()?;
+            let parts = resolvent.parts(space, &space.drive(channel, Ball::ONE), &row, direct, bands.near())?;
+            let list = bands.contributions(resolvent, &resolvent.lines(space, &parts, &row)?, &direct)?;
+            sum.iter_mut().zip(list).for_each(|(sum, part)| *sum += part);
+        }
+        Some(sum)
+    }
+
+    /// What each mode contributes to the mean square: modes from 1, and parts that add up to one where nothing reaches the output directly.
+    pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
+        let Some(parts) = self.contributions(output) else { return Vec::new() };
+        let Spread::Finite(whole) = self.mean_square(output) else { return Vec::new() };
+        let shares = parts.into_iter().map(|part| if whole.is_zero() { 0.0 } else { part / whole.to_f64() });
+        let mut list: Vec<(usize, Unproven)> = self.numbers.iter().copied().zip(shares.map(Unproven)).collect();
+        list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
+        list
+    }
+}
+
+/// What of a noise is taken.
+#[derive(Clone, Copy)]
+enum Part<'n> {
+    Whole,
+    /// Its rate.
+    Rate,
+    /// What it has between two frequencies, Hz.
+    Within([&'n Number; 2]),
+}
+
+/// The rate of an output as an output; `None` where that takes the third derivative.
+fn rate_of(output: &Output) -> Option<Output> {
+    let [p0, p1, p2] = &output.p;
+    let [d0, d1, d2] = &output.d;
+    let is_low = p2.is_empty() && d2.is_empty();
+    is_low.then(|| Output {
+        p: [Vec::new(), p0.clone(), p1.clone()],
+        d: [Vec::new(), d0.clone(), d1.clone()],
+        ..output.clone()
+    })
+}
