@@ -1,7 +1,7 @@
 //! Arguments of functions that are integrated over a band: complex numbers, and matrices of order two for two poles that are nearly
 //! one. Enclosures, with bounds of norms.
 
-use crate::base::{Ball, Number, Power, up};
+use crate::base::{Ball, Number, up};
 use crate::kernel::complex::Complex;
 
 pub type Point = Complex<Ball>;

@@ -160,7 +160,7 @@ impl Space {
         let rough =
             |i: usize, j: usize| (image[(i, j)] + if i == j { d[i] } else { 0.0 }).abs() * up::FEW + off[(i, j)];
         let mut theta = weighed(&scale, rough);
-        if !(theta < 0.5) {
+        if theta.is_nan() || theta >= 0.5 {
             let step = symmetric(&schur.lyapunov(&self.certificate_error(&g, &d).map(|x| -x.to_f64())));
             g = Matrix::from_fn(size, size, |i, j| g[(i, j)] + step[(i, j)]);
             let error = self.certificate_error(&g, &d);

@@ -24,7 +24,7 @@ use crate::analysis::transfer::inverse::{Entry, Inverse, Scalar};
 use crate::analysis::transfer::pieces::in_pieces;
 use crate::analysis::transfer::sparse::Pattern;
 use crate::analysis::transfer::two_sided::TwoSided;
-use crate::base::{Ball, Dd, Number, down, larger, up};
+use crate::base::{Ball, Dd, Number, larger, up};
 use crate::kernel::complex::Complex;
 pub use crate::kernel::disc::Disc;
 use crate::kernel::squares::Squares;

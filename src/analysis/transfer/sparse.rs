@@ -8,7 +8,7 @@
 //! the elimination is up-looking, along the [elimination tree](crate::kernel::sparse::tree).
 
 use crate::analysis::transfer::inverse::Entry;
-use crate::base::{Ball, Dd, down, up};
+use crate::base::{Ball, down};
 use crate::kernel::complex::Complex;
 use crate::kernel::disc::Disc;
 use crate::kernel::simd::simd;
