@@ -4,9 +4,11 @@
 //! - body: m v^2/2 of its centre, I omega^2/2 of its angle; -m g . r for its weight
 //! - spring: k (stretch)^2/2 and its tension as drawn times its stretch; the length of a line stays a name with its square beside it
 //! - damper: c (rate of stretch)^2/2
+//! - belt: k e^2 and k a^2 of the mean stretch e of its spans and half their difference a, see [`belts`](super::belts)
 //! - law: an element for each of its powers; k (stretch)^n adds k (stretch)^(n+1)/(n+1), and so does c (rate)^n
 //! - force: the work on the displacement of its point; so is an unbalance, whose force has a form of its own
 
+use super::belts::Belt;
 use super::lines::is_short;
 use super::motion::Motion;
 use super::names::{Label, Names, class, without_motion};
@@ -15,7 +17,7 @@ use crate::base::{Number, Span, Vec3};
 use crate::elements::Order;
 use crate::model::scene::{Attachment, BodyId, Geometry, InputKind, Part, Scene, SpringRest};
 use crate::model::written::{Pair, Written, WrittenElement, WrittenInput, difference, dot};
-use crate::symbols::{Lengths, Power, Powers, Sum, Symbol};
+use crate::symbols::{Dependence, Lengths, Power, Powers, Sum, Symbol};
 
 /// How far a spring or damper is stretched.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,10 +59,11 @@ pub struct Energies {
     pub weights: Sum,
     pub elements: Vec<Element>,
     pub lengths: Lengths,
-    /// From end to end of each of `lengths`, in their order.
+    /// From end to end of each of `lengths` that is the length of something, in their order.
     pub spans: Vec<Pair>,
     /// Lengths as drawn that have a name: what springs along a line are free at, each with its square and what it leads along.
     pub free_lengths: Vec<(Symbol, Sum, Pair)>,
+    pub belts: Vec<Belt>,
     /// For each input that is a force or torque: its name and the displacement that it does work on.
     pub works: Vec<Work>,
     /// The kinetic energy of each body, for messages.
@@ -86,13 +89,16 @@ pub struct Work {
 }
 
 impl Energies {
-    pub fn new(scene: &Scene, written: &Written, motion: &Motion, names: &mut Names) -> Option<Energies> {
+    pub fn new(scene: &Scene, whole: &Written, motion: &Motion, names: &mut Names) -> Option<Energies> {
         let mut energies = Energies::default();
-        energies.bodies(scene, written, motion)?;
-        for (number, written) in written.elements.iter().enumerate() {
-            energies.element(scene, written, motion, number, names)?;
+        energies.bodies(scene, whole, motion)?;
+        for (number, written) in whole.elements.iter().enumerate() {
+            match &scene.elements.get(number)?.geometry {
+                Geometry::Span(span) => energies.spans_of_belt(scene, whole, (number, span), motion, names)?,
+                _ => energies.element(scene, written, motion, number, names)?,
+            }
         }
-        energies.inputs(scene, written, motion, names)?;
+        energies.inputs(scene, whole, motion, names)?;
         Some(energies)
     }
 
@@ -200,7 +206,7 @@ impl Energies {
     }
 
     /// A length as drawn that is long to write gets a name.
-    fn named_length(&mut self, written: &WrittenElement, length: Sum, name: &str, names: &mut Names) -> Sum {
+    pub fn named_length(&mut self, written: &WrittenElement, length: Sum, name: &str, names: &mut Names) -> Sum {
         let [Some(a), Some(b)] = &written.ends else { return length };
         if is_short(&length) {
             return length;
@@ -224,7 +230,7 @@ impl Energies {
     }
 
     #[allow(clippy::too_many_arguments)]
-    fn stretch(
+    pub fn stretch(
         &mut self,
         ends: &[Attachment; 2],
         places: &[Option<Pair>; 2],
@@ -274,11 +280,11 @@ impl Energies {
                 return Some(Stretch::Plain(&root - &names.length(&dot(&drawn, &drawn))));
             }
         }
-        let known = self.lengths.0.iter().find(|(_, known)| *known == square).map(|(length, _)| *length);
+        let known = self.lengths.roots().find(|(_, known)| **known == square).map(|(length, _)| length);
         let length = known.unwrap_or_else(|| {
             let length = Symbol::new(class::LENGTH, self.lengths.0.len());
             names.set(length, names.fresh("l", name.to_string()), None);
-            self.lengths.0.push((length, square.clone()));
+            self.lengths.0.push((length, Dependence::Root(square.clone())));
             self.spans.push(apart.clone());
             length
         });
@@ -345,7 +351,7 @@ impl Energies {
         })
     }
 
-    /// What an element of the scene is here, by its place there: nothing where nothing stretches it, several of a law.
+    /// What an element of the scene is here, by its place there: nothing where nothing stretches it, several of a law or a belt.
     pub fn elements_of(&self, number: usize) -> impl Iterator<Item = &Element> {
         self.elements.iter().chain(&self.inerters).filter(move |known| known.number == number)
     }

@@ -36,10 +36,6 @@ pub enum EquationsError {
         span: Span,
         most: u32,
     },
-    /// The spans of a belt.
-    Belt {
-        span: Span,
-    },
     /// Something in the scene has no form in symbols.
     NoForm {
         span: Span,
@@ -85,10 +81,6 @@ impl EquationsError {
                 );
                 Diagnostic::error(NO_FORM, *span, message)
                     .help("give it the tangent at rest as its coefficient, which `vibc analyze` shows, for the linear equations")
-            }
-            EquationsError::Belt { span } => {
-                Diagnostic::error(NO_FORM, *span, "the spans of a belt are not written in symbols")
-                    .help("between centres that do not move, a torsion spring of 2 k r^2 and a coupling say the same")
             }
             EquationsError::NoForm { span } => {
                 Diagnostic::error(NO_FORM, *span, "a direction or place of this scene has no form in symbols")

@@ -3,12 +3,12 @@
 //!   d/dt dT/dq' - dT/dq + dV/dq + dD/dq' + sum lambda dg/dq = Q,
 //!
 //! nothing approximated. Where the lever of a spring or damper turns with the motion, what it adds stays apart as pull times lever;
-//! so do the higher powers of a law.
+//! so do the higher powers of a law, and the stretches of a belt that have a name.
 
 use super::constraint::Constraint;
 use super::energy::{Element, Energies, Stretch, is_motion};
 use super::motion::Motion;
-use super::names::without_motion;
+use super::names::{class, without_motion};
 use crate::elements::Order;
 use crate::symbols::{Lengths, Sum, Symbol};
 
@@ -24,7 +24,7 @@ pub struct Equation {
     pub forces: Sum,
 }
 
-/// A spring, damper or inerter at work on a coordinate by a lever that the motion changes, or with a higher power.
+/// A spring, damper or inerter at work on a coordinate by a lever that the motion changes, with a higher power, or with a stretch that has a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Its place among the elements of the energies.
@@ -46,11 +46,12 @@ pub fn equations(motion: &Motion, energies: &Energies, constraints: &[Constraint
         for (number, element) in energies.elements.iter().enumerate() {
             match &element.stretch {
                 Stretch::Plain(stretch) => {
-                    let slope = stretch.derivative(displacement, &none);
+                    let slope = stretch.derivative(displacement, &energies.lengths);
                     if slope.is_zero() {
                         continue;
                     }
-                    if slope.mentions(&is_motion) || !element.is_linear() {
+                    let is_length = |symbol: Symbol| symbol.class() == class::LENGTH;
+                    if slope.mentions(&is_motion) || !element.is_linear() || stretch.mentions(&is_length) {
                         lines.push(Line { element: number, slope });
                         continue;
                     }

@@ -2,12 +2,17 @@
 //!
 //! A spring along a line pulls with P = k (l - l_0) + T; with g = (l^2)'/2 at rest it adds k g_i g_j/l^2 + P/l (g_ij - g_i g_j/l^2).
 //! Where that is long, the lever arms r_i = g_i/l and the tension by length q = P/l get names, and it adds k r_i r_j + q (g_ij - r_i r_j).
+//! With the distance d of a belt's centres, r_i = d_i and w_i = -g psi_i, its spans add 2 k cos(beta)^2 r_i r_j + q (g_ij - r_i r_j) + q tan(beta)^2 r_i r_j,
+//! q = P cos(beta)/d of the tension P of both, and 2 k w_i w_j - n (w_i r_j + w_j r_i),
+//! n = S/d of the difference S of their tensions.
 
+use super::belts::Belt;
 use super::energy::{Element, Energies, Stretch};
 use super::lagrange::{Equation, Line};
 use super::motion::Motion;
 use super::names::{Label, Names, class, without_motion};
-use crate::symbols::{Factor, Lengths, Sum, Symbol};
+use crate::base::Rational;
+use crate::symbols::{Dependence, Factor, Function, Lengths, Product, Sum, Symbol};
 use std::collections::BTreeMap;
 
 /// Terms that one line adds to an entry without names for its parts.
@@ -22,6 +27,21 @@ pub struct AtRest {
     pub parts: Vec<(Symbol, Sum)>,
     /// By their places among the elements of the energies.
     lines: BTreeMap<usize, Parts>,
+    belts: Vec<Spans>,
+}
+
+/// A belt at rest.
+struct Spans {
+    belt: Belt,
+    /// d_i, and w_i = -g psi_i, by the displacement of the coordinate.
+    levers: BTreeMap<Symbol, Sum>,
+    turns: BTreeMap<Symbol, Sum>,
+    /// q = P cos(beta)/d, and q tan(beta)^2.
+    density: Sum,
+    along: Sum,
+    /// S, the tension of the first span less that of the second, and n = S/d.
+    difference: Sum,
+    twist: Sum,
 }
 
 /// A line whose contributions are long.
@@ -36,19 +56,33 @@ struct Parts {
 
 impl AtRest {
     pub fn new(motion: &Motion, energies: &Energies, names: &mut Names) -> AtRest {
-        let mut at_rest = AtRest { lengths: Vec::new(), named: Vec::new(), parts: Vec::new(), lines: BTreeMap::new() };
-        for (symbol, square) in &energies.lengths.0 {
-            let square = without_motion(square);
+        let (lines, belts) = Default::default();
+        let mut at_rest = AtRest { lengths: Vec::new(), named: Vec::new(), parts: Vec::new(), lines, belts };
+        for (symbol, dependence) in &energies.lengths.0 {
+            let square = match dependence {
+                Dependence::Root(square) => at_rest.of(square),
+                Dependence::Form { form, .. } => {
+                    let form = at_rest.form(*symbol, form, energies, names);
+                    at_rest.lengths.push((*symbol, form));
+                    continue;
+                }
+            };
             let free = energies.free_lengths.iter().find(|(_, known, _)| *known == square);
+            // Cosines of angles that are named are written so.
+            let is_cosine = names.angle_of_cosine(*symbol).is_some();
+            let is_written = |length: &Sum| is_short(length) && !(is_cosine && length.mentions(&|_| true));
             let length = match (names.length(&square), free) {
                 (_, Some((free, ..))) => Sum::name(*free),
-                (length, None) if is_short(&length) => length,
+                (length, None) if is_written(&length) => length,
                 _ => {
                     let rest = Symbol::new(class::REST_LENGTH, symbol.place());
                     let label = names.label(*symbol);
                     let value = names.value_of(&square).and_then(|value| value.sqrt());
                     names.set(rest, Label::new(label.word, format!("{},0", label.index)), value);
-                    at_rest.named.push((rest, square));
+                    match names.angle_of_cosine(*symbol) {
+                        Some(angle) => names.set_cosine(rest, Symbol::new(class::REST_LENGTH, angle.place())),
+                        None => at_rest.named.push((rest, square)),
+                    }
                     Sum::name(rest)
                 }
             };
@@ -56,10 +90,146 @@ impl AtRest {
         }
         // The powers of a law follow each other, and act together.
         let numbers: Vec<usize> = (0..energies.elements.len()).collect();
-        for shares in numbers.chunk_by(|a, b| energies.elements[*a].number == energies.elements[*b].number) {
+        let is_shared = |a: &usize, b: &usize| {
+            let [a, b] = [a, b].map(|number| &energies.elements[*number]);
+            a.number == b.number && a.stretch == b.stretch
+        };
+        for shares in numbers.chunk_by(is_shared) {
             at_rest.name_parts(shares, energies, motion, names);
         }
+        energies.belts.iter().for_each(|belt| at_rest.name_spans(belt, energies, motion, names));
         at_rest
+    }
+
+    /// A form at rest: nothing of an angle or a stretch that is counted from the drawing if the centres rest as drawn, a name if it is long.
+    fn form(&mut self, symbol: Symbol, form: &Sum, energies: &Energies, names: &mut Names) -> Sum {
+        let is = |own: Option<Symbol>| own == Some(symbol);
+        let own = energies.belts.iter().find(|belt| is(belt.mean) || is(belt.turn_name()) || is(belt.slant_name()));
+        let Some(belt) = own else { return self.named_form(symbol, self.of(form), names, true) };
+        if belt.rests_as_drawn && !is(belt.slant_name()) {
+            return Sum::ZERO;
+        }
+        let is_shown = match belt.slant {
+            // Its cosine stands for it, unless that is written out.
+            Some([slant, cosine]) if slant == symbol && belt.rests_as_drawn => self
+                .length(cosine)
+                .mentions(&|symbol| symbol.class() == class::REST_LENGTH && symbol.place() == cosine.place()),
+            _ => true,
+        };
+        self.named_form(symbol, self.of(form), names, is_shown)
+    }
+
+    fn named_form(&mut self, symbol: Symbol, form: Sum, names: &mut Names, is_shown: bool) -> Sum {
+        let is_single = form.terms().len() < 2;
+        if is_single && is_short(&form) {
+            return form;
+        }
+        let rest = Symbol::new(class::REST_LENGTH, symbol.place());
+        let (label, value) = (names.label(symbol), names.value_of(&form));
+        names.set(rest, Label::new(label.word, format!("{},0", label.index)), value);
+        if is_shown {
+            self.parts.push((rest, form));
+        }
+        Sum::name(rest)
+    }
+
+    /// Names for what the spans of a belt add.
+    fn name_spans(&mut self, belt: &Belt, energies: &Energies, motion: &Motion, names: &mut Names) {
+        let lengths = &energies.lengths;
+        let symbols: Vec<Symbol> = motion.coordinates.iter().map(|coordinate| coordinate.symbols[0]).collect();
+        let mut slopes = |of: Option<Symbol>, letter: &str, factor: &Sum| -> BTreeMap<Symbol, Sum> {
+            let Some(of) = of else { return BTreeMap::new() };
+            let slope = |symbol: &Symbol| (*symbol, self.of(&(factor * &Sum::name(of).derivative(*symbol, lengths))));
+            let slopes: Vec<(Symbol, Sum)> = symbols.iter().map(slope).filter(|(_, slope)| !slope.is_zero()).collect();
+            let is_alone = slopes.iter().filter(|(_, slope)| slope.terms().len() > 1).count() == 1;
+            let named = slopes.into_iter().map(|(symbol, slope)| {
+                let of = names.label(symbol).plain();
+                let index = if is_alone { belt.name.clone() } else { format!("{},{of}", belt.name) };
+                (symbol, self.named_part(slope, names, names.fresh(letter, index)))
+            });
+            named.collect()
+        };
+        let levers = slopes(belt.distance, "r", &Sum::one());
+        let turns = slopes(belt.turn_name(), "w", &-&belt.gap);
+        let pull = |element: Option<usize>| element.map_or(Sum::ZERO, |number| self.pull(&energies.elements[number]));
+        let [pull, difference] = belt.elements.map(pull);
+        let (mut density, mut along) = (Sum::ZERO, Sum::ZERO);
+        if let (false, Some([slant, cosine]), Some(distance)) = (pull.is_zero(), belt.slant, belt.distance) {
+            let cosine = self.length(cosine);
+            let form = &(&pull * &cosine) * &self.length(distance).inverse().unwrap_or_default();
+            density = self.part(form, names, names.fresh("q", belt.name.clone()));
+            let squared = &cosine.square().inverse().unwrap_or_default() - &Sum::one();
+            along = match squared.as_number() {
+                Some(_) => &density * &squared,
+                None => &density * &tangent(&self.length(slant)).square(),
+            };
+        }
+        let difference = self.named_part(difference, names, names.fresh("S", belt.name.clone()));
+        let per_distance = belt.distance.and_then(|distance| self.length(distance).inverse()).unwrap_or_default();
+        let mut twist = &difference * &per_distance;
+        if twist.mentions(&|symbol| symbol.class() == class::REST_LENGTH) {
+            twist = self.part(twist, names, names.fresh("n", belt.name.clone()));
+        }
+        self.belts.push(Spans { belt: belt.clone(), levers, turns, density, along, difference, twist });
+    }
+
+    /// The belt whose stretch an element is, and whether that is their mean.
+    fn spans(&self, element: usize) -> Option<(&Spans, bool)> {
+        let found = self.belts.iter().find(|spans| spans.belt.elements.contains(&Some(element)))?;
+        Some((found, found.belt.elements[0] == Some(element)))
+    }
+
+    /// What an element of a belt adds to an entry.
+    fn entry_of_spans(
+        &self,
+        energies: &Energies,
+        line: &Line,
+        [row, column]: [Symbol; 2],
+        tangent: &Sum,
+    ) -> Option<(Sum, Sum)> {
+        let (spans, is_mean) = self.spans(line.element)?;
+        let by = |slopes: &BTreeMap<Symbol, Sum>, symbol: Symbol| slopes.get(&symbol).cloned().unwrap_or_default();
+        let both = &by(&spans.levers, row) * &by(&spans.levers, column);
+        if is_mean {
+            let cosine = self.length(spans.belt.slant?[1]);
+            let own = &(tangent * &cosine.square()) * &both;
+            let half_square = Sum::name(spans.belt.distance?).square().halved();
+            let second = half_square.derivative(row, &energies.lengths).derivative(column, &energies.lengths);
+            let across = &spans.density * &(&self.of(&second) - &both);
+            return Some((own, &across + &(&spans.along * &both)));
+        }
+        let stretch = energies.elements[line.element].stretch.sum();
+        let lever = |symbol: Symbol| {
+            let of_disks = stretch.derivative(symbol, &Lengths::default());
+            &without_motion(&of_disks) + &by(&spans.turns, symbol)
+        };
+        let own = tangent * &(&lever(row) * &lever(column));
+        if spans.difference.is_zero() {
+            return Some((own, Sum::ZERO));
+        }
+        // -S g (x y_ij - y x_ij)/d^2 - n (w_i d_j + w_j d_i)
+        let [x, y] = &spans.belt.apart;
+        let none = Lengths::default();
+        let second = |part: &Sum| part.derivative(row, &none).derivative(column, &none);
+        let bent = without_motion(&(&(x * &second(y)) - &(y * &second(x))));
+        let per_distance =
+            spans.belt.distance.map_or(Sum::ZERO, |distance| self.length(distance).inverse().unwrap_or_default());
+        let crossed = &(&by(&spans.turns, row) * &by(&spans.levers, column))
+            + &(&by(&spans.turns, column) * &by(&spans.levers, row));
+        let bend = &(&(&spans.belt.gap * &bent) * &per_distance) * &spans.twist;
+        Some((own, -&(&bend + &(&crossed * &spans.twist))))
+    }
+
+    /// The force of an element of a belt on a coordinate at rest.
+    fn force_of_spans(&self, energies: &Energies, element: usize, row: Symbol) -> Option<Sum> {
+        let (spans, is_mean) = self.spans(element)?;
+        if is_mean {
+            let half_square = Sum::name(spans.belt.distance?).square().halved();
+            return Some(&spans.density * &self.of(&half_square.derivative(row, &energies.lengths)));
+        }
+        let of_disks = energies.elements[element].stretch.sum().derivative(row, &Lengths::default());
+        let turn = spans.turns.get(&row).cloned().unwrap_or_default();
+        Some(&spans.difference * &(&without_motion(&of_disks) + &turn))
     }
 
     pub fn of(&self, sum: &Sum) -> Sum {
@@ -133,9 +303,11 @@ impl AtRest {
 
     /// A form of several terms gets a name.
     fn named_part(&mut self, form: Sum, names: &mut Names, label: Label) -> Sum {
-        if form.terms().len() < 2 {
-            return form;
-        }
+        if form.terms().len() < 2 { form } else { self.part(form, names, label) }
+    }
+
+    /// A name for a form.
+    fn part(&mut self, form: Sum, names: &mut Names, label: Label) -> Sum {
         let symbol = Symbol::new(class::LINE, self.parts.len());
         let value = names.value_of(&form);
         names.set(symbol, label, value);
@@ -144,15 +316,24 @@ impl AtRest {
     }
 
     /// The forces of an equation at rest: what has to vanish there; `None` if none of its lines has parts with names.
-    pub fn condition(&self, equation: &Equation, energies: &Energies) -> Option<Sum> {
-        if !equation.lines.iter().any(|line| self.lines.contains_key(&line.element)) {
+    pub fn condition(&self, equation: &Equation, motion: &Motion, energies: &Energies) -> Option<Sum> {
+        let is_named = |line: &Line| {
+            let belt = energies.belts.iter().find(|belt| belt.elements.contains(&Some(line.element)));
+            // A belt that rests as drawn has short forces.
+            self.lines.contains_key(&line.element) || belt.is_some_and(|belt| !belt.rests_as_drawn)
+        };
+        if !equation.lines.iter().any(is_named) {
             return None;
         }
         let mut sum = self.of(&(&equation.plain - &equation.forces));
+        let row = motion.coordinates[equation.coordinate].symbols[0];
         for line in &equation.lines {
             let force = match self.lines.get(&line.element) {
                 Some(parts) => &parts.density * &without_motion(&line.slope),
-                None => self.of(&line.force_at_rest(energies)),
+                None => {
+                    let of_spans = self.force_of_spans(energies, line.element, row);
+                    of_spans.unwrap_or_else(|| self.of(&line.force_at_rest(energies)))
+                }
             };
             sum = &sum + &force;
         }
@@ -161,6 +342,11 @@ impl AtRest {
         }
         Some(sum)
     }
+}
+
+/// The tangent of an angle.
+fn tangent(of: &Sum) -> Sum {
+    Sum::term(Product::of(Factor::Call(Function::Tan, [of.clone()].into()), 1), Rational::ONE)
 }
 
 /// A length that is written out: a number, a name, or a root of few terms without angles.
@@ -178,13 +364,17 @@ pub fn is_short(length: &Sum) -> bool {
 pub fn entry(energies: &Energies, line: &Line, [row, column]: [Symbol; 2], at_rest: &AtRest) -> (Sum, Sum) {
     let element = &energies.elements[line.element];
     let tangent = at_rest.tangent(element);
+    if let Some(both) = at_rest.entry_of_spans(energies, line, [row, column], &tangent) {
+        return both;
+    }
     let none = Lengths::default();
     let (length, square) = match &element.stretch {
         Stretch::Line { length, square, .. } => (length, square),
         Stretch::Plain(stretch) => {
-            let own = &without_motion(&line.slope) * &without_motion(&stretch.derivative(column, &none));
+            let lengths = &energies.lengths;
+            let own = &at_rest.of(&line.slope) * &at_rest.of(&stretch.derivative(column, lengths));
             let pull = at_rest.pull(element);
-            return (&tangent * &own, &pull * &without_motion(&line.slope.derivative(column, &none)));
+            return (&tangent * &own, &pull * &at_rest.of(&line.slope.derivative(column, lengths)));
         }
     };
     let bend = without_motion(&line.slope.derivative(column, &none));

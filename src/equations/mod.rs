@@ -2,7 +2,7 @@
 //!
 //! # Steps
 //! 1. [`motion`]: where every point is, by an independent joint tree
-//! 2. [`energy`], [`constraint`]: kinetic energy, potential, dissipation, forces, constraint equations
+//! 2. [`energy`], [`belts`], [`constraint`]: kinetic energy, potential, dissipation, forces, constraint equations
 //! 3. [`lagrange`]: the equations of motion, nothing approximated
 //! 4. [`rest`]: what the rest has to fulfil, and its closed form where there is one
 //! 5. [`loops`]: the same without multipliers, over the independent coordinates
@@ -12,6 +12,7 @@
 //!
 //! Nothing is taken from the lowering but the values of rest and which coordinates are independent; what is found is compared with it.
 
+pub mod belts;
 pub mod closed;
 pub mod constraint;
 pub mod coordinate;
@@ -120,9 +121,10 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     let mut written = written.clone();
     name_gravity(&mut written);
     name_quotients(scene, &mut written);
-    let speeds = unbalance::name_speeds(scene, &mut written);
+    let mut made = unbalance::name_speeds(scene, &mut written);
+    made.extend(belts::name_gaps(scene, &mut written));
     let mut names = Names::new(&written);
-    speeds.into_iter().for_each(|(symbol, label)| names.set(symbol, label, None));
+    made.into_iter().for_each(|(symbol, label)| names.set(symbol, label, None));
     let numbers = rest::numbers(lowered);
     let mut derived = derived(scene, &written, &mut names, &|names, coordinate, index| {
         rest::symbol(names, coordinate, index, &numbers)
@@ -142,7 +144,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     }
     let Derived { motion, energies, constraints, equations } = derived;
     let at_rest = AtRest::new(&motion, &energies, &mut names);
-    rest.settle(&at_rest, &names, |equation| at_rest.condition(&equations[equation], &energies));
+    rest.settle(&at_rest, &names, |equation| at_rest.condition(&equations[equation], &motion, &energies));
     let full = linear::linear(&motion, &energies, &equations, &at_rest);
     let independent = reduce::independent(lowered, &motion)?;
     let follows = match constraints.is_empty() {
@@ -227,9 +229,6 @@ fn derived(
     let mut elements = scene.elements.iter().zip(&written.elements);
     if let Some((element, _)) = elements.find(|(element, own)| element.law.curve.is_some() && own.law.is_none()) {
         return Err(EquationsError::Law { span: element.span, most: Powers::MOST });
-    }
-    if let Some(element) = scene.elements.iter().find(|element| matches!(element.geometry, Geometry::Span(_))) {
-        return Err(EquationsError::Belt { span: element.span });
     }
     let without = || EquationsError::NoForm { span: scene.bodies.first().map_or_else(no_span, |body| body.span) };
     let motion = Motion::new(scene, written, names, rests).ok_or_else(without)?;

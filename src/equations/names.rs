@@ -10,9 +10,9 @@ use std::collections::BTreeMap;
 pub mod class {
     /// Tensions that hold a drawing.
     pub const TENSION: u8 = 32;
-    /// Lengths of springs and dampers.
+    /// Lengths of springs and dampers, distances, angles and stretches of belts: what depends on coordinates.
     pub const LENGTH: u8 = 33;
-    /// A length at rest.
+    /// One of these at rest.
     pub const REST_LENGTH: u8 = 34;
     /// Where a coordinate rests, measured from the drawing.
     pub const REST: u8 = 35;
@@ -72,6 +72,8 @@ impl Label {
 pub struct Names {
     labels: BTreeMap<Symbol, Label>,
     values: BTreeMap<Symbol, Number>,
+    /// Names that are written as the cosine of an angle.
+    cosines: BTreeMap<Symbol, Symbol>,
     /// The parameters, `let`s and made-up names of the model.
     pub given: Vec<Named>,
 }
@@ -99,6 +101,15 @@ impl Names {
 
     pub fn set_value(&mut self, symbol: Symbol, value: Number) {
         self.values.insert(symbol, value);
+    }
+
+    pub fn set_cosine(&mut self, symbol: Symbol, angle: Symbol) {
+        self.cosines.insert(symbol, angle);
+    }
+
+    /// The angle that a name is the cosine of.
+    pub fn angle_of_cosine(&self, symbol: Symbol) -> Option<Symbol> {
+        self.cosines.get(&symbol).copied()
     }
 
     pub fn value(&self, symbol: Symbol) -> Option<&Number> {
@@ -167,7 +178,7 @@ impl Names {
     pub fn unit(&self, direction: &Pair) -> Pair {
         let length = self.length(&dot(direction, direction));
         match length.inverse() {
-            Some(inverse) => direction.each_ref().map(|part| part * &inverse),
+            Some(inverse) => direction.each_ref().map(|part| (part * &inverse).simplified()),
             None => direction.clone(),
         }
     }

@@ -2,7 +2,7 @@
 //! and output of a part of one or two coordinates a numerator over the part's characteristic polynomial.
 
 use super::closed::{self, Part, in_variable, product};
-use super::energy::{Energies, Stretch};
+use super::energy::Energies;
 use super::linear::Column;
 use super::lines::AtRest;
 use super::motion::Motion;
@@ -11,7 +11,7 @@ use super::polynomial::{self, Polynomial};
 use super::zeros;
 use super::{Equations, Linearised};
 use crate::base::{Number, Span};
-use crate::model::scene::{Element, Motion as Moved, Scene};
+use crate::model::scene::{Element, Geometry, Motion as Moved, Scene};
 use crate::model::written::{Pair, Written, WrittenTerm, dot};
 use crate::symbols::{Factor, Lengths, Product, Sum, Symbol, common_factors};
 
@@ -82,19 +82,23 @@ fn form(
         Moved::Force { element } => {
             let own: &Element = scene.elements.get(element.index())?;
             let form = stretch(energies, element.index(), motion, at_rest);
-            let shares = energies.elements_of(element.index());
-            let tangent = shares.fold(Sum::ZERO, |sum, share| &sum + &at_rest.tangent(share));
+            let mut shares = energies.elements_of(element.index());
+            let tangent = match &own.geometry {
+                // Each of its elements has the stiffness of both spans.
+                Geometry::Span(_) => shares.next().map_or(Sum::ZERO, |share| share.coefficient.halved()),
+                _ => shares.fold(Sum::ZERO, |sum, share| &sum + &at_rest.tangent(share)),
+            };
             (own.law.kind.order as usize, &tangent * &form)
         }
     })
 }
 
 fn stretch(energies: &Energies, number: usize, motion: &Motion, at_rest: &AtRest) -> Sum {
-    let Some(element) = energies.elements_of(number).next() else { return Sum::ZERO };
-    match &element.stretch {
-        Stretch::Plain(sum) => first_order(sum, motion, &Lengths::default(), at_rest),
-        Stretch::Line { .. } => first_order(&element.stretch.sum(), motion, &energies.lengths, at_rest),
-    }
+    let mut stretches: Vec<Sum> = energies.elements_of(number).map(|element| element.stretch.sum()).collect();
+    // The powers of a law have one stretch, and the first span of a belt the sum of two.
+    stretches.dedup();
+    let form = |stretch: &Sum| first_order(stretch, motion, &energies.lengths, at_rest);
+    stretches.iter().fold(Sum::ZERO, |sum, stretch| &sum + &form(stretch))
 }
 
 /// The terms of first order in the coordinates.
@@ -203,7 +207,9 @@ fn reduced(numerator: &[Sum], denominator: &[Sum]) -> (Vec<Sum>, Vec<Sum>) {
     let is_variable = |factor: &Factor| matches!(factor, Factor::Name(symbol) if symbol.class() == class::LAPLACE);
     let (_, factors): (Product, Product) = shared.product.split(is_variable);
     let inverse = Sum::term(factors, number).inverse().unwrap_or_else(Sum::one);
-    let divided = |sums: &[Sum]| sums.iter().map(|sum| sum * &inverse).collect();
+    // Powers of s, too: where an output does not move with a rigid motion.
+    let zeros = numerator.iter().zip(denominator).take_while(|(over, under)| over.is_zero() && under.is_zero()).count();
+    let divided = |sums: &[Sum]| sums.iter().skip(zeros).map(|sum| sum * &inverse).collect();
     (divided(numerator), divided(denominator))
 }
 

@@ -13,7 +13,7 @@ use crate::base::{Number, Rational, Span};
 use crate::elements::Order;
 use crate::lower::Lowered;
 use crate::model::scene::Scene;
-use crate::symbols::{Lengths, Sum, Symbol};
+use crate::symbols::{Dependence, Lengths, Sum, Symbol};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
 mod jets;
@@ -85,7 +85,7 @@ fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &
     let share = |element: &Element| {
         let stretch = element.stretch.sum();
         let slope = |by: Symbol| stretch.derivative(by, &energies.lengths);
-        let at = without_motion(&element.stretched());
+        let at = element.stretched();
         let own = &(&element.tangent(&at) * &slope(a[0])) * &slope(b[0]);
         match element.is_spring() {
             true => &own + &(&element.pull_at(&at) * &slope(a[0]).derivative(b[0], &energies.lengths)),
@@ -93,7 +93,7 @@ fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &
         }
     };
     for element in elements.filter(|element| element.order == order) {
-        // A law is several elements here.
+        // A law or a belt is several elements here.
         let own = energies.elements_of(element.number).fold(Sum::ZERO, |sum, other| &sum + &share(other));
         if differs(at_rest(equations, &own), &element.name) {
             return element.span;
@@ -102,13 +102,20 @@ fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &
     system.coordinates[i].span
 }
 
-/// The value at rest, lengths from their squares.
+/// The value at rest, of what depends on coordinates by what it stands for.
 fn at_rest(equations: &Equations, sum: &Sum) -> Option<Number> {
+    equations.names.value_of(&still(equations, sum))
+}
+
+fn still(equations: &Equations, sum: &Sum) -> Sum {
     let length = |symbol: Symbol| {
         let found = equations.energies.lengths.0.iter().find(|(name, _)| *name == symbol);
-        found.map(|(_, square)| equations.names.length(&without_motion(square)))
+        found.map(|(_, dependence)| match dependence {
+            Dependence::Root(square) => equations.names.length(&still(equations, square)),
+            Dependence::Form { form, .. } => still(equations, form),
+        })
     };
-    equations.names.value_of(&without_motion(&sum.replaced(&length)))
+    without_motion(&sum.replaced(&length))
 }
 
 fn inputs(equations: &Equations, system: &LinearSystem) -> Result<(), EquationsError> {

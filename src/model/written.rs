@@ -70,6 +70,8 @@ pub struct WrittenBody {
     /// About the centre.
     pub inertia: Option<Sum>,
     pub centre: Option<Pair>,
+    /// Of a disk or a ring.
+    pub radius: Option<Sum>,
     /// Directions as written.
     pub translations: Vec<Pair>,
 }
@@ -151,6 +153,13 @@ pub fn class_of(dimension: Dimension) -> u8 {
 
 /// Levels of expressions and definitions beyond which a value becomes a number.
 const MAX_DEPTH: usize = 400;
+
+/// The centre of a shape where it says so, its inertia about that per unit mass, and the radius of a round one.
+struct WrittenShape {
+    middle: Option<Pair>,
+    squared: Sum,
+    radius: Option<Sum>,
+}
 
 #[derive(Clone, Debug)]
 enum Form {
@@ -276,11 +285,12 @@ impl<'c, 'a> Writer<'c, 'a> {
         let Instance { decl, environment } = instance;
         let DeclKind::Body { fields, .. } = decl.kind else { return None };
         let mass = self.field_number(fields, "mass", environment);
-        let (mut centre, mut gyration) = (self.field_pair(fields, "at", environment), None);
+        let (mut centre, mut gyration, mut radius) = (self.field_pair(fields, "at", environment), None, None);
         if let Some(FieldValue::Expr(shape)) = self.field(fields, "shape") {
-            let (middle, squared) = self.shape(shape, environment)?;
+            let WrittenShape { middle, squared, radius: own } = self.shape(shape, environment)?;
             centre = centre.or(middle);
             gyration = Some(squared);
+            radius = own;
         }
         let inertia = match self.field(fields, "inertia") {
             Some(FieldValue::About(list)) => {
@@ -296,7 +306,7 @@ impl<'c, 'a> Writer<'c, 'a> {
             Freedom::FromJoints => Arc::new([]),
         };
         let translations = self.translations(fields, &known, environment);
-        Some(WrittenBody { mass, inertia, centre, translations })
+        Some(WrittenBody { mass, inertia, centre, radius, translations })
     }
 
     /// Axes of the scene as such, an oblique direction as written.
@@ -317,8 +327,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         known.iter().map(&mut written).collect()
     }
 
-    /// The centre, and the inertia about it per unit mass.
-    fn shape(&mut self, expr: ExprId, environment: Environment) -> Option<(Option<Pair>, Sum)> {
+    fn shape(&mut self, expr: ExprId, environment: Environment) -> Option<WrittenShape> {
         let tree = self.check.tree;
         let node = *tree.expr(expr);
         let ExprKind::Call { name_len, arguments } = node.kind else { return None };
@@ -328,13 +337,20 @@ impl<'c, 'a> Writer<'c, 'a> {
                 let (a, b) = (self.place(a, environment), self.place(b, environment));
                 let along = difference(&b, &a);
                 let squared = dot(&along, &along).scaled(&Rational::new(1, 12));
-                (Some(sum(&a, &b).map(|part| part.halved())), squared)
+                WrittenShape { middle: Some(sum(&a, &b).map(|part| part.halved())), squared, radius: None }
             }
-            ("disk", &[radius]) => (None, self.number(radius, environment).square().halved()),
-            ("ring", &[radius]) => (None, self.number(radius, environment).square()),
+            ("disk", &[radius]) => {
+                let radius = self.number(radius, environment);
+                WrittenShape { middle: None, squared: radius.square().halved(), radius: Some(radius) }
+            }
+            ("ring", &[radius]) => {
+                let radius = self.number(radius, environment);
+                WrittenShape { middle: None, squared: radius.square(), radius: Some(radius) }
+            }
             ("box", &[width, height]) => {
                 let (width, height) = (self.number(width, environment), self.number(height, environment));
-                (None, (&width.square() + &height.square()).scaled(&Rational::new(1, 12)))
+                let squared = (&width.square() + &height.square()).scaled(&Rational::new(1, 12));
+                WrittenShape { middle: None, squared, radius: None }
             }
             _ => return None,
         })

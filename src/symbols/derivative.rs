@@ -3,22 +3,48 @@
 use super::{Factor, Product, Sum, Symbol};
 use crate::base::Rational;
 
-/// Names that stand for square roots: each with the sum that it is the root of.
+/// Names that depend on other names, each on none but those in front of it.
 #[derive(Clone, Debug, Default)]
-pub struct Lengths(pub Vec<(Symbol, Sum)>);
+pub struct Lengths(pub Vec<(Symbol, Dependence)>);
+
+/// What a name stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Dependence {
+    /// The square root of a sum.
+    Root(Sum),
+    /// A form whose derivative is the sum of `factor * d inner`.
+    Form { form: Sum, gradient: Vec<(Sum, Sum)> },
+}
 
 impl Lengths {
-    fn square(&self, symbol: Symbol) -> Option<&Sum> {
-        self.0.iter().find(|(name, _)| *name == symbol).map(|(_, square)| square)
+    fn of(&self, symbol: Symbol) -> Option<&Dependence> {
+        self.0.iter().find(|(name, _)| *name == symbol).map(|(_, dependence)| dependence)
+    }
+
+    /// The names that are square roots, with what they are the roots of.
+    pub fn roots(&self) -> impl Iterator<Item = (Symbol, &Sum)> {
+        self.0.iter().filter_map(|(name, dependence)| match dependence {
+            Dependence::Root(square) => Some((*name, square)),
+            Dependence::Form { .. } => None,
+        })
+    }
+
+    /// Whether a name is another one or depends on it.
+    fn depends(&self, symbol: Symbol, by: Symbol) -> bool {
+        let inside = |sum: &Sum| sum.mentions(&|inner| self.depends(inner, by));
+        symbol == by
+            || match self.of(symbol) {
+                None => false,
+                Some(Dependence::Root(square)) => inside(square),
+                Some(Dependence::Form { gradient, .. }) => gradient.iter().any(|(_, inner)| inside(inner)),
+            }
     }
 }
 
 impl Sum {
-    /// The derivative by a name; lengths depend on it as their squares do.
+    /// The derivative by a name; what names stand for depends on it.
     pub fn derivative(&self, by: Symbol, lengths: &Lengths) -> Sum {
-        let depends = |symbol: Symbol| {
-            symbol == by || lengths.square(symbol).is_some_and(|square| square.mentions(&|inner| inner == by))
-        };
+        let depends = |symbol: Symbol| lengths.depends(symbol, by);
         let mut terms = Vec::new();
         for (product, coefficient) in &self.terms {
             for (place, (factor, exponent)) in product.0.iter().enumerate() {
@@ -47,9 +73,17 @@ impl Factor {
                     0 => Product::default(),
                     left => Product::of(self.clone(), left),
                 };
-                match lengths.square(*symbol) {
+                match lengths.of(*symbol).filter(|_| *symbol != by) {
                     // d l^n = n l^(n-2) d(l^2)/2
-                    Some(square) => &Sum::term(lowered(2), times) * &square.derivative(by, lengths).halved(),
+                    Some(Dependence::Root(square)) => {
+                        &Sum::term(lowered(2), times) * &square.derivative(by, lengths).halved()
+                    }
+                    Some(Dependence::Form { gradient, .. }) => {
+                        let slope = gradient
+                            .iter()
+                            .fold(Sum::ZERO, |sum, (factor, inner)| &sum + &(factor * &inner.derivative(by, lengths)));
+                        &Sum::term(lowered(1), times) * &slope
+                    }
                     None => Sum::term(lowered(1), times),
                 }
             }

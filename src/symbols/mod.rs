@@ -18,7 +18,7 @@ mod sum;
 mod trigonometry;
 mod value;
 
-pub use derivative::Lengths;
+pub use derivative::{Dependence, Lengths};
 pub use factors::{Factored, common_factors};
 pub use powers::{Power, Powers};
 pub use product::{Factor, Function, Product};

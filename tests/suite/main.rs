@@ -23,6 +23,7 @@ mod emit_signals;
 mod emit_state;
 mod emit_target;
 mod equations;
+mod equations_belts;
 mod equations_faults;
 mod equations_laws;
 mod equations_linter;

@@ -5,11 +5,12 @@ use super::fold;
 use super::formula::{Formula, Running, Shown, shown};
 use crate::backend::decimal::certain_number;
 use crate::base::Dimension;
+use crate::equations::belts::Belt;
 use crate::equations::coordinate::Coordinate;
 use crate::equations::energy::{Stretch, Work};
 use crate::equations::names::Label;
 use crate::equations::unbalance::{self, Turns, Unbalance};
-use crate::symbols::{Sum, Symbol};
+use crate::symbols::{Dependence, Sum, Symbol};
 
 impl Writer<'_> {
     pub fn assumptions(&self) -> Section {
@@ -26,6 +27,7 @@ impl Writer<'_> {
         }));
         items.extend(self.sentences());
         items.extend(self.heavy_spots());
+        items.extend(self.spans());
         items.extend(self.names());
         Section { heading: "1 Assumptions and coordinates", items }
     }
@@ -78,6 +80,27 @@ impl Writer<'_> {
             Item::Paragraph(row)
         };
         along_x.map(sentence).collect()
+    }
+
+    /// What the names of each belt stand for.
+    fn spans(&self) -> Vec<Item> {
+        let belts = self.equations.energies.belts.iter().filter(|belt| belt.mean.is_some() || belt.turn.is_some());
+        let sentence = |belt: &Belt| {
+            let parts = [
+                (belt.distance, "the distance of its centres"),
+                (belt.slant_name(), "the angle between its spans and the line of centres"),
+                (belt.mean, "the mean stretch of its spans"),
+                (belt.turn_name(), "the angle by which the line of centres has turned"),
+            ];
+            let mut row = vec![words(format!("{}: ", belt.name))];
+            for (name, what) in parts {
+                let Some(name) = name else { continue };
+                let (before, is) = if row.len() == 1 { ("", " is") } else { (", ", "") };
+                row.extend([words(before), Inline::Formula(self.name(name)), words(format!("{is} {what}"))]);
+            }
+            Item::Paragraph(row)
+        };
+        belts.map(sentence).collect()
     }
 
     fn described(&self, index: usize, coordinate: &Coordinate) -> String {
@@ -147,6 +170,9 @@ impl Writer<'_> {
             [&element.coefficient, &element.free, &element.tension].into_iter().for_each(&mut look);
             let (Stretch::Plain(sum) | Stretch::Line { square: sum, .. }) = &element.stretch;
             look(sum);
+        }
+        for (_, Dependence::Root(form) | Dependence::Form { form, .. }) in &energies.lengths.0 {
+            look(form);
         }
         for work in &energies.works {
             look(&work.displacement);

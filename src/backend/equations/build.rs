@@ -73,6 +73,8 @@ impl<'a> Builder<'a> {
     pub fn plain_sum(&self, sum: &Sum) -> Formula {
         let mut terms: Vec<(bool, Formula)> = Vec::new();
         if let Some((of_lines, rest)) = self.of_lines(sum) {
+            let (squares, rest) = self.squares(&rest);
+            terms.extend(squares);
             terms.extend(
                 rest.terms().iter().map(|(product, c)| (c.signum() < 0, self.term(product, &absolute(c), &[]))),
             );
@@ -84,7 +86,8 @@ impl<'a> Builder<'a> {
         terms.extend(squares);
         let sum = &sum;
         // Terms with the same product of motions are bracketed together.
-        for (moving, rest) in sum.collected(|factor| factor.mentions(&is_motion)) {
+        let is_moving = |factor: &Factor| factor.mentions(&is_motion) || matches!(factor, Factor::Call(..));
+        for (moving, rest) in sum.collected(is_moving) {
             if moving.is_one() {
                 let parts = rest.terms().iter();
                 terms.extend(parts.map(|(product, c)| (c.signum() < 0, self.term(product, &absolute(c), &[]))));
@@ -270,7 +273,7 @@ impl<'a> Builder<'a> {
         let mut behind = Vec::new();
         for (factor, exponent) in product.factors() {
             let formula = self.factor(factor, exponent.unsigned_abs());
-            let rank = rank(factor);
+            let rank = self.rank(factor);
             if *exponent < 0 {
                 under.push(formula);
             } else if rank >= WAVE {
@@ -303,7 +306,10 @@ impl<'a> Builder<'a> {
     fn factor(&self, factor: &Factor, exponent: u32) -> Formula {
         let base = match factor {
             Factor::Pi => Formula::Pi,
-            Factor::Name(symbol) => Formula::Name(self.names.label(*symbol)),
+            Factor::Name(symbol) => match self.names.angle_of_cosine(*symbol) {
+                Some(angle) => Formula::Call("cos", vec![Formula::Name(self.names.label(angle))]),
+                None => Formula::Name(self.names.label(*symbol)),
+            },
             Factor::Call(function, arguments) => {
                 let arguments = arguments.iter().map(|argument| self.inner().sum(argument)).collect();
                 Formula::Call(function.name(), arguments)
@@ -314,6 +320,14 @@ impl<'a> Builder<'a> {
             Factor::Sine(angle) => Formula::Call("sin", vec![self.inner().sum(angle)]),
         };
         if exponent == 1 { base } else { Formula::Power(Box::new(base), exponent) }
+    }
+
+    /// The order of factors in a term.
+    fn rank(&self, factor: &Factor) -> u8 {
+        match factor {
+            Factor::Name(symbol) if self.names.angle_of_cosine(*symbol).is_some() => WAVE,
+            _ => rank(factor),
+        }
     }
 
     /// The builder for arguments of functions, in which numerical fractions are written as `x/2`.
@@ -360,7 +374,7 @@ fn rates(product: &Product) -> Vec<Symbol> {
 /// Rank from which factors are written after a fraction.
 const WAVE: u8 = 4;
 
-/// The order of factors in a term.
+/// The order of factors in a term, by their kind.
 fn rank(factor: &Factor) -> u8 {
     match factor {
         Factor::Pi => 1,

@@ -6,11 +6,12 @@ use super::fold;
 use super::formula::{Formula, Running};
 use crate::base::Rational;
 use crate::elements::Order;
+use crate::equations::belts::Turn;
 use crate::equations::energy::{Element, Stretch};
 use crate::equations::lagrange::{Equation, Line};
 use crate::equations::loops::{Kept, MOST_TERMS, MOST_TOGETHER, Ratio};
 use crate::equations::names::{Label, class, without_motion};
-use crate::symbols::{Factor, Lengths, Power, Sum, Symbol};
+use crate::symbols::{Dependence, Factor, Lengths, Power, Sum, Symbol, common_factors};
 
 impl Writer<'_> {
     pub fn energies(&self) -> Section {
@@ -51,12 +52,43 @@ impl Writer<'_> {
 
     fn lengths(&self) -> Vec<Item> {
         let energies = &self.equations.energies;
-        let length = |((length, square), apart): (&(Symbol, Sum), &[Sum; 2])| {
-            display(self.name(*length).equal(self.build.length(square, apart)))
+        let turn = |symbol: Symbol| {
+            let turns = energies.belts.iter().filter_map(|belt| belt.turn.as_ref());
+            turns.into_iter().find(|turn| turn.name == symbol)
+        };
+        let defined = |((name, dependence), apart): (&(Symbol, Dependence), &[Sum; 2])| {
+            let formula = match dependence {
+                Dependence::Root(_) if self.equations.names.angle_of_cosine(*name).is_some() => return None,
+                Dependence::Root(square) => self.build.length(square, apart),
+                Dependence::Form { form, .. } => match turn(*name) {
+                    Some(turn) => self.turn(turn),
+                    None => self.build.plain_sum(form),
+                },
+            };
+            Some(display(self.name(*name).equal(formula)))
         };
         let free = energies.free_lengths.iter();
         let free = free.map(|(name, square, apart)| display(self.name(*name).equal(self.build.length(square, apart))));
-        energies.lengths.0.iter().zip(&energies.spans).map(length).chain(free).collect()
+        energies.lengths.0.iter().zip(&energies.spans).filter_map(defined).chain(free).collect()
+    }
+
+    /// `atan(y/(a + x)) - atan(h/a)`: the angle by which the centres of a belt have turned.
+    fn turn(&self, turn: &Turn) -> Formula {
+        let mut is_opposite = turn.is_opposite;
+        let mut positive = |sum: &Sum| {
+            let is_negative = sum.terms().iter().all(|(_, c)| c.signum() < 0);
+            is_opposite ^= is_negative;
+            self.build.plain_sum(&if is_negative { -sum } else { sum.clone() })
+        };
+        let quotient = Formula::quotient(positive(&turn.over), positive(&turn.under));
+        let now = Formula::Call("atan", vec![quotient]);
+        let (negative, drawn) = self.build.signed(&turn.drawn);
+        let mut terms = vec![(is_opposite, now)];
+        if !turn.drawn.is_zero() {
+            terms.push((negative == turn.is_opposite, drawn));
+        }
+        terms.sort_by_key(|(negative, _)| *negative);
+        Formula::sum(terms)
     }
 
     /// `1/2 k (x_2 - x_1)^2`, plus the term of a pretension.
@@ -124,9 +156,19 @@ impl Writer<'_> {
             let whole = (coefficient * &of.square()).halved();
             return Some(build.signed(&whole));
         }
-        let (negative, front) = build.signed(&coefficient.halved());
-        let of = if of.terms().iter().all(|(_, c)| c.signum() < 0) { &-of } else { of };
-        let square = Formula::Power(Box::new(build.plain_sum(of)), 2);
+        // k r^2 (theta_1 - theta_2)^2, not k (r theta_1 - r theta_2)^2.
+        let shared = common_factors(of);
+        let is_plain = shared.product.is_one() || shared.squared;
+        let (front, of) = match is_plain {
+            true => (coefficient.clone(), of.clone()),
+            false => {
+                let shared_square = Sum::term(shared.product.times(&shared.product), Rational::ONE);
+                (coefficient * &shared_square, shared.rest.scaled(&shared.number))
+            }
+        };
+        let (negative, front) = build.signed(&front.halved());
+        let of = if of.terms().iter().all(|(_, c)| c.signum() < 0) { -&of } else { of };
+        let square = Formula::Power(Box::new(build.plain_sum(&of)), 2);
         Some((negative, Formula::product(vec![front, square])))
     }
 
@@ -163,10 +205,10 @@ impl Writer<'_> {
         let motion = &self.equations.motion;
         let elements = || self.equations.energies.elements.iter();
         let mut items = Vec::new();
-        for (length, square) in &self.equations.energies.lengths.0 {
-            let orders = elements().filter(|element| element.stretch.sum() == Sum::name(*length)).map(|it| it.order);
+        for (length, square) in self.equations.energies.lengths.roots() {
+            let orders = elements().filter(|element| element.stretch.sum() == Sum::name(length)).map(|it| it.order);
             let most = orders.max_by_key(|order| *order as usize);
-            let dotted = |dots| self.dotted(*length, dots);
+            let dotted = |dots| self.dotted(length, dots);
             let rate = motion.rate(square, &none).halved();
             if most.is_some_and(|most| most != Order::Displacement) {
                 items.push(display(dotted(1).equal(Formula::quotient(self.build.sum(&rate), dotted(0)))));
@@ -298,7 +340,13 @@ impl Writer<'_> {
         if element.coefficient.is_zero() {
             return if opposite { tension.negated() } else { tension };
         }
-        Formula::Sum(vec![(negative, Formula::product(vec![stiffness, stretched])), (opposite, tension)])
+        let mut terms = vec![(negative, Formula::product(vec![stiffness, stretched]))];
+        match tension {
+            // Of the two spans of a belt.
+            Formula::Sum(own) if !opposite => terms.extend(own),
+            tension => terms.push((opposite, tension)),
+        }
+        Formula::Sum(terms)
     }
 
     /// Elements that answer one stretch with one lever, as one.
@@ -371,9 +419,20 @@ impl Writer<'_> {
             let (opposite, answered) = self.build.signed(&self.answered(element));
             return (negative != opposite, Formula::product(vec![front, answered]));
         }
+        // A lever with a divisor stands in front of brackets, which may hold fractions.
+        let is_divided =
+            slope.terms().iter().flat_map(|(product, _)| product.factors()).any(|(_, exponent)| *exponent < 0);
         let (mut negative, slope) = self.build.signed(slope);
         let name = match &element.stretch {
             Stretch::Line { length, .. } => self.name(*length),
+            Stretch::Plain(stretch) if is_divided && element.is_spring() && stretch.terms().len() > 1 => {
+                let (opposite, front) = self.build.signed(&element.coefficient);
+                if !element.tension.is_zero() {
+                    return (negative, Formula::product(vec![slope, self.pull(element)]));
+                }
+                let stretched = self.build.plain_sum(&(stretch - &element.free));
+                return (negative != opposite, Formula::product(vec![front, slope, stretched]));
+            }
             Stretch::Plain(stretch) => {
                 let pull = if element.is_spring() {
                     if element.tension.is_zero() {

@@ -35,17 +35,15 @@ impl Writer<'_> {
             };
             items.push(Item::Formula { formula: self.name(*symbol).equal(formula), note: vec![words(note)] });
         }
+        let mut shown = Vec::new();
         for spring in self.equations.energies.elements.iter().filter(|element| !element.tension.is_zero()) {
-            let [(product, _)] = spring.tension.terms() else { continue };
-            let [(Factor::Name(symbol), 1)] = product.factors() else { continue };
-            if let Some(value) = self.equations.names.value(*symbol).filter(|_| symbol.class() == class::TENSION) {
-                let note = vec![words(format!("the tension of {} as drawn, in SI units", spring.name))];
-                let value = Formula::Decimal(certain_number(&value.abs(), DIGITS));
-                let is_pushed = self.equations.names.value(*symbol).is_some_and(Number::is_negative);
-                let value = if is_pushed { value.negated() } else { value };
-                let closed = rest.tensions.iter().find(|(known, _)| known == symbol);
-                let value = closed.map_or(value.clone(), |(_, form)| self.build.sum(form).equal(value));
-                items.push(Item::Formula { formula: self.name(*symbol).equal(value), note });
+            // Of the spans of a belt there are two in a sum, which is followed by their difference.
+            for (product, _) in spring.tension.terms() {
+                let [(Factor::Name(symbol), 1)] = product.factors() else { continue };
+                if symbol.class() == class::TENSION && !shown.contains(symbol) {
+                    shown.push(*symbol);
+                    items.extend(self.tension(*symbol, &spring.name));
+                }
             }
         }
         for (multiplier, form, value) in &rest.reactions {
@@ -56,6 +54,20 @@ impl Writer<'_> {
             items.push(display(self.name(*multiplier).equal(formula)));
         }
         Section { heading: "4 Rest", items }
+    }
+
+    /// A tension that holds the drawing.
+    fn tension(&self, symbol: Symbol, of: &str) -> Option<Item> {
+        let value = self.equations.names.value(symbol)?;
+        let note = vec![words(format!("the tension of {of} as drawn, in SI units"))];
+        let shown = Formula::Decimal(certain_number(&value.abs(), DIGITS));
+        let shown = if value.is_negative() { shown.negated() } else { shown };
+        let closed = self.equations.rest.tensions.iter().find(|(known, _)| *known == symbol);
+        let shown = match closed {
+            Some((_, form)) if form.as_number().is_none() => self.build.sum(form).equal(shown),
+            _ => shown,
+        };
+        Some(Item::Formula { formula: self.name(symbol).equal(shown), note })
     }
 
     pub fn linear(&self) -> Section {
@@ -117,7 +129,9 @@ impl Writer<'_> {
 
     /// Whether the conditions of rest mention a name, or what one that they mention stands for does.
     fn is_of_rest(&self, symbol: Symbol) -> bool {
-        let is_mentioned = |sum: &Sum, symbol: Symbol| sum.mentions(&|known| known == symbol);
+        let stands_for = |known: Symbol| self.equations.names.angle_of_cosine(known).unwrap_or(known);
+        let is_mentioned =
+            |sum: &Sum, symbol: Symbol| sum.mentions(&|known| known == symbol || stands_for(known) == symbol);
         let in_conditions = |symbol: Symbol| {
             self.equations.rest.conditions.iter().any(|(_, condition)| is_mentioned(condition, symbol))
         };

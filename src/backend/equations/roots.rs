@@ -72,7 +72,8 @@ impl Builder<'_> {
         if squares.is_empty() && is_plain {
             return Formula::Root(Box::new(inner.sum(inside)));
         }
-        let mut terms: Vec<(bool, Formula)> = squares.iter().map(|sum| (false, inner.squared(sum))).collect();
+        let mut terms: Vec<(bool, Formula)> =
+            squares.iter().map(|(negative, sum)| (*negative, inner.squared(sum))).collect();
         let (waves, others): (Vec<_>, Vec<_>) = rest.terms().iter().cloned().partition(has_wave);
         let rest = others.iter().chain(&waves);
         terms.extend(rest.map(|(product, c)| (c.signum() < 0, inner.term(product, &absolute(c), &[]))));
@@ -85,22 +86,27 @@ fn is_wave(factor: &Factor) -> bool {
     matches!(factor, Factor::Cosine(_) | Factor::Sine(_))
 }
 
-/// Sums of two terms whose squares are found in a sum, and what is left of it: a^2 - 2 a b + b^2 + h^2 is (a - b)^2 + h^2.
-fn squares_of_pairs(sum: &Sum) -> (Vec<Sum>, Sum) {
+/// Sums of two terms whose squares are found in a sum, each with its sign, and what is left of the sum: a^2 - 2 a b + b^2 + h^2 is
+/// (a - b)^2 + h^2.
+fn squares_of_pairs(sum: &Sum) -> (Vec<(bool, Sum)>, Sum) {
     let (mut found, mut left) = (Vec::new(), sum.clone());
     // A factor that all terms share stays in front.
     if sum.terms().len() <= 2 || !common_factors(sum).product.is_one() {
         return (found, left);
     }
-    let roots: Vec<Sum> = sum
+    let root = |(product, number): &(Product, Rational)| {
+        let is_negative = number.signum() < 0;
+        Some((is_negative, Sum::of_terms(vec![(product.clone(), absolute(number))]).exact_root()?))
+    };
+    let roots: Vec<(bool, Sum)> = sum
         .terms()
         .iter()
         .filter(|(product, _)| product.factors().iter().all(|(factor, exponent)| !is_wave(factor) && *exponent > 0))
-        .filter_map(|term| Sum::of_terms(vec![term.clone()]).exact_root())
+        .filter_map(root)
         .collect();
-    for (place, first) in roots.iter().enumerate() {
-        for second in &roots[place + 1..] {
-            let doubled = (first * second).scaled(&Rational::from(2));
+    for (place, (is_negative, first)) in roots.iter().enumerate() {
+        for (_, second) in roots[place + 1..].iter().filter(|(sign, _)| sign == is_negative) {
+            let doubled = (first * second).scaled(&Rational::from(if *is_negative { -2 } else { 2 }));
             let [(product, number)] = doubled.terms() else { continue };
             let cross = left.terms().iter().find(|(other, _)| other == product).map(|(_, number)| number);
             let pair = match cross {
@@ -108,9 +114,10 @@ fn squares_of_pairs(sum: &Sum) -> (Vec<Sum>, Sum) {
                 Some(cross) if *cross == -number => first - second,
                 _ => continue,
             };
-            let without = &left - &pair.square();
+            let square = pair.square();
+            let without = if *is_negative { &left + &square } else { &left - &square };
             if without.terms().len() + LAW_OF_COSINES == left.terms().len() {
-                found.push(pair);
+                found.push((*is_negative, pair));
                 left = without;
             }
         }
@@ -128,10 +135,12 @@ mod tests {
         let [a, b, h] = [0, 1, 2].map(|place| Sum::name(Symbol::new(0, place)));
         let square = &(&a - &b).square() + &h.square();
         let (pairs, rest) = squares_of_pairs(&square);
-        assert_eq!(pairs, [&a - &b]);
+        assert_eq!(pairs, [(false, &a - &b)]);
         assert_eq!(rest, h.square());
         let both = &(&a + &h).square() + &b.square();
-        assert_eq!(squares_of_pairs(&both).0, [&a + &h]);
+        assert_eq!(squares_of_pairs(&both).0, [(false, &a + &h)]);
+        let under = &b.square() - &(&a + &h).square();
+        assert_eq!(squares_of_pairs(&under), (vec![(true, &a + &h)], b.square()));
         // 3 a b is no double product.
         let none = &(&a.square() + &b.square()) + &(&a * &b).scaled(&Rational::from(3));
         assert!(squares_of_pairs(&none).0.is_empty());

@@ -8,7 +8,7 @@ use crate::equations::energy::{Energies, Stretch};
 use crate::equations::lagrange::{Equation, answered};
 use crate::equations::loops::Reduced;
 use crate::equations::{Equations, EquationsError};
-use crate::symbols::{Factor, Power, Sum, Symbol};
+use crate::symbols::{Dependence, Factor, Function, Power, Sum, Symbol};
 use std::collections::BTreeMap;
 
 /// x + a y + b z + a b w with a^2 = b^2 = 0.
@@ -54,6 +54,21 @@ impl Jet {
         let inverse = Ball::from(1.0) / self.value;
         let first = -(inverse * inverse);
         self.through(inverse, first, -(Ball::from(2.0) * first * inverse))
+    }
+
+    /// The arc sine: its derivatives are 1/sqrt(1 - x^2) and x/sqrt(1 - x^2)^3.
+    fn asin(self) -> Option<Jet> {
+        let value = Number::Ball(self.value).asin()?.to_ball();
+        let (one, square) = (Ball::from(1.0), self.value * self.value);
+        let first = one / (one - square).sqrt();
+        Some(self.through(value, first, self.value * first * first * first))
+    }
+
+    /// The arc tangent: its derivatives are 1/(1 + x^2) and -2 x/(1 + x^2)^2.
+    fn atan(self) -> Option<Jet> {
+        let value = Number::atan2(&Number::Ball(self.value), &Number::ONE)?.to_ball();
+        let first = Ball::from(1.0) / (Ball::from(1.0) + self.value * self.value);
+        Some(self.through(value, first, -(Ball::from(2.0) * self.value * first * first)))
     }
 
     fn power(self, exponent: i32) -> Jet {
@@ -120,6 +135,8 @@ impl Point<'_> {
                 let (angle, sine, cosine) = wave(angle)?;
                 Some(angle.through(sine, cosine, -sine))
             }
+            Factor::Call(Function::Asin, arguments) => self.sum(arguments.first()?)?.asin(),
+            Factor::Call(Function::Atan, arguments) => self.sum(arguments.first()?)?.atan(),
             // Nothing that moves is inside.
             Factor::Pi | Factor::Call(..) => {
                 let value = Sum::term(crate::symbols::Product::of(factor.clone(), 1), Rational::ONE);
@@ -128,11 +145,14 @@ impl Point<'_> {
         }
     }
 
-    /// Lengths, from their squares.
+    /// What depends on coordinates, by what it stands for.
     fn lengths(&mut self, energies: &Energies) -> Option<()> {
-        for (length, square) in &energies.lengths.0 {
-            let square = self.sum(square)?;
-            self.motions.insert(*length, square.root());
+        for (name, dependence) in &energies.lengths.0 {
+            let value = match dependence {
+                Dependence::Root(square) => self.sum(square)?.root(),
+                Dependence::Form { form, .. } => self.sum(form)?,
+            };
+            self.motions.insert(*name, value);
         }
         Some(())
     }

@@ -17,7 +17,7 @@ mpmath.mp.dps = DIGITS
 # Differences are rounding alone below this.
 SMALL = mpmath.mpf(10) ** -35
 TOKEN = re.compile(r"\s*(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z_][A-Za-z0-9_]*(?:\[\d+\])*(?:\.[A-Za-z_][A-Za-z0-9_]*(?:\[\d+\])*)*(?:,[A-Za-z0-9_]+)*'*)|(?P<sign>[-+*/^(),=]))")
-FUNCTIONS = {"sin": sympy.sin, "cos": sympy.cos, "sqrt": sympy.sqrt, "tan": sympy.tan, "atan2": sympy.atan2, "abs": sympy.Abs}
+FUNCTIONS = {"sin": sympy.sin, "cos": sympy.cos, "sqrt": sympy.sqrt, "tan": sympy.tan, "asin": sympy.asin, "atan": sympy.atan, "atan2": sympy.atan2, "abs": sympy.Abs}
 
 
 class Reader:
@@ -104,6 +104,8 @@ class Scene:
 
     # Rounding of the oracle beside a bound.
     digits = -32
+    # How far things are moved where equations are compared.
+    reach = 1
 
     def __init__(self):
         self.rows, self.parameters = [], {}
@@ -465,7 +467,61 @@ def rolling(rng, scene):
         scene.Q[x] = sympy.Symbol("F", real=True)
 
 
-KINDS = ((links, 0.27), (net, 0.17), (four_bar, 0.15), (bead, 0.08), (leaning, 0.11), (rolling, 0.12), (braced, 0.1))
+def belt_spans(first, second, radii, angles, moving, sense):
+    """How much longer both spans are than drawn, by the normals at which they touch the disks; `sense` is -1 for a crossed belt."""
+    r, R = radii[0], sense * radii[1]
+
+    def lengths(centres, turned):
+        (x, y), gap = minus(centres[1], centres[0]), r - R
+        d = sympy.sqrt(x ** 2 + y ** 2)
+        # From its drawing the line of centres turns by less than a quarter.
+        normals = [(sympy.atan(y / x) + side * sympy.acos(gap / d), side) for side in (1, -1)]
+        return [sympy.sqrt(x ** 2 + y ** 2 - gap ** 2) + side * (r * (turned[0] - normal) - R * (turned[1] - normal)) for normal, side in normals]
+
+    still = {q: 0 for q in moving}
+    drawn = lengths([tuple(sympy.sympify(part).xreplace(still) for part in centre) for centre in (first, second)], (0, 0))
+    return [now - before for now, before in zip(lengths((first, second), angles), drawn)]
+
+
+def belts(rng, scene):
+    """Two disks that move and turn in springs, with an open or crossed belt; centres stay on one line, or turn about each other."""
+    sense = rng.choice((1, -1))
+    m, M = scene.parameter("m", word(rng), "kg"), scene.parameter("M1", word(rng), "kg")
+    r, R = (scene.parameter(name, word(rng, 1, 7), "m") if rng.random() < 0.7 else None for name in ("r1", "r2"))
+    radii = [sympy.Rational(rng.randint(2, 9), 10) if own is None else own for own in (r, R)]
+    written = [f"{float(radius)} m" if own is None else f"{own.name}" for own, radius in zip((r, R), radii)]
+    far = (sympy.Rational(rng.choice((-1, 1)) * rng.randint(32, 48), 8), sympy.Rational(rng.choice((0, 0, -12, 10)), 8))
+    first, second = ["x"], rng.choice((["x"], ["x", "y"], []))
+    moves = [", moves " + " ".join(ways) if ways else "" for ways in (first, second)]
+    scene.rows.append(f"body a {{ mass = m, shape = disk({written[0]}), at = (0, 0){moves[0]}, turns }}")
+    scene.rows.append(f"body b {{ mass = M1, shape = ring({written[1]}), at = ({float(far[0])} m, {float(far[1])} m){moves[1]}, turns }}")
+    shifts, moving = [], []
+    for body, own, mass in (("a", first, m), ("b", second, M)):
+        by = {way: scene.coordinate(body, way) for way in own}
+        scene.T += sum(mass * q.diff(TIME) ** 2 / 2 for q in by.values())
+        shifts.append((by.get("x", 0), by.get("y", 0)))
+        moving += by.values()
+        for way, q in by.items():
+            stiff = scene.parameter(f"k{body}{way}", word(rng, 800, 4000), "N/m")
+            scene.rows.append(f"spring s{body}{way}: ground -- {body} {{ k = k{body}{way}, along = {way} }}")
+            scene.V += stiff * q ** 2 / 2
+        q = scene.coordinate(body, "angle")
+        scene.T += mass * radii[body == "b"] ** 2 * q.diff(TIME) ** 2 / (4 if body == "a" else 2)
+        stiff = scene.parameter(f"kt{body}", word(rng, 800, 4000), "N*m/rad")
+        scene.rows.append(f"spring t{body}: ground -- {body} {{ k = kt{body} }}")
+        scene.V += stiff * q ** 2 / 2
+        shifts[-1] += (q,)
+    k, T = scene.parameter("k", word(rng, 800, 4000), "N/m"), scene.parameter("T", word(rng), "N")
+    scene.rows.append(f"belt r: a -- b {{ k = k, preload = T{', crossed' if sense < 0 else ''} }}")
+    places = [(shifts[0][0], shifts[0][1]), plus(far, shifts[1][:2])]
+    for stretch in belt_spans(*places, radii, (shifts[0][2], shifts[1][2]), moving, sense):
+        scene.V += k * stretch ** 2 / 2 + T * stretch
+    if rng.random() < 0.5:
+        scene.rows.append("torque M: a")
+        scene.Q[shifts[0][2]] = sympy.Symbol("M", real=True)
+
+
+KINDS = ((links, 0.25), (net, 0.16), (four_bar, 0.14), (bead, 0.08), (leaning, 0.1), (rolling, 0.1), (braced, 0.09), (belts, 0.08))
 
 
 def scene(rng):
@@ -548,14 +604,21 @@ class Comparison:
         return still_times(expression, self.moving).xreplace(shift)
 
     def definitions(self):
-        """Lengths, their rates and velocity ratios; those that stand on others come first. Of ratios at rest the values are checked elsewhere."""
+        """Lengths, their rates, the names of belts and velocity ratios; those that stand on others come first. Of ratios at rest the values are checked elsewhere."""
         found = []
         for number in (2, 3, 5):
             for item in formulas(section(self.told, number)):
-                if re.match(r"(l|h)_\S+ = ", item["text"]) and (number < 5 or item["text"].startswith("l")):
+                of_belts = number == 2 and re.match(r"(d|e|beta|psi)_\S+ = ", item["text"])
+                if of_belts or re.match(r"(l|h)_\S+ = ", item["text"]) and (number < 5 or item["text"].startswith("l")):
                     left, right = item["text"].split(" = ")
                     found.append((left.count("'"), self.symbol(left), self.read(right)))
-        found.sort(key=lambda row: (row[1].name.startswith("h"), row[0]), reverse=True)
+        for item in formulas(section(self.told, 1)):
+            # g_belt = r2 - r1
+            if re.match(r"g_\S+ = ", item["text"]):
+                left, right = item["text"].split(" = ")
+                found.append((-1, self.symbol(left), self.read(right)))
+        rank = {"h": 3, "e": 2, "b": 1}
+        found.sort(key=lambda row: (rank.get(row[1].name[0], 0), row[0]), reverse=True)
         return [(name, value) for _, name, value in found]
 
     # ---- Equations of motion ----
@@ -566,7 +629,7 @@ class Comparison:
         forces = {name: sympy.Integer(0) for q in self.scene.Q.values() for name in q.free_symbols if name not in self.scene.parameters.values()}
         at_rest = mine.xreplace({**moving, **forces})
         for _ in range(2):
-            values = fractions([mine, theirs, at_rest], self.lengths, self.rng)
+            values = fractions([mine, theirs, at_rest], self.lengths, self.rng, self.scene.reach)
             own, other, constant = (worth(part, values) for part in (mine, theirs, at_rest))
             self.tally.comparisons += 1
             size = 1 + abs(own)
@@ -813,11 +876,11 @@ def order_of(symbol):
     return symbol.derivative_count if isinstance(symbol, sympy.Derivative) else 0
 
 
-def fractions(expressions, definitions, rng):
-    """A fraction for every name, and what those are then that are defined by others."""
+def fractions(expressions, definitions, rng, reach=1):
+    """A fraction below `reach` for every name, and what those are then that are defined by others."""
     defined = [name for name, _ in definitions]
     free = set().union(*(part.free_symbols for part in (*expressions, *(value for _, value in definitions)))) - set(defined)
-    values = {name: mpmath.mpf(rng.randint(1, 60)) / 64 for name in sorted(free, key=str)}
+    values = {name: mpmath.mpf(rng.randint(1, 60)) * reach / 64 for name in sorted(free, key=str)}
     for name, value in reversed(definitions):
         values[name] = worth(value, values)
     return values
