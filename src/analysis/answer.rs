@@ -1,5 +1,6 @@
 //! The answers of the analyses.
 
+use crate::analysis::poles::coordinates::PoleCoordinates;
 use crate::analysis::poles::count::PoleCount;
 use crate::analysis::poles::residues::Residues;
 use crate::base::{Ball, Dd, Unproven};
@@ -172,6 +173,8 @@ pub struct Poles {
     pub followed: bool,
     /// Transfer functions as sums over the poles, where they were asked for and proved.
     pub residues: Option<Arc<Residues>>,
+    /// The motion in coordinates of the poles, where it was asked for and proved.
+    pub coordinates: Option<Arc<PoleCoordinates>>,
 }
 
 impl Poles {

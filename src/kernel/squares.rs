@@ -67,6 +67,18 @@ impl<W, A> Squares<W, A> {
 }
 
 impl Squares<Ball> {
+    /// (sum w a a^T) x
+    pub fn image(&self, x: &[Ball]) -> Vec<Ball> {
+        let mut image = vec![Ball::ZERO; x.len()];
+        for t in 0..self.len() {
+            let (indices, factors) = self.row(t);
+            let stretch = indices.iter().zip(factors).fold(Ball::ZERO, |sum, (&i, &a)| sum + a * x[i as usize]);
+            let tension = self.weights[t] * stretch;
+            indices.iter().zip(factors).for_each(|(&i, &a)| image[i as usize] = image[i as usize] + a * tension);
+        }
+        image
+    }
+
     /// a . x of term `t`, for an exactly known x: with factors of one (a spring between two bodies) the only error is
     /// that of one sum, small beside the stretch itself however small that is beside x.
     #[inline]

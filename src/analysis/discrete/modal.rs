@@ -4,7 +4,7 @@
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};
-use crate::analysis::modes::form::{ModalForm, gram};
+use crate::analysis::modes::form::{ModalForm, damping_clearly_couples, gram};
 use crate::base::{Ball, Dd, Number, Power};
 use crate::kernel::dense::Matrix;
 use crate::kernel::squares::Squares;
@@ -19,6 +19,9 @@ const APART: f64 = 0.05;
 /// The oscillators.
 pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
     let n = system.n();
+    if damping_clearly_couples(system, modes) {
+        return None;
+    }
     let gram = |form: &Squares, x: &Matrix<Dd>| gram_of_many(form, x).unwrap_or_else(|| gram(form, x));
     let ModalForm { shapes: mut x, m: masses, k: stiffness } = ModalForm::of(system, modes, gram)?;
     let (m, c, k) = (Squares::of_form(&system.m), Squares::of_form(&system.c), Squares::of_form(&system.k));

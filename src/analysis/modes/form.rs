@@ -187,6 +187,34 @@ simd! {
     }
 }
 
+/// Whether X^T C X is far from diagonal, by binary64 alone: then no enclosure of it has to be computed to refuse the modes. `false`
+/// decides nothing.
+pub(in crate::analysis) fn damping_clearly_couples(system: &LinearSystem, modes: &Modes) -> bool {
+    let n = modes.list.len();
+    if system.c.is_empty() || modes.list.iter().any(|mode| mode.shape.len() != system.n()) {
+        return false;
+    }
+    let c = Squares::of_form(&system.c);
+    let (mut sums, mut sizes) = (Matrix::filled(n, n, 0.0), vec![0.0; n]);
+    let mut stretches = vec![0.0; n];
+    for t in 0..c.len() {
+        let weight = c.weights[t].to_f64();
+        let (indices, factors) = c.row(t);
+        for ((stretch, size), mode) in stretches.iter_mut().zip(&mut sizes).zip(&modes.list) {
+            *stretch = indices.iter().zip(factors).map(|(&i, a)| a.to_f64() * mode.shape[i as usize]).sum::<f64>();
+            *size += weight.abs() * *stretch * *stretch;
+        }
+        for j in 0..n {
+            let tension = weight * stretches[j];
+            sums.column_mut(j)[..j].iter_mut().zip(&stretches).for_each(|(sum, stretch)| *sum += tension * stretch);
+        }
+    }
+    // Rounding, of the shapes as well, is a millionth of the first summand, or of the second where a mode is hardly damped.
+    let least = 1e-9 * sizes.iter().copied().fold(0.0, f64::max);
+    let is_large = |i: usize, j: usize| sums[(i, j)].abs() > 1e-6 * (sizes[i] * sizes[j]).sqrt() + least;
+    (0..n).any(|j| (0..j).any(|i| is_large(i, j)))
+}
+
 /// The largest |G_ij| / sqrt(s_i s_j), where on the diagonal the radius (or, with `unit`, the distance from one) is
 /// taken instead of |G_ii|.
 pub(in crate::analysis) fn off_diagonal(gram: &Matrix<Ball>, sizes: &[f64], unit: bool) -> f64 {

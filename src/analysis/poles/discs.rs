@@ -198,6 +198,11 @@ impl Perturbation {
     pub fn times(&self, x: &[f64]) -> Vec<f64> {
         self.t.times(x)
     }
+
+    /// The largest sum of |T_ij| over a column.
+    pub fn largest_column(&self) -> f64 {
+        (0..self.t.n).map(|j| self.t.column(j).iter().sum::<f64>() * UP).fold(0.0, larger)
+    }
 }
 
 /// T = B^-1 R: with B = Lambda (1 + F), |F| <= G, |(1 + F)^-1| <= 1 + G + G^2 + ...

@@ -3,6 +3,7 @@
 //! See docs/method/poles.md#definition and docs/method/poles.md#kinds-and-stability.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, modulus};
+use crate::analysis::poles::coordinates::PoleCoordinates;
 use crate::analysis::poles::count::Tally;
 use crate::analysis::poles::discs::PoleEnclosure;
 use crate::analysis::poles::exact::{ExactPoles, ExactRoot};
@@ -28,6 +29,8 @@ pub struct PoleList {
     ends: Vec<usize>,
     /// Of a system that is one part.
     pub residues: Option<Residues>,
+    /// The same.
+    pub coordinates: Option<PoleCoordinates>,
 }
 
 /// The known facts about a pole that is not exactly zero.
@@ -243,6 +246,7 @@ impl PoleList {
             count: self.tally.counted(coordinates),
             list: self.list,
             residues: self.residues.map(Arc::new),
+            coordinates: self.coordinates.map(Arc::new),
             ..Poles::default()
         }
     }

@@ -9,6 +9,7 @@ pub(in crate::analysis) mod aberth;
 pub(in crate::analysis) mod batch;
 pub(in crate::analysis) mod cluster;
 pub(in crate::analysis) mod companion;
+pub mod coordinates;
 pub mod count;
 pub(in crate::analysis) mod disc_columns;
 pub(in crate::analysis) mod discs;
@@ -26,7 +27,7 @@ pub(in crate::analysis) mod schur;
 pub(in crate::analysis) mod targeted;
 pub(in crate::analysis) mod together;
 
-use crate::analysis::answer::{ModeKind, Modes, Pole, Poles};
+use crate::analysis::answer::{Mode, ModeKind, Modes, Pole, Poles};
 use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::certificate::ball;
 use crate::analysis::modes::eigen::eigenpairs;
@@ -37,6 +38,7 @@ use crate::analysis::poles::aberth::aberth;
 use crate::analysis::poles::batch::refine_all;
 use crate::analysis::poles::cluster::separate;
 use crate::analysis::poles::companion::Basis;
+use crate::analysis::poles::coordinates::PoleCoordinates;
 use crate::analysis::poles::discs::{PoleEnclosure, discs};
 use crate::analysis::poles::exact::{Exact, ExactPoles, exact_poles};
 use crate::analysis::poles::list::PoleList;
@@ -53,6 +55,7 @@ use crate::analysis::poles::together::refine_together;
 use crate::base::{Number, runs};
 use crate::kernel::complex::Complex;
 use crate::system::{Form, LinearSystem};
+use std::sync::Arc;
 
 /// Up to this many coupled coordinates all poles are computed where all modes are asked for; unasked, up to `MAX_UNASKED`.
 pub const MAX_DAMPED: usize = 1_000;
@@ -72,20 +75,53 @@ pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisErro
     if let Some(near_one) = scaled(system)
         && let Ok(modes) = all_modes(&near_one.system)
     {
-        return in_range(system, near_one.back(unscaled(&near_one.system, &modes, false)?));
+        return in_range(system, near_one.back(unscaled(&near_one.system, &modes, Also::Nothing)?));
     }
-    in_range(system, unscaled(system, modes, false)?)
+    in_range(system, unscaled(system, modes, Also::Nothing)?)
 }
 
 /// All poles, and transfer functions as sums over them where their proof bounds what such a sum leaves out: of a system that is
 /// one part with general damping, none of whose poles is on the imaginary axis.
 pub fn poles_and_residues(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
-    let one_part = || matches!(&independent(system)[..], [part] if part.coordinates.len() == system.n());
-    if system.c.is_empty() || scaled(system).is_some() || !one_part() {
+    if system.c.is_empty() || scaled(system).is_some() || !is_one_part(system) {
         return poles(system, modes);
     }
+    poles_and(Also::Residues, system, modes)
+}
+
+/// The motion in coordinates of the poles: of a system that is one part of up to `MAX_DAMPED` coordinates with any damping, without
+/// rigid motions.
+pub fn pole_coordinates(system: &LinearSystem, modes: &Modes) -> Option<Arc<PoleCoordinates>> {
+    let swings = |mode: &Mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Divergence);
+    let suits = system.n() <= MAX_DAMPED && modes.list.len() == system.n() && modes.list.iter().all(swings);
+    if !suits || scaled(system).is_some() || !is_one_part(system) {
+        return None;
+    }
+    poles_and(Also::Coordinates, system, modes).ok()?.coordinates
+}
+
+fn is_one_part(system: &LinearSystem) -> bool {
+    matches!(&independent(system)[..], [part] if part.coordinates.iter().map(|&c| c as usize).eq(0..system.n()))
+}
+
+fn poles_and(also: Also, system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
     runs::begins("poles");
-    in_range(system, unscaled(system, modes, true)?)
+    in_range(system, unscaled(system, modes, also)?)
+}
+
+/// What is made from the proof of the poles besides their discs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Also {
+    Nothing,
+    Residues,
+    Coordinates,
+}
+
+/// What was made of it.
+#[derive(Default)]
+struct FromProof {
+    residues: Option<Residues>,
+    coordinates: Option<PoleCoordinates>,
 }
 
 /// All modes, whatever their number: whoever asks for all poles has decided that.
@@ -99,8 +135,8 @@ fn in_range(system: &LinearSystem, poles: Poles) -> Result<Poles, AnalysisError>
     if poles.list.iter().all(is_finite) { Ok(poles) } else { Err(AnalysisError::OutOfRange { at: place(system, 0) }) }
 }
 
-/// All poles of a damped system whose numbers are not rescaled, with residues if they are wanted.
-fn unscaled(system: &LinearSystem, modes: &Modes, with_residues: bool) -> Result<Poles, AnalysisError> {
+/// All poles of a damped system whose numbers are not rescaled, with what else is wanted of their proof.
+fn unscaled(system: &LinearSystem, modes: &Modes, also: Also) -> Result<Poles, AnalysisError> {
     let mut found = PoleList::default();
     let parts = independent(system);
     let mut local = vec![0u32; system.n()];
@@ -108,7 +144,7 @@ fn unscaled(system: &LinearSystem, modes: &Modes, with_residues: bool) -> Result
         part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
     }
     for coordinates in &parts {
-        let part = Portion { system, part: coordinates, local: &local, with_residues };
+        let part = Portion { system, part: coordinates, local: &local, also };
         if coordinates.coordinates.len() == 1 {
             part.single(&mut found)?;
         } else if parts.len() == 1 {
@@ -231,13 +267,15 @@ struct Portion<'a> {
     system: &'a LinearSystem,
     part: &'a Part,
     local: &'a [u32],
-    with_residues: bool,
+    also: Also,
 }
 
 impl Portion<'_> {
     /// Finds the poles of the part; `modes` are those of the part.
     fn solve(&self, modes: &Modes, found: &mut PoleList) -> Result<(), AnalysisError> {
-        if self.part.c.is_empty() {
+        if self.also == Also::Coordinates {
+            self.general(modes, found)?;
+        } else if self.part.c.is_empty() {
             found.undamped(modes);
             found.infinite(2 * modes.infinite);
         } else if self.part.k.is_empty() && modes.list.len() == self.part.coordinates.len() {
@@ -331,26 +369,28 @@ impl Portion<'_> {
         let basis = Basis::of(&working, modes, &rigid);
         let certified = |mut pairs: Vec<Pair>| {
             separate(&working, &mut pairs);
-            let residues = |proof: &Proof| match self.with_residues {
-                true => proof.residues(self.system, self.local),
-                false => None,
+            let more = |proof: &Proof| match self.also {
+                Also::Nothing => FromProof::default(),
+                Also::Residues => {
+                    FromProof { residues: proof.residues(self.system, self.local), ..FromProof::default() }
+                }
+                Also::Coordinates => FromProof { coordinates: proof.coordinates(self.system), ..FromProof::default() },
             };
-            let (discs, residues) = discs(&pencil, &rigid, &pairs, 2 * pencil.n, residues);
-            (pairs, discs, residues.flatten())
+            let (discs, more) = discs(&pencil, &rigid, &pairs, 2 * pencil.n, more);
+            (pairs, discs, more.unwrap_or_default())
         };
         let one_by_one = |starts: &[Complex<f64>]| {
             starts.iter().enumerate().filter_map(|(seed, &start)| refine(&working, &basis, start, seed)).collect()
         };
         let together = || refine_together(&working, &basis, &basis.starts()?).map(certified);
-        let (mut pairs, mut discs, mut residues): (_, _, Option<Residues>) =
-            if pencil.n >= TOGETHER { together() } else { None }
-                .filter(|(_, discs, _)| all_apart(discs))
-                .unwrap_or_default();
+        let (mut pairs, mut discs, mut more): (_, _, FromProof) = if pencil.n >= TOGETHER { together() } else { None }
+            .filter(|(_, discs, _)| all_apart(discs))
+            .unwrap_or_default();
         if !all_apart(&discs) {
             let spectrum = basis.spectrum();
-            (pairs, discs, residues) = certified(refine_all(&working, &basis, &spectrum));
+            (pairs, discs, more) = certified(refine_all(&working, &basis, &spectrum));
             if !all_apart(&discs) {
-                (pairs, discs, residues) = certified(one_by_one(&aberth(&basis, &spectrum.values())));
+                (pairs, discs, more) = certified(one_by_one(&aberth(&basis, &spectrum.values())));
             }
         }
         if !all_apart(&discs) && self.exact(modes, found) {
@@ -374,7 +414,7 @@ impl Portion<'_> {
         found.unknown(lost);
         found.zeros(zeros);
         found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));
-        found.residues = residues;
+        (found.residues, found.coordinates) = (more.residues, more.coordinates);
         Ok(())
     }
 

@@ -98,13 +98,7 @@ impl Proof<'_> {
         (nearness, sigma): &(Vec<f64>, f64),
     ) -> Option<Excited> {
         let amplitudes: Vec<Complex<Ball>> = seen.iter().zip(norms).map(|(&b, &norm)| b / norm).collect();
-        let mut sizes = vec![0.0; self.columns.list.len()];
-        for (p, &(at, conj)) in self.columns.of_pair.iter().enumerate() {
-            let size = amplitudes[p].magnitude() / self.columns.factors[p].abs() * UP;
-            (sizes[at], sizes[conj]) = (size, size);
-        }
-        // (1 + F)^-1 = 1 - F + F^2 - ..
-        let by_f = with_tail(self.b.times(&sizes), self.b.theta);
+        let (sizes, by_f) = self.by_f(&amplitudes);
         let near: Vec<f64> = (0..sizes.len()).map(|j| (sizes[j] + by_f[j]) * nearness[j] * UP).collect();
         let by_t = with_tail(self.t.times(&near), *sigma);
         let rest: Vec<f64> = (self.columns.of_pair.iter().zip(&self.columns.factors))
@@ -112,6 +106,24 @@ impl Proof<'_> {
             .collect();
         let known = rest.iter().all(|x| x.is_finite()) && amplitudes.iter().all(|z| z.magnitude().is_finite());
         known.then_some(Excited { amplitudes, rest })
+    }
+
+    /// Bounds of the amplitudes of all columns, and of what (1 + F)^-1 = 1 - F + F^2 - .. adds to them.
+    fn by_f(&self, amplitudes: &[Complex<Ball>]) -> (Vec<f64>, Vec<f64>) {
+        let mut sizes = vec![0.0; self.columns.list.len()];
+        for (p, &(at, conj)) in self.columns.of_pair.iter().enumerate() {
+            let size = amplitudes[p].magnitude() / self.columns.factors[p].abs() * UP;
+            (sizes[at], sizes[conj]) = (size, size);
+        }
+        let by_f = with_tail(self.b.times(&sizes), self.b.theta);
+        (sizes, by_f)
+    }
+
+    /// Bounds of what (1 + F)^-1 adds to the amplitude of each pair.
+    pub(in crate::analysis::poles) fn rest_by_f(&self, amplitudes: &[Complex<Ball>]) -> Vec<f64> {
+        let (_, by_f) = self.by_f(amplitudes);
+        let of_pair = self.columns.of_pair.iter().zip(&self.columns.factors);
+        of_pair.map(|(&(at, _), factor)| by_f[at] * factor.abs() * UP + f64::MIN_POSITIVE).collect()
     }
 }
 
@@ -122,12 +134,16 @@ fn with_tail(first: Vec<f64>, theta: f64) -> Vec<f64> {
 }
 
 /// row . x
-fn seen(pair: &Pair, row: &[(usize, Ball)]) -> Complex<Ball> {
+pub(in crate::analysis::poles) fn seen(pair: &Pair, row: &[(usize, Ball)]) -> Complex<Ball> {
     row.iter().fold(Complex::ZERO, |sum, (i, a)| sum + pair.x.entry(*i).to_ball().scale(*a))
 }
 
 /// Lambda = x^T (2 s M + C) x.
-fn norm(pencil: &Pencil<Precise>, s: Complex<Dd>, applied: &Application<Precise>) -> Complex<Ball> {
+pub(in crate::analysis::poles) fn norm(
+    pencil: &Pencil<Precise>,
+    s: Complex<Dd>,
+    applied: &Application<Precise>,
+) -> Complex<Ball> {
     let twice = s.to_ball().scale(Ball::from(2.0));
     twice * energy(&pencil.m, &applied.m_stretch) + energy(&pencil.c, &applied.c_stretch)
 }

@@ -116,7 +116,12 @@ pub fn respond_with(
     }
     let is_worth_it = times.len() * system.n() >= decoupled::WORTH_IT;
     let apart = if is_worth_it { decoupled::respond(system, modes, drives, times) } else { None };
-    let mut history = apart.map_or_else(|| respond_by_matrix_exponential(system, drives, times), Ok)?;
+    let mut history = match apart {
+        Some(apart) if apart.is_good => apart.history,
+        // Where the general method is refused, a wide bound is better than none.
+        Some(apart) => respond_by_matrix_exponential(system, drives, times).unwrap_or(apart.history),
+        None => respond_by_matrix_exponential(system, drives, times)?,
+    };
     // An output that nothing reaches is exactly zero, not a rounding error of other motions.
     for (output, _) in moving_outputs(system, drives).iter().enumerate().filter(|(_, is_moved)| !**is_moved) {
         history.values.iter_mut().for_each(|row| row[output] = Ball::ZERO);

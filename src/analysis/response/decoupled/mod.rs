@@ -1,26 +1,34 @@
-//! The motion of a system whose damping does not couple its modes: each mode is an independent oscillator, so a step
-//! needs two by two numbers a mode instead of a full matrix, and several modes and several times are computed in
-//! parallel. In: a system, signals, times. Out: the result of the general method, with bounds as good, or nothing if
-//! that cannot be proven here. See docs/method/response.md#modal-steps.
+//! The motion of a system as independent blocks of two states: a step needs two by two numbers a block instead of a full
+//! matrix, and several blocks and several times are computed in parallel. The blocks are oscillators, one for each mode, where
+//! damping does not couple the modes, otherwise the poles. In: a system, signals, times. Out: the result of the general
+//! method, with bounds as good, or nothing if that cannot be proven here. See docs/method/response.md#modal-steps.
 //!
 //! With the modes X refined to double-double, X^T M X = 1 + E_M, X^T C X = D_c + E_C, X^T K X = D_k + E_K in balls, and
 //! q = X eta exactly: the E are disturbances of the oscillators eta'' + c eta' + k eta = x . B u, and their effect
-//! grows in the norm of z = (s eta, eta'), s^2 near |k|, at most with the logarithmic norm of the oscillators.
+//! grows in the norm of z = (s eta, eta'), s^2 near |k|, at most with the logarithmic norm of the oscillators. Of poles
+//! the disturbance is the T of their proof.
 
+mod blocks;
 mod lanes;
 mod oscillators;
+mod poles;
 mod step;
 
 use super::channel::{Channel, SuddenChange, channels};
 use super::trail::Trail;
 use super::{History, UP};
 use crate::analysis::answer::Modes;
+use crate::analysis::modes::modes_as;
+use crate::analysis::modes::request::{Request, Which};
+use crate::analysis::poles::MAX_DAMPED;
 use crate::analysis::response::signal::Source;
 use crate::base::{Ball, Dd, Number, Power};
 use crate::kernel::lanes::Lanes;
 use crate::system::{LinearSystem, Signal};
+use blocks::Blocks;
 use lanes::{Batch, Row, Samples, State};
 use oscillators::{Oscillators, Output};
+use poles::PoleBlocks;
 use std::rc::Rc;
 use step::Step;
 
@@ -38,14 +46,23 @@ const GOOD: f64 = 1.0 / (1u64 << 60) as f64;
 const GOOD_OF_CHIRPS: f64 = 1e-14;
 const AS_GOOD_AS_ANY: f64 = 1e-27;
 
-/// Like [`super::respond`]; `None` if another method is needed: damping couples modes, bounds are not good enough, or
-/// the general method has to report an error.
+/// From this many coordinates on, poles are used where modes are coupled; below, one matrix exponential costs less.
+const FROM_POLES: usize = 12;
+
+/// A motion and whether its bounds are as good as those of the general method.
+pub struct Followed {
+    pub history: History,
+    pub is_good: bool,
+}
+
+/// Like [`super::respond`]; `None` if another method is needed: blocks cannot be separated, or the general method has to report
+/// an error.
 pub fn respond(
     system: &LinearSystem,
     modes: Option<&Modes>,
     drives: &[Vec<Signal>],
     times: &[Number],
-) -> Option<History> {
+) -> Option<Followed> {
     let mut run = Run::of(system, modes, drives, times)?;
     let moments: Vec<Moment> = times.iter().map(Moment::of).collect();
     let mut values = Vec::with_capacity(times.len());
@@ -59,7 +76,8 @@ pub fn respond(
         let before = events.peek().map_or(f64::INFINITY, |event| event.at.seconds);
         run.samples(&moments[first..], before, &mut values)?;
     }
-    run.is_good(&values).then(|| History { times: times.to_vec(), values })
+    let is_good = run.is_good(&values);
+    Some(Followed { history: History { times: times.to_vec(), values }, is_good })
 }
 
 /// A time in three representations.
@@ -78,7 +96,8 @@ struct Event {
 
 struct Run<'a> {
     system: &'a LinearSystem,
-    oscillators: Oscillators,
+    blocks: Blocks,
+    coordinates: Box<dyn Coordinates>,
     channels: Vec<Channel>,
     outputs: Vec<Output>,
     rows: Vec<Row>,
@@ -94,6 +113,30 @@ struct Run<'a> {
     scales: Vec<f64>,
 }
 
+/// What the states of the blocks are.
+trait Coordinates {
+    /// The initial state.
+    fn start(&self, system: &LinearSystem) -> Change;
+
+    /// The effect of an impulse of an input.
+    fn impulse(&self, system: &LinearSystem, input: usize, value: Ball) -> Change;
+
+    /// The effect of a jump of an input and its rate.
+    fn jump(&self, system: &LinearSystem, input: usize, to: [Ball; 2]) -> Change;
+
+    /// The norm of what the k-th derivative of an input adds to z'.
+    fn force_size(&self, system: &LinearSystem, input: usize, power: usize) -> f64;
+
+    /// Every output as rows.
+    fn outputs(&self, system: &LinearSystem, channels: &[Channel], blocks: &Blocks) -> Vec<Output>;
+}
+
+/// A sudden change of the state, and a bound of what it lacks.
+struct Change {
+    z: Vec<[Ball; 2]>,
+    defect: f64,
+}
+
 /// The active sources during a batch.
 struct Driving {
     /// By time (one more than there are steps), then by state.
@@ -102,6 +145,29 @@ struct Driving {
     norms: Vec<f64>,
     error: f64,
     on: usize,
+}
+
+/// All modes of a system that may be separated.
+fn all_modes(system: &LinearSystem) -> Option<Modes> {
+    let request = Request { which: Which::All, ..Request::default() };
+    if system.n() > MAX_DAMPED { None } else { modes_as(system, &request).ok() }
+}
+
+/// The blocks of a system, and what their states are; `None` if it cannot be separated.
+fn coordinates(
+    system: &LinearSystem,
+    modes: &Modes,
+    channels: &[Channel],
+    times: &[Number],
+) -> Option<(Box<dyn Coordinates>, Blocks)> {
+    if let Some((oscillators, blocks)) = Oscillators::of(system, modes, channels, times) {
+        return Some((Box::new(oscillators), blocks));
+    }
+    if system.n() < FROM_POLES {
+        return None;
+    }
+    let (poles, blocks) = PoleBlocks::of(system, modes, channels, times)?;
+    Some((Box::new(poles), blocks))
 }
 
 impl Moment {
@@ -122,16 +188,20 @@ impl<'a> Run<'a> {
             _ => None,
         };
         let channels = channels(system, drives, step.as_ref()).ok()?;
-        let oscillators = Oscillators::of(system, modes, &channels, times)?;
-        let outputs = oscillators.outputs(system, &channels);
-        let n = oscillators.count();
+        let (coordinates, blocks): (Box<dyn Coordinates>, Blocks) = match modes {
+            Some(modes) => coordinates(system, modes, &channels, times)?,
+            None => coordinates(system, &all_modes(system)?, &channels, times)?,
+        };
+        let outputs = coordinates.outputs(system, &channels, &blocks);
+        let n = blocks.count();
         let rows = outputs.iter().map(|output| output.row.clone()).collect();
         let state = State { z: [Lanes::zeros(n), Lanes::zeros(n)] };
         let now = Number::ZERO;
         let (steps, scales) = (Vec::new(), Vec::new());
         let mut run = Run {
             system,
-            oscillators,
+            blocks,
+            coordinates,
             channels,
             outputs,
             rows,
@@ -143,8 +213,8 @@ impl<'a> Run<'a> {
             now,
             scales,
         };
-        let (eta, rate) = run.oscillators.start(system);
-        run.add(&eta, &rate);
+        let start = run.coordinates.start(system);
+        run.add(&start);
         Some(run)
     }
 
@@ -160,23 +230,19 @@ impl<'a> Run<'a> {
         events
     }
 
-    /// Adds displacements and velocities of the modes, which are known up to the disturbances.
-    fn add(&mut self, eta: &[Ball], rate: &[Ball]) {
-        let of = &self.oscillators;
-        let (mut radii, mut square, mut size) = (0.0, 0.0, 0.0);
-        for i in 0..of.count() {
-            let changes = [Ball::exact(of.s[i]) * eta[i], rate[i]];
-            for (z, change) in self.state.z.iter_mut().zip(changes) {
+    /// Adds a change to the state.
+    fn add(&mut self, change: &Change) {
+        let (mut radii, mut square) = (0.0, 0.0);
+        for (i, change) in change.z.iter().enumerate() {
+            for (z, &change) in self.state.z.iter_mut().zip(change) {
                 let sum = Ball::exact(z.get(i)) + change;
                 z.set(i, sum.mid);
                 radii += sum.rad * sum.rad;
                 square += sum.mid.hi * sum.mid.hi;
             }
-            size += eta[i].magnitude().power(2);
         }
-        let rates = rate.iter().map(|v| v.magnitude().power(2)).sum::<f64>();
         self.square = square;
-        self.trail.add((radii.sqrt() + of.defect_of_change(size.sqrt() * UP, rates.sqrt() * UP)) * UP);
+        self.trail.add((radii.sqrt() + change.defect) * UP);
     }
 
     /// Moves on to a time without computing the outputs.
@@ -232,7 +298,7 @@ impl<'a> Run<'a> {
         if let Some(step) = self.steps.iter().find(|step| step.h == *h && step.on == on) {
             return Some(step.clone());
         }
-        let step = Rc::new(Step::of(&self.oscillators, &on, h)?);
+        let step = Rc::new(Step::of(&self.blocks, &on, h)?);
         if self.steps.len() == STEPS_KEPT {
             self.steps.remove(0);
         }
@@ -259,7 +325,7 @@ impl<'a> Run<'a> {
         let mut place = 0;
         for channel in self.channels.iter().filter(|channel| channel.states_on() > 0) {
             let states = channel.states_on();
-            let scale: Vec<f64> = (0..states).map(|k| 1.0 / self.oscillators.scale[channel.first + k]).collect();
+            let scale: Vec<f64> = (0..states).map(|k| 1.0 / self.blocks.scale[channel.first + k]).collect();
             let error = match &channel.source {
                 Source::Harmonic { .. } => {
                     let now = channel.state(&self.now);
@@ -287,8 +353,8 @@ impl<'a> Run<'a> {
         slack: f64,
         mut values: Option<&mut Vec<Vec<Ball>>>,
     ) {
-        let of = &self.oscillators;
-        let approximations = of.approximations(self.system, &self.channels);
+        let of = &self.blocks;
+        let approximations = self.approximations();
         let fed: Vec<f64> =
             self.outputs.iter().map(|output| output.approximations(&self.channels, &of.scale)).collect();
         let outputs = self.rows.len();
@@ -333,32 +399,33 @@ impl<'a> Run<'a> {
 
     /// Applies an event, as in the general method.
     fn event(&mut self, channel: usize, piece: usize) -> Option<()> {
-        let input = &self.system.inputs[self.channels[channel].input];
-        let of = &self.oscillators;
-        let zeros = || vec![Ball::ZERO; of.count()];
-        let times = |x: Vec<Ball>, value: Ball| -> Vec<Ball> { x.into_iter().map(|x| x * value).collect() };
-        let (eta, mut rate) = match self.channels[channel].turn_on(piece) {
+        let (system, input) = (self.system, self.channels[channel].input);
+        let change = match self.channels[channel].turn_on(piece) {
             SuddenChange::None => return Some(()),
             SuddenChange::Impulse(value) => {
-                if !(input.b[1].is_empty() && input.b[2].is_empty()) {
+                let b = &system.inputs[input].b;
+                if !(b[1].is_empty() && b[2].is_empty()) {
                     return None;
                 }
-                (zeros(), times(of.participation(&input.b[0]), value))
+                self.coordinates.impulse(system, input, value)
             }
-            SuddenChange::Jump([u, speed]) => {
-                let (b1, b2) = (of.participation(&input.b[1]), of.participation(&input.b[2]));
-                let kick = b1.iter().zip(&b2).map(|(&b1, &b2)| b1 * u + b2 * speed).collect();
-                (times(b2, u), kick)
-            }
+            SuddenChange::Jump(to) => self.coordinates.jump(system, input, to),
         };
-        if eta.iter().chain(&rate).all(Ball::is_zero) {
-            return Some(());
+        if !change.z.iter().flatten().all(Ball::is_zero) {
+            self.add(&change);
         }
-        for (rate, (c, eta)) in rate.iter_mut().zip(of.c.iter().zip(&eta)) {
-            *rate = *rate - Ball::exact(*c) * *eta;
-        }
-        self.add(&eta, &rate);
         Some(())
+    }
+
+    /// Errors of the sources' approximations, as rates of change of the state.
+    fn approximations(&self) -> f64 {
+        let of = |channel: &Channel| -> f64 {
+            let b = &self.system.inputs[channel.input].b;
+            let size =
+                |k: usize| self.coordinates.force_size(self.system, channel.input, k) * channel.approximation(k) * 2.0;
+            (0..3).filter(|&k| channel.approximation(k) > 0.0 && !b[k].is_empty()).map(size).sum()
+        };
+        self.channels.iter().map(of).sum()
     }
 
     /// Whether all bounds are good enough for this method.
@@ -478,7 +545,7 @@ mod tests {
     /// Checks that the enclosures of both methods overlap; returns the largest bound relative to the largest value of
     /// its output.
     fn meets(what: &str, system: &LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> f64 {
-        let apart = respond(system, None, drives, times).unwrap_or_else(|| panic!("{what}: no such method"));
+        let apart = respond(system, None, drives, times).unwrap_or_else(|| panic!("{what}: no such method")).history;
         let whole = respond_by_matrix_exponential(system, drives, times).expect("a motion");
         let mut worst: f64 = 0.0;
         for output in 0..system.outputs.len() {
@@ -503,14 +570,14 @@ mod tests {
         Signal::Harmonic { value: n("2"), frequency: n(hertz), phase: n(phase), at: n("0") }
     }
 
-    #[test]
-    fn all_signals_move_a_chain_as_the_whole_matrix_does() {
+    /// One of every kind of signal, and sums of some.
+    fn all_signals() -> Vec<Vec<Signal>> {
         let numbers = |list: &[&str]| list.iter().map(|&text| n(text)).collect::<Vec<_>>();
         let (times, values) = (numbers(&["0", "0.7", "2", "2.05"]), numbers(&["0.1", "2.1", "6", "1"]));
         let table = |course| Signal::Table(Table { times: times.clone(), values: values.clone(), course });
         let integral = |of, times| Signal::Integral { of: Box::new(of), times };
         let by = n("0.21");
-        let signals = [
+        vec![
             vec![harmonic("1.5", "0.3"), harmonic("40", "0")],
             vec![Signal::Harmonic { value: n("2"), frequency: n("1.5"), phase: n("0.3"), at: n("0.77") }],
             vec![integral(table(Course::LinesToZero), 2), integral(Signal::Step { value: n("1"), at: n("0.4") }, 1)],
@@ -529,7 +596,12 @@ mod tests {
                 at: n("0.1"),
                 phase: n("0.3"),
             }],
-        ];
+        ]
+    }
+
+    #[test]
+    fn all_signals_move_a_chain_as_the_whole_matrix_does() {
+        let signals = all_signals();
         for (size, held) in [(1, true), (3, true), (9, true), (3, false)] {
             let mut system = chain(size, held, "0.7");
             system.initial = vec![(CoordinateId(0), n("0.01"), -&n("0.2"))];
@@ -561,6 +633,123 @@ mod tests {
             // A chirp's second derivative, which enters inertia forces and accelerations, is known to some 1e-16.
             assert!(bound < 1e-15, "{bound:e}");
         }
+    }
+
+    /// Dampers that couple the modes: a light one, one so heavy that poles are real, and one that drives energy in.
+    #[test]
+    fn poles_move_a_chain_as_the_whole_matrix_does() {
+        for (damper, bound) in [("5", 1e-18), ("900", 1e-18), ("-0.9", 1e-18)] {
+            let mut system = chain(FROM_POLES, true, "0.7");
+            let size = n(damper.trim_start_matches('-'));
+            let weight = if damper.starts_with('-') { -&size } else { size };
+            let source = system.c.source(system.inputs[0].name);
+            system.c.push(source, crate::system::Nature::Property, weight, [(CoordinateId(7), Number::ONE)]);
+            system.initial = vec![(CoordinateId(0), n("0.01"), -&n("0.2")), (CoordinateId(5), n("0.02"), n("0"))];
+            // Every signal goes through the same blocks: all of them once, then a harmonic and a step with an impulse.
+            let some = |which: &usize| damper == "5" || [0, 5].contains(which);
+            for (which, signal) in all_signals().into_iter().enumerate().filter(|(which, _)| some(which)) {
+                let mut drives = vec![Vec::new(); FROM_POLES];
+                drives[3] = signal;
+                let found = meets(&format!("{damper} {which}"), &system, &drives, &grid("2.5", "0.25"));
+                // A chirp is known to some 1e-20 of its amplitude, and drives poles of very different sizes.
+                let bound = if which == 10 { 1e3 * bound } else { bound };
+                assert!(found < bound, "{damper} {which}: {found:e}");
+            }
+        }
+    }
+
+    /// A base that moves a chain through springs, dampers and inertia, and is added to the outputs: its jumps are impulses and
+    /// their derivatives.
+    #[test]
+    fn a_base_moves_poles_as_the_whole_matrix_does() {
+        let mut system = chain(FROM_POLES, true, "0.7");
+        push(&mut system.c, "40", 4, None);
+        let at = |value: &str| vec![(CoordinateId(0), n(value))];
+        system.inputs[0].b = [at("1000"), at("0.7"), at("0.2")];
+        for (output, power) in [(0, 0), (1, 1), (2, 2)] {
+            system.outputs[output].d[power].push((0, -&n("1.5")));
+        }
+        for signal in [
+            harmonic("3", "0.9"),
+            Signal::Step { value: n("0.1"), at: n("0.5") },
+            Signal::Ramp { value: n("0.1"), from: n("0.5"), to: n("1.1") },
+            Signal::Chirp { value: n("0.1"), from: n("4"), to: n("0"), duration: n("2"), at: n("0"), phase: n("0") },
+        ] {
+            let bound = meets(&format!("{signal:?}"), &system, &[vec![signal]], &grid("2.5", "0.0625"));
+            // The second derivative of a chirp, which enters inertia forces and accelerations, is known to some 1e-16.
+            assert!(bound < 1e-14, "{bound:e}");
+        }
+    }
+
+    /// More states than a matrix exponential is computed for: a chain of 201 unit masses and springs, held at both ends, with
+    /// C = K^2 / 2, so that fast motions are overdamped. The mode sin(i k pi / (n + 1)) has omega = 2 sin(k pi / (2 (n + 1))).
+    #[test]
+    fn two_hundred_masses_move_as_the_closed_form_says() {
+        let size = 201;
+        let mut system = blank(size);
+        let source = system.c.source(system.inputs[0].name);
+        for i in 0..size {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "1", i, i.checked_sub(1));
+            let row = [(i.checked_sub(1), -1), (Some(i), 2), (Some(i + 1).filter(|&j| j < size), -1)];
+            let row = row.into_iter().filter_map(|(j, a)| Some((CoordinateId(j? as u32), Number::from(a))));
+            system.c.push(source, crate::system::Nature::Property, n("0.5"), row.collect::<Vec<_>>());
+        }
+        push(&mut system.k, "1", size - 1, None);
+        system.initial = vec![(CoordinateId(3), n("1"), n("0"))];
+        system.outputs.truncate(8);
+        let times = grid("20", "2.5");
+        let history = crate::analysis::response::respond(&system, &[], &times).expect("a motion");
+        let angle = |k: usize| k as f64 * std::f64::consts::PI / (size + 1) as f64;
+        for (row, t) in history.values.iter().zip(&times) {
+            let t = t.to_f64();
+            for (i, y) in row.iter().enumerate() {
+                let of_mode = |k: usize| {
+                    let omega = 2.0 * libm::sin(0.5 * angle(k));
+                    let half = 0.25 * omega.powi(4);
+                    let square = half * half - omega * omega;
+                    let root = square.abs().sqrt();
+                    let (even, odd) = match square > 0.0 {
+                        // cosh and sinh, each with the decay, so that neither overflows.
+                        true => {
+                            let (slow, fast) = (libm::exp((root - half) * t), libm::exp((-root - half) * t));
+                            (0.5 * (slow + fast), 0.5 * (slow - fast) / root)
+                        }
+                        false => {
+                            let decay = libm::exp(-half * t);
+                            (decay * libm::cos(root * t), decay * libm::sin(root * t) / root)
+                        }
+                    };
+                    let shape = |i: usize| libm::sin((i + 1) as f64 * angle(k));
+                    shape(i) * shape(3) * (even + half * odd) * 2.0 / (size + 1) as f64
+                };
+                let expected: f64 = (1..=size).map(of_mode).sum();
+                assert!((y.to_f64() - expected).abs() < 1e-12, "{t} {i}: {y:?} {expected}");
+                assert!(y.rad < 1e-22, "{t} {i}: {y:?}");
+            }
+        }
+    }
+
+    /// What couples the poles is in the bound: a proof that allows more for it has wider bounds, by as much.
+    #[test]
+    fn the_coupling_of_poles_is_in_the_bound() {
+        let mut system = chain(FROM_POLES, true, "0.7");
+        push(&mut system.c, "5", 2, None);
+        system.initial = vec![(CoordinateId(0), n("0.01"), n("0"))];
+        let times = grid("2", "0.25");
+        let widest = |coupling: f64| {
+            let mut run = Run::of(&system, None, &[], &times).expect("poles");
+            run.blocks.defect = coupling;
+            let mut values = Vec::new();
+            let moments: Vec<Moment> = times.iter().map(Moment::of).collect();
+            while values.len() < times.len() {
+                let first = values.len();
+                run.samples(&moments[first..], f64::INFINITY, &mut values).expect("samples");
+            }
+            values[8].iter().map(|y| y.rad).fold(0.0, f64::max)
+        };
+        let (little, much) = (widest(1e-12), widest(1e-9));
+        assert!(widest(0.0) < 1e-3 * little && much > 900.0 * little && much < 1100.0 * little, "{little:e} {much:e}");
     }
 
     /// Resonance without damping, critical and overcritical damping, growth, and unequal time steps.
@@ -627,7 +816,7 @@ mod tests {
         system.initial = vec![(CoordinateId(3), n("1"), n("0"))];
         let drives = [vec![harmonic("4", "0.5")]];
         let times = grid("1000", "0.1");
-        let apart = respond(&system, None, &drives, &times).expect("modes apart");
+        let apart = respond(&system, None, &drives, &times).expect("modes apart").history;
         let whole = respond_by_matrix_exponential(&system, &drives, &times[10_000..]).expect("a motion");
         for (a, b) in apart.values[10_000].iter().zip(&whole.values[0]) {
             assert!((*a - *b).contains_zero(), "{a:?} {b:?}");

@@ -1,12 +1,12 @@
-//! exp(A h) of all oscillators at once, in the lanes of vectors, with the sources that act on them. In: the
-//! oscillators, the active states of the sources, h. Out: two by two numbers for each oscillator, two for each source,
-//! and bounds of their errors. See docs/method/response.md#modal-steps.
+//! exp(A h) of all blocks at once, in the lanes of vectors, with the sources that act on them. In: the blocks, the active
+//! states of the sources, h. Out: two by two numbers for each block, two for each source, and bounds of their errors.
+//! See docs/method/response.md#modal-steps.
 //!
-//! A = [[A_i, B_i], [0, G]]: A_i = [[0, s], [-k/s, -c]], B_i the sources' forces on z_2, G their generator. The blocks
+//! A = [[A_i, B_i], [0, G]]: B_i what the sources add to z', G their generator. The blocks
 //! F = exp(A_i h), Phi and R = exp(G h) are computed by scaling to |A h| <= 1/2, the Taylor polynomial of degree 24 by
 //! Horner's scheme, and squaring: F <- F F, Phi <- F Phi + Phi R, R <- R R.
 
-use super::oscillators::Oscillators;
+use super::blocks::Blocks as System;
 use crate::analysis::response::exponential::growth;
 use crate::base::{Ball, Dd, Number, Power, rounding, two_to, up};
 use crate::kernel::dense::Matrix;
@@ -65,10 +65,10 @@ const MOST_SQUARINGS: usize = 100;
 
 /// The input of the loop over lanes.
 struct Task<'a> {
-    /// s h, -k/s h and -c h, scaled down.
-    a: [Lanes; 3],
+    /// A h by rows, scaled down.
+    a: [Lanes; 4],
     /// B h, scaled down: the position among the active states, and its entries.
-    b: Vec<(usize, Lanes)>,
+    b: Vec<(usize, [Lanes; 2])>,
     /// The sums of Horner's scheme for exp(G h), from the highest down, then the powers to be squared.
     horner: &'a [Matrix<Dd>],
     powers: &'a [Matrix<Dd>],
@@ -86,7 +86,7 @@ struct Blocks {
 impl Step {
     /// The error that the step adds to the state, besides the error that it carries over: from the error before, |z|, and
     /// the sources' norm and error.
-    pub fn added_error(&self, of: &Oscillators, error: f64, z: f64, w: f64, w_error: f64, approximations: f64) -> f64 {
+    pub fn added_error(&self, of: &System, error: f64, z: f64, w: f64, w_error: f64, approximations: f64) -> f64 {
         let carried = self.from_sources * w_error;
         let applied = (self.error + self.rounding) * (z + error)
             + (self.error_of_sources + self.rounding_of_sources) * (w + w_error);
@@ -97,7 +97,7 @@ impl Step {
     }
 
     /// `None` if the exponent is out of range.
-    pub fn of(of: &Oscillators, on: &[usize], h: &Number) -> Option<Step> {
+    pub fn of(of: &System, on: &[usize], h: &Number) -> Option<Step> {
         let t = h.to_ball();
         let m = on.len();
         let generator = of.generator_of(on);
@@ -110,13 +110,13 @@ impl Step {
         }
         let scaled = Ball::new(t.mid.scale(two_to(-(squarings as i32))), t.rad * two_to(-(squarings as i32)));
         let times = |values: &[Dd]| Lanes::of(values.iter().map(|&x| x * scaled.mid));
-        let minus = |values: &[Dd]| Lanes::of(values.iter().map(|&x| -(x * scaled.mid)));
-        let forces = on.iter().enumerate().filter(|&(_, &state)| of.force[state].iter().any(|b| !b.is_zero()));
-        let b = forces.map(|(place, &state)| (place, Lanes::of(of.force[state].iter().map(|b| b.mid * scaled.mid))));
-        let b: Vec<(usize, Lanes)> = b.collect();
+        let acts = |&(_, &state): &(usize, &usize)| of.force[state].iter().flatten().any(|b| !b.is_zero());
+        let entries =
+            |state: usize| [0, 1].map(|k: usize| Lanes::of(of.force[state].iter().map(|b| b[k].mid * scaled.mid)));
+        let b = on.iter().enumerate().filter(acts).map(|(place, &state)| (place, entries(state))).collect();
         let (horner, powers) = exponential_of_sources(&generator, m, scaled.mid, squarings);
         let task = Task {
-            a: [times(&of.s), minus(&of.back), minus(&of.c)],
+            a: [0, 1, 2, 3].map(|entry: usize| times(&of.a[entry])),
             b,
             horner: &horner,
             powers: &powers,
@@ -201,7 +201,7 @@ struct Errors {
 
 impl Errors {
     /// With F = exp + e, |F^2 - exp^2| <= 2 |exp| |e| + |e|^2 + rounding; correspondingly for the other blocks.
-    fn of(of: &Oscillators, blocks: &Blocks, powers: &[Matrix<Dd>], start: f64, time: f64, squarings: usize) -> Errors {
+    fn of(of: &System, blocks: &Blocks, powers: &[Matrix<Dd>], start: f64, time: f64, squarings: usize) -> Errors {
         let n = of.count();
         let m = powers[0].columns() as f64;
         let (mut f, mut phi, mut r) = (vec![start; n], vec![start; n], start);
@@ -310,22 +310,24 @@ fn taylor<V: Vector>(task: &Task, at: usize, phi: &mut [[Double<V>; 2]]) -> [Dou
     phi.fill([Double::zero(); 2]);
     for (stage, sums) in task.horner[..DEGREE].iter().enumerate() {
         let share = Double::splat(Dd::ONE / Dd::from((DEGREE - stage) as f64));
-        let [up, back, damp] = [0, 1, 2].map(|i| task.a[i].at::<V>(at).times(share));
+        let [a, b, c, d] = [0, 1, 2, 3].map(|i: usize| task.a[i].at::<V>(at).times(share));
         f = [
-            one.plus(up.times(f[2])),
-            up.times(f[3]),
-            back.times(f[0]).plus(damp.times(f[2])),
-            one.plus(back.times(f[1]).plus(damp.times(f[3]))),
+            one.plus(a.times(f[0]).plus(b.times(f[2]))),
+            a.times(f[1]).plus(b.times(f[3])),
+            c.times(f[0]).plus(d.times(f[2])),
+            one.plus(c.times(f[1]).plus(d.times(f[3]))),
         ];
         for (column, phi) in phi.iter_mut().enumerate() {
-            let mut second = back.times(phi[0]).plus(damp.times(phi[1]));
-            for (place, b) in &task.b {
+            let mut next = [a.times(phi[0]).plus(b.times(phi[1])), c.times(phi[0]).plus(d.times(phi[1]))];
+            for (place, force) in &task.b {
                 let sum = sums[(*place, column)];
                 if !sum.is_zero() {
-                    second = second.plus(b.at::<V>(at).times(share).times(Double::splat(sum)));
+                    for (next, force) in next.iter_mut().zip(force) {
+                        *next = next.plus(force.at::<V>(at).times(share).times(Double::splat(sum)));
+                    }
                 }
             }
-            *phi = [up.times(phi[1]), second];
+            *phi = next;
         }
     }
     f

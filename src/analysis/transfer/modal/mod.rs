@@ -10,7 +10,9 @@
 mod lanes;
 
 use crate::analysis::answer::{Modes, PRECISE};
-use crate::analysis::modes::form::{LEAST_EPSILON, ModalForm, gram, kinds, least_stiffness, off_diagonal, sizes};
+use crate::analysis::modes::form::{
+    LEAST_EPSILON, ModalForm, damping_clearly_couples, gram, kinds, least_stiffness, off_diagonal, sizes,
+};
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Ball, Dd, Number, Power, larger, up};
 use crate::kernel::complex::Complex;
@@ -65,7 +67,7 @@ impl ModalSum {
     /// `None` if the modes do not diagonalise the damping, or some of them are missing.
     pub fn of(system: &LinearSystem, modes: &Modes) -> Option<ModalSum> {
         let n = system.n();
-        if n > PRECISE {
+        if n > PRECISE || damping_clearly_couples(system, modes) {
             return None;
         }
         let form = ModalForm::of(system, modes, gram)?;
