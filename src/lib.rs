@@ -666,7 +666,7 @@ pub fn discrete(
             diagnostics.push(refusal);
             return None;
         }
-        let modes = modes.map_or_else(|| analysis::modes(&system), Ok);
+        let modes = modes.map_or_else(|| analysis::discrete::all_modes(&system), Ok);
         let system = modes.and_then(|modes| analysis::discretise(&system, &modes, &options));
         let mut system = system.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
         diagnostics.extend(dynamics::laws_in_code(&reading.scene));

@@ -71,14 +71,60 @@ fn moved(system: &LinearSystem, signal: &Signal, time: &str) -> Vec<f64> {
     history.values[0].iter().map(|x| x.to_f64()).collect()
 }
 
+/// Code of so many states that tables would fill it has the same steps without `set_state` and `get_state`: it passes the compilers
+/// as strictly as any other, and its header says what is missing.
+#[test]
+fn code_without_tables_steps_alone() {
+    let whole = emission("plant", &(String::from(FLOOR) + COUPLED), &options("0.01")).system;
+    assert!(whole.tabled);
+    let mut bare = whole.clone();
+    bare.tabled = false;
+    (bare.offset, bare.taken) = (Vec::new(), Vec::new());
+    bare.cells.iter_mut().for_each(|cell| (cell.to, cell.back) = (Vec::new(), Vec::new()));
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut includes, mut main) = (String::new(), String::new());
+    for (name, system) in [("plant", &whole), ("bare", &bare)] {
+        for language in [Language::C, Language::Rust] {
+            write(&folder, &emit::files(name, system, language, None));
+        }
+        includes += &format!("#include \"{name}.h\"\n");
+        main += &format!(
+            "{{ {name}_state s; {name}_outputs y; {name}_inputs u; int k; u.floor = 0.3; {name}_init(&s);\n\
+             for (k = 0; k <= 80; k++) {name}_step(&s, &u, &y); printf(\"%.17g\\n\", y.xa); }}\n"
+        );
+        silently(
+            &folder,
+            "rustc",
+            &["--crate-type", "lib", "--emit", "metadata", "-D", "warnings", &format!("{name}.rs")],
+        );
+        let strict = ["-std=c99", "-c", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"];
+        silently(&folder, "gcc", &[&strict[..], &[&format!("{name}.c")]].concat());
+    }
+    let main = format!("{includes}#include <stdio.h>\nint main(void) {{\n{main}return 0; }}\n");
+    let printed = numbers(&folder, &main, &["plant.c".into(), "bare.c".into()]);
+    assert_eq!(printed[0], printed[1]);
+    for (file, says) in [("bare.h", false), ("bare.rs", false), ("plant.h", true), ("plant.rs", true)] {
+        let text = fs::read_to_string(folder.path().join(file)).expect("a file");
+        assert_eq!(text.contains("without set_state and get_state"), !says, "{file}");
+        assert_eq!(text.contains("velocity"), says, "{file}");
+    }
+}
+
 /// `get_state` gives the exact motion at the next sample, and passing the result to `set_state` changes neither the
 /// motion then nor the rest. This holds for a given input, held or interpolated, and for a signal that is part of the
 /// state.
 #[test]
 fn a_state_is_read_and_set_in_the_models_coordinates() {
     let floor = |dampers: &str| String::from(FLOOR) + dampers;
-    let models =
-        [("coupled", floor(COUPLED)), ("uncoupled", floor(UNCOUPLED)), ("carried", CARRIED.into()), ("long", long(23))];
+    // So many coordinates whose modes are coupled that the blocks are those of poles.
+    let poles = long(12) + "damper aside: floor -- m5 { c = 9 N*s/m }\n";
+    let models = [
+        ("coupled", floor(COUPLED)),
+        ("uncoupled", floor(UNCOUPLED)),
+        ("carried", CARRIED.into()),
+        ("long", long(23)),
+        ("poles", poles),
+    ];
     let held = Signal::Step { value: number("0.3"), at: Number::ZERO };
     let shaken =
         Signal::Harmonic { value: number("0.3"), frequency: number("1.1"), phase: number("0.4"), at: Number::ZERO };

@@ -32,9 +32,9 @@ pub struct Cell {
     pub input: Vec<Vec<(Operand, f64)>>,
     /// Contributions of each state to the outputs.
     pub output: Vec<Vec<(usize, f64)>>,
-    /// Each state from displacements and velocities: one row for each state; empty for signals.
+    /// Each state from displacements and velocities: one row for each state; empty for signals, and for many states.
     pub to: Vec<Vec<f64>>,
-    /// Displacements and velocities from the states: one column for each state; empty for signals.
+    /// Displacements and velocities from the states: one column for each state; empty likewise.
     pub back: Vec<Vec<f64>>,
     /// The states at t = 0.
     pub start: Vec<f64>,
@@ -81,6 +81,8 @@ pub struct Maker<'a> {
     /// Indices of the inputs that are given from outside.
     pub given: Vec<usize>,
     pub chains: &'a [Chain],
+    /// Whether cells keep their relation to the model's coordinates.
+    pub tabled: bool,
 }
 
 /// One step in the block's own coordinates, and the cell's coordinates from these.
@@ -241,13 +243,14 @@ impl Maker<'_> {
         if !kept {
             return None;
         }
+        let tabled = if self.tabled { size } else { 0 };
         let cell = Cell {
             name: block.name.clone(),
             form,
             input: (0..size).map(|i| self.terms(&drive, i)).collect(),
             output: output.collect(),
-            to: (0..size).map(|i| (0..to.columns()).map(|j| round(to[(i, j)])).collect()).collect(),
-            back: (0..size).map(|j| back.column(j).iter().map(|&x| round(x)).collect()).collect(),
+            to: (0..tabled).map(|i| (0..to.columns()).map(|j| round(to[(i, j)])).collect()).collect(),
+            back: (0..tabled).map(|j| back.column(j).iter().map(|&x| round(x)).collect()).collect(),
             start: (0..size).map(|i| round(at_start[(i, 0)])).collect(),
         };
         let (seen, moved) = (transformed(&block.c, shift), transformed(&block.back, shift));

@@ -20,6 +20,7 @@ pub mod lift;
 pub mod modal;
 pub mod parameter;
 mod pieces;
+mod poles;
 pub mod precision;
 pub mod reduce;
 pub mod rounding;
@@ -33,14 +34,17 @@ pub use reduce::{DroppedBlock, Why};
 pub use rounding::Rounding;
 pub use signals::Signals;
 
-use crate::analysis::answer::Modes;
+use crate::analysis::answer::{Modes, PRECISE};
 use crate::analysis::discrete::block::{Direct, Split};
 use crate::analysis::discrete::cell::{Maker, add_columns, rounded_terms};
 use crate::analysis::discrete::comparison::Exact;
 use crate::analysis::discrete::events::Fault;
 use crate::analysis::discrete::turn::too_far;
 use crate::analysis::error::AnalysisError;
-use crate::analysis::poles::poles;
+use crate::analysis::modes::modes_as;
+use crate::analysis::modes::request::{Request, Which};
+use crate::analysis::poles::{pole_coordinates, poles as all_poles};
+use crate::analysis::response::propagator;
 use crate::base::{Bound, Dd, Number};
 use crate::kernel::dense::Matrix;
 use crate::system::{CoordinateKind, LinearSystem, Signal};
@@ -110,6 +114,8 @@ pub struct DiscreteSystem {
     /// Contributions of the last inputs and of the signals that are subtracted when a state is set: one row for each
     /// state that is not a signal's.
     pub taken: Vec<Vec<(Operand, f64)>>,
+    /// Whether cells have their relation to the model's coordinates, so that code can set and get its state in these.
+    pub tabled: bool,
     /// Number of cells, at the beginning of the list, that are those of signals.
     pub signals: usize,
     /// Changes of all states at certain samples, ascending.
@@ -166,15 +172,28 @@ impl DiscreteSystem {
     }
 }
 
-/// With more states, the tables of the states in the model's coordinates fill files.
-pub const MOST_STATES: usize = 800;
+/// With more states, poles take minutes.
+pub const MOST_STATES: usize = 2000;
+/// With more states, the tables of the states in the model's coordinates would fill files: the code goes without them.
+const MOST_TABLED: usize = 800;
+/// From this many coordinates on, poles are used where modes are coupled; below, vectors of the first-order system cost less.
+const FROM_POLES: usize = 12;
+
+/// All modes of a system that is not too large for code.
+pub fn all_modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
+    check_size(system)?;
+    modes_as(system, &Request { which: Which::All, ..Request::default() })
+}
+
+fn check_size(system: &LinearSystem) -> Result<(), AnalysisError> {
+    let states = 2 * system.n();
+    if states > MOST_STATES { Err(AnalysisError::too_many_states(system, states, MOST_STATES)) } else { Ok(()) }
+}
 
 /// The discrete system of a model.
 pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Result<DiscreteSystem, AnalysisError> {
     let n = system.n();
-    if 2 * n > MOST_STATES {
-        return Err(AnalysisError::too_many_states(system, 2 * n, MOST_STATES));
-    }
+    check_size(system)?;
     let mut split = split(system, modes)?;
     let start = start(system);
     let signals = Signals::of(&options.internal, &options.step, options.until.as_ref())
@@ -191,8 +210,15 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     }
     let driven = |j: &usize| options.internal.get(*j).is_some_and(|list| !list.is_empty());
     let given: Vec<usize> = (0..system.inputs.len()).filter(|j| !driven(j)).collect();
-    let maker =
-        Maker { step, hold: options.hold, precision: options.precision, given: given.clone(), chains: &signals.chains };
+    let tabled = 2 * n <= MOST_TABLED;
+    let maker = Maker {
+        step,
+        hold: options.hold,
+        precision: options.precision,
+        given: given.clone(),
+        chains: &signals.chains,
+        tabled,
+    };
     let out_of_range = || AnalysisError::code_out_of_range(system, options.precision.name());
     let mut first = 0;
     let mut made_signals = Vec::with_capacity(signals.chains.len());
@@ -201,7 +227,7 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
         first += chain.size();
     }
     let mut direct = maker.rows(&split.direct.outputs, &made_signals);
-    let mut offset = maker.rows(&split.direct.state, &made_signals);
+    let mut offset = if tabled { maker.rows(&split.direct.state, &made_signals) } else { Vec::new() };
     let mut made = Vec::with_capacity(split.blocks.len());
     for block in &split.blocks {
         let cell = maker.cell(block, &made_signals, &start).ok_or_else(out_of_range)?;
@@ -217,7 +243,8 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     if !(0..system.outputs.len()).all(|i| options.precision.keeps(seen(i))) {
         return Err(out_of_range());
     }
-    let taken = made.iter().flat_map(|made| maker.input_contributions(made, &split.direct, &made_signals)).collect();
+    let own = |made| maker.input_contributions(made, &split.direct, &made_signals);
+    let taken = if tabled { made.iter().flat_map(own).collect() } else { Vec::new() };
     let changes = events::changes(&signals, &split.blocks, &made_signals, &made, |j| split.direct.used_orders(j), step);
     let changes = changes.map_err(|fault| match fault {
         Fault::TooMany { input } => AnalysisError::signal_too_long(system, input),
@@ -262,6 +289,7 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
         direct: direct.into_iter().map(round).collect(),
         offset: offset.into_iter().map(round).collect(),
         taken,
+        tabled,
         signals: signal_cells,
         events,
         set,
@@ -282,9 +310,18 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
 }
 
 fn split(system: &LinearSystem, modes: &Modes) -> Result<Split, AnalysisError> {
-    match modal::split(system, modes) {
+    if system.n() <= PRECISE
+        && let Some(split) = modal::split(system, modes)
+    {
+        return Ok(split);
+    }
+    let by_poles = || poles::split(system, &*pole_coordinates(system, modes)?);
+    match if system.n() >= FROM_POLES { by_poles() } else { None } {
         Some(split) => Ok(split),
-        None => invariant::split(system, &poles(system, modes)?),
+        None if 2 * modes.list.len() > propagator::MOST_STATES => {
+            Err(AnalysisError::too_many_states(system, 2 * modes.list.len(), propagator::MOST_STATES))
+        }
+        None => invariant::split(system, &all_poles(system, modes)?),
     }
 }
 

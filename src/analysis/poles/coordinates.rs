@@ -12,7 +12,9 @@ use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::residues::{Proof, norm, seen};
 use crate::base::{Ball, Number, larger};
 use crate::kernel::complex::Complex;
+use crate::kernel::real::Real;
 use crate::kernel::squares::Squares;
+use crate::kernel::triple::Precise;
 use crate::system::{CoordinateId, LinearSystem};
 
 /// Coordinates zeta_j = eta_j / g_j of one pole of each conjugate pair; the g_j are powers of two that bring them to like sizes.
@@ -20,6 +22,11 @@ use crate::system::{CoordinateId, LinearSystem};
 pub struct PoleCoordinates {
     /// s_j and x_j
     pub(in crate::analysis) pairs: Vec<Pair>,
+    /// Lambda_j = x_j^T (2 s_j M + C) x_j
+    pub(in crate::analysis) norms: Vec<Complex<Ball>>,
+    /// The largest energy of a vector over |s_j Lambda_j|: near 1 where the motions are apart, large where they nearly coincide, so
+    /// that what is excited of them cancels.
+    pub(in crate::analysis) cancellation: f64,
     /// g_j
     pub(in crate::analysis) scale: Vec<f64>,
     /// For each input its powers of s: what the input adds to zeta'.
@@ -62,6 +69,8 @@ impl Proof<'_> {
         let is_known = inputs.iter().flatten().flatten().all(|list| known(list)) && known(&start);
         (is_known && coupling.is_finite()).then(|| PoleCoordinates {
             pairs: self.pairs.to_vec(),
+            cancellation: self.cancellation(&norms),
+            norms,
             scale,
             inputs,
             start,
@@ -99,6 +108,28 @@ impl Proof<'_> {
         let (row, of_rates) = (sparse(&momentum), sparse(&m.image(&q)));
         let of = |pair: &Pair| seen(pair, &row) + pair.s.to_ball() * seen(pair, &of_rates);
         self.pairs.iter().map(of).collect()
+    }
+
+    /// The largest (x* |K| x + |s|^2 x* M x) / |s Lambda|, in binary64.
+    fn cancellation(&self, norms: &[Complex<Ball>]) -> f64 {
+        let energy = |squares: &Squares<Precise>, x: &dyn Fn(usize) -> Complex<f64>| -> f64 {
+            let of = |t: usize| {
+                let (indices, factors) = squares.row(t);
+                let stretch = indices
+                    .iter()
+                    .zip(factors)
+                    .fold(Complex::ZERO, |sum: Complex<f64>, (&i, a)| sum + x(i as usize).scale(a.to_f64()));
+                squares.weights[t].to_f64().abs() * (stretch.re * stretch.re + stretch.im * stretch.im)
+            };
+            (0..squares.len()).map(of).sum()
+        };
+        let of = |(pair, norm): (&Pair, &Complex<Ball>)| {
+            let size = pair.s.to_f64().abs();
+            let x = |i: usize| pair.x.entry(i).to_f64();
+            let energy = energy(&self.pencil.k, &x) + size * size * energy(&self.pencil.m, &x);
+            energy / (size * Complex::new(norm.re.to_f64(), norm.im.to_f64()).abs())
+        };
+        self.pairs.iter().zip(norms).map(of).fold(0.0, larger)
     }
 
     /// The 2-norm is at most the geometric mean of the largest row sum and the largest column sum. T couples a coordinate with

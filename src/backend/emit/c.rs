@@ -144,8 +144,22 @@ fn header(plan: &Plan) -> String {
         text += &structure("inputs", &plan.inputs);
     }
     text += &structure("outputs", &plan.outputs);
+    if plan.tabled {
+        text += &motion(plan);
+    }
+    for Function { note, head, .. } in functions(plan) {
+        text += &format!("{}\n{head};\n", comment(note));
+    }
+    text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
+    text
+}
+
+/// The type of a motion in the model's coordinates.
+fn motion(plan: &Plan) -> String {
+    let (name, real) = (&plan.name, real(plan));
     let n = plan.coordinates.len();
-    text += "/* The motion in the model's own coordinates, deviations from rest, with their velocities:\n";
+    let mut text =
+        String::from("/* The motion in the model's own coordinates, deviations from rest, with their velocities:\n");
     for (i, coordinate) in plan.coordinates.iter().enumerate() {
         text += &format!(" * {i}: {}\n", safe(&coordinate.note));
     }
@@ -153,10 +167,6 @@ fn header(plan: &Plan) -> String {
     text += &format!(
         "typedef struct {name}_motion {{\n    {real} displacement[{n}];\n    {real} velocity[{n}];\n}} {name}_motion;\n\n"
     );
-    for Function { note, head, .. } in functions(plan) {
-        text += &format!("{}\n{head};\n", comment(note));
-    }
-    text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
     text
 }
 
@@ -224,17 +234,13 @@ fn functions(plan: &Plan) -> Vec<Function> {
         function(super::INIT, format!("init({state})"), beginning),
         function(super::RESET, format!("reset({state})"), line(1, &format!("{name}_init(state);"))),
         function(super::STEP, format!("step({state}, {inputs}{name}_outputs *outputs)"), written(&plan.step)),
-        function(
-            super::SET_STATE,
-            format!("set_state({state}, const {name}_motion *motion)"),
-            written(&plan.set_state),
-        ),
-        function(
-            super::GET_STATE,
-            format!("get_state(const {state}, {name}_motion *motion)"),
-            written(&plan.get_state),
-        ),
     ];
+    if plan.tabled {
+        let set = format!("set_state({state}, const {name}_motion *motion)");
+        let get = format!("get_state(const {state}, {name}_motion *motion)");
+        all.push(function(super::SET_STATE, set, written(&plan.set_state)));
+        all.push(function(super::GET_STATE, get, written(&plan.get_state)));
+    }
     all.extend(more);
     all
 }

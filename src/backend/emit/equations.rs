@@ -50,6 +50,7 @@ pub fn plan(model: &str, equations: &Equations) -> Plan {
         tables: Vec::new(),
         events: Vec::new(),
         step: derivative,
+        tabled: true,
         set_state: Vec::new(),
         get_state: Vec::new(),
         observe,

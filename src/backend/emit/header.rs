@@ -53,6 +53,11 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
         lines.push(format!("           and {more} more"));
     }
     lines.push(format!("cost       {} states; {operations} a step", system.states()));
+    if !system.tabled {
+        lines.push(
+            "state      without set_state and get_state: of so many states their tables would fill the file".into(),
+        );
+    }
     lines.extend(dropped_lines(&system.left));
     lines
 }

@@ -54,6 +54,7 @@ pub fn plan(model: &str, system: &Parameterised, step: f64, precision: Precision
         }],
         events: Vec::new(),
         step: once,
+        tabled: true,
         set_state: written.set_state(),
         get_state: written.get_state(),
         observe: Vec::new(),

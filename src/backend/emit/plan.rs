@@ -25,6 +25,8 @@ pub struct Plan {
     pub events: Vec<u64>,
     /// One step; for equations, the derivative.
     pub step: Vec<Statement>,
+    /// Whether the state can be set and read in the model's coordinates; of equations it always is.
+    pub tabled: bool,
     pub set_state: Vec<Statement>,
     pub get_state: Vec<Statement>,
     /// The outputs of equations.

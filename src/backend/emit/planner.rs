@@ -24,7 +24,10 @@ pub fn plan(model: &str, system: &DiscreteSystem) -> Plan {
     planner.end();
     let state = planner.arrays();
     let events = planner.events(&state);
-    let (set_state, get_state) = motion::functions(system, &planner.slots, &state, &mut planner.tables);
+    let (set_state, get_state) = match system.tabled {
+        true => motion::functions(system, &planner.slots, &state, &mut planner.tables),
+        false => Default::default(),
+    };
     let step = remove_unused(planner.step);
     Plan {
         name: model_identifier(model),
@@ -38,6 +41,7 @@ pub fn plan(model: &str, system: &DiscreteSystem) -> Plan {
         tables: planner.tables,
         events,
         step,
+        tabled: system.tabled,
         set_state,
         get_state,
         observe: Vec::new(),

@@ -123,15 +123,9 @@ pub fn whole(plan: &Plan) -> String {
         text += &structure("Inputs", real, &plan.inputs);
     }
     text += &structure("Outputs", real, &plan.outputs);
-    let n = plan.coordinates.len();
-    text += "\n/// The motion in the model's own coordinates, deviations from rest, with their velocities:\n///\n";
-    for (i, coordinate) in plan.coordinates.iter().enumerate() {
-        text += &format!("/// {i}: {}\n", readable(&coordinate.note));
+    if plan.tabled {
+        text += &motion(plan);
     }
-    text += &format!(
-        "#[derive(Clone, Copy, Debug, PartialEq)]\npub struct Motion {{\n    pub displacement: [{real}; {n}],\n    \
-         pub velocity: [{real}; {n}],\n}}\n"
-    );
     for table in &plan.tables {
         text += &constants(&words, table);
     }
@@ -144,6 +138,22 @@ pub fn whole(plan: &Plan) -> String {
         Style::Steps | Style::Parameter { .. } => steps(plan),
         Style::Equations { start } => equations(plan, start),
     };
+    text
+}
+
+/// The type of a motion in the model's coordinates.
+fn motion(plan: &Plan) -> String {
+    let (n, real) = (plan.coordinates.len(), real(plan));
+    let mut text = String::from(
+        "\n/// The motion in the model's own coordinates, deviations from rest, with their velocities:\n///\n",
+    );
+    for (i, coordinate) in plan.coordinates.iter().enumerate() {
+        text += &format!("/// {i}: {}\n", readable(&coordinate.note));
+    }
+    text += &format!(
+        "#[derive(Clone, Copy, Debug, PartialEq)]\npub struct Motion {{\n    pub displacement: [{real}; {n}],\n    \
+         pub velocity: [{real}; {n}],\n}}\n"
+    );
     text
 }
 
@@ -208,14 +218,23 @@ fn steps(plan: &Plan) -> String {
     let step = body_returning_outputs(&words, &plan.step);
     let inputs = inputs(plan, &step);
     text += &format!("    /// {}\n    #[inline]\n    pub fn step(&mut self{inputs}) -> Outputs {{\n", super::STEP);
-    text += &(step + "    }\n\n");
-    let set_state = statements(&words, &plan.set_state, 2);
+    text += &(step + "    }\n");
+    if plan.tabled {
+        text += &state_in_coordinates(&words, n);
+    }
+    text += "}\n";
+    text
+}
+
+/// The functions that set and read the state in the model's coordinates.
+fn state_in_coordinates(words: &Rust, n: usize) -> String {
+    let set_state = statements(words, &words.plan.set_state, 2);
     let motion = if set_state.contains("motion.") { "motion" } else { "_motion" };
-    text += &format!("    /// {}\n    pub fn set_state(&mut self, {motion}: &Motion) {{\n", super::SET_STATE);
+    let mut text = format!("\n    /// {}\n    pub fn set_state(&mut self, {motion}: &Motion) {{\n", super::SET_STATE);
     text += &(set_state + "    }\n\n");
     text += &format!("    /// {}\n    pub fn get_state(&self) -> Motion {{\n", super::GET_STATE);
     text += &line(2, &format!("let mut motion = Motion {{ displacement: [0.0; {n}], velocity: [0.0; {n}] }};"));
-    text += &(statements(&words, &plan.get_state, 2) + "        motion\n    }\n}\n");
+    text += &(statements(words, &words.plan.get_state, 2) + "        motion\n    }\n");
     text
 }
 
