@@ -88,7 +88,7 @@ fn derivatives_are_those_of_calculus() {
     let (x, h) = (0.3, 1e-5);
     assert!((at(&derivative, x) - (at(&function, x + h) - at(&function, x - h)) / (2.0 * h)).abs() < 1e-8);
     let length = Symbol::new(9, 0);
-    let lengths = Lengths(vec![(length, &a.square() + &b)]);
+    let lengths = Lengths(vec![(length, Dependence::Root(&a.square() + &b))]);
     let by_name = Sum::name(length).derivative(by, &lengths);
     assert_eq!(by_name, &a * &Sum::name(length).inverse().unwrap());
 }

@@ -4,7 +4,7 @@
 
 use crate::analysis::response::UP;
 use crate::analysis::response::propagator::{Exogenous, scales};
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, Power};
 use crate::kernel::dense::Matrix;
 
 /// z' = A_i z + B_i w for each block, w' = G w.
@@ -48,7 +48,7 @@ impl Blocks {
         let radii: f64 = sum(&mut entries().map(|b| b.rad));
         let generator_size = sum(&mut generator.iter().map(|(_, _, value)| value.magnitude()));
         let generator_radii = sum(&mut generator.iter().map(|(_, _, value)| value.rad));
-        let own = |i: usize| a.iter().map(|entries| entries[i].hi.powi(2)).sum::<f64>();
+        let own = |i: usize| a.iter().map(|entries| entries[i].hi.power(2)).sum::<f64>();
         let largest_own = (0..n).map(own).fold(0.0, f64::max);
         Blocks {
             norm: (largest_own + forces + generator_size).sqrt() * UP,

@@ -104,7 +104,7 @@ impl Oscillators {
 
     /// A change of displacements and velocities of the modes, which are known up to the disturbances.
     fn change(&self, eta: &[Ball], rate: &[Ball]) -> Change {
-        let length = |list: &[Ball]| list.iter().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt() * UP;
+        let length = |list: &[Ball]| list.iter().map(|x| x.magnitude().power(2)).sum::<f64>().sqrt() * UP;
         let defect = self.defect_of_change(length(eta), length(rate));
         let z = self.s.iter().zip(eta).zip(rate).map(|((&s, &eta), &rate)| [Ball::exact(s) * eta, rate]);
         Change { z: z.collect(), defect }
@@ -155,7 +155,7 @@ impl Coordinates for Oscillators {
 
     fn force_size(&self, system: &LinearSystem, input: usize, power: usize) -> f64 {
         let participation = self.participation(&system.inputs[input].b[power]);
-        participation.iter().map(|b| b.magnitude().powi(2)).sum::<f64>().sqrt()
+        participation.iter().map(|b| b.magnitude().power(2)).sum::<f64>().sqrt()
     }
 
     fn outputs(&self, system: &LinearSystem, channels: &[Channel], blocks: &Blocks) -> Vec<Output> {
@@ -173,7 +173,7 @@ impl Coordinates for Oscillators {
             let own = |force: &Vec<[Ball; 2]>| a.iter().zip(force).fold(Ball::ZERO, |sum, (&a, &[_, b])| sum + a * b);
             let mut sources: Vec<Ball> = blocks.force.iter().map(own).collect();
             feed_through(output, channels, &blocks.scale, &mut sources);
-            let accelerations = a.iter().map(|a| a.magnitude().powi(2)).sum::<f64>().sqrt() * UP;
+            let accelerations = a.iter().map(|a| a.magnitude().power(2)).sum::<f64>().sqrt() * UP;
             Output::of(row, sources, accelerations)
         };
         system.outputs.iter().map(of).collect()

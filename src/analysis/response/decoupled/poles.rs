@@ -9,7 +9,7 @@ use crate::analysis::poles::coordinates::PoleCoordinates;
 use crate::analysis::poles::pole_coordinates;
 use crate::analysis::response::UP;
 use crate::analysis::response::channel::{Channel, derivatives, exogenous};
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, Power};
 use crate::kernel::complex::Complex;
 use crate::system::{self, LinearSystem};
 use std::sync::Arc;
@@ -79,7 +79,7 @@ fn relaxation(of: &PoleCoordinates, times: &[Number]) -> f64 {
 }
 
 fn length(z: &[[Ball; 2]]) -> f64 {
-    z.iter().flatten().map(|x| x.magnitude().powi(2)).sum::<f64>().sqrt() * UP
+    z.iter().flatten().map(|x| x.magnitude().power(2)).sum::<f64>().sqrt() * UP
 }
 
 fn times(list: &[Complex<Ball>], factor: Ball) -> impl Iterator<Item = Complex<Ball>> {
