@@ -8,10 +8,12 @@ use crate::analysis::modes::condense::condense;
 use crate::analysis::modes::form::{ModalForm, gram, kinds, shapes};
 use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
 use crate::analysis::modes::structure;
-use crate::base::{Ball, Dd, Name, Number, up};
+use crate::base::{Ball, Dd, Name, Number, Rational, up};
 use crate::kernel::dense::Matrix;
+use crate::kernel::dense::enclosure::solve;
 use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature, Origin, Source};
+use std::collections::BTreeMap;
 
 /// Sums of magnitudes are rounded upwards.
 const UP: f64 = up::MILLIONS;
@@ -69,6 +71,74 @@ pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Re
         system.c.push(source, Nature::Property, weight, row.into_iter().map(|(i, x)| (i, Number::Ball(x))));
     }
     Ok(())
+}
+
+/// Lets the terms of C from number `first` on act on motion relative to what follows an input statically, if the input is the
+/// motion of a base: adds C r u' to its forces, K r = b0. `None`, and nothing is added, if r is not known.
+///
+/// Motions that K does not restrain get no damping by modes, so r is taken without them.
+pub fn relative_to(system: &mut LinearSystem, first: usize, input: usize) -> Option<()> {
+    let follows = carried(system, input)?;
+    let mut force: BTreeMap<CoordinateId, Ball> = BTreeMap::new();
+    for term in &system.c.terms()[first..] {
+        let row = || system.c.row(term).iter().map(|(i, a)| (*i, a.to_ball()));
+        let along = row().fold(Ball::ZERO, |sum, (i, a)| sum + a * follows[i.index()]);
+        let rate = term.weight.to_ball() * along;
+        row().for_each(|(i, a)| {
+            let entry = force.entry(i).or_insert(Ball::ZERO);
+            *entry = *entry + rate * a;
+        });
+    }
+    let column = &mut system.inputs[input].b[1];
+    for (i, value) in force.into_iter().filter(|(_, value)| !value.is_zero()) {
+        let value = Number::Ball(value);
+        match column.iter_mut().find(|(at, _)| *at == i) {
+            Some((_, known)) => *known = &*known + &value,
+            None => column.push((i, value)),
+        }
+    }
+    Some(())
+}
+
+/// What each coordinate follows of an input statically, orthogonal to the motions that K does not restrain.
+fn carried(system: &LinearSystem, input: usize) -> Option<Vec<Ball>> {
+    let pushed = &system.inputs[input].b[0];
+    let mut follows = vec![Ball::ZERO; system.n()];
+    let mut place = vec![0u32; system.n()];
+    for part in independent_undamped(system) {
+        part.coordinates.iter().zip(0..).for_each(|(&c, i)| place[c as usize] = i);
+        let n = part.coordinates.len();
+        let mut force = vec![Number::ZERO; n];
+        for (i, value) in pushed.iter().filter(|(i, _)| part.coordinates.contains(&i.0)) {
+            let entry = &mut force[place[i.index()] as usize];
+            *entry = &*entry + value;
+        }
+        if force.iter().all(Number::is_zero) {
+            continue;
+        }
+        let k = chosen(&system.k, &part.k, &place);
+        let free = structure::null_space(&k, n);
+        // With K r + sum v (v . r) = b0 and K v = 0, v . b0 = 0 it follows that v . r = 0.
+        let along = |v: &Vec<Rational>| {
+            v.iter().zip(&force).fold(Number::ZERO, |sum, (v, f)| &sum + &(&Number::from(v.clone()) * f))
+        };
+        if !free.exact || free.vectors.len() != free.dimension || !free.vectors.iter().all(|v| along(v).is_zero()) {
+            return None;
+        }
+        let mut matrix = k.entries(n);
+        for v in &free.vectors {
+            let v: Vec<Number> = v.iter().cloned().map(Number::from).collect();
+            for (i, row) in matrix.iter_mut().enumerate().filter(|(i, _)| !v[*i].is_zero()) {
+                row.iter_mut().zip(&v).for_each(|(entry, a)| *entry = &*entry + &(&v[i] * a));
+            }
+        }
+        let found = solve(
+            &Matrix::from_fn(n, n, |i, j| matrix[i][j].to_ball()),
+            &Matrix::from_fn(n, 1, |i, _| force[i].to_ball()),
+        )?;
+        part.coordinates.iter().enumerate().for_each(|(i, &c)| follows[c as usize] = found[(i, 0)]);
+    }
+    Some(follows)
 }
 
 /// 2 zeta omega (M x)(M x)^T for a mode, without the factor zeta.

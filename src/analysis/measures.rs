@@ -4,6 +4,7 @@
 use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::derived::hertz;
 use crate::analysis::excitation::{Excitations, Excited};
+use crate::analysis::modes::buckling::least_load_factor;
 use crate::analysis::steady::steady;
 use crate::analysis::transfer::extrema::{Supremum, supremum};
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
@@ -133,6 +134,15 @@ pub fn damped_motion(poles: &Poles, i: usize) -> Result<&Pole, &'static str> {
         }
     }
     Err("there is no such damped motion")
+}
+
+/// The factor by which the loads at rest can grow before some motion loses its stiffness.
+pub fn load_factor(system: &LinearSystem) -> Measurement {
+    match least_load_factor(system) {
+        Ok(Some(found)) => Measurement::Value(found),
+        Ok(None) => Measurement::None("no load takes stiffness from any motion: nothing buckles"),
+        Err(why) => Measurement::None(why),
+    }
 }
 
 /// |H| at a frequency in Hz.

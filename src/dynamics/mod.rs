@@ -117,7 +117,7 @@ pub fn with_damping(
     match &scene.scene().damping {
         None => {}
         Some(Damping::Rayleigh { alpha, beta, .. }) => damping::rayleigh(&mut lowered.system, alpha, beta),
-        Some(Damping::Modal { ratio, .. }) => {
+        Some(Damping::Modal { ratio, span }) => {
             // Modal damping couples all coordinates, so its rows are not short.
             if flatten(&mut lowered, diagnostics).is_none() {
                 return Err(Box::new(lowered));
@@ -129,6 +129,11 @@ pub fn with_damping(
                 }
                 spread => spread,
             };
+            if let Ok(Spread { dampers, .. }) = &spread
+                && !ratio.is_zero()
+            {
+                diagnostics.extend(relative_to_bases(scene, &mut lowered.system, dampers.terms().len(), *span));
+            }
             by_modes = Some(ByModes { ratio: ratio.clone(), spread });
         }
     }
@@ -141,6 +146,33 @@ fn spread(system: &mut LinearSystem, ratio: &Number) -> Result<Spread, AnalysisE
     let dampers = system.c.clone();
     damping::modal(system, ratio, &mut modes)?;
     Ok(Spread { dampers, modes })
+}
+
+/// Lets damping by modes, the terms of C from number `first` on, act on motion relative to the bases; a warning for a base of
+/// which it is not known what follows it.
+fn relative_to_bases(
+    scene: &CheckedScene,
+    system: &mut LinearSystem,
+    first: usize,
+    damping: Span,
+) -> Option<Diagnostic> {
+    let scene = scene.scene();
+    let bases = scene.inputs.iter().enumerate().filter_map(|(input, of)| Some((input, of.kind.base()?)));
+    let mut unknown = None;
+    for (input, base) in bases {
+        if damping::relative_to(system, first, input).is_none() {
+            unknown.get_or_insert(base);
+        }
+    }
+    let base = &scene.bases[unknown?.index()];
+    let message = format!(
+        "this damping acts against the ground, since it is not known what follows the base `{}` statically",
+        scene.words.display(base.name)
+    );
+    let found = Diagnostic::warning(Code::model("vib::damping::base"), damping, message);
+    Some(found.related(base.span, "it moves relative to the ground").help(
+        "springs that hold every motion make it known; or write dampers: `damper d: base -- body { c = 1 N*s/m }`",
+    ))
 }
 
 fn flatten(lowered: &mut Lowered, diagnostics: &mut Diagnostics) -> Option<()> {

@@ -33,6 +33,9 @@ pub fn word(word: &str) -> Option<&'static str> {
         "ground" => "The support that never moves.",
         "pi" => "The circle constant.",
         "stable" => "A measure: whether the rest is stable, so that no small motion grows.",
+        "load_factor" => {
+            "A measure: the factor by which all loads at rest can grow before some motion loses its stiffness."
+        }
         "along" => "A fixed direction: `x`, `y` or a vector, whose length does not matter.",
         "about" => "The reference point of an inertia.",
         "over" => "Before the parameters that `minimise` or `maximise` varies.",

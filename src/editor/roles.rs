@@ -286,6 +286,7 @@ impl Reader<'_> {
             // `white 3 N^2/Hz`
             (_, "white") if in_call && is_before_number() => Role::Word,
             (_, "pi") | ("require", "stable") => Role::Constant,
+            ("require" | "solve" | "minimise" | "maximise", "load_factor") => Role::Constant,
             _ => self.value(at),
         }
     }

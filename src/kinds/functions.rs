@@ -346,6 +346,7 @@ pub enum Measure {
     PeakGain,
     EffectiveMass,
     Rest,
+    LoadFactor,
     Stable,
 }
 
@@ -436,6 +437,12 @@ pub const MEASURES: &[Named<Measure>] = &[
         ["rest", "rest(quantity)", "rest(spring.tension)"],
         "What a quantity is at rest: the tension of a spring, or how far a motion or a stretch has gone from the drawing.",
         &[Argument::Any],
+    ),
+    entry(
+        Measure::LoadFactor,
+        ["load_factor", "load_factor", "load_factor"],
+        "The factor by which all loads at rest can grow before some motion loses its stiffness; below 1 the scene has buckled.",
+        &[],
     ),
     entry(Measure::Stable, ["stable", "stable", "stable"], "Whether the rest is stable: no small motion grows.", &[]),
 ];

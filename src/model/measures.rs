@@ -6,6 +6,7 @@ use super::error::{NameError, PlaceError, QuestionError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::motions::Combination;
+use super::overrides::{ANY_NUMBER, KindMismatch, coerce_to};
 use super::scene::{
     Cause, InputId, InputKind, Measure, MotionTerm, Optimum, Parameter, Signal, Solve, Varied, Written,
 };
@@ -79,10 +80,8 @@ impl<'a> Check<'a> {
             let solved = self.path_span(parameter);
             return self.fail(environment, QuestionError::GivenAndSolved { span, word, solved, by });
         }
-        let low_value = self.like_parameter(low, &declared, environment);
-        let high_value = self.like_parameter(high, &declared, environment)?.si;
-        let like = low_value?;
-        let low_value = like.si.clone();
+        let (like, high_value) = self.range_of(&declared, low, high, environment)?;
+        let (low_value, high_value) = (like.si.clone(), high_value.si);
         if !(&high_value - &low_value).is_positive() {
             let span = self.tree.expr(low).span.to(self.tree.expr(high).span);
             return self.fail(environment, QuestionError::RangeReversed { span });
@@ -276,20 +275,44 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A bound of a parameter's range, which must be of the same kind as the parameter.
-    fn like_parameter(&mut self, expr: ExprId, declared: &Scalar, environment: Environment) -> Evaluated<Quantity> {
-        let value = self.evaluate(expr, environment)?;
-        let given = self.as_scalar(&value, expr, environment, &super::overrides::ANY_NUMBER)?;
-        match super::overrides::coerce_to(declared, given) {
-            Ok(scalar) => {
+    /// The ends of a parameter's range, which must be of the same kind as the parameter. Where both are of another kind, that is
+    /// one mistake.
+    fn range_of(
+        &mut self,
+        declared: &Scalar,
+        low: ExprId,
+        high: ExprId,
+        environment: Environment,
+    ) -> Evaluated<(Quantity, Quantity)> {
+        let ends = [low, high].map(|expr| {
+            let value = self.evaluate(expr, environment)?;
+            let given = self.as_scalar(&value, expr, environment, &ANY_NUMBER)?;
+            Ok((coerce_to(declared, given), self.tree.expr(expr).span, expr))
+        });
+        let wrong = |end: &Evaluated<(Result<Scalar, KindMismatch>, Span, ExprId)>| match end {
+            Ok((Err(mismatch), span, _)) => Some((*mismatch, *span)),
+            _ => None,
+        };
+        let mismatch = match (wrong(&ends[0]), wrong(&ends[1])) {
+            (Some((mismatch, first)), Some((_, second))) => Some((mismatch, first.to(second))),
+            (one, other) => one.or(other),
+        };
+        if let Some((mismatch, span)) = mismatch {
+            return self.fail(environment, mismatch.error(span, declared));
+        }
+        let [low, high] = ends.map(|end| match end? {
+            (Ok(scalar), _, expr) => {
                 self.check_range(&scalar.quantity.si, expr, environment)?;
                 Ok(scalar.quantity)
             }
-            Err(mismatch) => {
-                let span = self.tree.expr(expr).span;
-                self.fail(environment, mismatch.error(span, declared))
-            }
-        }
+            (Err(_), ..) => Err(Stop::Reported),
+        });
+        Ok((low?, high?))
+    }
+
+    /// Whether a name is the measure `load_factor`, and no number of the model.
+    fn is_load_factor(&self, text: &str) -> bool {
+        text == "load_factor" && self.words.get(text).is_none_or(|word| self.values.get(Name::plain(word)).is_none())
     }
 
     pub fn is_measure(&self, expr: ExprId) -> bool {
@@ -297,7 +320,7 @@ impl<'a> Check<'a> {
         let text = self.sources.slice(node.span);
         match node.kind {
             ExprKind::Call { name_len, .. } => functions::named(MEASURES, &text[..usize::from(name_len)]).is_some(),
-            ExprKind::Name { .. } => text == "stable",
+            ExprKind::Name { .. } => text == "stable" || self.is_load_factor(text),
             _ => false,
         }
     }
@@ -309,6 +332,9 @@ impl<'a> Check<'a> {
         match node.kind {
             ExprKind::Name { .. } if text == "stable" => {
                 Ok(Measured { measure: Measure::Stable, dimension: Dimension::NONE })
+            }
+            ExprKind::Name { .. } if self.is_load_factor(text) => {
+                Ok(Measured { measure: Measure::LoadFactor, dimension: Dimension::NONE })
             }
             ExprKind::Call { name_len, arguments } => {
                 let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
@@ -452,9 +478,8 @@ impl<'a> Check<'a> {
                 ValueError::Kind { span: node.span, needed: "a range such as `1 Hz .. 50 Hz`", found: "a number" };
             return self.fail(environment, error);
         };
-        let low = self.frequency(low, environment);
+        let low = self.frequency(low, environment)?;
         let high = self.frequency(high, environment)?;
-        let low = low?;
         let error = if low.is_negative() {
             QuestionError::RangeBelowZero { span: node.span }
         } else if !(&high - &low).is_positive() {

@@ -141,11 +141,10 @@ impl<'a> Check<'a> {
         self.damping_beside_a_base();
     }
 
-    /// Warns that the damping of the whole system acts against the ground, if a base moves the bodies it is attached to:
-    /// the coordinates are motions relative to the ground.
+    /// Warns that Rayleigh damping acts against the ground, if a base moves the bodies it is attached to: the coordinates are
+    /// motions relative to the ground.
     fn damping_beside_a_base(&mut self) {
         let span = match &self.scene.damping {
-            Some(Damping::Modal { ratio, span }) if !ratio.is_zero() => *span,
             Some(Damping::Rayleigh { alpha, beta, span }) if !(alpha.is_zero() && beta.is_zero()) => *span,
             _ => return,
         };

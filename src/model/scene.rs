@@ -666,6 +666,8 @@ pub enum Measure {
     Rest {
         terms: Vec<MotionTerm>,
     },
+    /// How far the loads at rest can grow before the scene buckles.
+    LoadFactor,
     Stable,
     /// Sums, differences, products and quotients of measures and numbers.
     Combined(Box<Combined<Measure>>),

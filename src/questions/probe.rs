@@ -29,6 +29,7 @@ pub enum Probe {
     /// Of an input and a mode.
     EffectiveMass(usize, usize),
     Rest(Vec<MotionTerm>, Span),
+    LoadFactor,
     Combined(Box<Combined<Probe>>),
     Stable,
     /// omega^2 of a mode, for a target frequency of zero: it changes sign there.
@@ -100,6 +101,7 @@ impl Outputs {
             Measure::PeakGain { input, output, range } => Probe::PeakGain(input.index(), add(output), range.clone()),
             Measure::EffectiveMass { input, mode } => Probe::EffectiveMass(input.index(), *mode as usize),
             Measure::Rest { terms } => Probe::Rest(terms.clone(), span),
+            Measure::LoadFactor => Probe::LoadFactor,
             Measure::Stable | Measure::Combined(_) => Probe::Stable,
         }
     }
@@ -230,6 +232,7 @@ impl Measured<'_> {
                     ),
                 }
             }
+            Probe::LoadFactor => measures::load_factor(system),
             Probe::Combined(combined) => value_of(&combined.map(&mut |part| self.one(system, transfer, part))),
             Probe::Phase(input, output, at) => {
                 transfer.map_or(NONE, |transfer| measures::phase(transfer, *input, *output, at))

@@ -179,6 +179,7 @@ impl QuestionOverRange<'_> {
             | Probe::PeakGain(..)
             | Probe::EffectiveMass(..)
             | Probe::Rest(..)
+            | Probe::LoadFactor
             | Probe::Combined(_)
             | Probe::Stable => RangeEnclosure { hopeless: true, ..test(None) },
         }

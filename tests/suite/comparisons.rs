@@ -82,6 +82,32 @@ fn the_largest_gain_of_an_oscillator() {
     assert_eq!(verdicts("0.50001"), None, "not known so well, and no verdict");
 }
 
+/// A rod that stands on its hinge, held by a spring: it falls at k / (m g L / 2) times its weight. Two such rods fall with the weaker
+/// one. A parameter of the same name is the parameter.
+#[test]
+fn how_far_the_loads_can_grow() {
+    let rod = |name: &str, at: &str, k: &str| {
+        format!(
+            "body {name} {{ mass = 2 kg, shape = rod(({at}, 0), ({at}, 1 m)) }}\npivot p{name}: ground@({at}, 0) -- {name}\n\
+             spring s{name}: ground -- {name} {{ k = {k} }}\n"
+        )
+    };
+    let scene = format!("gravity 10 m/s^2\n{}{}", rod("a", "0 m", "25 N*m/rad"), rod("b", "2 m", "30 N*m/rad"));
+    for (condition, truth) in [("load_factor > 2", 2.5), ("load_factor / 2 < 3", 1.25), ("3 > load_factor", 2.5)] {
+        let found = value(&format!("{scene}require {condition}\n"));
+        assert!((found - truth).abs() < 1e-15, "{condition}: {found}");
+    }
+    let fallen = scene.replace("25 N", "7 N");
+    assert!((value(&format!("{fallen}require load_factor > 1\n")) - 0.7).abs() < 1e-15);
+    // Nothing softens: there is no factor, and no verdict.
+    let light = scene.replace("gravity 10 m/s^2\n", "");
+    assert_eq!(requirements(&format!("{light}require load_factor > 1\n")), [(None, None)]);
+    assert!((value(&format!("param load_factor = 3\n{scene}require frequency(1) * load_factor > 1 Hz\n")) > 0.0));
+    let solved = scene.replace("25 N*m/rad", "k").replace("gravity", "param k = 20 N*m/rad\ngravity");
+    let solve = "solve k in 11 N*m/rad .. 29 N*m/rad: load_factor = 1.5\nrequire load_factor > 1";
+    assert!((value(&format!("{solved}{solve}\n")) - 1.5).abs() < 1e-14);
+}
+
 /// Without damping, and where the gain grows with the frequency, there is no largest gain.
 #[test]
 fn the_largest_gain_may_be_infinite() {

@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods)]
 
 mod ask;
+mod bad_loads;
 mod bands;
 mod belts;
 mod bounds;

@@ -45,7 +45,7 @@ pub fn buckling(system: &LinearSystem) -> Option<Buckling> {
         if part.coordinates.len() > MAX_UNASKED || !k.terms().iter().any(softened) {
             continue;
         }
-        let Some(found) = of_part(system, &part, &k) else { continue };
+        let Ok(Some(found)) = of_part(system, &part, &k) else { continue };
         if least.as_ref().is_none_or(|other| found.load_factor.mid < other.load_factor.mid) {
             least = Some(found);
         }
@@ -53,31 +53,74 @@ pub fn buckling(system: &LinearSystem) -> Option<Buckling> {
     least
 }
 
-fn of_part(system: &LinearSystem, part: &Part, k: &Form) -> Option<Buckling> {
+/// The least load factor, where all parts of the system are settled; `None` if no part buckles.
+pub fn least_load_factor(system: &LinearSystem) -> Result<Option<Ball>, &'static str> {
+    if system.is_chained() {
+        return Err("the links of this scene hang too deep for it");
+    }
+    let mut local = vec![0u32; system.n()];
+    let mut least: Option<Ball> = None;
+    for part in independent_undamped(system) {
+        part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
+        let k = chosen(&system.k, &part.k, &local);
+        if !k.terms().iter().any(|term| term.nature == Nature::Geometric && term.weight.is_negative()) {
+            continue;
+        }
+        if part.coordinates.len() > MAX_UNASKED {
+            return Err("the scene is too large for it");
+        }
+        let Some(Buckling { load_factor, .. }) = of_part(system, &part, &k)? else { continue };
+        least = Some(least.map_or(load_factor, |other| lesser(other, load_factor)));
+    }
+    Ok(least)
+}
+
+/// An enclosure of the lesser of two numbers.
+fn lesser(a: Ball, b: Ball) -> Ball {
+    let difference = a - b;
+    match () {
+        () if difference.is_negative() => a,
+        () if difference.is_positive() => b,
+        () => a.widen(difference.magnitude()),
+    }
+}
+
+/// `None` if the part does not buckle; an error where neither is proved.
+fn of_part(system: &LinearSystem, part: &Part, k: &Form) -> Result<Option<Buckling>, &'static str> {
+    const UNPROVED: &str = "it could not be proved how far the loads can grow";
     let n = part.coordinates.len();
     let given = weighted(k, |term| (term.nature == Nature::Property).then_some(false));
     let softening = weighted(k, |term| (term.nature == Nature::Geometric).then_some(true));
     let (load_factor, pair) = match eigenpairs(&softening, &given, n, TOLERANCE) {
         Ok(pairs) => {
-            let pair = pairs.into_iter().next_back()?;
-            (Ball::ONE / positive(&pair)?, pair)
+            let Some(pair) = pairs.into_iter().next_back() else { return Err(UNPROVED) };
+            let Some(factor) = sign_of(&pair).ok_or(UNPROVED)? else { return Ok(None) };
+            (Ball::ONE / factor, pair)
         }
-        Err(Failure::Range | Failure::Size) => return None,
+        Err(Failure::Range | Failure::Size) => return Err(UNPROVED),
         Err(Failure::Mass(_)) => {
             // -rho, descending: the pencil with -K_g again.
-            let pair = eigenpairs(&softening, k, n, TOLERANCE).ok()?.into_iter().next_back()?;
-            (Ball::ONE + Ball::ONE / positive(&pair)?, pair)
+            let pairs = eigenpairs(&softening, k, n, TOLERANCE).map_err(
+                |_| "some motion has no stiffness but that of the loads, and none at rest: there is no load factor",
+            )?;
+            let Some(pair) = pairs.into_iter().next_back() else { return Err(UNPROVED) };
+            let Some(factor) = sign_of(&pair).ok_or(UNPROVED)? else { return Ok(None) };
+            (Ball::ONE + Ball::ONE / factor, pair)
         }
     };
     let whole = pair.x.spread(&part.coordinates, system.n()).to_f64();
-    Some(Buckling { load_factor, shape: shape::with_largest_one(&whole) })
+    Ok(Some(Buckling { load_factor, shape: shape::with_largest_one(&whole) }))
 }
 
-/// The eigenvalue if it is certainly positive.
-fn positive(pair: &Pair) -> Option<Ball> {
-    let Eigenvalue::Near { value, radius, .. } = pair.value else { return None };
+/// The eigenvalue if it is certainly positive, nothing if it certainly is not; `None` where that is not known.
+fn sign_of(pair: &Pair) -> Option<Option<Ball>> {
+    let Eigenvalue::Near { value, radius, .. } = pair.value else { return Some(None) };
     let ball = certificate::ball(value, radius);
-    ball.is_positive().then_some(ball)
+    match () {
+        () if ball.is_positive() => Some(Some(ball)),
+        () if ball.is_negative() => Some(None),
+        () => None,
+    }
 }
 
 /// The terms for which `choose` returns a value, negated if that value is `true`.
@@ -174,8 +217,8 @@ mod tests {
         use crate::analysis::answer::Route;
         use crate::analysis::modes::pair::Displacements;
         let value = Eigenvalue::Near { value: 2.0.into(), radius: 0.5, positive: false };
-        let found =
-            positive(&Pair { value, x: Displacements::Plain(Vec::new()), route: Route::Exact }).expect("positive");
+        let found = sign_of(&Pair { value, x: Displacements::Plain(Vec::new()), route: Route::Exact });
+        let found = found.flatten().expect("positive");
         assert!(found.mid.hi + found.rad >= 2.5, "{found:?}");
     }
 }

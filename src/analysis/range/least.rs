@@ -66,6 +66,8 @@ pub struct Valley {
 pub struct Everywhere(());
 
 const NEWTON: usize = 40;
+/// Frequencies within this factor of the highest peak are looked at more closely.
+const ROUND: f64 = 1.6;
 /// A peak this much lower than the highest one is not taken for equal to it.
 const NEARLY: f64 = 0.03;
 /// How far the weights move over a box, as parts of what keeps them above zero.
@@ -83,9 +85,20 @@ impl Peaks {
         self.maxima_within(at, self.band, 128, 32)
     }
 
+    /// The largest |H|^2 at a place, without a proof; `None` if it is not finite.
+    pub fn highest(&self, at: &[f64]) -> Option<f64> {
+        // Peaks beside the highest one may be hidden between the frequencies of the first pass.
+        let (omega, _) = *self.maxima_within(at, self.band, 64, 1).first()?;
+        let [low, high] = self.band;
+        let near = [(omega / ROUND).max(low), (omega * ROUND).min(high)];
+        let (_, square) = *self.maxima_within(at, near, 64, 20).first()?;
+        square.is_finite().then_some(square)
+    }
+
     /// Of so many frequencies, a power of two, refined by so many golden sections.
     fn maxima_within(&self, at: &[f64], [low, high]: [f64; 2], count: usize, sections: usize) -> Vec<(f64, f64)> {
-        let f = |omega: f64| self.affine.rough(at, omega);
+        let path = self.affine.at(at);
+        let f = |omega: f64| path.square(omega);
         if low == high {
             return vec![(low, f(low))];
         }
@@ -397,6 +410,7 @@ impl Peaks {
     /// Frequencies at which |H| is likely above the bar throughout a box: its highest maxima, and where they are high beside them.
     fn witnesses(&self, at: &[f64], tops: &[Top], bar: f64) -> Vec<f64> {
         let mut list = Vec::new();
+        let path = self.affine.at(at);
         let nearest = tops.iter().map(|top| top.omega.to_f64()).fold(f64::INFINITY, f64::min);
         let farthest = tops.iter().map(|top| top.omega.to_f64()).fold(0.0, f64::max);
         let band = [(nearest / 4.0).max(self.band[0]), (farthest * 4.0).min(self.band[1])];
@@ -407,7 +421,7 @@ impl Peaks {
                     let (mut near, mut far) = (omega, (omega * (1.0 + side)).clamp(self.band[0], self.band[1]));
                     for _ in 0..12 {
                         let middle = 0.5 * (near + far);
-                        if self.affine.rough(at, middle) > 2.5 * bar { near = middle } else { far = middle }
+                        if path.square(middle) > 2.5 * bar { near = middle } else { far = middle }
                     }
                     list.push(near);
                 }

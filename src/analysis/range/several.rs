@@ -116,25 +116,14 @@ impl Affine {
         self
     }
 
-    /// |H|^2 without a bound.
-    pub fn rough(&self, at: &[f64], omega: f64) -> f64 {
-        let s = Complex::new(0.0, omega);
+    /// The path at a place, in binary64.
+    pub fn at(&self, place: &[f64]) -> Still {
         let real = |linear: &Linear| {
-            linear.slopes.iter().zip(at).fold(linear.value.to_f64(), |sum, (slope, x)| sum + slope.to_f64() * x)
+            linear.slopes.iter().zip(place).fold(linear.value.to_f64(), |sum, (slope, x)| sum + slope.to_f64() * x)
         };
-        let value = |[a, b, c]: [&Linear; 3]| {
-            Complex::real(real(a)) + s * Complex::real(real(b)) + s * s * Complex::real(real(c))
-        };
-        let n = self.n;
-        let q = Matrix::from_fn(n, n, |i, j| value(self.forms.each_ref().map(|form| &form[i * n + j])));
-        let Some(lu) = Lu::of(q) else { return f64::INFINITY };
-        let mut x: Vec<Complex<f64>> = (0..n).map(|i| value(self.b.each_ref().map(|b| &b[i]))).collect();
-        lu.solve(&mut x);
-        let mut h = value(self.d.each_ref());
-        for (i, x) in x.iter().enumerate() {
-            h = h + value(self.p.each_ref().map(|p| &p[i])) * *x;
-        }
-        h.re * h.re + h.im * h.im
+        let list = |list: &Vec<Linear>| list.iter().map(real).collect();
+        let all = |lists: &[Vec<Linear>; 3]| lists.each_ref().map(list);
+        Still { n: self.n, forms: all(&self.forms), b: all(&self.b), p: all(&self.p), d: self.d.each_ref().map(real) }
     }
 
     /// |H|^2 over a box, with its derivatives; those of second order if wanted. `None` where it may be infinite.
@@ -217,6 +206,32 @@ impl Affine {
         let right = Matrix::from_fn(2 * n, n, |i, j| rough[(i, j)]);
         let found = solve(&product(&rough, q), &right).filter(Matrix::is_finite)?;
         Some((0..n * n).map(|at| Complex::new(found[(at / n, at % n)], found[(n + at / n, at % n)])).collect())
+    }
+}
+
+/// A path with its parameters at one place, in binary64 and without a bound.
+pub struct Still {
+    n: usize,
+    forms: [Vec<f64>; 3],
+    b: [Vec<f64>; 3],
+    p: [Vec<f64>; 3],
+    d: [f64; 3],
+}
+
+impl Still {
+    /// |H|^2
+    pub fn square(&self, omega: f64) -> f64 {
+        let n = self.n;
+        // t0 + t1 s + t2 s^2
+        let value = |[t0, t1, t2]: [f64; 3]| Complex::new(t0 - t2 * omega * omega, t1 * omega);
+        let entry = |lists: &[Vec<f64>; 3], i: usize| value(lists.each_ref().map(|list| list[i]));
+        let Some(lu) = Lu::of(Matrix::from_fn(n, n, |i, j| entry(&self.forms, i * n + j))) else {
+            return f64::INFINITY;
+        };
+        let mut x: Vec<Complex<f64>> = (0..n).map(|i| entry(&self.b, i)).collect();
+        lu.solve(&mut x);
+        let h = x.iter().enumerate().fold(value(self.d), |sum, (i, x)| sum + entry(&self.p, i) * *x);
+        h.re * h.re + h.im * h.im
     }
 }
 
@@ -371,7 +386,7 @@ mod tests {
     fn derivatives_are_those_of_differences() {
         let affine = affine([0.1, 0.05]);
         let at = [0.3, -0.2, 1.7];
-        let value = |x: [f64; 3]| affine.rough(&x[..2], x[2]);
+        let value = |x: [f64; 3]| affine.at(&x[..2]).square(x[2]);
         let balls = [Ball::from(at[0]), Ball::from(at[1])];
         let found = affine.square(&balls, Ball::from(at[2]), true).expect("finite");
         assert!((found.value.to_f64() - value(at)).abs() < 1e-13 * value(at));

@@ -3,7 +3,7 @@
 //!
 //! # Steps
 //! 1. [`settle`]: which line and which `solve` depends on which parameter, and so their order
-//! 2. [`search`]: places over all ranges, and a descent from the best of them
+//! 2. [`search`]: places over all ranges, and a descent from the best of them; for gains by |H| in binary64
 //! 3. [`proof`]: for gains, the exact place and the proof that there is none better; for one parameter, by the enclosures of `solve`
 
 mod proof;
@@ -18,7 +18,7 @@ use crate::analysis::Measurement;
 use crate::base::{Ball, Dd, Number, Quantity};
 use crate::model::scene::{Optimum, Question, Varied};
 use crate::model::{CheckedScene, Setting};
-use search::{Search, Seen};
+use search::{Rough, Search, Seen};
 
 /// Finds every parameter that the model varies or solves for.
 pub fn settle(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedError>> {
@@ -193,7 +193,10 @@ impl Lines<'_> {
         };
         let trial = |values: &[Number]| self.trial(index, &with(values));
         let mut search = Search::new(optimum, &trial, self.solves_inside);
-        let seen = search.run().map_err(|why| vec![self.no_optimum(optimum, why)])?;
+        let peaks = self.rough_peaks(index, settings);
+        let rough = peaks.as_ref().map(|peaks| |values: &[Number]| peaks.highest(values));
+        let rough = rough.as_ref().map(|rough| rough as &Rough);
+        let seen = search.run(rough).map_err(|why| vec![self.no_optimum(optimum, why)])?;
         if let Some(plateau) = self.plateau(optimum, &mut search, &seen) {
             return Err(vec![plateau]);
         }

@@ -49,11 +49,9 @@ impl Lines<'_> {
         let optimum = &self.optima[index];
         let text = Text { fixed: settings, ..self.text };
         let ranges = Ranges::of(optimum);
-        let (peaks, size) = self.peaks(index, &text, &ranges, seen)?;
-        let start: Vec<f64> = (seen.values.iter().zip(&ranges.list))
-            .map(|(value, (middle, width))| ((value.to_ball().mid - *middle) / *width).to_f64())
-            .collect();
-        let place = peaks.settle(&start)?;
+        let size = seen.value.to_f64();
+        let peaks = self.peaks(index, &text, &ranges, &seen.values, size)?;
+        let place = peaks.settle(&ranges.units(&seen.values))?;
         let values: Vec<Number> = (optimum.varied.iter().zip(&ranges.list).zip(place.at.iter().zip(&place.ends)))
             .map(|((varied, (middle, width)), (at, end))| match end {
                 -1 => varied.low.clone(),
@@ -116,8 +114,21 @@ impl Lines<'_> {
         Some(Outcome { values, value, within, best, equal })
     }
 
-    /// |H|^2 over the ranges, and what |H| is divided by.
-    fn peaks(&self, index: usize, text: &Text, ranges: &Ranges, seen: &Seen) -> Option<(Peaks, f64)> {
+    /// |H| over the ranges in binary64, for the search: of a gain that is to be small, without conditions.
+    pub(super) fn rough_peaks(&self, index: usize, settings: &[Setting]) -> Option<RoughPeaks> {
+        let optimum = &self.optima[index];
+        let of_gain = matches!(optimum.question.measure, Measure::PeakGain { .. } | Measure::Gain { .. });
+        if !of_gain || optimum.highest || self.solves_inside || !optimum.limits.is_empty() {
+            return None;
+        }
+        let ranges = Ranges::of(optimum);
+        let middle: Vec<Number> = ranges.list.iter().map(|(middle, _)| to_fraction(*middle)).collect();
+        let peaks = self.peaks(index, &Text { fixed: settings, ..self.text }, &ranges, &middle, 1.0)?;
+        Some(RoughPeaks { peaks, ranges })
+    }
+
+    /// |H|^2 over the ranges, where |H| is divided by a size; the values are a place in them.
+    fn peaks(&self, index: usize, text: &Text, ranges: &Ranges, values: &[Number], size: f64) -> Option<Peaks> {
         let optimum = &self.optima[index];
         let choose = |scene: &CheckedScene| Some(scene.scene().optima.get(index)?.question.clone());
         let own = |list: Vec<Number>| -> Vec<Setting> {
@@ -138,7 +149,7 @@ impl Lines<'_> {
             Probe::Gain(input, output, at) => ((*input, *output), None, Some((at * &two_pi()).to_ball())),
             _ => return None,
         };
-        let (slowest, fastest) = text.sizes_of_poles(&own(seen.values.clone()))?;
+        let (slowest, fastest) = text.sizes_of_poles(&own(values.to_vec()))?;
         let unit = match fixed {
             Some(omega) if !omega.is_zero() => omega.to_f64(),
             _ => fastest,
@@ -151,19 +162,17 @@ impl Lines<'_> {
             (None, Some([low, high])) => [in_units(low, 1.0 + 1e-14), in_units(high, 1.0 - 1e-14)],
             (None, None) => [0.0, fastest * BEYOND / unit],
         };
-        let size = seen.value.to_f64();
         if !(size > 0.0 && size.is_finite() && band[0] <= band[1]) {
             return None;
         }
         let n = middle.n();
-        let peaks = Peaks {
+        Some(Peaks {
             affine: affine.over(size),
             band,
             lowest: slowest / BEYOND / unit,
             fixed: fixed.map(|omega| omega / Ball::from(unit)),
             most: MOST_BOXES / (n + 2).pow(2),
-        };
-        Some((peaks, size))
+        })
     }
 
     /// One parameter: no value in the range is better by more than a little, where the measure can be enclosed over parts of the
@@ -214,6 +223,19 @@ impl Lines<'_> {
     }
 }
 
+/// |H| without a bound, by values of the parameters.
+pub(super) struct RoughPeaks {
+    peaks: Peaks,
+    ranges: Ranges,
+}
+
+impl RoughPeaks {
+    /// The largest |H|.
+    pub(super) fn highest(&self, values: &[Number]) -> Option<f64> {
+        Some(self.peaks.highest(&self.ranges.units(values))?.sqrt())
+    }
+}
+
 /// The middle and half the width of each range.
 struct Ranges {
     list: Vec<(Dd, Dd)>,
@@ -228,5 +250,11 @@ impl Ranges {
             (middle, width + Dd::from((low.rad + high.rad + middle.hi.abs() * 1e-30) * up::THOUSANDS))
         };
         Ranges { list: optimum.varied.iter().map(|varied| one(&varied.low, &varied.high)).collect() }
+    }
+
+    /// From -1 to 1 along each range.
+    fn units(&self, values: &[Number]) -> Vec<f64> {
+        let unit = |(value, (middle, width)): (&Number, &(Dd, Dd))| ((value.to_ball().mid - *middle) / *width).to_f64();
+        values.iter().zip(&self.list).map(unit).collect()
     }
 }

@@ -49,10 +49,15 @@ struct Vertex {
     value: Option<Ball>,
 }
 
+/// The measure in binary64, without a bound; `None` where it has no finite value.
+pub(super) type Rough<'a> = dyn Fn(&[Number]) -> Option<f64> + 'a;
+
 /// A search for the optimum of one line.
 pub(super) struct Search<'a> {
     optimum: &'a Optimum,
     trial: &'a dyn Fn(&[Number]) -> Trial,
+    /// Stands in for `trial` while a place is looked for.
+    rough: Option<&'a Rough<'a>>,
     count: usize,
     /// Whether a trial takes so long that only few are made.
     few: bool,
@@ -60,11 +65,14 @@ pub(super) struct Search<'a> {
     why: String,
 }
 
+/// What a rough value may differ from the measure, relative to it, for the place to be accepted.
+const ROUGH: f64 = 1e-6;
+
 const WORST: Merit = Merit { broken: f64::INFINITY, value: Dd::ZERO };
 
 impl<'a> Search<'a> {
     pub fn new(optimum: &'a Optimum, trial: &'a dyn Fn(&[Number]) -> Trial, few: bool) -> Search<'a> {
-        Search { optimum, trial, count: 0, few, unbounded: None, why: String::new() }
+        Search { optimum, trial, rough: None, count: 0, few, unbounded: None, why: String::new() }
     }
 
     /// Number of places that were measured.
@@ -81,8 +89,24 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The best place, roughly.
-    pub fn run(&mut self) -> Result<Seen, Nothing> {
+    /// The best place, roughly. Where a quick rough measure is given, the search goes by it, and by trials only if these do not
+    /// agree with it at the place that it finds.
+    pub fn run(&mut self, rough: Option<&'a Rough<'a>>) -> Result<Seen, Nothing> {
+        let guided = rough.and_then(|rough| self.guided(rough));
+        guided.map_or_else(|| self.over_all(), Ok)
+    }
+
+    fn guided(&mut self, rough: &'a Rough<'a>) -> Option<Seen> {
+        self.rough = Some(rough);
+        let found = self.over_all();
+        self.rough = None;
+        let Seen { at, value, .. } = found.ok()?;
+        let vertex = self.vertex(at);
+        let exact = vertex.value.filter(|exact| (*exact - value).magnitude() <= ROUGH * exact.magnitude())?;
+        (vertex.merit.broken == 0.0).then(|| Seen { values: self.values(&vertex.at), value: exact, at: vertex.at })
+    }
+
+    fn over_all(&mut self) -> Result<Seen, Nothing> {
         let count = self.optimum.varied.len();
         let mut places: Vec<Vertex> = self.places().into_iter().map(|at| self.vertex(at)).collect();
         if let Some(values) = self.unbounded.take().filter(|_| self.optimum.highest) {
@@ -179,6 +203,10 @@ impl<'a> Search<'a> {
     fn vertex(&mut self, at: Vec<f64>) -> Vertex {
         self.count += 1;
         let values = self.values(&at);
+        if let Some(rough) = self.rough {
+            let value = rough(&values).map(Ball::from);
+            return Vertex { at, merit: value.map_or(WORST, |value| self.merit(0.0, value)), value };
+        }
         let Trial { value, broken } = (self.trial)(&values);
         match value {
             Measurement::Value(value) if value.is_finite() => {
