@@ -1,14 +1,14 @@
-//! Power spectral densities of stationary noise as plain data: what a model states, and what analyses integrate. One-sided:
-//! the mean square is the integral over frequencies from 0 up. See docs/method/random.md.
+//! Power spectral densities of stationary noise as plain data, as a model states them and analyses integrate them. They
+//! are one-sided: the mean square is the integral over frequencies from 0 up. See docs/method/random.md.
 
 use super::number::Number;
 
 /// A one-sided power spectral density, SI^2/Hz.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Density {
-    /// The same at every frequency.
+    /// A constant density, the same at every frequency.
     White(Number),
-    /// One band after the other, ascending; zero between them and outside.
+    /// Bands in ascending order. The density is zero between bands and outside them.
     Bands(Vec<Band>),
 }
 
@@ -20,11 +20,11 @@ pub struct Band {
     pub course: Course,
 }
 
-/// How a density goes from the lower to the upper end of a band.
+/// The course of a density from the lower to the upper end of a band.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Course {
     Flat(Number),
-    /// Straight in the logarithms of both: the values at the ends, and the slope where it is known exactly.
+    /// A straight line in logarithmic axes: the values at both ends, and the slope if it is known to be an integer.
     Power {
         low: Number,
         high: Number,
@@ -38,8 +38,9 @@ pub enum Course {
 }
 
 impl Density {
-    /// The density at a frequency, Hz; the mean of both sides does not exist where it jumps: there the larger one.
-    /// `None` where the number leaves its range.
+    /// The density at a frequency in Hz. At a jump it is the larger of the two one-sided values.
+    ///
+    /// `None` if the number leaves its range.
     pub fn at(&self, frequency: &Number) -> Option<Number> {
         match self {
             Density::White(value) => Some(value.clone()),
@@ -102,7 +103,7 @@ impl Band {
 }
 
 impl Course {
-    /// From one value to another, straight in the logarithms; whole slopes that the numbers hold exactly are found.
+    /// The straight line in logarithmic axes between two points. Finds integer slopes that the numbers satisfy exactly.
     pub fn between([from, to]: [&Number; 2], [low, high]: [&Number; 2]) -> Course {
         const STEEPEST: i32 = 12;
         if (high - low).is_zero() {

@@ -1,6 +1,6 @@
-//! A finding about a model: facts, a code, one primary place, related places, and what to type.
+//! Diagnostics: facts, a code, one primary place, related places, and a help that says what to type.
 //!
-//! Every stage has its own error enum next to it; this is the form into which they are all converted.
+//! Every stage has its own error enum next to it. All of them are converted into this form.
 
 use super::source::Span;
 use std::fmt;
@@ -64,7 +64,7 @@ pub struct Label {
     pub text: String,
 }
 
-/// One finding.
+/// One finding, as it is shown to a user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
     pub severity: Severity,
@@ -74,7 +74,7 @@ pub struct Diagnostic {
     pub primary: Label,
     /// Other places, such as the other declaration.
     pub related: Vec<Label>,
-    /// The help: what to type.
+    /// The help, which says what to type.
     pub help: Option<String>,
     /// Obvious edits of the text, each of which would fix it; the likeliest first.
     pub fixes: Vec<Fix>,

@@ -58,7 +58,7 @@ impl Dimension {
     pub const ANGULAR_VELOCITY: Dimension = Dimension::of(0, 0, -1);
     pub const ANGULAR_ACCELERATION: Dimension = Dimension::of(0, 0, -2);
     pub const FORCE: Dimension = Dimension::of(1, 1, -2);
-    /// Also an energy.
+    /// The dimension of a torque, which is also that of an energy.
     pub const TORQUE: Dimension = Dimension::of(1, 2, -2);
     pub const IMPULSE: Dimension = Dimension::of(1, 1, -1);
     pub const ANGULAR_IMPULSE: Dimension = Dimension::of(1, 2, -1);
@@ -89,7 +89,7 @@ impl Dimension {
         self == Dimension::NONE
     }
 
-    /// `None` where an exponent leaves its range.
+    /// The dimension of a product; `None` if an exponent leaves its range.
     pub fn times(self, other: Dimension) -> Option<Dimension> {
         let mut exponents = self.exponents;
         for (mine, theirs) in exponents.iter_mut().zip(other.exponents) {
@@ -102,7 +102,7 @@ impl Dimension {
         self.times(other.pow(-1, 1)?)
     }
 
-    /// self^(numerator/denominator); `None` where an exponent leaves its range. The denominator is not zero.
+    /// self^(numerator/denominator); `None` if an exponent leaves its range. The denominator must not be zero.
     pub fn pow(self, numerator: i64, denominator: i64) -> Option<Dimension> {
         let mut exponents = self.exponents;
         for exponent in &mut exponents {
@@ -150,7 +150,7 @@ const NOUNS: [(Dimension, &str, &str); 20] = [
 ];
 
 impl fmt::Display for Dimension {
-    /// In base units, such as `kg*m/s^2`; nothing for a plain number.
+    /// Writes the dimension in base units, such as `kg*m/s^2`, and nothing for a plain number.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let write = |f: &mut fmt::Formatter<'_>, negative: bool, mut first: bool| -> Result<bool, fmt::Error> {
             for (symbol, exponent) in SYMBOLS.iter().zip(self.exponents) {

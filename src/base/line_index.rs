@@ -68,7 +68,7 @@ impl LineIndex {
     }
 }
 
-/// Bytes that are not continuation bytes of UTF-8: as many as characters start here.
+/// Counts the bytes that are not continuation bytes of UTF-8, which is the number of characters that start here.
 fn count_starts(bytes: &[u8]) -> usize {
     bytes.iter().filter(|byte| **byte & 0xc0 != 0x80).count()
 }

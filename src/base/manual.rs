@@ -1,10 +1,10 @@
-//! What the manual says about a declaration, a kind of element or a kind of joint.
+//! The manual's entry for a declaration, a kind of element or a kind of joint.
 
 #[derive(Clone, Copy, Debug)]
 pub struct Manual {
     /// Examples, one per line.
     pub forms: &'static str,
-    /// What it declares, in one sentence.
+    /// The declaration's meaning, in one sentence.
     pub summary: &'static str,
     /// Its rules, as Markdown paragraphs.
     pub rules: &'static str,

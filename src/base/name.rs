@@ -40,7 +40,7 @@ impl Name {
         Name { place: Place::SCENE, symbol, count: 0, indices: [0; MAX_INDICES] }
     }
 
-    /// This word with its indices in another place.
+    /// This word with its indices, in another place.
     pub fn within(self, place: Place) -> Name {
         Name { place, ..self }
     }

@@ -1,5 +1,5 @@
-//! Text of a user's file made safe to show: characters that would move a terminal's cursor, change its colours or the reading
-//! direction are made visible instead.
+//! Makes the text of a user's file safe to show: characters that would move a terminal's cursor or change its colours
+//! or the reading direction are made visible instead.
 
 use std::borrow::Cow;
 
@@ -28,8 +28,8 @@ pub fn visible(c: char) -> char {
     }
 }
 
-/// JSON without the characters that [`readable`] replaces: each as the escape that stands for it, so that it reads back as
-/// the same text. Line feeds between values stay.
+/// JSON with each character that [`readable`] replaces written as its escape, so that it reads back as the same text.
+/// Line feeds between values stay.
 pub fn escaped(json: String) -> String {
     let hidden = |c: char| c != '\n' && visible(c) != c;
     let is_printed = |byte: u8| byte == b'\n' || (b' '..0x7f).contains(&byte);

@@ -7,15 +7,16 @@ use super::number::{Ball, Number};
 /// The largest motion of oscillators with one damping ratio, straight in the logarithms between its points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseSpectrum {
-    /// One after the other, ascending, without gaps.
+    /// The bands, ascending and without gaps.
     pub bands: Vec<Band>,
-    /// 0: displacements relative to the base, 1: pseudo-velocities, 2: pseudo-accelerations; each omega times the one before.
+    /// 0: displacements relative to the base, 1: pseudo-velocities, 2: pseudo-accelerations; each is omega times the
+    /// one before.
     pub derivative: u8,
     pub damping: Number,
 }
 
 impl ResponseSpectrum {
-    /// From its points, at least two with ascending frequencies and values above zero.
+    /// The spectrum through points, at least two of them, with ascending frequencies and positive values.
     pub fn of(points: &[(Number, Number)], derivative: u8, damping: Number) -> ResponseSpectrum {
         let bands = points.windows(2).map(|pair| {
             let [(from, low), (to, high)] = [&pair[0], &pair[1]];
@@ -35,7 +36,8 @@ impl ResponseSpectrum {
         Some(self.acceleration(last.at(&last.to)?.to_ball(), last.to.to_ball()))
     }
 
-    /// The pseudo-acceleration at a frequency, Hz; `None` below the lowest point, or where that is open.
+    /// The pseudo-acceleration at a frequency in Hz; `None` if it is certainly below the lowest point, or if the value
+    /// leaves its range.
     pub fn at(&self, hertz: Ball) -> Option<Ball> {
         let (low, high) = self.ends()?;
         if (hertz - high.to_ball()).is_positive() {
@@ -52,7 +54,7 @@ impl ResponseSpectrum {
                 continue;
             }
             let value = self.acceleration(band.at(&frequency)?.to_ball(), hertz);
-            // At a corner it may be either side.
+            // At a corner, the frequency may be on either side.
             found = Some(found.map_or(value, |other| both(other, value)));
         }
         found

@@ -80,7 +80,7 @@ pub enum SourceKind {
 #[derive(Clone, Debug)]
 pub struct SourceFile {
     pub kind: SourceKind,
-    /// As shown in messages: the path as the user gave it, `<stdin>`, or `--set`.
+    /// The name shown in messages: the path as the user gave it, `<stdin>`, or `--set`.
     pub name: String,
     /// Directory that relative paths in the file (tables of signals) are relative to.
     pub directory: PathBuf,
@@ -190,7 +190,7 @@ impl Sources {
         (0..).map(FileId).zip(&self.files).filter(move |(_, file)| is_model(file)).map(|(id, _)| id)
     }
 
-    /// All of them, as they were added.
+    /// All files, in the order in which they were added.
     pub fn files(&self) -> impl Iterator<Item = &SourceFile> {
         self.files.iter()
     }
@@ -226,7 +226,7 @@ impl Sources {
         self.text(span.file()).get(span.range()).unwrap_or("")
     }
 
-    /// Where a span starts and ends.
+    /// The positions of the start and the end of a span.
     pub fn positions(&self, span: Span) -> (Position, Position) {
         let file = self.file(span.file());
         (file.position(span.start()), file.position(span.end()))

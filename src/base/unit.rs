@@ -165,7 +165,7 @@ pub fn parse(text: &str) -> Result<Unit, UnitError> {
 /// The end of the unit of a density over a frequency in radians.
 const PER_RADIAN: &str = "/(rad/s)";
 
-/// Between the factors of a unit: the two dots are those of typeset text, U+00B7 and U+22C5.
+/// The operators between the factors of a unit; the two dots are those of typeset text, U+00B7 and U+22C5.
 const OPERATORS: [char; 4] = ['*', '/', '\u{b7}', '\u{22c5}'];
 
 /// Steps over the `/` or `1/` of `0.1 /s`.
@@ -320,7 +320,7 @@ pub fn suggestion(word: &str) -> Option<String> {
     if let Some(product) = as_product(word) {
         return Some(product);
     }
-    // One wrong letter, in words that are long enough for it to be one.
+    // One wrong letter, in words that are long enough for that to be likely.
     (word.chars().count() >= 3)
         .then(|| candidates().find(|candidate| strsim::damerau_levenshtein(candidate, word) == 1))?
         .map(str::to_string)

@@ -48,7 +48,7 @@ impl Vec3 {
         self.x.is_zero() && self.y.is_zero() && self.z.is_zero()
     }
 
-    /// Whether it is zero, or cannot be distinguished from zero with the known digits.
+    /// Whether the vector is zero, or cannot be distinguished from zero with the known digits.
     pub fn may_be_zero(&self) -> bool {
         self.x.may_be_zero() && self.y.may_be_zero() && self.z.may_be_zero()
     }

@@ -1,15 +1,16 @@
-//! Upper bounds as they leave the program: of errors, and of sizes of which nothing else is known.
+//! Upper bounds as they leave the program: bounds of errors, and of values known only by their size.
 //!
-//! A number with a bound is a promise, so a [`Bound`] is made from an enclosure. Where a bound comes from an argument of
-//! its own (a disc in the complex plane, the rounding of emitted code), the analysis that has the argument says so with
-//! [`Bound::proved`]; the layers that print can only pass bounds on (`tests/suite/house.rs`). See docs/method/numbers.md.
+//! A number with a bound is a promise, so a [`Bound`] is made from an enclosure. If a bound rests on a separate
+//! argument (a disc in the complex plane, the rounding of emitted code), the analysis that has the argument calls
+//! [`Bound::proved`]; the layers that print can only pass bounds on (`tests/suite/house.rs`). See
+//! docs/method/numbers.md.
 
 use super::{Ball, Rounded, larger, up};
 use std::ops::Add;
 
 /// An upper bound, rounded upwards: at least 0, infinite if nothing is known.
 ///
-/// No number becomes a bound by being called one:
+/// A plain number cannot become a bound:
 ///
 /// ```compile_fail,E0423
 /// let bound = vibc::Bound(1e-16);
@@ -22,38 +23,38 @@ use std::ops::Add;
 pub struct Bound(f64);
 
 impl Bound {
-    /// Of a number without error.
+    /// The bound of a number without error.
     pub const ZERO: Bound = Bound(0.0);
-    /// Nothing is known.
+    /// The infinite bound, for a number of which nothing is known.
     pub const UNKNOWN: Bound = Bound(f64::INFINITY);
 
-    /// Of |printed - true|, for the binary64 number that is printed for an enclosed one.
+    /// A bound of |printed - true|, for the binary64 number that is printed for an enclosed one.
     pub fn absolute(enclosed: Ball) -> Bound {
         Rounded::of(enclosed).map_or(Bound::UNKNOWN, Rounded::bound)
     }
 
-    /// Of |printed - true| / |true|, for the binary64 number that is printed for an enclosed one.
+    /// A bound of |printed - true| / |true|, for the binary64 number that is printed for an enclosed one.
     pub fn relative(enclosed: Ball) -> Bound {
         Rounded::of(enclosed).map_or(Bound::UNKNOWN, Rounded::relative_bound)
     }
 
-    /// Of |midpoint - true| / |true|, for numbers that are printed with digits beyond binary64.
+    /// A bound of |midpoint - true| / |true|, for numbers that are printed with more digits than binary64 has.
     pub fn of_midpoint(enclosed: Ball) -> Bound {
         Bound::proved(enclosed.relative_error())
     }
 
-    /// Of |x|.
+    /// A bound of |x|.
     pub fn size(enclosed: Ball) -> Bound {
         Bound::proved(if enclosed.is_zero() { 0.0 } else { enclosed.magnitude() })
     }
 
-    /// A bound that the caller has an argument for, rounded upwards; NaN is infinite. Only the stages that compute
-    /// call this: what prints has no argument.
+    /// A bound for which the caller has a proof, rounded upwards; NaN becomes infinite. Only the stages that compute
+    /// call this: the layers that print have no proof.
     pub fn proved(bound: f64) -> Bound {
         Bound(larger(bound, 0.0))
     }
 
-    /// In the unit of what it bounds.
+    /// The bound in the unit of the number that it bounds.
     pub fn value(self) -> f64 {
         self.0
     }

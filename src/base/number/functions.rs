@@ -159,8 +159,9 @@ impl Number {
     }
 }
 
-/// Sine and cosine of a fraction of pi, reduced exactly to at most pi/4: rational where they are (at multiples of pi/2,
-/// a half at pi/6 and pi/3; Niven, *Irrational Numbers*, corollary 3.12: there is no other), the same root at odd multiples of pi/4.
+/// Sine and cosine of a fraction of pi, reduced exactly to at most pi/4. Both are exact where they are rational
+/// (multiples of pi/2, and one half at pi/6 and pi/3; there are no others: Niven, *Irrational Numbers*, corollary
+/// 3.12), and equal the same root at odd multiples of pi/4.
 fn sin_cos_of_pi(fraction: &Rational) -> (Number, Number) {
     let (turn, half) = (Rational::from(2), Rational::new(1, 2));
     let angle = fraction - &(&turn * &(fraction / &turn).floor());
@@ -281,7 +282,7 @@ fn turned(quarters: i64, (sine, cosine): (Ball, Ball)) -> (Ball, Ball) {
 /// sin r = r sum (-r^2)^i / (2i+1)!, cos r = sum (-r^2)^i / (2i)!: sixteen terms leave less than |r|^32 / 32!.
 fn near_zero(r: Ball) -> (Ball, Ball) {
     if r.magnitude() > 2.0 {
-        // Too wide: nothing is known.
+        // Too wide to say anything.
         return (Ball::new(Dd::ZERO, 1.0), Ball::new(Dd::ZERO, 1.0));
     }
     let r2 = r.square();
@@ -587,7 +588,7 @@ mod tests {
         // ln(1/2) = -ln 2
         let found = ln(Ball::ONE.widen(0.5));
         assert!(found.mid.to_f64() - found.rad <= -std::f64::consts::LN_2, "{found:?}");
-        // For an unknown angle, the sine is at most 1.
+        // If nothing is known about the angle, the sine is still at most 1.
         let (sine, cosine) = Jet::of_parameter(Ball::ZERO.widen(2.0)).sin_cos().expect("a range");
         assert!(sine.enclosure().magnitude() >= 1.0 && cosine.enclosure().magnitude() >= 1.0);
         // The angle jumps between pi and -pi.

@@ -20,7 +20,7 @@ pub struct Jet {
 }
 
 thread_local! {
-    /// Set where a derivative is lost.
+    /// Set when a derivative is lost.
     static LOST: Cell<bool> = const { Cell::new(false) };
 }
 

@@ -29,7 +29,8 @@ use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use surd::{MAX_SURD_BITS, Surd};
 
-/// Fractions larger than this become balls: exactness is for the numbers that people write, not for their hundredth powers.
+/// Fractions larger than this become balls: exactness is for the numbers that people write, not for their hundredth
+/// powers.
 const MAX_EXACT_BITS: u64 = 8192;
 
 /// A real number: exact, or enclosed.
@@ -108,7 +109,7 @@ impl Number {
         }
     }
 
-    /// The exact value, where it is rational and known.
+    /// The exact value, if it is rational and known.
     pub fn exact(&self) -> Option<&Rational> {
         match self {
             Number::Exact(value) => Some(value),
@@ -116,7 +117,7 @@ impl Number {
         }
     }
 
-    /// Certainly zero.
+    /// Whether the number is certainly zero.
     #[inline]
     pub fn is_zero(&self) -> bool {
         match self {
@@ -132,7 +133,7 @@ impl Number {
         matches!(self, Number::Exact(value) if value.is_one())
     }
 
-    /// Zero, or not to be distinguished from zero with the digits that are known.
+    /// Whether the number is zero, or cannot be distinguished from zero with the known digits.
     pub fn may_be_zero(&self) -> bool {
         match self {
             Number::Exact(value) => value.is_zero(),
@@ -142,7 +143,7 @@ impl Number {
         }
     }
 
-    /// Certainly greater than zero.
+    /// Whether the number is certainly greater than zero.
     pub fn is_positive(&self) -> bool {
         match self {
             Number::Exact(value) | Number::OfPi(value) | Number::PerPi(value) => value.signum() > 0,
@@ -152,7 +153,7 @@ impl Number {
         }
     }
 
-    /// Certainly less than zero.
+    /// Whether the number is certainly less than zero.
     pub fn is_negative(&self) -> bool {
         match self {
             Number::Exact(value) | Number::OfPi(value) | Number::PerPi(value) => value.signum() < 0,
@@ -162,12 +163,12 @@ impl Number {
         }
     }
 
-    /// Neither infinite nor of unknown size, and within the range of binary64.
+    /// Whether the number has a known size within the range of binary64.
     pub fn is_finite(&self) -> bool {
         self.enclosure().is_finite()
     }
 
-    /// Which of the two is certainly smaller; `None` where the balls overlap.
+    /// The order of two numbers; `None` if their balls overlap.
     pub fn compare(&self, other: &Number) -> Option<Ordering> {
         if let (Number::Exact(a), Number::Exact(b)) = (self, other) {
             return Some(a.cmp(b));
@@ -201,12 +202,12 @@ impl Number {
         self * self
     }
 
-    /// 1 / self; `None` where self may be zero.
+    /// 1 / self; `None` if self may be zero.
     pub fn recip(&self) -> Option<Number> {
         Number::ONE.checked_div(self)
     }
 
-    /// self / other; `None` where the divisor may be zero.
+    /// self / other; `None` if the divisor may be zero.
     pub fn checked_div(&self, other: &Number) -> Option<Number> {
         (!other.may_be_zero()).then(|| self / other)
     }
@@ -326,7 +327,7 @@ impl Mul for &Number {
 
 impl Div for &Number {
     type Output = Number;
-    /// The quotient; a ball of infinite radius where the divisor may be zero.
+    /// The quotient; a ball of infinite radius if the divisor may be zero.
     fn div(self, other: &Number) -> Number {
         match (self, other) {
             (_, Number::Exact(b)) if b.is_one() => self.clone(),

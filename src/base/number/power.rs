@@ -1,5 +1,5 @@
-//! Integer powers of binary64 numbers, the same on every machine. `f64::powi` is not: what a compiler works out for constants,
-//! and what it makes of the rest, differ in the last bits.
+//! Integer powers of binary64 numbers, the same on every machine. `f64::powi` differs in the last bits between
+//! machines, and between constants folded by the compiler and values computed at run time.
 
 /// 2^exponent, exact; zero below the least subnormal number, infinite beyond the largest number.
 pub fn two_to(exponent: impl Into<i64>) -> f64 {

@@ -1,7 +1,7 @@
-//! Exact rational numbers: a machine fraction where it fits, a big one where not.
+//! Exact rational numbers: a machine fraction if it fits, a big one otherwise.
 //!
-//! Literals are decimal fractions and most arithmetic on them stays small, so the fast path is one that needs no memory.
-//! The representation is canonical (lowest terms, positive denominator, small whenever it fits), so `==` compares values.
+//! Literals are decimal fractions and most arithmetic on them stays small, so the fast path allocates no memory. The
+//! representation is canonical (lowest terms, positive denominator, small whenever it fits), so `==` compares values.
 
 use super::ball::Ball;
 use super::dd::Dd;
@@ -23,13 +23,13 @@ enum Repr {
     Big(Box<BigRational>),
 }
 
-/// How literals are read.
+/// The reading of literals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Literals {
-    /// As the decimal fractions that they show.
+    /// A literal is the decimal fraction that it shows.
     #[default]
     Decimal,
-    /// As the binary64 numbers nearest to those, as most programs read them.
+    /// A literal is the nearest binary64 number, as in most programs.
     Binary64,
 }
 
@@ -200,7 +200,7 @@ impl Rational {
         }
     }
 
-    /// How many bits numerator and denominator have together: what the number costs.
+    /// Number of bits in the numerator and the denominator together, a measure of the number's cost.
     pub fn bits(&self) -> u64 {
         match &self.0 {
             Repr::Small(..) => 64,
@@ -260,7 +260,7 @@ impl Rational {
         (&n * &n == *big.numer() && &d * &d == *big.denom()).then(|| Rational::from_big(BigRational::new_raw(n, d)))
     }
 
-    /// The value as a ball of relative radius at most 2^-100; exact where the number is a double-double.
+    /// The value as a ball of relative radius at most 2^-100; exact if the number is a double-double.
     pub fn to_ball(&self) -> Ball {
         match &self.0 {
             Repr::Small(n, 1) => Ball::exact(dd_from_i64(*n)),
@@ -272,7 +272,7 @@ impl Rational {
         }
     }
 
-    /// The nearest binary64 number (ties and the last bit of big fractions as double-double rounding leaves them).
+    /// The nearest binary64 number; for big fractions, ties and the last bit are as double-double rounding leaves them.
     pub fn to_f64(&self) -> f64 {
         match &self.0 {
             // Both are exact in binary64 below 2^53: the quotient is correctly rounded.

@@ -1,9 +1,9 @@
 //! Numbers as they leave the program.
 //!
-//! Inside, a number is an enclosure: exact, a ball, a disc. A result has room for one binary64 number. [`Rounded`] is that
-//! number together with a bound of its own error, the rounding to binary64 included; it can be made from an enclosure
-//! only, so that no result can carry a bound that was computed for some other number. What has no proven bound leaves as
-//! [`Unproven`]. See docs/method/numbers.md.
+//! Inside, a number is an enclosure: exact, a ball, a disc. A result has room for one binary64 number. [`Rounded`] is
+//! that number together with a bound of its own error, the rounding to binary64 included. It can only be made from an
+//! enclosure, so no result can carry a bound that was computed for another number. A number without a proven bound
+//! leaves as [`Unproven`]. See docs/method/numbers.md.
 
 use super::{Ball, Bound, Dd, Number};
 
@@ -15,8 +15,8 @@ pub struct Rounded {
 }
 
 impl Rounded {
-    /// The nearest binary64 number to the midpoint; `None` where the enclosure says nothing, or where its numbers lie
-    /// outside the range of binary64.
+    /// The nearest binary64 number to the midpoint; `None` if the enclosure is infinite, or outside the range of
+    /// binary64.
     pub fn of(enclosed: Ball) -> Option<Rounded> {
         if !enclosed.is_finite() {
             return None;
@@ -29,17 +29,17 @@ impl Rounded {
         (value.is_finite() && bound.is_finite()).then_some(Rounded { value, bound })
     }
 
-    /// Rounds a number that may be exact; `None` where nothing is known.
+    /// Rounds a number that may be exact; `None` if nothing is known about it.
     pub fn of_number(number: &Number) -> Option<Rounded> {
         Rounded::of(number.to_ball())
     }
 
-    /// In the unit of what it was made from.
+    /// The value, in the unit of the number that it was made from.
     pub fn value(self) -> f64 {
         self.value
     }
 
-    /// Absolute, in the same unit; 0 only where the value is exact.
+    /// The bound of the absolute error, in the same unit; 0 only if the value is exact.
     pub fn bound(self) -> Bound {
         self.bound
     }
@@ -54,8 +54,8 @@ impl Rounded {
     }
 }
 
-/// A number without a proven bound: a displacement in a mode shape, a share of energy, a measured time. Reports show few
-/// digits of it, and README.md lists what is of this kind.
+/// A number without a proven bound: a displacement in a mode shape, a share of energy, a measured time. Reports show
+/// few digits of it, and README.md lists the numbers of this kind.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Unproven(pub f64);
 
@@ -105,7 +105,7 @@ mod tests {
         assert!(rounded.bound().value() >= 5e-324 && rounded.relative_bound().value() > 0.0);
     }
 
-    /// 1 + 2^-54 is no binary64: its nearest, 1, would be too small a bound.
+    /// 1 + 2^-54 is not a binary64 number: the nearest one, 1, would be too small a bound.
     #[test]
     fn a_bound_is_rounded_upwards() {
         let rounded = Rounded::of(Ball::new(Dd { hi: 1.0, lo: 0.5f64.powi(54) }, 1.0)).expect("finite");

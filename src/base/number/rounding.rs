@@ -4,7 +4,7 @@
 /// Unit roundoff u = 2^-53: the relative error of one operation in binary64, barring underflow.
 pub const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// u^2 = 2^-106, what errors of double-double are counted in.
+/// u^2 = 2^-106, the unit in which errors of double-double arithmetic are counted.
 pub const UNIT_SQUARED: f64 = UNIT * UNIT;
 
 /// Factors that make an upper bound not too small. The factor's own product is among the roundings.
@@ -43,14 +43,14 @@ mod tests {
             let lost = roundings * UNIT;
             assert!(factor - 1.0 >= lost / (1.0 - lost) * 1.1, "{roundings}");
         }
-        // From above, (1 + u)^k <= 1 / (1 - k u), so that what is left is below 1 - k u.
+        // From above, (1 + u)^k <= 1 / (1 - k u), so the remaining factor is below 1 - k u.
         for (roundings, factor) in [(8.0, down::FEW), (80.0, down::DOZENS), (8e3, down::THOUSANDS)] {
             assert!(1.0 - factor >= roundings * UNIT * 1.1, "{roundings}");
         }
         assert_eq!((UNIT, UNIT_SQUARED), (2f64.powi(-53), 2f64.powi(-106)));
     }
 
-    /// The worst sums that there are: each addition of half a unit is lost.
+    /// The worst possible sums: each addition of half a unit is lost.
     #[test]
     fn a_sum_of_many_small_numbers_is_covered() {
         let lost = UNIT * 0.999;

@@ -1,6 +1,6 @@
-//! Numbers a + b sqrt(d), exact: a and b rational, b not zero, d > 1 whole and without a square in it. Drawings at 30, 45
-//! and 60 degrees and diagonals of rectangles are made of such numbers, and what cancels in them cancels exactly.
-//! See docs/method/numbers.md#surds.
+//! Exact numbers a + b sqrt(d), with a and b rational, b not zero, and d > 1 a square-free integer. Drawings at 30, 45
+//! and 60 degrees and diagonals of rectangles consist of such numbers, and they cancel exactly. See
+//! docs/method/numbers.md#surds.
 
 use super::{Ball, Rational};
 use std::cmp::Ordering;
@@ -15,14 +15,14 @@ pub struct Surd {
     pub root: u32,
 }
 
-/// Squares are looked for in whole numbers up to this one: those of lengths that people write, at no cost to speak of.
+/// Square factors are looked for in integers up to this one. It covers lengths that people write, at negligible cost.
 const MAX_RADICAND: u64 = 1_000_000_000;
 /// More bits than this are not worth their cost.
 pub const MAX_SURD_BITS: u64 = 1024;
 
 impl Surd {
-    /// The root of a positive rational number as b sqrt(d), d = 1 where it is rational; `None` where squares are not looked
-    /// for.
+    /// The root of a positive rational number as b sqrt(d), with d = 1 if it is rational; `None` for numbers too large
+    /// to look for square factors.
     pub fn root_of(value: &Rational) -> Option<(Rational, u32)> {
         let (numerator, denominator) = value.to_fraction()?;
         let (n, n_left) = without_squares(u64::try_from(numerator).ok()?)?;
@@ -63,7 +63,7 @@ impl Surd {
         Ball::from(f64::from(self.root)).sqrt()
     }
 
-    /// The enclosure; where the two parts nearly cancel, as the norm over the conjugate.
+    /// The enclosure; if the two parts nearly cancel, computed as the norm divided by the conjugate.
     pub fn to_ball(&self) -> Ball {
         let sum = |a: &Rational, b: &Rational| a.to_ball() + b.to_ball() * self.root_ball();
         if self.rational.signum() * self.factor.signum() < 0 {
@@ -80,7 +80,7 @@ fn without_squares(n: u64) -> Option<(u32, u32)> {
         return None;
     }
     let (mut square, mut left, mut rest, mut p) = (1u32, 1u32, n as u32, 2u32);
-    // Beyond the cube root what is left has at most two prime factors: it is a square, or has none in it.
+    // Beyond the cube root, the rest has at most two prime factors: it is a square, or it is square-free.
     while u64::from(p).pow(3) <= u64::from(rest) {
         while rest.is_multiple_of(p * p) {
             (rest, square) = (rest / (p * p), square * p);
