@@ -109,7 +109,7 @@ impl Float {
         if left.is_zero() && radius == 0.0 {
             return Ball::new(mid, 0.0);
         }
-        // Near the bottom of the range the words lose bits; two_sum loses none.
+        // Near the bottom of the range the words lose bits, but two_sum loses none.
         Ball::new(mid, (left.abs().to_f64_above() + radius) * up::DOZENS + f64::MIN_POSITIVE)
     }
 

@@ -1,5 +1,6 @@
-//! Complex numbers over any of our real types: `Complex<f64>` steers, `Complex<Dd>` refines, `Complex<Ball>` (an
-//! enclosing rectangle) proves. Only + - * / and the square root are used, which are the same on every machine.
+//! Complex numbers over any of our real types: `Complex<f64>` finds starting values, `Complex<Dd>` refines them, and
+//! `Complex<Ball>` (an enclosing rectangle) proves them. They only use + - * / and the square root, which are the same
+//! on every machine.
 
 use crate::base::{Ball, Dd, larger};
 use crate::kernel::real::{Real, Scalar};
@@ -80,7 +81,7 @@ impl<T: Real> Mul for Complex<T> {
 
 impl Div for Complex<Ball> {
     type Output = Complex<Ball>;
-    /// The quotient; nothing is known of it if the divisor may be zero.
+    /// The quotient; infinite rectangles if the divisor may be zero.
     #[inline]
     fn div(self, b: Complex<Ball>) -> Complex<Ball> {
         let square = b.re * b.re + b.im * b.im;
@@ -143,7 +144,7 @@ impl Complex<f64> {
 }
 
 impl Complex<Dd> {
-    /// As an enclosure of radius zero.
+    /// The number as an enclosure of radius zero.
     #[inline]
     pub fn to_ball(self) -> Complex<Ball> {
         Complex::new(Ball::exact(self.re), Ball::exact(self.im))
@@ -190,7 +191,7 @@ impl Scalar for Complex<f64> {
         Complex::recip(self)
     }
 
-    /// Not less than the modulus.
+    /// An upper bound on the modulus.
     #[inline]
     fn size(self) -> f64 {
         self.one_norm()
@@ -211,7 +212,7 @@ impl Scalar for Complex<Dd> {
         Complex::new(self.re / square, -self.im / square)
     }
 
-    /// Not less than the modulus.
+    /// An upper bound on the modulus.
     #[inline]
     fn size(self) -> f64 {
         (self.re.hi.abs() + self.im.hi.abs()) * (1.0 + f64::EPSILON)

@@ -88,7 +88,7 @@ impl<V: Vector> Double<V> {
         Double { hi: V::splat(x.hi), lo: V::splat(x.lo) }
     }
 
-    /// From the high words of a vector, followed by its low words.
+    /// Loads the high words of a vector, followed by its low words.
     #[inline(always)]
     pub fn load(from: &[f64]) -> Double<V> {
         Double { hi: V::load(from), lo: V::load(&from[V::WIDTH..]) }
@@ -136,7 +136,8 @@ impl<V: Vector> Double<V> {
         Double { hi, lo }
     }
 
-    /// The sum with an error of at most 10 u^2 (|self| + |b|), u = 2^-53: little of itself only where nothing cancels.
+    /// The sum with an error of at most 10 u^2 (|self| + |b|), u = 2^-53: small relative to the sum only if nothing
+    /// cancels.
     #[inline(always)]
     pub fn sloppy_plus(self, b: Double<V>) -> Double<V> {
         let (s, rest) = two_sum(self.hi, b.hi);
@@ -237,7 +238,7 @@ mod tests {
         Dd { hi: x.hi, lo: x.lo }
     }
 
-    /// Lanes hold what one number would; the cheaper operations stay within their bounds.
+    /// Lanes give the same value as single numbers; the cheaper operations stay within their bounds.
     #[test]
     fn double_words_are_those_of_one_number() {
         let unit_squared = 2f64.powi(-106);

@@ -1,6 +1,6 @@
 //! Arithmetic and linear algebra that the stages share: numbers of two and three words with their error bounds, complex
-//! numbers, polynomials, dense and sparse elimination, and loops over wide registers. Nothing here knows a system.
-//! docs/method/kernel.md says which of them to use.
+//! numbers, polynomials, dense and sparse elimination, and loops over wide registers. Nothing here depends on a
+//! mechanical system. docs/method/kernel.md says which of them to use.
 
 pub(crate) mod big_float;
 pub mod complex;

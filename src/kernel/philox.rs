@@ -1,7 +1,7 @@
 //! Philox 4x32-10 (Salmon, Moraes, Dror, Shaw, Parallel Random Numbers: As Easy as 1, 2, 3, SC11): random numbers by their place in a
 //! sequence and a key, the same on every machine. In: a counter and a key. Out: four random words.
 
-/// The multipliers, and what the key grows by in each round.
+/// The multipliers, and the increments of the key in each round.
 const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 const ROUNDS: usize = 10;

@@ -77,7 +77,7 @@ impl Polynomial {
         Polynomial::new(self.coefficients.iter().enumerate().skip(1).map(|(k, a)| a * k).collect())
     }
 
-    /// How often s divides the polynomial, and the quotient.
+    /// The multiplicity of the root 0, and the quotient without it.
     pub fn without_zero_roots(&self) -> (usize, Polynomial) {
         let zeros = self.coefficients.iter().take_while(|a| a.is_zero()).count();
         (zeros, Polynomial::new(self.coefficients[zeros..].to_vec()))

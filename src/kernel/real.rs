@@ -1,6 +1,6 @@
-//! The operations that generic algorithms need of a number. [`Real`]: f64, [`Dd`], [`Ball`] and [`Precise`](crate::kernel::triple::Precise),
-//! whose constants and sums make complex numbers. [`Float`]: f64 and [`Dd`], which have an order and roots.
-//! [`Scalar`]: the numbers of elimination, real and complex.
+//! Traits for the operations that generic algorithms need. [`Real`]: f64, [`Dd`], [`Ball`] and
+//! [`Precise`](crate::kernel::triple::Precise), whose constants and sums make complex numbers. [`Float`]: f64 and
+//! [`Dd`], which also have an order and roots. [`Scalar`]: the real and complex numbers used in elimination.
 
 use crate::base::{Ball, Dd};
 use crate::kernel::simd::simd;
@@ -29,13 +29,13 @@ pub trait Float: Real + PartialOrd + Div<Output = Self> {
     fn dot(a: &[Self], b: &[Self]) -> Self;
 }
 
-/// A number that can be eliminated with. Without error bounds: what comes out is a start, or is checked afterwards.
+/// A number used in elimination. It has no error bound: results are starting values, or are checked afterwards.
 pub trait Scalar: Copy + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     const ZERO: Self;
     const ONE: Self;
     fn of_f64(x: f64) -> Self;
     fn recip(self) -> Self;
-    /// The modulus within a factor of two: what pivots are chosen by.
+    /// The modulus within a factor of two, used to choose pivots.
     fn size(self) -> f64;
 
     /// x_i <- x_i - f_i y
@@ -105,7 +105,7 @@ impl Float for f64 {
         f64::sqrt(self)
     }
 
-    /// In four interleaved sums, in an order that no machine changes.
+    /// The dot product, in four interleaved sums whose order is the same on every machine.
     #[inline]
     fn dot(a: &[f64], b: &[f64]) -> f64 {
         let mut sums = [0.0; 4];

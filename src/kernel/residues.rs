@@ -25,7 +25,7 @@ pub const PRIMES: [Field; 12] = [
 /// The gap below 2^61 must be smaller than this for [`Field::multiply`]; it is enough for thousands of primes.
 const MOST: u64 = 1 << 18;
 
-/// The largest primes below 2^61 in descending order, some six thousand of them: [`PRIMES`], then those that follow.
+/// The largest primes below 2^61 in descending order, some six thousand of them: [`PRIMES`], then the next ones.
 pub fn primes() -> impl Iterator<Item = Field> {
     let further = (PRIMES[PRIMES.len() - 1].c + 2..MOST).step_by(2).map(|c| Field { c });
     PRIMES.into_iter().chain(further.filter(|field| field.is_prime()))

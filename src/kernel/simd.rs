@@ -28,18 +28,18 @@ pub trait Vector:
     fn mul_add(self, b: Self, c: Self) -> Self;
     fn abs(self) -> Self;
     fn sqrt(self) -> Self;
-    /// The larger one, lane by lane; b where one of them is not a number.
+    /// The larger one, lane by lane; b if either is NaN.
     fn max(self, b: Self) -> Self;
     /// A bit for each lane in which self is larger than b.
     fn exceeds(self, b: Self) -> u32;
 
-    /// The smaller one, lane by lane; b where one of them is not a number.
+    /// The smaller one, lane by lane; b if either is NaN.
     #[inline(always)]
     fn min(self, b: Self) -> Self {
         -(-self).max(-b)
     }
 
-    /// The lanes, and zeros behind them.
+    /// The lanes, followed by zeros.
     #[inline(always)]
     fn to_array(self) -> [f64; MOST] {
         let mut x = [0.0; MOST];
@@ -48,7 +48,7 @@ pub trait Vector:
     }
 }
 
-/// The values at 0, 1, .. N - 1, as [`std::array::from_fn`] gives them, but always inlined: its loop is a function of its own,
+/// The values at 0, 1, .. N - 1, like [`std::array::from_fn`], but always inlined: the loop of that function would be
 /// compiled without the instructions that [`simd!`] chose.
 #[inline(always)]
 pub fn each<T: Copy, const N: usize>(value: impl Fn(usize) -> T) -> [T; N] {
@@ -134,7 +134,8 @@ macro_rules! simd {
     };
 }
 
-/// The body of a function of [`simd!`]: `with` for the widest of these types that the processor has instructions for.
+/// The body of a function of [`simd!`]: calls `with` for the widest of these types for which the processor has
+/// instructions.
 macro_rules! dispatch {
     ([($($argument:ident: $type:ty),*) $(-> $result:ty)?] $plain:ty, $avx2:ty, $avx512:ty) => {
         #[cfg(target_arch = "x86_64")]
@@ -312,8 +313,8 @@ impl Eight for x86::Eight {
     const ROWS: usize = 3;
 }
 
-/// The registers of x86-64. Their values are made only inside of functions that are compiled for their instructions, and these
-/// are called only where the processor has them: [`simd!`] alone names the types.
+/// The registers of x86-64. Their values are made only inside functions that are compiled for their instructions, and
+/// these functions are called only if the processor has the instructions: only [`simd!`] names the types.
 #[cfg(target_arch = "x86_64")]
 pub mod x86 {
     use super::Vector;
@@ -479,7 +480,7 @@ mod tests {
                 result.store(&mut results[k * n + at..k * n + at + width]);
             }
         }
-        // All numbers that are none count as one.
+        // All NaNs count as equal.
         results.into_iter().map(|x| if x.is_nan() { u64::MAX } else { x.to_bits() }).collect()
     }
 

@@ -37,7 +37,7 @@ impl<W, A> Squares<W, A> {
         self.starts.push(self.indices.len() as u32);
     }
 
-    /// How many terms there are.
+    /// The number of terms.
     #[inline]
     pub fn len(&self) -> usize {
         self.weights.len()
@@ -55,7 +55,7 @@ impl<W, A> Squares<W, A> {
         &self.factors
     }
 
-    /// These rows with their numbers mapped.
+    /// These rows with their weights and factors mapped.
     pub fn map<V, B>(&self, weight: impl FnMut(&W) -> V, factor: impl FnMut(&A) -> B) -> Squares<V, B> {
         Squares {
             weights: self.weights.iter().map(weight).collect(),
@@ -101,7 +101,7 @@ impl<T: Real> Squares<T> {
     }
 }
 
-/// x a. Most factors are 1 or -1: those round nothing.
+/// x a. Most factors are 1 or -1 and round nothing.
 #[inline(always)]
 pub fn by_factor<T: Real>(x: T, a: T) -> T {
     if a == T::ONE {
@@ -113,7 +113,7 @@ pub fn by_factor<T: Real>(x: T, a: T) -> T {
     }
 }
 
-/// a x. Most factors are 1 or -1: those round nothing.
+/// a x. Most factors are 1 or -1 and round nothing.
 #[inline]
 fn product(a: Ball, x: Dd) -> Ball {
     if a == Ball::ONE {

@@ -1,6 +1,6 @@
-//! How many roots of a polynomial with integer coefficients are real, and how many lie on either side of the imaginary
-//! axis, counted exactly by Sturm's chain and by Routh's. In: a polynomial. Out: exact counts, or nothing if the
-//! numbers are too long. See docs/method/poles.md#exact-arithmetic.
+//! Exact counts of the roots of a polynomial with integer coefficients that are real, and that lie on either side of
+//! the imaginary axis, by Sturm's chain and by Routh's. In: a polynomial. Out: exact counts, or nothing if the numbers
+//! are too long. See docs/method/poles.md#exact-arithmetic.
 //!
 //! The chain of remainders is the subresultant chain (Brown, JACM 18 (1971) 478), whose coefficients grow by a constant
 //! number of digits in each step and divide exactly; their signs are tracked separately.
@@ -9,7 +9,7 @@ use crate::kernel::polynomial::Polynomial;
 use num_bigint::{BigInt, Sign};
 use num_traits::{One, Zero};
 
-/// If degree times bits exceeds this, a chain takes longer than a user would wait.
+/// If the degree times the number of bits exceeds this, a chain takes longer than a user would wait.
 const MOST_BITS: u64 = 1 << 17;
 
 /// The number of roots in each half plane, counted with multiplicity.
@@ -21,7 +21,7 @@ pub struct HalfPlanes {
     pub right: usize,
 }
 
-/// The number of distinct real roots; `None` for the zero polynomial, or if it would take too long.
+/// The number of distinct real roots; `None` for the zero polynomial, or if the count would take too long.
 pub fn real_roots(f: &Polynomial) -> Option<usize> {
     let chain = Chain::of(f.coefficients(), f.derivative().coefficients())?;
     usize::try_from(chain.changes(Place::Below) - chain.changes(Place::Above)).ok()

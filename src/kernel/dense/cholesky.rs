@@ -4,8 +4,8 @@
 use crate::base::Dd;
 use crate::kernel::dense::{Matrix, add_scaled, dot};
 
-/// L, below the diagonal; only the lower triangle of A is read. Where a pivot is at most `least` times the diagonal entry that
-/// it was made from, its row: there A is not positive definite to that accuracy.
+/// Computes L, below the diagonal; reads only the lower triangle of A. If a pivot is at most `least` times the diagonal
+/// entry that it was made from, A is not positive definite to that accuracy, and the error is the pivot's row.
 pub fn factor(mut l: Matrix<Dd>, least: f64) -> Result<Matrix<Dd>, usize> {
     let n = l.columns();
     let scale: Vec<f64> = (0..n).map(|j| l[(j, j)].hi).collect();
@@ -29,7 +29,7 @@ pub fn factor(mut l: Matrix<Dd>, least: f64) -> Result<Matrix<Dd>, usize> {
     Ok(l)
 }
 
-/// L^T, upper triangular with zeros below; `None` where [`factor`] finds that A is not positive definite.
+/// L^T, upper triangular with zeros below; `None` if [`factor`] finds that A is not positive definite.
 pub fn upper(a: &Matrix<Dd>, least: f64) -> Option<Matrix<Dd>> {
     let l = factor(a.clone(), least).ok()?;
     Some(Matrix::from_fn(l.columns(), l.columns(), |i, j| if i <= j { l[(j, i)] } else { Dd::ZERO }))

@@ -1,5 +1,5 @@
-//! Gauss and Jordan's elimination in exact arithmetic: reduced row echelon forms of fractions and of residues modulo a prime,
-//! and from these null vectors and solutions. A pivot is any entry that is not zero.
+//! Gauss-Jordan elimination in exact arithmetic: reduced row echelon forms of fractions and of residues modulo a prime,
+//! and from these null vectors and solutions. Any nonzero entry can be a pivot.
 
 use crate::base::Rational;
 use crate::kernel::residues::Field as Residues;
@@ -105,7 +105,7 @@ pub fn null_vectors(matrix: &[Vec<Rational>]) -> Vec<Vec<Rational>> {
     .collect()
 }
 
-/// A solution of A x = b of a square matrix, and whether it is the only one; `None` where there is none.
+/// A solution of A x = b for a square matrix, and whether it is the only one; `None` if there is none.
 pub fn solution(matrix: &[Vec<Rational>], b: &[Rational]) -> Option<(Vec<Rational>, bool)> {
     let n = matrix.len();
     let mut rows: Vec<Vec<Rational>> =

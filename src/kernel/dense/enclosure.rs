@@ -1,4 +1,4 @@
-//! Small dense matrices of balls: products, solutions and triangular factors with known errors.
+//! Small dense matrices of balls: products, solutions and triangular factors with error bounds.
 
 use crate::base::{Ball, Dd, larger, two_to, up};
 use crate::kernel::dense::Matrix;
@@ -57,7 +57,7 @@ pub fn product(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Matrix<Ball> {
     c
 }
 
-/// From this many rows on, the balls of an elimination may grow: each step may double an entry's error.
+/// From this many rows on, the balls of an elimination may grow, since each step may double an entry's error.
 const MANY_ROWS: usize = 12;
 /// Error relative to the solution with which elimination in balls counts as successful.
 const SHARP: f64 = 1e-24;

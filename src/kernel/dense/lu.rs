@@ -9,26 +9,26 @@ use crate::kernel::real::Scalar;
 #[derive(Clone, Debug)]
 pub struct Lu<T> {
     lu: Matrix<T>,
-    /// Which row of A is row i of L U.
+    /// Row i of L U is row `order[i]` of A.
     order: Vec<usize>,
     /// An odd number of rows was exchanged.
     odd: bool,
 }
 
 impl<T: Scalar> Lu<T> {
-    /// `None` for a matrix that is not finite, or singular: a pivot is exactly zero.
+    /// Factors a matrix; `None` if it is not finite, or singular (a pivot is exactly zero).
     pub fn of(a: Matrix<T>) -> Option<Lu<T>> {
         Lu::with_pivots(a, |pivot, _| (pivot != T::ZERO).then_some(pivot))
     }
 
-    /// Of a matrix that is as good as singular, for inverse iteration, which lives on that: a pivot of zero becomes a very
-    /// small one. `None` for a matrix that is not finite.
+    /// Factors a nearly singular matrix, as inverse iteration needs: a zero pivot is replaced by a very small number.
+    /// `None` if the matrix is not finite.
     pub fn nearly_singular(a: Matrix<T>) -> Option<Lu<T>> {
         let small = |largest: f64| T::of_f64((largest * f64::EPSILON).max(f64::MIN_POSITIVE));
         Lu::with_pivots(a, |pivot, largest| Some(if pivot.size() <= largest * 1e-300 { small(largest) } else { pivot }))
     }
 
-    /// `accepted` makes the pivot of what was found, given the size of the largest entry.
+    /// `accepted` turns an entry into the pivot that is used, given the size of the largest entry.
     fn with_pivots(mut lu: Matrix<T>, accepted: impl Fn(T, f64) -> Option<T>) -> Option<Lu<T>> {
         let n = lu.rows();
         let largest = lu.data().iter().map(|x| x.size()).fold(0.0, larger);
@@ -93,8 +93,8 @@ fn eliminate_below<T: Scalar>(lu: &mut Matrix<T>, p: usize) {
     }
 }
 
-/// The inverse by Gauss and Jordan's elimination with partial pivoting, in place; `None` for a singular matrix and one that is
-/// not finite.
+/// The inverse by Gauss-Jordan elimination with partial pivoting, in place; `None` if the matrix is singular or not
+/// finite.
 pub fn inverse<T: Scalar>(mut a: Matrix<T>) -> Option<Matrix<T>> {
     let n = a.rows();
     let mut order: Vec<usize> = (0..n).collect();
@@ -188,7 +188,7 @@ mod tests {
         }
     }
 
-    /// The null vector of a singular matrix is what inverse iteration finds.
+    /// Inverse iteration finds the null vector of a singular matrix.
     #[test]
     fn a_singular_matrix_gives_its_null_vector() {
         let a = Matrix::from_fn(3, 3, |i, j| {

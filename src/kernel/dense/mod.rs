@@ -1,4 +1,4 @@
-//! Dense matrices stored by columns, and the few kernels of which all dense computations are made, in binary64 and in
+//! Dense matrices stored by columns, and the few kernels that all dense computations use, in binary64 and in
 //! double-double.
 //!
 //! The algorithms here work on columns (rotations of pairs, Gram products, modes), so a column is a slice.

@@ -1,9 +1,9 @@
 //! The eigenvalues of a tridiagonal pencil T - s J with real entries and signs J.
 //!
-//! The QL method for the complex symmetric matrix J^-1/2 T J^-1/2 (Cullum and Willoughby, SIAM J. Matrix Anal. 17 (1996)
-//! 83) finds all of them in some n^2 steps, a few with few digits, because its rotations are not bounded. The iteration
-//! of Ehrlich and Aberth on det(T - s J) (Bini, Gemignani and Tisseur, SIAM J. Matrix Anal. 27 (2005) 153) brings
-//! them to the digits that the pencil has.
+//! The QL method for the complex symmetric matrix J^-1/2 T J^-1/2 (Cullum and Willoughby, SIAM J. Matrix Anal. 17
+//! (1996) 83) finds all of them in about n^2 steps, but a few of them with few digits, because its rotations are not
+//! bounded. The Ehrlich-Aberth iteration on det(T - s J) (Bini, Gemignani and Tisseur, SIAM J. Matrix Anal. 27 (2005)
+//! 153) then refines them to the digits that the pencil determines.
 
 use crate::kernel::complex::Complex;
 use crate::kernel::lanes::Pair;
@@ -12,7 +12,7 @@ use crate::kernel::simd::{MOST, Twice, Vector, each, simd};
 
 /// Two steps for each eigenvalue are usual.
 const MOST_STEPS: usize = 60;
-/// From the QL method's values, three sweeps are usual.
+/// From the QL method's values, three sweeps are usually enough.
 const MOST_SWEEPS: usize = 12;
 /// A smaller relative step is rounding error.
 const SETTLED: f64 = 1e-13;
@@ -89,7 +89,7 @@ fn rotate_up(d: &mut [Complex<f64>], e: &mut [Complex<f64>], (l, m): (usize, usi
         let (f, b) = (s * e[i], c * e[i]);
         let mut r = (f * f + g * g).sqrt();
         if r.one_norm() <= f64::EPSILON * (f.one_norm() + g.one_norm()) {
-            // No rotation takes an isotropic vector to an axis; a step that is wrong is made good by the next ones.
+            // No rotation takes an isotropic vector to an axis; later steps correct the error of this one.
             r = Complex::real((f.one_norm() + g.one_norm()) * 1e-8 + f64::MIN_POSITIVE);
         }
         e[i + 1] = r;

@@ -1,6 +1,6 @@
-//! The eigenvectors of a tridiagonal pencil T - s J for known eigenvalues: elimination from both ends up to the row where
-//! the two pivots agree best, and the vector that has its unit there (Dhillon and Parlett, SIAM J. Matrix Anal. 25 (2004)
-//! 858, for J = 1).
+//! The eigenvectors of a tridiagonal pencil T - s J for known eigenvalues: elimination from both ends up to the row
+//! where the two pivots agree best, and the vector with a one in that row (Dhillon and Parlett, SIAM J. Matrix Anal. 25
+//! (2004) 858, for J = 1).
 
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;

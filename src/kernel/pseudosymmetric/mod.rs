@@ -1,10 +1,10 @@
-//! All eigenvalues and eigenvectors of A = J S in binary64, S symmetric and J a diagonal matrix of signs, from a third of
-//! the operations that a Schur form takes: hyperbolic reflections reduce S to tridiagonal form, after which everything
-//! but the back-transformation takes n^2 operations.
+//! All eigenvalues and eigenvectors of A = J S in binary64, with S symmetric and J a diagonal matrix of signs, in a
+//! third of the operations that a Schur form takes: hyperbolic reflections reduce S to tridiagonal form, after which
+//! everything but the back-transformation takes n^2 operations.
 //!
 //! Hyperbolic reflections are not bounded as orthogonal ones are: results usually have 8 to 14 digits, but no number of
-//! digits is promised. They are starting values; whoever uses them refines and proves them, and turns to a Schur form
-//! where that fails.
+//! digits is promised. They are starting values. Callers refine and prove them, and fall back to a Schur form if that
+//! fails.
 
 pub(crate) mod eigenvalues;
 pub(crate) mod eigenvectors;
@@ -28,9 +28,9 @@ pub struct Tridiagonal {
     pub signs: Vec<f64>,
 }
 
-/// The eigenvalues and eigenvectors of J S; only the lower triangle of `s` is read. `start` is the vector with which the
-/// reduction begins; one of its parts along each eigenvector should be missing for none. `None` if the reduction breaks
-/// down, or if eigenvalues are not found in conjugate pairs.
+/// The eigenvalues and eigenvectors of J S; reads only the lower triangle of `s`. The reduction begins with the vector
+/// `start`, which should have a component along every eigenvector. `None` if the reduction breaks down, or if
+/// eigenvalues are not found in conjugate pairs.
 pub fn eigen(s: &Matrix<f64>, signs: &[f64], start: &[f64]) -> Option<Eigen> {
     if s.data().iter().any(|x| !x.is_finite()) {
         return None;

@@ -14,7 +14,7 @@ use crate::kernel::symmetric::tridiagonal::{PANEL, add_scaled, dot, multiply_low
 
 /// Where |x^T J x| is less than this part of |x|^2, the largest possible pivot is taken.
 const CANCELS: f64 = 0.1;
-/// Where it is less than this, the reduction has broken down: no digits would be left.
+/// If it is less than this, the reduction has broken down: no digits would be left.
 const BREAKDOWN: f64 = 1e-12;
 
 /// T, J' and the transformation G.
@@ -136,8 +136,8 @@ impl Work {
     }
 }
 
-/// The entry of x that is to become its only one: of the sign of x^T J x, and a large one where that sum cancels. `None`
-/// if it cancels altogether.
+/// The index of the entry to which x is reduced: its sign in J is that of x^T J x, and it is a large entry if that sum
+/// cancels. `None` if it cancels altogether.
 fn pivot(x: &[f64], signs: &[f64]) -> Option<usize> {
     let largest = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     if x[1..].iter().all(|&x| x == 0.0) {

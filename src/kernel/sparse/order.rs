@@ -7,8 +7,8 @@ pub fn least_fill(n: usize, entries: impl IntoIterator<Item = (u32, u32)>) -> Op
     if n == 0 {
         return Some(Vec::new());
     }
-    // With the diagonal, and each entry once: the crate assumes that there are at least as many entries as rows, and no
-    // more off the diagonal than it counts itself.
+    // With the diagonal, and each entry once: the crate assumes that there are at least as many entries as rows, and
+    // that the number of off-diagonal entries is the one it counts itself.
     let diagonal = (0..n as u32).map(|i| (i, i));
     let pairs = entries.into_iter().chain(diagonal);
     let mut pairs: Vec<(i32, i32)> = pairs.map(|(i, j)| (i.min(j) as i32, i.max(j) as i32)).collect();

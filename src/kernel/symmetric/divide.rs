@@ -22,7 +22,7 @@ pub struct Eigen {
     pub vectors: Matrix<f64>,
 }
 
-/// The eigensystem of the matrix with these numbers on and beside its diagonal.
+/// The eigensystem of the tridiagonal matrix with these entries on the diagonal and beside it.
 pub fn solve(diagonal: &[f64], beside: &[f64]) -> Eigen {
     let n = diagonal.len();
     if n <= SMALL {

@@ -1,8 +1,8 @@
 //! All eigenvalues and eigenvectors of a dense symmetric matrix in binary64: reduction to tridiagonal form, divide and
 //! conquer, back-transformation.
 //!
-//! The errors are some n u of the largest eigenvalue: much smaller eigenvalues have no correct digits here. Results are
-//! certified elsewhere.
+//! The errors are about n u times the largest eigenvalue, so much smaller eigenvalues have no correct digits. The
+//! results are certified elsewhere.
 
 pub mod divide;
 pub(crate) mod secular;
@@ -11,7 +11,7 @@ pub(crate) mod tridiagonal;
 use crate::kernel::dense::Matrix;
 use crate::kernel::symmetric::divide::Eigen;
 
-/// Eigenvalues, ascending, and orthonormal eigenvectors; only the lower triangle is read. `None` if it is not finite.
+/// Eigenvalues, ascending, and orthonormal eigenvectors; reads only the lower triangle. `None` if it is not finite.
 pub fn eigen(mut a: Matrix<f64>) -> Option<Eigen> {
     let largest = a.data().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     if a.data().iter().any(|x| !x.is_finite()) {

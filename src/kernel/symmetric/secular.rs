@@ -18,7 +18,7 @@ pub struct Zero {
 /// Most steps converge quadratically; any other one halves the bracket.
 const MAX_STEPS: usize = 120;
 
-/// Sums of z^2/(d - x) and z^2/(d - x)^2, over the poles up to one of them and over those beyond.
+/// Sums of z^2/(d - x) and z^2/(d - x)^2, over the poles up to a given one and over those beyond it.
 #[derive(Clone, Copy)]
 struct Sums {
     below: f64,
@@ -27,7 +27,8 @@ struct Sums {
     above_slope: f64,
 }
 
-/// Computes zero number `i`. `d` ascending, no two equal; `squares` the z_j^2, none zero. `delta` receives d_j - x.
+/// Computes zero number `i`. `d` is ascending without repetitions; `squares` are the z_j^2, none of them zero. `delta`
+/// receives d_j - x.
 pub fn zero(d: &[f64], squares: &[f64], r: f64, i: usize, delta: &mut [f64]) -> Zero {
     let k = d.len();
     let whole: f64 = squares.iter().sum();
@@ -111,7 +112,7 @@ fn first_guess(
     let half = 0.5 * (rest * (dp + dq) + a + b);
     let product = rest * dp * dq + a * dq + b * dp;
     let root = (half * half - rest * product).abs().sqrt();
-    // Of the two zeros, the one nearer to the origin.
+    // The one of the two zeros that is nearer to the origin.
     if half > 0.0 { product / (half + root) } else { (half - root) / rest }
 }
 
