@@ -333,3 +333,42 @@ fn driving_point_extrema_are_complete_in_any_net() {
     // For another mass of the ring, two paths lead there: the result has no proof of completeness.
     assert!(extrema_of(&ring("force F: m[3] along x\noutput y = m[8].x"), None).complete.is_none());
 }
+
+/// Masses that hang from one another, at a rest that no fraction gives: the poles are on the axis all the same, for no damper is there,
+/// and a zero that rounding leaves at 1e14 Hz is no reason not to prove the others. With unit masses and lengths the
+/// upper angle of a push at the lower end is g / (s^4 + 4 g s^2 + 2 g^2).
+#[test]
+fn extrema_about_a_rest_that_is_no_fraction_are_complete() {
+    let text = std::fs::read_to_string("examples/double_pendulum.vib").expect("the example");
+    let mut system = ask(&text).lowered.system;
+    let of_last = |system: &LinearSystem| table_of(system, None).extrema.expect("the default grid")[0][0].clone();
+    let lower = of_last(&system);
+    system.outputs.truncate(1);
+    let upper = of_last(&system);
+    let g = Number::from("9.81");
+    let root_two = Number::from(2).sqrt().expect("a number");
+    let pole = |sign: i64| {
+        let square = &g * &(&Number::from(2) + &(&Number::from(sign) * &root_two));
+        hertz(square.sqrt().expect("a number").to_ball())
+    };
+    // Between the poles the upper angle is least; the lower one is zero where the upper mass alone would swing.
+    let middle = hertz((&Number::from(2) * &g).sqrt().expect("a number").to_ball());
+    for extrema in [&upper, &lower] {
+        assert!(extrema.is_complete(), "{:?}", extrema.open);
+        let kinds: Vec<FeatureKind> = extrema.list.iter().map(|extremum| extremum.kind).collect();
+        assert_eq!(kinds, [Peak, Antiresonance, Peak]);
+        for (extremum, truth) in extrema.list.iter().zip([pole(-1), middle, pole(1)]) {
+            assert!((extremum.frequency - truth).contains_zero(), "{:?}, not {truth:?}", extremum.frequency);
+            assert!(extremum.frequency.relative_error() < 1e-16, "{:?}", extremum.frequency);
+        }
+        assert_eq!([extrema.list[0].gain, extrema.list[2].gain], [Gain::Infinite; 2]);
+    }
+    let [gain, zero] = [upper, lower].map(|extrema| extrema.list[1].gain.disc().expect("a value").gain());
+    assert!(zero.is_zero(), "{zero:?}");
+    let truth = Ball::ONE / (Ball::from(2.0) * g.to_ball());
+    assert!((gain - truth).contains_zero() && gain.relative_error() < 1e-16, "{gain:?}, not {truth:?}");
+}
+
+fn hertz(omega: Ball) -> Ball {
+    omega / (Ball::from(2.0) * Ball::PI)
+}

@@ -43,7 +43,7 @@ pub fn peaks(
     match &noise.density {
         Density::White(_) => {
             let top = BEYOND * exactly.largest();
-            let excess = exactly.excess() as f64 + integrals;
+            let excess = exactly.excess().ok_or(UNPROVED)? as f64 + integrals;
             // For w >= K |z| each zero and pole has w t / (t^2 + a^2) = 1 +- 2 / K in the slope.
             let is_settled = 4.0 * exactly.roots() as f64 <= BEYOND * excess.abs() && excess != 0.0;
             if !is_settled {

@@ -203,7 +203,9 @@ fn from_roots(
     let of_pair = |i: usize, o: usize| {
         let found = pairs[i][o].exactly.map(|method| method.extrema(low, high));
         if let Some(found) = found.as_ref().filter(|found| found.is_complete()) {
-            return found.clone();
+            let is_loose = pairs[i][o].exactly.is_some_and(Exactly::has_far_roots);
+            let sharper = || sharpened(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found.clone());
+            return if is_loose { sharper() } else { found.clone() };
         }
         let of_poles = pairs[i][o].fractions.as_ref().map(|sum| expanded(sum, low, high));
         let sharp = |extrema: &&Extrema| {

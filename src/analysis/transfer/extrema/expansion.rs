@@ -13,7 +13,15 @@ pub struct Sized {
 const UP: f64 = 1.0 + 1e-11;
 
 impl Sized {
+    fn is_zero(self) -> bool {
+        self.size == 0.0 && self.radius == 0.0
+    }
+
     fn times(self, other: Sized) -> Sized {
+        if self.is_zero() || other.is_zero() {
+            // A coefficient that no entry has stays exactly zero: a polynomial in s^2 remains one.
+            return Sized::default();
+        }
         let radius = self.size * other.radius + self.radius * other.size + self.radius * other.radius;
         // A number that underflows must not become zero.
         let seen = |x: f64, nothing: bool| if nothing { 0.0 } else { x.max(f64::MIN_POSITIVE) };
@@ -36,7 +44,7 @@ pub fn spread(rows: &[Vec<[Sized; 3]>]) -> Vec<f64> {
         let row = &rows[columns.count_ones() as usize];
         for (j, entry) in row.iter().enumerate().filter(|(j, _)| columns & (1 << j) == 0) {
             let sum = &mut sums[columns | (1 << j)];
-            for (power, a) in entry.iter().enumerate().filter(|(_, a)| a.size > 0.0 || a.radius > 0.0) {
+            for (power, a) in entry.iter().enumerate().filter(|(_, a)| !a.is_zero()) {
                 for (k, b) in known.iter().enumerate() {
                     if sum.len() <= k + power {
                         sum.resize(k + power + 1, Sized::default());

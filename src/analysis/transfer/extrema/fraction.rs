@@ -4,7 +4,8 @@
 //! docs/method/transfer.md#extrema.
 
 use super::expansion::{Sized, spread};
-use super::roots::{Coefficients, Root, roots};
+use super::far::Far;
+use super::roots::{Coefficients, Root, Roots, near_and_far};
 use crate::analysis::modes::parts::Part;
 use crate::base::{Ball, Dd, Number, Rational, down, up};
 use crate::kernel::polynomial::{Polynomial, determinant};
@@ -27,7 +28,7 @@ pub struct Denominator {
     coordinates: Vec<u32>,
     q: Vec<Vec<Entry>>,
     determinant: Determinant,
-    roots: Vec<Root>,
+    roots: Roots,
 }
 
 /// The coordinates of the independent parts on which the input acts and that the output sees: no others contribute to
@@ -42,7 +43,7 @@ pub fn coordinates_between(system: &LinearSystem, parts: &[Part], input: usize, 
     list
 }
 
-/// H(s) = lead prod ((s - z) / unit) / prod ((s - p) / unit)
+/// H(s) = lead prod ((s - z) / unit) / prod ((s - p) / unit), but for roots that are far away
 #[derive(Clone, Debug)]
 pub struct Factored {
     pub lead: Ball,
@@ -50,6 +51,7 @@ pub struct Factored {
     pub unit: f64,
     pub zeros: Vec<Root>,
     pub poles: Vec<Root>,
+    pub far: Far,
 }
 
 /// a0 + a1 s + a2 s^2
@@ -86,7 +88,7 @@ impl Denominator {
         if determinant.polynomial.middle.is_zero() {
             return None;
         }
-        let roots = roots(&determinant.polynomial)?;
+        let roots = near_and_far(&determinant.polynomial)?;
         Some(Denominator { coordinates: coordinates.to_vec(), q, determinant, roots })
     }
 
@@ -103,22 +105,24 @@ impl Denominator {
         let numerator = Determinant::of(&rows, 2 * n + 2)?;
         if numerator.polynomial.middle.is_zero() {
             // The input has no effect on the output.
-            let nothing = Factored { lead: Ball::ZERO, unit: 1.0, zeros: Vec::new(), poles: Vec::new() };
+            let (zeros, poles) = (Vec::new(), Vec::new());
+            let nothing = Factored { lead: Ball::ZERO, unit: 1.0, zeros, poles, far: Far::NONE };
             return numerator.polynomial.is_exact().then_some(nothing);
         }
         let (above, below) = (&numerator.polynomial, &self.determinant.polynomial);
         let factor = Rational::from(&numerator.factor / &self.determinant.factor).to_ball();
-        let lead = factor * (above.lead() / below.lead());
         let common = match above.is_exact() && below.is_exact() {
             true => above.middle.gcd(&below.middle)?,
             false => Polynomial::new(vec![BigInt::one()]),
         };
         let rest = |f: &Coefficients| Some(Coefficients::exact(f.middle.divided_by(&common)?));
         let (zeros, poles) = match common.degree() {
-            0 => (roots(above)?, self.roots.clone()),
-            _ => (roots(&rest(above)?)?, roots(&rest(below)?)?),
+            0 => (near_and_far(above)?, self.roots.clone()),
+            _ => (near_and_far(&rest(above)?)?, near_and_far(&rest(below)?)?),
         };
-        Some(Factored { lead, unit: 1.0, zeros, poles })
+        let lead = factor * (zeros.lead / poles.lead);
+        let far = zeros.far.and(poles.far);
+        Some(Factored { lead, unit: 1.0, zeros: zeros.list, poles: poles.list, far })
     }
 }
 
@@ -144,7 +148,10 @@ impl Determinant {
         let middle = Polynomial::through(&values);
         if middle.is_zero() {
             let radii = if is_exact { Vec::new() } else { vec![f64::INFINITY] };
-            return Some(Determinant { factor: BigRational::one(), polynomial: Coefficients { middle, radii } });
+            return Some(Determinant {
+                factor: BigRational::one(),
+                polynomial: Coefficients { middle, radii, far: 0 },
+            });
         }
         // The polynomial is primitive: one value determines the missing factor.
         let (s, found) = values.iter().enumerate().find(|(_, value)| !value.is_zero())?;
@@ -159,7 +166,7 @@ impl Determinant {
             let scale = Rational::from(factor.clone()).to_f64().abs() * down::FEW;
             spread(&sized).into_iter().map(|radius| radius / scale * up::DOZENS).collect()
         };
-        Some(Determinant { factor, polynomial: Coefficients { middle, radii } })
+        Some(Determinant { factor, polynomial: Coefficients { middle, radii, far: 0 } })
     }
 }
 

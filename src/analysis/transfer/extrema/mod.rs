@@ -5,6 +5,7 @@
 mod bracketed;
 mod expanded;
 mod expansion;
+mod far;
 mod fraction;
 mod jet;
 mod path;

@@ -10,6 +10,7 @@
 //! input and an output. Out: zeros and poles, each in a disc with its own bound. See
 //! docs/method/transfer.md#extrema-of-larger-systems.
 
+use super::far::Far;
 use super::fraction::Factored;
 use super::roots::{Place, Root};
 use super::slope::Anchor;
@@ -292,7 +293,7 @@ fn with_factor(
     if value.relative_error() > GOOD_FACTOR {
         return None;
     }
-    let product = Factored { lead: Ball::ONE, unit, zeros, poles };
+    let product = Factored { lead: Ball::ONE, unit, zeros, poles, far: Far::NONE };
     let of_roots = Anchor::zero(&product).value(Ball::ONE, frequency.omega);
     if !(1e-100..=1e100).contains(&(of_roots.re.to_f64().abs() + of_roots.im.to_f64().abs())) {
         return None;

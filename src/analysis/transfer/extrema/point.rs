@@ -2,6 +2,7 @@
 //! its half-power width are computed there. In: zeros and poles. Out: values of H, and all extrema in a range. See
 //! docs/method/transfer.md#extrema.
 
+use super::far::Far;
 use super::roots::{Place, Root};
 use super::search::{Found, Interval, Search, search};
 use super::slope::{Anchor, anchors};
@@ -23,6 +24,7 @@ pub struct Exactly {
     largest: f64,
     /// Zeros, and poles.
     counts: [usize; 2],
+    far: Far,
 }
 
 /// A frequency as its distance from an anchor, rad/s.
@@ -63,7 +65,13 @@ impl Exactly {
             roots.iter().map(|root| root.multiplicity * if root.place == Place::Real { 1 } else { 2 }).sum()
         };
         let counts = [count(&factored.zeros), count(&factored.poles)];
-        in_range.then(|| Exactly { lead: factored.lead, anchors: anchors(factored), largest, counts })
+        in_range.then(|| Exactly {
+            lead: factored.lead,
+            anchors: anchors(factored),
+            largest,
+            counts,
+            far: factored.far,
+        })
     }
 
     /// The zeros and poles of |H| omega^power, for the search of extrema alone: its values are not those of H.
@@ -73,9 +81,16 @@ impl Exactly {
         Exactly { anchors, ..self.clone() }
     }
 
-    /// The number of zeros less that of poles: above 0, |H| grows with the frequency.
-    pub fn excess(&self) -> isize {
-        if self.lead.is_zero() { 0 } else { self.counts[0] as isize - self.counts[1] as isize }
+    /// The number of zeros less that of poles: above 0, |H| grows with the frequency. `None` if it is not certain how
+    /// many there are.
+    pub fn excess(&self) -> Option<isize> {
+        let excess = if self.lead.is_zero() { 0 } else { self.counts[0] as isize - self.counts[1] as isize };
+        (self.far == Far::NONE).then_some(excess)
+    }
+
+    /// Whether values are limited by roots of which is known only that they are far away.
+    pub fn has_far_roots(&self) -> bool {
+        self.far != Far::NONE
     }
 
     /// The number of zeros and poles.
@@ -125,7 +140,7 @@ impl Exactly {
 
     /// Every extremum between two frequencies, rad/s.
     pub fn extrema(&self, low: Ball, high: Ball) -> Extrema {
-        if self.lead.is_zero() || self.anchors[0].terms.is_empty() {
+        if self.lead.is_zero() || (self.anchors[0].terms.is_empty() && self.far == Far::NONE) {
             return Extrema { list: Vec::new(), complete: Some(Complete(())), open: Vec::new() };
         }
         // A half-power width may extend beyond the range.
@@ -517,7 +532,8 @@ mod tests {
         use crate::kernel::big_float::ComplexFloat;
         let centre = ComplexFloat::new(Float::from(re), Float::from(im));
         let pole = Root { centre, radius: Float::from(radius), multiplicity: 1, place: Place::Pair };
-        Exactly::of(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles: vec![pole] }).expect("in range")
+        Exactly::of(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles: vec![pole], far: Far::NONE })
+            .expect("in range")
     }
 
     /// However poor the first guess, the reported enclosure contains the change of sign, or nothing is reported.

@@ -3,8 +3,9 @@
 //! distance of any two roots, and of a root from the imaginary axis, is known to more digits than double-double has.
 //! See docs/method/transfer.md#extrema.
 
+use super::far::Far;
 use crate::analysis::poles::exact::{circles, iterate, value};
-use crate::base::Ball;
+use crate::base::{Ball, Power, down, up};
 use crate::kernel::big_float::{ComplexFloat, Float};
 use crate::kernel::complex::Complex;
 use crate::kernel::polynomial::Polynomial;
@@ -45,11 +46,22 @@ pub struct Coefficients {
     pub middle: Polynomial,
     /// By power; empty if the coefficients are exact.
     pub radii: Vec<f64>,
+    /// The number of powers above those of `middle` that may be there too, each within its radius of zero: as many roots,
+    /// or fewer, are beyond a frequency at which the others are the larger ones.
+    pub far: usize,
+}
+
+/// f(s) = lead prod (s - z) prod (1 - s / far)
+#[derive(Clone, Debug)]
+pub struct Roots {
+    pub list: Vec<Root>,
+    pub lead: Ball,
+    pub far: Far,
 }
 
 impl Coefficients {
     pub fn exact(middle: Polynomial) -> Coefficients {
-        Coefficients { middle, radii: Vec::new() }
+        Coefficients { middle, radii: Vec::new(), far: 0 }
     }
 
     pub fn is_exact(&self) -> bool {
@@ -73,7 +85,45 @@ impl Coefficients {
 
     fn derivative(&self) -> Coefficients {
         let radii = self.radii.iter().enumerate().skip(1).map(|(k, radius)| radius * k as f64 * (1.0 + f64::EPSILON));
-        Coefficients { middle: self.middle.derivative(), radii: radii.collect() }
+        Coefficients { middle: self.middle.derivative(), radii: radii.collect(), far: self.far }
+    }
+
+    /// The highest power that may be there.
+    fn degree(&self) -> usize {
+        self.middle.degree() + self.far
+    }
+
+    /// An upper bound of a coefficient.
+    fn size(&self, power: usize) -> f64 {
+        let middle = self.middle.coefficients().get(power).cloned().unwrap_or_default();
+        rounded_up(&Float::from(middle).abs()) + self.radius(power)
+    }
+
+    /// The coefficients of the highest powers that may vanish are moved into radii; and R, such that for |s| = R the
+    /// highest power that remains outweighs all others together. By Rouche's theorem as many roots as its exponent
+    /// are within that circle, whatever the others are. `None` if there is no such circle.
+    fn without_far_roots(&self) -> Option<(Coefficients, f64)> {
+        let powers = self.middle.coefficients().len().max(self.radii.len());
+        let highest = (0..powers).rev().find(|k| self.size(*k) > 0.0)?;
+        let least = |k: usize| {
+            let middle = self.middle.coefficients().get(k).cloned().unwrap_or_default();
+            Float::from(middle).abs().to_f64() * down::FEW - self.radius(k)
+        };
+        let last = (0..=highest).rev().find(|k| least(*k) > self.radius(*k))?;
+        let far = highest - last;
+        if far == 0 {
+            return Some((self.clone(), f64::INFINITY));
+        }
+        let beyond = (last + 1..=highest).filter(|k| self.size(*k) > 0.0).map(|k| {
+            let share = least(last) / (4.0 * far as f64 * self.size(k));
+            libm::pow(share, 1.0 / (k - last) as f64)
+        });
+        let circle = beyond.fold(f64::INFINITY, f64::min);
+        let others = (0..=highest).filter(|k| *k != last);
+        let others: f64 = others.map(|k| self.size(k) * circle.power(k as i32 - last as i32)).sum();
+        let radii = (0..=highest).map(|k| if k > last { self.size(k) } else { self.radius(k) }).collect();
+        let middle = Polynomial::new(self.middle.coefficients()[..=last].to_vec());
+        (others * up::MILLIONS < least(last)).then_some((Coefficients { middle, radii, far }, circle))
     }
 
     /// How often s certainly divides the polynomial, and the quotient; `None` if the number of roots, or of those at
@@ -82,13 +132,38 @@ impl Coefficients {
         let (zeros, middle) = self.middle.without_zero_roots();
         let radii: Vec<f64> = self.radii.iter().skip(zeros).copied().collect();
         let nothing = |radius: &f64| *radius == 0.0;
-        let certain = self.radii.iter().take(zeros).all(nothing) && radii.iter().skip(middle.degree() + 1).all(nothing);
-        let rest = Coefficients { middle, radii };
+        let certain = self.radii.iter().take(zeros).all(nothing)
+            && radii.iter().skip(middle.degree() + self.far + 1).all(nothing);
+        let rest = Coefficients { middle, radii, far: self.far };
         let ends = [0, rest.middle.degree()].map(|power| {
             Float::from(rest.middle.coefficients()[power].clone()).to_f64().abs() > 2.0 * rest.radius(power)
         });
         (certain && ends == [true; 2]).then_some((zeros, rest))
     }
+}
+
+/// The largest product of the numbers of near and far roots and the ratio of their sizes.
+const FAR: f64 = 1e-3;
+
+/// The roots of a polynomial of which the highest coefficients may be zero: those that are certainly there, and how far
+/// away the others are at least. `None` if they cannot be separated.
+pub fn near_and_far(f: &Coefficients) -> Option<Roots> {
+    if f.is_exact() {
+        return Some(Roots { list: roots(f)?, lead: f.lead(), far: Far::NONE });
+    }
+    let (near, beyond) = f.without_far_roots()?;
+    let list = roots(&near)?;
+    let size = |root: &Root| {
+        let centre = rounded_up(&root.centre.re.abs()) + rounded_up(&root.centre.im.abs());
+        centre + rounded_up(&root.radius)
+    };
+    let largest = list.iter().map(size).fold(0.0, f64::max);
+    let far = Far { count: near.far, beyond };
+    // The coefficient of the highest near power is the factor, times 1 + the sum of products of as many near roots as
+    // reciprocals of far ones.
+    let spread = far.count as f64 * near.middle.degree() as f64 * (largest / beyond) * up::DOZENS;
+    let lead = near.lead();
+    (spread <= FAR).then(|| Roots { list, lead: lead.widen(2.0 * spread * lead.magnitude()), far })
 }
 
 /// All roots; `None` if they cannot be separated.
@@ -106,8 +181,8 @@ pub fn roots(f: &Coefficients) -> Option<Vec<Root>> {
             list.extend(simple(&Coefficients::exact(other), false, index + 1)?);
         }
     } else {
-        let odd = rest.middle.coefficients().iter().zip(&rest.radii).skip(1).step_by(2);
-        let even = odd.into_iter().all(|(a, radius)| a.is_zero() && *radius == 0.0);
+        let even = rest.middle.coefficients().iter().skip(1).step_by(2).all(Zero::is_zero)
+            && rest.radii.iter().skip(1).step_by(2).all(|radius| *radius == 0.0);
         list.extend(simple(&rest, even, 1)?);
     }
     let count: usize = list.iter().map(Root::count).sum();
@@ -281,7 +356,7 @@ fn radius(f: &Coefficients, slope: &Coefficients, z: &ComplexFloat) -> Option<Fl
     if q.is_zero() {
         return None;
     }
-    let degree = Float::from(BigInt::from(f.middle.degree()));
+    let degree = Float::from(BigInt::from(f.degree()));
     let exactly = &p.root_of_quotient_above(&q) * &degree;
     if f.is_exact() {
         return Some(exactly);
@@ -292,6 +367,11 @@ fn radius(f: &Coefficients, slope: &Coefficients, z: &ComplexFloat) -> Option<Fl
     let (above, below) = (over(f.blur(&size)), over(slope.blur(&size)));
     let sum = &exactly + &(&above * &degree);
     is_less(&below, &Float::from(0.5)).then(|| sum.times_power_of_two(1))
+}
+
+/// Not below the number, which is not negative.
+fn rounded_up(x: &Float) -> f64 {
+    if x.is_zero() { 0.0 } else { x.to_f64() * (1.0 + 4.0 * f64::EPSILON) + f64::MIN_POSITIVE }
 }
 
 fn is_less(a: &Float, b: &Float) -> bool {
@@ -354,14 +434,14 @@ mod tests {
     /// s^2 + 2 s + 5 with coefficients off by 1e-3: the discs contain the roots of s^2 + 2.001 s + 5.001.
     #[test]
     fn uncertain_coefficients_widen_the_discs() {
-        let f = Coefficients { middle: polynomial(&[5, 2, 1]), radii: vec![1e-3, 1e-3, 0.0] };
+        let f = Coefficients { middle: polynomial(&[5, 2, 1]), radii: vec![1e-3, 1e-3, 0.0], far: 0 };
         let found = roots(&f).expect("apart");
         let (re, im) = (-1.0005, (5.001f64 - 1.0005 * 1.0005).sqrt());
         let distance = (rounded(&found[0].centre.re) - re).hypot(rounded(&found[0].centre.im) - im);
         let radius = found[0].radius.to_f64();
         assert!(distance <= radius && radius < 5e-3, "{distance} {radius}");
         // A root that may be at zero is not reported.
-        assert!(roots(&Coefficients { middle: polynomial(&[5, 2, 1]), radii: vec![6.0, 0.0, 0.0] }).is_none());
+        assert!(roots(&Coefficients { middle: polynomial(&[5, 2, 1]), radii: vec![6.0, 0.0, 0.0], far: 0 }).is_none());
     }
 
     #[test]
@@ -384,7 +464,7 @@ mod tests {
     fn a_slope_that_is_hardly_known_gives_no_radius() {
         let at = ComplexFloat::new(Float::from(1.0), Float::zero());
         let radius = |wide: f64| {
-            let f = Coefficients { middle: polynomial(&[100, -101, 1]), radii: vec![0.0, wide, 0.0] };
+            let f = Coefficients { middle: polynomial(&[100, -101, 1]), radii: vec![0.0, wide, 0.0], far: 0 };
             radius(&f, &f.derivative(), &at)
         };
         assert!(radius(60.0).is_none() && radius(1.0).is_some());
@@ -406,5 +486,26 @@ mod tests {
         let disc = RootDisc::around(&f, &f.derivative(), &at, false).expect("a slope");
         let to_a_root = &disc.centre - &ComplexFloat::new(Float::zero(), Float::from(1.0));
         assert!(!is_less(&(&disc.radius * &disc.radius), &to_a_root.norm()), "{:?}", disc.radius);
+    }
+
+    /// (s + 2)(s + 3)(1e12 - s) with a highest coefficient that may be zero: two roots, one at 1e12 or beyond, and the
+    /// factor 1e12. The constant 0 and coefficients that leave nothing certain give none.
+    #[test]
+    fn roots_that_may_be_at_infinity_are_far() {
+        let middle = polynomial(&[6_000_000_000_000, 4_999_999_999_994, 999_999_999_995, -1]);
+        let found = near_and_far(&Coefficients { middle, radii: vec![0.0, 0.0, 0.0, 1.0], far: 0 }).expect("roots");
+        let mut places: Vec<Ball> =
+            found.list.iter().map(|root| root.centre.re.to_ball(rounded_up(&root.radius))).collect();
+        places.sort_by(|a, b| a.mid.hi.total_cmp(&b.mid.hi));
+        for (place, truth) in places.iter().zip([-3.0, -2.0]) {
+            assert!((*place - Ball::from(truth)).contains_zero() && place.rad < 1e-9, "{place:?}");
+        }
+        assert_eq!((places.len(), found.far.count), (2, 1));
+        // -2 s^3 may be there: a root at 5e11.
+        assert!((1e10..=5e11).contains(&found.far.beyond), "{:?}", found.far);
+        assert!((found.lead - Ball::from(1e12)).contains_zero() && found.lead.relative_error() < 1e-8, "{found:?}");
+        // s^2 + (0 +- 1) s^3: the far root may be at 1.
+        let near = Coefficients { middle: polynomial(&[1, 0, 1]), radii: vec![0.0, 0.0, 0.0, 1.0], far: 0 };
+        assert!(near_and_far(&near).is_none());
     }
 }

@@ -148,6 +148,7 @@ mod tests {
     use super::*;
 
     use crate::analysis::transfer::extrema::Factored;
+    use crate::analysis::transfer::extrema::far::Far;
     use crate::analysis::transfer::extrema::roots::{Place, Root};
     use crate::analysis::transfer::extrema::slope::anchors;
     use crate::base::Ball;
@@ -159,7 +160,7 @@ mod tests {
     }
 
     fn searched(zeros: Vec<Root>, poles: Vec<Root>) -> (Vec<Anchor>, Search) {
-        let anchors = anchors(&Factored { lead: Ball::ONE, unit: 1.0, zeros, poles });
+        let anchors = anchors(&Factored { lead: Ball::ONE, unit: 1.0, zeros, poles, far: Far::NONE });
         let search = search(&anchors, 10.0, (0.0, 10.0));
         (anchors, search)
     }

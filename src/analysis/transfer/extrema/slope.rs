@@ -8,6 +8,7 @@
 //! interval, with bounds. Frequencies are represented by their distance from the imaginary part of a nearby root (the
 //! anchor), so that the digits of a light damping are not lost. See docs/method/transfer.md#extrema.
 
+use super::far::Far;
 use super::fraction::Factored;
 use super::roots::{Place, Root};
 use crate::base::{Ball, Dd, up};
@@ -23,6 +24,7 @@ pub struct Anchor {
     /// 1 / unit of the products, a power of two.
     per_unit: f64,
     pub terms: Vec<Term>,
+    far: Far,
 }
 
 /// A zero or a pole, relative to an anchor.
@@ -82,7 +84,7 @@ impl Anchor {
     fn of(factored: &Factored, own: Option<&Root>) -> Anchor {
         let place = own.map_or(Float::zero(), |root| root.centre.im.clone());
         let radius = own.map_or(0.0, |root| rounded_up(&root.radius));
-        let mut anchor = Anchor { place, radius, per_unit: 1.0 / factored.unit, terms: Vec::new() };
+        let mut anchor = Anchor { place, radius, per_unit: 1.0 / factored.unit, terms: Vec::new(), far: factored.far };
         for (roots, sign) in [(&factored.zeros, 1.0), (&factored.poles, -1.0)] {
             for root in roots {
                 anchor.add(root, sign * root.multiplicity as f64, own.is_some_and(|own| std::ptr::eq(own, root)));
@@ -181,7 +183,16 @@ impl Anchor {
         let lost = self.terms.len() as f64 * f64::EPSILON;
         cell.g_error *= 1.0 + lost;
         cell.slope_error *= 1.0 + lost;
+        let [g, slope, curvature] = self.far.slopes((self.approximate(middle).abs() + half) * up::DOZENS);
+        cell.g_error += g;
+        cell.slope_error += slope;
+        cell.curvature += curvature;
         cell
+    }
+
+    /// What far roots change H by, relative to it.
+    fn spread(&self, t: Ball) -> f64 {
+        if self.far == Far::NONE { 0.0 } else { self.far.spread(self.omega(t).magnitude()) }
     }
 
     /// Whether the interval is so small that binary64 gains nothing by cutting it.
@@ -206,6 +217,10 @@ impl Anchor {
             let weight = Ball::from(term.weight);
             g = g + weight * (t / norm);
             slope = slope + weight * ((aa - tt) / norm / norm);
+        }
+        if self.far != Far::NONE {
+            let [off, of_slope, _] = self.far.slopes(self.omega(t).magnitude());
+            (g, slope) = (g.widen(off), slope.widen(of_slope));
         }
         (g, slope)
     }
@@ -239,7 +254,14 @@ impl Anchor {
                 Complex::new(unknown(), unknown())
             }
         };
-        self.product(Complex::real(lead), |z| z.re.mid.hi.abs() + z.im.mid.hi.abs(), by)
+        let value = self.product(Complex::real(lead), |z| z.re.mid.hi.abs() + z.im.mid.hi.abs(), by);
+        match self.spread(t) {
+            0.0 => value,
+            spread => {
+                let off = spread * (value.re.magnitude() + value.im.magnitude());
+                Complex::new(value.re.widen(off), value.im.widen(off))
+            }
+        }
     }
 
     /// |H| times a factor at a point.
@@ -253,7 +275,11 @@ impl Anchor {
             let next = if up { x * modulus(term) } else { x / modulus(term) };
             if in_range(next.mid.hi.abs()) { next } else { unknown() }
         };
-        self.product(factor, |x| x.mid.hi.abs(), by)
+        let size = self.product(factor, |x| x.mid.hi.abs(), by);
+        match self.spread(t) {
+            0.0 => size,
+            spread => size.widen(spread * size.magnitude()),
+        }
     }
 
     /// Approximation of |H| in binary64, to steer the search.
@@ -361,7 +387,7 @@ mod tests {
 
     /// The anchor at zero for a system with poles only.
     fn of_poles(poles: Vec<Root>) -> Anchor {
-        anchors(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles }).remove(0)
+        anchors(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles, far: Far::NONE }).remove(0)
     }
 
     /// The derivative of -t / (t^2 + 1) is zero at t = 1.

@@ -41,7 +41,7 @@ pub fn supremum(
             &own
         }
     };
-    if range.is_none() && exactly.excess() > 0 {
+    if range.is_none() && exactly.excess().ok_or(UNPROVED)? > 0 {
         return Ok(Supremum::Infinite);
     }
     let (low, high) = match range {
