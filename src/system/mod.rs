@@ -32,7 +32,7 @@ pub struct Coordinate {
     /// `block.x`, `rod.angle`, `m[3].x`.
     pub name: Label,
     pub kind: CoordinateKind,
-    /// Where the body is declared.
+    /// The place where the body is declared.
     pub span: Span,
 }
 
@@ -75,7 +75,7 @@ pub enum Origin {
     Gravity,
     /// Damping that is declared for the whole system.
     Damping,
-    /// No item of a model: a system that was not lowered from one.
+    /// No item: the system was not lowered from a model.
     None,
 }
 
@@ -94,7 +94,7 @@ impl From<Source> for Label {
 /// The whole linear system about a rest.
 #[derive(Clone, Debug)]
 pub struct LinearSystem {
-    /// The words that labels are made of.
+    /// The words that labels consist of.
     pub words: Words,
     pub coordinates: Vec<Coordinate>,
     pub m: Form,
@@ -128,7 +128,7 @@ pub struct Term {
     len: u32,
 }
 
-/// Where a term comes from.
+/// The origin of a term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Nature {
     /// Inertia, elasticity, dissipation: the weight, including its sign, is a property given by the model.
@@ -249,7 +249,7 @@ impl Form {
         entries
     }
 
-    /// [`Form::entries`], where all of them are rational.
+    /// [`Form::entries`], if all of them are rational.
     pub fn rational_entries(&self, n: usize) -> Option<Vec<Vec<Rational>>> {
         let rational = |row: &Vec<Number>| row.iter().map(|entry| entry.exact().cloned()).collect();
         self.entries(n).iter().map(rational).collect()

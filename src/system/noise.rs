@@ -7,8 +7,8 @@ use crate::base::{Density, Number};
 pub struct Noise {
     /// Indices of the inputs that it drives, and how much later it reaches each, s.
     pub inputs: Vec<(usize, Number)>,
-    /// Which derivative of the inputs it is: 0 the inputs themselves, 1 their rates, 2 their accelerations.
+    /// The derivative of the inputs that the noise is: 0 the inputs themselves, 1 their rates, 2 their accelerations.
     pub derivative: u8,
-    /// One-sided.
+    /// One-sided density.
     pub density: Density,
 }

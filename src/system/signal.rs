@@ -1,5 +1,5 @@
-//! Functions of time that drive inputs, as plain data in SI units: what a model declares, apart from its wording.
-//! See docs/method/response.md.
+//! Functions of time that drive inputs, as plain data in SI units, independent of how the model writes them. See
+//! docs/method/response.md.
 
 use crate::base::Number;
 
@@ -43,8 +43,8 @@ pub enum Signal {
         phase: Number,
     },
     Table(Table),
-    /// The repeated integral of a signal over time, from zero at t = 0. That of a harmonic or an impulse is another of these
-    /// signals.
+    /// The repeated integral of a signal over time, starting from zero at t = 0. Integrals of harmonics and impulses
+    /// are not written like this: they are other signals of this enum.
     Integral {
         of: Box<Signal>,
         times: u8,
@@ -96,7 +96,7 @@ impl Signal {
         }
     }
 
-    /// The value that stays on when everything has happened: of a harmonic none. `None` where it grows for ever.
+    /// The constant value that remains in the end; zero for a harmonic. `None` if the signal grows without limit.
     pub fn lasting(&self) -> Option<Number> {
         match self {
             Signal::Step { value, .. } | Signal::Ramp { value, .. } => Some(value.clone()),
@@ -123,7 +123,7 @@ impl Signal {
         signal
     }
 
-    /// Whether it is ever other than zero.
+    /// Whether the signal is not zero at all times.
     pub fn is_felt(&self) -> bool {
         match self {
             Signal::Step { value, .. }
