@@ -1,9 +1,9 @@
-//! An account of what lowering kept of a scene, what it left out, and why. In: a checked scene and its lowering. Out:
-//! lists for users. They are made on demand only, so that other runs do not pay for them. See
+//! An account of the parts of a scene that lowering kept and left out, and why. In: a checked scene and its lowering.
+//! Out: lists for users. They are made on demand only, so that other runs do not pay for them. See
 //! docs/method/system.md#only-what-the-scene-needs.
 //!
-//! Nothing is left out that could change an answer: only terms whose row is zero, weights that do no work, properties
-//! that no degree of freedom uses. So results with and without them are the same numbers.
+//! Nothing that could change an answer is left out: only terms whose row is zero, weights that do no work, and
+//! properties that no degree of freedom uses. Results with and without them are therefore the same numbers.
 
 use super::Lowered;
 use super::kinematics::{End, Kinematics, Path};

@@ -93,7 +93,7 @@ pub fn outputs<'a>(
 pub enum Idle {
     Element(usize),
     Input(usize),
-    /// A spring whose law has the slope zero at rest.
+    /// A spring whose law has zero slope at rest.
     Flat(usize),
 }
 
@@ -116,7 +116,7 @@ pub struct Assembly<'a> {
     chain: Vec<ChainedRow>,
     /// Indices of the elements without a term.
     idle: Vec<usize>,
-    /// Those of springs whose law has the slope zero at rest.
+    /// The springs whose law has zero slope at rest.
     flat: Vec<usize>,
     /// The forces on released motions, if there are any.
     released: Option<released::Forces>,
@@ -283,8 +283,8 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Adds the square of an element to the matrix of its order, and what the tension of an elastic element contributes
-    /// to K.
+    /// Adds the square of an element to the matrix of its order and, for an elastic element, the contribution of its
+    /// tension to K.
     fn terms_of(&mut self, number: usize, element: &Element) {
         let law = &element.law;
         let order = law.kind.order;
@@ -331,7 +331,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// The stretch of the path in `between`, whose columns are then in `reach`.
+    /// The stretch of the path in `between`; leaves its columns in `reach`.
     fn stretched(&mut self, stretch: &Stretch<Number>) -> Stretched<Number> {
         self.reach.measure(self.kinematics, self.state, &self.between.path);
         stretch.at(&self.reach.displacement, &self.between.turn(self.state))
@@ -389,7 +389,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Whether a coordinate is moved by prescribed motions only.
+    /// Whether a coordinate is moved only by prescribed motions.
     fn is_driven(&self, coordinate: Index) -> bool {
         if self.reduction.is_trivial() {
             return coordinate as usize >= self.kinematics.n();
@@ -555,7 +555,8 @@ impl<'a> Assembly<'a> {
         self.to_system_row(ends.filter_map(|(end, sign)| Some((angle(end)?, Number::from(sign)))).collect())
     }
 
-    /// The final form of a row over all coordinates: over those of the system and the prescribed ones, in m and rad.
+    /// The final form of a row over all coordinates: a row over the system's coordinates and the prescribed ones, in m
+    /// and rad.
     fn to_system_row(&self, mut row: Row) -> Row {
         self.kinematics.unfold(&mut row);
         self.reduction.reduce(&mut row);
@@ -593,7 +594,7 @@ impl<'a> Assembly<'a> {
             }
             Motion::Force { element } => self.element_force(&self.scene.elements[element.index()]),
             Motion::Stretch { element } => (0, self.element_slope(&self.scene.elements[element.index()])),
-            // Added when the rest is known: see `super::reactions`.
+            // Added once the rest is known: see `super::reactions`.
             Motion::Reaction(_) => (0, Row::new()),
         }
     }

@@ -1,6 +1,6 @@
-//! The signals of a scene's inputs as data of the linear system. In: a scene; out: a sum of signals for each input, in the
-//! order of the system's inputs. A base whose rate or acceleration is given gets the integrals: it starts at rest.
-//! See docs/method/response.md.
+//! The signals of a scene's inputs as data of the linear system. In: a scene. Out: a sum of signals for each input, in
+//! the order of the system's inputs. If the rate or acceleration of a base is given, the sum holds its integrals: the
+//! base starts at rest. See docs/method/response.md.
 
 use super::error::LowerError;
 use crate::base::{Ball, Number, ResponseSpectrum};
@@ -13,7 +13,8 @@ pub fn drives(scene: &CheckedScene) -> Result<Vec<Vec<Signal>>, LowerError> {
     scene.scene().inputs.iter().map(of_input).collect()
 }
 
-/// Every noise with the inputs that it drives: that which has it, and those whose signals are this one's later.
+/// Every noise with the inputs that it drives: the input that declares it, and the inputs whose signals are delays of
+/// that input's signal.
 pub fn noises(scene: &CheckedScene) -> Vec<Noise> {
     let inputs = &scene.scene().inputs;
     let mut driven: Vec<Vec<(usize, Number)>> = (0..inputs.len()).map(|index| vec![(index, Number::ZERO)]).collect();
@@ -47,7 +48,8 @@ pub fn spectra(scene: &CheckedScene) -> Vec<(usize, ResponseSpectrum)> {
     scene.scene().inputs.iter().enumerate().flat_map(of).collect()
 }
 
-/// The signals of an input as they are declared: of a base those of its displacement, its rate or its acceleration.
+/// The signals of an input as declared; for a base, they may be signals of its displacement, its rate or its
+/// acceleration.
 pub fn declared(input: &Input) -> Result<Vec<Signal>, LowerError> {
     Ok(undelayed_of(input)?.into_iter().map(|(signal, delay)| delayed(signal, delay)).collect())
 }
@@ -81,7 +83,7 @@ fn undelayed_of(input: &Input) -> Result<Vec<(Signal, Option<&Number>)>, LowerEr
     Ok(list)
 }
 
-/// A signal, or those that it is a delay of.
+/// A signal without its delay, or the signals that it delays, each with that delay.
 fn undelayed(signal: &scene::Signal) -> Vec<(&scene::Signal, Option<&Number>)> {
     match signal {
         scene::Signal::Delayed { by, signals, .. } => signals.iter().map(|signal| (signal, Some(by))).collect(),
@@ -91,7 +93,8 @@ fn undelayed(signal: &scene::Signal) -> Vec<(&scene::Signal, Option<&Number>)> {
 
 fn of_signal(signal: &scene::Signal, course: Course) -> Result<Option<Signal>, LowerError> {
     Ok(Some(match signal.clone() {
-        // A delay of a delay is one delay: the check adds them up. Noise and response spectra have no course in time.
+        // The check adds up delays of delays, so there is one delay. Noise and response spectra are no functions of
+        // time.
         scene::Signal::Constant { .. }
         | scene::Signal::Delayed { .. }
         | scene::Signal::Noise(_)
@@ -122,7 +125,7 @@ fn integral_of_harmonic(value: Number, frequency: Number, phase: Number, at: Num
     // A phase without digits left is one of an unknown sine.
     let sine = |angle: &Number| angle.sin_cos().map_or(Number::Ball(Ball::ZERO.widen(1.0)), |(sine, _)| sine);
     let Some(size) = value.checked_div(&omega) else {
-        // It keeps its first value.
+        // The signal keeps its first value.
         return integral(Signal::Step { value: &value * &sine(&phase), at }, times);
     };
     let phase = &phase - &(&Number::pi() / &Number::from(2));

@@ -7,7 +7,7 @@ use crate::base::{Code, Diagnostic, Span};
 use crate::model::TABLE_UNREADABLE;
 use crate::model::scene::{BodyId, Scene};
 
-/// An unbalance without a speed, where a motion in time is asked for.
+/// An unbalance without a speed, when a motion in time is asked for.
 pub const SPEED_MISSING: Code = Code::model("vib::unbalance::speed");
 /// Bodies without a freedom clause that no joint connects to the ground.
 pub const LOOSE: Code = Code::model("vib::freedom::loose");
@@ -23,7 +23,7 @@ pub const CONFLICT: Code = Code::model("vib::loop::conflict");
 pub const RANK_DROP: Code = Code::model("vib::loop::rank_drop");
 /// A joint or a coupling that follows from others.
 pub const REDUNDANT: Code = Code::model("vib::loop::redundant");
-/// More row entries than there is room for.
+/// More row entries than fit into memory.
 pub const TOO_DEEP: Code = Code::limit("vib::limit::depth");
 /// Too many coordinates in closed loops to search for a rest.
 pub const LARGE_LOOP: Code = Code::limit("vib::limit::loops");
@@ -55,7 +55,7 @@ pub enum LowerError {
         stretch: f64,
         turns: bool,
     },
-    /// A law whose slope jumps at its stretch at rest.
+    /// A law whose slope jumps at the stretch at rest.
     LawKink {
         span: Span,
         element: String,

@@ -1,4 +1,4 @@
-//! Springs, dampers and inputs without effect. In: the items for which the assembly found no place in the system. Out: a
+//! Springs, dampers and inputs without effect. In: the items that contribute nothing to the assembled system. Out: a
 //! warning for each declaration, which says how it was read. See spec.md#springs-and-dampers.
 
 use super::assembly::Idle;
@@ -11,10 +11,11 @@ const ELEMENT: Code = Code::model("vib::unused::element");
 const NO_TANGENT: Code = Code::model("vib::law::no_tangent");
 const INPUT: Code = Code::model("vib::unused::input");
 
-/// Declarations reported one by one: a `repeat` may make a million without effect, and one of them speaks for all.
+/// Limit on the declarations that are reported one by one: a `repeat` may make a million without effect, and one of
+/// them represents all.
 const SHOWN: usize = 100;
 
-/// One finding for each place of the text.
+/// One finding for each place in the text.
 pub fn findings(scene: &Scene, kinematics: &Kinematics, idle: &[Idle]) -> Vec<Diagnostic> {
     let mut reported: HashSet<Span> = HashSet::new();
     let mut findings = Vec::new();
@@ -84,7 +85,7 @@ fn input(scene: &Scene, input: &Input) -> Option<Diagnostic> {
         // A part often moves along one of both axes alone.
         InputKind::Unbalance { .. } => return None,
         InputKind::Torque { .. } => ("torque", "no motion turns its body".into(), "let it act on a body that turns"),
-        // A motion that nothing is attached to is a support that is not used yet, unless a signal moves it.
+        // A base motion that nothing is attached to is a support that is not used yet, unless a signal moves it.
         InputKind::Base { .. } if input.signal.is_empty() => return None,
         InputKind::Base { .. } => (
             "motion of the base",

@@ -52,10 +52,10 @@ pub struct Kinematics {
     pub prescribed: usize,
     /// The index of the input for each of them.
     pub prescribed_inputs: Vec<u32>,
-    /// Squared lengths of the directions of oblique slides whose length is irrational: the coordinate is measured in
-    /// units of that length until it is handed out, so that rows stay exact. Ascending by coordinate.
+    /// Squared lengths of the directions of oblique slides whose length is irrational. The coordinate is measured in
+    /// units of that length until it leaves this module, so that rows stay exact. Ascending by coordinate.
     lengths_squared: Vec<(Index, Number)>,
-    /// Angles that are sums of others, in a mechanism with released joints: each with that sum, ascending.
+    /// Angles that are sums of other angles, in a mechanism with released joints: each with its terms, ascending.
     followers: Vec<(Index, Vec<(Index, Number)>)>,
 }
 
@@ -423,7 +423,7 @@ impl<S> Path<S> {
         self.turns.is_empty() && self.runs.is_empty()
     }
 
-    /// Gives back memory that is reserved for longer paths, of which one that is kept has no use.
+    /// Frees memory reserved for longer paths, which a stored path does not need.
     pub fn shrink_to_fit(&mut self) {
         self.turns.shrink_to_fit();
         self.runs.shrink_to_fit();

@@ -1,5 +1,5 @@
-//! The laws of springs where they are needed: at rest, and on the way to it. In: a spring and its stretch. Out: what is wrong
-//! with its law there, or its tangent for the motions about the rest. See docs/method/rest.md#laws.
+//! The laws of springs at rest and during the search for it. In: a spring and its stretch. Out: an error if the law has
+//! no value or no tangent there; otherwise its tangent, for the motions about the rest. See docs/method/rest.md#laws.
 
 use super::error::LowerError;
 use super::kinematics::{Kinematics, PathEvaluation, State};
@@ -54,7 +54,8 @@ pub struct LawAtRest {
     of_rate: bool,
 }
 
-/// Distances from the rest, and the difference of law and tangent there: one that is reached, and one that is not exceeded.
+/// An interval of distances from the rest, with a difference between law and tangent that occurs in it and an upper
+/// bound of that difference.
 #[derive(Clone, Copy)]
 struct Cell {
     low: f64,
@@ -64,12 +65,12 @@ struct Cell {
 }
 
 impl LawAtRest {
-    /// Whether it is over a rate.
+    /// Whether the law is a function of a rate.
     pub fn is_of_rate(&self) -> bool {
         self.of_rate
     }
 
-    /// The word for what it is over, and its unit.
+    /// The word for the law's variable, and its unit.
     pub fn variable(&self) -> (&'static str, &'static str) {
         match (self.of_rate, self.turns) {
             (false, false) => ("stretch", "m"),
@@ -92,9 +93,9 @@ impl LawAtRest {
         }
     }
 
-    /// What the difference of the law and its tangent stays below, up to the distance `size` on either side of the rest: by
-    /// enclosures over intervals, of which the one with the largest bound is halved until that is near to a difference that is
-    /// reached. `None` if the law may have no value somewhere.
+    /// An upper bound of the difference between the law and its tangent, up to the distance `size` on either side of
+    /// the rest. Computed by enclosures over intervals: the interval with the largest bound is halved until that bound
+    /// is close to a difference that occurs. `None` if the law may have no value somewhere.
     pub fn difference(&self, size: f64) -> Option<f64> {
         const MOST: usize = 1_000;
         const NEAR: f64 = 1.01;
@@ -115,7 +116,8 @@ impl LawAtRest {
         bound.is_finite().then_some(bound)
     }
 
-    /// The difference over an interval of distances from the rest: by its derivative from the middle, or as it stands.
+    /// The difference over an interval of distances from the rest: by the mean value form about the middle, or
+    /// directly.
     fn over(&self, low: f64, high: f64) -> Cell {
         let middle = 0.5 * (low + high);
         let half = 0.5 * (high - low) * up::FEW + middle.abs() * f64::EPSILON;
@@ -162,7 +164,7 @@ impl Mechanism {
     }
 }
 
-/// Every law as drawn: an error for one that is not defined there, where the search for the rest begins.
+/// An error for each law that is not defined as drawn, where the search for the rest begins.
 pub fn as_drawn(scene: &Scene, kinematics: &Kinematics, state: &State<Number>) -> Vec<LowerError> {
     let (mut between, mut reach) = (loads::EndPath::default(), PathEvaluation::default());
     let mut faults = Vec::new();
@@ -181,10 +183,12 @@ pub fn as_drawn(scene: &Scene, kinematics: &Kinematics, state: &State<Number>) -
     faults
 }
 
-/// How far beyond the place where a search was stopped a law is tried, relative to its stretch and the part's length.
+/// Distance beyond the place where a search stopped at which a law is tried, relative to its stretch and the part's
+/// length.
 const BEYOND: f64 = 1e-9;
 
-/// The law that a search for the rest could not follow: it is not defined next to the place where the search ended.
+/// The error for the law that stopped a search for the rest: it is not defined next to the place where the search
+/// ended.
 pub fn stopped(scene: &Scene, kinematics: &Kinematics, part: &Part, state: &State<f64>) -> Option<LowerError> {
     let mut reach = PathEvaluation::default();
     for (spring, between) in &part.potential.converted::<f64>().springs {

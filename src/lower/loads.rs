@@ -11,9 +11,9 @@ use crate::model::scene::{Attachment, Geometry, Input, InputKind, Law, Scene, Si
 #[derive(Clone, Debug)]
 pub struct EndPath<S> {
     pub path: Path<S>,
-    /// Angle of the first and of the second end; `None` if it does not turn.
+    /// Angles of the first and of the second end; `None` for an end that does not turn.
     pub angles: [Option<Index>; 2],
-    /// Of a belt: how much of it a turn of either disk takes from its span, m/rad.
+    /// For a belt: the length of its span that a turn of each disk winds up, m/rad.
     pub winds: Option<[S; 2]>,
 }
 
@@ -40,7 +40,7 @@ impl<S: Scalar> EndPath<S> {
         row.extend(self.angles[1].map(|angle| (angle, S::one())));
     }
 
-    /// Adds the gradient of what a belt's disks wind up, times a factor.
+    /// Adds the gradient of the length that a belt's disks wind up, times a factor.
     fn wind_row(&self, factor: &S, row: &mut Vec<(Index, S)>) {
         let Some(winds) = &self.winds else { return };
         for (angle, wind) in self.angles.iter().zip(winds) {
@@ -98,7 +98,7 @@ impl EndPath<Number> {
     }
 }
 
-/// From the first to the second end as drawn.
+/// The vector from the first to the second end as drawn.
 fn drawn_line(ends: &[Attachment; 2]) -> Option<Vector<Number>> {
     let (first, second) = (ends[0].at.as_deref()?, ends[1].at.as_deref()?);
     Some(Vector::of(&second.sub(first)))
@@ -154,8 +154,7 @@ pub fn spring_of(stretch: Stretch<Number>, ends: &[Attachment; 2], geometry: &Ge
     Spring { stretch, response }
 }
 
-/// grad e of a stretch whose path is in `reach`, as a row that has to be divided by the square root of the number
-/// returned.
+/// grad e for a stretch whose path is in `reach`, as a row to be divided by the square root of the returned number.
 pub fn slope<S: Scalar>(
     stretched: &Stretched<S>,
     reach: &PathEvaluation<S>,

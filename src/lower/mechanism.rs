@@ -30,11 +30,11 @@ pub struct SpringAtRest {
     pub element: ElementId,
     /// N or N m; pull is positive.
     pub tension: Number,
-    /// From the drawing to the rest, m or rad.
+    /// Change of length from the drawing to the rest, m or rad.
     pub change: Number,
-    /// From its free length, or that of its law; `None` if that is not determined.
+    /// Stretch from the free length, or that of its law; `None` if that is not determined.
     pub stretch: Option<Number>,
-    /// Of a nonlinear one the tangent there.
+    /// The stiffness; for a nonlinear spring, the tangent at rest.
     pub stiffness: Number,
 }
 
@@ -49,8 +49,8 @@ impl Mechanism {
         Mechanism { kinematics, reduction, state, holding }
     }
 
-    /// Every spring of the scene that this was lowered from, in order of declaration; `rest` is the one found with it, and
-    /// the list is empty if that is not proven.
+    /// All springs of the scene that this mechanism was lowered from, in order of declaration. `rest` is the one found
+    /// with the mechanism; the list is empty if it is not proven.
     pub fn springs_at_rest(&self, scene: &Scene, rest: &Rest) -> Vec<SpringAtRest> {
         if !rest.is_proven() {
             return Vec::new();
@@ -88,8 +88,9 @@ impl Mechanism {
 }
 
 impl Mechanism {
-    /// A combination of motions at rest, measured from the drawing; of a spring's force its whole tension, of a reaction all
-    /// of it. `rest` is the one found with this mechanism. An error at `span` for a reaction that is not determined.
+    /// A combination of motions at rest, measured from the drawing. A spring contributes its whole tension, and a
+    /// reaction its whole force or moment. `rest` is the one found with this mechanism. An error at `span` for a
+    /// reaction that is not determined.
     pub fn at_rest(&self, scene: &Scene, rest: &Rest, terms: &[MotionTerm], span: Span) -> Result<Number, LowerError> {
         let reactions = self.reactions(scene, terms, span)?;
         let has_force = terms.iter().any(|term| matches!(term.motion, Motion::Force { .. }));
@@ -97,7 +98,7 @@ impl Mechanism {
         let (mut between, mut reach) = (EndPath::default(), PathEvaluation::default());
         let mut value = |motion: &Motion| match motion {
             Motion::Force { element } => {
-                // An element that is no spring has no force where nothing moves.
+                // An element that is not a spring has no force if nothing moves.
                 let spring = springs.binary_search_by_key(element, |spring| spring.element);
                 spring.map_or(Number::ZERO, |place| springs[place].tension.clone())
             }

@@ -76,8 +76,8 @@ pub fn lower(scene: &CheckedScene) -> Outcome {
 }
 
 impl Lowered {
-    /// Writes chained rows out over the coordinates, as most analyses need them; an error, with nothing changed, if they
-    /// would not fit into memory.
+    /// Writes chained rows out over the coordinates, as most analyses need them. If they do not fit into memory,
+    /// returns an error and changes nothing.
     pub fn flatten(&mut self) -> Result<(), LowerError> {
         let found = self.system.flatten(kinematics::MAX_WRITTEN_OUT);
         found.map_err(|TooLong { entries, deepest }| {
@@ -109,8 +109,7 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     Ok((lowered, notes))
 }
 
-/// The warning about a rest that is not proven, at the coordinate that moved farthest to it, or at the first if none
-/// moved.
+/// The warning about an unproven rest, at the coordinate that moved farthest, or at the first one if none moved.
 fn unproven(system: &LinearSystem, rest: &Rest) -> Option<Diagnostic> {
     let moved = |place: &usize| rest.displacement.get(*place).map_or(0.0, |value| value.to_f64().abs());
     let farthest = (0..system.n()).rev().max_by(|a, b| moved(a).total_cmp(&moved(b)))?;

@@ -15,12 +15,13 @@ use std::collections::BTreeMap;
 pub struct RestAndShape {
     pub rest: f64,
     pub shape: f64,
-    /// What joints that close loops add at second order, so that they stay together in a motion that is seen well.
+    /// The second-order displacement that joints closing loops require, so that they stay closed in a visibly large
+    /// motion.
     pub bend: f64,
 }
 
 impl RestAndShape {
-    /// At so many times the shape.
+    /// The value at a multiple of the shape.
     pub fn at(&self, amount: f64) -> f64 {
         self.rest + amount * (self.shape + amount * self.bend)
     }
@@ -30,7 +31,7 @@ impl RestAndShape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carried {
     pub carrier: u32,
-    /// The drawn point that holds it, m; `None` if it has no place.
+    /// The drawn point at which the carrier holds the piece, m; `None` if it has no known position.
     pub anchor: Option<[f64; 2]>,
     /// Its absolute angle, rad.
     pub angle: RestAndShape,
@@ -56,7 +57,7 @@ impl Poses {
         found.map_or(0, |piece| *piece as usize)
     }
 
-    /// All values, piece by piece: its angle, then its slides.
+    /// All values, piece by piece: the angle, then the slides.
     pub fn values(&self) -> impl Iterator<Item = &RestAndShape> {
         self.pieces
             .iter()
@@ -98,7 +99,7 @@ impl Mechanism {
         }
     }
 
-    /// Whether joints or couplings hold coordinates together that turn.
+    /// Whether some joint or coupling relates coordinates nonlinearly, as joints that close loops of turning parts do.
     pub fn closes_loops(&self) -> bool {
         self.holding.constraints.list.iter().any(|constraint| !constraint.equation.is_linear())
     }

@@ -25,7 +25,7 @@ pub struct Holding {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Open {
     Unreleased(Unreleased),
-    /// Damping of modes does not say where its forces act.
+    /// Modal damping does not say where its forces act.
     DampedByModes,
 }
 

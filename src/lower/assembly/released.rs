@@ -1,8 +1,8 @@
 //! Reactions as rows: the force on a released motion, to first order about the rest. In: a mechanism with released
-//! motions. Out: for each of them a row over the motions of the scene for each derivative, what the inputs add, and the
-//! force at rest. See docs/method/linearisation.md#reactions.
+//! motions. Out, for each released motion: a row over the motions of the scene for each derivative, the contribution of
+//! the inputs, and the force at rest. See docs/method/linearisation.md#reactions.
 //!
-//! A square w r r^T of M, C or K is a force w r_e (r . q) on the released motion e, of which the whole row r is known. The
+//! A square w r r^T of M, C or K is a force w r_e (r . q) on the released motion e, whose whole row r is known. The
 //! pairs of the geometric stiffness and the columns of the inputs are split in the same way.
 
 use super::{Assembly, Order, Row, Sparse, Tensions, equation, loads};
@@ -20,8 +20,8 @@ pub struct Forces {
     first: Index,
     /// For each released motion: a row over all coordinates for each derivative.
     rows: Vec<[Row; 3]>,
-    /// For each released motion, and each derivative of the inputs: the inputs that are no bases, and the work that a unit
-    /// of each does on it.
+    /// For each released motion and each derivative of the inputs: the inputs other than base motions, and the work
+    /// that a unit of each does on the motion.
     inputs: Vec<[Row; 3]>,
 }
 
@@ -106,7 +106,7 @@ pub fn carried(
         let mut d: [Row; 3] = rows.each_ref().map(|row| {
             row.iter().filter_map(|(i, value)| Some((assembly.input_of(*i)? as u32, value.clone()))).collect()
         });
-        // The joint carries what the inputs do not.
+        // The joint carries the forces that the inputs do not balance.
         for (d, inputs) in d.iter_mut().zip(inputs) {
             d.extend(signed(inputs).into_iter().map(|(input, value)| (input, -&value)));
         }
@@ -171,7 +171,7 @@ impl Assembly<'_> {
         }
     }
 
-    /// The force on a released motion, given those on all coordinates.
+    /// The force on a released motion, given the forces on all coordinates.
     fn force_at_rest(&self, slopes: &[Number], coordinate: Index) -> Number {
         let mut force = slopes[coordinate as usize].clone();
         for dependent in self.reduction.dependent() {

@@ -1,6 +1,6 @@
-//! The constraints of a scene: joints that close loops, and couplings. In: scene and kinematics. Out: equations g(q) = 0
-//! that are independent in the drawing, and what the others turned out to be.
-//! See docs/method/kinematics.md#constraints and docs/method/kinematics.md#dependent-constraints.
+//! The constraints of a scene: joints that close loops, and couplings. In: scene and kinematics. Out: equations g(q) =
+//! 0 that are independent in the drawing, and a classification of the dependent ones. See
+//! docs/method/kinematics.md#constraints and docs/method/kinematics.md#dependent-constraints.
 //!
 //! # Steps
 //! 1. [`equation`]: joints and couplings as scalar equations
@@ -40,7 +40,7 @@ pub enum Source {
 #[derive(Clone, Debug)]
 pub struct Constraint {
     pub source: Source,
-    /// Which of the equations of its source it is: of displacements 0 and 1, of angles 2.
+    /// The number of this equation among those of its source: 0 and 1 for displacements, 2 for angles.
     pub part: u8,
     pub equation: Equation<Number>,
 }
@@ -98,8 +98,8 @@ impl Constraint {
 }
 
 impl Constraints {
-    /// The same constraints with released motions in them; an error if one of these follows from the others: then the
-    /// joints hold the same parts in several ways, and what each of them carries is not determined.
+    /// The same constraints, with released motions added. An error if one of these motions follows from the others:
+    /// then several joints hold the same parts, and the load on each of them is not determined.
     pub fn released(
         &self,
         scene: &Scene,
@@ -219,7 +219,8 @@ impl Constraints {
         state.is_drawn() || all.all(|c| c.equation.measure(kinematics, state, &mut reach).0.is_zero())
     }
 
-    /// The error for constraints that cannot be satisfied near the drawing with the bases where they are held.
+    /// The error for constraints that cannot be satisfied near the drawing with the bases at their prescribed
+    /// positions.
     pub fn open(&self, scene: &Scene, kinematics: &Kinematics, numbers: &[u32]) -> LowerError {
         rank::conflict_error(scene, kinematics, self, numbers, Why::Open)
     }

@@ -63,13 +63,13 @@ enum Meaning {
 /// The ways in which joints or couplings overconstrain parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
-    /// They lock each other.
+    /// The constraints lock each other.
     Locked,
     /// Couplings that only zero motion satisfies.
     Opposed,
-    /// No position near the drawing satisfies them.
+    /// No position near the drawing satisfies the constraints.
     Open,
-    /// They hold a base whose motion is prescribed.
+    /// The constraints hold a base whose motion is prescribed.
     Driven,
     /// Several motions branch off from this position.
     Branching,

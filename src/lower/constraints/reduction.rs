@@ -89,8 +89,8 @@ impl Reduction {
         self.elimination.combination(&[(dependent, Number::ONE)])
     }
 
-    /// Moves dependent coordinates to where prescribed motions take them, in a state in which the independent ones are as
-    /// drawn.
+    /// Moves the dependent coordinates to the values that prescribed motions give them, in a state whose independent
+    /// coordinates are as drawn.
     pub fn follow(&self, kinematics: &Kinematics, state: &mut State<Number>) {
         for (dependent, equation) in &self.elimination.solved {
             let parts = equation.iter().map(|(i, entry)| entry * state.value(*i));

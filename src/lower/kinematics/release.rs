@@ -1,11 +1,12 @@
-//! A mechanism in which some of what holds it is released. In: the kinematics of a scene and reactions. Out: kinematics
-//! with a further prescribed motion for each reaction: the motion that the joint, coupling or support prevents, on which
-//! the reaction does work. It is zero in every motion of the scene. See docs/method/linearisation.md#reactions.
+//! A mechanism with some of its joints, couplings or supports released. In: the kinematics of a scene and reactions.
+//! Out: kinematics with a further prescribed motion for each reaction: the motion that the joint, coupling or support
+//! prevents, on which the reaction does work. It is zero in every motion of the scene. See
+//! docs/method/linearisation.md#reactions.
 //!
-//! A released force displaces everything that the joint carries along an axis of the scene. A released moment turns those
-//! parts about the place of the joint that have no angle of their own against the joint: they become a group whose angle
-//! follows from that of the carrier and the released turn. Joints that close loops and couplings stay equations, in which
-//! the released motion is a further term ([`Released::in_equation`]).
+//! A released force displaces everything that the joint carries along an axis of the scene. A released moment turns,
+//! about the place of the joint, those parts that have no angle of their own against the joint: they become a group
+//! whose angle is the sum of the carrier's angle and the released turn. Joints that close loops and couplings stay
+//! equations, in which the released motion is a further term ([`Released::in_equation`]).
 
 use super::{Carriage, End, Group, Index, Kinematics, NO_TURN, Path, PieceId, Run, Slide, State};
 use crate::base::{Number, Span, Vec3};
@@ -25,7 +26,8 @@ pub struct Released {
     pub kinematics: Kinematics,
     /// The coordinate of the motion released for the first reaction; the others follow.
     pub first: Index,
-    /// Whether each reaction acts on what its released motion displaces; otherwise it is the opposite.
+    /// For each reaction, whether it acts on the parts that its released motion displaces; if not, its sign is
+    /// reversed.
     pub acts_on_moved: Vec<bool>,
     /// The reactions whose motion appears in equations only.
     pub in_equation: Vec<bool>,
@@ -36,20 +38,20 @@ pub struct Released {
 pub enum Unreleased {
     /// Other joints hold the same parts in the same way.
     Redundant,
-    /// The place of something that the moment depends on is not known.
+    /// The position of something that the moment depends on is not known.
     NoPlace { span: Span },
     /// A body of unknown mass is carried.
     NoMass { span: Span },
     /// A limit of room or time.
     Limit(Box<LowerError>),
-    /// The known digits do not decide on what the released motion depends.
+    /// The known digits do not decide which coordinates the released motion depends on.
     Unclear,
 }
 
 /// How the motion of a reaction enters the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
-    /// By the piece that moves, which the second end of the joint belongs to or not.
+    /// Through the piece that moves, and whether that piece is on the side of the joint's second end.
     Piece {
         piece: PieceId,
         is_second: bool,
@@ -77,7 +79,7 @@ impl Kinematics {
         Ok(released)
     }
 
-    /// Replaces angles that follow others by what they follow.
+    /// Replaces angles that follow other angles by the sums that define them.
     pub fn unfold(&self, row: &mut Vec<(Index, Number)>) {
         let of = |coordinate: &Index| self.followers.binary_search_by_key(coordinate, |(angle, _)| *angle).ok();
         if self.followers.is_empty() || !row.iter().any(|(coordinate, _)| of(coordinate).is_some()) {
@@ -127,7 +129,7 @@ impl Released {
         Ok(())
     }
 
-    /// A state in which nothing is special: what vanishes in it vanishes in all.
+    /// A generic state: an expression that vanishes in it vanishes in all states.
     pub fn generic(&self) -> State<Number> {
         let mut state = State::as_drawn();
         let mut value = &Number::from(37) / &Number::from(101);
@@ -141,7 +143,7 @@ impl Released {
         state
     }
 
-    /// Turns what follows other angles.
+    /// Sets the angles that follow other angles.
     fn follow(&self, original: &State<Number>, state: &mut State<Number>) {
         for (angle, follows) in &self.kinematics.followers {
             let value = follows.iter().fold(Number::ZERO, |sum, (i, entry)| &sum + &(entry * original.value(*i)));
@@ -193,7 +195,7 @@ struct Builder<'a> {
     scene: &'a Scene,
     old: &'a Kinematics,
     new: Kinematics,
-    /// The piece of the original tree that each piece is; `None` for one that a weld held.
+    /// For each piece, the piece of the original tree that it came from; `None` for a piece that a weld held.
     origin: Vec<Option<PieceId>>,
 }
 
@@ -246,7 +248,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// The part by which a piece is held.
+    /// The part that holds a piece.
     fn holder_of(&self, piece: PieceId) -> Part {
         let tree = &self.new.tree;
         let own = &tree.pieces[piece as usize];
@@ -262,7 +264,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The parts of a piece that welds connect to one of them, without one of the welds.
+    /// The parts of a piece that remain connected to one of them by welds if one weld is removed.
     fn welded_to(&self, first: Part, piece: PieceId, without: JointId) -> Vec<Part> {
         let tree = &self.new.tree;
         let mut neighbours: BTreeMap<Part, Vec<Part>> = BTreeMap::new();
@@ -286,7 +288,7 @@ impl<'a> Builder<'a> {
         reached
     }
 
-    /// Puts carriers before what they carry again.
+    /// Sorts the pieces so that carriers come before the pieces that they carry.
     fn sort(&mut self) {
         let tree = &mut self.new.tree;
         let count = tree.pieces.len();
@@ -394,7 +396,7 @@ impl<'a> Builder<'a> {
         self.new.carriages = carriages;
     }
 
-    /// A group whose angle is that of another group and a released turn.
+    /// Adds a group whose angle is the sum of another group's angle and a released turn.
     fn follower(&mut self, group: u32, turn: Index) -> u32 {
         let coordinate = self.new.total() as Index;
         self.new.prescribed += 1;
@@ -423,7 +425,7 @@ impl<'a> Builder<'a> {
         let place = place.ok_or_else(nowhere)?;
         self.new.tree.pieces[piece as usize].anchor = Some(place.clone());
         let group = self.new.carriages[piece as usize].group;
-        // Pieces that turned about no known point have one now; in one group, any will do.
+        // Pieces that turned about no known point have one now; within one group, any point will do.
         for (other, carriage) in self.new.tree.pieces.iter_mut().zip(&self.new.carriages) {
             if carriage.group == group && other.anchor.is_none() {
                 other.anchor = Some(place.clone());

@@ -22,8 +22,8 @@ pub struct Scaled {
 const INVERSE_STEPS: usize = 12;
 
 impl Scaled {
-    /// H as the sum of its entries (i, j, value), each place from one side only, scaled to ones on its diagonal; `None`
-    /// if the diagonal is not positive.
+    /// H as the sum of its entries (i, j, value), each off-diagonal entry given in one triangle only, scaled to ones on
+    /// its diagonal; `None` if the diagonal is not positive.
     pub fn to_ones(n: usize, entries: Vec<(u32, u32, Ball)>) -> Option<Scaled> {
         let mut diagonal = vec![0.0; n];
         for (i, _, value) in entries.iter().filter(|(i, j, _)| i == j) {

@@ -89,7 +89,7 @@ pub struct Dependent {
 #[derive(Clone, Debug)]
 pub struct PartialRest {
     rest: Rest,
-    /// All coordinates at rest, except those of large linear parts, which are as drawn: no term depends on them.
+    /// All coordinates at rest. Those of large linear parts are as drawn, since no term depends on them.
     pub state: State<Number>,
     survey: Option<Survey>,
     /// The tensions that hold the drawing, if it is declared to be the rest.
@@ -346,7 +346,7 @@ fn to_coordinate_units(kinematics: &Kinematics, coordinate: Index, value: &Numbe
     }
 }
 
-/// The descent from the drawing; none if no force is certainly unbalanced.
+/// The descent from the drawing; the part stays as drawn if no force is certainly unbalanced.
 fn descend(
     kinematics: &Kinematics,
     part: &Part,
@@ -369,7 +369,7 @@ fn no_rest(scene: &Scene, kinematics: &Kinematics, part: &Part, descended: &Desc
     places.sort_by(|&a, &b| relative(b).total_cmp(&relative(a)).then(a.cmp(&b)));
     let left: Vec<(Index, f64)> =
         places.iter().map(|&place| (part.coordinates[place], -energy.gradient[place])).collect();
-    // Nothing acts in the opposite direction: it falls.
+    // No force acts in the opposite direction: it falls.
     let falling: Vec<(Index, f64)> =
         places.iter().zip(&left).filter(|(place, _)| relative(**place) > 0.99).map(|(_, left)| *left).collect();
     if falling.is_empty() {

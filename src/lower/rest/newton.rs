@@ -94,7 +94,8 @@ impl Descent<'_> {
                 }
             }
             if step.length <= NEGLIGIBLE_STEP {
-                // Steps that do not help shrink too, toward a place with a kink: where a spring that still pulls has no length.
+                // Steps that do not help shrink too, for example towards a kink, where a spring that still pulls has
+                // zero length.
                 let settled = imbalance(&energy) <= KINKED;
                 return DescentResult { settled, steps: steps + 1, energy };
             }

@@ -1,6 +1,6 @@
-//! Proofs that a scene rests where it is reported to rest. A [`Proven`] is made only by these tests, so that nothing can
-//! claim to be proven without one.
-//! See docs/method/rest.md#as-drawn, docs/method/rest.md#proof and docs/method/rest.md#large-linear-parts.
+//! Proofs that a scene rests at the reported position. A [`Proven`] is made only by these tests, so nothing can claim
+//! to be proven without one. See docs/method/rest.md#as-drawn, docs/method/rest.md#proof and
+//! docs/method/rest.md#large-linear-parts.
 
 use crate::base::{Number, down};
 

@@ -1,4 +1,4 @@
-//! A part of a scene near its rest, without constraints: what the proofs of its rest work on, dense
+//! A part of a scene near its rest, without constraints: the input of the two proofs of its rest, dense
 //! ([`enclosure`](super::enclosure)) and sparse ([`convex`](super::convex)).
 
 use super::potential::{Detail, Energy, Potential};

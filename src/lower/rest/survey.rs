@@ -275,7 +275,7 @@ impl<'a> Sets<'a> {
         displaced
     }
 
-    /// For each root, its index among the loaded sets, in the order of their least coordinates.
+    /// For each root, the index of its set among the loaded sets, which are ordered by their first coordinate.
     fn loaded(&mut self, forces: &[Number], displaced: &[usize]) -> Vec<u32> {
         let mut loaded = vec![false; self.parents.len()];
         let forced = (0..forces.len()).filter(|&i| !forces[i].is_zero());
