@@ -1,4 +1,4 @@
-//! What a figure is made of: glyphs with their strokes, labels, notes. Plain data in page coordinates.
+//! The contents of a figure: glyphs with their strokes, labels, notes. Plain data in page coordinates.
 
 use super::geometry::{Bounds, Point};
 use super::text;
@@ -11,12 +11,12 @@ pub struct Figure {
     pub name: String,
     pub width: f64,
     pub height: f64,
-    /// In the order of drawing.
+    /// The glyphs in drawing order.
     pub glyphs: Vec<Glyph>,
     pub labels: Vec<Label>,
     /// Lines below the figure.
     pub notes: Vec<Note>,
-    /// From the layout to the page.
+    /// The displacement from the layout to the page.
     pub shift: Point,
 }
 
@@ -24,14 +24,15 @@ pub struct Figure {
 #[derive(Clone, Debug)]
 pub struct Glyph {
     pub kind: Kind,
-    /// What a viewer shows when pointed at: name, value, what it does in a mode.
+    /// Text that a viewer shows on hover: name, value, and motion in a mode.
     pub title: String,
-    /// The declaration that made it.
+    /// The declaration that the glyph represents.
     pub span: Option<Span>,
     pub strokes: Vec<Stroke>,
-    /// What its strokes move with: from the stroke of each number on; those before the first one stand still.
+    /// The motions of the strokes, each from the stroke with the given number on. Strokes before the first one do not
+    /// move.
     pub rides: Vec<(usize, Ride)>,
-    /// What has a share of a mode's energy.
+    /// The item whose share of a mode's energy the glyph can show.
     pub item: Option<Item>,
     /// Part of the rest behind a mode.
     pub ghost: bool,
@@ -44,19 +45,19 @@ pub enum Item {
     Element(usize),
 }
 
-/// What a stroke moves with when the scene moves. Parts have the numbers of the layout.
+/// The motion of a stroke when the scene moves. Parts have the numbers of the layout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ride {
     Still,
-    /// As if it were drawn on the part.
+    /// Moves and turns with a part, as if drawn on it.
     With(usize),
-    /// Goes where a point of a part goes, and does not turn.
+    /// Moves with a point of a part, but does not turn.
     At(Hold),
     /// Stretched between two.
     Between([Hold; 2]),
 }
 
-/// A point that goes where a point of a part goes.
+/// A point that moves with a point of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
     pub part: usize,
@@ -95,7 +96,7 @@ pub enum Kind {
     Box,
     /// A body without a shape.
     Block,
-    /// A body without a mass, or all of whose mass is in one point.
+    /// A body without a mass, or with all of its mass in one point.
     Point,
     Base,
     Ground,
@@ -164,12 +165,12 @@ pub enum Stroke {
     Circle { centre: Point, radius: f64, pen: Pen },
 }
 
-/// How a stroke is drawn.
+/// The style of a stroke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Pen {
     /// The outline of a body, filled with a light tone.
     Body,
-    /// The outline of something that covers what is behind it.
+    /// The outline of a shape that covers everything behind it.
     Paper,
     /// A springy line.
     Normal,
@@ -199,14 +200,14 @@ impl Pen {
     }
 }
 
-/// A name beside what it belongs to.
+/// A name next to the glyph that it belongs to.
 #[derive(Clone, Debug)]
 pub struct Label {
     pub text: String,
     /// The middle of its line.
     pub at: Point,
     pub span: Option<Span>,
-    /// What it moves with, without turning.
+    /// The point that it moves with, without turning.
     pub ride: Ride,
 }
 

@@ -1,5 +1,5 @@
-//! Points of the page and what is computed with them: plain binary64, only operations that every machine rounds alike, so that
-//! the same scene gives the same figure to the last byte.
+//! Points of the page and the computations on them, in plain binary64. Only operations that every machine rounds in the
+//! same way are used, so that the same scene gives the same figure to the last byte.
 
 use crate::base::{Ball, Number};
 
@@ -47,7 +47,7 @@ impl Point {
         self.minus(o).length()
     }
 
-    /// With length one; `None` where there is no direction.
+    /// The vector of length one in this direction; `None` for the zero vector.
     pub fn unit(self) -> Option<Point> {
         let length = self.length();
         (length > TINY && length.is_finite()).then(|| self.times(1.0 / length))
@@ -82,7 +82,7 @@ pub struct Turn {
 impl Turn {
     pub const NONE: Turn = Turn { sine: 0.0, cosine: 1.0 };
 
-    /// Of an angle in radians. The standard library's functions are not the same on all machines.
+    /// The turn by an angle in radians. The standard library's functions are not the same on all machines.
     pub fn from_angle(angle: f64) -> Turn {
         if angle == 0.0 {
             return Turn::NONE;
@@ -98,9 +98,9 @@ pub fn arc(centre: Point, radius: f64, from: f64, to: f64, steps: usize) -> Vec<
     spiral(centre, (radius, radius), (from, to), steps)
 }
 
-/// The same with a radius that changes evenly along the way.
+/// Points on a spiral: an arc whose radius changes linearly with the angle.
 pub fn spiral(centre: Point, radii: (f64, f64), angles: (f64, f64), steps: usize) -> Vec<Point> {
-    // One exact step, applied again and again: errors of a few last bits over some dozen steps.
+    // One exact step, applied repeatedly: the error is a few last bits over some dozen steps.
     let step = Turn::from_angle((angles.1 - angles.0) / steps as f64);
     let mut arm = Point::new(1.0, 0.0).turned(Turn::from_angle(angles.0));
     let mut points = Vec::with_capacity(steps + 1);
@@ -187,7 +187,7 @@ mod tests {
         let points = arc(Point::new(3.0, 4.0), 10.0, 0.0, 2.0 * std::f64::consts::PI, 48);
         assert!(points[0].distance(points[48]) < 1e-10);
         assert!(points.iter().all(|point| (point.distance(Point::new(3.0, 4.0)) - 10.0).abs() < 1e-10));
-        // Counter-clockwise on a page whose y runs downwards: a quarter turn on is above the centre.
+        // Counter-clockwise on a page whose y runs downwards: after a quarter turn, the point is above the centre.
         assert!(points[12].distance(Point::new(3.0, -6.0)) < 1e-10);
     }
 }

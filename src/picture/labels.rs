@@ -1,4 +1,5 @@
-//! Where names stand: near what they belong to, over nothing, with a thin leader where nothing near is free.
+//! The places of names: near the glyph that they belong to and not on top of anything, with a thin leader if no place
+//! nearby is free.
 
 use super::figure::{Glyph, Kind, Label, Pen, Ride, Stroke};
 use super::geometry::{Bounds, Point};
@@ -10,19 +11,19 @@ use crate::base::Span;
 pub struct Wanted {
     pub text: String,
     pub span: Option<Span>,
-    /// The middle of what it belongs to, and half of its size.
+    /// The middle of the glyph that it belongs to, and half of the glyph's size.
     pub at: Point,
     pub half: Point,
-    /// Where it stands best, as seen from there.
+    /// Preferred directions from there.
     pub best: Vec<Point>,
     pub ride: Ride,
-    /// Of an element or a joint, which stands between others.
+    /// Whether it names an element or a joint, which lies between other glyphs.
     pub is_of_tie: bool,
 }
 
-/// Between a label and what it belongs to, px.
+/// The gap between a label and the glyph that it belongs to, px.
 const GAP: f64 = 3.0;
-/// Further away than this a leader says what a label belongs to.
+/// A label further away than this gets a leader.
 const NEAR: f64 = 9.0;
 /// Tried distances beyond the nearest, px.
 const STEPS: [f64; 13] = [0.0, 4.0, 9.0, 16.0, 24.0, 34.0, 46.0, 60.0, 78.0, 100.0, 126.0, 156.0, 190.0];
@@ -64,7 +65,7 @@ impl<'a> Placing<'a> {
         Placing { room, labels: Vec::new(), leaders: Vec::new(), left_out: 0 }
     }
 
-    /// Places all of them, in order; those that come first have the choice.
+    /// Places all labels in order, so that the first ones have the most choice.
     pub fn place(&mut self, wanted: Vec<Wanted>) {
         for wanted in wanted {
             let Some((label, leader)) = wanted.place(self.room) else {
@@ -83,7 +84,8 @@ impl<'a> Placing<'a> {
 
 impl Wanted {
     fn place(&self, room: &Occupied) -> Option<(Label, Option<Glyph>)> {
-        // Near and clear; then where the leader has to cross something, but never another name.
+        // First, places nearby without crossings; then those with a leader that crosses a glyph, but never another
+        // name.
         for clear in [true, false] {
             for step in STEPS {
                 for direction in self.best.iter().chain(&ROUND) {
@@ -117,7 +119,7 @@ impl Wanted {
         label
     }
 
-    /// From the edge of the label to the edge of what it belongs to.
+    /// The line from the edge of the label to the edge of the glyph that it belongs to.
     fn leader(&self, label: &Label) -> (Point, Point) {
         let nearest = |bounds: Bounds, to: Point| {
             Point::new(to.x.clamp(bounds.low.x, bounds.high.x), to.y.clamp(bounds.low.y, bounds.high.y))

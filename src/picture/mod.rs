@@ -1,14 +1,14 @@
-//! The scene as a textbook figure: the layout of the page, the glyphs, and the places of the names.
-//! In: a checked scene, and the poses of its parts at rest or in a mode; out: a [`Figure`], a plain value that
-//! a backend writes. See docs/draw.md.
+//! The scene as a textbook figure: the layout of the page, the glyphs, and the places of the names. In: a checked
+//! scene, and the poses of its parts at rest or in a mode. Out: a [`Figure`], a plain value that a backend writes. See
+//! docs/draw.md.
 //!
 //! # Steps
-//! 1. [`layout`]: where parts stand and where elements end; from the scene's coordinates where it has any
+//! 1. [`layout`]: the positions of parts and of the ends of elements; from the scene's coordinates if it has any
 //! 2. [`stage`]: the same at rest, or moved by a mode
-//! 3. [`glyph`]: lines and circles, one file a kind
+//! 3. [`glyph`]: lines and circles, one file per kind
 //! 4. [`labels`]: names, where nothing else is
 //!
-//! A page that lets the scene move gets what it needs for that beside the figure: [`Moving`].
+//! A page with an animation also needs [`Moving`], which says how the parts move.
 
 pub mod figure;
 pub mod geometry;
@@ -32,7 +32,7 @@ use glyph::values::Says;
 use layout::{Layout, Parts};
 use stage::Stage;
 
-/// What a figure shows besides the scene as drawn.
+/// The content of a figure in addition to the scene as drawn.
 pub struct Request<'a> {
     /// A value in few digits, for labels and titles.
     pub digits: &'a dyn Fn(&Number) -> String,
@@ -42,7 +42,7 @@ pub struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// What a part does in the mode that is shown.
+    /// The motion of a part in the displayed mode.
     pub fn mode_motion(&self, name: Name) -> Option<String> {
         match &self.shown {
             Shown::Mode(mode) => (mode.does)(name),
@@ -51,7 +51,7 @@ impl Request<'_> {
     }
 }
 
-/// Where the parts are.
+/// The state in which the parts are shown.
 pub enum Shown<'a> {
     AsDrawn,
     AtRest(&'a Poses),
@@ -63,7 +63,7 @@ pub struct ModeShown<'a> {
     pub poses: &'a Poses,
     /// `mode 2: 3.747 rad/s`
     pub caption: String,
-    /// What a part does in it, by its name: its share of an energy.
+    /// The motion of a part in the mode, by the part's name, such as its share of an energy.
     pub does: &'a dyn Fn(Name) -> Option<String>,
 }
 
@@ -87,12 +87,12 @@ impl std::fmt::Display for Refusal {
     }
 }
 
-/// How much of a scene is drawn.
+/// The level of detail of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Detail {
     /// Everything.
     Full,
-    /// No names.
+    /// Everything except names.
     Unnamed,
     /// Lines for springs and dampers.
     Plain,
@@ -133,7 +133,7 @@ pub fn figure(scene: &Scene, request: &Request) -> Result<Figure, Refusal> {
     Ok(of_layout(scene, &layout, request))
 }
 
-/// The figure at rest, and what moves in it.
+/// The figure at rest, and the data that move it.
 pub fn animated(scene: &Scene, poses: &Poses, digits: &dyn Fn(&Number) -> String) -> Result<(Figure, Moving), Refusal> {
     let request = Request { digits, values: false, shown: Shown::AtRest(poses) };
     let says = Says { scene, request: &request };
@@ -187,7 +187,7 @@ fn of_layout(scene: &Scene, layout: &Layout, request: &Request) -> Figure {
     framed(scene, glyphs, labels, notes)
 }
 
-/// What is written below the figure.
+/// The lines below the figure.
 fn notes(scene: &Scene, layout: &Layout, request: &Request, detail: Detail, amount: f64) -> Vec<String> {
     let mut notes = Vec::new();
     match &request.shown {

@@ -1,5 +1,6 @@
-//! What a figure needs to move: which part rides on which piece, how the pieces carry each other, and how each coordinate of the
-//! system moves them. It is what [`super::stage`] computes with, as plain data: the script of a page does the same with it.
+//! The data that move a figure: the piece that each part belongs to, how the pieces carry each other, and how each
+//! coordinate of the system moves them. [`super::stage`] computes with the same data; the script of a page repeats that
+//! computation.
 
 use super::geometry::Point;
 use super::layout::{Layout, Parts};
@@ -11,7 +12,7 @@ use crate::lower::Poses;
 pub struct Moving {
     layout: Layout,
     numbers: Parts,
-    /// By the number of a part, the ground first.
+    /// The parts by number, the ground first.
     pub parts: Vec<MovingPart>,
     pub poses: Poses,
 }
@@ -20,7 +21,7 @@ pub struct Moving {
 #[derive(Clone, Copy, Debug)]
 pub struct MovingPart {
     pub piece: usize,
-    /// The page's point of it that its piece carries: where the anchor of the piece is drawn, or its own place.
+    /// The point of the page that its piece carries: the drawn anchor of the piece, or the part's own place.
     pub from: Point,
     /// A metre along the scene's x and y, px.
     pub axes: [Point; 2],
@@ -37,7 +38,7 @@ impl Moving {
         Moving { layout, numbers, parts, poses: poses.clone() }
     }
 
-    /// How many times a shape is shown so that it is seen well, and what that is said to be.
+    /// The factor by which a shape is multiplied so that it is clearly visible.
     pub fn amount(&self, shape: &Poses) -> f64 {
         stage::amount(self.numbers, &self.layout, shape)
     }

@@ -1,4 +1,5 @@
-//! Where the page is taken: a grid of small cells under all strokes. Labels and arrows look for free places in it.
+//! A map of the occupied places of the page: a grid of small cells under all strokes. Labels and arrows search it for
+//! free places.
 
 use super::figure::{Glyph, Stroke};
 use super::geometry::{Bounds, Point};
@@ -7,7 +8,7 @@ use super::geometry::{Bounds, Point};
 const CELL: f64 = 3.0;
 /// Cells of a side; scenes that would need more are drawn without names.
 const MOST: usize = 4_000;
-/// Room around the scene, px: names may stand there.
+/// Room around the scene for names, px.
 const AROUND: f64 = 400.0;
 
 #[derive(Clone, Debug)]
@@ -19,7 +20,7 @@ pub struct Occupied {
     taken: Vec<Cell>,
 }
 
-/// What is in a cell.
+/// The content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cell {
     Free,
@@ -60,7 +61,7 @@ impl Occupied {
         }
     }
 
-    /// Whether nothing is in a rectangle, and all of it is on the page.
+    /// Whether a rectangle is empty and lies entirely on the page.
     pub fn is_free(&self, bounds: &Bounds) -> bool {
         let high = Point::new(self.low.x + self.cell * self.columns as f64, self.low.y + self.cell * self.rows as f64);
         if !(self.low.x <= bounds.low.x
@@ -77,7 +78,7 @@ impl Occupied {
         (y0..=y1).all(is_free)
     }
 
-    /// Leaves nothing free but what lies in a rectangle.
+    /// Marks everything outside a rectangle as occupied.
     pub fn only_within(&mut self, bounds: &Bounds) {
         let (x0, x1) = (self.column(bounds.low.x), self.column(bounds.high.x));
         let (y0, y1) = (self.row(bounds.low.y), self.row(bounds.high.y));
@@ -97,8 +98,8 @@ impl Occupied {
         }
     }
 
-    /// Whether a line from one point to another meets no name, and no glyph either where that is asked for; what is within
-    /// `skip` of its start may be there.
+    /// Whether a line from one point to another crosses no name and, if `of_glyphs` is set, no glyph. Glyphs within
+    /// `skip` of its start do not count.
     pub fn is_clear(&self, from: Point, to: Point, skip: f64, of_glyphs: bool) -> bool {
         let (length, Some(direction)) = (from.distance(to), to.minus(from).unit()) else { return true };
         let steps = (length / (self.cell * 0.5)).ceil() as usize;

@@ -1,21 +1,21 @@
-//! Where everything is that a figure shows: as drawn, at rest, or moved by a mode. Bodies stay rigid: they turn by their angle,
-//! they are not sheared by it, so a mode of a scene to scale is shown small enough for that to be the same. Where joints close loops
-//! the coordinates that depend on others move to second order, so that the joints stay together.
+//! The positions of everything in a figure: as drawn, at rest, or moved by a mode. Bodies stay rigid: they turn by
+//! their angle and are not sheared, so a mode of a scene to scale is shown small enough for the difference not to
+//! matter. If joints close loops, the dependent coordinates move to second order, so that the joints stay closed.
 
 use super::geometry::{Point, Turn};
 use super::layout::{Layout, Outline, Parts};
 use crate::lower::Poses;
 
-/// How far a mode moves what it moves most: px, and radians.
+/// Largest displacement of a point in a mode, px (not to scale and to scale), and largest rotation of a part, rad.
 const FAR: [f64; 2] = [22.0, 46.0];
 const TURNED: f64 = 0.4;
 
 /// The parts of a layout, moved.
 pub struct Stage<'a> {
     pub layout: &'a Layout,
-    /// By part; empty: all as drawn.
+    /// For each part; empty if all parts are as drawn.
     moved: Vec<Moved>,
-    /// How many times the shape is shown.
+    /// The factor by which the shape is multiplied.
     pub amount: f64,
 }
 
@@ -31,7 +31,7 @@ struct Moved {
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     anchor: Option<Point>,
-    /// Where its anchor is.
+    /// The present position of its anchor.
     at: Point,
     turn: Turn,
 }
@@ -41,7 +41,7 @@ impl<'a> Stage<'a> {
         Stage { layout, moved: Vec::new(), amount: 0.0 }
     }
 
-    /// At rest, displaced by a multiple of the shape.
+    /// The stage at rest, displaced by a multiple of the shape.
     pub fn at(parts: Parts, layout: &'a Layout, poses: &Poses, amount: f64) -> Stage<'a> {
         let pieces = pieces(poses, amount);
         let moved = (0..parts.count()).map(|number| {
@@ -58,7 +58,7 @@ impl<'a> Stage<'a> {
         Stage { layout, moved: moved.collect(), amount }
     }
 
-    /// Where a point of the page is that moves with a part.
+    /// The position on the page of a drawn point that moves with a part.
     pub fn point(&self, part: usize, drawn: Point) -> Point {
         match self.moved.get(part) {
             None => drawn,
@@ -66,7 +66,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Where a point is that goes with a part and does not turn with it, as the end of a shaft.
+    /// The position of a point that moves with a part but does not turn with it, such as the end of a shaft.
     pub fn carried(&self, part: usize, drawn: Point) -> Point {
         let at = self.layout.parts[part].at;
         drawn.plus(self.point(part, at)).minus(at)
@@ -77,7 +77,7 @@ impl<'a> Stage<'a> {
         self.moved.get(part).map_or(drawn, |moved| drawn.turned(moved.turn))
     }
 
-    /// Where a part is.
+    /// The position of a part.
     pub fn place(&self, part: usize) -> Point {
         self.point(part, self.layout.parts[part].at)
     }
@@ -110,7 +110,8 @@ fn pieces(poses: &Poses, amount: f64) -> Vec<Piece> {
     pieces
 }
 
-/// The amount at which loops add half of the shape: beyond that it would be another one.
+/// The factor at which the second-order motion of loops is half of the shape: beyond it, the shape would look
+/// different.
 fn by_bend(poses: &Poses) -> f64 {
     const SHARE: f64 = 0.5;
     let angles = poses.pieces.iter().map(|piece| (piece.angle.shape, piece.angle.bend));
@@ -120,7 +121,7 @@ fn by_bend(poses: &Poses) -> f64 {
     until(angles.fold((0.0, 0.0), largest)).min(until(slides.fold((0.0, 0.0), largest)))
 }
 
-/// How many times a shape is shown so that it is seen well.
+/// The factor by which a shape is multiplied so that it is clearly visible.
 pub fn amount(parts: Parts, layout: &Layout, poses: &Poses) -> f64 {
     let largest = poses.values().map(|value| value.shape.abs()).fold(0.0, f64::max);
     if largest == 0.0 {

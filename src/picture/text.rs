@@ -1,5 +1,5 @@
-//! How much room a text takes, without asking any font: what DejaVu Sans takes, and Verdana, which is as wide. Figures name
-//! these two, so that nearly every machine has one of them.
+//! The room that a text takes, without asking any font: that of DejaVu Sans and of Verdana, which is as wide. Figures
+//! name these two, so that nearly every machine has one of them.
 
 /// Size of labels, px.
 pub const SIZE: f64 = 12.0;
@@ -22,7 +22,7 @@ pub fn width(text: &str) -> f64 {
     text.chars().map(advance).sum::<f64>() * SIZE
 }
 
-/// Of a character, in units of the size.
+/// The advance width of a character, in units of the font size.
 fn advance(c: char) -> f64 {
     let known = (c as usize).checked_sub(' ' as usize).and_then(|place| ADVANCES.get(place));
     match (known, c) {
@@ -33,7 +33,7 @@ fn advance(c: char) -> f64 {
     }
 }
 
-/// At most this many characters of a name are shown; the title has all of them.
+/// Maximum number of characters of a name that are shown; the title has all of them.
 const LONGEST: usize = 40;
 
 /// A text that fits beside a glyph.
@@ -45,7 +45,7 @@ pub fn clipped(text: &str) -> String {
     kept + "…"
 }
 
-/// Three digits of a number that only says how large something was drawn.
+/// Three digits of a number that only gives the scale of a drawing.
 pub fn few_digits(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return "0".into();

@@ -62,7 +62,7 @@ impl Forces {
         }
     }
 
-    /// The work of a derivative of an input, whose column is given over all coordinates.
+    /// Adds the work of a derivative of an input, given its column over all coordinates.
     pub fn input(&mut self, input: usize, order: Order, column: &Row) {
         for (coordinate, value) in column {
             if let Some(number) = self.number(*coordinate) {

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 const HEAD: f64 = 8.0;
 const WIDE: f64 = 3.2;
 
-/// How far from what it belongs to an arrow is tried, px: near first, then further and further.
+/// Distances at which an arrow is tried, px, from near to far.
 pub fn offsets(first: f64) -> impl Iterator<Item = f64> + Clone {
     (0..16).map(move |k| first + f64::from(k) * (7.0 + 0.7 * f64::from(k)))
 }
@@ -42,7 +42,7 @@ pub fn arcs(centre: Point, radius: f64, pen: Pen, both: bool) -> Vec<Vec<Stroke>
     [0.5, 0.0, -0.5, 1.0].map(|quarter| curved(centre, radius, quarter * PI, pen, both, false)).to_vec()
 }
 
-/// The same clockwise.
+/// Like [`arcs`], but clockwise.
 pub fn arcs_back(centre: Point, radius: f64, pen: Pen) -> Vec<Vec<Stroke>> {
     [0.5, 0.0, -0.5, 1.0].map(|quarter| curved(centre, radius, quarter * PI, pen, false, true)).to_vec()
 }

@@ -6,7 +6,7 @@ use crate::picture::figure::{Hold, Pen, Ride, Stroke};
 use crate::picture::geometry::Point;
 use crate::picture::stage::Stage;
 
-/// The two points at which the span touches its disks, on the page, and what it moves with.
+/// The two points at which the span touches its disks, on the page, and the motion of its strokes.
 pub fn span(sheet: &Sheet, stage: &Stage, element: &Element, span: &BeltSpan) -> (Ride, [Point; 2], Vec<Stroke>) {
     let parts = sheet.parts_of();
     let numbers = [0, 1].map(|end| parts.number(element.ends[end].part));

@@ -1,4 +1,4 @@
-//! A coupling: a dashed line between its motions; a pair of gears where two disks touch that turn against each other.
+//! A coupling: a dashed line between its motions, or a pair of gears if two disks touch and turn against each other.
 
 use super::{Sheet, Subject, gear};
 use crate::model::scene::{Motion, Part};
@@ -70,7 +70,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
     sheet.rides(ride);
 }
 
-/// The direction of a motion on the page; `None` for a turn.
+/// The direction of a motion on the page; `None` for a rotation.
 pub fn direction(stage: &Stage, number: usize, motion: &Motion) -> Option<Point> {
     match motion {
         Motion::Point { direction, .. } => stage.layout.parts[number].direction(straight(direction)),

@@ -3,7 +3,7 @@
 use crate::picture::figure::{Pen, Stroke};
 use crate::picture::geometry::Point;
 
-/// `spoke`: where the mark points.
+/// Strokes of a disk. `spoke` is the direction of its mark.
 pub fn strokes(at: Point, radius: f64, spoke: Point) -> Vec<Stroke> {
     vec![
         Stroke::circle(at, radius, Pen::Body),

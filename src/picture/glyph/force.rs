@@ -1,4 +1,4 @@
-//! A force: an arrow that pulls at the body, or pushes it where there is no room on that side.
+//! A force: an arrow that pulls at the body, or pushes it if there is no room on that side.
 
 use super::{Sheet, Subject, arrow};
 use crate::base::Vec3;

@@ -14,7 +14,7 @@ const PITCH: f64 = 7.0;
 /// Strokes, each group with the part it rides on, and a point.
 type Teeth = (Vec<(Ride, Vec<Stroke>)>, Point);
 
-/// The teeth, and the point where the disks touch; `None` where this is no pair of gears.
+/// The teeth, and the point where the disks touch; `None` if this is not a pair of gears.
 pub fn strokes(stage: &Stage, terms: &[MotionTerm], parts: &Parts) -> Option<Teeth> {
     let [first, second] = terms else { return None };
     let wheel = |motion: &Motion| match motion {
@@ -33,13 +33,13 @@ pub fn strokes(stage: &Stage, terms: &[MotionTerm], parts: &Parts) -> Option<Tee
     let (at, to) = (stage.place(a), stage.place(b));
     let touches = (at.distance(to) - ra - rb).abs() < 0.02 * (ra + rb) + 1.0;
     let along = to.minus(at).unit().filter(|_| touches)?;
-    // The teeth of the one stand in the gaps of the other.
+    // The teeth of one wheel stand in the gaps of the other.
     let (own, other) = (teeth(at, ra, along, 0.0), teeth(to, rb, along.times(-1.0), 0.5));
     let strokes = vec![(Ride::With(a), own), (Ride::With(b), other)];
     Some((strokes, at.towards(along, ra)))
 }
 
-/// Teeth round a wheel; one of them, or the middle of a gap, where the other wheel touches it.
+/// Teeth round a wheel. At the point where the other wheel touches it, there is a tooth or the middle of a gap.
 fn teeth(centre: Point, radius: f64, towards: Point, offset: f64) -> Vec<Stroke> {
     let count = (2.0 * PI * radius / PITCH).round().max(6.0);
     let step = Turn::from_angle(2.0 * PI / count);

@@ -15,7 +15,7 @@ pub fn draw(sheet: &mut Sheet, bounds: Bounds, room: &mut Occupied) {
     }
     let [x, y] = straight(gravity);
     let along = Point::new(x, -y);
-    // Beside the scene, further off where a name stands already.
+    // Beside the scene, or further away if there is a name already.
     let tries = arrow::offsets(26.0).map(|off| {
         let x = bounds.high.x + off + LENGTH / 2.0 * along.x.abs();
         let middle = Point::new(x, bounds.low.y + LENGTH / 2.0 + 4.0);

@@ -1,4 +1,5 @@
-//! The ground: a line with hatching behind it, across what is held there. Elements that end side by side share one.
+//! The ground: a line with hatching behind it, perpendicular to the elements that end there. Elements that end side by
+//! side share one line.
 
 use super::{Sheet, Subject};
 use crate::picture::Detail;
@@ -29,9 +30,9 @@ pub fn hatched(a: Point, b: Point, behind: Point) -> Vec<Stroke> {
     strokes
 }
 
-/// Every place where an element ends at the ground.
+/// Draws every place where an element ends at the ground.
 pub fn walls(sheet: &mut Sheet, stage: &Stage) {
-    // By direction and by the line on which they stand, in thousandths of a pixel.
+    // Grouped by direction and by the line on which they lie, in thousandths of a pixel.
     let mut walls: BTreeMap<[i64; 3], (Point, Vec<Point>)> = BTreeMap::new();
     for link in &stage.layout.links {
         if link.round.is_some() {

@@ -63,7 +63,7 @@ fn faint(from: Point, to: Point) -> Vec<Stroke> {
     vec![Stroke::line([from, to], Pen::Faint), Stroke::line(head, Pen::Faint)]
 }
 
-/// Whether a motion is the rate of another: its letter then has a `v`.
+/// Whether a motion is the rate of another one; its letter is then a `v`.
 pub fn is_rate(motion: &Motion) -> bool {
     matches!(motion, Motion::Point { derivative: 1, .. } | Motion::Turn { derivative: 1, .. })
 }

@@ -1,5 +1,6 @@
-//! Glyphs: one file a kind. Each says which strokes stand for a thing of the scene and where its name may be written. A kind
-//! of element, joint, shape or input without one does not compile: every `match` here names all of them.
+//! Glyphs: one file per kind. Each defines the strokes for an item of the scene and the places where its name may be
+//! written. A kind of element, joint, shape or input without a glyph does not compile: every `match` here names all of
+//! them.
 
 mod arrow;
 mod base;
@@ -50,7 +51,7 @@ pub struct Sheet<'a> {
     pub wanted: Vec<Wanted>,
 }
 
-/// What a glyph is of.
+/// The item that a glyph represents.
 #[derive(Clone, Debug)]
 pub struct Subject {
     pub title: String,
@@ -62,12 +63,12 @@ impl<'a> Sheet<'a> {
         Parts::new(self.scene)
     }
 
-    /// What stands still, whatever moves.
+    /// Adds a glyph that does not move.
     pub fn push(&mut self, kind: Kind, of: Subject, strokes: Vec<Stroke>) {
         self.push_riding(kind, of, vec![(Ride::Still, strokes)]);
     }
 
-    /// Strokes with what they move with.
+    /// Adds a glyph with the motion of each group of strokes.
     pub fn push_riding(&mut self, kind: Kind, of: Subject, list: Vec<(Ride, Vec<Stroke>)>) {
         let (mut strokes, mut rides) = (Vec::new(), Vec::new());
         for (ride, own) in list.into_iter().filter(|(_, own)| !own.is_empty()) {
@@ -79,7 +80,7 @@ impl<'a> Sheet<'a> {
         self.glyphs.push(Glyph { kind, title: of.title, span: of.span, strokes, rides, item: None, ghost: false });
     }
 
-    /// Names the item of the glyph that was pushed last, and what its label moves with.
+    /// Sets the item that the last glyph represents.
     fn name_item(&mut self, item: Item) {
         if let Some(glyph) = self.glyphs.last_mut() {
             glyph.item = Some(item);
@@ -103,7 +104,7 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// The same for what ties others: its name is placed before theirs.
+    /// Asks for the name of an item that ties others together. It is placed before theirs.
     pub fn label_tie(&mut self, text: String, span: Option<Span>, at: Point, half: Point, best: &[Point]) {
         self.label(text, span, at, half, best);
         if let Some(wanted) = self.wanted.last_mut() {
@@ -111,7 +112,7 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Everything that moves or holds: the ground first, joints last, so that each covers what is behind it.
+    /// Draws everything that moves or holds: the ground first and joints last, so that each covers what is behind it.
     pub fn parts(&mut self, stage: &Stage) {
         if self.detail == Detail::Bare {
             return self.bare(stage);
@@ -123,7 +124,7 @@ impl<'a> Sheet<'a> {
         for index in 0..self.scene.couples.len() {
             couple::draw(self, stage, index);
         }
-        // What is drawn round a pivot is drawn upon the bodies that it joins.
+        // Elements round a pivot are drawn on top of the bodies that it joins.
         let (round, between): (Vec<usize>, Vec<usize>) =
             (0..self.scene.elements.len()).partition(|index| self.layout.links[*index].round.is_some());
         for index in between {
@@ -141,7 +142,7 @@ impl<'a> Sheet<'a> {
             self.element(stage, index);
         }
         for index in 0..self.scene.joints.len() {
-            // What slides is drawn behind the bodies.
+            // Slides are drawn behind the bodies.
             match self.scene.joints[index].kind {
                 kind if kind.turns => pivot::draw(self, stage, index),
                 kind if kind.is_rigid() => weld::draw(self, stage, index),
@@ -171,7 +172,7 @@ impl<'a> Sheet<'a> {
             Outline::Block { half } => (Kind::Block, block::strokes(at, *half, turned)),
             Outline::Dot { radius } => (Kind::Point, block::dot(at, *radius)),
             Outline::Speck { half } => (Kind::Block, block::strokes(at, Point::new(*half, *half), turned)),
-            // Of the ground and of bases.
+            // The ground, and bases.
             Outline::Plate { .. } | Outline::Nowhere => (Kind::Block, Vec::new()),
         };
         strokes.extend(own);
@@ -216,7 +217,7 @@ impl<'a> Sheet<'a> {
                 Order::Acceleration => inerter::round(a, place),
             };
             let reach = own.iter().fold(Bounds::EMPTY, |bounds, stroke| bounds.and(stroke.bounds()));
-            // Round a pivot, whose place is a point of each of its parts.
+            // An element round a pivot; the pivot is a point of each of its parts.
             let held = if link.feet[0].part == GROUND { &link.feet[1] } else { &link.feet[0] };
             let ride = Ride::At(Hold::at_part(held.part, a));
             strokes.push((ride, own));
@@ -270,7 +271,7 @@ impl<'a> Sheet<'a> {
         self.rides(ride);
     }
 
-    /// Arrows: inputs, outputs and initial motions, where there is room for them.
+    /// Draws arrows for inputs, outputs and initial motions, if there is room for them.
     pub fn arrows(&mut self, stage: &Stage, is_mode: bool, room: &mut Occupied) {
         if self.detail >= Detail::Plain {
             return;
@@ -284,7 +285,7 @@ impl<'a> Sheet<'a> {
                 InputKind::Force { ends, direction } => force::along(self, stage, input, ends, direction, room),
                 InputKind::ForceBetween { ends } => force::draw_between(self, stage, input, ends, room),
                 InputKind::Torque { ends } => torque::draw(self, stage, input, ends, room),
-                // One figure for both components.
+                // One glyph represents both components.
                 InputKind::Unbalance { axis: Axis::Y, .. } => {}
                 InputKind::Unbalance { end, clockwise, .. } => {
                     unbalance::draw(self, stage, input, &end[0], *clockwise, room);
@@ -329,7 +330,7 @@ impl<'a> Sheet<'a> {
         self.push(Kind::Block, title("bodies", specks.len()), specks);
     }
 
-    /// The first of some ways to draw a glyph that touches nothing; the first of all where every one does.
+    /// Draws a glyph in the first of several ways in which it touches nothing, or in the first one if all of them do.
     pub fn choose(&mut self, kind: Kind, of: Subject, tries: Vec<Vec<Stroke>>, room: &mut Occupied) -> Option<Bounds> {
         let is_free = |strokes: &Vec<Stroke>| {
             let bounds = strokes.iter().fold(Bounds::EMPTY, |bounds, stroke| bounds.and(stroke.bounds()));
@@ -352,7 +353,7 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// What an element is drawn as.
+/// The kind of glyph that represents an element.
 fn kind(element: &Element) -> Kind {
     match (element.law.kind.order, &element.geometry) {
         (_, Geometry::Span(_)) => Kind::Belt,
@@ -365,7 +366,7 @@ fn kind(element: &Element) -> Kind {
     }
 }
 
-/// From the ends of a glyph to the parts that it ties.
+/// The lines from the ends of a glyph to the parts that it ties.
 fn leads<'a>(stage: &'a Stage, link: &'a Link) -> impl Iterator<Item = (Ride, Vec<Stroke>)> + 'a {
     link.feet.iter().filter(|foot| !foot.lead.is_empty()).map(|foot| {
         let points = std::iter::once(&foot.at).chain(&foot.lead).map(|point| stage.point(foot.part, *point));

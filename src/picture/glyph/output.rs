@@ -10,13 +10,13 @@ use crate::picture::occupied::Occupied;
 use crate::picture::stage::Stage;
 
 const LENGTH: f64 = 28.0;
-/// Where there is little room.
+/// Length of an arrow if there is little room.
 const SHORT: f64 = 19.0;
 
-/// What an arrow is of.
+/// The item that an arrow represents.
 #[derive(Clone, Debug, PartialEq)]
 enum Shown {
-    /// Of a point of a part along a direction.
+    /// The motion of a point of a part along a direction.
     Moves {
         part: usize,
         at: Point,
@@ -25,7 +25,7 @@ enum Shown {
     Turns {
         part: usize,
     },
-    /// Of an element: the change of its length or of its force.
+    /// The change of an element's length or force.
     Element {
         index: usize,
     },
@@ -89,7 +89,7 @@ fn shown(sheet: &Sheet, stage: &Stage, motion: &Motion) -> Option<Shown> {
             Some(Shown::Moves { part, at: stage.point(part, drawn), direction })
         }
         Motion::Turn { part, .. } => Some(Shown::Turns { part: parts.number(*part) }),
-        // The joint is drawn; an arrow for its force would say which way it points.
+        // The joint is drawn; an arrow for its force would suggest a direction.
         Motion::Reaction(_) => None,
         Motion::Force { element } | Motion::Stretch { element } => Some(Shown::Element { index: element.index() }),
     }
@@ -106,7 +106,7 @@ fn straight(stage: &Stage, part: usize, at: Point, direction: Point) -> Vec<Vec<
             let from = at.towards(side, outline.reach(inside, side) + off);
             tries.push(arrow::coordinate(from, from.towards(direction, LENGTH), Pen::Thin));
         }
-        // Next to the body, before it stands far aside.
+        // Next to the body first, then far away from it.
         let from = at.towards(direction, outline.reach(inside, direction) + off - 2.0);
         tries.push(arrow::coordinate(from, from.towards(direction, LENGTH), Pen::Thin));
     }

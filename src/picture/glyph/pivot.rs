@@ -20,7 +20,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
     let on_ground = joint.ends.iter().any(|end| end.part == Part::Ground);
     let held = if numbers[0] == 0 { numbers[1] } else { numbers[0] };
     let at = stage.point(held, stage.layout.joints[index]);
-    // Its bearing stands still with the ground.
+    // Its bearing is fixed to the ground.
     let mut strokes = Vec::new();
     if on_ground && sheet.detail < Detail::Plain {
         // Away from the parts that it carries, upwards or downwards.

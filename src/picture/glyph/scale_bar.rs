@@ -5,14 +5,14 @@ use crate::picture::figure::{Kind, Pen, Stroke};
 use crate::picture::geometry::{Bounds, Point};
 use crate::picture::occupied::Occupied;
 
-/// It is not longer than this, px.
+/// Maximum length of the bar, px.
 const LONGEST: f64 = 120.0;
 
 pub fn draw(sheet: &mut Sheet, bounds: Bounds, room: &mut Occupied) {
     let Some(scale) = sheet.layout.scale else { return };
     let Some((length, text)) = round_length(LONGEST / scale) else { return };
     let (left, right) = (bounds.low.x, bounds.low.x + length * scale);
-    // Below the scene, further down where a name stands already.
+    // Below the scene, or further down if there is a name already.
     let tries = arrow::offsets(24.0).map(|off| {
         let y = bounds.high.y + off;
         let mark = |x: f64| Stroke::line([Point::new(x, y - 4.0), Point::new(x, y + 4.0)], Pen::Normal);

@@ -16,7 +16,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize, along: &Vec3) {
     let joint = &sheet.scene.joints[index];
     let parts = sheet.parts_of();
     let numbers = [0, 1].map(|end| parts.number(joint.ends[end].part));
-    // The rail belongs to the first part, whose direction it keeps; what runs on it is the second.
+    // The rail belongs to the first part, whose direction it keeps; the second part runs on it.
     let (rail, runner) = if numbers[1] == 0 { (numbers[1], numbers[0]) } else { (numbers[0], numbers[1]) };
     let placed = &stage.layout.parts[runner];
     let direction = stage.layout.parts[rail].direction(straight(along)).unwrap_or(Point::new(1.0, 0.0));
@@ -33,7 +33,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize, along: &Vec3) {
     let behind = stage.vector(rail, aside);
     let mut strokes = hatched(ends[0], ends[1], behind);
     if joint.ends.iter().all(|end| end.part != Part::Ground) {
-        // The rail is fixed to a body: a thin line says to which.
+        // The rail is fixed to a body: a thin line connects them.
         let at = stage.place(rail);
         let nearest = if ends[0].distance(at) < ends[1].distance(at) { ends[0] } else { ends[1] };
         strokes.push(Stroke::line([nearest, at], Pen::Thin));

@@ -1,4 +1,4 @@
-//! A torsional spring: a spiral, round the pivot of its two ends or in the middle of a shaft between them.
+//! A torsional spring: a spiral round the pivot of its two ends, or in the middle of a shaft between them.
 
 use crate::picture::figure::{Pen, Stroke};
 use crate::picture::geometry::{Point, spiral};
@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 /// Half of its width on a shaft, px.
 pub const HALF: f64 = 12.0;
-/// Inner radius round a point, and what each one further out adds, px.
+/// Inner radius round a point, and the increment for each further element, px.
 pub const INNER: f64 = 8.0;
 pub const RING: f64 = 12.0;
 
@@ -14,7 +14,7 @@ pub fn strokes(a: Point, b: Point) -> Vec<Stroke> {
     let (middle, length) = (a.middle(b), a.distance(b));
     let Some(along) = b.minus(a).unit() else { return Vec::new() };
     let radius = HALF.min(length / 4.0);
-    // From the middle, where the shaft of the one end ends, two and a half turns outwards to that of the other.
+    // From the middle, where the shaft of one end stops, two and a half turns outwards to the shaft of the other.
     let start = if along.x.abs() >= along.y.abs() {
         if along.x > 0.0 { 0.0 } else { PI }
     } else if along.y < 0.0 {

@@ -1,4 +1,4 @@
-//! What labels and titles say: names, values with their units, what a part does in the mode that is shown.
+//! The texts of labels and titles: names, values with their units, and the motion of a part in the displayed mode.
 
 use super::initial::is_rate;
 use crate::base::{Name, Number};
@@ -27,7 +27,7 @@ impl Says<'_> {
         width(&element_label(self, &self.scene.elements[index]))
     }
 
-    /// The same for a body or a base.
+    /// The width of the label of a body or a base, px.
     pub fn part_width(&self, number: usize) -> f64 {
         match Parts::new(self.scene).part(number) {
             Part::Ground => 0.0,
@@ -41,7 +41,7 @@ fn width(label: &str) -> f64 {
     text::width(&text::clipped(label)) * text::SPARE
 }
 
-/// `k = 10 N/m`; nothing for a law.
+/// The coefficient with its unit, such as `k = 10 N/m`; `None` for an element with a law.
 fn value(says: &Says, element: &Element) -> Option<String> {
     let turns = element.geometry == Geometry::Torsion;
     let Law { kind, coefficient, curve, .. } = &element.law;
@@ -49,7 +49,7 @@ fn value(says: &Says, element: &Element) -> Option<String> {
     curve.is_none().then(|| format!("{letter} = {} {unit}", (says.request.digits)(coefficient)))
 }
 
-/// A name, and the value behind it where values are asked for; a name that is the letter of the value is not said twice.
+/// A name, followed by its value if values are asked for. A name that equals the letter of the value is not repeated.
 fn named(says: &Says, name: String, value: Option<String>) -> String {
     match value.filter(|_| says.request.values) {
         None => name,

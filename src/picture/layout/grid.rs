@@ -1,4 +1,4 @@
-//! A large scene without coordinates: parts in the order in which they hang together, on a grid, with straight lines between.
+//! A large scene without coordinates: connected parts follow each other on a grid, with straight lines between them.
 
 use super::parts::{GROUND, Parts};
 use super::{Foot, Layout, Link, Outline, Placed};

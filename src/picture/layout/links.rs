@@ -1,5 +1,5 @@
-//! The ends of elements on the page: several between the same two points stand side by side, and all end at the outline of
-//! what they are tied to.
+//! The ends of elements on the page: elements between the same two points lie side by side, and all of them end at the
+//! outlines of the parts that they connect.
 
 use super::outline::own_axes;
 use super::parts::GROUND;
@@ -18,7 +18,7 @@ pub struct Tie {
     pub side: f64,
 }
 
-/// What elements that stand side by side have in common: the two parts and points, the smaller part first.
+/// The key of elements that lie side by side: the two parts and points, the smaller part first.
 type Bundle = [(usize, i64, i64); 2];
 
 impl Tie {
@@ -37,7 +37,7 @@ impl Tie {
     }
 }
 
-/// For each element its place among those beside it, and how many those are.
+/// For each element, its number among those beside it, and how many of them there are.
 pub fn places(ties: &[Tie]) -> Vec<(usize, usize)> {
     let mut count: BTreeMap<Bundle, usize> = BTreeMap::new();
     let numbers: Vec<(Bundle, usize)> = ties
@@ -89,7 +89,7 @@ fn link(tie: &Tie, number: usize, of: usize, placed: &[Placed]) -> Link {
     Link { feet: [foot(0, direction), foot(1, direction.times(-1.0))], round: None }
 }
 
-/// Whether a point lies on an outline that several elements end at.
+/// Whether a point lies on an outline at which several elements end.
 fn is_at(outline: &Outline, point: Point) -> bool {
     match outline {
         Outline::Plate { along, half } => point.dot(along.across()).abs() <= *half,

@@ -19,22 +19,22 @@ use super::glyph::values::Says;
 use super::{Detail, Refusal};
 use crate::model::scene::Scene;
 
-/// Between the ends of an element that nothing else decides the length of, px.
+/// Length of an element that is not determined by anything else, px.
 pub const REACH: f64 = 64.0;
 /// Between the axes of elements side by side, px.
 pub const SIDE: f64 = 21.0;
-/// The same of elements that turn.
+/// Length of a torsional element that is not determined by anything else, px.
 pub const TWISTED: f64 = 31.0;
 
 /// A scene on the page.
 #[derive(Clone, Debug)]
 pub struct Layout {
     pub parts: Vec<Placed>,
-    /// One for each element.
+    /// The ends of each element.
     pub links: Vec<Link>,
-    /// Where each joint is.
+    /// The position of each joint.
     pub joints: Vec<Point>,
-    /// Pixels for a metre, where the scene has coordinates.
+    /// Pixels per metre, if the scene has coordinates.
     pub scale: Option<f64>,
 }
 
@@ -42,14 +42,14 @@ pub struct Layout {
 #[derive(Clone, Debug)]
 pub struct Placed {
     pub at: Point,
-    /// The scene's point that is drawn there, m.
+    /// The point of the scene that is drawn there, m.
     pub origin: [f64; 2],
     pub outline: Outline,
-    /// Points that a thin line ties to the part: where joints and elements hold a body that has no shape.
+    /// Points that a thin line connects to the part: where joints and elements hold a body without a shape.
     pub arms: Vec<Point>,
     /// A metre along the scene's x and y, px.
     pub axes: [Point; 2],
-    /// Which way its name stands best; empty: any.
+    /// Preferred directions of its name; empty for any direction.
     pub name_at: Vec<Point>,
 }
 
@@ -57,20 +57,20 @@ pub struct Placed {
 #[derive(Clone, Debug)]
 pub struct Link {
     pub feet: [Foot; 2],
-    /// A spring or damper that turns, drawn round one point; its place among several there, from the inside.
+    /// For a torsional element that is drawn round one point: its number among several there, from the inside.
     pub round: Option<usize>,
 }
 
 /// One end of an element.
 #[derive(Clone, Debug)]
 pub struct Foot {
-    /// In [`Parts`].
+    /// The number of the part in [`Parts`].
     pub part: usize,
-    /// Where the glyph ends.
+    /// The end of the glyph.
     pub at: Point,
-    /// From there to the part, where the glyph does not end at it.
+    /// The line from there to the part, if the glyph does not end at the part.
     pub lead: Vec<Point>,
-    /// The ground here: which way it lies, as seen from the element.
+    /// If the element ends at the ground, the direction of the ground as seen from the element.
     pub wall: Option<Point>,
 }
 

@@ -1,16 +1,16 @@
-//! The outline of a part on the page: what its elements end at.
+//! The outline of a part on the page, at which its elements end.
 
 use crate::picture::geometry::{Bounds, Point};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outline {
-    /// The ground: drawn where something is held.
+    /// The ground, which is drawn only where it holds something.
     Nowhere,
     /// A body without a shape.
     Block {
         half: Point,
     },
-    /// To scale; its width runs along a direction of length one.
+    /// A box to scale; its width runs along a direction of length one.
     Box {
         half: Point,
         along: Point,
@@ -29,7 +29,7 @@ pub enum Outline {
     Rod {
         arm: Point,
     },
-    /// A mass in one point, or none at all.
+    /// A mass in one point, or a body without any mass.
     Dot {
         radius: f64,
     },
@@ -45,7 +45,7 @@ pub enum Outline {
 }
 
 impl Outline {
-    /// How far a point on it is from `inside` (relative to the middle) in a direction; 0 where it is not inside.
+    /// The distance from `inside` (relative to the middle) to the outline in a direction; 0 if the point is not inside.
     pub fn reach(&self, inside: Point, direction: Point) -> f64 {
         match self {
             Outline::Block { half } => box_reach(*half, inside, direction),
@@ -56,7 +56,7 @@ impl Outline {
             | Outline::Wheel { radius }
             | Outline::Dot { radius } => {
                 let (b, c) = (inside.dot(direction), inside.dot(inside) - radius * radius);
-                // On the rim is not inside, whatever the last bits say.
+                // A point on the rim counts as outside, whatever its last bits are.
                 if c >= -1e-6 * radius * radius { 0.0 } else { (b * b - c).sqrt() - b }
             }
             Outline::Nowhere | Outline::Rod { .. } | Outline::Plate { .. } => 0.0,
@@ -88,13 +88,13 @@ impl Outline {
         }
     }
 
-    /// Whether elements side by side all end at it without help.
+    /// Whether the outline is wide enough for elements side by side.
     pub fn is_wide(&self) -> bool {
         !matches!(self, Outline::Rod { .. } | Outline::Dot { .. })
     }
 }
 
-/// A point in axes of which the first one has a direction of length one.
+/// The coordinates of a point in axes whose first one is a direction of length one.
 pub fn own_axes(along: Point, point: Point) -> Point {
     Point::new(point.dot(along), point.dot(along.across()))
 }

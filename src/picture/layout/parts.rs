@@ -17,9 +17,9 @@ pub const GROUND: usize = 0;
 
 /// Half of a body without a shape, px.
 pub const BLOCK: Point = Point::new(23.0, 17.0);
-/// Of a body that only turns.
+/// Radius of a body that only turns.
 pub const WHEEL: f64 = 22.0;
-/// Of a mass in one point.
+/// Radius of a mass in one point.
 pub const BOB: f64 = 10.0;
 pub const DOT: f64 = 4.0;
 
@@ -68,7 +68,7 @@ impl Parts {
         }
     }
 
-    /// Whether a part turns about its own place and does nothing else.
+    /// Whether a part turns about its own place and does not move otherwise.
     pub fn only_turns(&self, scene: &Scene, number: usize) -> bool {
         match self.part(number) {
             Part::Ground => false,
@@ -83,7 +83,7 @@ impl Parts {
         }
     }
 
-    /// What a part without a place in the scene looks like.
+    /// The outline of a part without a place in the scene.
     pub fn common_outline(&self, scene: &Scene, number: usize, along: Point) -> Outline {
         match self.part(number) {
             Part::Ground => Outline::Nowhere,
@@ -103,7 +103,7 @@ impl Parts {
         }
     }
 
-    /// The points of the scene that belong to each part, its own place first. Those of the ground are left out.
+    /// The points of the scene that belong to each part, its own place first. Points of the ground are left out.
     pub fn known_points(&self, scene: &Scene) -> Result<Vec<Vec<[f64; 2]>>, Refusal> {
         let mut known = PlacedParts { parts: *self, scene, points: vec![Vec::new(); self.count()] };
         for (index, body) in scene.bodies.iter().enumerate() {
@@ -141,7 +141,8 @@ struct PlacedParts<'a> {
     points: Vec<Vec<[f64; 2]>>,
 }
 
-/// Different points of one part that are looked through for a known one; a part with more keeps some twice.
+/// The number of different points of a part that are searched for a known one. For a part with more, some points are
+/// stored twice.
 const MOST_COMPARED: usize = 64;
 
 impl PlacedParts<'_> {

@@ -1,6 +1,6 @@
-//! A scene without coordinates, laid out: along its motion, from what holds it outwards, parallel paths side by side; a row
-//! that gets too long turns, as a rope is folded. In the words of this file *along* runs with the row and *across* to its
-//! right hand: down the page for a row to the right, to the right for a column upwards.
+//! The layout of a scene without coordinates: along its motion, from its support outwards, with parallel paths side by
+//! side. A row that gets too long is folded like a rope. In this file, *along* means along the row, and *across* means
+//! to its right hand: down the page for a row to the right, to the right for a column upwards.
 
 mod families;
 mod folds;
@@ -17,7 +17,7 @@ use ties::{Bundle, Graph, Strand};
 
 /// Pixels that a metre of motion is drawn with in a scene without lengths; modes are drawn not to scale.
 const METRE: f64 = 100.0;
-/// Between groups of parts that nothing ties, px.
+/// Distance between unconnected groups of parts, px.
 const APART: f64 = 44.0;
 
 /// A scene in which no part has a place.
@@ -33,7 +33,8 @@ pub fn layout(scene: &Scene, parts: &Parts, says: &Says) -> Layout {
     page.finish()
 }
 
-/// The groups of connected parts among those that are free, each laid out by itself. `metre`: how many pixels one is.
+/// The groups of connected parts among the free ones, each laid out by itself. `metre` is the number of pixels per
+/// metre.
 pub fn groups(scene: &Scene, parts: &Parts, says: &Says, metre: f64, free: &[bool]) -> Vec<Block> {
     let graph = Graph::of(scene, parts, free);
     let block = |group: &Vec<usize>| {
@@ -44,7 +45,7 @@ pub fn groups(scene: &Scene, parts: &Parts, says: &Says, metre: f64, free: &[boo
     graph.groups(parts, free).iter().map(block).collect()
 }
 
-/// Where the next groups go: level ones below each other, then upright ones side by side.
+/// The place for the next groups: horizontal ones below each other, then upright ones side by side.
 #[derive(Clone, Copy, Debug)]
 pub struct Below {
     pub down: f64,
@@ -56,7 +57,7 @@ impl Below {
     pub fn set(&mut self, block: &mut Block) {
         let Bounds { low, high } = block.bounds;
         if block.is_level() {
-            // The parts that hold rows stand below each other.
+            // Supports of rows are aligned below each other.
             block.shift(Point::new(self.left, self.down - low.y));
             self.down += high.y - low.y + APART;
         } else {
@@ -66,14 +67,14 @@ impl Below {
     }
 }
 
-/// Whether most of a group moves up and down.
+/// Whether most parts of a group move up and down.
 fn is_upright(scene: &Scene, parts: &Parts, group: &[usize]) -> bool {
     let votes = group.iter().filter_map(|number| parts.translations(scene, *number).first());
     let upright = votes.map(|t| straight(&t.direction)).map(|[x, y]| if y.abs() > x.abs() { 1 } else { -1 });
     upright.sum::<i64>() > 0
 }
 
-/// From rows to the page.
+/// The map from rows to the page.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     along: Point,
@@ -84,7 +85,7 @@ impl Frame {
     const LEVEL: Frame = Frame { along: Point::new(1.0, 0.0), across: Point::new(0.0, 1.0) };
     const UPRIGHT: Frame = Frame { along: Point::new(0.0, -1.0), across: Point::new(1.0, 0.0) };
 
-    /// Names of parts stand across the row in a column, where elements leave no room above and below.
+    /// In a column, names of parts stand beside it: elements leave no room above and below.
     fn names(&self) -> Vec<Point> {
         if self.along.x == 0.0 { vec![self.across, self.across.times(-1.0)] } else { Vec::new() }
     }
@@ -100,7 +101,7 @@ struct Row<'a> {
     parts: &'a Parts,
     /// The members in the order in which they were found.
     members: Vec<usize>,
-    /// By member.
+    /// The position of each member.
     at: Vec<Point>,
     outline: Vec<Outline>,
     /// 1, or -1 in a row that runs back.
@@ -187,7 +188,7 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Where a line along the row meets a member, at a height.
+    /// The point where a line along the row at a given height meets a member.
     fn face(&self, member: usize, outwards: Point, height: f64) -> Point {
         let from = Point::new(self.at[member].x, height);
         let inside = from.minus(self.at[member]);
@@ -206,7 +207,7 @@ impl<'a> Row<'a> {
             let offset = (number as f64 - (bundle.strands.len() as f64 - 1.0) / 2.0) * side;
             let direction = Point::new(outwards, 0.0);
             let at = self.face(member, direction, self.at[member].y + offset);
-            // Walls of one column stand in line.
+            // The walls of a column are in line.
             let half = families.half_along(families.column[member]);
             let wall = Point::new(self.at[member].x + outwards * (half + REACH * length), at.y);
             let ground = Foot { part: GROUND, at: wall, lead: Vec::new(), wall: Some(direction) };
@@ -215,7 +216,7 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Elements that pass others run in a separate lane below the row; `None` is the ground.
+    /// Draws elements that pass other parts in a separate lane below the row; `None` is the ground.
     fn tie_below(&mut self, bundle: &Bundle, ends: [Option<usize>; 2], lanes: &mut Lanes) {
         for strand in &bundle.strands {
             let x = ends.map(|end| end.map(|member| self.at[member].x));
@@ -249,7 +250,8 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// The elements of a strand between two feet, those of its ends; the elements in between are placed at equal distances.
+    /// Adds the elements of a strand between two feet, which are the ends of the strand. The elements in between are
+    /// placed at equal distances.
     fn push(&mut self, strand: &Strand, feet: [Foot; 2], way: f64) {
         let count = strand.elements.len();
         let [start, end] = [feet[0].at, feet[1].at];
@@ -280,7 +282,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Lanes below a row, each with what it holds.
+/// The lanes below a row, each with the intervals that are taken.
 struct Lanes {
     first: f64,
     taken: Vec<Vec<[f64; 2]>>,

@@ -1,5 +1,6 @@
-//! A scene with coordinates, to scale. A part without any is placed next to the part to which it is attached; groups of
-//! connected parts without any are laid out by [`rows`] and placed at the end of the element that connects them, or below.
+//! A scene with coordinates, to scale. A part without coordinates is placed next to the part to which it is attached.
+//! Groups of connected parts without coordinates are laid out by [`rows`] and placed at the end of the element that
+//! connects them, or below.
 
 use super::links::{self, Tie};
 use super::parts::{BOB, DOT, GROUND, Parts, straight};
@@ -12,12 +13,12 @@ use crate::picture::glyph::values::Says;
 use crate::picture::{Detail, Refusal};
 use std::collections::BTreeMap;
 
-/// The longer side of a scene, px: as wished, and at most, where short elements ask for more.
+/// The longer side of a scene, px: the usual size, and the maximum if short elements need more.
 const WISHED: f64 = 330.0;
 const MOST: f64 = 620.0;
-/// Of scenes of many bodies: so much for each along a side.
+/// Side length per body of a scene of many bodies.
 const EACH: f64 = 120.0;
-/// Of scenes too large for names.
+/// Side length of a scene that is too large for names.
 const LARGE: f64 = 1_400.0;
 
 pub fn layout(
@@ -86,7 +87,7 @@ fn scale(scene: &Scene, parts: &Parts, known: &[Vec<[f64; 2]>], detail: Detail) 
     wanted.min(most / size)
 }
 
-/// How much of an element a body without a shape hides, px.
+/// The length of an element that is hidden by a body without a shape, px.
 fn half_of_end(scene: &Scene, parts: &Parts, end: &Attachment) -> f64 {
     match end.part {
         Part::Body(body) if scene.bodies[body.index()].shape.is_none() => {
@@ -97,7 +98,7 @@ fn half_of_end(scene: &Scene, parts: &Parts, end: &Attachment) -> f64 {
     }
 }
 
-/// What a part is tied to: by which element (`None`: by a joint), and which of its ends is at the part.
+/// A connection of a part: its element (`None` for a joint), and the end of it that is at the part.
 #[derive(Clone, Copy, Debug)]
 struct Tied {
     element: Option<usize>,
@@ -183,7 +184,7 @@ impl Drawing<'_> {
             }
             None if self.detail > Detail::Plain => Outline::Speck { half: 1.2 },
             None if self.detail > Detail::Full => Outline::Speck { half: 4.0 },
-            // A bob on a string: nothing but a mass, that joints carry.
+            // A bob on a string: a point mass that joints carry.
             None if is_zero(&body.inertia) && !is_zero(&body.mass) && body.freedom == Freedom::FromJoints => {
                 Outline::Dot { radius: BOB }
             }
@@ -213,12 +214,12 @@ impl Drawing<'_> {
         points.iter().skip(1).map(|point| self.map(*point)).filter(outside).collect()
     }
 
-    /// Parts that no coordinate belongs to, each beside what it is tied to.
+    /// Places the parts that no coordinate belongs to, each beside a part that it is tied to.
     fn place_others(&mut self) {
         if self.is_placed.iter().all(|is_placed| *is_placed) {
             return;
         }
-        // What is tied to each part, its elements before its joints.
+        // The connections of each part, its elements before its joints.
         let mut tied: Vec<Vec<Tied>> = vec![Vec::new(); self.parts.count()];
         let elements = self.scene.elements.iter().enumerate().map(|(index, element)| (Some(index), &element.ends));
         let joints = self.scene.joints.iter().map(|joint| (None, &joint.ends));
@@ -244,7 +245,7 @@ impl Drawing<'_> {
             }
             next += 1;
         }
-        // What is left hangs on nothing that has a place, in a scene too large for rows.
+        // The remaining parts are not connected to any part with a place, in a scene too large for rows.
         let bounds = self.occupied();
         let mut next = Point::new(bounds.low.x, bounds.high.y + REACH + 40.0);
         for number in 1..self.parts.count() {
@@ -255,8 +256,8 @@ impl Drawing<'_> {
         }
     }
 
-    /// Groups of connected parts without a place: those of several parts that something ties to a part with a place, and
-    /// those that nothing does. A single part that is tied to others has its place beside them.
+    /// Groups of connected parts without a place: those of several parts that are tied to a part with a place, and
+    /// those that are not. A single part that is tied to others is placed beside them.
     fn groups(&self, says: &Says) -> (Vec<Block>, Vec<Block>) {
         if self.detail > Detail::Full {
             return (Vec::new(), Vec::new());
@@ -280,7 +281,7 @@ impl Drawing<'_> {
         })
     }
 
-    /// Sets a group so that what ties it to the others runs in its own direction.
+    /// Places a group so that its connection to the other parts runs in its own direction.
     fn attach(&mut self, mut block: Block) -> Vec<(usize, Link)> {
         let Some((member, end, element)) = self.tie_of(&block) else { return Vec::new() };
         let held = self.parts.number(end.part);
@@ -299,7 +300,7 @@ impl Drawing<'_> {
         self.put(block)
     }
 
-    /// Below what is drawn, those that nothing ties to it.
+    /// Places groups that are not connected to the drawing below it.
     fn set_apart(&mut self, blocks: Vec<Block>) -> Vec<(usize, Link)> {
         let taken = self.occupied();
         let mut below = Below { down: taken.high.y + REACH + 40.0, left: taken.low.x, right: taken.low.x };
@@ -338,13 +339,13 @@ impl Drawing<'_> {
         placed.arms.iter().fold(own, |bounds, arm| bounds.with(*arm))
     }
 
-    /// Upon what a joint ties it to.
+    /// The position of a part on top of the part that a joint ties it to.
     fn support_point(&self, number: usize, tied: usize) -> Point {
         let apart = self.placed[number].outline.half().y + self.placed[tied].outline.half().y + 6.0;
         self.placed[tied].at.plus(Point::new(0.0, -apart))
     }
 
-    /// Whether nothing else is drawn in some room; large scenes do not look.
+    /// Whether nothing else is drawn in a rectangle; not checked in large scenes.
     fn is_free(&self, room: &Bounds, but: usize) -> bool {
         let placed = || (1..self.parts.count()).filter(|other| *other != but && self.is_placed[*other]);
         self.detail > Detail::Full || !placed().any(|other| self.bounds(other).overlaps(room))
@@ -384,7 +385,7 @@ impl Drawing<'_> {
         }
     }
 
-    /// Plates and blocks as wide as the elements that end at them side by side.
+    /// Makes plates and blocks as wide as the elements that end at them side by side.
     fn widen(&mut self, ties: &[Tie]) {
         for (tie, (_, of)) in ties.iter().zip(links::places(ties)) {
             let needed = of as f64 * tie.side / 2.0 + 3.0;
@@ -428,7 +429,7 @@ impl Drawing<'_> {
         }
     }
 
-    /// Where the ground is drawn that holds an element whose other end is at a point of a part.
+    /// The position of the ground that holds an element whose other end is at a point of a part.
     fn stub(&self, element: &Element, part: usize, at: Point) -> Point {
         let along = self.direction(element).or(self.motion(part)).unwrap_or(Point::new(1.0, 0.0));
         let way = |way: Point| {

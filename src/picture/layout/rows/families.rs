@@ -1,4 +1,5 @@
-//! Who follows whom in a row: a column for each part, counted from what holds the group, and its height across the row.
+//! The order of parts in a row: a column for each part, counted from the group's support, and its height across the
+//! row.
 
 use super::ties::Graph;
 use crate::model::scene::{Part, Scene};
@@ -8,7 +9,7 @@ use crate::picture::layout::parts::{GROUND, Parts, WHEEL};
 use crate::picture::layout::{Outline, REACH};
 use std::collections::BTreeMap;
 
-/// Between neighbours across a row, px: a line of names fits between them.
+/// Distance between neighbours across a row, px: enough for a line of names.
 const BETWEEN: f64 = 30.0;
 /// The gap between a name and its neighbour, px.
 const SPARE: f64 = 14.0;
@@ -16,13 +17,13 @@ const SPARE: f64 = 14.0;
 pub struct Families<'a> {
     scene: &'a Scene,
     parts: &'a Parts,
-    /// Numbers of parts, those that hold others first.
+    /// Numbers of parts, parents before their followers.
     pub members: Vec<usize>,
     places: BTreeMap<usize, usize>,
-    /// By member.
+    /// The parent of each member.
     pub parent: Vec<Option<usize>>,
     pub column: Vec<usize>,
-    /// Whether anything follows it in the row.
+    /// Whether other members follow it in the row.
     pub has_followers: Vec<bool>,
     /// Touches its parent in the same column: a pair of gears.
     meshed: Vec<bool>,
@@ -30,7 +31,7 @@ pub struct Families<'a> {
     half: Vec<Point>,
     halves_along: Vec<f64>,
     pub upright: bool,
-    /// The widest name of each member, and of what ties it to its parent, px.
+    /// The widest name of each member, and of the elements that tie it to its parent, px.
     name: Vec<f64>,
     tie: Vec<f64>,
     /// Whether several elements tie it to its parent.
@@ -98,7 +99,7 @@ impl<'a> Families<'a> {
                 while !meshes && tied(column) {
                     column += 1;
                 }
-                // If it follows several, the nearest.
+                // If it follows several, the nearest one.
                 let mut placed = graph.neighbours[other].iter().filter_map(|n| self.place(*n));
                 let before = placed.find(|p| !meshes && self.column[*p] + 1 == column);
                 self.add(other, Some(before.unwrap_or(next)), column, meshes);
@@ -123,7 +124,7 @@ impl<'a> Families<'a> {
             if let Some(tied) = tied {
                 self.tie[tied] = self.tie[tied].max(widest);
                 self.is_paired[tied] |= bundle.strands.len() > 1;
-                // Walls stand off by themselves.
+                // Only between two members; walls have a distance of their own.
                 if a.is_some() && b.is_some() {
                     self.length[tied] = self.length[tied].max(bundle.length());
                 }
@@ -131,7 +132,8 @@ impl<'a> Families<'a> {
         }
     }
 
-    /// Between a member and the next one across, px: names stand between them, on both sides where elements stand in pairs.
+    /// The gap between a member and the next one across, px. Names stand between them, on both sides if there are pairs
+    /// of elements.
     fn gap_between(&self, member: usize, next: usize) -> f64 {
         if !self.upright {
             return BETWEEN;
@@ -140,7 +142,8 @@ impl<'a> Families<'a> {
         self.name[member].max(self.tie[member]) + before + 2.0 * SPARE
     }
 
-    /// Along the row from a column to the one before it, px: names of what is between fit above it, those of parts below.
+    /// The distance along the row from a column to the one before it, px. Names of elements fit above, names of parts
+    /// below.
     pub fn step(&self, column: usize) -> f64 {
         let halves = self.half_along(column - 1) + self.half_along(column);
         let widest = |column: usize, of: &[f64]| {
@@ -206,7 +209,7 @@ impl<'a> Families<'a> {
             return bases;
         }
         if !grounded.is_empty() {
-            // Those that are tied to each other stand one behind the other.
+            // Of parts that are tied to each other, only the first one is a root.
             let mut roots: Vec<usize> = Vec::new();
             for number in grounded {
                 if !roots.iter().any(|root| graph.neighbours[*root].contains(&number)) {
@@ -220,7 +223,7 @@ impl<'a> Families<'a> {
         vec![*fewest.unwrap_or(&group[0])]
     }
 
-    /// Half sizes in row coordinates, wide enough for what is tied side by side.
+    /// Sets the half sizes in row coordinates, wide enough for elements side by side.
     fn size(&mut self, graph: &Graph, upright: bool) {
         for &number in &self.members {
             let outline = self.parts.common_outline(self.scene, number, Point::new(1.0, 0.0));
@@ -262,7 +265,7 @@ impl<'a> Families<'a> {
         matches!(outline, Outline::Disk { .. } | Outline::Ring { .. } | Outline::Wheel { .. } | Outline::Dot { .. })
     }
 
-    /// Heights across the row: each part in the middle of those that follow it, and families beside each other.
+    /// Sets the heights across the row: each part in the middle of its followers, and families beside each other.
     fn spread(&mut self, graph: &Graph) {
         let count = self.members.len();
         // Room that each family needs on both sides of its first member, and the place of each in its parent's.

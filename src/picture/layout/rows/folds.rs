@@ -1,4 +1,4 @@
-//! Where the columns of a group stand, and where a row that gets too long turns.
+//! The positions of the columns of a group, and the folds of a row that gets too long.
 
 use super::families::Families;
 use crate::picture::geometry::Point;
@@ -7,17 +7,17 @@ use crate::picture::geometry::Point;
 const LONGEST: [f64; 2] = [620.0, 560.0];
 
 pub struct Folds {
-    /// By column: its row, and its place along it.
+    /// For each column, its row, and its position along the row.
     rows: Vec<usize>,
     along: Vec<f64>,
-    /// By row: what is added to heights in it.
+    /// For each row, the offset that is added to the heights in it.
     shifts: Vec<f64>,
 }
 
 impl Folds {
     pub fn of(families: &Families, upright: bool) -> Folds {
         let columns = families.columns();
-        // Long ropes fold into something square.
+        // Long ropes are folded into something square.
         let whole: f64 = (1..columns).map(|column| families.step(column)).sum();
         let square = (whole * (families.row_gap() + 40.0)).sqrt();
         let rows = rows(families, square.max(LONGEST[usize::from(upright)]));
@@ -64,7 +64,7 @@ impl Folds {
     }
 }
 
-/// The row of each column: a new one begins where one element alone leads on and the old one is full.
+/// The row of each column. A new row begins after a full one, where a single element leads on.
 fn rows(families: &Families, longest: f64) -> Vec<usize> {
     let columns = families.columns();
     let thin = thin(families);
@@ -81,7 +81,7 @@ fn rows(families: &Families, longest: f64) -> Vec<usize> {
     rows
 }
 
-/// For each column whether the only way into it and on is from the only member of the one before.
+/// For each column, whether it and the column before have a single member each, and no element passes over it.
 fn thin(families: &Families) -> Vec<bool> {
     let mut members = vec![0usize; families.columns()];
     let mut long = vec![false; families.columns()];

@@ -1,4 +1,4 @@
-//! Which parts a scene without coordinates ties, and by what.
+//! The connections between the parts of a scene without coordinates.
 
 use crate::base::Number;
 use crate::model::scene::{Geometry, Motion, Part, Scene};
@@ -7,28 +7,28 @@ use crate::picture::layout::parts::{GROUND, Parts};
 use crate::picture::layout::{Outline, SIDE, TWISTED};
 use std::collections::BTreeMap;
 
-/// The parts as nodes and what ties them as edges.
+/// A graph with parts as nodes and their connections as edges.
 pub struct Graph {
     /// Elements by the two parts that they tie, the smaller number first, in order of their first element.
     pub bundles: Vec<Bundle>,
     pub meshes: Vec<Mesh>,
     pub gears: Vec<Gear>,
-    /// For each part what it is tied to, in order of declaration.
+    /// The neighbours of each part, in order of declaration.
     pub neighbours: Vec<Vec<usize>>,
-    /// Parts that stand within a strand.
+    /// Parts that lie within a strand.
     is_between: Vec<bool>,
 }
 
-/// What ties two parts, side by side.
+/// The connections between two parts, side by side.
 pub struct Bundle {
     pub parts: [usize; 2],
     pub strands: Vec<Strand>,
 }
 
-/// One element; or several in series, with bodies without a mass between them: a Maxwell branch.
+/// One element, or several in series with massless bodies between them, as in a Maxwell branch.
 #[derive(Clone, Debug)]
 pub struct Strand {
-    /// From the first part of the bundle to the second.
+    /// The elements, from the first part of the bundle to the second.
     pub elements: Vec<usize>,
     pub between: Vec<usize>,
 }
@@ -64,7 +64,7 @@ pub struct Gear {
 }
 
 impl Graph {
-    /// Of the parts that are free, and of the ground.
+    /// The graph of the free parts and the ground.
     pub fn of(scene: &Scene, parts: &Parts, free: &[bool]) -> Graph {
         let is_free = |pair: &[usize; 2]| pair.iter().all(|number| *number == GROUND || free[*number]);
         let mut graph = Graph {
@@ -112,7 +112,7 @@ impl Graph {
         }
     }
 
-    /// The sets of free parts that hang together, without the ground.
+    /// The sets of connected free parts, without the ground.
     pub fn groups(&self, parts: &Parts, free: &[bool]) -> Vec<Vec<usize>> {
         let mut seen: Vec<bool> = free.iter().map(|free| !free).collect();
         let mut groups = Vec::new();
@@ -138,7 +138,7 @@ impl Graph {
     }
 }
 
-/// What ties which two parts, the smaller number first, in order of declaration.
+/// The strands between two parts each, the smaller number first, in order of declaration.
 fn strands(scene: &Scene, parts: &Parts, free: &[bool], is_between: &mut [bool]) -> Vec<([usize; 2], Strand)> {
     let ends = |element: usize| [0, 1].map(|end| parts.number(scene.elements[element].ends[end].part));
     let mut tied: Vec<Vec<usize>> = vec![Vec::new(); parts.count()];
