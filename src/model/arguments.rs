@@ -1,5 +1,6 @@
-//! What a place gives to its component: ports, parameters, defaults. In: the brackets of a `place` and those of the `component`.
-//! Out: ports, and parameters as definitions; or what is wrong with the arguments. See spec.md#places-of-components.
+//! The ports, parameters and defaults that a place gives to its component. In: the brackets of a `place` and those of
+//! the `component`. Out: ports, and parameters as definitions; or the errors in the arguments. See
+//! spec.md#places-of-components.
 
 use super::Check;
 use super::error::PlaceError;
@@ -12,14 +13,14 @@ use crate::base::{Name, Number, Quantity, Span, Symbol};
 use crate::syntax::tree::{ExprId, FieldValue, Fields, Formal, FormalKind};
 use std::sync::Arc;
 
-/// What a `place` says of its component, wherever a `repeat` repeats it.
+/// The brackets of a `place`, evaluated once for all repetitions of a `repeat`.
 #[derive(Clone, Debug)]
 pub struct Brackets {
     pub component: u32,
     formals: Arc<[Bound]>,
 }
 
-/// A port or parameter, and what it is bound to.
+/// A port or parameter, and the expression that it is bound to.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
     /// Its number in the component's brackets.
@@ -32,15 +33,15 @@ struct Bound {
 #[derive(Clone, Copy, Debug)]
 enum To {
     Port(ExprId),
-    /// What the place gives.
+    /// The argument of the place.
     Given(ExprId),
-    /// What the component says.
+    /// The default of the component.
     Default(ExprId),
 }
 
 impl<'a> Check<'a> {
-    /// The component that a `place` names, and its arguments; what is wrong with them is reported once, and then nothing in the
-    /// component is looked at.
+    /// The component that a `place` names, and its arguments. Errors in them are reported once, and then nothing in the
+    /// component is checked.
     pub fn brackets(&mut self, word: Span, arguments: Fields, environment: Environment) -> Evaluated<Brackets> {
         if let Some(known) = self.memory.brackets.get(&word) {
             return known.clone();
@@ -169,7 +170,7 @@ impl<'a> Check<'a> {
             (None, Some(default)) => match self.walk(default, inside) {
                 Err(Stop::Deep) => return Err(Stop::Deep),
                 Ok(Value::Scalar(scalar)) => Ok(Some(scalar)),
-                // Said where the default is used.
+                // Reported where the default is used.
                 Ok(Value::Vector(_)) | Err(Stop::Reported) => Ok(None),
             },
             (None, None) => Err(Stop::Reported),
@@ -178,7 +179,7 @@ impl<'a> Check<'a> {
         like
     }
 
-    /// One of a unit as written in the brackets of a component.
+    /// The value 1 in a unit that is written in the brackets of a component.
     fn of_unit(&mut self, span: Span, environment: Environment) -> Evaluated<Scalar> {
         let text: &'a str = self.sources.slice(span);
         if text == "1" {

@@ -13,7 +13,8 @@ use crate::syntax::tree::EndId;
 use std::sync::Arc;
 
 impl<'a> Check<'a> {
-    /// The disks of a belt, and its two spans: first the one that gets tighter where the first disk turns counter-clockwise.
+    /// The disks of a belt, and its two spans; the first one is the span that tightens if the first disk turns
+    /// counter-clockwise.
     pub fn spans(
         &mut self,
         ends: EndId,

@@ -96,7 +96,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Fills in the values of the fields, and reports every mistake among them.
+    /// Fills in the values of the fields, and reports all mistakes in them.
     fn body(&mut self, body: &mut Body, given: &Given<'a>, environment: Environment) -> Evaluated<()> {
         let mass = self.field_number(given.get(MASS), environment, &BODY_FIELDS[MASS].expected(false));
         let at = self.field_position(given.get(AT), environment);
@@ -314,7 +314,7 @@ impl<'a> Check<'a> {
         }
         let turned = placed.scene.direction(&one.direction);
         let is = |axis: &Vec3| turned == *axis;
-        // A body moves either way; what is written of it in the component means its own way.
+        // A body moves in both directions; in the component, words about it refer to the direction written there.
         let is_reversed =
             |axis: &Vec3| lines == Lines::OfBody && one.motion != "along" && turned == axis.scale(&Number::from(-1));
         if is_reversed(&Vec3::X) || is_reversed(&Vec3::Y) {

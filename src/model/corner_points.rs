@@ -1,5 +1,6 @@
-//! Corner points, as in `(20 Hz, 1 N^2/Hz), (80 Hz, 4 N^2/Hz)`: the course of a density or of a response spectrum. In: the
-//! arguments of the call. Out: frequencies in ascending order with their values, and of which derivative the values are.
+//! Corner points, as in `(20 Hz, 1 N^2/Hz), (80 Hz, 4 N^2/Hz)`: the course of a density or of a response spectrum. In:
+//! the arguments of the call. Out: frequencies in ascending order with their values, and the derivative that the values
+//! refer to.
 
 use super::Check;
 use super::error::PartError;
@@ -8,11 +9,11 @@ use super::scope::Environment;
 use crate::base::Number;
 use crate::syntax::tree::{ExprId, ExprKind};
 
-/// Frequencies, Hz, with their values in SI, and which derivative these are of.
+/// Frequencies in Hz with their values in SI, and the derivative that the values refer to.
 pub type CornerPoints<D> = (Vec<(Number, Number)>, D);
 
 impl<'a> Check<'a> {
-    /// `None` if there are not at least two pairs. `rises` checks a frequency by the one before it, or by zero.
+    /// `None` if there are fewer than two pairs. `rises` checks a frequency against the one before it, or against zero.
     pub fn corner_points<D: Copy + PartialEq>(
         &mut self,
         given: &[ExprId],

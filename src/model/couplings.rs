@@ -56,7 +56,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Checks that a coupling relates only displacements and angles, and those of at least one body.
+    /// Checks that a coupling relates only displacements and angles, and at least one of them of a body.
     fn couples_displacements(&mut self, terms: &[MotionTerm], span: Span, environment: Environment) -> Evaluated<()> {
         let is_displacement = |term: &MotionTerm| {
             matches!(term.motion, Motion::Point { derivative: 0, .. } | Motion::Turn { derivative: 0, .. })
@@ -122,8 +122,8 @@ impl<'a> Check<'a> {
     }
 }
 
-/// Displacements and velocities along the turned axes of a component, as those along x and y: what is not given is zero. Where
-/// one of the two is zero for certain, the other stands alone.
+/// Displacements and velocities along the rotated axes of a component, converted to x and y: the ones that are not
+/// given are zero. If one of the results is certainly zero, only the other one is returned.
 fn in_scene_axes(values: Vec<(Motion, Number, Span)>) -> Vec<(Motion, Number, Span)> {
     let mut of_scene: Vec<(Motion, Number, Span)> = Vec::new();
     for order in [0, 1] {

@@ -1,5 +1,5 @@
-//! `delayed(front, 0.1 s)`: the signal of another input, later. In: inputs, and what they are delayed from; out: the same
-//! inputs with the signals of those. See spec.md.
+//! `delayed(front, 0.1 s)`: the signal of another input, delayed. In: inputs, and the inputs that they delay. Out: the
+//! same inputs with the delayed signals. See spec.md.
 
 use super::Check;
 use super::error::PartError;
@@ -10,7 +10,7 @@ use crate::base::{Number, Span};
 use crate::syntax::tree::ExprId;
 use std::sync::Arc;
 
-/// An input whose signal is another one's, later.
+/// An input whose signal is that of another input, delayed.
 #[derive(Debug)]
 pub struct Delay {
     /// The input that has it.
@@ -39,7 +39,7 @@ impl<'a> Check<'a> {
     /// Gives every delayed input its signal.
     pub fn settle_delays(&mut self) {
         let delays = std::mem::take(&mut self.delays);
-        // For each input the delay that it has, and for each delay the input that it names.
+        // For each input its delay, if it has one, and for each delay the input that it names.
         let mut own: Vec<Option<usize>> = vec![None; self.scene.inputs.len()];
         for (place, delay) in delays.iter().enumerate() {
             own[delay.input] = Some(place);
@@ -81,7 +81,7 @@ impl<'a> Check<'a> {
             let signals = shared[source].get_or_insert_with(|| {
                 from.signal.iter().filter(|signal| !matches!(signal, Signal::Constant { .. })).cloned().collect()
             });
-            // A constant load is there always.
+            // A constant load is always present.
             let constants = from.signal.iter().filter(|signal| matches!(signal, Signal::Constant { .. })).cloned();
             let mut signal: Vec<Signal> = constants.collect();
             signal.push(Signal::Delayed { by, of: source, signals: signals.clone() });

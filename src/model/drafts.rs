@@ -1,9 +1,10 @@
-//! Components by themselves: what is wrong with their bodies wherever they are placed, or if they are not placed at all; and which
-//! place causes what is wrong at some of them only. In: the tree, a check in progress; out: findings. See
-//! spec.md#places-of-components.
+//! Components by themselves: mistakes in their bodies that do not depend on the place, even if they are never placed;
+//! and the place that causes a mistake that occurs only at some places. In: the tree, a check in progress. Out:
+//! findings. See spec.md#places-of-components.
 //!
-//! A draft places a component alone: each parameter is one of its unit, or its default; a port is a part of which nothing is known,
-//! and whatever depends on it is not looked at. What is found with these values as well is a mistake of the component.
+//! A draft places a component alone: each parameter is 1 in its unit, or its default; a port is a part of which nothing
+//! is known, and everything that depends on it is skipped. A finding that also occurs with these values is a mistake of
+//! the component.
 
 use super::places::Frame;
 use super::scope::{self, Definition, DefinitionId, DefinitionKind, Environment, Group, Role, State};
@@ -13,25 +14,25 @@ use crate::base::{Code, Diagnostic, Label, Name, Span};
 use crate::syntax::tree::{ExprId, Formal, FormalKind};
 use std::collections::HashSet;
 
-/// Findings that are looked into; beyond, they stay where they are.
+/// Limit on the findings whose cause is searched for; further ones stay where they are.
 const MOST_LOOKED_INTO: u32 = 200;
 
-/// What is known of components by themselves.
+/// The results of checking components by themselves.
 #[derive(Debug, Default)]
 pub struct Drafts {
-    /// Whether this check is one of them.
+    /// Whether this check is a draft.
     pub is_draft: bool,
-    /// What is found in components with the values of a draft.
+    /// Findings in components with the values of a draft.
     nominal: Option<HashSet<(Code, Span)>>,
-    /// What was found inside components and said at the place that causes it.
+    /// Findings inside components that are reported at the place that causes them.
     moved: HashSet<(Code, Span)>,
     looked_into: u32,
 }
 
-/// Families of codes that say something about the text, whatever the values of parameters are and whatever ports are tied to.
+/// Families of codes that concern the text, independent of the values of parameters and the connections of ports.
 const OF_TEXT: [&str; 9] = ["name", "part", "unit", "field", "function", "place", "component", "parameter", "value"];
 
-/// Codes of these families that are about values after all.
+/// Codes of these families that do depend on values.
 const OF_VALUES: [&str; 1] = ["vib::value::negative"];
 
 fn is_of_text(code: Code) -> bool {
@@ -62,7 +63,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// What is found in components, each alone.
+    /// The findings in components, each by itself.
     fn drafted(&self, components: &[u32]) -> Vec<Diagnostic> {
         let mut draft = Check::new(self.sources, self.tree, self.literals);
         draft.drafts.is_draft = true;
@@ -95,7 +96,7 @@ impl<'a> Check<'a> {
             return;
         }
         let component = self.tree.component(index);
-        // No word of a text is a number.
+        // A number is never a word of the text.
         let symbol = self.words.intern(&index.to_string());
         let place = self.words.declare_place(Name::plain(symbol));
         let id = places::FrameId(self.frames.len() as u32);
@@ -108,7 +109,7 @@ impl<'a> Check<'a> {
         self.declare_body(index, span, inside);
     }
 
-    /// Declares a port that is tied to nothing, or a parameter with its default or one of its unit.
+    /// Declares a port that is tied to nothing, or a parameter with its default or the value 1 in its unit.
     fn declare_nominal(&mut self, frame: places::FrameId, component: u32, number: u32, formal: &Formal) {
         let Frame { inside, place, .. } = *self.frame(frame);
         let (span, group) = (formal.name, Group::of_component(component));
@@ -129,7 +130,8 @@ impl<'a> Check<'a> {
             },
             (None, None) => State::Settled(Err(super::evaluate::Stop::Reported)),
         };
-        // A settled definition's expression is never looked at; where a tree has none, no name is used either.
+        // The expression of a settled definition is never evaluated; in a tree without expressions no name is used
+        // either.
         let Some(expr) = default.or_else(|| self.tree.any_expr()) else { return };
         let id = DefinitionId(self.definitions.len() as u32);
         if self.values.declare(group, name, span, id).is_ok() {
@@ -139,8 +141,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Moves a finding to the argument of a place that causes it, where the component by itself does not have it; `None` if
-    /// enough is said about it.
+    /// Moves a finding to the argument of a place that causes it, if the component by itself does not have it; `None`
+    /// if the cause has already been reported.
     pub fn blamed(&mut self, mut finding: Diagnostic, environment: Environment) -> Option<Diagnostic> {
         let inside = finding.primary.span;
         if self.drafts.is_draft || is_of_text(finding.code) || self.environments.frame(environment).is_none() {
@@ -174,7 +176,7 @@ impl<'a> Check<'a> {
         self.drafts.nominal.as_ref().is_some_and(|nominal| nominal.contains(&(code, span)))
     }
 
-    /// The argument of a place that a number or a part comes from: the outermost one, where components are inside each other.
+    /// The argument of a place that a number or a part comes from; the outermost one if components are nested.
     fn argument_behind(&mut self, span: Span, environment: Environment) -> Option<Span> {
         let mut waiting = vec![(span, environment)];
         let mut seen: HashSet<u32> = HashSet::new();
@@ -187,7 +189,7 @@ impl<'a> Check<'a> {
                 let Definition { expr, environment, role, .. } = self.definitions[id.0 as usize];
                 let span = self.tree.expr(expr).span;
                 if matches!(role, Role::Parameter { given: true, .. }) {
-                    // What an outer place gives to this one comes later, and replaces it.
+                    // Arguments of an outer place come later, and replace the inner ones.
                     let is_outermost = self.environments.frame(environment).is_none();
                     if is_outermost {
                         return Some(span);
@@ -208,7 +210,7 @@ impl<'a> Check<'a> {
         found
     }
 
-    /// What the ports are tied to that are named in a piece of text. They lead outwards, so there is an end.
+    /// The arguments of the ports that are named in a piece of text. They lead outwards, so the search ends.
     fn ports_within(&self, span: Span, environment: Environment) -> Vec<(Environment, ExprId)> {
         let place = self.place_of(environment);
         let named = self.tree.names_within(span).chain(self.tree.ends_within(span));

@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// The ends of an element, its law and its geometry.
 type Acting = ([Attachment; 2], Law, Geometry);
 
-/// The coefficient of an element, and what its unit implies.
+/// The coefficient of an element, and the kind of element that its unit implies.
 #[derive(Clone, Debug)]
 pub struct Coefficient {
     value: Number,
@@ -32,7 +32,7 @@ pub struct Coefficient {
     at: Span,
 }
 
-/// How strongly an element acts.
+/// The coefficient of an element, or its law.
 struct Strength {
     coefficient: Coefficient,
     curve: Option<Arc<Curve>>,
@@ -44,7 +44,7 @@ const LAW: &str = "law";
 impl<'a> Check<'a> {
     pub fn elements(&mut self) {
         self.scene.elements.reserve_exact(self.instances.elements.len());
-        // Behind all elements that are declared, so that these keep their numbers.
+        // After all declared elements, so that these keep their numbers.
         let mut second_spans = Vec::new();
         for index in 0..self.instances.elements.len() {
             let Instance { decl, environment } = self.instances.elements[index];
@@ -169,7 +169,7 @@ impl<'a> Check<'a> {
         )?;
         let at = self.tree.expr(expr).span;
         let value = match kind.order {
-            // Its tangent is known where it rests.
+            // The tangent is known once the rest is known.
             Order::Displacement => Number::ZERO,
             _ => self.tangent_at_zero(&curve, at, torsional, environment)?,
         };

@@ -56,7 +56,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Where a part is named, without its indices where it has a single name.
+    /// The place where a part is named, without its indices if it has a single name.
     pub fn path_span(&self, path: Path) -> Span {
         path.whole.map_or(path.first.span, |whole| self.tree.expr(whole).span)
     }
@@ -86,7 +86,7 @@ impl<'a> Check<'a> {
         self.fail_unless_broken(environment, ident.span, error)
     }
 
-    /// Whether a body could not be checked: errors that follow from that are not reported.
+    /// Whether a body could not be checked. Errors that follow from that are not reported.
     pub fn is_broken(&self, part: Part) -> bool {
         matches!(part, Part::Body(id) if self.broken_bodies.contains(&id))
     }

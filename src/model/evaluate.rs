@@ -15,7 +15,7 @@ use crate::base::unit::{self, Scale, Unit};
 use crate::base::{Dimension, Name, Number, Place, Quantity, Rational, Span, Symbol};
 use crate::syntax::tree::{Binary, ExprId, ExprKind, ExprList, FormalKind, Ident};
 
-/// A value, or why there is none.
+/// A value, or the reason why there is none.
 pub type Evaluated<T> = Result<T, Stop>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,8 +134,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The number of a parameter of a component as its unit or default says: cycles for radians, and a bare zero with the
-    /// dimension.
+    /// The argument for a parameter, in the kind of number that its unit or default declares: a frequency is converted
+    /// to cycles or radians, and a bare zero gets the dimension.
     fn like_formal(
         &mut self,
         frame: FrameId,
@@ -196,7 +196,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A motion where a number is wanted; or, in a scene with places, a name before the `.` that is none.
+    /// The error for a motion in place of a number or, in a scene with places, for a name before a `.` that is not a
+    /// place.
     fn motion_as_value<T>(&mut self, span: Span, base: ExprId, environment: Environment) -> Evaluated<T> {
         if let ExprKind::Name { .. } = self.tree.expr(base).kind {
             let word = self.word_of(self.tree.expr(base).span);

@@ -22,7 +22,7 @@ pub struct Cache {
     places: Table<ExprId, Evaluated<Arc<Vec3>>>,
     pub coefficients: Table<ExprId, Evaluated<Coefficient>>,
     pub laws: Table<ExprId, Evaluated<laws::Read>>,
-    /// What parameters, `let`s and points are declared as.
+    /// The declared values of parameters, `let`s and points.
     pub values: Table<ExprId, Value>,
     /// The arguments of a place, by the word of its component.
     pub brackets: Table<Span, Evaluated<Brackets>>,
@@ -80,7 +80,7 @@ impl<'a> Check<'a> {
         self.in_scene(local, expr, environment)
     }
 
-    /// A direction in the scene: `x`, `y`, or a vector that is not zero. Its length says nothing.
+    /// A direction in the scene: `x`, `y`, or a vector that is not zero. Its length does not matter.
     pub fn direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
         let own = self.own_direction(expr, environment)?;
         self.turned(own, environment)

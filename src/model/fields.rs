@@ -10,7 +10,7 @@ use super::suggestion::nearest;
 use crate::base::{self, Number, Span};
 use crate::syntax::tree::{ExprId, Field, FieldValue, Fields};
 
-/// At least as many fields as any declaration has.
+/// Upper bound on the number of fields of a declaration.
 const MOST: usize = 8;
 
 /// The fields of one declaration, in the order of the table.
@@ -18,7 +18,7 @@ const MOST: usize = 8;
 pub struct Given<'a> {
     table: &'static [base::Field],
     fields: [Option<&'a Field>; MOST],
-    /// Whether a field could not be read: then a missing field is not reported.
+    /// Whether a field could not be read; a missing field is then not reported.
     pub broken: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Which parts can turn, and the line along which a part moves: from freedom clauses and joints, before any coordinate is
-//! chosen. In: bodies, bases, joints. Out: answers for each part. See docs/method/kinematics.md.
+//! Which parts can turn, and the line along which a part moves: from freedom clauses and joints, before any coordinate
+//! is chosen. In: bodies, bases, joints. Out: both properties for each part. See docs/method/kinematics.md.
 //!
 //! Slides and welds prevent relative rotation, so the parts they connect turn together or not at all. A part's line
 //! follows from the part it is welded to, or from the slide that holds it.
@@ -13,11 +13,11 @@ use std::sync::Arc;
 /// The line along which a part moves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Line {
-    /// It stays where it is.
+    /// The part does not move.
     Fixed,
-    /// It moves along this direction only.
+    /// The part moves along this direction only.
     Along(Arc<Vec3>),
-    /// It has more degrees of freedom, or none along a straight line.
+    /// The part has several degrees of freedom, or moves along no straight line.
     Other,
 }
 

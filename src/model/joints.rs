@@ -56,8 +56,7 @@ impl<'a> Check<'a> {
         Ok(Joint { name, span, kind, ends: pair, at, along })
     }
 
-    /// The place of a pivot: the given point, which both ends then share, or the place where both parts' own positions
-    /// coincide.
+    /// The position of a pivot: the given point, which then belongs to both ends, or the common position of both parts.
     fn common_point(
         &mut self,
         ends: EndId,

@@ -1,10 +1,10 @@
-//! Laws of springs and dampers: `law = 10 N/m * stretch + 2e5 N/m^3 * stretch^3`, or a table. In: the expression. Out: a
-//! [`Curve`] in SI, and whether its element acts on rotation, which its dimensions decide: a force over a length, or a torque
-//! over an angle. See spec.md#springs-and-dampers.
+//! Laws of springs and dampers: `law = 10 N/m * stretch + 2e5 N/m^3 * stretch^3`, or a table. In: the expression. Out:
+//! a [`Curve`] in SI, and whether its element acts on rotation, which its dimensions decide: a force over a length, or
+//! a torque over an angle. See spec.md#springs-and-dampers.
 //!
-//! The expression is first listed in postfix order, with the values of all names. Then its dimensions are checked for either
-//! reading by the rules of ordinary values: whatever depends on the variable stands there with its dimension and the value
-//! 1/2, at which every function is defined.
+//! The expression is first listed in postfix order, with the values of all names. Then its dimensions are checked for
+//! both readings by the rules of ordinary values: everything that depends on the variable is represented by its
+//! dimension and the value 1/2, at which every function is defined.
 
 use super::Check;
 use super::error::{LawError, PartError, ValueError};
@@ -26,7 +26,7 @@ pub struct Read {
     pub torsional: bool,
 }
 
-/// What a law is over, and what it gives: of an element along a line, and of a torsional one.
+/// The variable of a law, and its dimension for an element along a line and for a torsional one.
 pub struct Reading {
     /// `stretch` or `rate`.
     pub word: &'static str,
@@ -45,15 +45,15 @@ enum Node {
     Variable,
     Negate,
     Binary(Binary, [Span; 2]),
-    /// With the number of arguments, and the place of the first.
+    /// A function call with its number of arguments and the place of the first one.
     Call(&'static Function, usize, Span),
 }
 
-/// A part of the expression whose dimension is known.
+/// A part of the expression with known dimension.
 struct Typed {
     value: Value,
     varies: bool,
-    /// Where its operations begin.
+    /// The index of its first operation.
     start: usize,
 }
 
@@ -265,7 +265,7 @@ fn typed(nodes: &[(Node, Span)], over: Dimension) -> Result<(Value, Vec<Step>), 
     Ok((value, steps))
 }
 
-/// One half of the same dimension.
+/// The value 1/2 with the same dimension.
 fn stand_in(value: Value) -> Value {
     match value {
         Value::Scalar(mut scalar) => {

@@ -34,7 +34,7 @@ pub struct Measured {
 struct Pair {
     input: InputId,
     output: Vec<MotionTerm>,
-    /// Of the gain.
+    /// The dimension of the gain.
     dimension: Dimension,
 }
 
@@ -593,7 +593,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The motion of a base with several, `x` or `y` of the component that speaks of it, among those of the scene.
+    /// The name in the scene of a base's motion: `x` or `y` in a rotated component may be the other one, if the base
+    /// has several motions.
     fn motion_in_scene(&mut self, part: scope::Part, word: Span, environment: Environment) -> Evaluated<&'a str> {
         let text: &'a str = self.sources.slice(word);
         let Some(placed) = self.placed(environment)? else { return Ok(text) };
@@ -623,7 +624,7 @@ impl<'a> Check<'a> {
         named.next().is_none().then_some(first)
     }
 
-    /// What each input of this name is called where `owner` names them together.
+    /// The names of the motions of all inputs with this name, as `owner` would write them.
     fn motions_of(&self, name: Name, owner: ExprId) -> Vec<String> {
         let owner = self.sources.slice(self.tree.expr(owner).span);
         let inputs = self.scene.inputs.iter().filter(|input| input.name == name);
@@ -679,7 +680,7 @@ impl<'a> Check<'a> {
     }
 }
 
-/// The usual unit of a dimension; none for 1/s, which has two.
+/// The usual unit of a dimension; empty for 1/s, which has two.
 fn usual_unit(dimension: Dimension) -> String {
     if dimension == Dimension::FREQUENCY { String::new() } else { dimension.usual_unit() }
 }

@@ -222,9 +222,9 @@ struct Check<'a> {
     /// Counts of errors and of other findings.
     tallies: [Tally; 2],
     overrides: Given,
-    /// Whether this checks a value from outside, which knows no names of the model.
+    /// Whether this check evaluates a value from outside, which knows no names of the model.
     outside: bool,
-    /// What the law that is being read is over: `stretch` or `rate`.
+    /// The variable of the law that is being read: `stretch` or `rate`.
     law_over: Option<&'static str>,
     /// Words of declarations that could not be read or unrolled: no message calls them unknown.
     broken_words: HashSet<&'a str>,
@@ -239,16 +239,16 @@ struct Check<'a> {
     /// Whether it has been reported that places declare too much.
     is_full: bool,
     known: ComponentNames<'a>,
-    /// A file of components is missing: what is unknown may be in it.
+    /// Whether a file of components is missing, so that unknown names may be defined in it.
     lacks_components: bool,
     frames: Vec<Frame>,
     ports: Vec<Port>,
-    /// How every place lies that says nothing about it.
+    /// The motion of a place that is neither positioned, turned nor mirrored.
     unmoved: Arc<places::Motion>,
     /// The dimensions of the parameters of components.
     formals_like: Table<(u32, u32), Evaluated<Option<Scalar>>>,
     drafts: drafts::Drafts,
-    /// Bodies whose line is that of their component the other way.
+    /// Bodies whose line has the opposite direction in their component.
     reversed: HashSet<BodyId>,
     walk: Walk,
     memory: Cache,
@@ -264,7 +264,7 @@ struct Check<'a> {
     broken_inputs: bool,
     /// Motions are read as they are at rest.
     reads_rest: bool,
-    /// Inputs whose signal is another one's, later.
+    /// Inputs whose signal is that of another input, delayed.
     delays: Vec<delays::Delay>,
     /// Tables that have been read, each once; `None` for one with an error.
     tables: HashMap<FileId, Option<Arc<TableRows>>>,

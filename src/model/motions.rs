@@ -105,7 +105,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A combination of what there is at rest: `s.tension`, `s.stretch`, `rod.angle`, `block.x`.
+    /// A combination of quantities at rest: `s.tension`, `s.stretch`, `rod.angle`, `block.x`.
     pub fn at_rest(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Combination> {
         self.reads_rest = true;
         let found = self.combination(expr, environment);
@@ -148,7 +148,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Whether a motion is mentioned in an expression; `front.k` is none.
+    /// Whether an expression mentions a motion; `front.k` is not a motion.
     pub fn has_motion(&mut self, expr: ExprId, environment: Environment) -> bool {
         let tree = self.tree;
         match tree.expr(expr).kind {
@@ -334,7 +334,8 @@ impl<'a> Check<'a> {
         )
     }
 
-    /// A motion of a body or base by its word, in the axes of the component that speaks of it; and what to multiply it by.
+    /// A motion of a body or base given by its word, in the axes of the component that mentions it, and the factor to
+    /// multiply it by.
     pub fn part_motion(
         &mut self,
         part: Part,

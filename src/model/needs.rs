@@ -1,5 +1,6 @@
-//! Properties that a body's freedoms require, and properties that have no effect: mass, inertia, place. In: bodies with
-//! their freedoms. Out: errors for what is missing, warnings for what is idle. See docs/method/kinematics.md.
+//! Properties that a body's degrees of freedom require, and properties that have no effect: mass, inertia, place. In:
+//! bodies with their degrees of freedom. Out: errors for missing properties, warnings for idle ones. See
+//! docs/method/kinematics.md.
 //!
 //! Whether a degree of freedom moves any inertia at all depends on everything that it carries, and is decided when the
 //! scene is lowered. The checks here only guard against oversights.
@@ -115,7 +116,7 @@ impl<'a> Check<'a> {
     }
 
     fn warn_idle(&mut self, id: BodyId, word: &'static str, why: &'static str, environment: Environment) {
-        // What nothing moves is carried.
+        // A body that nothing moves is carried by a joint or by the ground.
         if word == "mass" && self.asks_for_reactions() {
             return;
         }
@@ -156,7 +157,7 @@ impl<'a> Check<'a> {
                 Motion::Point { part, .. } | Motion::Turn { part, .. } => Some(*part),
                 Motion::Force { .. } | Motion::Stretch { .. } | Motion::Reaction(_) => None,
             });
-        // Under a response spectrum damping ratios are those of motions relative to the base.
+        // Under a response spectrum, damping ratios are those of motions relative to the base.
         let by_spectrum = |base: &BaseId| {
             let mut own = self.scene.inputs.iter().filter(|input| input.kind.base() == Some(*base));
             own.any(|input| input.signal.iter().any(|signal| matches!(signal, Signal::Spectrum(_))))
@@ -168,7 +169,7 @@ impl<'a> Check<'a> {
         self.report(Environment::TOP, PartError::DampingBesideBase { span, base: place, name });
     }
 
-    /// Notes that gravity has no effect: no mass can fall, swing or stretch what holds it.
+    /// Notes that gravity has no effect: no mass can fall, swing or stretch its support.
     fn idle_gravity(&mut self) {
         let Some(span) = self.scene.gravity_span else { return };
         let field = self.scene.gravity.clone();
@@ -201,7 +202,7 @@ impl<'a> Check<'a> {
             self.definitions.iter().filter(|definition| definition.used).map(|definition| definition.span).collect();
         for index in 0..self.definitions.len() {
             let definition = &self.definitions[index];
-            // Points and `let`s of a component are there for those who place it.
+            // Points and `let`s of a component are offered to the models that place it.
             let is_offered = definition.name.place != Place::SCENE && definition.kind != DefinitionKind::Param;
             if !used.contains(&definition.span) && !is_offered {
                 let (span, kind) = (definition.span, definition.kind);

@@ -1,5 +1,5 @@
-//! `noise(...)`: stationary noise by its power spectral density. In: the arguments of the call. Out: the density in SI, and
-//! of which derivative of the input it is. See spec.md#signals.
+//! `noise(...)`: stationary noise by its power spectral density. In: the arguments of the call. Out: the density in SI,
+//! and the derivative of the input that it refers to. See spec.md#signals.
 
 use super::Check;
 use super::error::{PartError, ValueError};
@@ -28,7 +28,7 @@ pub struct NoiseCall {
     pub given: Vec<ExprId>,
 }
 
-/// A density, and the place of its kind among those that the input takes.
+/// A density, and the index of its kind among the kinds that the input takes.
 pub struct Noisy {
     pub density: Density,
     pub derivative: usize,
@@ -94,7 +94,7 @@ impl<'a> Check<'a> {
         self.sources.slice(self.tree.expr(expr).span) == word
     }
 
-    /// Corner points, straight in the logarithms between them.
+    /// Corner points, connected by straight lines in logarithmic axes.
     fn corners(&mut self, call: &NoiseCall, kinds: &[SignalKind], environment: Environment) -> Evaluated<Noisy> {
         let rises = |check: &mut Self, before: &Number, frequency: &Number, at| {
             check.ascending(before, frequency, at, environment)
@@ -195,7 +195,7 @@ impl<'a> Check<'a> {
             Value::Vector(_) => None,
         };
         let place = kinds.iter().position(|kind| Some(kind.density.dimension) == found);
-        // Of a base the usual one is that of an acceleration, the last.
+        // The usual kind of a base is the last one, an acceleration.
         let expected = place.map_or(kinds.last(), |place| kinds.get(place)).unwrap_or(&functions::FORCE_SIGNAL).density;
         let si = self.as_number(&value, expr, environment, &expected)?;
         self.positive_density(&si, expr, environment)?;

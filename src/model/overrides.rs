@@ -15,14 +15,14 @@ use crate::syntax;
 /// The expectation at places that take a number of any dimension.
 pub const ANY_NUMBER: Expected = Expected::new("a number", Dimension::NONE, "10 N/m");
 
-/// At most this many parameters are listed.
+/// Maximum number of parameters that are listed.
 const SHOWN: usize = 8;
 
 /// A value given for a parameter.
 #[derive(Clone, Debug)]
 pub struct Override {
     pub value: Scalar,
-    /// Where the value is written.
+    /// The place where the value is written.
     pub span: Span,
 }
 
@@ -52,7 +52,7 @@ struct Setting {
 enum Written {
     /// The text of an expression, as on the command line.
     Text(Span),
-    /// Something other than a number.
+    /// A value that is not a number.
     Other(Span),
 }
 
@@ -255,13 +255,14 @@ impl<'a> Check<'a> {
     }
 }
 
-/// The entries of a table and of those in it: `front.k = "..."` and `k = "..."` below `[front]` are one.
+/// The entries of a table and of the tables nested in it: `front.k = "..."` and `k = "..."` below `[front]` are the
+/// same.
 fn entries(text: &str, file: FileId, table: &toml::de::DeTable<'_>, path: &str, settings: &mut Vec<Setting>) {
     for (key, value) in table {
         let name = unquoted(text, file, key.span());
         let word = if path.is_empty() { key.get_ref().to_string() } else { format!("{path}.{}", key.get_ref()) };
         match value.get_ref() {
-            // How deep tables lie in each other is limited by the reader of TOML.
+            // The TOML reader limits how deep tables are nested.
             toml::de::DeValue::Table(inner) => entries(text, file, inner, &word, settings),
             _ => settings.push(Setting { name, word, value: written_value(text, file, value) }),
         }
@@ -299,11 +300,11 @@ fn trimmed(file: FileId, start: usize, text: &str) -> Span {
     Span::new(file, from, from + text.trim().len())
 }
 
-/// How a given value differs in kind from the declared one.
+/// The difference in kind between a given value and the declared one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KindMismatch {
     Dimension(Dimension),
-    /// In plain 1/s where cycles or radians are declared: it could mean either.
+    /// A value in plain 1/s for a declaration in cycles or radians: it could mean either.
     Reading,
 }
 

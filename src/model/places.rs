@@ -1,9 +1,10 @@
-//! Components at their places. In: `component`, `place` and `use`; out: for each place a [`Frame`], what the names in the component
-//! stand in, and the declarations of its body as instances of their own. See spec.md#components.
+//! Components at their places. In: `component`, `place` and `use`. Out: for each place a [`Frame`], the context in
+//! which the names in the component are evaluated, and the declarations of its body as separate instances. See
+//! spec.md#components.
 //!
-//! A component is not copied: its declarations stay where they are, and each place is an environment in which they are looked at.
-//! Positions and directions are worked out in the component's own axes, exactly as they are written, and carried over into those
-//! of the scene where they enter it ([`Placed`]).
+//! A component is not copied: its declarations stay where they are, and each place is an environment in which they are
+//! evaluated. Positions and directions are computed in the component's own axes, exactly as they are written, and
+//! converted to those of the scene when they enter it ([`Placed`]).
 
 use super::Check;
 use super::error::{NameError, PlaceError, QuestionError, ValueError};
@@ -29,9 +30,9 @@ pub struct FrameId(pub u32);
 pub struct Frame {
     /// The space of the names inside.
     pub place: Place,
-    /// `None` if it is unknown or its arguments are wrong: then nothing inside it is reported.
+    /// `None` if it is unknown or its arguments are wrong; nothing inside it is then reported.
     pub component: Option<u32>,
-    /// Where the `place` stands.
+    /// The environment of the `place` declaration.
     pub outer: Environment,
     /// The environment of the component's declarations.
     pub inside: Environment,
@@ -64,7 +65,7 @@ impl Frame {
 /// A part that a component ties to.
 #[derive(Clone, Debug)]
 pub struct Port {
-    /// Where the argument is looked at, and the argument; `None` of a component that is placed alone.
+    /// The argument and the environment in which it is evaluated; `None` if the component is placed alone.
     tied: Option<(Environment, ExprId)>,
     /// The port's name in the component.
     declared: Span,
@@ -77,7 +78,7 @@ impl Port {
     }
 }
 
-/// How a component lies: in the axes around its place, and in those of the scene.
+/// The position and orientation of a component: in the axes around its place, and in those of the scene.
 #[derive(Clone, Debug)]
 pub struct Placed {
     pub around: Arc<Motion>,
@@ -87,7 +88,7 @@ pub struct Placed {
 /// x -> o + R S x: mirrored by the signs S, turned by R, moved to o.
 #[derive(Clone, Debug)]
 pub struct Motion {
-    /// `None` where the place has no position.
+    /// `None` if the place has no position.
     pub origin: Option<Vec3>,
     pub angle: Number,
     /// Sine and cosine of the angle.
@@ -98,7 +99,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Neither turned nor mirrored.
+    /// A motion without rotation or reflection.
     pub fn still(origin: Option<Vec3>) -> Motion {
         Motion { origin, angle: Number::ZERO, sine: Number::ZERO, cosine: Number::ONE, mirrored: [false, false] }
     }
@@ -124,7 +125,7 @@ impl Motion {
         Vec3::planar(&(cosine * &x) - &(sine * &y), &(sine * &x) + &(cosine * &y))
     }
 
-    /// A place; `None` where the component has none.
+    /// A position in the outer axes; `None` if the component has no position.
     pub fn place(&self, v: &Vec3) -> Option<Vec3> {
         Some(self.origin.as_ref()?.add(&self.direction(v)))
     }
@@ -144,7 +145,7 @@ impl Motion {
 #[derive(Debug, Default)]
 pub struct ComponentNames<'a> {
     by_name: HashMap<(FileId, &'a str), u32>,
-    /// In order, for suggestions.
+    /// The names in order, for suggestions.
     names: HashMap<FileId, Vec<&'a str>>,
     /// Components that cannot be placed, since they contain themselves.
     pub broken: Vec<bool>,
@@ -181,7 +182,7 @@ impl<'a> Check<'a> {
                     None => continue,
                 },
             };
-            // Whatever is placed of it would be unknown for this reason alone.
+            // Everything placed from it would be unknown for this reason alone.
             self.lacks_components = true;
             self.report(Environment::TOP, PlaceError::Unread { span: using.text, reason });
         }
@@ -234,13 +235,13 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Enters a component among those that a file knows; `at` is where it comes from.
+    /// Adds a component to those that a file knows; `at` is the place that introduces it.
     fn add_known_component(&mut self, file: FileId, index: u32, component: &Component, at: Span) {
         let word = self.sources.slice(component.name);
         if let Some(&other) = self.known.by_name.get(&(file, word)) {
             let other = self.tree.component(other).name;
             let own = if at == component.name { Vec::new() } else { vec![component.name] };
-            // If the file declares one itself, that is the one to rename.
+            // If the file itself declares one of them, that is the one to rename.
             let (span, others) = match other.file() == file && at != component.name {
                 true => (other, own),
                 false => (at, std::iter::once(other).chain(own).collect()),
@@ -352,7 +353,8 @@ impl<'a> Check<'a> {
             if seen[first] != Visit::No {
                 continue;
             }
-            // Each entry: a component, how many of those in it were looked at, the levels below it so far.
+            // Each entry: a component, the number of components in it that have been visited, and the levels below it
+            // so far.
             let mut path: Vec<(usize, usize, usize)> = vec![(first, 0, 0)];
             seen[first] = Visit::Open;
             while let Some((index, next, levels)) = path.last_mut() {
@@ -372,7 +374,7 @@ impl<'a> Check<'a> {
                         if below >= MAX_LEVELS {
                             let index = *index;
                             self.known.broken[index] = true;
-                            // Those around it are too deep because of it.
+                            // The components around it are too deep because of it.
                             if below == MAX_LEVELS {
                                 self.report(Environment::TOP, PlaceError::TooDeep { span, limit: MAX_LEVELS });
                             }
@@ -389,7 +391,7 @@ impl<'a> Check<'a> {
                         for member in &members {
                             self.known.broken[*member] = true;
                         }
-                        /// More of them say no more.
+                        /// A longer list would not help.
                         const SHOWN: usize = 8;
                         let word = |member: &usize| format!("`{}`", self.sources.slice(tree.components[*member].name));
                         let mut chain: Vec<String> = members.iter().take(SHOWN).map(word).collect();
@@ -414,7 +416,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The components that a body places, and where it names them.
+    /// The components that a body places, and the spans that name them.
     fn contained(&self, body: &'a [Decl]) -> Vec<(u32, Span)> {
         let mut all = Vec::new();
         for decl in body {
@@ -498,7 +500,7 @@ impl<'a> Check<'a> {
         self.declare_body(brackets.component, word, inside);
     }
 
-    /// Declares what a component declares, unless that is too much.
+    /// Declares the contents of a component, unless there are too many.
     pub fn declare_body(&mut self, component: u32, word: Span, inside: Environment) {
         let body: &'a [Decl] = &self.tree.component(component).body;
         let mut counted = self.counted;
@@ -518,7 +520,7 @@ impl<'a> Check<'a> {
             let instance = Instance { decl, environment: inside };
             match decl.kind {
                 DeclKind::Repeat { index } => self.count_and_unroll(self.tree.repeat(index), inside),
-                // Said where the component is declared.
+                // Reported where the component is declared.
                 DeclKind::Param { .. } | DeclKind::Model { .. } | DeclKind::Gravity { .. } => {}
                 DeclKind::Rare { index } => match self.tree.rare(index) {
                     Rare::Solve { .. }
@@ -580,7 +582,7 @@ impl<'a> Check<'a> {
 
     // ---- Where a component lies ----
 
-    /// How the component lies that an environment is the inside of; `None` for the scene.
+    /// The position and orientation of the component that contains an environment; `None` for the scene.
     pub fn placed(&mut self, environment: Environment) -> Evaluated<Option<Placed>> {
         match self.environments.frame(environment) {
             None => Ok(None),
@@ -619,7 +621,7 @@ impl<'a> Check<'a> {
         Ok(Placed { around, scene })
     }
 
-    /// How a place lies in the axes around it.
+    /// The position and orientation of a place in the axes around it.
     fn motion_around(&mut self, id: FrameId) -> Evaluated<Arc<Motion>> {
         let Frame { at, turned, mirrored, outer, span, .. } = *self.frame(id);
         if (at, turned, mirrored) == (None, None, [false, false]) {
@@ -655,7 +657,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Says that a component has positions, and its place, or one around it, has none.
+    /// Reports that a component has positions, but its place or one around it has none.
     fn no_position(&mut self, environment: Environment, needs: Span) -> Stop {
         let mut inner = self.environments.frame(environment);
         while let Some(frame) = inner {
@@ -679,7 +681,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Whether counter-clockwise in a component is clockwise in the scene.
+    /// Whether a counter-clockwise rotation in a component is clockwise in the scene.
     pub fn reverses(&mut self, environment: Environment) -> Evaluated<bool> {
         Ok(self.placed(environment)?.is_some_and(|placed| placed.scene.reverses()))
     }
@@ -724,7 +726,7 @@ impl<'a> Check<'a> {
 
     // ---- Names behind the name of a place ----
 
-    /// The place that an expression names: `front`, `outer.inner[2]`. `None` where it names something else.
+    /// The place that an expression names: `front`, `outer.inner[2]`; `None` if it names something else.
     pub fn place_at(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Option<FrameId>> {
         if self.frames.is_empty() {
             return Ok(None);
@@ -748,7 +750,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Whether a member is a quantity of a component: `front.k`, and not a motion.
+    /// Whether a member is a quantity of a component, such as `front.k`, and not a motion.
     pub fn is_value_of_place(&mut self, base: ExprId, environment: Environment) -> bool {
         matches!(self.place_at(base, environment), Ok(Some(_)))
     }
@@ -938,7 +940,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The part itself, where it is a port.
+    /// The part that a port is tied to; any other part is returned unchanged.
     pub fn untied(&mut self, part: scope::Part) -> Evaluated<scope::Part> {
         match part {
             scope::Part::Port(port) => self.port(port),
@@ -946,7 +948,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// What a port is tied to, and where that is looked at; `None` of another part, and of a component placed alone.
+    /// The argument of a port and the environment in which it is evaluated; `None` for other parts, and for a component
+    /// that is placed alone.
     pub fn tied_to(&self, part: scope::Part) -> Option<(Environment, ExprId)> {
         match part {
             scope::Part::Port(port) => self.ports[port as usize].tied,
@@ -959,12 +962,12 @@ impl<'a> Check<'a> {
         self.ports.len() as u32
     }
 
-    /// A port of which nothing is known.
+    /// Adds a port that is tied to nothing.
     pub fn tie_to_nothing(&mut self, declared: Span) {
         self.ports.push(Port { tied: None, declared, part: None });
     }
 
-    /// Where a port is declared.
+    /// The place where a port is declared.
     pub fn port_span(&self, port: u32) -> Span {
         self.ports[port as usize].declared
     }

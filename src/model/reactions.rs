@@ -1,5 +1,5 @@
-//! Reactions as motions: `p.fx` of a joint, `r.force` of a coupling, `block.support_y` of a freedom clause. In: a word after
-//! the name of what holds. Out: components along the axes of the scene. See spec.md#outputs.
+//! Reactions as motions: `p.fx` of a joint, `r.force` of a coupling, `block.support_y` of a freedom clause. In: a word
+//! after the name of a joint, coupling or body. Out: components along the axes of the scene. See spec.md#outputs.
 
 use super::Check;
 use super::error::QuestionError;
@@ -21,7 +21,7 @@ pub fn is_of_support(word: &str) -> bool {
 type Word<'w> = (&'w str, Span);
 
 impl Check<'_> {
-    /// Whether the model asks for what a joint or the ground carries: then weights count that move nothing.
+    /// Whether the model asks for a load on a joint or the ground. Weights that move nothing then matter.
     pub fn asks_for_reactions(&self) -> bool {
         let is_reaction = |word: &str| {
             let known = JOINT_REACTIONS.iter().chain(&SUPPORT_REACTIONS);
@@ -130,7 +130,8 @@ impl Check<'_> {
         self.fail(environment, QuestionError::NoSuchReaction { span: word.1, name, why, help })
     }
 
-    /// A component in the axes of the component of the model that speaks of it, by those along the axes of the scene.
+    /// A component in the axes of the part of the model that mentions it, in terms of the components along the axes of
+    /// the scene.
     fn directed(&mut self, holder: Holder, component: ReactionComponent, environment: Environment) -> Evaluated<Piece> {
         let axis = match component {
             ReactionComponent::X => Vec3::X,

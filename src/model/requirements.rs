@@ -13,7 +13,7 @@ use super::value::{Scalar, Value};
 use crate::base::{Angle, Dimension, Number, Span};
 use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, Rare};
 
-/// A part of an expression of measures and its dimension; a bare zero has none.
+/// A part of an expression of measures and its dimension; a bare zero has no dimension.
 struct Term {
     combined: Combined<Measure>,
     dimension: Option<Dimension>,
@@ -91,8 +91,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// An expression of measures and what it is compared with: a number, or another such expression. Of two expressions the
-    /// difference is compared with zero.
+    /// An expression of measures and what it is compared with: a number, or another such expression. For two
+    /// expressions, their difference is compared with zero.
     pub fn compared(&mut self, side: ExprId, other: ExprId, environment: Environment) -> Evaluated<Question> {
         let span = self.tree.expr(side).span;
         let compares_two = self.has_measure(other);
@@ -118,7 +118,7 @@ impl<'a> Check<'a> {
         self.question(measured, span, other, environment)
     }
 
-    /// What `minimise` or `maximise` looks for: an expression of measures, compared with nothing.
+    /// The objective of `minimise` or `maximise`: an expression of measures that is not compared with anything.
     pub(super) fn objective(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Question> {
         let span = self.tree.expr(expr).span;
         let Measured { measure, dimension } = if self.is_measure(expr) || !self.has_measure(expr) {

@@ -43,7 +43,7 @@ id!(/// Index into [`Scene::outputs`].
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub name: String,
-    /// The words that every [`Name`] below is made of.
+    /// The words of every [`Name`] below.
     pub words: Words,
     /// Acceleration of free fall, m/s^2; zero if none is declared.
     pub gravity: Vec3,
@@ -68,7 +68,7 @@ pub struct Scene {
 #[derive(Clone, Debug)]
 pub struct Body {
     pub name: Name,
-    /// The declaration's name: where messages about the body point.
+    /// The name in the declaration, where messages about the body point.
     pub span: Span,
     /// kg; `None` if not given (an error if a degree of freedom needs it).
     pub mass: Option<Number>,
@@ -213,7 +213,8 @@ pub enum Motion {
     Reaction(Reaction),
 }
 
-/// A component of the force or moment by which something holds parts, on the part that it holds (the second one of a joint).
+/// A component of the force or moment by which something holds parts, acting on the part that it holds (the second one
+/// of a joint).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Reaction {
     pub holder: Holder,
@@ -226,7 +227,7 @@ pub enum Holder {
     Joint(JointId),
     /// Index into [`Scene::couples`].
     Couple(u32),
-    /// The rails that a freedom clause stands for.
+    /// The rails that represent a freedom clause.
     Support(BodyId),
 }
 
@@ -263,12 +264,12 @@ pub struct Element {
 #[derive(Clone, Debug)]
 pub struct Law {
     pub kind: &'static elements::Kind,
-    /// In the SI units of its kind, translational or torsional. Of a nonlinear damper its tangent at rest; of a nonlinear
-    /// spring it says nothing.
+    /// In the SI units of its kind, translational or torsional. For a nonlinear damper, the tangent at rest; not used
+    /// for a nonlinear spring.
     pub coefficient: Number,
     /// [`SpringRest::AsDrawn`] if the kind is not elastic.
     pub rest: SpringRest,
-    /// The force over the stretch or the rate, where that is not the coefficient times it.
+    /// The force as a function of the stretch or the rate, unless it is proportional to it.
     pub curve: Option<Arc<Curve>>,
 }
 
@@ -278,12 +279,12 @@ impl Law {
         self.kind.is_elastic().then_some((&self.coefficient, &self.rest))
     }
 
-    /// Whether it may have a tension as drawn: its free length or preload is given, or its law says.
+    /// Whether it may have a tension as drawn: its free length or preload is given, or it has a law.
     pub fn may_be_loaded(&self) -> bool {
         self.kind.is_elastic() && (self.rest != SpringRest::AsDrawn || self.curve.is_some())
     }
 
-    /// Whether it has no effect because its coefficient is zero; the tangent of a spring's law is known at rest alone.
+    /// Whether it has no effect because its coefficient is zero. The tangent of a spring's law is known only at rest.
     pub fn is_zero(&self) -> bool {
         self.coefficient.is_zero() && !(self.curve.is_some() && self.kind.is_elastic())
     }
@@ -316,11 +317,11 @@ pub enum Geometry {
 /// A span of a belt along a common tangent of two disks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BeltSpan {
-    /// Whether it touches the first disk on the left of the way to the second.
+    /// Whether it touches the first disk on the left of the direction to the second.
     pub left: bool,
-    /// How far the centres are apart across the span, towards the side on which it touches the first disk, m.
+    /// Distance of the centres across the span, towards the side on which it touches the first disk, m.
     pub gap: Number,
-    /// How much longer a turn of either disk makes it, m/rad.
+    /// Increase of its length per turn of each disk, m/rad.
     pub turns: [Number; 2],
 }
 
@@ -340,8 +341,8 @@ pub struct Input {
     pub kind: InputKind,
     /// A sum of signals; empty if none is declared.
     pub signal: Vec<Signal>,
-    /// Which derivative of the input the signal is: of a base's motion 0 the motion itself, 1 its rate, 2 its acceleration;
-    /// of an unbalance 2.
+    /// The derivative of the input that the signal gives: for a base 0 the motion itself, 1 its rate, 2 its
+    /// acceleration; for an unbalance 2.
     pub derivative: u8,
     /// The place where the signal is written.
     pub signal_span: Option<Span>,
@@ -355,8 +356,8 @@ pub enum InputKind {
     ForceBetween { ends: [Attachment; 2] },
     /// A torque on `ends[0]`, and its opposite on `ends[1]` if there are two.
     Torque { ends: Vec<Attachment> },
-    /// A component of a rotating unbalance, in kg m: along `direction` it is what the heavy spot's motion has along that
-    /// axis, and its second derivative is the force on `end`, the other way.
+    /// A component of a rotating unbalance, in kg m: the component along `direction` of the heavy spot's motion times
+    /// its mass. Its second derivative is the force on `end`, with the opposite sign.
     Unbalance { end: [Attachment; 1], direction: Vec3, axis: Axis, clockwise: bool, needs_speed: bool },
     /// Motion number `translation` of a base, or its rotation if that is `None`.
     Base { base: BaseId, translation: Option<usize> },
@@ -379,7 +380,7 @@ impl Axis {
 }
 
 impl InputKind {
-    /// The base whose motion it is.
+    /// The base whose motion this is.
     pub fn base(&self) -> Option<BaseId> {
         if let InputKind::Base { base, .. } = self { Some(*base) } else { None }
     }
@@ -395,12 +396,12 @@ impl InputKind {
     }
 }
 
-/// What drives an input, or loads it.
+/// A signal that drives an input, or a constant load.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Signal {
     /// A load that belongs to the rest; it drives nothing.
     Constant { value: Number },
-    /// A function of time that needs nothing else of the model.
+    /// A function of time that refers to nothing else in the model.
     Function(Function),
     /// Two columns: time in s, value in SI units.
     Table {
@@ -418,7 +419,7 @@ pub enum Signal {
 }
 
 impl Signal {
-    /// Whether it is noise, or the noise of another input.
+    /// Whether it is noise, or a delay of noise.
     pub fn has_noise(&self) -> bool {
         match self {
             Signal::Noise(_) => true,
@@ -427,7 +428,7 @@ impl Signal {
         }
     }
 
-    /// Whether it moves something in time: noise has no course, and a constant load is part of the rest.
+    /// Whether it is a function of time that moves something: noise is none, and a constant load is part of the rest.
     pub fn has_course(&self) -> bool {
         match self {
             Signal::Constant { .. } | Signal::Noise(_) | Signal::Spectrum(_) => false,
@@ -496,7 +497,7 @@ impl Output {
     }
 }
 
-/// Deviations from rest at t = 0; those not given are zero.
+/// Deviations from rest at t = 0; the ones not given are zero.
 #[derive(Clone, Debug)]
 pub struct Initial {
     pub body: BodyId,
@@ -516,9 +517,9 @@ pub enum Damping {
 /// A `param` with its current value, which `solve` and sensitivities vary.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// With its indices, as in a model: `k`, `m[3]`.
+    /// The name with its indices, as in a model: `k`, `m[3]`.
     pub name: String,
-    /// The word that declares it, or what a place gives for it.
+    /// The word that declares it, or the value that a place gives for it.
     pub span: Span,
     pub value: Quantity,
     pub unit: Written,
@@ -529,7 +530,7 @@ pub struct Parameter {
 pub struct Written {
     /// `N*m/rad`, `%`, `dB`; empty for a plain number.
     pub text: String,
-    /// The SI value of one such unit; `None` for `dB`, which is not a multiple of anything.
+    /// The SI value of one such unit; `None` for `dB`, which is not linear.
     pub factor: Option<Number>,
 }
 
@@ -546,7 +547,7 @@ pub struct Question {
     pub measure: Measure,
     /// The span of the measure as written.
     pub span: Span,
-    /// In SI, a frequency in Hz, an angle in radians.
+    /// In SI units; a frequency in Hz, an angle in radians.
     pub value: Number,
     /// The value as an angular frequency, rad/s, if it was written as one: it may be exact in rad/s but not in Hz.
     pub radians: Option<Number>,
@@ -569,9 +570,9 @@ pub struct Solve {
 pub struct Optimum {
     /// The whole line.
     pub span: Span,
-    /// Whether the largest value is wanted.
+    /// Whether the objective is maximised.
     pub highest: bool,
-    /// Its value is zero: nothing is compared.
+    /// The objective; nothing is compared.
     pub question: Question,
     pub varied: Vec<Varied>,
     pub limits: Vec<Require>,
@@ -637,12 +638,12 @@ pub enum Measure {
         output: Vec<MotionTerm>,
         of: Cause,
     },
-    /// Under noise, of what the output has between two frequencies.
+    /// Root mean square under noise, of the part of the output between two frequencies.
     RmsWithin {
         output: Vec<MotionTerm>,
         range: [Number; 2],
     },
-    /// The one-sided density under noise.
+    /// The one-sided power spectral density under noise.
     Psd {
         output: Vec<MotionTerm>,
         frequency: Number,
@@ -673,13 +674,13 @@ pub enum Measure {
     Combined(Box<Combined<Measure>>),
 }
 
-/// What moves the output whose root mean square is asked for.
+/// The cause of the motion whose root mean square is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     Noise,
     /// Signals and the initial state, over the simulated time.
     Time,
-    /// One of both, whichever reaches the output.
+    /// Either of them, whichever reaches the output.
     Either,
 }
 
@@ -714,7 +715,7 @@ impl<M> Combined<M> {
         }
     }
 
-    /// Whether one of its measures is of a kind.
+    /// Whether some measure in it satisfies a condition.
     pub fn any(&self, of: &dyn Fn(&M) -> bool) -> bool {
         match self {
             Combined::Measure(measure) => of(measure),
@@ -726,7 +727,7 @@ impl<M> Combined<M> {
 }
 
 impl Scene {
-    /// Whether the values of some parameters follow from lines of the model: `solve`, `minimise`, `maximise`.
+    /// Whether the values of some parameters follow from `solve`, `minimise` or `maximise`.
     pub fn determines_parameters(&self) -> bool {
         !self.solves.is_empty() || !self.optima.is_empty()
     }
@@ -739,7 +740,7 @@ impl Scene {
 }
 
 impl Measure {
-    /// Whether it takes the motion in time.
+    /// Whether the measure depends on the motion in time.
     pub fn is_of_time(&self) -> bool {
         match self {
             Measure::Peak { .. } | Measure::Rms { of: Cause::Time | Cause::Either, .. } => true,

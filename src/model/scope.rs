@@ -1,4 +1,4 @@
-//! Names: what is declared where, with `repeat` unrolled. In: the tree. Out: for each kind of declaration its instances
+//! Names and their declarations, with `repeat` unrolled. In: the tree. Out: for each kind of declaration its instances
 //! in order, and the two name spaces (spec.md#names): values (parameters, points, indices) and parts.
 //!
 //! A scene of a million bodies is a `repeat` of a few lines, so an instance is a reference to its declaration and the
@@ -16,8 +16,8 @@ use std::hash::{BuildHasherDefault, Hasher};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Environment(u32);
 
-/// One index of a `repeat` with its value, inside another environment; or the inside of a placed component, which sees
-/// nothing of what is around it.
+/// One index of a `repeat` with its value, inside another environment; or the inside of a placed component, from which
+/// nothing around it is visible.
 #[derive(Clone, Copy, Debug)]
 struct Binding {
     outer: Environment,
@@ -121,14 +121,14 @@ pub struct Definition {
     /// The span of the word that it declares.
     pub span: Span,
     pub expr: ExprId,
-    /// Where the expression is looked at: for what a place gives a component, outside of it.
+    /// The environment in which the expression is evaluated; for an argument of a place, the one outside the component.
     pub environment: Environment,
     pub state: State,
     pub used: bool,
     pub role: Role,
 }
 
-/// How a definition came about.
+/// The origin of a definition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// A declaration of its own.
@@ -188,9 +188,9 @@ pub struct Family {
 
 /// A name space.
 ///
-/// The names that a `repeat` declares come in runs: `m[1]`, `m[2]`, ... A run is found by the name without its last index
-/// and is an array from there. So do the names that places of one component declare: the wheel of its first place, of its
-/// second, ... A name that fits no run has an entry of its own.
+/// The names that a `repeat` declares come in runs: `m[1]`, `m[2]`, ... A run is found by the name without its last
+/// index and is an array from there. The names that places of one component declare form runs too: the wheel of its
+/// first place, of its second, ... A name that fits no run has an entry of its own.
 #[derive(Debug)]
 pub struct Space<T> {
     runs: Table<Name, Run<T>>,
@@ -204,7 +204,8 @@ pub struct Space<T> {
     words: Table<Group, Vec<Symbol>>,
 }
 
-/// Names that differ in their last index, or in their place among those of a component, which counts up by one.
+/// Names that differ in their last index, or in the number of their place among those of a component, which increases
+/// by one.
 #[derive(Debug)]
 struct Run<T> {
     first: i32,
@@ -223,7 +224,7 @@ impl Members {
         *self.by_place.get(place.index()?)?
     }
 
-    /// Counts the place, unless it is known; `None` for the scene, of which there is one.
+    /// Assigns a number to the place, unless it has one; `None` for the scene, which is unique.
     fn enter(&mut self, place: Place, group: Group) -> Option<(Group, i32)> {
         let index = place.index()?;
         if index >= self.by_place.len() {
@@ -263,7 +264,7 @@ impl<T: Copy> Space<T> {
         in_run.or_else(|| self.others.get(&name).copied())
     }
 
-    /// Declares a name; if it is taken, returns what has it.
+    /// Declares a name; if it is taken, returns its present meaning.
     pub fn declare(&mut self, group: Group, name: Name, span: Span, what: T) -> Result<(), T> {
         if let Some(first) = self.get(name) {
             return Err(first);

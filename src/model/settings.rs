@@ -117,7 +117,7 @@ impl<'a> Check<'a> {
         Ok(Damping::Rayleigh { alpha, beta, span })
     }
 
-    /// Reports how a ratio was read if that is hardly what was meant: `2` for 2 %, or a negative sign.
+    /// Reports the reading of a ratio that was probably not intended: `2` for 2 %, or a negative sign.
     fn unusual_ratio(&mut self, ratio: &Number, span: Span, environment: Environment) {
         if ratio.is_negative() {
             self.report(environment, PartError::DampingFeeds { span });

@@ -24,24 +24,24 @@ const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "30 deg");
 pub struct Signals {
     pub list: Vec<Signal>,
     pub span: Option<Span>,
-    /// Which derivative of the motion it is: the place of its kind among those that the input takes.
+    /// The derivative of the motion that the signal gives: the index of its kind among those that the input takes.
     pub derivative: u8,
     /// Another input's signal in place of the list.
     pub delay: Option<delays::Written>,
 }
 
-/// A call, as far as it is known to be that of a signal.
+/// A call of a signal's function, with its arguments sorted out.
 struct Called {
     signal: functions::Signal,
     span: Span,
     given: Vec<ExprId>,
-    /// By their places in the function's own list.
+    /// In the order of the function's own list.
     named: Vec<Option<ExprId>>,
 }
 
 impl<'a> Check<'a> {
-    /// The signals that an expression adds up, and its span; nothing without an expression. All
-    /// of them are of one of the kinds.
+    /// The sum of signals in an expression, and its span; empty without an expression. All signals are of the same
+    /// kind.
     pub fn signal(
         &mut self,
         expr: Option<ExprId>,
@@ -126,7 +126,7 @@ impl<'a> Check<'a> {
         let (mut given, mut named) = (Vec::new(), vec![None; function.named.len()]);
         for &argument in tree.list(arguments) {
             let node = *tree.expr(argument);
-            // `white 3 N^2/Hz` is read by `noise` itself, which takes as many corner points as there are.
+            // `white 3 N^2/Hz` is read by `noise` itself, which takes any number of corner points.
             let ExprKind::Named { name_len, value } = node.kind else {
                 given.push(argument);
                 continue;
@@ -142,7 +142,7 @@ impl<'a> Check<'a> {
                 _ => return self.fail(environment, PartError::SignalArguments { span: node.span, function }),
             }
         }
-        // These take as many points as there are.
+        // These take any number of points.
         let is_open = matches!(signal, functions::Signal::Noise | functions::Signal::Spectrum) && !given.is_empty();
         if !is_open && !function.takes(given.len()) {
             return self.fail(environment, PartError::SignalArguments { span: node.span, function });
@@ -150,7 +150,8 @@ impl<'a> Check<'a> {
         Ok(Called { signal: *signal, span: node.span, given, named })
     }
 
-    /// The place of the kind that the size of a signal has; `None` for a bare zero, and for a size of no kind.
+    /// The index of the kind that a signal's dimension determines; `None` for a bare zero, and for a dimension of no
+    /// kind.
     fn kind_of(&mut self, called: &Called, kinds: &[SignalKind], environment: Environment) -> Evaluated<Option<usize>> {
         use functions::Signal as Word;
         if kinds.len() == 1 {

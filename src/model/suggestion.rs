@@ -8,7 +8,7 @@ pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) ->
     let near = candidates
         .into_iter()
         .map(|candidate| (distance(word, candidate), candidate))
-        // Two words of one letter have nothing in common but their length.
+        // Two words of one letter have only their length in common.
         .filter(|&(distance, candidate)| distance <= allowed && distance < candidate.chars().count().max(length));
     near.min_by_key(|&(distance, _)| distance).map(|(_, candidate)| candidate)
 }

@@ -38,13 +38,13 @@ pub struct TableRequest<'e> {
     pub read: &'e Expected,
 }
 
-/// What the first column of a table holds.
+/// The content of a table's first column.
 pub enum First {
     Time,
     /// A distance that is covered at this speed, m/s.
     Distance(Number),
     Frequency,
-    /// What a law is over.
+    /// The variable of a law.
     Variable(Dimension),
 }
 
@@ -107,7 +107,7 @@ impl<'a> Check<'a> {
         Ok(Arc::new(TableRows { times: scaled(&rows.times, &first), values: scaled(&rows.values, &values) }))
     }
 
-    /// Refuses a heading that contradicts what is read, or names a quantity without saying in which unit.
+    /// Refuses a heading that contradicts the expected quantity, or names a quantity without its unit.
     fn check_heading(&mut self, heading: &Heading, asked: &TableRequest, environment: Environment) -> Evaluated<()> {
         let (named, read) = (asked.named, asked.read.noun);
         for column in [&heading.first, &heading.values] {
@@ -151,7 +151,8 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A word of a heading without a unit that names another quantity than is read, or one whose unit is open.
+    /// A word of a heading without a unit that names another quantity than the expected one, or one whose unit is not
+    /// given.
     fn contradiction(&self, span: Span, read: Dimension, stated: Option<Dimension>) -> Option<String> {
         let is_word = |c: char| c.is_alphanumeric() || matches!(c, '/' | '^' | '*' | '%' | '²');
         let text = self.sources.slice(span);
@@ -249,7 +250,7 @@ fn quantity(word: &str) -> Option<Dimension> {
     }
 }
 
-/// A word of a heading is a unit, and not the SI unit of what is read.
+/// Whether a word of a heading is a unit other than the SI unit of the expected quantity.
 fn is_other_unit(word: &str, read: Dimension) -> bool {
     // `x` and `F` are names before they are units; so is `a`.
     let Ok(unit) = unit::parse(word) else { return false };
@@ -257,7 +258,7 @@ fn is_other_unit(word: &str, read: Dimension) -> bool {
     word.chars().count() > 1 && unit.dimension != Dimension::NONE && !(unit.dimension == read && is_si)
 }
 
-/// The lines that are neither empty nor comments, and where each begins.
+/// The lines that are neither empty nor comments, and their byte offsets.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut start = 0;
     let placed = text.split_inclusive('\n').map(move |line| {

@@ -1,5 +1,5 @@
-//! Messages about an unknown word: the nearest known one, or what the word is instead. In: the word. Out: an [`Error`]
-//! with the facts. See spec.md#names.
+//! Messages about an unknown word: the nearest known one, or the kind of thing that the word names. In: the word. Out:
+//! an [`Error`] with the facts. See spec.md#names.
 
 use super::Check;
 use super::error::{Error, NameError, ValueError};
@@ -163,7 +163,7 @@ impl<'a> Check<'a> {
         self.wrong_index_of(space, name, (ident, word), self.group_of(environment))
     }
 
-    /// The same, of the names of a component; with the word as it is written.
+    /// The error for a wrong index of a name in a component, given the word as it is written.
     pub fn wrong_index_of<T: Copy>(
         &self,
         space: &Space<T>,

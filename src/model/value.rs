@@ -1,5 +1,5 @@
-//! Values of expressions and their arithmetic: quantities and plane vectors in; a value, or why there is none, out.
-//! Nothing here knows about names, places or the tree. See spec.md#units.
+//! Values of expressions and their arithmetic. In: quantities and plane vectors. Out: a value, or the reason why there
+//! is none. Nothing here knows about names, places or the tree. See spec.md#units.
 
 use crate::base::{Angle, Dimension, Number, Quantity, Rational, Vec3};
 use std::sync::Arc;
@@ -17,8 +17,8 @@ pub struct Scalar {
     pub quantity: Quantity,
     /// Written as `0` without a unit: it fits wherever a number is expected.
     pub bare_zero: bool,
-    /// How many times a number of cycles is a factor of it: once for `Hz`, and once less for each `pi`, which is only
-    /// there to convert to radians. Motion is computed in radians, so `m * (50 Hz)^2` is not a stiffness.
+    /// The power of cycles in it: one for `Hz`, and one less for each `pi`, which only converts to radians. Motion is
+    /// computed in radians, so `m * (50 Hz)^2` is not a stiffness.
     pub cycles: f64,
 }
 
@@ -35,7 +35,7 @@ pub struct Vector {
 pub enum Fault {
     /// Two dimensions that cannot be added or compared.
     Dimensions(Dimension, Dimension),
-    /// A number combined with a point, or a point with a number: what is needed, as a phrase.
+    /// A number combined with a point, or a point with a number; the needed kind as a phrase.
     Kind {
         needed: &'static str,
         found: &'static str,
@@ -80,7 +80,7 @@ impl Scalar {
         Scalar { cycles: -1.0, ..Scalar::new(Quantity::plain(Number::pi())) }
     }
 
-    /// This value with this many cycles as factors; a value in radians has none.
+    /// This value with this power of cycles; a value in radians has no cycles.
     fn of_cycles(self, cycles: f64) -> Scalar {
         let is_angle = self.quantity.angle == Angle::Radians;
         Scalar { cycles: if is_angle { 0.0 } else { cycles }, ..self }

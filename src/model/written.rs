@@ -103,7 +103,7 @@ pub struct WrittenElement {
     pub ends: [Option<Pair>; 2],
     /// Its coefficient, such as `k` or `c`.
     pub coefficient: Sum,
-    /// Its law in powers of the stretch or the rate; `None` if it has no law, or one that is no such sum.
+    /// Its law in powers of the stretch or the rate; `None` if it has no law, or one that is not such a sum.
     pub law: Option<Powers>,
     pub free_length: Option<Sum>,
     pub preload: Option<Sum>,
@@ -119,12 +119,12 @@ pub struct WrittenInput {
     pub rotation: Option<WrittenRotation>,
 }
 
-/// How the heavy spot of an unbalance turns, in the axes of the component that it is declared in.
+/// The rotation of an unbalance's heavy spot, in the axes of the component that declares it.
 #[derive(Clone, Debug)]
 pub struct WrittenRotation {
     /// The mass times its distance from the axis, kg m.
     pub unbalance: Sum,
-    /// In rad/s, if it is given.
+    /// The speed in rad/s, if it is given.
     pub speed: Option<Sum>,
     pub clockwise: bool,
 }
@@ -171,13 +171,13 @@ enum Form {
 pub(super) struct Writer<'c, 'a> {
     check: &'c mut Check<'a>,
     known: Vec<Option<Form>>,
-    /// How the components lie at their places, as far as it was needed.
+    /// The positions and orientations of the components at their places, computed when needed.
     lying: Vec<Option<Arc<Lying>>>,
     depth: usize,
     written: Written,
 }
 
-/// How a component lies: around its place, and in the scene; see [`super::places::Placed`].
+/// The position and orientation of a component: around its place, and in the scene; see [`super::places::Placed`].
 struct Lying {
     around: WrittenMotion,
     scene: WrittenMotion,
@@ -213,7 +213,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         Writer { check, known, lying: Vec::new(), depth: 0, written: Written::default() }
     }
 
-    /// Converts everything; `None` if something has no expression after all, which no checked model has.
+    /// Converts everything; `None` if something has no expression after all, which does not happen in a checked model.
     pub(super) fn run(mut self) -> Option<Written> {
         for index in 0..self.known.len() {
             self.definition(index);
@@ -490,7 +490,7 @@ impl<'c, 'a> Writer<'c, 'a> {
             Rare::Unbalance { end, fields, .. } => self.unbalance(end, fields, environment),
             Rare::Base { signal, .. } => {
                 let constant = self.constant(signal, environment);
-                // One input for each motion of the base.
+                // One input per motion of the base.
                 let name = self.check.scene.inputs.get(self.written.inputs.len())?.name;
                 while self.check.scene.inputs.get(self.written.inputs.len()).is_some_and(|input| input.name == name) {
                     self.written.inputs.push(WrittenInput { constant: constant.clone(), ..WrittenInput::default() });
@@ -537,7 +537,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         Some(())
     }
 
-    /// An angular frequency in rad/s, also where the model gives one in Hz.
+    /// An angular frequency in rad/s, converted if the model gives one in Hz.
     fn speed(&mut self, fields: Fields, environment: Environment) -> Option<Sum> {
         let Some(FieldValue::Expr(expr)) = self.field(fields, "speed") else { return None };
         let written = self.number(expr, environment);
@@ -670,7 +670,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         }
     }
 
-    /// How a component lies at its place.
+    /// The position and orientation of a component at its place.
     fn placement(&mut self, frame: FrameId) -> Option<Arc<Lying>> {
         let index = frame.0 as usize;
         self.lying.resize(self.check.frames.len(), None);

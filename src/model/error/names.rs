@@ -185,7 +185,7 @@ fn duplicate(span: Span, name: &str, first: Option<Span>) -> Diagnostic {
 }
 
 fn cycle(span: Span, members: &[(String, Span)]) -> Diagnostic {
-    /// Showing more of them would not help.
+    /// A longer list would not help.
     const SHOWN: usize = 8;
     let mut names: Vec<String> = members.iter().take(SHOWN).map(|(name, _)| format!("`{name}`")).collect();
     if members.len() > SHOWN {

@@ -82,20 +82,20 @@ pub enum PlaceError {
         first: Span,
         word: String,
     },
-    /// Something else than the name of a part, where a port is.
+    /// An argument for a port that is not the name of a part.
     NoPart {
         span: Span,
         port: String,
         declared: Span,
     },
-    /// A port whose part is a place or other thing that nothing is tied to.
+    /// A port whose argument is a place or another thing that nothing can be tied to.
     PortKind {
         span: Span,
         word: String,
         found: &'static str,
         declared: Span,
     },
-    /// A part of the component where a position is needed, and none in the scene.
+    /// A part of the component needs a position, and the place has none in the scene.
     NoPosition {
         span: Span,
         component: String,
@@ -124,7 +124,7 @@ pub enum PlaceError {
         wanted: &'static str,
         suggestion: Option<String>,
     },
-    /// A member that is something else than what is wanted.
+    /// A member that is not of the kind that is needed.
     OtherMember {
         span: Span,
         word: String,
