@@ -30,7 +30,7 @@ pub struct ModalAnswer {
     pub account: Option<Account>,
     /// Parameters that were solved for, in order of their lines.
     pub solved: Vec<Solved>,
-    /// What was minimised or maximised, in order of the lines.
+    /// Results of the lines `minimise` and `maximise`, in order of the lines.
     pub optimised: Vec<Optimised>,
     pub requirements: Vec<Requirement>,
     /// The outputs that noise reaches.
@@ -39,7 +39,7 @@ pub struct ModalAnswer {
     pub spectral: Spectral,
     /// Empty unless requested.
     pub sensitivities: Vec<Sensitivity>,
-    /// What each motion of a base excites, or why that is not known; empty unless requested.
+    /// The modes that each motion of a base excites, or the reason why they are not known; empty unless requested.
     pub excitations: Vec<(usize, Result<Excitation, &'static str>)>,
 }
 
@@ -89,7 +89,7 @@ impl ModalAnswer {
         own.chain(dependent)
     }
 
-    /// The poles as motions, counted from 1: of a complex pair, only the one in the upper half plane.
+    /// The poles as motions, counted from 1; of a complex pair, only the one in the upper half plane.
     pub fn motions(&self) -> impl Iterator<Item = (usize, &Pole)> {
         (1..).zip(self.poles.list.iter().filter(|pole| !pole.is_lower_half()))
     }

@@ -119,7 +119,7 @@ pub struct Figure {
 
 #[derive(Clone, Debug)]
 pub enum Value {
-    /// Shown with at most `digits` digits, and only those that its radius determines.
+    /// A number shown with at most `digits` digits, and only those that its radius determines.
     Enclosed {
         number: Number,
         digits: usize,
@@ -135,7 +135,7 @@ pub enum Value {
     Share(Unproven),
     /// An upper bound, shown with one digit, rounded up.
     Bound(Bound),
-    /// In place of a bound, for a number without error.
+    /// Shown in place of a bound, for a number without error.
     Exact,
     Count(usize),
 }
@@ -145,8 +145,8 @@ impl Report {
         Report { title, sections: sections.into_iter().filter(|section| !section.blocks.is_empty()).collect() }
     }
 
-    /// The report about a rest that is not proven: a bound of the linear system there would be mistaken for one of the
-    /// scene, so each is unknown, whichever section it is in.
+    /// The report about an unproven rest. A bound of the linear system there would be mistaken for one of the scene, so
+    /// every bound is shown as unknown, whichever section it is in.
     fn without_bounds(mut self) -> Report {
         for block in self.sections.iter_mut().flat_map(|section| &mut section.blocks) {
             match block {
@@ -176,7 +176,7 @@ impl Line {
         self.parts.is_empty()
     }
 
-    /// No bound in the line is known.
+    /// Marks all bounds in the line as unknown.
     fn forget_bounds(&mut self) {
         for part in &mut self.parts {
             match part {
@@ -261,7 +261,8 @@ impl Figure {
         Figure::of(Value::Share(part))
     }
 
-    /// Whether a bound is shown: of another figure, or in place of a number of which not even one digit is certain.
+    /// Whether the figure shows a bound: the bound of another figure, or a bound in place of a number without a certain
+    /// digit.
     fn is_bound(&self) -> bool {
         /// The relative error at which one digit is still certain.
         const ONE_DIGIT: f64 = 0.05;

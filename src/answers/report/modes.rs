@@ -1,4 +1,4 @@
-//! The undamped modes: their frequencies, shapes, and which parts take part in them.
+//! The undamped modes: their frequencies and shapes, and the parts of the scene that take part in them.
 
 use super::table::{Align, Cell, Table};
 use super::{
@@ -14,7 +14,7 @@ use crate::system::{Coordinate, CoordinateKind, LinearSystem};
 pub const MOST: usize = 20;
 const DIGITS: usize = 7;
 const SHAPE_DIGITS: usize = 5;
-/// Number of a shape's entries that are named if there is no room for a column for each.
+/// Number of a shape's entries that are listed if there is no room for a column for each.
 const LARGEST: usize = 3;
 /// Limit on the coordinates for a column each.
 const MOST_COLUMNS: usize = 10;
@@ -258,7 +258,7 @@ fn sensitive_lines(answer: &ModalAnswer) -> impl Iterator<Item = Line> {
     })
 }
 
-/// A description of each mode: what moves in it, and what holds it.
+/// A description of each mode: the bodies that move in it, and the elements that restrain it.
 pub fn split_lines(answer: &ModalAnswer) -> Section {
     const HEADING: &str = "Which mode is which";
     if answer.system.n() < 2 || answer.modes.list.is_empty() {

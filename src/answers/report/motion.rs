@@ -1,4 +1,4 @@
-//! The motion in time: the range of each output and where it ends, and the steady state under harmonic signals.
+//! The motion in time: the range and the final value of each output, and the steady state under harmonic signals.
 
 use super::table::{Align, Cell, Table};
 use super::transfer::hundredths;

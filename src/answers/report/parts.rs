@@ -1,5 +1,5 @@
-//! The parts of a model: its independent parts with the modes of each and, on request, what was kept of it, what was left
-//! out, and why.
+//! The parts of a model: its independent parts with the modes of each and, on request, the parts of the model that were
+//! kept and left out, and why.
 
 use super::table::{Align, Table};
 use super::{Block, Line, Report, Section, coordinate, first_of, line, listed};
@@ -66,7 +66,7 @@ fn names(system: &LinearSystem, net: &Net) -> Line {
     }
 }
 
-/// An account of what was kept and what was left out.
+/// The parts of the model that were kept and left out.
 pub fn account_section(account: &Account, system: &LinearSystem) -> Section {
     let mut blocks = remarks("kept", &account.kept);
     if account.left_out.is_empty() {

@@ -18,7 +18,7 @@ fn blocks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
     if answer.poles.list.is_empty() && !undamped {
         return left_out(answer).map(Block::from).into_iter().collect();
     }
-    // For a large system, a common damping ratio of all modes is not in C.
+    // For a large system, a damping ratio common to all modes is not in C.
     let by_modes = answer.poles.list.iter().any(|pole| pole.route == Route::Decoupled);
     if undamped && !by_modes {
         let growth = if answer.stability == Stability::Unstable { ", or ± its growth" } else { "" };

@@ -45,7 +45,7 @@ pub fn solved(list: &[Solved]) -> Section {
     Section::new(HEADING, blocks.into_iter().chain(remarks.map(Block::from)))
 }
 
-/// What was minimised or maximised.
+/// The section with the results of `minimise` and `maximise`.
 pub fn optimised(list: &[Optimised]) -> Section {
     let blocks = list.iter().flat_map(|found| {
         let word = if found.highest { "maximised" } else { "minimised" };
@@ -72,7 +72,7 @@ pub fn optimised(list: &[Optimised]) -> Section {
     Section::new("Optimal parameters", blocks.collect::<Vec<_>>())
 }
 
-/// What shows that an optimum is one.
+/// The reason why a value is an optimum, and how much better other values could be.
 fn best_line(found: &Optimised) -> Line {
     let gap = |gap: Bound| Figure::bound(found.unit.bound(gap)).unit(found.unit.text.clone());
     let better = if found.highest { "larger" } else { "smaller" };
@@ -123,7 +123,7 @@ fn unproven_line(solved: &Solved) -> Option<Line> {
     }
 }
 
-/// What the bounds of the rest of the report are about, where a value is not the root itself.
+/// The values at which the rest of the report is evaluated, if one of them is not exactly the root.
 fn counted_from(list: &[Solved]) -> Option<Line> {
     let is_root = |solved: &Solved| solved.bound == Some(0.0);
     let value = if list.len() == 1 { "this value" } else { "these values" };

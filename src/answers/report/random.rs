@@ -1,4 +1,4 @@
-//! Outputs under noise: root mean squares, three times that, crossings, and what each mode contributes.
+//! Outputs under noise: root mean squares and three times that, zero crossings, and the contributions of the modes.
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Options, Section, line};
@@ -29,7 +29,7 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
         let output = &answer.system.outputs[noisy.output];
         let name = answer.system.display(output.name);
         table.row(cells(&name, &output.unit, noisy, options.digits(DIGITS)));
-        // What holds for both is said once.
+        // A reason that applies to both is shown once.
         let of_rms = why(&noisy.rms);
         let of_crossings = why(&noisy.crossings).filter(|why| of_rms != Some(*why));
         for (what, why) in [("rms of ", of_rms), ("crossings of ", of_crossings)] {
@@ -61,7 +61,7 @@ fn peaks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
                 reasons.push(Block::Item(line!["peaks of the density of ", name, ": ", why.to_string()]));
                 continue;
             }
-            // The reason stands there already.
+            // The reason is already in the list.
             Err(_) => continue,
         };
         let mut highest: Vec<&Peak> = found.iter().collect();

@@ -1,4 +1,4 @@
-//! The position of the rest, and what happens when it is disturbed.
+//! The position of the rest, and the motion after a disturbance.
 
 use super::modes::mode_named;
 use super::table::{Align, Table};
@@ -78,7 +78,7 @@ fn farthest(answer: &ModalAnswer) -> Line {
     }
 }
 
-/// The drawing is the rest; with the tensions that hold it, if these were found.
+/// The drawing is the rest, with the tensions that hold it if these were found.
 fn as_drawn(answer: &ModalAnswer) -> Vec<Block> {
     let rest = &answer.rest;
     let trust = if rest.is_proven() && rest.residual == 0.0 { Line::default() } else { proof_status(answer) };
@@ -106,7 +106,7 @@ fn as_drawn(answer: &ModalAnswer) -> Vec<Block> {
     blocks
 }
 
-/// The elements with laws: where they rest, and the tangents that stand for them.
+/// The elements with laws: their states at rest, and the tangents that replace the laws in the linear system.
 fn laws(answer: &ModalAnswer) -> Vec<Block> {
     let all = &answer.rest.laws;
     if all.is_empty() {
@@ -152,14 +152,14 @@ fn proof_status(answer: &ModalAnswer) -> Line {
     line![proven, left]
 }
 
-/// A line with its items; nothing if there are no items.
+/// A line followed by items; empty if there are no items.
 fn with_items(line: &'static str, items: Vec<Line>) -> Vec<Block> {
     let line = (!items.is_empty()).then(|| Block::Line(line.into()));
     line.into_iter().chain(items.into_iter().map(Block::Item)).collect()
 }
 
-/// Each way in which the scene leaves its rest: the modes, and their growth. Damping changes the growth, so in that case
-/// it is given for the poles.
+/// Each way in which the scene leaves its rest: the modes, and their growth. Damping changes the growth, so a damped
+/// scene's growth is given by its poles.
 fn unstable(answer: &ModalAnswer) -> Vec<Block> {
     let damped = !answer.system.c.is_empty();
     let mut items = Vec::new();
@@ -207,8 +207,8 @@ fn undetermined(answer: &ModalAnswer) -> Vec<Block> {
     with_items("UNDETERMINED: whether the scene stays at this rest could not be certified", items)
 }
 
-/// By how much the loads may grow before gravity, tensions and reactions remove all stiffness, or by how much they exceed
-/// that.
+/// The factor by which the loads may grow before gravity, tensions and reactions remove all stiffness, or by which they
+/// exceed that.
 fn buckling(answer: &ModalAnswer, options: &Options) -> Option<Line> {
     let found = answer.buckling.as_ref()?;
     let digits = options.digits(DIGITS);

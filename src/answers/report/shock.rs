@@ -1,4 +1,4 @@
-//! Shock response spectra: what is asked of each, and some of its frequencies.
+//! Shock response spectra: the request behind each, and some of its frequencies.
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Report, Section, line};

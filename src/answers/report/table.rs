@@ -14,7 +14,7 @@ pub struct Table {
 #[derive(Clone, Debug)]
 pub struct Column {
     pub title: Line,
-    /// In brackets below the title, or after it; may be empty.
+    /// Shown in brackets below the title, or after it; may be empty.
     pub unit: &'static str,
     pub align: Align,
 }
@@ -23,7 +23,7 @@ pub struct Column {
 pub enum Align {
     Left,
     Right,
-    /// At the decimal point.
+    /// Numbers aligned at the decimal point.
     Point,
 }
 
@@ -52,7 +52,7 @@ impl Table {
         self.rows.push(cells);
     }
 
-    /// No bound in the table is known.
+    /// Marks all bounds in the table as unknown.
     pub(super) fn forget_bounds(&mut self) {
         let cells = self.rows.iter_mut().flatten();
         cells.flat_map(|cell| &mut cell.wordings).for_each(Line::forget_bounds);

@@ -11,7 +11,7 @@ use crate::system::LinearSystem;
 const DIGITS: usize = 6;
 /// Number of rows that are shown of a requested grid.
 const MOST_ROWS: usize = 40;
-/// Number of intervals that are named if something is not proved.
+/// Maximum number of intervals that are listed if something is not proved.
 const MOST_INTERVALS: usize = 3;
 
 /// A report for each pair of an input and an output.
@@ -83,7 +83,7 @@ fn points(extrema: &Extrema, table: &analysis::Table, input: usize, output: usiz
     points
 }
 
-/// The intervals in which there may be more than is listed.
+/// The intervals in which there may be more extrema than are listed.
 fn not_proved(extrema: &Extrema) -> Option<Line> {
     if extrema.complete.is_some() {
         return None;
