@@ -12,9 +12,9 @@ use crate::base::{Ball, Number, Power, Quantity, Rational};
 use crate::model::Setting;
 use crate::model::scene::{Parameter, Question, Require};
 
-/// At most this many parameters are tried: if a scene has thousands, most are repetitions.
+/// Maximum number of parameters that are tried: if a scene has thousands, most are repetitions.
 const MOST_TRIED: usize = 200;
-/// At most this many parameters are searched for a value.
+/// Maximum number of parameters whose value is searched for.
 const MOST_ADVISED: usize = 4;
 /// Maximum number of parameters that are tried if the requirement has no slope.
 const MAX_FACTORS: usize = 12;
@@ -79,8 +79,8 @@ impl Advice<'_> {
         })
     }
 
-    /// Multiplies every parameter by the same factors until the requirement holds, then bisects back to where it begins
-    /// to hold.
+    /// Multiplies every parameter by the same factors until the requirement holds, then bisects back to the value from
+    /// which it holds.
     fn by_factors(&self) -> Option<Remedy> {
         let parameters = || self.parameters.iter().filter(|p| !p.value.si.may_be_zero()).take(MAX_FACTORS);
         let (parameter, factor) = FACTORS.iter().find_map(|&factor| {
@@ -156,9 +156,9 @@ impl Advice<'_> {
         slope(at(value - &h), Some(here), at(value + &h), &h).ok()
     }
 
-    /// An estimate of where the measure reaches its limit: along the power law with the given slope (stiffnesses and
-    /// masses act like powers), or along the tangent if the signs rule out a power. `slope` is with respect to the
-    /// relative change of the parameter.
+    /// An estimate of the parameter value at which the measure reaches its limit: along the power law with the given
+    /// slope (stiffnesses and masses act like powers), or along the tangent if the signs rule out a power. `slope` is
+    /// with respect to the relative change of the parameter.
     fn estimate_target(&self, parameter: &Parameter, here: &Ball, slope: f64) -> Option<f64> {
         let (value, limit) = (parameter.value.si.to_f64(), self.require.question.value.to_f64());
         let (here, ratio) = (here.to_f64(), limit / here.to_f64());

@@ -11,9 +11,9 @@ use std::borrow::Cow;
 pub struct Solved {
     /// `k`, `m[3]`
     pub parameter: String,
-    /// Where the line names it.
+    /// The parameter's name in the line.
     pub span: Span,
-    /// In SI units; the rest of the report is about the model with exactly this number.
+    /// In SI units. The rest of the report is about the model with exactly this number.
     pub value: Number,
     /// The unit in which it is shown.
     pub unit: Written,
@@ -23,7 +23,7 @@ pub struct Solved {
     pub others: Others,
     /// The measure as written.
     pub measure: String,
-    /// The wanted value of the measure, and the unit in which it is shown.
+    /// The target value of the measure, and the unit in which it is shown.
     pub target: Number,
     pub target_unit: Written,
     /// Whether measure and target are frequencies written in rad/s.
@@ -41,9 +41,9 @@ pub struct Solved {
 /// Whether the range contains other values that meet the condition.
 #[derive(Clone, Debug)]
 pub enum Others {
-    /// None, and that is proven.
+    /// There is no other value, and that is proven.
     None(Proof),
-    /// None outside these parts, which were not settled; their ends as text.
+    /// There is no other value outside these parts, which were not settled; their ends as text.
     Unsettled(Vec<(String, String)>),
     /// No other was found among the values that were tried.
     Unknown,
@@ -58,7 +58,7 @@ pub struct Optimised {
     pub span: Span,
     /// The measure as written.
     pub measure: String,
-    /// Its value at the parameters below: the rest of the report is about the model with exactly these.
+    /// The measure's value at the parameters below. The rest of the report is about the model with exactly these.
     pub value: Ball,
     pub unit: Written,
     pub parameters: Vec<OptimisedParameter>,
@@ -76,16 +76,16 @@ pub struct Optimised {
 #[non_exhaustive]
 pub struct OptimisedParameter {
     pub parameter: String,
-    /// Where the line names it.
+    /// The parameter's name in the line.
     pub span: Span,
     /// In SI units.
     pub value: Number,
     pub unit: Written,
-    /// Bound of the distance to any value that is as good, SI; `None` if none is proven.
+    /// Bound of the distance to any value that is equally good, SI; `None` if none is proven.
     pub bound: Option<f64>,
 }
 
-/// What shows that an optimum is one.
+/// The evidence that a value is an optimum.
 #[derive(Clone, Debug)]
 pub enum Best {
     /// No values in the ranges are better by more than `gap`, SI.
@@ -96,7 +96,7 @@ pub enum Best {
     Seen,
 }
 
-/// Made from the proofs of the searches over all ranges alone.
+/// Made only from the proofs of the searches over all ranges.
 #[derive(Clone, Copy, Debug)]
 pub struct Everywhere(());
 
@@ -135,7 +135,7 @@ impl OptimisedParameter {
 #[derive(Clone, Copy, Debug)]
 pub enum Derivative {
     Enclosed(Ball),
-    /// By differences: close to it if the measure is smooth.
+    /// Computed by differences; accurate if the measure is smooth.
     Estimated(Unproven),
 }
 
@@ -143,13 +143,13 @@ pub enum Derivative {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Requirement {
-    /// As written.
+    /// The requirement as written.
     pub text: String,
     pub span: Span,
     /// `None` if the bound cannot decide, or if the measure has no value.
     pub holds: Option<bool>,
     pub value: Value,
-    /// `None` for `stable`.
+    /// The limit; `None` for `stable`.
     pub limit: Option<Number>,
     /// Distance from the limit, relative to it (absolute if the limit is 0): positive if the requirement holds.
     pub margin: Option<Ball>,
@@ -161,7 +161,7 @@ pub struct Requirement {
     pub until: Option<Number>,
 }
 
-/// How the frequencies and damping ratios change with a parameter.
+/// The derivatives of frequencies and damping ratios with respect to a parameter.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Sensitivity {
@@ -186,8 +186,8 @@ pub enum Slope {
         /// (p/f) df/dp
         relative: Derivative,
     },
-    /// Equal values that separate on both sides; the derivatives of the branches in SI where they are known, without a
-    /// bound.
+    /// Equal values that separate on both sides; the derivatives of the branches in SI, without a bound, as far as they
+    /// are known.
     Splits(Vec<Unproven>),
     /// The system is too large to compute its poles twice more for each parameter.
     NotComputed,
@@ -200,7 +200,7 @@ pub enum Slope {
 pub enum Value {
     Number(Ball),
     Infinite,
-    /// A word: `stable`, or why there is no number.
+    /// A word: `stable`, or the reason why there is no number.
     Verdict(String),
 }
 
@@ -317,7 +317,7 @@ pub fn shown_text(shown: &Shown) -> String {
     }
 }
 
-/// At most six digits.
+/// The number with at most six digits.
 pub fn few_digits(x: f64) -> String {
     let short: f64 = format!("{x:.5e}").parse().unwrap_or(x);
     let size = short.abs();

@@ -18,7 +18,7 @@ pub fn value_of(combined: &Combined<Measurement>) -> Measurement {
     }
 }
 
-/// Nothing is computed with an infinite number: a difference of two of them could be anything.
+/// The result if an operand is infinite: a difference of two infinite numbers could be anything.
 const INFINITE: Measurement = Measurement::None("one of its parts is infinite");
 
 fn binary(operator: Arithmetic, left: Measurement, right: Measurement) -> Measurement {
@@ -52,7 +52,7 @@ mod tests {
         value_of(&Combined::Binary { operator, left: Box::new(left), right: Box::new(right) })
     }
 
-    /// The parts are only known to a quarter; the ends of what they can come to lie in the result.
+    /// The operands are only known to a quarter; the extreme values of the result lie in its enclosure.
     #[test]
     fn the_result_encloses_all_values_of_the_parts() {
         for (operator, ends) in [

@@ -1,9 +1,9 @@
 //! The proof that a range contains no other root. In: the roots that were found, each between two numbers on different
-//! sides, and what is known about the measure over parts of the range. Out: a proof, or the parts that could not be
+//! sides, and information about the measure over parts of the range. Out: a proof, or the parts that could not be
 //! settled, and parts in which roots were missed. See docs/method/measures.md.
 //!
-//! A part is settled if an enclosure of the measure does not contain the target, or if the measure is monotone there and
-//! lies on the same side at both ends. Other parts are halved as long as the effort allows.
+//! A part is settled if an enclosure of the measure does not contain the target, or if the measure is monotone there
+//! and lies on the same side at both ends. Other parts are halved until the limit on evaluations is reached.
 
 use super::range_enclosure::RangeEnclosure;
 use crate::base::{Ball, Dd, two_to, up};
@@ -19,9 +19,9 @@ pub struct Part {
 /// The status of the rest of a range, apart from the roots that were found.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rest {
-    /// There is no other root in it.
+    /// The range contains no other root.
     Empty(Proof),
-    /// These parts were not settled; elsewhere there is no other root.
+    /// These parts were not settled; outside them there is no other root.
     Open(Vec<Part>),
     /// The measure cannot be enclosed over ranges: nothing is known beyond the values that were tried.
     Unknown,
@@ -33,23 +33,23 @@ pub struct Proof(());
 
 /// Number of evaluations without any information, after which the measure counts as one that cannot be enclosed.
 const SILENT: usize = 48;
-/// At most this many parts are reported.
+/// Maximum number of parts that are reported.
 const MOST_PARTS: usize = 8;
 
 /// The measure as functions of parts and of numbers, which decide parts of a range.
 pub struct Cover<'a> {
     /// The measure over a part.
     pub over: &'a dyn Fn(Ball) -> RangeEnclosure,
-    /// The side on which the measure certainly lies at a number; equal if that is not certain.
+    /// The side of the target on which the measure certainly lies at a number; equal if that is not certain.
     pub side: &'a dyn Fn(Dd) -> Option<Ordering>,
-    /// At most this many parts are evaluated.
+    /// Maximum number of parts that are evaluated.
     pub most: usize,
 }
 
 /// The result of settling parts.
 pub struct Covered {
     pub rest: Rest,
-    /// Parts with the measure on different sides at their ends: they contain roots that were not known.
+    /// Parts at whose ends the measure lies on different sides: they contain roots that were not known.
     pub missed: Vec<Part>,
     pub evaluations: usize,
 }
@@ -69,7 +69,7 @@ impl Cover<'_> {
     pub fn settle(&self, parts: Vec<Part>) -> Covered {
         let (mut open, mut missed) = (Vec::new(), Vec::new());
         let (mut evaluations, mut silent, mut heard) = (0, 0, false);
-        // Breadth first, so that whatever is left is small everywhere.
+        // Breadth first, so that remaining parts are small everywhere.
         let mut waiting = std::collections::VecDeque::from(parts);
         while let Some(part) = waiting.pop_front() {
             if evaluations >= self.most || !heard && silent >= SILENT {
@@ -219,7 +219,7 @@ mod tests {
         }
     }
 
-    /// A monotone measure that is on neither side for certain: nothing is excluded.
+    /// A monotone measure that is certainly on neither side excludes nothing.
     #[test]
     fn uncertain_sides_decide_nothing() {
         let blurred = |x: Ball| ((x - Ball::ONE).widen(10.0), Ball::ONE);

@@ -6,12 +6,12 @@
 use super::search::to_fraction;
 use crate::base::{Ball, Dd, Number, two_to};
 
-/// Why there is no derivative.
+/// The reason why there is no derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoSlope {
     /// The function has no value on one side.
     Undefined,
-    /// It has a different derivative on the other side, like frequencies that are equal here.
+    /// The derivatives on the two sides differ, as for frequencies that are equal here.
     Kink,
 }
 

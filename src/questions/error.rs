@@ -1,4 +1,4 @@
-//! Errors in what a model asks: facts, and the diagnostics for them.
+//! Errors in the questions of a model: facts, and the diagnostics for them.
 
 use crate::base::{Code, Diagnostic, Span};
 
@@ -81,19 +81,19 @@ pub enum AskedError {
         others: Vec<Span>,
         roots: Vec<String>,
     },
-    /// A measure that has no optimum over the ranges, or none that is known.
+    /// A measure that has no optimum over the ranges, or whose optimum was not found.
     NoOptimum {
         span: Span,
         measure: String,
         at: Span,
         why: String,
     },
-    /// The conditions of an optimum were not met by any of the values tried.
+    /// None of the values tried met the conditions of an optimum.
     NeverMet {
         span: Span,
         tried: usize,
     },
-    /// Around the optimum a parameter changes nothing.
+    /// Around the optimum, a parameter has no effect.
     Plateau {
         span: Span,
         name: String,
@@ -117,7 +117,7 @@ pub enum AskedError {
     Fails {
         span: Span,
         value: Phrase,
-        /// How far from the limit, where that is a number.
+        /// The distance from the limit, if it is a number.
         by: Option<String>,
         remedy: Option<Remedy>,
     },
@@ -139,7 +139,7 @@ pub struct ReachedRange {
     /// The least and the largest value, and the parameter at each.
     pub least: (Phrase, Phrase),
     pub largest: (Phrase, Phrase),
-    /// Where it jumps over the target.
+    /// The value at which the measure jumps over the target.
     pub jump: Option<Phrase>,
     /// Why it has no value somewhere in the range.
     pub gap: Option<String>,
@@ -155,7 +155,7 @@ pub struct Remedy {
     pub declared: Span,
     /// Change of the measure in percent for a change of the parameter by one percent.
     pub percent: Option<String>,
-    /// Whether it changes the measure most among all parameters that were tried.
+    /// Whether it changes the measure more than any other parameter that was tried.
     pub most: bool,
     /// A value at which the requirement was found to hold; `None` if none was found.
     pub wanted: Option<Phrase>,

@@ -1,6 +1,6 @@
 //! Requirements exactly at their limit, decided on rational numbers: for cases in which the enclosure of a measure
 //! contains the limit, but the model is rational and the measure is a ratio of polynomials in its numbers. In: the
-//! system, a probe, the limit. Out: how the measure certainly compares; nothing if that cannot be decided. See
+//! system, a probe, the limit. Out: how the measure certainly compares; `None` if that cannot be decided. See
 //! docs/method/measures.md.
 
 use super::probe::{Measured, Probe};
@@ -10,10 +10,10 @@ use crate::model::scene::Question;
 use crate::system::{Form, LinearSystem, Output};
 use std::cmp::Ordering;
 
-/// With more coordinates, elimination in fractions takes too long.
+/// Maximum number of coordinates: with more, elimination in fractions takes too long.
 const MOST: usize = 12;
 
-/// How a measure compares with the value in the question.
+/// The exact order of a measure and the value in the question.
 pub fn compare(measured: &Measured, probe: &Probe, question: &Question) -> Option<Ordering> {
     let system = &measured.lowered.system;
     if system.n() > MOST {
@@ -50,7 +50,7 @@ fn static_value(system: &LinearSystem, output: usize, loads: &[(usize, Number)])
     value.exact().map(|_| value.clone())
 }
 
-/// Whether K - omega^2 M is singular, and the enclosure of this mode alone contains omega.
+/// Whether K - omega^2 M is singular, and only this mode's enclosure contains omega.
 fn is_frequency(measured: &Measured, mode: usize, omega: &Number) -> bool {
     let system = &measured.lowered.system;
     let (Some(modes), Some(omega)) = (measured.modes, omega.exact()) else { return false };

@@ -1,10 +1,10 @@
-//! The questions of a model: parameters to be solved for, requirements, and which parameters affect them. In: the text,
-//! which is evaluated with parameters at other values. Out: the scene with the parameters that were solved for, and an
-//! answer or a finding for each line. See docs/method/measures.md.
+//! The questions of a model: parameters to be solved for, requirements, and the parameters that affect them. In: the
+//! text, which is evaluated with parameters at other values. Out: the scene with the parameters that were solved for,
+//! and an answer or a finding for each line. See docs/method/measures.md.
 //!
 //! # Steps
 //! 1. [`trial`]: from values of the parameters to a scene, a system, and its measures
-//! 2. [`together`]: puts the unknowns in an order; one by one ([`search`]) or several at once ([`newton`])
+//! 2. [`unknowns`]: puts the unknowns in an order; one by one ([`search`]) or several at once ([`newton`])
 //! 3. [`optimum`]: parameters at which a measure is least or largest
 //! 4. [`require`]: whether measures keep their limits, and by how much
 //! 5. [`sensitivity`]: how frequencies and damping ratios depend on parameters

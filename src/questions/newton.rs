@@ -1,6 +1,6 @@
-//! Several unknowns at once: Newton's method from many starting points in their ranges. In: equations that depend on each
-//! other's unknowns. Out: the set of values that meets them all, proven to be the only one in its neighbourhood, or an
-//! error with what was evaluated. See docs/method/measures.md.
+//! Several unknowns at once: Newton's method from many starting points in their ranges. In: equations that depend on
+//! each other's unknowns. Out: the set of values that satisfies all of them, proven to be the only one in its
+//! neighbourhood, or an error with the evaluations that were made. See docs/method/measures.md.
 
 use super::answer::Others;
 use super::derivative::step;
@@ -26,16 +26,16 @@ fn starts_of(unknowns: usize) -> i64 {
 /// Limit on the number of starting points.
 const MOST_STARTS: usize = 128;
 const MOST_STEPS: usize = 60;
-/// Below this determinant, with rows and columns scaled to one, the measures change together.
+/// If the determinant, with rows and columns scaled to one, is below this, the measures do not vary independently.
 const SINGULAR: f64 = 1e-9;
 
-/// Where Newton's method ended from one starting point.
+/// The end point of Newton's method from one starting point.
 struct End {
     x: Vec<Dd>,
     /// The sum of |difference|, each relative to the target of its equation.
     size: f64,
     differences: Vec<Ball>,
-    /// Whether it came as near as the measures can resolve.
+    /// Whether the residual is as small as the measures can resolve.
     arrived: bool,
     singular: bool,
 }
@@ -252,7 +252,7 @@ impl<'a, 'b> Problem<'a, 'b> {
 
     fn slopes_of(&self, equation: usize, x: &[Dd], radius: &[f64]) -> Option<Vec<Ball>> {
         let n = x.len();
-        // One unknown carries its derivative, the others lie anywhere in the box.
+        // One unknown carries its derivative, and the others lie anywhere in the box.
         let values = |own: Option<usize>| {
             let mut values = self.unknowns.values.clone();
             for (i, &(_, unknown)) in self.group.iter().enumerate() {
@@ -269,8 +269,8 @@ impl<'a, 'b> Problem<'a, 'b> {
         let moved = |centre: &Centre| -> Option<Vec<Moved>> {
             (0..n).map(|i| self.unknowns.ask(equation, &values(Some(i)), |asked| asked.moved(centre))?).collect()
         };
-        // The eigenvalue or pole that the measure depends on stays in this enclosure as long as it cannot move out of it,
-        // and it is simple all the way.
+        // The eigenvalue or pole that the measure depends on stays in this enclosure as long as it cannot leave it, and
+        // it is simple throughout.
         let first = moved(&centre)?;
         let wide = centre.widened(&first, radius, 4.0);
         if !wide.holds(&centre, &moved(&wide)?, radius) {
@@ -315,7 +315,7 @@ fn factored<T: Scalar>(rows: &[Vec<f64>]) -> Option<Lu<T>> {
     Lu::of(Matrix::from_fn(rows.len(), rows.len(), |i, j| T::of_f64(rows[i][j])))
 }
 
-/// A^-1 b; `None` where that is not finite.
+/// A^-1 b; `None` if it is not finite.
 fn solve_step(a: &Lu<Dd>, mut b: Vec<Dd>) -> Option<Vec<Dd>> {
     a.solve(&mut b);
     b.iter().all(|x| x.is_finite()).then_some(b)

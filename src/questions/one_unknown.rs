@@ -1,5 +1,5 @@
 //! One unknown and its measure: every root in the range, and a proof that there is no other. In: a `solve` line and the
-//! text. Out: the value, with what is known about others; or an error with what was evaluated. See
+//! text. Out: the value, and whether there may be others; or an error with the evaluations that were made. See
 //! docs/method/measures.md.
 
 use super::answer::Others;
@@ -92,8 +92,8 @@ impl Search<'_, '_> {
         sides.iter().all(|side| side.is_some_and(|side| side.is_ne()) && *side == sides[0])
     }
 
-    /// Evaluates the measure at numbers of few digits where it turns or touches: if it is exactly the target there, that
-    /// is a root.
+    /// Evaluates the measure at short numbers near the places where it turns or touches: if it is exactly the target
+    /// there, that is a root.
     fn settle_touches(&mut self) {
         let unit = self.unknowns.solves[self.unknown].parameter.unit.factor.clone();
         let touches = self.seen.turns.iter().chain(self.seen.roots.iter().filter(|root| root.proof.is_none()));
@@ -119,7 +119,8 @@ impl Search<'_, '_> {
         self.seen.roots.sort_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
     }
 
-    /// Settles the gaps between the brackets of the roots; what stays open beside a root goes into its bound.
+    /// Settles the gaps between the brackets of the roots. An unsettled part beside a root is added to the root's
+    /// bound.
     fn cover(&mut self, whole: Part) -> Covered {
         let mut parts = Vec::new();
         let mut from = whole.low;

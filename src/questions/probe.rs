@@ -1,5 +1,5 @@
 //! Measures of a scene as measures of its linear system. In: questions. Out: an output for each combination of motions
-//! that a question names, and probes that say what to measure; then, for a system, the numbers.
+//! that a question names, and a probe for each measure; then, for a system, the numbers.
 
 use super::combined::value_of;
 use super::trial::Context;
@@ -26,7 +26,7 @@ pub enum Probe {
     Psd(usize, Number),
     Crossings(usize),
     PeakGain(usize, usize, Option<[Number; 2]>),
-    /// Of an input and a mode.
+    /// The indices of an input and a mode.
     EffectiveMass(usize, usize),
     Rest(Vec<MotionTerm>, Span),
     LoadFactor,
@@ -52,8 +52,9 @@ pub fn prepare(scene: &Scene, questions: &[Question]) -> Plan {
     Plan { probes, readouts: outputs.added }
 }
 
-/// The probes that find the parameter values at which the measures reach their targets. A measure that ends at its
-/// target, as a frequency does at zero and a damping ratio at one, is replaced by a quantity that changes sign there.
+/// The probes that find the parameter values at which the measures reach their targets. A measure whose range ends at
+/// its target, as a frequency's does at zero and a damping ratio's at one, is replaced by a quantity that changes sign
+/// there.
 pub fn prepare_crossings(scene: &Scene, questions: &[Question]) -> Plan {
     let mut outputs = Outputs::new(scene);
     let crossing = |question: &Question| match &question.measure {
@@ -66,7 +67,7 @@ pub fn prepare_crossings(scene: &Scene, questions: &[Question]) -> Plan {
     Plan { probes, readouts: outputs.added }
 }
 
-/// Outputs added to those of a scene.
+/// Outputs in addition to those of a scene.
 struct Outputs {
     declared: usize,
     added: Vec<Readout>,
@@ -114,7 +115,7 @@ impl Outputs {
 }
 
 impl Probe {
-    /// Whether the probe, or a part of one that combines several, is of a kind.
+    /// Whether the probe, or a part of one that combines several, satisfies a condition.
     fn any(&self, of: fn(&Probe) -> bool) -> bool {
         match self {
             Probe::Combined(combined) => combined.any(&|part| part.any(of)),
@@ -301,8 +302,8 @@ impl Measured<'_> {
         }
     }
 
-    /// The lasting part of each input's signals: constants, which are part of the rest, and what the other signals settle
-    /// at.
+    /// The lasting part of each input's signals: constants, which are part of the rest, and the final values of the
+    /// other signals.
     pub fn loads(&self) -> Loads {
         let constants = self.scene.inputs.iter().map(|input| {
             input.signal.iter().fold(Number::ZERO, |sum, signal| match signal {
@@ -310,7 +311,7 @@ impl Measured<'_> {
                 _ => sum,
             })
         });
-        // Of one that moves on for ever nothing is known.
+        // The final value of a signal that does not settle is unknown.
         let unknown = || Number::Ball(Ball::ZERO.widen(f64::INFINITY));
         let lasting =
             self.context.drives.iter().map(|signals| measures::lasting_value(signals).unwrap_or_else(unknown));

@@ -1,5 +1,5 @@
-//! A question over a whole range of a parameter: whether the measure can reach the target anywhere in it, and whether it
-//! is monotone. In: the model with a parameter that is a range. Out: enclosures, or nothing if none was found. See
+//! A question over a whole range of a parameter: whether the measure can reach the target anywhere in it, and whether
+//! it is monotone. In: the model with a parameter that is a range. Out: enclosures, if any were found. See
 //! docs/method/measures.md.
 
 use super::probe::Probe;
@@ -39,7 +39,7 @@ impl RangeEnclosure {
         self.hopeless
     }
 
-    /// For a measure that is known as a function.
+    /// The enclosure of a measure that is known as a function.
     #[cfg(test)]
     pub fn sample(value: Ball, slope: Ball) -> RangeEnclosure {
         RangeEnclosure { test: Some(Jet { value, slope }), ..RangeEnclosure::silent() }
@@ -49,7 +49,7 @@ impl RangeEnclosure {
         RangeEnclosure { test: None, course: None, apart: false, hopeless: false }
     }
 
-    /// Whether nothing was found out.
+    /// Whether there is no information about the measure.
     pub fn is_silent(&self) -> bool {
         self.test.is_none() && self.course.is_none() && !self.apart
     }
@@ -78,7 +78,7 @@ pub enum Centre {
     Eigenvalue(Ball),
     /// Real and imaginary part.
     Pole(Ball, Ball),
-    /// The measure depends on none.
+    /// The measure depends on no eigenvalue and no pole.
     None,
 }
 
@@ -91,7 +91,7 @@ pub enum Moved {
 }
 
 impl Centre {
-    /// Widened by `times` what these derivatives allow over a box of these radii.
+    /// The enclosure widened by `times` the change that these derivatives allow over a box of these radii.
     pub fn widened(&self, moved: &[Moved], radius: &[f64], times: f64) -> Centre {
         let by = reach(moved, radius);
         match *self {
@@ -101,7 +101,8 @@ impl Centre {
         }
     }
 
-    /// Whether what lies in `start` at the middle of the box stays in this enclosure, given these derivatives over it.
+    /// Whether an eigenvalue or pole that lies in `start` at the middle of the box stays in this enclosure, given these
+    /// derivatives over it.
     pub fn holds(&self, start: &Centre, moved: &[Moved], radius: &[f64]) -> bool {
         let by = reach(moved, radius);
         let inside = |wide: Ball, start: Ball, by: f64| start.rad + by * up::THOUSANDS < wide.rad || by == 0.0;
@@ -116,7 +117,7 @@ impl Centre {
     }
 }
 
-/// How far the real and the imaginary part may move over a box.
+/// Bounds of the changes of the real and the imaginary part over a box.
 fn reach(moved: &[Moved], radius: &[f64]) -> (f64, f64) {
     moved.iter().zip(radius).fold((0.0, 0.0), |(re, im), (moved, radius)| match moved {
         Moved::Eigenvalue(slope) => (re + slope.magnitude() * radius, im),
@@ -227,7 +228,7 @@ impl QuestionOverRange<'_> {
         }
     }
 
-    /// How an eigenvalue or a pole in the centre moves, if it is simple.
+    /// The derivative of an eigenvalue or a pole in the centre, if it is simple.
     pub fn moved(&self, centre: &Centre) -> Option<Moved> {
         match *centre {
             Centre::Eigenvalue(square) => {

@@ -1,5 +1,5 @@
-//! The lines `require`: the value of each measure, whether it certainly keeps its limit, and which parameter changes it
-//! most. In: measured numbers. Out: for each requirement whether it holds, and a finding for each that does not. See
+//! The lines `require`: the value of each measure, whether it certainly keeps its limit, and the parameter that changes
+//! it most. In: measured numbers. Out: for each requirement whether it holds, and a finding for each that does not. See
 //! docs/method/measures.md.
 
 use super::advice::Advice;
@@ -82,7 +82,7 @@ fn requirement(
     }
 }
 
-/// Whether a measured number keeps its limit, if that is certain.
+/// Whether a measured number keeps its limit; `None` if that is not certain.
 pub fn holds_for(measured: &Measurement, comparison: Option<Comparison>, limit: &Number) -> Option<bool> {
     match (measured, comparison) {
         (Measurement::Value(value), None) => value.is_exact().then(|| *value == Ball::ONE),
@@ -93,7 +93,7 @@ pub fn holds_for(measured: &Measurement, comparison: Option<Comparison>, limit: 
     }
 }
 
-/// Whether the comparison holds, if that is certain.
+/// Whether the comparison holds; `None` if that is not certain.
 fn holds(value: &Ball, comparison: Comparison, limit: &Number) -> Option<bool> {
     let value = if value.is_zero() { Number::ZERO } else { Number::Ball(*value) };
     value.compare(limit).map(|order| keeps(order, comparison))

@@ -1,6 +1,7 @@
-//! The search for one unknown: where in a range a measure reaches its target. In: a function that evaluates the measure,
-//! and the range. Out: every root that was found, each between two numbers at which the enclosures of the measure lie on
-//! different sides; and how the measure behaved elsewhere. See docs/method/measures.md.
+//! The search for one unknown: the parameter values in a range at which a measure reaches its target. In: a function
+//! that evaluates the measure, and the range. Out: every root that was found, each between two numbers at which the
+//! enclosures of the measure lie on different sides; and the course of the measure elsewhere. See
+//! docs/method/measures.md.
 
 use crate::base::{Ball, Dd, Number, Rational, two_to};
 use std::cmp::Ordering;
@@ -61,11 +62,11 @@ impl Root {
 #[derive(Clone, Debug, Default)]
 pub struct SearchResult {
     pub roots: Vec<Root>,
-    /// Where the measure turns, as far as that was followed: it may just touch its target there.
+    /// Places where the measure turns, as far as they were followed: it may just touch its target there.
     pub turns: Vec<Root>,
     /// The first evaluations, ascending.
     pub evaluations: Vec<Evaluation>,
-    /// Where the measure jumps over its target.
+    /// Places where the measure jumps over its target.
     pub jumps: Vec<f64>,
     /// Number of evaluations in total.
     pub count: usize,
@@ -73,14 +74,14 @@ pub struct SearchResult {
 
 /// Number of parts of the range that are evaluated first; as many again in geometric progression if it spans decades.
 const PARTS: usize = 64;
-/// From this ratio of the range's ends on, small values count as much as large ones.
+/// If the ratio of the range's ends exceeds this, the measure is also evaluated at logarithmically spaced numbers.
 const DECADES: f64 = 20.0;
 /// Limit on the evaluations to follow a turning point.
 const TURNING: usize = 60;
 /// Limit on the evaluations to narrow a change of sign.
 const NARROWING: usize = 240;
 
-/// Narrows two numbers with the measure on different sides, for a measure known to cross its target once.
+/// Narrows an interval at whose ends the measure is on different sides, for a measure known to cross its target once.
 pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> SearchResult {
     let mut search = Search { measure, count: 0 };
     let evaluations = vec![search.evaluate(low.clone()), search.evaluate(high.clone())];
@@ -164,7 +165,7 @@ impl Search<'_> {
                 }
                 Some(side) if side == left => a = c,
                 Some(_) => b = c,
-                // A gap in the measure: nothing is known about what is in it.
+                // A gap in the measure: nothing is known about roots in it.
                 None => return,
             }
         }
@@ -274,8 +275,8 @@ fn jump_size(a: &Evaluation, b: &Evaluation) -> f64 {
     (value(b) - value(a)).abs()
 }
 
-/// Where to evaluate next between two points: by the secant, every third time in the middle, and nearer to the far end if
-/// one end does not move. `None` if no number lies between them.
+/// The next number to evaluate between two points: by the secant, every third time in the middle, and nearer to the far
+/// end if one end does not move. `None` if no number lies between them.
 fn middle(a: &Evaluation, b: &Evaluation, step: usize) -> Option<Dd> {
     let (left, right) = (a.at.to_ball().mid, b.at.to_ball().mid);
     let width = right - left;
@@ -297,7 +298,7 @@ fn middle(a: &Evaluation, b: &Evaluation, step: usize) -> Option<Dd> {
     let part = if step % 3 == 2 { Dd::from(0.5) } else { secant().unwrap_or(Dd::from(0.5)) };
     let part = if part.to_f64() > 0.0 && part.to_f64() < 1.0 { part } else { Dd::from(0.5) };
     let x = left + width * part;
-    // Rounding must not undo a step that was nearly there.
+    // If rounding moves the number out of the interval, the number itself is taken.
     [rounded(x, width.to_f64()), x].into_iter().find(|x| *x > left && *x < right)
 }
 

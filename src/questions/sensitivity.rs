@@ -19,7 +19,7 @@ use crate::model::Setting;
 use crate::model::scene::Parameter;
 use crate::system::LinearSystem;
 
-/// For larger systems the poles are not computed twice more for each parameter.
+/// In larger systems, the poles are not computed two more times for each parameter.
 const MOST_BY_DIFFERENCES: usize = 60;
 /// Slopes of equal frequencies with a relative difference below this count as one.
 const ALIKE: f64 = 1e-9;
@@ -89,7 +89,8 @@ impl Spectrum {
 
 /// Enclosed vectors of modes and motions.
 struct Vectors {
-    /// With the enclosure of omega^2 for which they are valid; the modes of a cluster share theirs.
+    /// The vectors of each mode with the enclosure of omega^2 for which they are valid; the modes of a cluster share
+    /// theirs.
     modes: Vec<Option<(Ball, Matrix<Ball>)>>,
     motions: Vec<Option<Vec<Complex<Ball>>>>,
 }
@@ -117,7 +118,7 @@ impl Vectors {
     }
 }
 
-/// A ball that contains all of these.
+/// A ball that contains all of the given ones.
 fn hull(balls: &[Ball]) -> Ball {
     let first = balls[0];
     let reach = |ball: &Ball| (*ball - Ball::exact(first.mid)).magnitude();
@@ -153,7 +154,7 @@ impl SlopeComputation<'_> {
         });
         frequencies.resize(self.here.squares.len(), None);
         ratios.resize(self.here.motions.len(), None);
-        // Without a number there is no slope either; the remaining ones are computed by differences.
+        // A missing number has no slope; other missing slopes are computed by differences.
         let is_incomplete = |found: &[Option<Slope>], known: &mut dyn Iterator<Item = bool>| {
             found.iter().zip(known).any(|(slope, known)| slope.is_none() && known)
         };

@@ -1,5 +1,5 @@
 //! A trial: the model with some parameters at other values, checked, lowered and measured. In: a text and values. Out:
-//! the measures, or why there are none.
+//! the measures, or the reason why there are none.
 
 use super::exact;
 use super::probe::{Measured, Plan, Probe, prepare, prepare_crossings};
@@ -48,7 +48,7 @@ pub struct Facts<'a> {
     pub spectrum: Option<(&'a Modes, &'a Poles)>,
 }
 
-/// Of larger systems, only the lowest modes are computed if poles are not needed.
+/// In larger systems, only the lowest modes are computed if no poles are needed.
 const FEW: usize = 60;
 
 impl Text<'_> {
@@ -61,7 +61,7 @@ impl Text<'_> {
         checked.scene.ok_or_else(|| first_error(&checked.diagnostics))
     }
 
-    /// Every parameter, at these values where given.
+    /// All parameters, at the given values if there are any.
     pub fn parameters(&self, values: &[Setting]) -> Vec<Parameter> {
         model::parameters(self.sources, self.tree, self.overrides, &[self.fixed, values].concat())
     }
@@ -132,7 +132,7 @@ impl Text<'_> {
         Some(tell(&QuestionOverRange { family, course, drive, probe, question }))
     }
 
-    /// The system of a question while some of the values are ranges, and the probe that answers it; `None` also where a
+    /// The system of a question with some of the values being ranges, and the probe that answers it; `None` also if a
     /// derivative was lost on the way.
     pub fn system_over(
         &self,
@@ -163,7 +163,7 @@ impl Text<'_> {
         let Plan { mut probes, readouts } = prepare_crossings(scene.scene(), std::slice::from_ref(&question));
         let probe = probes.pop()?;
         let scene = match (&scene.scene().damping, &probe) {
-            // Damping does not affect these.
+            // These measures do not depend on damping.
             (_, Probe::Frequency(_) | Probe::Square(_)) => scene.without_damping(),
             // The mode shapes that define this damping cannot be enclosed over ranges.
             (Some(Damping::Modal { .. }), _) => return None,
@@ -246,7 +246,7 @@ impl Text<'_> {
         modes_as(&system, request).map_err(|error| error.to_diagnostic().message)
     }
 
-    /// Calls `tell` with the systems without and with damping, for values of which some are ranges; with `None` for a
+    /// Calls `tell` with the systems without and with damping, for values some of which are ranges; with `None` for a
     /// system that cannot be enclosed.
     pub fn family(&self, values: &[Setting], tell: impl FnOnce(Option<&Family>, Option<&Family>)) {
         let lowered = |damped: bool| {
@@ -272,7 +272,7 @@ impl Text<'_> {
         measure.is_of_time().then(|| self.until.cloned()).flatten()
     }
 
-    /// The signals, where a probe needs them.
+    /// The signals, if a probe needs them.
     pub fn context(&self, scene: &CheckedScene, probes: &[Probe]) -> Result<Context, String> {
         if !probes.iter().any(Probe::of_signals) {
             return Ok(Context::default());

@@ -1,5 +1,5 @@
-//! The lines `solve`: finds every unknown, on its own if possible, otherwise together with others. In: the text and its
-//! scene. Out: a value for each unknown, or an error. See docs/method/measures.md.
+//! The lines `solve`: finds every unknown, on its own if possible, otherwise in a group. In: the text and its scene.
+//! Out: a value for each unknown, or an error. See docs/method/measures.md.
 
 use super::answer::{Derivative, Optimised, Others, Shown, Solved, shown, shown_text};
 use super::derivative::{slope, step};
@@ -139,7 +139,7 @@ impl<'a> Unknowns<'a> {
         self.ask(equation, &values, |asked| asked.enclose_measure()).unwrap_or_else(RangeEnclosure::silent)
     }
 
-    /// Applies `tell` to an equation's measure while some of the values are ranges.
+    /// Applies `tell` to an equation's measure with some of the values being ranges.
     pub fn ask<T>(&self, equation: usize, values: &[Number], tell: impl FnOnce(&QuestionOverRange) -> T) -> Option<T> {
         let choose = |scene: &CheckedScene| scene.scene().solves.get(equation).map(|solve| solve.question.clone());
         self.text.enclose_over(&self.settings_at(values), choose, tell)
@@ -176,7 +176,7 @@ impl<'a> Unknowns<'a> {
         Ok(ordered(&depends, &paired))
     }
 
-    /// Which equation depends on which unknown, found by evaluating its measure with the unknown at several places.
+    /// Whether each equation depends on each unknown, found by evaluating its measure at several values of the unknown.
     fn dependence(&self) -> Vec<Vec<bool>> {
         let count = self.solves.len();
         let all: Vec<usize> = (0..count).collect();
@@ -396,7 +396,7 @@ impl Unknowns<'_> {
         if question.value.is_zero() && matches!(question.measure, Measure::Frequency { .. })
             || question.value.is_one() && matches!(question.measure, Measure::DampingRatio { .. })
         {
-            // The measure is the square root of what changes sign there, which has no derivative.
+            // The measure is the square root of a quantity that changes sign here, so it has no derivative.
             return None;
         }
         let mut values = self.values.clone();
@@ -421,7 +421,8 @@ pub fn finite_value(difference: Difference) -> Option<Ball> {
     }
 }
 
-/// The difference of a quantity that changes sign where the measure ends (see [`super::probe::prepare_crossings`]).
+/// The difference for a quantity that changes sign where the measure's range ends (see
+/// [`super::probe::prepare_crossings`]).
 fn crossing(question: &Question, measured: Measurement) -> Difference {
     let ends = matches!(question.measure, Measure::DampingRatio { .. }) && question.value.is_one();
     let asked = if ends { &Question { value: Number::ZERO, ..question.clone() } } else { question };

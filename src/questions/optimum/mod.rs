@@ -1,5 +1,6 @@
-//! The lines `minimise` and `maximise`. In: the text and its scene. Out: a value for each parameter that they vary, with what shows
-//! that no other values are better; and the scene with these and with what `solve` determines. See docs/method/measures.md#optima.
+//! The lines `minimise` and `maximise`. In: the text and its scene. Out: a value for each parameter that they vary,
+//! with the evidence that no other values are better; and the scene with these values and those that `solve`
+//! determines. See docs/method/measures.md#optima.
 //!
 //! # Steps
 //! 1. [`settle`]: which line and which `solve` depends on which parameter, and so their order
@@ -27,7 +28,7 @@ pub fn settle(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedErr
         return unknowns::solve(text, scene);
     }
     let all = Lines { text: *text, optima, solves_inside: solves_depend(text, scene) };
-    // What does not depend on the optima is solved for first.
+    // Unknowns that do not depend on the optima are solved for first.
     let before = match all.solves_inside || scene.scene().solves.is_empty() {
         true => None,
         false => Some(unknowns::solve(text, scene)?),
@@ -86,11 +87,11 @@ fn setting(varied: &Varied, si: Number) -> Setting {
     (varied.parameter.name.clone(), Quantity { si, ..varied.parameter.value.clone() })
 }
 
-/// All lines, and what they have in common.
+/// All lines and the data that they share.
 struct Lines<'a> {
     text: Text<'a>,
     optima: &'a [Optimum],
-    /// Whether `solve` is evaluated anew at each trial.
+    /// Whether `solve` is repeated at each trial.
     solves_inside: bool,
 }
 
@@ -98,7 +99,7 @@ struct Lines<'a> {
 #[derive(Clone, Debug)]
 struct Trial {
     value: Measurement,
-    /// By how much the worst condition fails, relative to its limit; 0 if all of them hold.
+    /// The amount by which the worst condition fails, relative to its limit; 0 if all of them hold.
     broken: f64,
 }
 
@@ -234,7 +235,7 @@ impl Lines<'_> {
         Ok((found, own))
     }
 
-    /// The error where nothing was found.
+    /// The error if nothing was found.
     fn no_optimum(&self, optimum: &Optimum, why: search::Nothing) -> AskedError {
         let (span, measure, at) = (optimum.span, self.measure(&optimum.question), optimum.question.span);
         match why {
@@ -253,7 +254,7 @@ impl Lines<'_> {
         }
     }
 
-    /// The error where a parameter changes nothing around the place that was found.
+    /// The error if a parameter has no effect around the place that was found.
     fn plateau(&self, optimum: &Optimum, search: &mut Search, seen: &Seen) -> Option<AskedError> {
         let flat = |i: &usize| search.is_flat(seen, *i);
         let idle = (0..optimum.varied.len()).filter(flat).collect::<Vec<_>>();
@@ -264,7 +265,7 @@ impl Lines<'_> {
     }
 }
 
-/// A place, and what is known about it.
+/// A place, and the results of its proof.
 struct Outcome {
     values: Vec<Number>,
     value: Ball,

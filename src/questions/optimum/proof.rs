@@ -1,6 +1,6 @@
-//! What shows that an optimum is one. A largest gain, or the gain at one frequency, of a system whose numbers are affine in the
-//! parameters: by [`crate::analysis::range::least`]. Any measure of one parameter that `solve` can enclose: the whole range has no
-//! value at which the measure is better by more than a little. See docs/method/measures.md#optima.
+//! Proofs of optima. A largest gain, or the gain at one frequency, of a system whose numbers are affine in the
+//! parameters: by [`crate::analysis::range::least`]. Any measure of one parameter that `solve` can enclose: the measure
+//! is better by more than a little nowhere in the range. See docs/method/measures.md#optima.
 
 use super::search::{Search, Seen};
 use super::{Lines, Outcome, setting, short};
@@ -22,7 +22,7 @@ use crate::system::LinearSystem;
 const MOST_BOXES: usize = 160_000;
 /// Beyond the outermost poles by this factor, frequencies are compared with zero alone, or not at all.
 const BEYOND: f64 = 30.0;
-/// How much better another value of one parameter may be, relative to the measure.
+/// The share of the measure by which another value of one parameter may be better.
 const LITTLE: f64 = 1e-9;
 /// Parts of the range of one parameter.
 const MOST_PARTS: usize = 600;
@@ -66,7 +66,7 @@ impl Lines<'_> {
         if (value - seen.value).is_positive() {
             return None;
         }
-        // The square of the measure at the place, in the unit of the path; nothing better is asked for.
+        // The square of the measure at the place, in the unit of the path. A proof has to exclude only smaller values.
         let bar = (value / Ball::from(size)).square();
         let equal = place.tops.iter().map(|top| top.omega.to_f64() * peaks.affine.unit / std::f64::consts::TAU);
         let mut equal: Vec<f64> = if peaks.fixed.is_some() { Vec::new() } else { equal.collect() };
@@ -175,8 +175,8 @@ impl Lines<'_> {
         })
     }
 
-    /// One parameter: no value in the range is better by more than a little, where the measure can be enclosed over parts of the
-    /// range.
+    /// One parameter: no value in the range is better by more than a little, if the measure can be enclosed over parts
+    /// of the range.
     fn over_one(&self, index: usize, settings: &[Setting], seen: &Seen, search: &mut Search) -> Option<Outcome> {
         let optimum = &self.optima[index];
         let varied = &optimum.varied[0];

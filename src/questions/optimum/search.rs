@@ -1,5 +1,6 @@
-//! The search for an optimum without a proof: places over all ranges, then the simplex method of Nelder and Mead from the best of
-//! them. In: what is varied, and a function that measures. Out: the best place that was found.
+//! The search for an optimum without a proof: places over all ranges, then the simplex method of Nelder and Mead from
+//! the best of them. In: the varied parameters, and a function that evaluates the measure. Out: the best place that was
+//! found.
 
 use super::Trial;
 use crate::analysis::Measurement;
@@ -8,11 +9,11 @@ use crate::model::scene::{Optimum, Varied};
 use crate::questions::search::to_fraction;
 use crate::questions::unknowns::between;
 
-/// From this ratio of the range's ends on, small values count as much as large ones.
+/// If the ratio of the range's ends exceeds this, the places are spaced logarithmically.
 const DECADES: f64 = 20.0;
 /// Places along each range, for this number of parameters.
 const PLACES: [usize; 4] = [33, 9, 5, 3];
-/// Places where there are more parameters.
+/// Number of places if there are more parameters.
 const MANY: usize = 96;
 /// Descents that are begun.
 const STARTS: usize = 3;
@@ -22,20 +23,20 @@ const STARTS: usize = 3;
 pub(super) struct Seen {
     pub values: Vec<Number>,
     pub value: Ball,
-    /// From 0 to 1 along each range.
+    /// Positions in the ranges, each from 0 to 1.
     at: Vec<f64>,
 }
 
-/// Why there is no place.
+/// The reason why no place was found.
 pub(super) enum Nothing {
     NoValue(String),
-    /// It is infinite there.
+    /// The measure is infinite at these values.
     Unbounded(Vec<Number>),
-    /// The conditions were never met, for so many values tried.
+    /// The conditions did not hold at any of the values tried; their number.
     Broken(usize),
 }
 
-/// What a place is judged by: first the conditions, then the measure, with the sign that makes the least the best.
+/// The merit of a place: first the conditions, then the measure, with the sign that makes the smallest one the best.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Merit {
     broken: f64,
@@ -131,7 +132,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The place followed to the end, where nothing better is known than searching.
+    /// Continues the search from a place to its end, for measures that no better method applies to.
     pub fn finished(&mut self, seen: Seen) -> Seen {
         let merit = self.merit(0.0, seen.value);
         let mut best = Vertex { at: seen.at.clone(), merit, value: Some(seen.value) };
@@ -164,7 +165,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether a parameter changes nothing on both sides of a place.
+    /// Whether a parameter has no effect on either side of a place.
     pub fn is_flat(&mut self, seen: &Seen, i: usize) -> bool {
         [-1e-3, 1e-3].into_iter().all(|step| {
             let mut at = seen.at.clone();
@@ -305,7 +306,7 @@ fn value_at(varied: &Varied, x: f64) -> Number {
     }
     let width = high - low;
     let exact = low + &(&width * &Number::from(part));
-    // Few digits, where they are enough.
+    // Few digits, if they are enough.
     let short = Dd::from(exact.to_f64());
     if short.hi > a && short.hi < b { to_fraction(short) } else { between(low, high, 1, 2) }
 }
