@@ -14,11 +14,11 @@ use std::cmp::Ordering;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Decimal {
     negative: bool,
-    /// Values 0 to 9; the first is not 0, except in zero, whose digits are all 0.
+    /// Values from 0 to 9. The first digit is not 0, except in zero, whose digits are all 0.
     digits: Vec<u8>,
     /// Power of ten of the first digit.
     exponent: i32,
-    /// Whether nothing was rounded away.
+    /// Whether the digits are the exact value.
     exact: bool,
 }
 
@@ -81,7 +81,7 @@ impl Decimal {
         }
     }
 
-    /// With a power of ten: `3.1e-7`.
+    /// Scientific notation, such as `3.1e-7`.
     pub fn scientific(&self) -> String {
         let sign = if self.negative { "-" } else { "" };
         let digits: String = self.digits.iter().map(|digit| char::from(b'0' + digit)).collect();
@@ -93,8 +93,8 @@ impl Decimal {
 /// Integers from 10^PLAIN on are shown with a power of ten.
 const PLAIN: i32 = 9;
 
-/// At most `most` significant digits of a ball: those that its radius settles. `≤ 3e-9` if it settles none, and `?` if
-/// nothing is known.
+/// At most `most` significant digits of a ball: those that its radius determines. `≤ 3e-9` if it determines none, and
+/// `?` if nothing is known.
 pub fn certain(value: &Ball, most: usize) -> String {
     if !value.is_finite() {
         return "?".into();
@@ -151,7 +151,7 @@ pub fn certain_digits(value: &Ball) -> usize {
     digits
 }
 
-/// A number without a bound, to so many significant digits; `?` if it is not finite.
+/// A number without a bound, rounded to a number of significant digits; `?` if it is not finite.
 pub fn rounded(Unproven(number): Unproven, digits: usize) -> String {
     match number {
         0.0 => "0".into(),
@@ -250,7 +250,7 @@ fn parts(x: f64) -> (i64, i64) {
     (if x < 0.0 { -mantissa } else { mantissa }, power)
 }
 
-/// 10^power; 1 for a negative power, whose factor belongs to the other side.
+/// 10^power; 1 for a negative power, which then appears in the other factor.
 fn ten_to(power: i64) -> BigUint {
     BigUint::from(10u32).pow(power.max(0) as u32)
 }

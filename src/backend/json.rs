@@ -23,7 +23,7 @@ use std::borrow::Cow;
 /// Matrices of more coordinates are shown only on request.
 const MATRICES_UP_TO: usize = 200;
 
-/// One object and a line feed.
+/// One JSON object, followed by a line feed.
 pub fn json(answer: &ModalAnswer, options: &ReportOptions) -> String {
     let names = answer.system.coordinate_names();
     let dependent = answer.rest.dependent.iter().map(|dependent| answer.system.display(dependent.coordinate.name));
@@ -76,7 +76,7 @@ struct Rest<'a> {
     proven: bool,
     steps: u32,
     tensions: Named,
-    /// Absolute bounds, like those of the displacements.
+    /// Absolute bounds, as for the displacements.
     tensions_error_bound: Named,
 }
 
@@ -258,11 +258,11 @@ struct JsonSolved<'a> {
     unsettled: Vec<[String; 2]>,
     evaluations: usize,
     until_s: JsonNumber,
-    /// What every other number of the answer is about.
+    /// The values at which every other number of the answer is evaluated.
     bounds_from: &'static str,
 }
 
-/// What was minimised or maximised; the measure in SI units, frequencies in Hz.
+/// An optimum; the measure in SI units, frequencies in Hz.
 #[derive(serde::Serialize)]
 struct JsonOptimised<'a> {
     highest: bool,
@@ -272,7 +272,7 @@ struct JsonOptimised<'a> {
     parameters: Vec<JsonOptimisedParameter<'a>>,
     /// `everywhere`, `near` or `seen`.
     proved: &'static str,
-    /// No values are better by more than this.
+    /// Bound of how much better the measure can be at other values.
     gap: JsonNumber,
     near: Vec<[&'a str; 2]>,
     equal_peaks_hz: Vec<JsonNumber>,
@@ -305,7 +305,7 @@ struct JsonRequirement<'a> {
     until_s: JsonNumber,
 }
 
-/// An output under noise; what is infinite or not known is `null`, with its reason.
+/// An output under noise; an infinite or unknown number is `null`, with its reason.
 #[derive(serde::Serialize)]
 struct JsonNoisy {
     output: String,
@@ -318,7 +318,7 @@ struct JsonNoisy {
     crossings_error_bound: JsonNumber,
     crossings_reason: Option<String>,
     modes: Vec<JsonModeShare>,
-    /// Null where they are not known.
+    /// `null` if they are not known.
     peaks: Option<Vec<JsonPeak>>,
     peaks_reason: Option<String>,
 }
@@ -332,7 +332,7 @@ struct JsonPeak {
     density_error_bound: JsonNumber,
 }
 
-/// What a mode contributes to a mean square.
+/// The share of a mode in a mean square.
 #[derive(serde::Serialize)]
 struct JsonModeShare {
     mode: usize,
@@ -394,7 +394,7 @@ impl Serialize for ByName<'_> {
     }
 }
 
-/// `all`: the names of the coordinates, then of those that depend on them.
+/// `all`: the names of the coordinates, followed by those that depend on them.
 fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String]) -> Report<'a> {
     let (names, dependent) = all.split_at(answer.system.n());
     let bounds = Bounds::about_rest_of(answer);
@@ -446,7 +446,7 @@ struct JsonExcitation {
     unit: &'static str,
     total: JsonNumber,
     total_error_bound: JsonNumber,
-    /// Why there are no numbers.
+    /// The reason why there are no numbers.
     not_computed: Option<&'static str>,
     modes: Vec<JsonExcited>,
 }

@@ -65,8 +65,9 @@ impl JsonNumber {
     }
 }
 
-/// The bounds of the modal report, in which each number is about the rest: a bound of the linear system there is one of
-/// the scene only if the rest is proven. Otherwise each is `null`, for it would be mistaken for one of the scene.
+/// The bounds of the modal report, whose numbers refer to the rest. A bound of the linear system there is a bound of
+/// the scene only if the rest is proven; otherwise each bound is `null`, because it would be mistaken for one of the
+/// scene.
 #[derive(Clone, Copy)]
 pub(super) struct Bounds {
     hold: bool,

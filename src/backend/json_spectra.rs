@@ -65,7 +65,7 @@ struct JsonAcross {
 }
 
 impl JsonSpectral {
-    /// Nothing in a model without spectra.
+    /// The answer as JSON; `None` for a model without spectra.
     pub fn of(answer: &ModalAnswer, bounds: Bounds) -> Option<JsonSpectral> {
         let spectral = &answer.spectral;
         let directions = spectral.directions.iter().map(|(input, found)| {

@@ -1,6 +1,5 @@
-//! Reports and systems as text, Markdown and JSON, and diagnostics for people and programs. Nothing is computed here
-//! that an analysis could have computed, and numbers are rounded only here. See docs/method/report.md and
-//! docs/diagnostics.
+//! Reports and systems as text, Markdown and JSON, and diagnostics for people and programs. Anything that an analysis
+//! could compute is computed there, and numbers are rounded only here. See docs/method/report.md and docs/diagnostics.
 
 pub mod bench;
 pub mod decimal;

@@ -7,7 +7,7 @@ use crate::analysis::shock::{Quantity, ShockRow};
 use crate::answers::{Shock, ShockOf};
 use crate::base::Ball;
 
-/// What a row holds, in its order.
+/// The values in a row, in order.
 const VALUES: [&str; 5] = ["maximax", "primary_positive", "primary_negative", "residual_positive", "residual_negative"];
 
 fn values(row: &ShockRow) -> [Ball; 5] {
@@ -64,7 +64,7 @@ struct JsonSpectrum<'a> {
     columns: Columns,
 }
 
-/// For each value its column and the absolute bounds of its errors.
+/// For each value, its column and the absolute bounds of its errors.
 #[derive(serde::Serialize)]
 struct Columns {
     maximax: Vec<JsonNumber>,

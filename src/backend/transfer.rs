@@ -68,7 +68,7 @@ pub fn json(model: &str, system: &LinearSystem, table: &Table) -> String {
                 not_proved_hz: found.map_or(Vec::new(), |found| found.open.iter().map(interval).collect()),
             };
             text += if i + o == 0 { "\n" } else { ",\n" };
-            // One extremum or row for each line.
+            // One extremum or row per line.
             text += written(&pair).trim_end_matches('}');
             text += &list("extrema", extrema.iter().map(|extremum| written(&json_extremum(extremum))));
             text += &list("values", table.rows.iter().map(|row| written(&line(row, row.gains[i][o]))));
@@ -93,9 +93,9 @@ struct JsonPair<'a> {
     input_unit: &'a str,
     output: String,
     output_unit: &'a str,
-    /// Whether no extremum in the range is missing.
+    /// Whether it is proved that no extremum in the range is missing.
     complete: bool,
-    /// Ranges in which it is not proved that there is no other extremum.
+    /// Ranges in which it is not proved that there are no further extrema.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     not_proved_hz: Vec<[JsonNumber; 2]>,
 }

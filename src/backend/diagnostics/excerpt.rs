@@ -1,5 +1,5 @@
-//! The few lines that a diagnostic points at, cut out of their files and made readable: everything that is drawn around
-//! a place.
+//! The few lines that a diagnostic points at, extracted from their files and made readable: everything that is drawn
+//! around a place.
 //!
 //! Lines are clipped to the width of a screen and control characters are made visible, so the excerpt has offsets of
 //! its own: a label knows its place in the excerpt as well as its line and column in the file.

@@ -9,8 +9,8 @@ use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacter
 use std::fmt;
 use textwrap::{WordSeparator, WordSplitter};
 
-/// The most findings that are drawn; the rest are only counted. Nobody reads a hundred, and the other forms contain
-/// all.
+/// Maximum number of findings that are drawn; the others are only counted. Nobody reads a hundred, and the other
+/// formats contain all of them.
 pub const MAX_SHOWN: usize = 20;
 /// Width at which messages wrap, whatever the terminal: the output is the same everywhere.
 const WIDTH: usize = 100;
@@ -80,7 +80,7 @@ fn handler(style: HumanStyle) -> GraphicalReportHandler {
     GraphicalReportHandler::new_themed(GraphicalTheme { characters, styles })
         .with_links(false)
         .with_width(WIDTH)
-        // At spaces alone: `1/s` and `N^2/Hz` stay whole.
+        // Only at spaces, so that `1/s` and `N^2/Hz` stay whole.
         .with_word_separator(WordSeparator::AsciiSpace)
         .with_word_splitter(WordSplitter::NoHyphenation)
         .with_context_lines(CONTEXT)

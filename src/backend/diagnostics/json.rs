@@ -32,7 +32,7 @@ struct Related<'a> {
     end_column: usize,
 }
 
-/// All diagnostics, one object a line.
+/// All diagnostics, one object per line.
 pub fn json(sources: &Sources, diagnostics: &[Diagnostic]) -> String {
     let places = Places::new(sources);
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! A figure as SVG: one group for each glyph, with the line of the model that made it. See docs/draw.md.
+//! A figure as SVG: one group per glyph, with the line of the model that it represents. See docs/draw.md.
 
 pub(super) mod path;
 
@@ -30,7 +30,7 @@ const STYLE: &str = "\
 @media (prefers-color-scheme:dark){.vibc-figure{color:#e3e7ed}.vibc-figure .b{fill:#2b323c}.vibc-figure .p{fill:#14171b}}
 ";
 
-/// The whole file. `model`: the file to whose lines the spans refer.
+/// The whole file. `model` is the file whose lines the spans refer to.
 pub fn svg(figure: &Figure, sources: &Sources, model: FileId) -> String {
     let lines = Lines { model, index: LineIndex::new(sources.text(model)) };
     let mut text = String::new();
@@ -67,8 +67,8 @@ pub fn svg(figure: &Figure, sources: &Sources, model: FileId) -> String {
     text
 }
 
-/// The figure as an element of a page, which has the style, with what each stroke moves with: `data-with` a part; `data-at` a
-/// point that follows a point of a part, or `data-between` two of them, each `part x y x y`.
+/// The figure as an element of a page that has the style. Each stroke names the parts that it moves with: `data-with` a
+/// part; `data-at` a point that follows a point of a part, or `data-between` two of them, each `part x y x y`.
 pub fn element(figure: &Figure, line: impl Fn(Option<Span>) -> Option<usize>) -> String {
     let (width, height) = (Tenths::of(figure.width), Tenths::of(figure.height));
     let mut text = String::new();

@@ -19,7 +19,7 @@ impl Tenths {
 
 impl fmt::Display for Tenths {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        // Digits from the last to the first: a figure has thousands of these.
+        // Digits from the last to the first; written by hand, since a figure has thousands of numbers.
         let (mut text, mut at) = ([0; 24], 24);
         let mut put = |byte: u8| {
             at -= 1;

@@ -5,7 +5,7 @@ use crate::analysis::discrete::{Cell, Decay, Form, Operand};
 
 /// Number of lanes of a block: as many as the widest vectors have doubles.
 pub const LANES: usize = 8;
-/// The widths of the loops for the pairs that are left after whole blocks; any others are single. There are no loops of
+/// The widths of the loops for the pairs that remain after whole blocks; any others are single. There are no loops of
 /// five or seven lanes: without wide vectors, compilers do not vectorise loops of such odd lengths (measured in
 /// benches/README.md).
 fn lanes_of_rest(rest: usize) -> &'static [usize] {

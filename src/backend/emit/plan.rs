@@ -6,7 +6,7 @@ use crate::analysis::discrete::Precision;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// All code in a form independent of the language.
+/// The complete program, independent of the language.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Prefix of all names: the model's name.

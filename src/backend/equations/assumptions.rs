@@ -32,7 +32,7 @@ impl Writer<'_> {
         Section { heading: "1 Assumptions and coordinates", items }
     }
 
-    /// A sentence for each coordinate; those of a `repeat` together.
+    /// A sentence for each coordinate; coordinates of a `repeat` share one.
     fn sentences(&self) -> Vec<Item> {
         let both = |(index, coordinate): (usize, &Coordinate)| {
             let what = Formula::Name(Label::new(self.described(index, coordinate), ""));
@@ -52,7 +52,7 @@ impl Writer<'_> {
         fold::rows(rows, fold::index_letter(&self.equations.names)).into_iter().map(sentence).collect()
     }
 
-    /// How each unbalance turns that has a force.
+    /// The rotation of each unbalance that has a force.
     fn heavy_spots(&self) -> Vec<Item> {
         let works = self.equations.energies.works.iter();
         let along_x = works.filter_map(|work| Some((work, work.unbalance.as_ref()?)));

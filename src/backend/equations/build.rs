@@ -1,5 +1,5 @@
-//! Turns sums into formulas in the order and form in which a textbook writes them: common factors in front of brackets,
-//! squares as squares, coefficients before sines and cosines, coordinates last, positive terms first.
+//! Turns sums into formulas in the order and form of a textbook: common factors in front of brackets, squares as
+//! squares, coefficients before sines and cosines, coordinates last, positive terms first.
 
 use super::formula::{Formula, Shown, shown};
 use crate::base::Rational;
@@ -69,7 +69,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A sum term by term, positive ones first, with nothing but squares factored out: `J + m (r + s)^2`.
+    /// A sum term by term, positive ones first, factoring out only squares: `J + m (r + s)^2`.
     pub fn plain_sum(&self, sum: &Sum) -> Formula {
         let mut terms: Vec<(bool, Formula)> = Vec::new();
         if let Some((of_lines, rest)) = self.of_lines(sum) {
@@ -100,7 +100,7 @@ impl<'a> Builder<'a> {
         Formula::sum(terms)
     }
 
-    /// Splits off parts that are a name times the square of a sum; returns these and the rest.
+    /// Splits off parts that are a name times the square of a sum; returns them and the remaining sum.
     fn squares(&self, sum: &Sum) -> (Vec<(bool, Formula)>, Sum) {
         /// Number of terms in the square of a sum of two.
         const LEAST: usize = 3;
@@ -168,7 +168,7 @@ impl<'a> Builder<'a> {
         Some((first.signum() < 0, Formula::product(vec![self.term(plain, &coefficient, &[]), square])))
     }
 
-    /// Terms collected by what moves in them; each with its sign.
+    /// Terms collected by the moving factors in them, each with its sign.
     pub fn collected(&self, sum: &Sum) -> Vec<(bool, Formula)> {
         let is_wave =
             |factor: &Factor| matches!(factor, Factor::Cosine(_) | Factor::Sine(_)) && factor.mentions(&is_dynamic);
@@ -199,7 +199,8 @@ impl<'a> Builder<'a> {
         terms
     }
 
-    /// Terms without waves: where a coordinate and its value at rest have one coefficient they stand together, k (x_0 + x).
+    /// Terms without sines and cosines. If a coordinate and its value at rest have the same coefficient, they are
+    /// written together: k (x_0 + x).
     fn displacements_from_rest(&self, parts: Vec<(Product, Sum)>) -> Vec<(bool, Formula)> {
         let (constant, moving): (Vec<_>, Vec<_>) = parts.into_iter().partition(|(moving, _)| moving.is_one());
         let mut constant = constant.into_iter().map(|(_, rest)| rest).next().unwrap_or_default();
@@ -336,7 +337,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// x^n; |x| x^(n-1), and |x|^n where that is the same.
+/// x^n; |x| x^(n-1), and |x|^n if that is the same.
 pub fn powered(power: Power, of: Formula) -> Formula {
     let raised = |of: Formula, exponent: u32| match exponent {
         1 => of,

@@ -1,6 +1,7 @@
-//! Rows and terms that follow one rule, written once with a running index: what `repeat` made.
+//! Rows and terms that follow one rule, as those of a `repeat` do, written once with a running index.
 //!
-//! Two neighbours follow one rule where they differ in numbers of names alone (`y_2`, `mass[2]`), and each of these grows by one.
+//! Two neighbours follow one rule if they differ only in numbers in names (`y_2`, `mass[2]`), and each of these
+//! increases by one.
 
 use super::formula::{Formula, Running};
 use crate::equations::names::{Label, Names};
@@ -15,7 +16,7 @@ pub fn index_letter(names: &Names) -> &'static str {
     ["i", "j", "n"].into_iter().find(is_free).unwrap_or("i")
 }
 
-/// Rows: those that follow a rule once, with their range, before the others.
+/// Folds rows: rows that follow a rule are written once, with their range, before the others.
 pub fn rows(rows: Vec<Formula>, letter: &str) -> Vec<(Formula, Option<Running>)> {
     let runs = runs(&rows, LEAST_ROWS, letter);
     let mut folded: Vec<(Formula, Option<Running>)> =
@@ -85,7 +86,7 @@ fn runs(formulas: &[Formula], least: usize, letter: &str) -> Vec<Run> {
 /// Two formulas side by side.
 struct Comparison<'a> {
     letter: &'a str,
-    /// The value of the index in the first of them: that of the first name that changes.
+    /// The value of the index in the first formula: the number in the first name that changes.
     anchor: Option<i64>,
 }
 
@@ -146,7 +147,7 @@ impl Comparison<'_> {
         Some(Label { word, index: index?.join(","), dots: a.dots })
     }
 
-    /// `2` and `3` are the index; what is not a number stays.
+    /// `2` and `3` become the index; text that is not a number stays.
     fn index(&mut self, a: &str, b: &str) -> Option<String> {
         match (a.parse::<i64>(), b.parse::<i64>()) {
             (Ok(from), Ok(to)) => self.number(from, to),

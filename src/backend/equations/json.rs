@@ -1,5 +1,5 @@
-//! Equations as JSON: what programs read, each entry as text, as LaTeX and with its value and bound, and the sections of the layout.
-//! Form: schema/equations.schema.json.
+//! Equations as JSON for programs: each entry as text, as LaTeX and with its value and bound, and the sections of the
+//! layout. Form: schema/equations.schema.json.
 
 use super::build::Builder;
 use super::document::{Document, Item};
@@ -29,7 +29,8 @@ struct Page<'a> {
     sections: Vec<Section<'a>>,
 }
 
-/// A coordinate, independent ones in the order of the matrices; where it rests, from the drawing.
+/// A coordinate with its position at rest, measured from the drawing. Independent coordinates are in the order of the
+/// matrices.
 #[derive(Serialize)]
 struct Coordinate {
     name: String,
@@ -55,7 +56,7 @@ struct Term {
 struct Input {
     name: String,
     columns: Vec<Vec<Term>>,
-    /// Of an unbalance, in time: the opposite of its second derivative.
+    /// For an unbalance, its force as a function of time: the opposite of its second derivative.
     #[serde(skip_serializing_if = "Option::is_none")]
     force: Option<Term>,
 }

@@ -1,4 +1,4 @@
-//! Equations as a LaTeX document: `article` with `amsmath`, nothing else.
+//! Equations as a LaTeX document that needs only `article` and `amsmath`.
 
 use super::document::{Document, Inline};
 use super::formula::{Formula, Running, greek_name};

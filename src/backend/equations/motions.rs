@@ -122,7 +122,8 @@ impl Writer<'_> {
         }
     }
 
-    /// `1/2 c l'^2`: half the power of a damper, the energy of an inerter; of a law what its force is the derivative of.
+    /// `1/2 c l'^2`: half the power of a damper, or the energy of an inerter. For a law, the function whose derivative
+    /// is the force.
     fn rate_energy(&self, element: &Element) -> Vec<(bool, Formula)> {
         if !element.is_linear() {
             return vec![self.integral(element, &self.answered(element))];
@@ -186,7 +187,7 @@ impl Writer<'_> {
         Section { heading: "3 Equations of motion", items }
     }
 
-    /// Equations, those of a `repeat` once.
+    /// Equations; those of a `repeat` are written once.
     pub fn rows(&self, rows: Vec<Formula>) -> Vec<Item> {
         let item = |(formula, running): (Formula, Option<Running>)| {
             let range = running.map(|Running { index, first, last }| {
@@ -484,7 +485,7 @@ const RATE: u8 = 2;
 const POSITION: u8 = 3;
 const BEHIND: u8 = 4;
 
-/// Why there is no form without multipliers.
+/// The reason why there is no form without multipliers.
 fn reason(kept: Kept) -> String {
     match kept {
         Kept::Together { dependent } => {
@@ -495,7 +496,7 @@ fn reason(kept: Kept) -> String {
     }
 }
 
-/// Elements of one order, those that answer one stretch together.
+/// Elements of one order; elements with the same stretch are merged into one.
 fn merged(elements: &[Element], order: Order) -> Vec<Element> {
     let mut list: Vec<Element> = Vec::new();
     for element in elements.iter().filter(|element| element.order == order) {
@@ -516,7 +517,7 @@ fn add(to: &mut Element, other: &Element) {
     to.tension = &to.tension + &other.tension;
 }
 
-/// Accelerations, rates and forces: what coefficients stand before.
+/// Whether a factor is an acceleration, a rate or a force, which coefficients precede.
 fn is_quick(factor: &Factor) -> bool {
     let forces = [class::ACCELERATION, class::PRESCRIBED_ACCELERATION, class::FORCE];
     is_rate(factor) || matches!(factor, Factor::Name(symbol) if forces.contains(&symbol.class()))

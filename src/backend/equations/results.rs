@@ -8,7 +8,7 @@ use crate::equations::Entry;
 use crate::equations::names::{Label, class, without_motion};
 use crate::symbols::{Factor, Sum, Symbol};
 
-/// For more coordinates, matrices are not shown as a whole.
+/// Maximum number of coordinates for which matrices are shown as a whole.
 pub const MOST_MATRIX: usize = 8;
 
 impl Writer<'_> {
@@ -113,7 +113,7 @@ impl Writer<'_> {
         Section { heading: "5 Linearised equations", items }
     }
 
-    /// Lengths, lever arms and tensions by length at rest: what the chosen names stand for.
+    /// The definitions of chosen names at rest: lengths, lever arms, and tensions divided by lengths.
     fn names_at_rest(&self, is_chosen: impl Fn(Symbol) -> bool) -> Vec<Item> {
         let linear = &self.equations.linear;
         let length = |(length, square): &(Symbol, Sum)| {
@@ -127,7 +127,7 @@ impl Writer<'_> {
         lengths.chain(parts).collect()
     }
 
-    /// Whether the conditions of rest mention a name, or what one that they mention stands for does.
+    /// Whether the conditions of rest mention a name, directly or through the definition of another name.
     fn is_of_rest(&self, symbol: Symbol) -> bool {
         let stands_for = |known: Symbol| self.equations.names.angle_of_cosine(known).unwrap_or(known);
         let is_mentioned =
@@ -147,7 +147,7 @@ impl Writer<'_> {
         (0..entries.len()).map(|i| (0..entries.len()).map(|j| cell(i, j)).collect()).collect()
     }
 
-    /// Whether section 6 has the entries, so that a long one can stand as `K_12` here.
+    /// Whether section 6 lists the entries, so that a long entry can be written as `K_12` here.
     fn has_listed_entries(&self) -> bool {
         self.equations.linear.coordinates.len() <= MOST_MATRIX
     }
@@ -163,7 +163,7 @@ impl Writer<'_> {
         self.build.signed(sum)
     }
 
-    /// One row of M q'' + C q' + K q = B u; long entries by the names of section 6, or written out.
+    /// One row of M q'' + C q' + K q = B u, with long entries by their names in section 6, or written out.
     pub fn linear_equation(&self, place: usize, by_name: bool) -> Formula {
         let linear = &self.equations.linear;
         let mut terms = Vec::new();

@@ -1,5 +1,5 @@
-//! Lengths as a textbook writes them, by components, `sqrt((x - a)^2 + (y - h)^2)`, or by the law of cosines; what springs along
-//! lines add at rest.
+//! Lengths as a textbook writes them, by components, `sqrt((x - a)^2 + (y - h)^2)`, or by the law of cosines; and the
+//! contributions of springs along lines to the equations at rest.
 
 use super::build::{Builder, absolute};
 use super::formula::Formula;
@@ -11,11 +11,11 @@ use crate::symbols::{Factor, Product, Sum, common_factors};
 const LAW_OF_COSINES: usize = 3;
 
 impl Builder<'_> {
-    /// The root of a square of a length, from the components of what it is the length of.
+    /// The root of a squared length, given the components of the vector.
     pub fn length(&self, square: &Sum, components: &[Sum; 2]) -> Formula {
         let has_wave =
             |(product, _): &&(Product, Rational)| product.factors().iter().any(|(factor, _)| is_wave(factor));
-        // Numbers that have been added up say nothing of the two lengths.
+        // Once numbers have been added up, the two lengths can no longer be recognised.
         let is_named = square.terms().iter().all(|(product, _)| !product.is_one());
         let is_law_of_cosines =
             square.terms().iter().filter(has_wave).count() == 1 && square.terms().len() <= LAW_OF_COSINES && is_named;
@@ -41,8 +41,8 @@ impl Builder<'_> {
         self.term(&front, &Rational::ONE, &[bracket(&factored.rest.scaled(&absolute(&factored.number)))])
     }
 
-    /// What lines add by the names of their parts, k r^2 and q (a cos(theta_0) + b sin(theta_0)), each with its sign, and the rest of
-    /// the sum; `None` where it has no such names.
+    /// The contributions of springs along lines in terms of the names of their parts, k r^2 and q (a cos(theta_0) + b
+    /// sin(theta_0)), each with its sign, and the rest of the sum; `None` if it contains no such names.
     pub fn of_lines(&self, sum: &Sum) -> Option<(Vec<(bool, Formula)>, Sum)> {
         let is_line = |factor: &Factor| matches!(factor, Factor::Name(symbol) if symbol.class() == class::LINE);
         let (mut lines, mut others) = (Vec::new(), Sum::ZERO);

@@ -31,7 +31,7 @@ impl Writer<'_> {
         Section { heading: "7 Natural frequencies, poles and transfer functions", items }
     }
 
-    /// A letter, with the part where there are several or the model uses the letter.
+    /// A letter, with the index of the part if there are several parts or the model uses the letter.
     fn lettered(&self, letter: &str, part: &Part) -> Label {
         let is_shared = self.equations.parts.len() > 1 || self.equations.names.is_taken(letter);
         Label::new(letter, if is_shared { self.index_of(part) } else { String::new() })
@@ -55,7 +55,7 @@ impl Writer<'_> {
         own.filter(|_| is_own).unwrap_or_else(|| number().to_string())
     }
 
-    /// What belongs to a part whose index is no coordinate's own.
+    /// The coordinates of a part, if its index does not already name one of them.
     fn introduced(&self, part: &Part) -> Option<Item> {
         let labels: Vec<Label> = part.places.iter().map(|place| self.equations.label(*place)).collect();
         let index = self.index_of(part);
@@ -280,7 +280,7 @@ fn over_whole_number(coefficients: &[Sum]) -> (Vec<Sum>, Rational) {
     (coefficients.iter().map(|sum| sum.scaled(&common)).collect(), common)
 }
 
-/// Numerator and denominator with what the fractions of the numerator are divided by in the denominator.
+/// Numerator and denominator, with the denominators of the numerator's fractions moved to the denominator.
 fn without_fractions((over, under): &(Vec<Sum>, Vec<Sum>)) -> (Vec<Sum>, Vec<Sum>) {
     let is_fraction = |(_, number): &(Product, Rational)| matches!(shown(&absolute(number)), Shown::Fraction(..));
     let over: Vec<Sum> = over.iter().map(Sum::evaluated).collect();

@@ -1,4 +1,4 @@
-//! Section 6: the entries of the matrices with their values, those of a `repeat` once.
+//! Section 6: the entries of the matrices with their values; entries of a `repeat` are written once.
 
 use super::document::{DIGITS, Item, Section, Writer, paragraph};
 use super::formula::Formula;
@@ -7,8 +7,8 @@ use crate::backend::decimal::certain_whole;
 use crate::equations::Entry;
 use crate::equations::names::Label;
 
-/// Systems whose matrices are not shown as a whole have their entries listed if a row has no more than this many on
-/// average, and if what is left after folding is no more than this many lines a matrix.
+/// If matrices are not shown as a whole, their entries are listed if a row has at most this many on average, and if at
+/// most this many lines per matrix remain after folding.
 const MOST_PER_ROW: usize = 8;
 const MOST_LINES: usize = 24;
 
@@ -23,7 +23,7 @@ impl Writer<'_> {
         Section { heading: "6 Values", items }
     }
 
-    /// The entries of all matrices; `None` if there are too many to be read.
+    /// The entries of all matrices; `None` if there are too many to read.
     pub fn entries(&self) -> Option<Vec<Item>> {
         let linear = &self.equations.linear;
         let matrices = [("M", &linear.mass), ("C", &linear.damping), ("K", &linear.stiffness)];

@@ -17,7 +17,7 @@ pub enum Tight {
 /// The text of a formula, and its binding strength.
 pub type Piece = (String, Tight);
 
-/// How an output format writes the parts of formulas and of the document around them.
+/// The notation of an output format for the parts of formulas and of the document around them.
 pub trait Language {
     /// A whole number or a short decimal.
     fn number(&self, digits: &str) -> String {

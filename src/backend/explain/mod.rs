@@ -21,7 +21,7 @@ pub fn codes() -> String {
     PAGES.iter().map(|page| format!("{}\n", page.code)).collect()
 }
 
-/// A word that is not a code, and what may have been meant: a code, or a word of the language.
+/// A word that is not a code, and the code or word of the language that may have been meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     pub nearest: Option<&'static str>,

@@ -15,13 +15,13 @@ use std::sync::LazyLock;
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// Of the style and the script, for the security policy.
+/// Hashes of the style and the script, for the security policy.
 static HASHES: LazyLock<[String; 2]> = LazyLock::new(|| [STYLE, SCRIPT].map(hash));
 
 /// The whole file.
 pub fn page(page: &Page) -> String {
     let title = escaped(page.name);
-    // A page from the disk asks for nothing; one that is served asks its server for newer versions of itself.
+    // A page read from a file requests nothing; a page that is served asks its server for newer versions of itself.
     let (connect, live) = match page.version {
         Some(version) => ("connect-src 'self'; ", format!(" data-live=\"{version}\"")),
         None => ("", String::new()),
@@ -70,7 +70,7 @@ fn main(page: &Page) -> String {
     text + "</main>\n"
 }
 
-/// In the order in which a reader asks.
+/// The sections in the order of a reader's questions.
 fn sections(of: &Answers, lines: &Lines) -> String {
     let report = of.report;
     let mut text = format!("<h1>{}</h1>\n", tables::line(&report.title, lines));
@@ -96,7 +96,7 @@ fn sections(of: &Answers, lines: &Lines) -> String {
     text
 }
 
-/// Long for most readers: opened by those who want them.
+/// Too long for most readers: collapsed until it is opened.
 fn symbols(equations: &str) -> String {
     format!(
         "<details>\n<summary>In the model's own symbols</summary>\n<div class=\"wide\" tabindex=\"0\" role=\"group\" \
@@ -105,7 +105,7 @@ fn symbols(equations: &str) -> String {
 }
 
 fn headed(section: &Section, lines: &Lines, of: &Answers) -> String {
-    // Where the first line says no more than the heading it is left out.
+    // A first line that only repeats the heading is left out.
     let repeats = |block: &Block| match block {
         Block::Line(line) => plain::line(line).eq_ignore_ascii_case(section.heading),
         _ => false,
@@ -235,7 +235,7 @@ fn motion(of: &Answers, shown: &MotionShown, lines: &Lines) -> String {
     format!("<h2>Motion</h2>\n{choice}{plot}{}", of_report(&shown.report, lines))
 }
 
-/// The errors, each with its line.
+/// The errors, with their lines.
 fn findings(page: &Page) -> String {
     let errors: Vec<&Diagnostic> = page.findings.iter().filter(|finding| finding.severity == Severity::Error).collect();
     if errors.is_empty() {

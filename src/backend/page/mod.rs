@@ -1,7 +1,8 @@
-//! The report as a page: one HTML file with the figure, which moves, the report's tables, the curves and the model's text. It
-//! needs no network and no other file, and its security policy lets no script run but its own. See docs/report.md.
+//! The report as a page: one HTML file with the moving figure, the report's tables, the curves and the model's text. It
+//! needs no network and no other file, and its security policy allows only its own script. See docs/report.md.
 //!
-//! What it says is the report of `answers::report`; what moves and is drawn by the script is the payload.
+//! Its words and tables are the report of `answers::report`; the data that the script animates and draws are the
+//! payload.
 
 mod html;
 mod payload;
@@ -19,7 +20,7 @@ use crate::picture::{Figure, Item, Moving};
 use crate::questions::answer::Sensitivity;
 use crate::system::LinearSystem;
 
-/// Where numbers, glyphs and findings lead.
+/// The text that numbers, glyphs and findings link to.
 #[derive(Clone, Copy)]
 pub struct Text<'a> {
     pub sources: &'a Sources,
@@ -30,14 +31,14 @@ pub struct Text<'a> {
 pub struct Page<'a> {
     /// The model's name.
     pub name: &'a str,
-    /// The text that the answers are of.
+    /// The text that the answers belong to.
     pub of: Text<'a>,
-    /// The text that the findings are of: a newer one where that has errors.
+    /// The text that the findings belong to: a newer text if that has errors.
     pub text: Text<'a>,
     /// The text is shown, which an editor does by itself.
     pub shows_text: bool,
     pub findings: &'a [Diagnostic],
-    /// The version that is served, where the page asks its server for newer ones.
+    /// The version that is served, if the page asks its server for newer ones.
     pub version: Option<u64>,
     pub answers: Option<Answers<'a>>,
 }
@@ -45,7 +46,7 @@ pub struct Page<'a> {
 /// The answers for a model without errors.
 pub struct Answers<'a> {
     pub system: &'a LinearSystem,
-    /// Or why there is none.
+    /// The figure, or the reason why there is none.
     pub figure: Result<&'a (Figure, Moving), &'a str>,
     pub movements: &'a Movements,
     pub report: &'a Report,
@@ -59,17 +60,17 @@ pub struct Answers<'a> {
     pub sensitivities: &'a [Sensitivity],
 }
 
-/// How a figure may move.
+/// The possible motions of a figure.
 #[derive(Clone, Debug, Default)]
 pub struct Movements {
-    /// For each coordinate how one metre or radian of it moves the pieces.
+    /// For each coordinate, the motion of the pieces per metre or radian of it.
     pub basis: Vec<Poses>,
-    /// What joints that close loops add at second order.
+    /// The second-order motion due to joints that close loops.
     pub bends: Vec<Bend>,
     pub list: Vec<Movement>,
 }
 
-/// What the product of two coordinates adds to the values of pieces, in the order of [`Poses::values`].
+/// The contribution of the product of two coordinates to the values of pieces, in the order of [`Poses::values`].
 #[derive(Clone, Debug)]
 pub struct Bend {
     pub by: [usize; 2],
@@ -81,11 +82,11 @@ pub struct Bend {
 pub struct Movement {
     /// `mode 2: 0.5964 Hz (3.747 rad/s)`
     pub caption: String,
-    /// It goes on as exp(s t).
+    /// The motion is proportional to exp(s t).
     pub s: Complex<f64>,
     /// The coordinates, m and rad.
     pub shape: Vec<Complex<f64>>,
-    /// How many times it is shown.
+    /// The factor by which the shape is multiplied.
     pub amount: f64,
     /// Shares of the kinetic energy of bodies and of the strain energy of elements.
     pub energy: Vec<(Item, f64)>,
@@ -104,11 +105,11 @@ pub struct PoleShown {
 #[derive(Clone, Debug)]
 pub struct TransferShown {
     pub table: Table,
-    /// `[input][output]`; none where only the rows of the table are known.
+    /// `[input][output]`; `None` if only the rows of the table are known.
     pub curves: Vec<Vec<Option<Fractions>>>,
     /// A report for each pair, input by input.
     pub reports: Vec<Report>,
-    /// Hz: where curves turn.
+    /// Frequencies at which the curves bend, Hz.
     pub centres: Vec<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! The data that the page's script animates and draws: plain numbers, rounded to seven digits. Numbers that are read stand in
-//! the tables of the report, with their bounds.
+//! The data that the page's script animates and draws: plain numbers, rounded to seven digits. Numbers for readers are
+//! in the tables of the report, with their bounds.
 
 use super::{Answers, Bend, Movement, Movements, Page};
 use crate::analysis::{Extremum, FeatureKind, Gain};
@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 /// The payload as text within an element of a page.
 pub fn payload(page: &Page) -> String {
     let value = page.answers.as_ref().map_or(json!({}), answers);
-    // Nothing in it ends the element that holds it.
+    // Nothing in it may end the element that contains it.
     crate::backend::json_text(&value).replace('<', "\\u003c")
 }
 
@@ -60,7 +60,8 @@ const POWERS: [f64; 23] = [
     1e21, 1e22,
 ];
 
-/// A number of so many decimal digits next to this one. A page has thousands of them, so that they are not written and read for it.
+/// A number with `DIGITS` decimal digits close to this one. A page has thousands of them, so the number is not
+/// formatted and parsed.
 fn rounded<const DIGITS: usize>(x: f64) -> f64 {
     let size = x.abs();
     let whole = POWERS[DIGITS];
@@ -85,7 +86,7 @@ fn list(values: impl IntoIterator<Item = f64>) -> Value {
     values.into_iter().map(plain).collect()
 }
 
-/// What is not zero of values in the order of [`Poses::values`], with its place.
+/// The nonzero values, in the order of [`Poses::values`], with their indices.
 fn slots(values: impl Iterator<Item = f64>) -> Value {
     values.enumerate().filter(|(_, value)| *value != 0.0).map(|(slot, value)| json!([slot, plain(value)])).collect()
 }
@@ -97,7 +98,7 @@ fn figure(moving: &Moving, movements: &Movements) -> Value {
     };
     let pieces = moving.poses.pieces.iter().enumerate().map(|(index, piece)| {
         json!({
-            // The ground is carried by nothing.
+            // The ground has no carrier.
             "carrier": if index == 0 { -1 } else { i64::from(piece.carrier) },
             "anchor": piece.anchor.filter(|_| index > 0).map(list),
             "angle": plain(piece.angle.rest),
@@ -240,7 +241,7 @@ fn mark(of: &Extremum) -> Value {
     })
 }
 
-/// Relative changes by parameter, for bars; null where there is no derivative.
+/// Relative changes per parameter, for bars; `null` if there is no derivative.
 fn slopes(of: &[Sensitivity]) -> Value {
     let value = |slope: &Option<Slope>| match slope {
         Some(Slope::Smooth { relative, .. }) if relative.is_finite() => plain(relative.to_f64()),
@@ -275,7 +276,8 @@ fn short(values: impl IntoIterator<Item = f64>) -> Value {
 mod tests {
     use super::*;
 
-    /// As writing them with so many digits does, of which the last may differ by one where the next ones are about a half.
+    /// Rounding gives the same as formatting with that number of digits; the last digit may differ by one if the next
+    /// ones are about a half.
     #[test]
     fn numbers_have_so_many_digits() {
         let mut state = 1u64;

@@ -6,7 +6,7 @@ use crate::backend::draw::escaped;
 use crate::backend::plain;
 use crate::base::{FileId, LineIndex, Sources, Span};
 
-/// From places to lines of the model.
+/// Converts places to lines of the model.
 pub struct Lines {
     model: Option<FileId>,
     index: LineIndex,
@@ -17,12 +17,12 @@ impl Lines {
         Lines { model: Some(model), index: LineIndex::new(sources.text(model)) }
     }
 
-    /// For a page that does not show the model: nothing leads to a line.
+    /// For a page that does not show the model: nothing links to a line.
     pub fn none() -> Lines {
         Lines { model: None, index: LineIndex::new("") }
     }
 
-    /// Counted from 1; none for what another file made.
+    /// The line, counted from 1; `None` for places in other files.
     pub fn line(&self, span: Option<Span>) -> Option<usize> {
         span.filter(|span| Some(span.file()) == self.model).map(|span| self.index.line(span.start()) + 1)
     }
@@ -33,7 +33,7 @@ impl Lines {
     }
 }
 
-/// The blocks of a section; `entries`: what made each entry of its matrices.
+/// The blocks of a section. `entries`: the declarations behind each entry of its matrices.
 pub fn blocks<'a>(
     blocks: impl IntoIterator<Item = &'a Block>,
     lines: &Lines,

@@ -70,7 +70,7 @@ impl Axis {
         self
     }
 
-    /// The position of a value in units of the axis; `None` if it cannot be on it.
+    /// The position of a value in units of the axis; `None` if the axis cannot show it.
     pub fn place(&self, value: f64) -> Option<f64> {
         match self.scale {
             Scale::Linear | Scale::Degrees => value.is_finite().then_some(value),

@@ -1,4 +1,4 @@
-//! Plots in SVG: panels with titled axes, curves, marks with labels that cover nothing, a legend. In: numbers to draw,
+//! Plots in SVG: panels with titled axes, curves, marks, labels that do not cover anything, and a legend. In: numbers,
 //! all of which are in a table with their bounds. Out: the file. See docs/draw.md.
 
 pub mod axis;
@@ -20,7 +20,7 @@ pub struct Plot {
     pub rows: Vec<Vec<Panel>>,
 }
 
-/// Axes with everything that is drawn between them.
+/// Axes and everything that is drawn between them.
 pub struct Panel {
     pub heading: String,
     pub x: Axis,

@@ -176,7 +176,7 @@ fn written(file: &mut String, strokes: &[Stroke]) {
     }
 }
 
-/// Only the colour, because marks have no dashes.
+/// Only the colour: marks have no dashes.
 fn colour(style: Style) -> String {
     style.class().split(' ').next().unwrap_or_default().to_string()
 }
@@ -190,7 +190,7 @@ fn outline(frame: Bounds) -> Glyph {
     glyph(vec![Stroke::Line { points: corners.to_vec(), closed: true, pen: Pen::Thin }])
 }
 
-/// Labels within the frame that cover nothing.
+/// Labels within the frame that do not cover anything.
 fn names(file: &mut String, frame: Bounds, glyphs: &[Glyph], wanted: Vec<Wanted>) {
     let mut room = Occupied::of(glyphs.iter());
     room.only_within(&frame.grown(-INSIDE));

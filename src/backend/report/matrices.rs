@@ -46,7 +46,7 @@ pub fn text(matrices: &Matrices, indent: usize, width: usize) -> String {
     text
 }
 
-/// Every entry as a plain number, or all with a power of ten if one of them needs it.
+/// All entries as plain numbers, or all with a power of ten if one of them needs it.
 fn notation(entries: &[Vec<Number>], digits: usize) -> Vec<Vec<String>> {
     let written = |form: fn(&Number, usize) -> String| -> Vec<Vec<String>> {
         entries.iter().map(|row| row.iter().map(|entry| form(entry, digits)).collect()).collect()
