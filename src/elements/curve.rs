@@ -63,7 +63,7 @@ pub enum Function {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Undefined {
     pub span: Span,
-    /// As a phrase.
+    /// The reason as a phrase.
     pub why: &'static str,
 }
 
@@ -74,7 +74,7 @@ pub struct Dual {
     pub slope: Number,
 }
 
-/// Which derivative counts at a kink.
+/// The derivative that is used at a kink.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Side {
     /// An enclosure of both.
@@ -146,13 +146,13 @@ impl Curve {
         }
     }
 
-    /// Force and derivative in the numbers of a search or of a proof; unknown where the law is not defined.
+    /// Force and derivative in the numbers of a search or of a proof; unknown values if the law is not defined there.
     pub fn of<S: Scalar>(&self, x: &S) -> (S, S) {
         let found = if x.to_f64().is_finite() { self.at(&x.number()).ok() } else { None };
         found.map_or_else(|| (S::unknown(), S::unknown()), |dual| (S::of(&dual.value), S::of(&dual.slope)))
     }
 
-    /// The place of a kink somewhere in `x`: where the derivatives on its two sides certainly differ.
+    /// The place of a kink at some number in `x`, where the derivatives on the two sides certainly differ.
     pub fn kink(&self, x: &Number) -> Option<Span> {
         let mut met = None;
         let [below, above] = [Side::Below, Side::Above].map(|side| self.run_noting(x, side, &mut met).ok());
@@ -306,7 +306,7 @@ fn called(function: Function, arguments: &[Dual], side: Side) -> Result<Dual, &'
     })
 }
 
-/// e^u, where it is too small for binary64 too: between zero and its value at the upper end of `u`.
+/// e^u, even if it is too small for binary64: then between zero and its value at the upper end of `u`.
 fn exponential(u: &Number) -> Option<Number> {
     let near = u.exp();
     if near.is_some() {
@@ -350,9 +350,9 @@ fn extreme(a: &Dual, b: &Dual, smallest: bool, side: Side) -> Dual {
     Dual { value: half(&a.value, &b.value, &size.value), slope: half(&a.slope, &b.slope, &size.slope) }
 }
 
-/// Rows of a table, and the slopes of the monotone cubic that runs through them: F. N. Fritsch, J. Butland, *A method for
-/// constructing local monotone piecewise cubic interpolants*, SIAM J. Sci. Stat. Comput. 5 (1984) 300, with their weighted
-/// harmonic means of the slopes of the chords and a one-sided formula of three points at the ends.
+/// Rows of a table, and the slopes of the monotone cubic through them: F. N. Fritsch, J. Butland, *A method for
+/// constructing local monotone piecewise cubic interpolants*, SIAM J. Sci. Stat. Comput. 5 (1984) 300, with their
+/// weighted harmonic means of the slopes of the chords and a one-sided three-point formula at the ends.
 #[derive(Clone, Debug)]
 pub struct Rows {
     x: Vec<Number>,
@@ -361,7 +361,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// `None` without two rows, or if the known digits do not decide whether a chord rises.
+    /// `None` for fewer than two rows, or if the known digits do not decide whether a chord rises.
     pub fn new(x: Vec<Number>, y: Vec<Number>) -> Option<Rows> {
         if x.len() < 2 || x.len() != y.len() {
             return None;
@@ -394,7 +394,7 @@ impl Rows {
         [&self.x[0], &self.x[self.x.len() - 1]]
     }
 
-    /// The interpolant; `None` if the argument may be outside of the rows.
+    /// The interpolant; `None` if the argument may be outside the rows.
     fn at(&self, u: &Dual) -> Option<Dual> {
         let order = |knot: &Number| u.value.compare(knot);
         let below = self.x.partition_point(|knot| order(knot) == Some(Ordering::Greater));
@@ -549,7 +549,8 @@ mod tests {
         assert_eq!((at.value, at.slope), (number("-0.3"), number("70")));
     }
 
-    /// Each function beside central differences of itself, whose error is h^2/6 times the third derivative, plus eps/h: below 1e-9.
+    /// Each function compared with central differences of itself, whose error is h^2/6 times the third derivative, plus
+    /// eps/h: below 1e-9.
     #[test]
     fn derivatives_are_those_of_the_functions() {
         use Function::*;
@@ -618,7 +619,7 @@ mod tests {
         assert!(near(integral(&mut f64::exp, 2.0), f64::exp_m1(2.0)));
         let mut kinked = |x: f64| (x - 1.0 / 3.0).abs();
         assert!((integral(&mut kinked, 1.0) - 5.0 / 18.0).abs() < 1e-12);
-        // Bounded work where nothing converges.
+        // The work is bounded even if the integral does not converge.
         assert!(integral(&mut |x| (1e9 * x).sin(), 1.0).is_finite());
     }
 }

@@ -12,7 +12,7 @@ use crate::base::{Code, Field, Manual, Takes};
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
     pub keyword: &'static str,
-    /// With its article: "a spring".
+    /// The noun with its article: "a spring".
     pub noun: &'static str,
     pub plural: &'static str,
     /// An example of a declaration.
@@ -29,7 +29,7 @@ pub struct Kind {
     pub acts: Acts,
 }
 
-/// What an element's stretch is measured between.
+/// The ends between which an element's stretch is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acts {
     /// Two points, directions or angles.
@@ -50,7 +50,7 @@ pub enum Order {
     Acceleration = 2,
 }
 
-/// How a negative coefficient is reported.
+/// The reaction to a negative coefficient.
 #[derive(Clone, Copy, Debug)]
 pub enum Negative {
     Noted(Code, &'static str),

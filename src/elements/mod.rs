@@ -1,8 +1,8 @@
-//! Elements, one file per kind: what each adds to energy, dissipation and load, and its first and second derivatives.
+//! Elements, one file per kind: their contributions to energy, dissipation and load, with first and second derivatives.
 //! See docs/method/linearisation.md.
 //!
-//! An element depends only on the relative displacement of its two ends; how the ends move with the coordinates is worked
-//! out in `lower::kinematics`. The formulas are written once, for binary64 (the search for the rest) and for
+//! An element depends only on the relative displacement of its two ends; `lower::kinematics` computes how the ends move
+//! with the coordinates. The formulas are written once, for binary64 (the search for the rest) and for
 //! [`Number`](crate::base::Number) (the matrices): see [`Scalar`].
 
 pub mod belt;

@@ -23,9 +23,9 @@ pub trait Scalar: Clone + Debug {
     /// Whether it is certainly zero, so that products with it can be left out.
     fn is_zero(&self) -> bool;
     fn to_f64(&self) -> f64;
-    /// This very number.
+    /// The same value as a [`Number`](crate::base::Number).
     fn number(&self) -> Number;
-    /// Nothing is known.
+    /// A value of which nothing is known.
     fn unknown() -> Self;
     /// The integral of a function from 0, which only a search needs.
     fn integral(f: impl FnMut(f64) -> f64, to: &Self) -> Self;
@@ -74,8 +74,8 @@ impl Scalar for f64 {
         self.sqrt()
     }
 
-    /// Uses the ball functions: those of the standard library differ between machines, and the number of steps that the
-    /// search for the rest takes is reported.
+    /// Uses the ball functions: those of the standard library differ between machines, and the search for the rest
+    /// reports its number of steps.
     fn sin_cos(&self) -> (f64, f64) {
         let (sine, cosine) = Number::Ball(Ball::from(*self)).sin_cos().unwrap_or((Number::ZERO, Number::ONE));
         (sine.to_f64(), cosine.to_f64())

@@ -116,7 +116,7 @@ impl<S: Scalar> Spring<S> {
         }
     }
 
-    /// The same spring in other numbers.
+    /// This spring, converted to other numbers.
     pub fn converted<T: Scalar>(&self, stretch: Stretch<T>, number: impl Fn(&S) -> T) -> Spring<T> {
         let response = match &self.response {
             Response::Linear { stiffness, preload } => {
@@ -142,7 +142,7 @@ mod tests {
         let at = |x: f64| spring.stretch.at(&Vector { x, y: 0.0, z: 0.0 }, &0.0);
         let h = 1e-6;
         let slope = (spring.energy(&at(0.5 + h)) - spring.energy(&at(0.5 - h))) / (2.0 * h);
-        // The energy is quadratic: only rounding is left, eps V / h.
+        // The energy is quadratic, so the only error is rounding, eps V / h.
         assert!((slope - spring.tension(&at(0.5))).abs() < 1e-8);
         assert_eq!(spring.tension(&at(0.5)), 20.0);
     }
