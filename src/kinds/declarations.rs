@@ -13,7 +13,7 @@ pub struct Declaration {
     pub keyword: &'static str,
     /// Its form in the grammar and in the tree.
     pub shape: Shape,
-    /// One example of it, to be shown and to be typed.
+    /// An example to show and to type.
     pub form: &'static str,
     pub manual: Manual,
     /// Its names in other languages and textbooks.

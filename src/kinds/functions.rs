@@ -7,13 +7,13 @@ use crate::base::{Dimension, Expected};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Function {
     pub name: &'static str,
-    /// With names for its arguments: `step(a, at)`.
+    /// The form with names for its arguments: `step(a, at)`.
     pub form: &'static str,
-    /// With values for its arguments: `step(10 N, 0 s)`.
+    /// An example with values for its arguments: `step(10 N, 0 s)`.
     pub example: &'static str,
     pub meaning: &'static str,
     pub arguments: &'static [Argument],
-    /// How many of the last arguments may be left out.
+    /// Number of arguments at the end that may be left out.
     pub optional: usize,
     /// Arguments that are given by name, as in `speed = 20 m/s`; each may be left out.
     pub named: &'static [NamedArgument],
@@ -55,7 +55,7 @@ pub enum Argument {
     Frequencies,
     /// `noise` or `time`
     Cause,
-    /// What a noise is given by: densities and frequencies.
+    /// The values that define a noise: densities and frequencies.
     Densities,
 }
 

@@ -1,9 +1,9 @@
 //! The single table of the language: every declaration with its words, fields and documentation, every function, every
 //! motion. See spec.md#text and spec.md.
 //!
-//! The parser, the check, the editor, the formatter and the word lists of editors read it, so that a new kind of element
-//! is a file in `elements` and its line there; a new joint is a file in `joints`; a signal, measure or shape is a row of
-//! [`functions`]. ARCHITECTURE.md lists what else each of them needs.
+//! The parser, the check, the editor, the formatter and the word lists of editors read it. A new kind of element is a
+//! file in `elements` and its line there; a new joint is a file in `joints`; a signal, measure or shape is a row of
+//! [`functions`]. ARCHITECTURE.md lists the other edits that each of them needs.
 
 pub mod declarations;
 pub mod functions;
@@ -142,7 +142,7 @@ mod tests {
         }
     }
 
-    /// The kind of `elements::dummy` is known to the table only.
+    /// Only the table knows the kind of `elements::dummy`.
     mod a_dummy {
         use crate::base::{FileId, SourceFile, Sources};
         use crate::editor::completion::{self, Item};

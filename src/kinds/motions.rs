@@ -18,7 +18,7 @@ pub struct Motion {
 pub enum Direction {
     X,
     Y,
-    /// No direction: a rotation.
+    /// A rotation, which has no direction.
     Turn,
 }
 
@@ -62,7 +62,7 @@ pub const ELEMENT_MOTIONS: [(ElementMotion, &str, &str); 2] = [
     (ElementMotion::Stretch, "stretch", "The change of its stretch from rest, m or rad."),
 ];
 
-/// A component of what a joint, a coupling or a support carries.
+/// A component of the load on a joint, a coupling or a support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ReactionComponent {
     X,
@@ -90,7 +90,7 @@ pub const COUPLE_REACTIONS: [(ReactionComponent, &str, &str); 1] = [(
     "The force or torque of a coupling, which does work on its left side minus its right side: its change from rest.",
 )];
 
-/// The reactions of what a body's freedom clause stands for.
+/// The reactions of the support that a body's freedom clause represents.
 pub const SUPPORT_REACTIONS: [(ReactionComponent, &str, &str); 3] = [
     (
         ReactionComponent::X,
@@ -115,7 +115,8 @@ pub fn reactions() -> impl Iterator<Item = (&'static str, &'static str)> {
     all.map(|(_, name, meaning)| (*name, *meaning))
 }
 
-/// Whether a word names a motion of a body, a quantity of an element or a reaction: no part of a component is called so.
+/// Whether a word names a motion of a body, a quantity of an element or a reaction. No part of a component can have
+/// such a name.
 pub fn is_motion(word: &str) -> bool {
     BODY_MOTIONS.iter().any(|motion| motion.name == word)
         || ELEMENT_MOTIONS.iter().any(|(_, name, _)| *name == word)

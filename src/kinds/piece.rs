@@ -3,14 +3,14 @@
 use super::SignalKind;
 use crate::base::Dimension;
 
-/// What a name stands for (spec.md#names): values and parts have a name space each.
+/// The name space that a name belongs to (spec.md#names): values and parts have one each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Space {
     /// Parameters, points and indices.
     Values,
     /// Bodies, bases, joints, couplings, elements, inputs, outputs.
     Parts,
-    /// Places of components, whose names belong to both of the above.
+    /// Places of components, whose names belong to both other name spaces.
     Places,
     /// Components, which are named after `=` in a `place`.
     Components,
@@ -40,7 +40,7 @@ pub enum Piece {
     Word(Naming, &'static str),
     /// A name, and a phrase for what it names.
     Name(Naming, &'static str),
-    /// A name that may lie in a component at a place, `front.k`, and whose.
+    /// A name that may be inside a component at a place, such as `front.k`, and a phrase for what it names.
     Path(Naming, &'static str),
     /// A sign, and a phrase for its place.
     Sign(&'static str, &'static str),
@@ -58,23 +58,23 @@ pub enum Piece {
     OtherEnd(&'static str),
     /// `along (1, 0)`, optional.
     Along,
-    /// `= harmonic(10 N, 1.5 Hz)`, optional, and what the signal is measured in.
+    /// `= harmonic(10 N, 1.5 Hz)`, optional, and the kind of signal that is expected.
     Signal(&'static SignalKind),
-    /// `in mm`, optional, and whose.
+    /// `in mm`, optional, and a phrase for the unit.
     InUnit(&'static str),
     /// Fields in braces.
     Fields,
     /// Ports and parameters of a component: `(part chassis, m: kg, k = 150 kN/m)`.
     Formals,
-    /// Values for them: `(chassis = frame, m = 40 kg)`.
+    /// Values for ports and parameters: `(chassis = frame, m = 40 kg)`.
     Actuals,
-    /// `at (1 m, 0) mirrored x turned 10 deg`, each of which may be missing.
+    /// `at (1 m, 0) mirrored x turned 10 deg`; each of these may be missing.
     Placing,
     /// Parameters and their ranges: `c in 1 N*s/m .. 100 N*s/m, k in 1 N/m .. 50 N/m`.
     Varied,
     /// `while peak(y) < 20 mm`, optional.
     Limits,
-    /// A file's name in quotes, and whose.
+    /// A file's name in quotes, and a phrase for it.
     Text(&'static str),
 }
 
