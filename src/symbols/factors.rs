@@ -1,10 +1,11 @@
-//! Common factors of the terms of a sum: what a textbook writes in front of brackets.
+//! Common factors of the terms of a sum, which a textbook writes in front of brackets.
 
 use super::{Factor, Product, Sum};
 use crate::base::Rational;
 use std::sync::Arc;
 
-/// A sum as `number * product * rest`, the rest without common factors; `squared` where the rest is the root of what it stands for.
+/// A sum as `number * product * rest`, with no common factors in `rest`; if `squared` is set, the square of `rest`
+/// takes its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factored {
     pub number: Rational,
@@ -14,7 +15,7 @@ pub struct Factored {
     pub squared: bool,
 }
 
-/// Takes out what all terms share.
+/// Factors out everything that all terms share.
 pub fn common_factors(sum: &Sum) -> Factored {
     let (content, rest) = content(sum.terms());
     let (product, number) = content.terms.into_iter().next().unwrap_or((Product::default(), Rational::ZERO));
@@ -27,7 +28,7 @@ pub fn common_factors(sum: &Sum) -> Factored {
     }
 }
 
-/// The number and the powers that all terms share, as one term, and what is left of the sum. The first term that is left is positive.
+/// The number and the powers that all terms share, as one term, and the remaining sum, whose first term is positive.
 pub(super) fn content(terms: &[(Product, Rational)]) -> (Sum, Sum) {
     let Some(((first, leading), others)) = terms.split_first() else { return (Sum::ZERO, Sum::ZERO) };
     if others.is_empty() && first.wave().is_none() {
@@ -59,7 +60,7 @@ pub(super) fn content(terms: &[(Product, Rational)]) -> (Sum, Sum) {
 }
 
 impl Sum {
-    /// Divided by the sums that it is divided by, where that leaves no remainder.
+    /// Cancels the divisors that divide the sum without remainder.
     pub fn simplified(&self) -> Sum {
         let divisors = self.terms.iter().flat_map(|(product, _)| product.factors());
         let whole = divisors.filter_map(|(factor, _)| match factor {
@@ -77,7 +78,7 @@ impl Sum {
         self.clone()
     }
 
-    /// The sum times a power of what it is divided by, no term left with that divisor.
+    /// The sum times a power of one of its divisors, so that no term contains that divisor.
     fn times_whole(&self, whole: &Arc<Sum>, power: i32) -> Option<Sum> {
         let factor = Factor::Whole(whole.clone());
         let mut sum = Sum::ZERO;
@@ -89,7 +90,7 @@ impl Sum {
         Some(sum)
     }
 
-    /// The quotient of two sums where nothing is left over and no sine or cosine takes part in the divisor.
+    /// The quotient of two sums, if there is no remainder and the divisor contains no sine or cosine.
     fn divided(&self, by: &Sum) -> Option<Sum> {
         /// Terms of a quotient that are looked for.
         const MOST_TERMS: usize = 64;

@@ -1,11 +1,11 @@
-//! A small computer algebra: sums of products of names, sines, cosines and roots over exact numbers, in a canonical form that
-//! decides equality.
+//! A small computer algebra: sums of products of names, sines, cosines and roots over exact numbers, in a canonical
+//! form that decides equality.
 //!
-//! - A [`Sum`] is a polynomial with rational coefficients. Two sums that are equal as polynomials in names, sines and cosines (with
-//!   sin^2 + cos^2 = 1) and square roots are the same value.
-//! - A product holds one sine or cosine at most: products of two become sums of one (Werner's formulas), so `cos(a - b)` is found
-//!   where a textbook writes it.
-//! - What is divided by stays whole; [`Sum::vanishes`] clears denominators before it decides.
+//! - A [`Sum`] is a polynomial with rational coefficients. Two sums that are equal as polynomials in names, sines and
+//!   cosines (with sin^2 + cos^2 = 1) and square roots are the same value.
+//! - A product contains at most one sine or cosine: products of two become sums (Werner's formulas), so `cos(a - b)`
+//!   appears where a textbook writes it.
+//! - Divisors stay whole; [`Sum::vanishes`] clears denominators before it decides.
 //!
 //! The module knows no mechanics. Numbers are those of `base`, so a value has an enclosure.
 

@@ -26,7 +26,7 @@ impl Power {
         self.with_exponent(sum, self.exponent as i32).unwrap_or_default()
     }
 
-    /// Its derivative at a sum: n x^(n-1), or n |x| x^(n-2). Zero where that is divided by zero.
+    /// Its derivative at a sum: n x^(n-1), or n |x| x^(n-2). Zero if that would divide by zero.
     pub fn slope(self, at: &Sum) -> Sum {
         let slope = self.with_exponent(at, self.exponent as i32 - 1).unwrap_or_default();
         slope.scaled(&Rational::from(i64::from(self.exponent)))
@@ -100,7 +100,7 @@ impl Powers {
         scaled
     }
 
-    /// The product; `None` beyond the highest exponent.
+    /// The product; `None` above the highest exponent.
     pub fn times(&self, other: &Powers) -> Option<Powers> {
         let mut product = Powers::default();
         for (a, first) in self.terms() {
@@ -117,7 +117,7 @@ impl Powers {
         Some(product)
     }
 
-    /// To a whole power.
+    /// An integer power; `None` above the highest exponent.
     pub fn power(&self, exponent: u32) -> Option<Powers> {
         if exponent > Powers::MOST {
             return None;

@@ -69,7 +69,7 @@ impl Function {
     }
 }
 
-/// Factors in ascending order with exponents other than zero; a sine or cosine has the exponent one and there is one at most.
+/// Factors in ascending order with nonzero exponents. At most one of them is a sine or cosine, with exponent one.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Product(pub(super) Vec<(Factor, i32)>);
 
@@ -96,7 +96,7 @@ impl Product {
         self.0.last().map(|(factor, _)| factor).filter(|factor| factor.is_wave())
     }
 
-    /// Exponents added; nothing else is done.
+    /// The product with added exponents; not made canonical in any other way.
     pub(super) fn merged(&self, other: &Product) -> Product {
         let (mut a, mut b) = (self.0.iter().peekable(), other.0.iter().peekable());
         let mut merged = Vec::with_capacity(self.0.len() + other.0.len());
@@ -119,7 +119,7 @@ impl Product {
         Product(merged)
     }
 
-    /// By the exponent of the greatest factor, then of the next: an order that multiplication keeps.
+    /// Compares by the exponent of the greatest factor, then of the next: an order that multiplication preserves.
     pub(super) fn by_degree(&self, other: &Product) -> Ordering {
         let (mut a, mut b) = (self.0.iter().rev().peekable(), other.0.iter().rev().peekable());
         loop {
@@ -162,7 +162,7 @@ impl Factor {
         matches!(self, Factor::Cosine(_) | Factor::Sine(_))
     }
 
-    /// Whether a name of some kind occurs in it.
+    /// Whether a name that satisfies a condition occurs in it.
     pub fn mentions(&self, wanted: &impl Fn(Symbol) -> bool) -> bool {
         match self {
             Factor::Pi => false,

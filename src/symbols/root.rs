@@ -1,4 +1,4 @@
-//! Square roots: of squares, of numbers, and what is left of them.
+//! Square roots of squares and of numbers, with the remaining factors under the root.
 
 use super::{Factor, Product, Sum};
 use crate::base::Rational;
@@ -33,7 +33,7 @@ impl Sum {
         root.scaled(&outside)
     }
 
-    /// The root of a perfect square, up to its sign; `None` where the sum is none.
+    /// The root of a perfect square, up to its sign; `None` for any other sum.
     pub fn exact_root(&self) -> Option<Sum> {
         match &self.terms[..] {
             [] => Some(Sum::ZERO),
@@ -50,7 +50,8 @@ impl Sum {
     }
 }
 
-/// Term by term: the first is a square, each further one is what is left over twice the first.
+/// The root term by term: the first is the root of a square, and each further one is the remainder divided by twice the
+/// first.
 fn root_of_several(square: &Sum, terms: &[(Product, Rational)]) -> Option<Sum> {
     /// Maximum number of terms of a root that is searched for.
     const MOST_TERMS: usize = 6;

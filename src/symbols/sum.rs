@@ -78,7 +78,7 @@ impl Sum {
         self.terms.iter().any(|(product, _)| product.mentions(wanted))
     }
 
-    /// Shows every name that occurs, some of them more than once.
+    /// Calls `see` with every name that occurs, possibly more than once.
     pub fn names(&self, see: &mut dyn FnMut(Symbol)) {
         for (factor, _) in self.terms.iter().flat_map(|(product, _)| &product.0) {
             factor.names(see);
@@ -100,7 +100,7 @@ impl Sum {
         self * self
     }
 
-    /// The sum to a whole power; `None` for a negative power of zero.
+    /// An integer power of the sum; `None` for a negative power of zero.
     pub fn power(&self, exponent: i32) -> Option<Sum> {
         if exponent < 0 {
             return self.inverse()?.power(exponent.checked_neg()?);
@@ -112,7 +112,7 @@ impl Sum {
         Some(result)
     }
 
-    /// One divided by the sum; a sum of several terms stays whole. `None` for zero.
+    /// One divided by the sum; a divisor of several terms stays whole. `None` for zero.
     pub fn inverse(&self) -> Option<Sum> {
         match &self.terms[..] {
             [] => None,
@@ -134,7 +134,7 @@ impl Sum {
         Some(self * &divisor.inverse()?)
     }
 
-    /// Whether it is zero whatever its names stand for, denominators cleared.
+    /// Whether the sum is zero for all values of its names, with denominators cleared.
     pub fn vanishes(&self) -> bool {
         let mut sum = self.evaluated();
         loop {
@@ -222,7 +222,7 @@ impl Factor {
         }
     }
 
-    /// A whole sum as a factor; its exponent says that it is a divisor.
+    /// The factor as a sum, with names replaced; a whole sum is a divisor through its exponent.
     fn replaced(&self, by: &impl Fn(Symbol) -> Option<Sum>) -> Sum {
         match self {
             Factor::Pi => Sum::pi(),
@@ -297,7 +297,7 @@ impl Mul for &Sum {
     }
 }
 
-/// The product of two terms, which is a sum where two waves meet or a root meets itself.
+/// The product of two terms. It has several terms if two sines or cosines are multiplied, or a root by itself.
 fn multiply(a: &(Product, Rational), b: &(Product, Rational), terms: &mut Vec<(Product, Rational)>) {
     let coefficient = &a.1 * &b.1;
     if let (Some(first), Some(second)) = (a.0.wave(), b.0.wave()) {

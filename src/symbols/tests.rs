@@ -1,4 +1,4 @@
-//! Identities of the algebra, checked against what they are known to be.
+//! Identities of the algebra, checked against their known results.
 
 use super::*;
 use crate::base::{Number, Rational};

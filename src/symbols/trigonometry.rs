@@ -96,7 +96,7 @@ fn turns_of(angle: &Sum) -> Option<Rational> {
     }
 }
 
-/// The sine or cosine of a fraction of pi, where it is a fraction or a root of one.
+/// The sine or cosine of a fraction of pi, if it is a fraction or a root of one.
 fn constant(turns: &Rational, is_sine: bool) -> Option<Sum> {
     let (size, is_negative) = if turns.signum() < 0 { (-turns, true) } else { (turns.clone(), false) };
     let half_root = |of: i64| Sum::number(Rational::from(of)).root().halved();
@@ -127,7 +127,7 @@ pub(super) fn product(first: &Factor, second: &Factor) -> Sum {
     doubled.halved()
 }
 
-/// Products hold waves where `wave` says so.
+/// Only called with sines and cosines, which `wave` returns.
 fn unreachable_waves(first: &Factor, second: &Factor) -> Sum {
     debug_assert!(first.is_wave() && second.is_wave());
     Sum::ZERO

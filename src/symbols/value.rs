@@ -4,7 +4,7 @@ use super::{Factor, Function, Sum, Symbol};
 use crate::base::Number;
 
 impl Sum {
-    /// The value with a value for each name; `None` where a name has none, or where something is divided by what may be zero.
+    /// The value of the sum, given values of its names; `None` if a name has none, or if a divisor may be zero.
     pub fn value(&self, of: &impl Fn(Symbol) -> Option<Number>) -> Option<Number> {
         let mut sum = Number::ZERO;
         for (product, coefficient) in &self.terms {
