@@ -1,6 +1,6 @@
-//! How far a motion leaves the tangents of nonlinear laws. In: a scene, its linear system, signals, a time. Out: for each law
-//! the largest stretch or rate that the linear motion reaches, and the difference of law and tangent up to there: a note, or
-//! a warning above one percent. See docs/method/response.md#laws.
+//! The deviation of nonlinear laws from their tangents in a motion. In: a scene, its linear system, signals, a time.
+//! Out: for each law the largest stretch or rate that the linear motion reaches, and the difference between law and
+//! tangent up to there: a note, or a warning above one percent. See docs/method/response.md#laws.
 
 use crate::analysis::{Measurement, peak};
 use crate::base::{Code, Diagnostic, Number};
@@ -11,9 +11,9 @@ use crate::system::Signal;
 
 const TANGENT: Code = Code::model("vib::law::tangent");
 
-/// Laws that are followed in one motion; each takes as long as a `peak`.
+/// Maximum number of laws that are followed in one motion; each takes as long as a `peak`.
 const MOST: usize = 32;
-/// Differences up to here are a note.
+/// The largest relative difference that is only a note.
 const SMALL: f64 = 0.01;
 
 /// A finding for each law of the scene. The rows of `lowered` are written out.
@@ -75,14 +75,14 @@ fn of_all(scene: &CheckedScene, message: impl Fn(&str) -> String) -> Option<Diag
     Some(Diagnostic::warning(TANGENT, first.span, message(&format!("{}{more}", named.join(", ")))))
 }
 
-/// That code runs the tangents in place of the laws.
+/// The warning that emitted code uses the tangents instead of the laws.
 pub fn laws_in_code(scene: &CheckedScene) -> Option<Diagnostic> {
     let warned =
         of_all(scene, |names| format!("this code follows the tangents at rest in place of the laws of {names}"))?;
     Some(warned.help("`vibc simulate` reports how far a motion leaves them"))
 }
 
-/// That nothing bounds how far a motion under noise leaves the tangents.
+/// The warning that the deviation from the tangents is unbounded under noise.
 pub fn laws_under_noise(scene: &CheckedScene) -> Option<Diagnostic> {
     let warned = of_all(scene, |names| {
         format!("how far the motion leaves the tangents of the laws of {names} is not known: noise acts")

@@ -47,8 +47,8 @@ pub struct WrittenOut {
     pub modes: Option<Modes>,
 }
 
-/// The linear system of a scene about a rest that is proven, its rows written out: what is computed from it holds for the
-/// scene. Made by [`WrittenOut::about_rest`] alone.
+/// The linear system of a scene about a proven rest, with its rows written out. Results computed from it are valid for
+/// the scene. Made only by [`WrittenOut::about_rest`].
 #[derive(Clone, Debug)]
 pub struct AboutRest {
     system: LinearSystem,
@@ -71,8 +71,8 @@ pub fn about_rest(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option
     lower_written_out(scene, diagnostics)?.about_rest(diagnostics)
 }
 
-/// Like [`about_rest`], for a transfer function, whose matrices are summed from products of entries of rows: an error if
-/// there are too many.
+/// Like [`about_rest`], for a transfer function, whose matrices are sums of products of entries of rows. An error if
+/// there are too many products.
 pub fn for_transfer(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<AboutRest> {
     let damped = lower_with_damping(scene, diagnostics)?;
     if let Some(refusal) = too_long_rows(&damped.lowered.system) {
@@ -200,7 +200,7 @@ fn noise_place(scene: &CheckedScene) -> Option<Span> {
     scene.scene().inputs.iter().find(|input| input.signal.iter().any(is_noise)).and_then(|input| input.signal_span)
 }
 
-/// That a motion in time is computed without the noise of the scene.
+/// The warning that a motion in time is computed without the noise of the scene.
 pub fn noise_left_out(scene: &CheckedScene) -> Option<Diagnostic> {
     let message = "noise has no course in time: the motion is computed without it";
     let left_out = |span| Diagnostic::note(Code::model("vib::noise::left_out"), span, message);
@@ -209,7 +209,7 @@ pub fn noise_left_out(scene: &CheckedScene) -> Option<Diagnostic> {
     })
 }
 
-/// What a realisation of the noise by a seed adds to the motion at these times, s.
+/// The motion at these times, s, that a realisation of the noise by a seed adds.
 pub fn realisation(
     scene: &CheckedScene,
     (system, known): (&LinearSystem, Option<&Modes>),
@@ -229,7 +229,7 @@ pub fn realisation(
     analysis::random::realisation(system, modes, &noises(scene), seed, times).map_err(refused)
 }
 
-/// That no code is made for noise.
+/// The error that no code is emitted for noise.
 pub fn noise_refused(scene: &CheckedScene) -> Option<Diagnostic> {
     let message = "code cannot be emitted for noise, which has no course in time";
     let refused = |span| Diagnostic::error(Code::model("vib::noise::emit"), span, message);
@@ -237,8 +237,8 @@ pub fn noise_refused(scene: &CheckedScene) -> Option<Diagnostic> {
         .map(|span| refused(span).help("leave the signal out: the code then takes this input in each step"))
 }
 
-/// That no code is made for an unbalance whose motion is not built in: it acts by its second derivative, which a value
-/// between two samples does not have.
+/// The error that no code is emitted for an unbalance whose motion is not built in: it acts through its second
+/// derivative, which cannot be found from a value between two samples.
 pub fn unbalance_refused(scene: &CheckedScene) -> Option<Diagnostic> {
     let is_unbalance = |input: &&scene::Input| matches!(input.kind, scene::InputKind::Unbalance { .. });
     let input = scene.scene().inputs.iter().find(is_unbalance)?;
@@ -253,14 +253,14 @@ fn spectrum_place(scene: &CheckedScene) -> Option<Span> {
     scene.scene().inputs.iter().find(|input| input.signal.iter().any(is_spectrum)).and_then(|input| input.signal_span)
 }
 
-/// That a motion in time is computed without the response spectra of the scene.
+/// The warning that a motion in time is computed without the response spectra of the scene.
 pub fn spectrum_left_out(scene: &CheckedScene) -> Option<Diagnostic> {
     let message = "a response spectrum has no course in time: the motion is computed without it";
     let left_out = |span| Diagnostic::note(Code::model("vib::spectrum::left_out"), span, message);
     spectrum_place(scene).map(|span| left_out(span).help("`vibc analyze` has the maxima under response spectra"))
 }
 
-/// That no code is made for a response spectrum.
+/// The error that no code is emitted for a response spectrum.
 pub fn spectrum_refused(scene: &CheckedScene) -> Option<Diagnostic> {
     let message = "code cannot be emitted for a response spectrum, which has no course in time";
     let refused = |span| Diagnostic::error(Code::model("vib::spectrum::emit"), span, message);
@@ -279,7 +279,8 @@ pub fn noises(scene: &CheckedScene) -> Vec<Noise> {
 }
 
 impl WrittenOut {
-    /// Refused if the rest is not proven: a bound of a number about it would say nothing about the scene.
+    /// The system about a proven rest. An error if the rest is not proven: bounds of numbers about it would say nothing
+    /// about the scene.
     pub fn about_rest(self, diagnostics: &mut Diagnostics) -> Option<AboutRest> {
         let WrittenOut { lowered: Lowered { system, rest, .. }, modes } = self;
         if !rest.is_proven() && system.n() > 0 {
@@ -297,7 +298,7 @@ impl AboutRest {
         &self.system
     }
 
-    /// The system, and all undamped modes where the damping needed them.
+    /// The system, and all undamped modes if the damping needed them.
     pub fn into_parts(self) -> (LinearSystem, Option<Modes>) {
         (self.system, self.modes)
     }
@@ -329,7 +330,7 @@ impl Damped {
         let system = &self.lowered.system;
         if system.is_chained() && takes_chained(system, request) {
             match modal(system, request) {
-                // With its rows written out there may be a method, or a better explanation of why there is none.
+                // With the rows written out there may be a method, or a better explanation of why there is none.
                 Err(AnalysisError::NotSparse { .. }) => {}
                 found => {
                     return found.map_err(|error| diagnostics.push(error.to_diagnostic())).ok();
@@ -355,7 +356,7 @@ fn without_undecidable(rest: &Rest, mut found: Modal) -> Modal {
 }
 
 impl ByModes {
-    /// In closed form if the dampers do not couple the modes, otherwise from the complete C.
+    /// Modes and poles in closed form if the dampers do not couple the modes, otherwise from the complete C.
     fn modal(&self, system: &mut LinearSystem, request: &Request) -> Result<Modal, AnalysisError> {
         let Spread { dampers, modes } = match &self.spread {
             Ok(spread) => spread,
