@@ -1,5 +1,5 @@
-//! Joints, one file per kind: its words, the degrees of freedom it leaves between the two parts it connects, or the
-//! constraint by which it closes a loop. See docs/method/kinematics.md.
+//! Joints, one file per kind: their words, and the degrees of freedom that they leave between the two parts they
+//! connect, or the constraint by which they close a loop. See docs/method/kinematics.md.
 
 pub mod kind;
 pub mod pivot;
