@@ -27,7 +27,7 @@ pub enum SyntaxError {
         found: String,
         meant: Intent,
     },
-    /// Something stands where the grammar expects something else.
+    /// A text that does not match the grammar.
     Unexpected {
         at: Span,
         found: Option<String>,
@@ -63,11 +63,11 @@ pub enum SyntaxError {
         at: Span,
         character: char,
     },
-    /// Too many brackets inside each other.
+    /// Brackets that are nested too deeply.
     Nesting {
         at: Span,
     },
-    /// Too many `repeat`s inside each other.
+    /// `repeat`s that are nested too deeply.
     RepeatNesting {
         at: Span,
     },
@@ -117,7 +117,7 @@ pub enum Intent {
 pub enum Expected {
     /// A blank after a keyword.
     Blank(&'static str),
-    /// A name, and what it names.
+    /// A name, and the noun for the thing that it names.
     Name(&'static str),
     /// A sign or word, and a phrase for its place: "after a field's name".
     Sign(&'static str, &'static str),
@@ -129,7 +129,7 @@ pub enum Expected {
     Motion,
     /// A field in braces.
     Field,
-    /// Something between two fields.
+    /// A separator between two fields.
     Separator,
     /// A comma between two values, or this closing bracket.
     Comma(char),
@@ -141,7 +141,7 @@ pub enum Expected {
 /// A hint that accompanies what was expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Remark {
-    /// How the declaration is written.
+    /// The form of the declaration.
     Form(&'static Declaration),
     /// The replacement of a look-alike character.
     Write(&'static str),
@@ -406,7 +406,7 @@ fn quoted(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| format!("`{word}`")).collect()
 }
 
-/// How a declaration is written. The kinds of damping differ so much that both are shown.
+/// The form of a declaration. The two kinds of damping differ so much that both are shown.
 fn forms(declaration: &Declaration) -> String {
     let chooses = declaration.pieces.iter().any(|piece| matches!(piece, Piece::OneOf(..)));
     if chooses { declaration.manual.forms.replace('\n', "` or `") } else { declaration.form.into() }

@@ -1,9 +1,9 @@
-//! Finds the first mistake in a declaration that is not in the grammar.
+//! Finds the first mistake in a declaration that does not match the grammar.
 //!
-//! In: the text of a declaration that pest has refused. Out: where it leaves the grammar, what was expected there, and a
-//! hint. pest reports how far it came in terms of its rules; an engineer wants to know what to type. So this module reads
-//! the text once more, piece by piece as the table of kinds lists them, and stops at the first mistake. It builds nothing
-//! from what it reads; tests show that it agrees with the grammar. See spec.md#text.
+//! In: the text of a declaration that pest has refused. Out: the position of the mistake, what was expected there, and
+//! a hint. pest reports its progress in terms of its rules, but an engineer wants to know what to type. So this module
+//! reads the text once more, piece by piece as the table of kinds lists them, and stops at the first mistake. It builds
+//! nothing from what it reads; tests show that it agrees with the grammar. See spec.md#text.
 
 use super::error::{Expected, Remark};
 use super::words;
@@ -12,7 +12,7 @@ use crate::kinds::{self, Declaration, Piece, Shape};
 use std::ops::Range;
 use strsim::damerau_levenshtein;
 
-/// Where a declaration leaves the grammar; positions are byte offsets into its text.
+/// The first mistake in a declaration; positions are byte offsets into its text.
 #[derive(Debug)]
 pub(super) struct Problem {
     pub at: Range<usize>,
@@ -24,7 +24,7 @@ pub(super) struct Problem {
 
 type Read = Result<(), Problem>;
 
-/// Finds what is wrong with the text of a declaration, which starts with its keyword.
+/// Finds the first mistake in the text of a declaration, which starts with its keyword.
 pub(super) fn explain(declaration: &'static Declaration, text: &str) -> Problem {
     let mut reader = Reader { text, at: declaration.keyword.len(), declaration };
     match reader.pieces(declaration.pieces).and_then(|()| reader.line_end()) {
@@ -42,7 +42,7 @@ pub(super) fn declaration_of(text: &str) -> Option<&'static Declaration> {
     kinds::declaration(&text[..end])
 }
 
-/// The range of what starts at a position: a word or number, an operator, or one character.
+/// The range of the token at a position: a word or number, an operator, or one character.
 pub(super) fn token_range(text: &str, at: usize) -> Range<usize> {
     let rest = &text[at..];
     let word = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
@@ -143,7 +143,7 @@ impl Reader<'_> {
         self.at += self.rest().bytes().take_while(|b| matches!(b, b' ' | b'\t' | b'\r')).count();
     }
 
-    /// The problem that something other than `expected` is at the current position.
+    /// The problem that the text at the current position is not what was expected.
     fn problem(&self, expected: Expected) -> Problem {
         if let Some(problem) = self.misspelt_white() {
             return problem;
@@ -209,7 +209,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a name goes on, as in `left-wheel`, of which only `left` was read.
+    /// Whether a name continues, as in `left-wheel`, of which only `left` was read.
     fn joins_name(&self) -> bool {
         self.last().is_some_and(in_word) && self.rest()[1..].starts_with(in_word)
     }
@@ -236,7 +236,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a unit, and nothing else, comes before the next blank, bracket or comma.
+    /// Whether the text up to the next blank, bracket or comma is a unit.
     fn starts_unit(&self) -> bool {
         unit::parse(&self.rest()[..self.unit_length()]).is_ok()
     }
@@ -362,7 +362,7 @@ impl Reader<'_> {
         self.separated(closing, |reader| reader.expression(what))
     }
 
-    /// At least one item, separated by commas, up to the closing bracket.
+    /// At least one item, with commas between items, up to the closing bracket.
     fn separated(&mut self, closing: char, mut item: impl FnMut(&mut Self) -> Read) -> Read {
         loop {
             item(self)?;
@@ -741,7 +741,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The name of `speed = 20 m/s` and its sign, where the next argument has one.
+    /// The name in `speed = 20 m/s` and the `=`, if the next argument has them.
     fn argument_name(&mut self) {
         let before = self.at;
         let has_name = self.word("an argument").is_ok();

@@ -1,4 +1,4 @@
-//! How large a model file may be. See spec.md#limits.
+//! Limits on the size of a model. See spec.md#limits.
 
 /// Bytes of a file. Spans hold 32-bit positions; a network of a million bodies written out in full takes some 100 MiB.
 pub const FILE: usize = 256 << 20;
@@ -25,8 +25,8 @@ pub const NUMBER: usize = 1000;
 /// Errors reported one by one; any others are counted.
 pub const ERRORS: usize = 100;
 
-/// Bytes of all tables of a model together.
+/// Total number of bytes in all tables of a model.
 pub const TABLES: usize = 64 << 20;
 
-/// Bytes of all files together that a model uses for their components.
+/// Total number of bytes in all files that a model uses for their components.
 pub const USED: usize = 16 << 20;

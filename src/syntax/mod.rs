@@ -1,8 +1,8 @@
 //! Text to syntax tree. See spec.md#text.
 //!
-//! In: a model file. Out: the tree of every declaration that is in the grammar (`grammar/vib.pest`), and an error for
-//! every one that is not. `split` cuts the text into declarations, `build` parses them one by one, and `explain` says what
-//! is wrong with those that pest refuses.
+//! In: a model file. Out: the tree of every declaration that matches the grammar (`grammar/vib.pest`), and an error for
+//! every one that does not. `split` cuts the text into declarations, `build` parses them one by one, and `explain`
+//! finds the mistakes in those that pest refuses.
 
 mod build;
 mod error;
@@ -32,7 +32,7 @@ pub struct Parsed {
     pub errors: Diagnostics,
 }
 
-/// Parses a file alone: of what it uses, the tree has the names.
+/// Parses a single file; the tree has only the names of the files that it uses.
 pub fn parse_alone(sources: &Sources, file: FileId) -> Parsed {
     runs::begins("parse");
     parse_into(Tree::new(file), sources.text(file))
@@ -47,7 +47,7 @@ pub fn parse(sources: &Sources, file: FileId) -> Parsed {
         next += 1;
         let Some(used) = sources.used(using.text).filter(|used| !read.contains(used)) else { continue };
         read.push(used);
-        // Of a file that is used, components alone come in.
+        // Only the components of a used file are added.
         let declarations = std::mem::take(&mut parsed.tree.decls);
         parsed.tree.file = used;
         let more = parse_into(parsed.tree, sources.text(used));
@@ -58,7 +58,7 @@ pub fn parse(sources: &Sources, file: FileId) -> Parsed {
         if is_model {
             parsed.errors.extend(more.errors);
         } else {
-            // No part of it is a declaration, so its contents are not shown.
+            // No part of the file is a declaration, so its contents are not shown.
             parsed.tree.broken.retain(|span| span.file() != used);
             parsed.tree.no_models.push(used);
         }
@@ -85,7 +85,7 @@ pub fn used_files(text: &str) -> Vec<String> {
     files
 }
 
-/// Parses the text of the tree's file to what the tree has already.
+/// Parses the text of the tree's file and adds it to the tree.
 fn parse_into(tree: Tree, text: &str) -> Parsed {
     let mut parse = Parse::new(text, tree);
     if text.len() > limits::FILE {
@@ -112,7 +112,7 @@ pub fn parse_value(sources: &Sources, value: Span) -> Option<(Tree, ExprId)> {
     Some((tree, value))
 }
 
-/// A `repeat` or `component` whose `}` has not come yet.
+/// A `repeat` or `component` whose `}` has not been reached.
 struct Opened {
     range: Range<usize>,
     doc: Option<Range<usize>>,
@@ -194,8 +194,8 @@ impl<'a> Parse<'a> {
         }
     }
 
-    /// Records a text that is not a declaration. Neighbours are merged, so that a file of nothing else takes little
-    /// memory.
+    /// Records a text that is not a declaration. Neighbours are merged, so that a file of nothing but such texts takes
+    /// little memory.
     fn push_broken(&mut self, range: Range<usize>) {
         // A broken `repeat` contains the broken texts of its body.
         let file = self.tree.file;
@@ -264,7 +264,8 @@ impl<'a> Parse<'a> {
         None
     }
 
-    /// The previous declaration lacks its `{` and this text is not a declaration: most likely these are its fields.
+    /// Whether the previous declaration lacks its `{` and this text is not a declaration: most likely it is one of its
+    /// fields.
     fn belongs_to_headless(&mut self, range: &Range<usize>) -> bool {
         let text = &self.text[range.clone()];
         let belongs = explain::declaration_of(text).is_none();

@@ -7,7 +7,7 @@ use crate::base::{Diagnostics, Span};
 #[derive(Debug, Default)]
 pub(super) struct Report {
     reported: Vec<SyntaxError>,
-    /// How many more there are, and where the first of them is.
+    /// The first further error, and how many there are.
     more: Option<(Span, usize)>,
 }
 

@@ -1,9 +1,9 @@
-//! Splits a file's text into declarations: where each starts and ends, and which brackets and quotes do not match.
+//! Splits a file's text into declarations: the start and end of each, and the brackets and quotes that do not match.
 //!
-//! In: the text. Out: [`Piece`]s, in order. One pass over the bytes; nothing is kept but the open brackets of the
-//! declaration at hand. A declaration ends at the first line end outside all brackets; the body of a `repeat` or `component`
-//! is a list of declarations of its own. Where a bracket stays open, the next line that starts like a declaration starts
-//! one: no field and no expression has a line of the form `body b`. See spec.md#declarations.
+//! In: the text. Out: [`Piece`]s, in order. One pass over the bytes; only the open brackets of the current declaration
+//! are kept. A declaration ends at the first line end outside all brackets; the body of a `repeat` or `component` is a
+//! list of declarations of its own. If a bracket stays open, the next line that looks like the start of a declaration
+//! starts one: no field and no expression has a line of the form `body b`. See spec.md#declarations.
 
 use super::limits;
 use super::words;
@@ -52,7 +52,7 @@ pub(super) struct Pieces<'a> {
     at: usize,
     /// Open `repeat`s and `component`s.
     repeats: usize,
-    /// Only blanks since the line began or a `repeat` was opened.
+    /// Whether there were only blanks since the line began or a `repeat` was opened.
     fresh: bool,
     /// The `///` lines since the last declaration.
     doc: Option<Range<usize>>,
@@ -313,7 +313,7 @@ impl<'a> Pieces<'a> {
         Piece::Declaration { range: start..end, error: error.or_else(|| too_long(start..end)) }
     }
 
-    /// Whether the `{` opens the body of a `repeat`, or of something meant as one.
+    /// Whether the `{` opens the body of a `repeat`, or of a declaration meant as one.
     fn opens_repeat(&self, start: usize, at: usize) -> bool {
         if at == start {
             return words::starts_declaration(self.bytes[at + 1..].trim_ascii_start()).is_some();

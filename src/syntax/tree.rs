@@ -1,9 +1,9 @@
-//! The syntax tree: what was written, and where, before any name or unit is resolved.
+//! The syntax tree: the text as written, with its places, before any name or unit is resolved.
 //!
-//! The tree is flat: nodes sit in a few vectors and refer to each other by index; lists are ranges of those vectors. So a
-//! file of a million declarations costs some three times its text, nothing in the tree is nested deeper than the text
-//! itself (which the parser limits), and dropping it does not recurse. Texts are not copied: a node has a [`Span`], and
-//! its words are read from the source.
+//! The tree is flat: nodes are stored in a few vectors and refer to each other by index; lists are ranges of those
+//! vectors. So a file of a million declarations costs some three times its text, nothing in the tree is nested deeper
+//! than the text itself (which the parser limits), and dropping it does not recurse. Texts are not copied: a node has a
+//! [`Span`], and its words are read from the source.
 
 use crate::base::{FileId, Span};
 use crate::kinds::{ElementId, JointId};
@@ -12,7 +12,7 @@ use std::num::NonZeroU32;
 /// One parsed file, with the components of the files that it uses.
 #[derive(Clone, Debug)]
 pub struct Tree {
-    /// The file of the declarations; components may stand in others.
+    /// The file of the declarations; components may be in other files.
     pub file: FileId,
     /// Top-level declarations in order; the bodies of `repeat` are in [`Repeat::body`].
     pub decls: Vec<Decl>,
@@ -23,11 +23,11 @@ pub struct Tree {
     pub fields: Vec<Field>,
     pub ends: Vec<End>,
     pub repeats: Vec<Repeat>,
-    /// Of all files.
+    /// The components of all files.
     pub components: Vec<Component>,
     /// `use` lines of all files, file by file.
     pub uses: Vec<Use>,
-    /// What `minimise` and `maximise` vary.
+    /// The parameters that `minimise` and `maximise` vary.
     pub varied: Vec<Varied>,
     /// Declarations that are too large or too rare to sit in [`DeclKind`].
     pub rare: Vec<Rare>,
@@ -35,7 +35,7 @@ pub struct Tree {
     docs: Vec<((FileId, u32), Span)>,
     /// Texts that are not declarations; the check reports nothing about names that occur in them.
     pub broken: Vec<Span>,
-    /// Files that were used and hold no declaration, but something else.
+    /// Used files that contain text but no declaration.
     pub no_models: Vec<FileId>,
 }
 
@@ -68,7 +68,7 @@ pub struct Ident {
 /// A declaration.
 #[derive(Clone, Copy, Debug)]
 pub struct Decl {
-    /// From the keyword to the last character.
+    /// The declaration from its keyword to its last character.
     pub span: Span,
     pub kind: DeclKind,
 }
@@ -142,7 +142,7 @@ pub struct Varied {
     pub high: ExprId,
 }
 
-/// Where a component is placed: mirrored first, then turned, then moved.
+/// The placement of a component: mirrored first, then turned, then moved.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Placing {
     /// `at (1.2 m, 0)`
@@ -188,7 +188,7 @@ pub enum FormalKind {
 pub struct Path {
     /// The first name.
     pub first: Ident,
-    /// The whole as a [`ExprKind::Member`], where there is more than one.
+    /// The whole path as a [`ExprKind::Member`], if it has more than one name.
     pub whole: Option<ExprId>,
 }
 
@@ -204,7 +204,7 @@ pub struct Repeat {
 /// One end of an element, joint or input: `block`, `block@A`, `ground@(0, 1 m)`.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
-    /// From the part to the point.
+    /// The end, from its part to its point.
     pub span: Span,
     /// Bytes of the part's first word.
     pub(super) word_len: u16,
@@ -359,12 +359,12 @@ impl Tree {
         &self.exprs[id.index()]
     }
 
-    /// An expression, whichever; `None` in a tree without any.
+    /// Any expression; `None` in a tree without expressions.
     pub fn any_expr(&self) -> Option<ExprId> {
         (!self.exprs.is_empty()).then_some(ExprId(NonZeroU32::MIN))
     }
 
-    /// The names without indices in a piece of text, each as often as it stands there.
+    /// The names without indices in a piece of text, once for each occurrence.
     pub fn names_within(&self, span: Span) -> impl Iterator<Item = Span> {
         let inside =
             move |own: Span| own.file() == span.file() && span.start() <= own.start() && own.end() <= span.end();
@@ -439,7 +439,7 @@ impl Tree {
         Some(self.docs[at].1)
     }
 
-    /// What a [`Rare::Optimum`] varies.
+    /// The parameters that a [`Rare::Optimum`] varies.
     pub fn varied(&self, (start, end): (u32, u32)) -> &[Varied] {
         &self.varied[start as usize..end as usize]
     }
@@ -535,8 +535,9 @@ fn reserve_for_rest<T>(arena: &mut Vec<T>, done: usize, total: usize) {
     if arena.capacity() - arena.len() >= AT_ONCE || arena.is_empty() && done > 0 {
         return;
     }
-    // At the rate so far for the rest of the file, and a little more, since no file is even; at most eight times what is
-    // there, since the start of a file says little. Memory that is reserved and never used is never touched.
+    // At the rate so far for the rest of the file, and a little more, since the rate varies; at most eight times the
+    // present length, since the start of a file is not representative. Memory that is reserved and never used is never
+    // touched.
     let expected = arena.len() as u128 * total as u128 * 33 / (done.max(1) as u128 * 32);
     let most = arena.len() * 8;
     arena.reserve_exact(AT_ONCE + (expected.min(most as u128) as usize).saturating_sub(arena.len()));

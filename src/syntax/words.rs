@@ -3,15 +3,15 @@
 use crate::kinds::{self, DECLARATIONS, Declaration};
 use std::ops::Range;
 
-/// Words that go on with a declaration after a number: none of them is a unit. The rule `follows` of the grammar.
+/// Words that continue a declaration after a number and so are not units. The rule `follows` of the grammar.
 pub const FOLLOWS: [&str; 6] = ["about", "at", "turned", "mirrored", "over", "while"];
 
 pub fn is_keyword(word: &str) -> bool {
     kinds::declaration(word).is_some()
 }
 
-/// The declaration that a word may be meant to start: the one it is a synonym for, or the one whose keyword takes the
-/// fewest edits.
+/// The declaration that a word may be meant to start: the one of which it is a synonym, or the one whose keyword needs
+/// the fewest edits.
 pub(super) fn nearest(word: &str) -> Option<&'static Declaration> {
     let word = word.to_lowercase();
     if let Some(declaration) = DECLARATIONS.iter().find(|declaration| declaration.synonyms.contains(&&*word)) {
@@ -50,20 +50,20 @@ fn skip_blanks(text: &[u8]) -> &[u8] {
     &text[blanks..]
 }
 
-/// The text before a `{` is the head of a `repeat` or `component`, or of what was meant as a `repeat`: another word with a range
-/// after it.
+/// Whether the text before a `{` is the head of a `repeat` or `component`, or was meant as the head of a `repeat`:
+/// another word with a range after it.
 pub(super) fn opens_repeat(head: &str) -> bool {
     let word = first_word(head.as_bytes());
     std::str::from_utf8(word).is_ok_and(has_body)
         || !std::str::from_utf8(word).is_ok_and(is_keyword) && head.contains("..")
 }
 
-/// Whether a byte may be part of a word: letters, digits, `_` and the Greek letters, whose bytes are above ASCII.
-/// Whether a body of declarations follows the head that starts with this word.
+/// Whether a body of declarations follows the head that starts with this keyword.
 pub fn has_body(keyword: &str) -> bool {
     matches!(keyword, "repeat" | "component")
 }
 
+/// Whether a byte may be part of a word: letters, digits, `_` and the Greek letters, whose bytes are above ASCII.
 pub(super) fn is_word_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_' || byte >= 0x80
 }
