@@ -2,9 +2,9 @@
 //! those of an ordinary program, each with its time, its true error and its bound. In: a system, its signals, a clock.
 //! Out: a table of entries. See docs/method/bench.md.
 //!
-//! The true error is that of the binary64 number that would be printed, the worst of the answer, compared with our
-//! result in double-double (which has its own bound). Times come from a clock that the caller passes in; everything
-//! else is the same in each run.
+//! The true error is the error of the binary64 number that would be printed, the largest one in the answer, measured
+//! against our result in double-double (which has its own bound). Times come from a clock that the caller passes in;
+//! everything else is the same in each run.
 
 mod motion;
 mod ordinary;
@@ -56,7 +56,7 @@ pub struct Entry {
     pub pareto: bool,
     /// Whether this is the method that the program chooses.
     pub chosen: bool,
-    /// Why it fails, or what its time does not include.
+    /// The reason why it fails, or the work that its time does not include.
     pub note: &'static str,
 }
 
@@ -88,7 +88,7 @@ pub type Clock<'a> = dyn FnMut() -> f64 + 'a;
 /// A method that may fail.
 type Call<'a, T> = &'a dyn Fn() -> Option<T>;
 
-/// For more coordinates, dense matrices take an ordinary program too long here.
+/// Maximum number of coordinates for an ordinary program's dense matrices, which take too long beyond it.
 const MOST_DENSE: usize = 300;
 const GROWTH: [usize; 5] = [4, 8, 16, 32, 64];
 

@@ -17,7 +17,7 @@ pub struct Problem {
     pub until: f64,
 }
 
-/// Number of samples that are compared, besides the start.
+/// Number of samples that are compared, in addition to the start.
 const SAMPLES: usize = 10;
 /// Steps of the coarsest run in a period of the highest frequency, and the number of refinements.
 const PER_PERIOD: f64 = 20.0;

@@ -85,7 +85,7 @@ pub fn bound_quality(system: &LinearSystem, reference: &Reference) -> Option<(f6
     let modes = analysis::modes(system).ok()?;
     let ratio = |(mode, truth): (&Mode, &Mode)| {
         let error = (mode.omega.mid - truth.omega.mid).abs().to_f64();
-        // An error below the reference's own bound is not known.
+        // An error below the reference's own bound is unknown.
         (error > 2.0 * truth.omega.rad).then(|| mode.omega.rad / error)
     };
     let mut ratios: Vec<f64> = modes.list.iter().zip(&reference.modes.list).filter_map(ratio).collect();
