@@ -14,7 +14,7 @@ use crate::kinds::motions::{BODY_MOTIONS, COUPLE_REACTIONS, ELEMENT_MOTIONS, JOI
 use crate::kinds::{self, Argument, Content, DECLARATIONS, Declaration, Naming, Piece};
 use crate::syntax::words;
 
-/// Whether names that a declaration of this keyword declares are wanted.
+/// Selects the keywords whose declared names are offered.
 type Wanted = fn(&str) -> bool;
 
 /// A proposal.
@@ -187,7 +187,7 @@ impl<'a> Place<'a> {
         self.expression()
     }
 
-    /// What may stand in a `place` behind its name: a component, its arguments, where it lies.
+    /// The items that may follow the name of a `place`: a component, its arguments, its position and orientation.
     fn placing(&self) -> Vec<Item> {
         let last = self.last(1);
         match self.open.as_slice() {
@@ -247,8 +247,9 @@ impl<'a> Place<'a> {
         items
     }
 
-    /// After `front.`: in an expression its parameters, points and `let`s; parts and outputs in an end and in a measure; points
-    /// after `@`; and in each of them the places inside. `None` where no place stands before the dot.
+    /// The items after `front.`: in an expression its parameters, points and `let`s; in an end and in a measure parts
+    /// and outputs; after `@` points; and in each of them the nested places. `None` if the word before the dot is not a
+    /// place.
     fn members(&self) -> Option<Vec<Item>> {
         let document = self.document;
         let start = document.range_of(self.statement).start;
@@ -274,7 +275,7 @@ impl<'a> Place<'a> {
             _ if keyword == "solve" && first == document.outline.statements[self.statement].tokens.start + 1 => {
                 (|kind| kind == "component", |_| false)
             }
-            // In an expression, a motion may follow a part.
+            // In an expression, a part may be followed by a motion.
             _ => (|_| true, |kind| !matches!(kind, "output" | "component")),
         };
         let of = |space, kind, wanted: Wanted| self.names_of(component.0, Some(component.1), space, kind, wanted);
@@ -481,7 +482,7 @@ impl<'a> Place<'a> {
         self.names(Space::Values, ItemKind::Value, wanted)
     }
 
-    /// The names that are known where the statement is: those of its component, or those of the scene.
+    /// The names that are known in the statement: those of its component, or those of the scene.
     fn names(&self, space: Space, kind: ItemKind, wanted: impl Fn(&str) -> bool) -> Vec<Item> {
         self.names_of(0, self.document.component_around(self.statement), space, kind, wanted)
     }
@@ -568,7 +569,7 @@ impl<'a> Place<'a> {
     }
 }
 
-/// Whether the ground may react on a body in this way: it needs a freedom clause that leaves the motion out.
+/// Whether the ground may exert this reaction on a body: it needs a freedom clause that excludes the motion.
 fn is_guided(lexed: &Lexed, statement: usize, reaction: &str) -> bool {
     let motion = match reaction {
         "support_x" => "x",

@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub struct Document {
     pub sources: Sources,
     pub file: FileId,
-    /// The text and its words, which are those of this value: it stands for its text where no stage is asked.
+    /// The text and its tokens. A document dereferences to them, for callers that need no stage.
     lexed: Lexed,
     pub tree: Tree,
     pub findings: Vec<Diagnostic>,
@@ -27,7 +27,7 @@ pub struct Document {
     pub solved: Vec<Solved>,
     pub optimised: Vec<Optimised>,
     pub requirements: Vec<Requirement>,
-    /// Results of the last version of the text that had a scene; their places are those of that version.
+    /// Results of the last version of the text that had a scene; their places refer to that version.
     pub known: Option<Arc<Results>>,
     /// Whether `known` belongs to this text.
     pub is_current: bool,
@@ -102,7 +102,7 @@ impl Document {
         })
     }
 
-    /// Whether the scene has dampers, or lines whose answer takes many runs.
+    /// Whether the scene has dampers, or lines whose answer takes many evaluations.
     fn asks_more(&self) -> bool {
         let Some(known) = self.known.as_ref().filter(|_| self.is_current) else { return false };
         let scene = known.scene.scene();
@@ -124,7 +124,7 @@ impl Document {
         let motions =
             inspection.lowered.take().and_then(|Lowered { system, rest, mechanism }| match analyse(&system) {
                 Ok(found) => found.map(|(modes, modal)| {
-                    // About a rest that is not proven there is no room for saying that a number has no bound.
+                    // Hints have no room to say that a number has no bound because the rest is unproven.
                     let (modes, modal) = if rest.is_proven() { (modes, modal) } else { (Modes::default(), None) };
                     Motions { system, rest, mechanism, modes, modal }
                 }),
@@ -137,7 +137,7 @@ impl Document {
         let is_current = now.is_some();
         let mut findings = inspection.diagnostics.sorted();
         if holds_components_alone(&lexed) {
-            // It is used by models, and is none itself.
+            // It is used by models, and is not a model itself.
             findings.retain(|finding| finding.code.0 != "vib::scene::empty");
         }
         let known = now.or_else(|| before.and_then(|document| document.known.clone()));
@@ -158,7 +158,7 @@ impl Document {
     }
 }
 
-/// Whether a text declares components, and nothing else but what it uses.
+/// Whether a text declares only components and the files that it uses.
 fn holds_components_alone(lexed: &Lexed) -> bool {
     let statements = &lexed.outline.statements;
     let mut outer =

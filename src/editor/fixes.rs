@@ -130,7 +130,7 @@ fn statement_end(document: &Document, token: usize) -> usize {
     if words::has_body(document.keyword(index)) && end == token + 1 { document.tokens.len() } else { end }
 }
 
-/// Whether a word and `=`, or a freedom, follow a comma.
+/// Whether a field or a direction follows a comma.
 fn field_follows(document: &Document, comma: usize) -> bool {
     let word = |at: usize| document.tokens.get(at).map_or("", |token| token.text(document.text()));
     word(comma + 2) == "=" || matches!(word(comma + 1), "moves" | "turns" | "free")

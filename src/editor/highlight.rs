@@ -19,7 +19,7 @@ pub const KINDS: [&str; 11] = [
     "type",
     "parameter",
 ];
-/// Modifiers that a token may have besides its kind.
+/// Modifiers that a token may have in addition to its kind.
 pub const MARKS: [&str; 3] = ["declaration", "readonly", "documentation"];
 
 /// A coloured piece of text.
@@ -36,7 +36,7 @@ const DECLARATION: u32 = 1;
 const READONLY: u32 = 2;
 const DOCUMENTATION: u32 = 4;
 
-/// The pieces of a text, in order, none across a line end.
+/// The pieces of a text, in order; no piece extends over a line end.
 pub fn pieces(document: &Document) -> Vec<Piece> {
     let mut pieces = Vec::with_capacity(document.tokens.len());
     let text = document.text();

@@ -91,7 +91,7 @@ fn motion_texts(motions: &Motions) -> Vec<String> {
         }
         (kind, _) => kind.name().into(),
     };
-    // One of each complex pair.
+    // One pole of each complex pair.
     poles.iter().filter(|pole| pole.im.mid.hi >= 0.0).map(pole).collect()
 }
 
@@ -127,7 +127,7 @@ fn optimised(document: &Document) -> impl Iterator<Item = Hint> + '_ {
 
 /// After `require`: the value of the measure, and its margin.
 fn margins(document: &Document) -> impl Iterator<Item = Hint> + '_ {
-    // Those of a component may stand in another file.
+    // Requirements of a component may be in another file.
     let own = document.requirements.iter().filter(|requirement| requirement.span.file() == document.file);
     own.filter_map(|requirement| {
         let at = end_of_statement(document, requirement.span.start())?;

@@ -27,7 +27,7 @@ pub fn hover(document: &Document, project: &Project, offset: usize) -> Option<Ho
     let markdown = match (document.tokens[token].kind, document.roles[token]) {
         (TokenKind::Number { .. }, _) => number(document, token)?,
         (TokenKind::Word, Role::Keyword) => pages::keyword(document.token_text(token))?,
-        // `road` is a function within `noise` alone, and a word.
+        // `road` is a function only within `noise`; elsewhere it is a word.
         (TokenKind::Word, Role::Function) => {
             let word = document.token_text(token);
             pages::function(word).or_else(|| pages::word(word).map(String::from))?
@@ -37,7 +37,7 @@ pub fn hover(document: &Document, project: &Project, offset: usize) -> Option<Ho
             (Some(meaning), _) => name(document, project, at, &meaning)?,
             (None, Role::Field) => field(document, token)?,
             (None, Role::Member) => pages::motion(document.token_text(token))?.to_string(),
-            // Of a unit without a number.
+            // A unit without a number.
             (None, Role::None) => pages::unit(document.token_text(token))?,
             _ => return None,
         },
@@ -55,7 +55,7 @@ fn name(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Op
     }
 }
 
-/// A component: its head and what it is for.
+/// A component: its head and its documentation.
 fn component(project: &Project, meaning: &Meaning) -> Option<String> {
     let (file, statement) = project.body_of(meaning)?;
     let lexed = project.lexed(file);
@@ -81,7 +81,7 @@ fn component(project: &Project, meaning: &Meaning) -> Option<String> {
     Some(markdown)
 }
 
-/// A place: how it is declared, its component, and the values of its parameters there.
+/// A place: its declaration, its component, and the values of its parameters there.
 fn place(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Option<String> {
     let mut markdown = declared(project, meaning)?;
     let placed = project.component_at(meaning)?;
@@ -114,13 +114,13 @@ fn declared(project: &Project, meaning: &Meaning) -> Option<String> {
     (!markdown.is_empty()).then_some(markdown)
 }
 
-/// The declaration of a name: of what stands in the brackets of a component, all of the head.
+/// The declaration of a name; for a name in the brackets of a component, the whole head.
 fn line_of(lexed: &Lexed, statement: usize) -> &str {
     let line = &lexed.text()[lexed.range_of(statement)];
     if lexed.keyword(statement) == "component" { line.trim_end_matches('{').trim_end() } else { line }
 }
 
-/// `front.tyre`: a name with what stands before it, without indices.
+/// `front.tyre`: a name with the names before it, without indices.
 fn written_name(document: &Document, at: At) -> String {
     let chain = document.chain(at.token).unwrap_or_else(|| vec![at.token]);
     chain.into_iter().map(|token| document.token_text(token)).collect::<Vec<_>>().join(".")
@@ -140,7 +140,7 @@ fn without_indices(name: &str) -> String {
     name.chars().filter(outside).collect()
 }
 
-/// Whether the name of a thing of the scene is that of a word: as it is written there, or inside a component at any place.
+/// Whether the name of an item of the scene matches a written name: exactly, or inside a component at any place.
 fn stands_for(shown: &str, written: &str, in_component: bool) -> bool {
     let plain = without_indices(shown);
     plain == written || in_component && plain.ends_with(&format!(".{written}"))
@@ -219,7 +219,7 @@ fn describe_value(value: &Value, line: &str) -> String {
 fn part(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Option<String> {
     let mut markdown = declared(project, meaning).unwrap_or_default();
     let written = written_name(document, at);
-    // In a component, it is at each of its places; in another file, at those that this one knows.
+    // A name in a component exists at each of its places; a name in another file, at the places that this file knows.
     let in_component = document.roles[at.token] != Role::Member && meaning.scope.is_some();
     if let Some(known) = &document.known {
         let scene = known.scene.scene();
@@ -267,10 +267,10 @@ fn body_page(scene: &Scene, body: &Body, motions: Option<&Motions>) -> String {
     text
 }
 
-/// Coordinates of a scene whose equations are derived while somebody waits.
+/// Maximum number of coordinates of a scene whose equations are derived while a user waits.
 const FEW: usize = 12;
 
-/// The equations of motion of bodies, derived when they are asked for; none where that would take long, or where the text has errors.
+/// The equations of motion of bodies, derived on request; empty if that would take long, or if the text has errors.
 fn equations(document: &Document, known: &Results, bodies: &[String]) -> String {
     let is_small = known.motions.as_ref().is_some_and(|m| m.system.n() + m.rest.dependent.len() <= FEW);
     if bodies.is_empty() || !document.is_current || !is_small {

@@ -1,5 +1,5 @@
-//! A text in tokens, with the declarations that they form and the role of each word: what an editor knows of a file without
-//! any stage, whether it parses or not.
+//! A text in tokens, with the declarations that they form and the role of each word: everything that an editor knows
+//! about a file without running a stage, whether it parses or not.
 
 use super::outline::Outline;
 use super::roles::{self, Role};
@@ -98,8 +98,8 @@ impl Lexed {
         std::iter::once(statement).chain(self.outline.around(statement)).find(|s| self.keyword(*s) == "component")
     }
 
-    /// The names before a member and itself, `[front, tyre]` for `tyre` in `front.tyre.k`; `None` where what stands there is not
-    /// made of names, or is longer than any name.
+    /// The names before a member and the member itself, `[front, tyre]` for `tyre` in `front.tyre.k`; `None` if the
+    /// text before it does not consist of names, or is longer than any name.
     pub fn chain(&self, member: usize) -> Option<Vec<usize>> {
         let mut chain = vec![member];
         let mut at = member;

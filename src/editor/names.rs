@@ -1,4 +1,4 @@
-//! Names: where they are declared and used, and what they may be renamed to. See spec.md#names and spec.md#components.
+//! Names: their declarations, their uses, and their possible new names. See spec.md#names and spec.md#components.
 
 use super::lexed::Lexed;
 use super::project::{At, Meaning, Project};
@@ -34,7 +34,7 @@ pub fn references(project: &Project, name: At, with_declarations: bool) -> Vec<A
     all
 }
 
-/// The places to change for a new name; an error says why it cannot be used.
+/// The places to change for a new name, or the reason why it cannot be used.
 pub fn rename(project: &Project, name: At, new: &str) -> Result<Vec<At>, String> {
     let Some(meaning) = project.meaning(name) else { return Err("there is no name here".into()) };
     if !project.is_declared(&meaning) {
@@ -56,7 +56,7 @@ pub fn rename(project: &Project, name: At, new: &str) -> Result<Vec<At>, String>
 }
 
 fn is_taken_by_language(project: &Project, meaning: &Meaning, new: &str) -> bool {
-    // From outside, `front.x` would mean two things.
+    // From outside, `front.x` would have two meanings.
     let in_component = home(project.lexed(meaning.file), meaning.scope).is_some() && is_motion(new);
     match meaning.space {
         Space::Values => is_reserved(new),
@@ -66,15 +66,15 @@ fn is_taken_by_language(project: &Project, meaning: &Meaning, new: &str) -> bool
     }
 }
 
-/// The component that declares what is known in a `repeat` or a component; `None` for the scene.
+/// The component to which the names of a `repeat` or component belong; `None` for the scene.
 fn home(lexed: &Lexed, scope: Option<usize>) -> Option<usize> {
     lexed.component_around(scope?)
 }
 
-/// Whether a name would stand for two things.
+/// Whether a name would have two meanings.
 fn clashes<'a>(project: &Project<'a>, meaning: &Meaning<'a>, new: &str) -> bool {
     if meaning.space == Space::Components {
-        // Wherever the old name is known, the new one must not be.
+        // The new name must not be known where the old name is known.
         let knows = |file: &usize| project.component(*file, meaning.word) == Some(*meaning);
         let known =
             |file: usize| project.components(file).iter().any(|at| project.lexed(at.file).token_text(at.token) == new);
@@ -102,12 +102,12 @@ fn clashes<'a>(project: &Project<'a>, meaning: &Meaning<'a>, new: &str) -> bool 
     (0..lexed.tokens.len()).any(rival)
 }
 
-/// Whether what is known there is the index of a `repeat`.
+/// Whether a scope is a `repeat`, whose name is its index.
 fn is_index(lexed: &Lexed, scope: Option<usize>) -> bool {
     scope.is_some_and(|scope| lexed.keyword(scope) == "repeat")
 }
 
-/// Whether one of two statements lies in the other.
+/// Whether one of two statements is nested in the other.
 fn nested(lexed: &Lexed, one: Option<usize>, other: Option<usize>) -> bool {
     let inside = |a: usize, b: usize| lexed.outline.around(a).any(|around| around == b);
     one.zip(other).is_some_and(|(one, other)| inside(one, other) || inside(other, one))

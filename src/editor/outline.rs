@@ -1,5 +1,5 @@
-//! Groups tokens into statements: where each declaration of a text starts and ends, and which `repeat` or `component` contains it,
-//! whether it conforms to the grammar or not. See spec.md#declarations.
+//! Groups tokens into statements: the start and end of each declaration of a text, and the `repeat` or `component` that
+//! contains it, whether it conforms to the grammar or not. See spec.md#declarations.
 //!
 //! It works like the parser's own splitting (`syntax::split`), but never fails: if a bracket stays open, the next line
 //! that looks like the start of a declaration starts one.
@@ -11,11 +11,11 @@ use std::ops::Range;
 /// A declaration, or text in the place of one.
 #[derive(Clone, Debug)]
 pub struct Statement {
-    /// Its tokens, from the keyword on; for a `repeat` or `component`, those of the head with its `{`.
+    /// Its tokens from the keyword on; for a `repeat` or `component`, the tokens of the head including its `{`.
     pub tokens: Range<usize>,
     /// The enclosing `repeat` or `component`.
     pub inside: Option<usize>,
-    /// For these, the token of the `}`.
+    /// For a `repeat` or `component`, the token of the `}`.
     pub close: Option<usize>,
 }
 

@@ -51,8 +51,8 @@ pub fn word(word: &str) -> Option<&'static str> {
     })
 }
 
-/// Everything that a word of the language means, as Markdown: a keyword, a function, a field, a motion, a unit. `None` for any
-/// other word.
+/// All meanings of a word of the language, as Markdown: keyword, function, field, motion, unit. `None` for any other
+/// word.
 pub fn about(asked: &str) -> Option<String> {
     if let Some(page) = keyword(asked) {
         return Some(page);
@@ -67,7 +67,7 @@ pub fn about(asked: &str) -> Option<String> {
     (!meanings.is_empty()).then(|| format!("# {asked}\n\n{}\n", meanings.join("\n\n")))
 }
 
-/// A field in each declaration that has it; declarations that explain it alike share an entry.
+/// The meanings of a field in all declarations that have it; declarations with the same explanation share an entry.
 fn fields(asked: &str) -> Vec<String> {
     let mut entries: Vec<(String, Vec<String>)> = Vec::new();
     for declaration in &kinds::DECLARATIONS {

@@ -1,12 +1,12 @@
-//! The page beside a text: the figure in motion, rest, modes and poles of the last version without errors, and what is wrong
-//! with this one.
+//! The page beside a text: the moving figure, rest, modes and poles of the last version without errors, and the
+//! findings in the present one.
 
 use super::document::{Document, request};
 use crate::analysis::{self, Modal, Poles};
 use crate::lower;
 use crate::overview::{self, Lowered, Overview, Shown};
 
-/// The page; of a scene that is too large for modes between two key strokes there is none.
+/// The page; `None` if the scene is too large to compute modes between two keystrokes.
 pub fn page(document: &Document) -> Option<String> {
     let newer = (&document.sources, document.file);
     let shown = Shown { newer: Some(newer), findings: &document.findings, without_text: true, ..Shown::default() };

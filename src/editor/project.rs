@@ -1,5 +1,5 @@
-//! The files in which a name may be declared and used: the text that is asked about, the files of components that it uses, and
-//! whatever else is open with what that uses. See spec.md#components-of-other-files.
+//! The files in which a name may be declared and used: the text of the request, the files of components that it uses,
+//! and all other open files with the files that they use. See spec.md#components-of-other-files.
 
 use super::lexed::Lexed;
 use super::roles::{Role, Space};
@@ -11,30 +11,30 @@ use std::collections::HashMap;
 /// A file among others.
 #[derive(Debug)]
 pub struct ProjectFile<'a> {
-    /// The same for the same file, whatever path leads to it.
+    /// Identifies the file, whatever path leads to it.
     pub key: String,
     pub lexed: &'a Lexed,
-    /// Its number among the texts of the document that is asked about; `None` for a file which that does not use.
+    /// Its number among the texts of the requested document; `None` if that document does not use it.
     pub id: Option<FileId>,
     /// The files that it uses, in order, by their place among the files.
     pub uses: Vec<usize>,
 }
 
 impl ProjectFile<'_> {
-    /// Whether it comes with the program.
+    /// Whether the file comes with the program.
     pub fn is_of_program(&self) -> bool {
         self.key.starts_with(library::PREFIX)
     }
 }
 
-/// Files that know each other, the one that is asked about first.
+/// Files that refer to each other; the one of the request is the first.
 #[derive(Debug)]
 pub struct Project<'a> {
     pub files: Vec<ProjectFile<'a>>,
     declared: Vec<Declared<'a>>,
 }
 
-/// The declarations of a file: for each space, and for each `repeat` or component in which a name is known, by words.
+/// The declarations of a file, by word, for each name space and each `repeat` or component in which a name is known.
 type Declared<'a> = HashMap<(Space, Option<usize>), HashMap<&'a str, Vec<usize>>>;
 
 /// A token of a file.
@@ -44,10 +44,10 @@ pub struct At {
     pub token: usize,
 }
 
-/// The name that a word stands for.
+/// The declaration that a word refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Meaning<'a> {
-    /// Where it is declared.
+    /// The file that declares it.
     pub file: usize,
     /// The `repeat` whose index it is, or the component that declares it.
     pub scope: Option<usize>,
@@ -61,7 +61,7 @@ impl<'a> Project<'a> {
         Project { files, declared }
     }
 
-    /// One file alone.
+    /// A project of a single file.
     pub fn of(lexed: &'a Lexed) -> Project<'a> {
         Project::new(vec![ProjectFile { key: String::new(), lexed, id: None, uses: Vec::new() }])
     }
@@ -81,7 +81,7 @@ impl<'a> Project<'a> {
         !self.declarations(meaning).is_empty()
     }
 
-    /// The name that a token stands for; `None` if it is no name, or a member of something unknown.
+    /// The meaning of the name at a token; `None` if it is not a name, or a member of something unknown.
     pub fn meaning(&self, at: At) -> Option<Meaning<'a>> {
         let lexed = self.lexed(at.file);
         let word = lexed.token_text(at.token);
@@ -141,7 +141,7 @@ impl<'a> Project<'a> {
         self.placed(place.file, self.lexed(place.file).statement_of(token)?)
     }
 
-    /// The component at the place that the names before a `.` lead to, given the last of them.
+    /// The component at the place that the names before a `.` refer to, given the last of these names.
     pub fn component_before(&self, at: At) -> Option<(usize, usize)> {
         let chain = self.lexed(at.file).chain(at.token)?;
         let (first, others) = chain.split_first()?;
@@ -173,8 +173,8 @@ impl<'a> Project<'a> {
         spaces.map(|space| self.inside(component, space, word)).find(|meaning| self.is_declared(meaning))
     }
 
-    /// Whether a member is a part or an output, if there is also a value of its name: before a further `.`, `@` or `->`, in an
-    /// end, in a measure; but not after `@`.
+    /// Whether a member refers to a part or an output if there is also a value with its name: before a further `.`, `@`
+    /// or `->`, in an end, and in a measure, but not after `@`.
     fn wants_part(&self, file: usize, member: usize, first: usize) -> bool {
         let lexed = self.lexed(file);
         let is = |token: Option<usize>, signs: &[&str]| token.is_some_and(|t| signs.contains(&lexed.token_text(t)));
@@ -217,7 +217,7 @@ impl<'a> Project<'a> {
         meaning.is_some_and(|meaning| meaning.space == Space::Parts)
     }
 
-    /// What stands in the brackets of a component, in order.
+    /// The ports and parameters in the brackets of a component, in order.
     pub fn formals(&self, component: (usize, usize)) -> Vec<Formal> {
         let lexed = self.lexed(component.0);
         let head = lexed.outline.statements[component.1].tokens.clone();

@@ -79,7 +79,7 @@ struct Reader<'a> {
 /// The state while the words of a statement are classified.
 struct State {
     open: Vec<Opened>,
-    /// Whether an expression follows: after the `=` of an assignment, after `along`, ...
+    /// Whether an expression follows, as after the `=` of an assignment or after `along`.
     in_ends: bool,
     /// Whether `along` or `moves` came last, so that directions follow.
     directions: bool,
@@ -160,7 +160,7 @@ impl Reader<'_> {
         Role::Reference { space: Space::Values, scope }
     }
 
-    /// The component that the statement belongs to: its names are known in it alone.
+    /// The component that the statement belongs to; the component's names are known only inside it.
     fn component(&self) -> Option<usize> {
         let declares = |index: &usize| keyword(self.text, self.tokens, &self.outline.statements[*index]) == "component";
         std::iter::once(self.index).chain(self.outline.around(self.index)).find(declares)

@@ -1,4 +1,4 @@
-//! The function or component whose arguments are being typed: its form, its meaning, and which argument it is.
+//! The function or component whose arguments are being typed: its form, its meaning, and the current argument.
 
 use super::document::Document;
 use super::project::{At, Project};
@@ -15,7 +15,7 @@ pub struct Signature {
     pub meaning: String,
     /// The bytes of each argument in the form.
     pub arguments: Vec<Range<usize>>,
-    /// From 0; `None` where every one is given.
+    /// The index of the current argument; `None` if all are given.
     pub argument: Option<usize>,
 }
 
@@ -34,7 +34,7 @@ pub fn signature(document: &Document, project: &Project, offset: usize) -> Optio
                 }
                 match functions::function(document.token_text(name)) {
                     Some((_, function)) => return Some(of_function(function, argument)),
-                    // Brackets of a position or of a sum: what they stand in is called.
+                    // Brackets of a position or of a sum: the call around them is what matters.
                     None => argument = 0,
                 }
             }
@@ -67,7 +67,7 @@ fn of_function(function: &Function, argument: usize) -> Signature {
     Signature { form: form.into(), meaning, arguments, argument: Some(argument) }
 }
 
-/// `axle(m: kg, k = 150 kN/m)`; the argument is the one that is named, or the first that is not given.
+/// `axle(m: kg, k = 150 kN/m)`; the current argument is the one that is named, or the first that is not given.
 fn of_component(document: &Document, project: &Project, name: usize, before: usize) -> Option<Signature> {
     let component = project.body_of(&project.component(0, document.token_text(name))?)?;
     let lexed = project.lexed(component.0);

@@ -16,7 +16,7 @@ pub enum TokenKind {
     },
     /// A string with its quotes; to the end of the line if it is not closed.
     Text,
-    /// From its slashes to the last character of the line that is not a blank.
+    /// A comment from its slashes to the last character of the line that is not a blank.
     Comment,
     LineEnd,
     /// `(`, `[` or `{`

@@ -22,7 +22,7 @@ pub(super) enum Content {
     Blank,
     /// Text as it is; empty if there is only a comment.
     Plain(String),
-    /// A keyword (none for fields), a name, and the text after it: `= ...`, the part after a colon, or `{ ...`.
+    /// A keyword (empty for fields), a name, and the text after it: `= ...`, the part after a colon, or `{ ...`.
     Named {
         keyword: String,
         name: String,

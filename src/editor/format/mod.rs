@@ -19,7 +19,7 @@ const WIDTH: usize = 100;
 /// Spaces for each level of indentation.
 const INDENT: usize = 2;
 
-/// The text in its one layout; `tree` is what was parsed from it without an error.
+/// Formats a text; `tree` is the result of parsing it without errors.
 pub fn format(text: &str, tree: &Tree) -> String {
     let tokens = tokens::tokens(text);
     let items = items::items(text, &tokens);

@@ -55,7 +55,7 @@ pub(super) fn pieces(text: &str, tokens: &[Token]) -> Vec<Piece> {
     reader.pieces
 }
 
-/// Whether there is a space between these two pieces.
+/// Whether there is a space between two pieces.
 pub(super) fn needs_space(left: &Piece, right: &Piece) -> bool {
     match (left.role, right.role) {
         (_, Role::Comma | Role::Colon | Role::Glue) | (Role::Glue | Role::Minus, _) => false,
@@ -120,7 +120,7 @@ impl Reader<'_> {
         self.pieces.push(Piece { text: text.into(), role, at });
     }
 
-    /// Whether a word is a keyword here: the word that starts the declaration, or one after a name or a value.
+    /// Whether a word is a keyword at this place: the word that starts the declaration, or one after a name or a value.
     /// Elsewhere, a parameter called `in` or a part called `about` is a name.
     fn is_keyword(&self, word: &str) -> bool {
         match self.visible().map(|last| last.role) {
@@ -160,7 +160,7 @@ impl Reader<'_> {
             return self.minus(at + 1);
         }
         let role = match text {
-            // Of the unit of a component's parameter, or of an output.
+            // In the unit of a component's parameter, or of an output.
             "/" | "*" | "·" | "⋅" if self.is_unit() => Role::Glue,
             "²" | "³" if self.is_unit() => Role::Close,
             "%" | "°" if self.is_unit() => Role::Word,

@@ -44,7 +44,7 @@ pub fn capabilities(encoding: Encoding) -> Value {
     })
 }
 
-/// Where places of a finding are, whatever file they are in.
+/// Finds the places of a finding, whatever file they are in.
 pub trait Places {
     /// `None` in a file that the client cannot open.
     fn location(&self, span: Span) -> Option<lsp::Location>;
@@ -122,14 +122,14 @@ pub fn hint(document: &Document, encoding: Encoding, hint: Hint) -> lsp::InlayHi
 }
 
 pub fn signature(found: Signature) -> lsp::SignatureHelp {
-    // In UTF-16, which the protocol has here whatever was agreed on.
+    // In UTF-16: the protocol requires it here, whatever encoding was agreed on.
     let units = |end: usize| found.form[..end].encode_utf16().count() as u32;
     let parameter = |range: &Range<usize>| {
         let label = lsp::ParameterInformationLabel::Tuple((units(range.start), units(range.end)));
         lsp::ParameterInformation { label, documentation: None }
     };
     let parameters = found.arguments.iter().map(parameter).collect();
-    // A number beyond the last one marks none.
+    // An index beyond the last parameter highlights none of them.
     let active = found.argument.unwrap_or(found.arguments.len()) as u32;
     let signature = lsp::SignatureInformation {
         label: found.form,

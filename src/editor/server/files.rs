@@ -1,4 +1,4 @@
-//! What is known across the files that are open: the files in which a name may be used, and findings in files that a model uses.
+//! Data shared by the open files: the files in which a name may be used, and findings in files that a model uses.
 
 use super::answers::{self, Places};
 use super::place::Encoding;
@@ -25,7 +25,7 @@ impl Text {
 }
 
 impl Server<'_> {
-    /// What is the same for the same file: its path without links; of a text that is no file yet, where it will be.
+    /// The key that identifies a file: its path without links. For a text that has not been saved, its future path.
     pub(super) fn key_of(&self, uri: &Uri) -> String {
         let path = path(uri);
         if !uri.0.starts_with("file://") {
@@ -45,7 +45,7 @@ impl Server<'_> {
         );
         let texts: Vec<(&Text, &Document)> =
             texts.into_iter().filter_map(|text| Some((text, text.document.as_ref()?))).collect();
-        // Each file once, and as it stands in the editor if it is open.
+        // Each file once, with the editor's content if it is open.
         let mut files: Vec<Entry> = Vec::new();
         let mut enter = |entry: Entry<'a>| {
             if files.iter().all(|known| known.key != entry.key) {
@@ -83,7 +83,7 @@ impl Server<'_> {
         self.texts.iter().find(|text| text.key == key)
     }
 
-    /// The URI of a file: the client's own, if it is open; none of one that comes with the program.
+    /// The URI of a file: the client's own if the file is open; `None` for a file that comes with the program.
     pub(super) fn uri(&self, key: &str) -> Option<Uri> {
         match self.opened_as(key) {
             Some(text) => Some(text.uri.clone()),
@@ -91,7 +91,7 @@ impl Server<'_> {
         }
     }
 
-    /// The findings of a text: those of its own analysis, and those of models that use it, in it.
+    /// The findings in a text: those of its own analysis, and those that models using it have in it.
     pub(super) fn findings(&self, index: usize) -> Vec<gen_lsp_types::Diagnostic> {
         let text = &self.texts[index];
         let Some(document) = &text.document else { return Vec::new() };
@@ -157,14 +157,14 @@ fn encoded(path: &str) -> String {
     uri
 }
 
-/// The place in a document at which a finding is shown: its own; of a finding in a file that it uses, a related place, or the
-/// `use` that leads there.
+/// The place in a document at which a finding is shown: its own place or, for a finding in a used file, a related place
+/// or the `use` that leads there.
 pub(super) fn shown_at(document: &Document, finding: &Diagnostic) -> std::ops::Range<usize> {
     let mut spans = std::iter::once(&finding.primary).chain(&finding.related).map(|label| label.span);
     let uses = document.tree.uses.iter().filter(|using| using.text.file() == document.file);
     let leads = |text: &Span| document.sources.used(*text) == Some(finding.primary.span.file());
     let own_uses: Vec<Span> = uses.map(|using| using.text).collect();
-    // A file that is used by a used one has no line of its own here.
+    // A file that is used by a used file has no `use` in this text.
     let using = || own_uses.iter().copied().find(leads).or_else(|| own_uses.first().copied());
     let span = spans.find(|span| span.file() == document.file).or_else(using);
     let range = span.map_or(0..0, |span| span.range());

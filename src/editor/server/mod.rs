@@ -30,14 +30,14 @@ pub enum Named {
     Components,
 }
 
-/// Reads a file that a model names, if it lies below one of the folders: what is the same for the same file, and its content;
-/// why it cannot be read.
+/// Reads a file that a model names, if it lies below one of the folders. Returns the key that identifies the file and
+/// its content, or the reason why it cannot be read.
 pub type Read<'a> = dyn Fn(&str, &[String], Named) -> Result<(String, Vec<u8>), String> + 'a;
 
-/// How a client disconnected.
+/// The way in which a client disconnected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leave {
-    /// With `shutdown` before `exit`.
+    /// The client sent `shutdown` before `exit`.
     Announced,
     /// Without `shutdown`.
     Unannounced,
@@ -75,7 +75,7 @@ fn wait_for_initialize(connection: &Connection) -> Option<(RequestId, Value)> {
             Message::Request(request) if request.method == "initialize" => return Some((request.id, request.params)),
             Message::Request(request) => {
                 let (code, why) = (ErrorCode::ServerNotInitialized as i32, "the first request is `initialize`");
-                // A client that has disconnected reads nothing; the next receive reports it.
+                // A client that has disconnected does not read this; the next receive reports it.
                 let _ = connection.sender.send(Response::new_err(request.id, code, why.into()).into());
             }
             Message::Notification(notification) if notification.method == "exit" => return None,
@@ -107,7 +107,7 @@ fn folders_of(list: &Value) -> Vec<String> {
 /// A text that the client has open.
 struct Text {
     uri: Uri,
-    /// What is the same for the same file: its path without links, if it is a file.
+    /// The key that identifies the file: its path without links, if it is a file.
     key: String,
     version: i32,
     /// The text in the client's current version.
@@ -119,9 +119,10 @@ struct Text {
     keys: Vec<Option<String>>,
     /// The findings that the client knows.
     published: Vec<gen_lsp_types::Diagnostic>,
-    /// Whether a model that uses it has changed, and with it what is found in this text.
+    /// Whether a model that uses it has changed, and so possibly the findings in this text.
     is_touched: bool,
-    /// How often it went through the stages: a file that it uses may have changed, and not its version.
+    /// Number of times that it went through the stages. A file that it uses may change without a new version of the
+    /// text.
     revision: u64,
 }
 
@@ -216,7 +217,7 @@ impl Server<'_> {
     }
 
     fn send(&self, message: impl Into<Message>) {
-        // A client that has disconnected reads nothing; the next receive reports it.
+        // A client that has disconnected does not read this; the next receive reports it.
         let _ = self.connection.sender.send(message.into());
     }
 
@@ -242,7 +243,7 @@ impl Server<'_> {
         }
     }
 
-    /// Models that use a text are looked at again where it has changed.
+    /// Marks the models that use a text for a new check after it has changed.
     fn look_at_users_again(&mut self, of: &Uri) {
         let path = path(of);
         for text in self.texts.iter_mut().filter(|text| text.uri != *of) {
@@ -344,7 +345,7 @@ impl Server<'_> {
         true
     }
 
-    /// What is found in the files that a text uses may have changed with it.
+    /// Marks the files that a text uses: the findings in them may have changed with it.
     fn touch_used(&mut self, index: usize) {
         let keys = std::mem::take(&mut self.texts[index].keys);
         for (other, text) in self.texts.iter_mut().enumerate() {
@@ -420,9 +421,9 @@ fn invalid(why: &str) -> Refusal {
     Refusal { code: ErrorCode::InvalidRequest, message: why.into() }
 }
 
-/// The document of a text, with the tables and files of components that it names, and the keys of these files. They lie below a
-/// folder that is open; where none is, beside the text, which has to be a file for that. A file that is open counts as it stands
-/// in the editor.
+/// The document of a text, with the tables and component files that it names, and the keys of these files. They must
+/// lie below an open folder or, if none is open, below the folder of the text, which then has to be a file. An open
+/// file counts with its content in the editor.
 fn document_of(
     texts: &[Text],
     index: usize,
@@ -479,7 +480,7 @@ fn document_of(
 /// A document has room for 256 files.
 const MOST_FILES: usize = 250;
 
-/// A path without `.` and, as far as they have something before them, `..`: as the client names what it has open.
+/// A path without `.` and, if a folder precedes them, without `..`, in the form in which the client names open files.
 fn plain(path: &str) -> String {
     let mut parts: Vec<&str> = Vec::new();
     for part in path.split('/') {

@@ -111,7 +111,7 @@ impl Server<'_> {
         serde_json::to_value(ask(self, params)?).map_err(invalid)
     }
 
-    /// The page beside a text, an extension of the protocol: `null` where the scene is too large for one.
+    /// The page beside a text, an extension of the protocol: `null` if the scene is too large for one.
     fn page(&mut self, params: &Value) -> Result<Value, Refusal> {
         let uri = params["textDocument"]["uri"].as_str().unwrap_or_default();
         self.publish_all();
@@ -156,7 +156,7 @@ impl Server<'_> {
         Ok(Some(items.into()))
     }
 
-    /// The places to which a name leads; empty if there is no name.
+    /// The places that a name refers to; empty if there is no name.
     fn places(
         &self,
         place: &TextDocumentPositionParams,
@@ -170,7 +170,7 @@ impl Server<'_> {
         }))
     }
 
-    /// Where a token is; `None` in a file that comes with the program.
+    /// The location of a token; `None` in a file that comes with the program.
     fn location(&self, project: &Project, at: At) -> Option<Location> {
         let lexed = project.lexed(at.file);
         let range = self.encoding.range(lexed, lexed.tokens[at.token].range.clone());
