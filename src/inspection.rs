@@ -16,9 +16,9 @@ use crate::syntax::tree::Tree;
 pub struct Inspection {
     /// `None` if a file is not text.
     pub tree: Option<Tree>,
-    /// With the values of solved parameters, if these were searched for.
+    /// The scene with the values of solved parameters, if these were searched for.
     pub scene: Option<CheckedScene>,
-    /// With all of its damping, unless something was left out.
+    /// The linear system with all of its damping, unless something was left out.
     pub lowered: Option<Lowered>,
     /// The results of `solve` lines, and the values that they give to parameters.
     pub solved: Vec<Solved>,
@@ -33,8 +33,8 @@ pub struct Inspection {
 /// How far a model is processed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Completely if the scene as declared has at most this many coordinates; otherwise only as it is declared, without
-    /// what takes many runs or all modes (`solve`, `require`, `damping modal`).
+    /// Completely if the scene as declared has at most this many coordinates. Otherwise only as declared, without the
+    /// lines that take many evaluations or all modes (`solve`, `require`, `damping modal`).
     UpTo(usize),
     Whole,
 }

@@ -173,7 +173,7 @@ pub use system::{
     Term,
 };
 
-// Modes, poles, and what they say about the rest.
+// Modes, poles, and the stability of the rest that follows from them.
 pub use analysis::response_spectrum::{Additions as SpectrumAdditions, Spectral};
 pub use analysis::{
     AnalysisError, Band, Before, Buckling, Mode, ModeKind, Modes, Noisy, Normalise, Peak, Pole, PoleCount, PoleKind,
@@ -211,7 +211,7 @@ pub use backend::transfer::{csv as transfer_csv, json as transfer_json};
 pub use bench::Bench;
 pub use inspection::{Effort, Inspection, inspect};
 
-// All that a page shows.
+// Everything that a page shows.
 pub use overview::{Overview, Shown as PageShown, overview, page_of_errors};
 
 use dynamics::{Damped, WrittenOut};
@@ -279,7 +279,7 @@ pub struct Study<'a> {
     pub sensitivity: bool,
     /// Compute participation factors and effective masses of the modes for each motion of a base.
     pub participation: bool,
-    /// What is added to the maxima under response spectra.
+    /// Contributions that are added to the maxima under response spectra.
     pub spectra: analysis::response_spectrum::Additions,
 }
 
@@ -387,7 +387,7 @@ fn reported(
     })
 }
 
-/// What each motion of a base excites, or why that is not known.
+/// The modes that each motion of a base excites, or the reason why they are not known.
 fn excitations(
     scene: &model::scene::Scene,
     system: &LinearSystem,
@@ -464,7 +464,7 @@ pub struct Motion {
     pub history: History,
     /// The steady state for each frequency of the harmonic signals.
     pub steady: Vec<analysis::Steady>,
-    /// Whether noise acts on the model, of which a motion has a part only with a seed.
+    /// Whether noise acts on the model. A motion contains it only if a seed is given.
     pub has_noise: bool,
 }
 
@@ -486,7 +486,8 @@ pub fn simulate(sources: &Sources, model: FileId, overrides: &Overrides, times: 
     simulate_with_noise(sources, model, overrides, times, None)
 }
 
-/// The same with the stationary motion that a realisation of the model's noise by this seed adds; without a seed, noise is left out.
+/// Like [`simulate`], with the stationary motion that a realisation of the model's noise by this seed adds; without a
+/// seed, noise is left out.
 pub fn simulate_with_noise(
     sources: &Sources,
     model: FileId,

@@ -686,12 +686,12 @@ fn write_to(stream: &mut impl Write, text: &str) {
     let _ = stream.write_all(text.as_bytes());
 }
 
-/// Writes an error in a single line, like those about the command line, whatever names of files and arguments it repeats.
+/// Writes an error as a single line, like errors of the command line, whatever file names and arguments it repeats.
 fn report_error(text: &str) {
     write_to(&mut io::stderr().lock(), &format!("error: {}\n", diagnostics::readable(text)));
 }
 
-/// A panic is a defect of the program, whatever the input: reports it, and asks for what helps to fix it.
+/// A panic is a defect of the program, whatever the input. Reports it, and asks for the data that help to fix it.
 fn report_defect(panic: &std::panic::PanicHookInfo) {
     let version = env!("CARGO_PKG_VERSION");
     let text = format!(

@@ -1,13 +1,13 @@
-//! The files that a model names: tables, and files of components. Reads them below certain folders alone, and no more of them
-//! than fits. The program and the Python package are built with it. See docs/cli.md#streams-and-exit-status.
+//! The files that a model names: tables, and files of components. Reads them only below certain folders, and no more of
+//! them than allowed. The program and the Python package are built with it. See docs/cli.md#streams-and-exit-status.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use vibc::{FileId, SourceFile, SourceKind, Sources, limits};
 
-/// Reads every file that the model at `path` names, below its own folder and below `root`. What cannot be read is reported at its
-/// place in the model; `outside` is the reason given for a file in any other folder.
+/// Reads every file that the model at `path` names, below the model's own folder and below `root`. A file that cannot
+/// be read is reported at its place in the model; `outside` is the reason given for a file in any other folder.
 pub fn add_named(sources: &mut Sources, model: FileId, path: &Path, root: Option<&Path>, outside: &'static str) {
     let folder = sources.file(model).directory.clone();
     let folders: Vec<PathBuf> = std::iter::once(folder).chain(root.map(Path::to_path_buf)).collect();
@@ -24,7 +24,8 @@ pub fn key_of(path: &Path) -> Option<String> {
 /// Files of tables of all files of a model: a run has room for 256 files.
 const MOST_TABLES: usize = 200;
 
-/// The tables that a model and the files that it uses name; what cannot be read is reported at its place in the model.
+/// Reads the tables that a model and the files that it uses name. A table that cannot be read is reported at its place
+/// in the model.
 fn read_tables(sources: &mut Sources, mut tables: Named) {
     let files: Vec<FileId> = sources.models().collect();
     let named: Vec<String> = files
@@ -42,8 +43,8 @@ fn read_tables(sources: &mut Sources, mut tables: Named) {
     }
 }
 
-/// Files that a model names: tables, and files of components. A model may come from a stranger: what it names is read below
-/// certain folders alone, and no more of it than fits.
+/// Files that a model names: tables, and files of components. A model may come from a stranger, so they are read only
+/// below certain folders, and no more of them than allowed.
 pub struct Named {
     /// `""` is the folder that the program was started in.
     folders: Vec<PathBuf>,
@@ -66,7 +67,7 @@ impl Named {
         Named { folders, outside, room: limits::USED, full }
     }
 
-    /// The content, behind what is the same for the same file.
+    /// The key that identifies the file, and its content.
     pub fn read_keyed(&mut self, path: &Path) -> Result<(String, Vec<u8>), String> {
         let bytes = self.read(path)?;
         let key = key_of(path).ok_or("it is gone")?;

@@ -1,5 +1,6 @@
-//! All that a page shows of a model: the modal answer, the figure and how it moves, transfer functions, the motion in time,
-//! equations in symbols. In: a model's text, or what an editor knows of it; out: an [`Overview`], which writes the page.
+//! The contents of a page: the modal answer, the figure and its motions, transfer functions, the motion in time,
+//! equations in symbols. In: a model's text, or the results that an editor already has. Out: an [`Overview`], which
+//! writes the page.
 
 use crate::analysis::fractions::{self, Parts, Pencil};
 use crate::analysis::{self, Methods, Mode, ModeKind, Normalise, Pole, Request, Sweep, Which};
@@ -36,15 +37,15 @@ pub struct Overview {
 
 /// Scenes with more coordinates are not animated: each mode would add that many numbers to the page.
 const MOST_MOVING: usize = 120;
-/// Coordinates for whose products the loops of a figure stay together.
+/// Maximum number of coordinates for which the second-order motion of loops is computed.
 const MOST_BENT: usize = 30;
 /// Motions of each kind that a page lets move.
 const MOST_MOTIONS: usize = 60;
-/// Pairs of inputs and outputs whose curves a page has.
+/// Maximum number of pairs of inputs and outputs with curves.
 const MOST_PAIRS: usize = 36;
-/// Coordinates of a system whose transfer functions a page has.
+/// Maximum number of coordinates of a system with transfer functions on a page.
 const MOST_CURVES: usize = 300;
-/// Coordinates of a scene whose equations are readable in symbols.
+/// Maximum number of coordinates of a scene whose equations are readable in symbols.
 const MOST_SYMBOLS: usize = 6;
 /// Matrices of more coordinates are left out of a report.
 const MOST_ENTRIES: usize = 8;
@@ -54,7 +55,7 @@ const SAMPLES: i64 = 300;
 const FIGURE_DIGITS: usize = 4;
 const CAPTION_DIGITS: usize = 4;
 
-/// From the text of a model to all that its page shows.
+/// From the text of a model to the contents of its page.
 pub fn overview(sources: &Sources, model: FileId, overrides: &Overrides, study: &Study) -> Outcome<Overview> {
     Outcome::of(|diagnostics| {
         let mut reading = reading::read_and_solve(sources, model, overrides, study.until, diagnostics)?;
@@ -65,7 +66,7 @@ pub fn overview(sources: &Sources, model: FileId, overrides: &Overrides, study: 
         let request = Request { which: Which::Usual, ..Request::default() };
         let answer = reported(&mut reading, damped, &request, study, diagnostics).ok()?;
         let mut overview = Overview::of(reading.scene.scene(), answer, &mechanism);
-        // About a rest that is not proven nothing is computed.
+        // About an unproven rest, nothing is computed.
         if let Some(written) = written.as_ref().filter(|_| overview.answer.rest.is_proven()) {
             overview.transfer = overview.transfer(written);
             overview.motion = overview.motion(&reading, written, study.until, &mechanism);
@@ -204,7 +205,7 @@ impl Overview {
     /// The page. `of`: the texts that this is the overview of.
     pub fn page(&self, of: (&Sources, FileId), shown: &Shown) -> String {
         let mut report = report::modal(&self.answer, &Options { matrices: false, ..Options::default() });
-        // Beside an editor poles come when they are there.
+        // Beside an editor, poles are shown as soon as they are known.
         if shown.without_text && self.answer.poles.list.is_empty() && !self.answer.system.c.is_empty() {
             report.sections.retain(|section| section.heading != "Damped motion");
         }
@@ -232,16 +233,16 @@ fn symbols(document: &equations::Document) -> String {
     document.sections.iter().map(section).collect()
 }
 
-/// How a page is shown.
+/// Options for a page.
 #[derive(Clone, Copy, Default)]
 pub struct Shown<'a> {
-    /// A newer text than that of the answers, where there is one.
+    /// A newer text than that of the answers, if there is one.
     pub newer: Option<(&'a Sources, FileId)>,
     /// The errors of the newest text.
     pub findings: &'a [Diagnostic],
     /// Beside an editor, which shows the text itself.
     pub without_text: bool,
-    /// The version that is served, where the page asks its server for newer ones.
+    /// The version that is served, if the page asks its server for newer ones.
     pub version: Option<u64>,
 }
 
@@ -269,7 +270,8 @@ fn unit(n: usize, i: usize) -> Vec<f64> {
     unit
 }
 
-/// What loops add for each product of two coordinates: of a bend by both of them together, what is in neither alone.
+/// The second-order motion of loops for each product of two coordinates: the bend of both together, minus those of each
+/// alone.
 fn bends(mechanism: &Mechanism, basis: &[Poses]) -> Vec<Bend> {
     let n = basis.len();
     if n > MOST_BENT || !mechanism.closes_loops() {

@@ -117,7 +117,8 @@ impl<'a> Reading<'a> {
             return Some(());
         }
         if self.until.is_none() && trial::asks_of_motion(&self.scene) {
-            // That of the scene as declared: it stays the same in all trials, so that measures do not jump with it.
+            // The system of the scene as declared. It stays the same in all trials, so that measures do not jump with
+            // it.
             let system = dynamics::lower_written_out(&self.scene, &mut Diagnostics::new());
             let spectrum = system.as_ref().and_then(trial::spectrum);
             self.until = spectrum.and_then(|(_, poles)| trial::usual_time(&self.scene, &poles));
@@ -203,9 +204,10 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// Adds the files of components that a model uses, and those that these use in turn, to the sources, each once: whoever calls
-/// reads them, by their paths; `Err` says why one cannot be read. The key is the same for what is the same file, the model
-/// (`key`) among them. The components of `std/...` are part of the program. A model that uses none is not even parsed.
+/// Adds the files of components that a model uses, and the files that these use in turn, to the sources, each once. The
+/// caller's `read` reads them by path; `Err` says why one cannot be read. The key returned by `read` identifies a file;
+/// the model's own is `key`. The components of `std/...` are part of the program. A model that uses no files is not
+/// even parsed.
 pub fn add_used_files(
     sources: &mut Sources,
     model: FileId,
@@ -253,8 +255,8 @@ fn of_library(name: &str) -> Result<String, String> {
     })
 }
 
-/// The text of a file of components, and what is the same for the same file. What it holds is said of a `.vib` file alone: of
-/// another one it may be a secret.
+/// The text of a file of components, and the key that identifies it. Only the contents of `.vib` files appear in
+/// messages: another file may be a secret.
 fn used_content(
     name: &str,
     read: &mut impl FnMut(&str) -> Result<(String, Vec<u8>), String>,
@@ -278,7 +280,7 @@ fn used_content(
 const MOST_USED: usize = 32;
 
 /// The files of tables that a model names, each once, as written. The caller adds them to the sources (see
-/// [`crate::base::SourceFile::relative_name`]) before any other step. A model that names none is not even parsed.
+/// [`crate::base::SourceFile::relative_name`]) before any other step. A model that names no table is not even parsed.
 pub fn table_files(sources: &Sources, model: FileId) -> Vec<String> {
     let mut files: Vec<String> = Vec::new();
     if !sources.text(model).contains("table") {
@@ -326,7 +328,7 @@ mod tests {
         require rms(place) <= 1 m\n\
         require damping(1) >= 1 %\n";
 
-    /// The stages that begin while something is asked of a model.
+    /// The stages that begin while a function runs on a model.
     fn stages(model: &str, ask: impl FnOnce(&Sources, FileId)) -> Vec<&'static str> {
         let mut sources = Sources::new();
         let file = sources.add(SourceFile::model("cart.vib", model));
@@ -358,7 +360,7 @@ mod tests {
         }
     }
 
-    /// A time that is given leaves `check` without modes where no requirement needs them.
+    /// With a given time, `check` computes no modes unless a requirement needs them.
     #[test]
     fn unneeded_stages_do_not_run() {
         let peak_only: String =

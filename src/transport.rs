@@ -2,7 +2,7 @@
 //! reported to the client, and the next message is read. See docs/editors.md.
 //!
 //! A message is a header with the line `Content-Length: N`, an empty line, and N bytes of JSON. If a header makes no
-//! sense, the length of what follows is unknown, so the next such line is searched for.
+//! sense, the length of its message is unknown, so the next such line is searched for.
 
 use crossbeam_channel::{Receiver, Sender};
 use lsp_server::{ErrorCode, Message, RequestId};
@@ -78,7 +78,7 @@ fn refusal(id: Option<RequestId>, code: ErrorCode, why: impl Into<String>) -> Re
     Received::Refused(Refused { id, code, why: why.into() })
 }
 
-/// The length given by the next header, or why it is not valid; `None` at the end of the stream.
+/// The length given by the next header, or the reason why it is not valid; `None` at the end of the stream.
 fn length(stream: &mut impl BufRead) -> io::Result<Option<Result<u64, String>>> {
     let mut found = None;
     let mut line = Vec::new();
@@ -95,7 +95,7 @@ fn length(stream: &mut impl BufRead) -> io::Result<Option<Result<u64, String>>> 
     }
 }
 
-/// The number after the last `Content-Length:` of a line; before it there may be the end of a message that was refused.
+/// The number after the last `Content-Length:` of a line, which may begin with the end of a message that was refused.
 fn length_of(line: &[u8]) -> Option<Result<u64, String>> {
     let at = line.windows(LENGTH.len()).rposition(|word| word.eq_ignore_ascii_case(LENGTH))?;
     let number = line[at + LENGTH.len()..].trim_ascii();

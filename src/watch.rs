@@ -1,7 +1,8 @@
-//! `vibc watch`: the report of a model on 127.0.0.1, fresh after each save of a file that it is made from. Where the newest text
-//! has errors, they stand over the last report without any. See docs/report.md#watching.
+//! `vibc watch`: the report of a model on 127.0.0.1, updated after each save of a file that it depends on. If the
+//! newest text has errors, they are shown above the last report without errors. See docs/report.md#watching.
 //!
-//! Pages of other sites cannot reach it: a request has to name this server as its host, and as its origin where it has one.
+//! Pages of other sites cannot reach it: a request has to name this server as its host and, if it has an origin, as its
+//! origin.
 
 use crate::files::{Input, read_all};
 use crate::{Status, report_error};
@@ -18,11 +19,11 @@ use vibc::base::{FileId, Sources};
 use vibc::cli::{Messages, Watch};
 use vibc::{Overview, PageShown};
 
-/// Saving is several events; what comes within this time is one.
+/// Saving causes several events; those within this time count as one.
 const QUIET: Duration = Duration::from_millis(40);
 /// Pages that may wait for changes at the same time.
 const MOST_LISTENERS: usize = 32;
-/// A line that keeps a silent connection open, and finds out whether anybody is there.
+/// Interval of lines that keep a silent connection open, and detect whether the client is still there.
 const BEAT: Duration = Duration::from_secs(15);
 
 /// The content that is served.
@@ -36,7 +37,7 @@ struct Served {
 type Shared = Arc<Mutex<Served>>;
 
 fn lock(shared: &Shared) -> MutexGuard<'_, Served> {
-    // A page that is there is whole, whatever befell the thread that wrote it.
+    // The page is complete, even if the thread that wrote it has panicked.
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -73,7 +74,7 @@ pub fn watch(options: &Watch, messages: &Messages) -> Status {
         let mut served = lock(&shared);
         (served.page, served.version) = (page, maker.version);
     }
-    // If the address cannot be printed, the page cannot be found.
+    // If the address cannot be printed, nobody can find the page.
     let mut out = io::stdout();
     if writeln!(out, "http://127.0.0.1:{port}/").and_then(|()| out.flush()).is_err() {
         return Status::Io;
@@ -180,7 +181,7 @@ impl Folders {
 
 fn answer(request: Request, port: u16, shared: &Shared) {
     let refused = |request: Request, status: u16, why: &str| {
-        // A client that has gone reads nothing.
+        // A client that has disconnected does not read this.
         let _ = request.respond(Response::from_string(format!("{why}\n")).with_status_code(status));
     };
     if !is_own(&request, port) {
@@ -208,7 +209,7 @@ fn answer(request: Request, port: u16, shared: &Shared) {
     }
 }
 
-/// By its host, and by its origin where a browser says one.
+/// Whether a request names this server as its host and, if the browser sends an origin, as its origin.
 fn is_own(request: &Request, port: u16) -> bool {
     let hosts = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
     let header = |name: &'static str| {
@@ -223,7 +224,7 @@ fn is_own(request: &Request, port: u16) -> bool {
 /// Server-sent events: a line for each new version.
 fn events(request: Request, shared: &Shared) {
     let (listener, news) = mpsc::channel();
-    // The page may be older than what is served by now.
+    // The page may be older than the version that is served now.
     let current = {
         let mut served = lock(shared);
         if served.listeners.len() >= MOST_LISTENERS {
@@ -232,7 +233,7 @@ fn events(request: Request, shared: &Shared) {
         served.listeners.push(listener);
         served.version
     };
-    // Written by hand: the library's answer would be sent when a buffer is full.
+    // Written by hand: the library would send its answer only when a buffer is full.
     let mut stream = request.into_writer();
     let head =
         "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n";
