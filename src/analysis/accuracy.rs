@@ -24,8 +24,8 @@ pub struct Shortfall {
     at: Span,
 }
 
-/// The worst relative bound above the tolerance, if there is one. Numbers whose sign is not certain are already covered
-/// by the verdict; they count only if a tolerance was requested.
+/// The worst relative bound above the tolerance, if there is one. The verdict already covers numbers whose sign is not
+/// certain, so they count only if a tolerance was requested.
 pub fn shortfall(system: &LinearSystem, modes: &Modes, poles: &Poles, request: &Request) -> Option<Shortfall> {
     let (tolerance, asked) = (request.limit(), request.asked.is_some());
     let frequencies = modes.numbered().filter(|(_, mode)| asked || mode.kind != ModeKind::Undetermined);

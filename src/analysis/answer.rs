@@ -60,9 +60,9 @@ pub struct Modes {
     pub list: Vec<Mode>,
     /// Number of motions without inertia, whose frequency is infinite: they follow the others and are not in the list.
     pub infinite: usize,
-    /// Modes below those of the list that were not requested: counted, not computed.
+    /// Number of modes below those of the list: they were not requested, and are counted without being computed.
     pub before: Before,
-    /// Modes above those of the list that were not requested: counted, not computed.
+    /// Number of modes above those of the list: they were not requested, and are counted without being computed.
     pub after: usize,
 }
 
@@ -102,8 +102,8 @@ impl Modes {
     }
 }
 
-/// Up to this many coordinates, modes keep their shapes in double-double; beyond, the analyses that need them are not
-/// made either.
+/// Up to this many coordinates, modes keep their shapes in double-double. Beyond it, the analyses that need them are
+/// not available either.
 pub(in crate::analysis) const PRECISE: usize = 128;
 
 /// A mode of M q'' + K q = 0.
@@ -169,9 +169,10 @@ pub struct Poles {
     pub count: Option<PoleCount>,
     /// Number of poles that were not computed or are not listed, because not all modes were requested.
     pub left_out: usize,
-    /// Whether each pole was followed from a mode separately: then it is not proved that no other one lies between.
+    /// Whether each pole was followed from a mode separately. It is then not proved that there are no others in
+    /// between.
     pub followed: bool,
-    /// Transfer functions as sums over the poles, where they were asked for and proved.
+    /// Transfer functions as sums over the poles, if they were requested and proved.
     pub residues: Option<Arc<Residues>>,
     /// The motion in coordinates of the poles, where it was asked for and proved.
     pub coordinates: Option<Arc<PoleCoordinates>>,

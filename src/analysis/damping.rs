@@ -206,7 +206,7 @@ impl Basis {
 }
 
 /// The modes of a part with motions without inertia, on the coordinates that remain after eliminating these exactly;
-/// and the motions of the part that M sees: those of the remaining coordinates, with the others at rest.
+/// and the motions of the part on which M acts: those of the remaining coordinates, with the others at rest.
 fn without_massless_motions(m: &Form, k: &Form, n: usize, modes: &[Mode]) -> Option<(ModalForm, Matrix<Dd>)> {
     let condensed = condense(m, k, n, &structure::null_space(m, n).vectors).ok()?;
     if condensed.kept.len() != modes.len() {

@@ -42,22 +42,22 @@ fn full_turn() -> Ball {
 }
 
 impl Mode {
-    /// rad/s; 0 for a rigid motion, `None` if it is not certain that the mode oscillates.
+    /// The angular frequency in rad/s; 0 for a rigid-body mode, `None` if it is not certain that the mode oscillates.
     pub fn angular_frequency(&self) -> Option<Ball> {
         matches!(self.kind, ModeKind::Oscillation | ModeKind::Rigid).then_some(self.omega)
     }
 
-    /// Hz; `None` if there is no angular frequency.
+    /// The frequency in Hz; `None` if there is no angular frequency.
     pub fn frequency(&self) -> Option<Ball> {
         self.angular_frequency().map(hertz)
     }
 
-    /// s; `None` if the mode does not oscillate.
+    /// The period in s; `None` if the mode does not oscillate.
     pub fn period(&self) -> Option<Ball> {
         (self.kind == ModeKind::Oscillation).then(|| period(self.omega))
     }
 
-    /// 1/s; `None` if the mode does not diverge.
+    /// The growth rate in 1/s; `None` if the mode does not diverge.
     pub fn growth_rate(&self) -> Option<Ball> {
         (self.kind == ModeKind::Divergence).then_some(self.omega)
     }
@@ -128,7 +128,7 @@ impl Pole {
         matches!(self.kind, PoleKind::Flutter | PoleKind::Divergence)
     }
 
-    /// 1 / |re s|, s: the amplitude has then fallen to 1/e. `None` if it does not decay.
+    /// 1 / |re s| in s, the time in which the amplitude falls to 1/e. `None` if the motion does not decay.
     pub fn decay_time(&self) -> Option<Ball> {
         (!self.grows() && !self.re.is_zero()).then(|| Ball::ONE / self.re.abs())
     }
@@ -140,7 +140,7 @@ impl Pole {
         halves.then(|| hertz(Ball::LN_2 * self.im.abs() / self.re.abs()))
     }
 
-    /// s; `None` if the motion does not grow.
+    /// The time in s in which the amplitude doubles; `None` if the motion does not grow.
     pub fn doubling_time(&self) -> Option<Ball> {
         self.grows().then(|| doubling_time(self.re))
     }

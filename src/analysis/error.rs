@@ -1,9 +1,9 @@
-//! Why an analysis gives no answer: facts, and the diagnostics made from them.
+//! The reasons why an analysis gives no answer: facts, and the diagnostics made from them.
 
 use crate::base::{Code, Diagnostic, Span};
 use crate::system::{CoordinateId, LinearSystem};
 
-/// What stops an analysis.
+/// The reason why an analysis stopped.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum AnalysisError {
@@ -11,13 +11,13 @@ pub enum AnalysisError {
     TooManyCoordinates { count: usize, limit: usize, at: Span },
     /// Some modes of a system of this many coordinates were requested, and no sparse method suits it.
     NotSparse { count: usize, limit: usize, at: Span },
-    /// There are motions without inertia that nothing holds: the coordinates concerned, by name, and the place where
-    /// the first is declared.
+    /// Nothing holds some motions without inertia: the coordinates concerned, by name, and the place where the first is
+    /// declared.
     SingularMass { coordinates: Vec<String>, at: Span },
-    /// There are motions without inertia in a part with dampers whose poles are not computed exactly: the coordinates
+    /// Some motions without inertia are in a part with dampers whose poles are not computed exactly: the coordinates
     /// without inertia, by name, the number of coordinates of their part, and the place where the first is declared.
     MasslessPoles { coordinates: Vec<String>, count: usize, limit: usize, at: Span },
-    /// There are bodies without mass whose elimination would leave more than `limit` terms.
+    /// Some bodies have no mass, and their elimination would leave more than `limit` terms.
     MasslessNet { coordinate: String, limit: usize, at: Span },
     /// A mass or a moment of inertia is negative in some motion of this coordinate.
     IndefiniteMass { coordinate: String, at: Span },
@@ -35,7 +35,7 @@ pub enum AnalysisError {
     StepTooLong { at: Span },
     /// A number became too large or too small for binary64.
     OutOfRange { at: Span },
-    /// `damping modal` at a part whose modes are not known well enough for a bound of what it adds.
+    /// `damping modal` for a part whose modes are not known well enough to bound the damping that it adds.
     UncertainModes { at: Span },
 }
 

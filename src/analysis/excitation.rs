@@ -1,6 +1,6 @@
-//! What a moving base excites: participation factors and effective masses of the undamped modes. In: a system with its
-//! modes, and inputs that are motions of bases. Out: for each of them enclosures, mode by mode, and their total.
-//! See docs/method/measures.md#effective-masses.
+//! The modes that a moving base excites: participation factors and effective masses of the undamped modes. In: a system
+//! with its modes, and inputs that are motions of bases. Out: for each of them enclosures, mode by mode, and their
+//! total. See docs/method/measures.md#effective-masses.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::modes::parts::independent_undamped;
@@ -14,19 +14,19 @@ use crate::system::{CoordinateId, LinearSystem};
 pub struct Excitation {
     /// Index of the input.
     pub input: usize,
-    /// For each mode.
+    /// The excitation of each mode.
     pub modes: Vec<Excited>,
     /// The sum of all effective masses: kg, or kg m^2 of a base that turns.
     pub total: Ball,
-    /// What each coordinate follows of the base statically.
+    /// The displacement of each coordinate that follows a unit displacement of the base statically.
     pub(in crate::analysis) carried: Vec<Ball>,
 }
 
-/// The part of a mode in the motion relative to what follows the base statically.
+/// The part of a mode in the motion relative to the static response to the base.
 #[derive(Clone, Copy, Debug)]
 pub struct Excited {
-    /// Of the mass-normalised shape: its square is the effective mass. `None` if the shape is not determined, as that of
-    /// one of several modes of equal frequency.
+    /// The participation factor of the mass-normalised shape; its square is the effective mass. `None` if the shape is
+    /// not determined, as for one of several modes of equal frequency.
     pub participation: Option<Ball>,
     pub mass: Option<Ball>,
     /// The sum of the effective masses up to this mode.
@@ -36,13 +36,14 @@ pub struct Excited {
 /// Coordinates up to which the matrices are inverted in balls.
 const MOST: usize = 128;
 
-/// A system whose modes are ready to be compared with motions of bases.
+/// A system whose modes are prepared for the excitation by bases.
 pub struct Excitations<'a> {
     system: &'a LinearSystem,
     modes: &'a Modes,
     m: Matrix<Ball>,
     k: Matrix<Ball>,
-    /// For each mode its shape, x^T M x, and a bound of the part of other modes in it; `None` where nothing is known.
+    /// For each mode its shape, x^T M x, and a bound of the components of other modes in it; `None` if nothing is
+    /// known.
     shapes: Vec<Option<Shape>>,
 }
 
@@ -50,12 +51,12 @@ struct Shape {
     x: Vec<Ball>,
     /// x^T M x
     square: Ball,
-    /// A bound of the M-norm of what x has of other modes.
+    /// A bound of the M-norm of the components of other modes in x.
     foreign: f64,
 }
 
 impl<'a> Excitations<'a> {
-    /// The error says why there are none.
+    /// The excitations of a system, or the reason why there are none.
     pub fn of(system: &'a LinearSystem, modes: &'a Modes) -> Result<Excitations<'a>, &'static str> {
         if system.is_chained() || system.n() > MOST {
             return Err("effective masses are computed for up to 128 coordinates");
@@ -86,7 +87,7 @@ impl<'a> Excitations<'a> {
             column.iter().for_each(|(i, value): &(CoordinateId, _)| dense[i.index()] = value.to_ball());
             dense
         });
-        // What follows the base statically, and the inertia of that motion.
+        // The static response to a unit displacement of the base, and the inertia of that motion.
         let carried = solve(&self.k, &Matrix::from_fn(n, 1, |i, _| b0[i]))
             .ok_or("a base carries along only what springs hold: the stiffness matrix may be singular")?;
         let inertia: Vec<Ball> = (0..n).map(|i| dot(n, |j| self.m[(i, j)] * carried[(j, 0)]) - b2[i]).collect();
@@ -113,7 +114,7 @@ impl<'a> Excitations<'a> {
 }
 
 impl Excitations<'_> {
-    /// What a row of displacements has of each mass-normalised shape; `None` where the shape is not determined.
+    /// The product of a row of displacements with each mass-normalised shape; `None` if the shape is not determined.
     pub(in crate::analysis) fn along(&self, row: &[(CoordinateId, Number)]) -> Vec<Option<Ball>> {
         let n = self.system.n();
         let mut dense = vec![Ball::ZERO; n];
@@ -137,7 +138,8 @@ impl Excitations<'_> {
     }
 }
 
-/// The sum up to a mode: of the masses up to it, or the total without those after it.
+/// The sum of the effective masses up to a mode: computed directly, or as the total minus the masses after it,
+/// whichever is more accurate.
 fn running(factors: &[Option<(Ball, Ball)>], last: usize, total: Ball) -> Option<Ball> {
     let sum =
         |some: &[Option<(Ball, Ball)>]| some.iter().try_fold(Ball::ZERO, |sum, factor| Some(sum + factor.as_ref()?.1));
@@ -152,11 +154,13 @@ fn dot(n: usize, product: impl Fn(usize) -> Ball) -> Ball {
     (0..n).fold(Ball::ZERO, |sum, i| sum + product(i))
 }
 
-/// The shapes as enclosures of nothing but their own digits, each with a bound of what it has of other modes: with
-/// r = K x - s M x, and all other omega^2 at least g away from s, the M-norm of that part is at most |r| / g, where
-/// |r|^2 = r^T M^-1 r. `None` if M may be singular.
+/// The shapes as enclosures of only their own digits, each with a bound of the components of other modes in it: with r
+/// = K x - s M x, and all other omega^2 at least g away from s, the M-norm of these components is at most |r| / g,
+/// where
+/// r|^2 = r^T M^-1 r. `None` if M may be singular.
 ///
-/// A shape of one independent part has nothing of the modes of others. `homes`: the part of each mode, where it is known.
+/// A shape of one independent part has no components of modes of other parts. `homes`: the part of each mode, if it is
+/// known.
 fn shapes(homes: &[Option<u32>], modes: &Modes, m: &Matrix<Ball>, k: &Matrix<Ball>) -> Option<Vec<Option<Shape>>> {
     let (n, list) = (m.rows(), &modes.list);
     let xs: Vec<Vec<Ball>> = list.iter().map(displacements).collect();

@@ -62,8 +62,8 @@ impl Pencil {
         (n <= MOST_COORDINATES).then(|| Pencil { n, m: whole(&system.m), c: whole(&system.c), k: whole(&system.k) })
     }
 
-    /// The shape of the motion exp(s t): the largest displacement is 1. By inverse iteration; at a multiple pole it is one of
-    /// many. `None` where binary64 does not hold it.
+    /// The shape of the motion exp(s t), scaled so that the largest displacement is 1. Found by inverse iteration; at a
+    /// multiple pole it is one of many. `None` if binary64 cannot represent it.
     pub fn shape(&self, s: Complex<f64>) -> Option<Vec<Complex<f64>>> {
         const STEPS: usize = 3;
         let factors = Factors::of(self, s)?;
@@ -147,7 +147,7 @@ pub enum Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// `None` where poles that are not simple are damped, or where not all of them are known.
+    /// `None` if poles that are not simple are damped, or if not all of them are known.
     pub fn of<'a>(system: &LinearSystem, modes: &Modes, poles: &Poles, pencil: &'a Pencil) -> Option<Parts<'a>> {
         if let Some(sum) = ModalSum::of(system, modes) {
             return Some(Parts::Modes(Box::new(sum)));
@@ -205,7 +205,7 @@ fn of_pole(
     if s.im == 0.0 {
         return Fraction { power, numerator: [residue.re, 0.0], denominator: [-s.re, 1.0, 0.0] };
     }
-    // r / (z - s) and its conjugate together.
+    // r / (z - s) and its conjugate, added.
     Fraction {
         power,
         numerator: [-2.0 * (residue * s.conj()).re, 2.0 * residue.re],
@@ -231,10 +231,10 @@ impl Fractions {
         sum
     }
 
-    /// Whether they agree with the enclosed values of a table, but for what no picture shows.
+    /// Whether the sums agree with the enclosed values of a table, except for differences that no plot shows.
     pub fn agree(&self, table: &Table, input: usize, output: usize) -> bool {
         const RELATIVE: f64 = 1e-5;
-        /// Of the largest gain: what cancels in an antiresonance.
+        /// Relative to the largest gain: the terms that cancel in an antiresonance.
         const ABSOLUTE: f64 = 1e-11;
         let known = || {
             table.rows.iter().filter_map(|row| match row.gains[input][output] {

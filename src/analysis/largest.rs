@@ -109,8 +109,8 @@ pub struct Largest {
 }
 
 impl Largest {
-    /// Takes account of the values that the curve certainly reaches; returns an upper bound of the curve if it exceeds
-    /// the largest known value.
+    /// Records the values that the curve certainly reaches; returns an upper bound of the curve if it exceeds the
+    /// largest known value.
     pub fn bound_rough(&mut self, curve: &Curve) -> Option<f64> {
         let above = (derivative_bound(&curve.rough, 0) + curve.error) * UP;
         if self.reaches(above) {
@@ -236,8 +236,8 @@ fn derivative_bound(terms: &[f64], order: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// 1 - 2 (x - 0.3)^2 to within a thousandth: the largest may be 1.001 or 0.999, and no more is known; in binary64
-    /// and in two words.
+    /// 1 - 2 (x - 0.3)^2 with an error of a thousandth: the largest value may be 1.001 or 0.999, and no more is known;
+    /// in binary64 and in two words.
     #[test]
     fn the_error_of_a_piece_is_in_the_bound() {
         let terms = [0.82, 1.2, -2.0];

@@ -1,5 +1,5 @@
 //! Single numbers that a model asks for or requires, by their definitions on the language page, each as a ball. In:
-//! answers. Out: a value, or why there is none. See docs/method/response.md.
+//! answers. Out: a value, or the reason why there is none. See docs/method/response.md.
 
 use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::derived::hertz;
@@ -17,7 +17,7 @@ pub enum Measurement {
     Value(Ball),
     /// An infinite value, as for a resonance without damping or a free body under a steady load.
     Infinite,
-    /// Why there is no value.
+    /// The reason why there is no value.
     None(&'static str),
     /// The message of the error that stopped the analysis.
     Failed(String),
@@ -103,8 +103,8 @@ pub fn damping_ratio(poles: &Poles, i: usize) -> Measurement {
     }
 }
 
-/// Whether no pole with another damping ratio may be just as far from zero: two oscillators with the same frequency and
-/// different dampers have poles of the same size, and rounding would choose the first.
+/// Whether certainly no pole with another damping ratio is just as far from zero. Two oscillators with the same
+/// frequency and different dampers have poles of the same size, and rounding would choose the first one.
 fn is_certain_in_order(poles: &Poles, of: &Pole) -> bool {
     let size = of.modulus();
     let ratio = |pole: &Pole| pole.damping_ratio.unwrap_or(Ball::new(Dd::ZERO, f64::INFINITY));
@@ -114,7 +114,7 @@ fn is_certain_in_order(poles: &Poles, of: &Pole) -> bool {
         .all(|other| (ratio(other) - ratio(of)).contains_zero())
 }
 
-/// The last pole of the i-th damped motion, or why there is none.
+/// The last pole of the i-th damped motion, or the reason why there is none.
 pub fn damped_motion(poles: &Poles, i: usize) -> Result<&Pole, &'static str> {
     if poles.is_uncounted() || poles.followed {
         return Err("it is not proved that no other damped motion precedes it");
@@ -187,7 +187,8 @@ pub fn amplitude(transfer: &Transfer, drives: &[Vec<Signal>], output: usize) -> 
 /// A steady load: the input, and its value.
 pub type Loads = Vec<(usize, Number)>;
 
-/// The lasting part of a sum of signals: steps, ramps at their end, the last value of a table; `None` if one of them grows without end.
+/// The lasting part of a sum of signals: steps, the final values of ramps, the last values of tables; `None` if a
+/// signal grows without limit.
 pub fn lasting_value(signals: &[Signal]) -> Option<Number> {
     signals.iter().try_fold(Number::ZERO, |sum, signal| Some(&sum + &signal.lasting()?))
 }
@@ -285,7 +286,7 @@ mod tests {
         assert!(matches!(frequency(&modes, 2), Measurement::None(_)));
         assert!(matches!(damping_ratio(&poles, 2), Measurement::None(_)));
         let transfer = Transfer::of(&system);
-        // At its own 2 rad/s an oscillator responds with 1 / (c omega), a quarter of a period late.
+        // At its own 2 rad/s, an oscillator responds with 1 / (c omega), delayed by a quarter of a period.
         let own = Number::pi().recip().expect("not zero");
         assert!((value(gain(&transfer, 0, 0, &own)) - 0.25).abs() < 1e-16);
         assert!((value(phase(&transfer, 0, 0, &own)) + std::f64::consts::FRAC_PI_2).abs() < 1e-15);

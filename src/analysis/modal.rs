@@ -121,7 +121,7 @@ fn requested_modal(
     Ok(Some((modes.clone(), poles.unwrap_or_else(|| poles_of(system, whole, &modes)))))
 }
 
-/// This many modes beyond the requested ones are computed: somewhere among them is a gap.
+/// Number of modes that are computed beyond the requested ones, so that there is a gap somewhere among them.
 const FURTHER: usize = 5;
 
 /// Like [`modal`], with a uniform damping ratio added to each oscillation, in closed form. `None` if the dampers couple

@@ -23,7 +23,7 @@ pub enum NetForm {
     Single,
     /// Each coordinate is coupled only to the next.
     Chain,
-    /// There is no cycle.
+    /// A tree: there is no cycle.
     Tree,
     /// In a suitable order, each coordinate is coupled with at most the next `width`.
     Band {
@@ -48,7 +48,7 @@ impl NetForm {
     }
 }
 
-/// Terms on more coordinates couple each with each: then the part has no useful band.
+/// Terms on more coordinates couple each of them with each other; the part then has no useful band.
 const LONGEST_ROW: usize = 16;
 /// A band is used if this many times its width is at most the number of coordinates.
 const BAND_PAYS: usize = 4;
@@ -162,7 +162,7 @@ impl Graph {
         (0..self.n()).map(width).max().unwrap_or(0)
     }
 
-    /// Breadth-first order, with those of fewest neighbours first.
+    /// Breadth-first order, with the coordinates of fewest neighbours first.
     fn levels(&self, first: u32) -> Vec<u32> {
         let mut seen = vec![false; self.n()];
         seen[first as usize] = true;

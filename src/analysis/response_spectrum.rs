@@ -1,6 +1,6 @@
-//! Largest motions under response spectra: the modes' largest contributions to each output, combined by SRSS and CQC for each
-//! direction. In: a system with its modes, the spectra of its bases. Out: for each base and output enclosures, or why there are
-//! none. See docs/method/response_spectra.md.
+//! Largest motions under response spectra: the modes' largest contributions to each output, combined by SRSS and CQC
+//! for each direction. In: a system with its modes, the spectra of its bases. Out: for each base and output enclosures,
+//! or the reason why there are none. See docs/method/response_spectra.md.
 
 use super::answer::Modes;
 use super::excitation::{Excitation, Excitations};
@@ -8,7 +8,7 @@ use super::transfer::modal::ModalSum;
 use crate::base::{Ball, Number, ResponseSpectrum};
 use crate::system::{CoordinateId, LinearSystem, Origin, Output};
 
-/// What is added on request.
+/// Contributions that are added on request.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Additions {
     /// The motion of the modes above the highest point, which follow the base without an oscillation of their own.
@@ -77,11 +77,11 @@ impl Measured {
 /// Why a direction has no maxima, or the maxima of all its outputs.
 pub type Found = (usize, Result<Direction, String>);
 
-/// All directions, each by its input.
+/// The maxima of all directions, with the input of each.
 #[derive(Clone, Debug, Default)]
 pub struct Spectral {
     pub directions: Vec<Found>,
-    /// Over all directions, by output, where that is requested and each direction has a value: SRSS and CQC.
+    /// The maxima over all directions for each output, by SRSS and CQC, if requested and if each direction has a value.
     pub across: Vec<(usize, [Ball; 2])>,
     pub added: Additions,
 }
@@ -174,7 +174,7 @@ struct Mode {
     acceleration: Ball,
     /// The factor of the spectrum's value in it, if the mode has another damping.
     correction: Option<Ball>,
-    /// Whether it lies above the highest point.
+    /// Whether its frequency lies above the highest point.
     is_rigid: bool,
 }
 
@@ -195,7 +195,8 @@ fn mode(
         excitation.modes[i].mass.is_none_or(|mass| mass.magnitude() > 1e-20 * excitation.total.magnitude());
     let own = spectrum.damping.to_ball();
     let is_rigid = spectrum.ends().is_some_and(|(_, last)| (hertz - last.to_ball()).is_positive());
-    // An oscillator that follows its base has the same maximum with any damping, and one that is not excited none.
+    // If an oscillator follows its base, its maximum is the same with any damping; if it is not excited, its maximum is
+    // zero.
     let is_other = is_excited && !is_rigid && (damping - own).magnitude() > SAME * own.magnitude();
     let correction = (is_other && added.other_damping).then(|| reduction(damping) / reduction(own));
     if is_other && correction.is_none() {
@@ -232,8 +233,8 @@ fn reduction(damping: Ball) -> Ball {
     }
 }
 
-/// Whether the base carries along what dampers hold: C r = b_1 for the motion r that follows the base statically. Damping that
-/// is declared for the whole scene counts as relative to the base.
+/// Whether the dampers move with the base: C r = b_1 for the static response r to the base. Damping that is declared
+/// for the whole scene counts as relative to the base.
 fn is_damped_relative_to_the_base(system: &LinearSystem, input: usize, excitation: &Excitation) -> bool {
     let balance = |all: bool| {
         let mut force = vec![Ball::ZERO; system.n()];
@@ -258,7 +259,7 @@ fn is_damped_relative_to_the_base(system: &LinearSystem, input: usize, excitatio
 
 type Row = [(CoordinateId, Number)];
 
-/// What a spectrum says about an output, and its row over the coordinates.
+/// The quantity that a spectrum gives for an output, and the output's row over the coordinates.
 fn measured<'a>(
     output: &'a Output,
     excitation: &Excitation,
@@ -310,8 +311,8 @@ fn combined(of: Measured, modes: &[Mode], parts: &[Ball], added: Additions) -> R
     Ok(Maximum { of, srss: root(whole(squares)), cqc: root(whole(crossed)), missing: missing.abs() })
 }
 
-/// The correlation of two oscillators under white noise (A. Der Kiureghian, Earthquake Engineering and Structural Dynamics 9
-/// (1981) 419-435). `None` where two undamped ones have frequencies that are not certainly different.
+/// The correlation of two oscillators under white noise (A. Der Kiureghian, Earthquake Engineering and Structural
+/// Dynamics 9 (1981) 419-435). `None` if two undamped ones have frequencies that are not certainly different.
 fn correlation(a: &Mode, b: &Mode) -> Option<Ball> {
     let r = b.omega / a.omega;
     let (x, y) = (a.damping, b.damping);

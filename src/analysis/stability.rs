@@ -14,7 +14,7 @@ use crate::system::{Form, LinearSystem};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stability {
     Stable,
-    /// A rigid motion is left, which neither returns nor diverges.
+    /// A rigid-body mode remains, whose motion neither returns nor diverges.
     Neutral,
     Unstable,
     /// The certified bounds do not decide whether something grows.
@@ -168,7 +168,7 @@ impl Stability {
 }
 
 impl Reason {
-    /// What is not proved, if the verdict is undetermined; empty otherwise.
+    /// The part of the proof that is missing, if the verdict is undetermined; empty otherwise.
     pub fn not_proved(self) -> &'static str {
         match self {
             Reason::Growth | Reason::Energy | Reason::Poles => "",
@@ -224,8 +224,8 @@ mod tests {
         assert_eq!(reason(decaying), Reason::Contradiction);
     }
 
-    /// A ratio that C does not contain: no term shows the energy that it feeds in, so only all poles could prove that
-    /// nothing grows.
+    /// A damping ratio that C does not contain: no term shows the energy that it feeds in, so only all poles could
+    /// prove that nothing grows.
     #[test]
     fn a_negative_ratio_dissipates_no_energy() {
         let system = oscillator("1", "0.1", "4");
@@ -237,7 +237,7 @@ mod tests {
         assert_eq!(reason(&Number::Ball(Ball::new(Dd::ZERO, 1e-30))), Reason::NotComputed);
     }
 
-    /// Two parallel dampers whose sum takes energy: no pole needs to be known.
+    /// Two parallel dampers whose sum dissipates energy: no pole needs to be known.
     #[test]
     fn energy_alone_is_a_proof() {
         let mut system = blank(1);
@@ -252,8 +252,8 @@ mod tests {
         assert_eq!((verdict.kind(), verdict.reason()), (Stability::Stable, Reason::Energy));
     }
 
-    /// A damper of -0.1 on one of two masses that a stiff spring joins, and one of 1 on the other: C is indefinite, and that
-    /// all poles decay is proved by all of them and Routh's count.
+    /// A damper of -0.1 on one of two masses that a stiff spring joins, and one of 1 on the other: C is indefinite, and
+    /// all poles together with Routh's count prove that all of them decay.
     #[test]
     fn all_poles_are_a_proof_where_energy_is_none() {
         let mut system = blank(2);

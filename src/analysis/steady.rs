@@ -21,7 +21,7 @@ pub struct Steady {
     pub outputs: Vec<Gain>,
 }
 
-/// One steady motion for each frequency of the harmonic signals, in their order.
+/// The steady motion at each frequency of the harmonic signals, in their order.
 pub fn steady(transfer: &Transfer, drives: &[Vec<Signal>], outputs: &[usize]) -> Vec<Steady> {
     let mut list: Vec<Steady> = Vec::new();
     for (input, signals) in drives.iter().enumerate() {

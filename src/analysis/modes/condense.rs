@@ -1,10 +1,11 @@
 //! Exact elimination of motions without inertia: they follow the others without adding a force.
 //!
-//! In: M, K and independent exact null vectors of M. Out: forms M', K' on fewer coordinates, and the way back.
+//! In: M, K and independent exact null vectors of M. Out: forms M', K' on fewer coordinates, and the map back to all
+//! coordinates.
 //!
-//! With q = q' + sum v_i s_i, where coordinate f_i of q' is fixed at zero (v_i is 1 there), M does not see s. The condition
-//! that s moves without force is a minimum (or saddle) of the strain energy sum w_t (p_t s + r_t . q')^2 over one s after the
-//! other, and by Lagrange's identity, with W = sum w_t p_t^2,
+//! With q = q' + sum v_i s_i, where coordinate f_i of q' is fixed at zero (v_i is 1 there), M does not depend on s. The
+//! condition that s moves without force is a minimum (or saddle) of the strain energy sum w_t (p_t s + r_t . q')^2 over
+//! one s after the other, and by Lagrange's identity, with W = sum w_t p_t^2,
 //!
 //!   min_s sum_t w_t (p_t s + r_t . q')^2 = sum_(t < u) (w_t w_u / W) ((p_t r_u - p_u r_t) . q')^2:
 //!
@@ -44,7 +45,7 @@ struct Square {
     row: Row,
 }
 
-/// Why motions cannot be eliminated; each variant names a coordinate of one of them.
+/// The reason why motions cannot be eliminated; each variant names a coordinate of one of them.
 pub enum Stuck {
     /// The coordinate cannot be eliminated on its own.
     Undetermined(usize),
@@ -52,8 +53,8 @@ pub enum Stuck {
     TooManyTerms(usize),
 }
 
-/// The most squares that a step may leave, some hundred megabytes. A node without mass between n others makes n² / 2 of
-/// them.
+/// Maximum number of squares that a step may leave, some hundred megabytes. A node without mass between n others makes
+/// n² / 2 of them.
 pub const MOST_SQUARES: usize = 1_000_000;
 
 /// Eliminates the motions `vectors`, given in reduced form: each has a one at a coordinate where the others have zero.

@@ -26,8 +26,8 @@ use crate::system::Form;
 
 /// Up to this many coordinates all digits of double-double are computed; beyond, as many as the tolerance asks for.
 const ALL_DIGITS: usize = 30;
-/// From here on, reductions of whole matrices are tried first: they are faster from some 20 coordinates on, and give
-/// the digits that the tolerance asks for.
+/// From this many coordinates on, reductions of whole matrices are tried first: they are faster from some 20
+/// coordinates on, and give the digits that the tolerance requires.
 const MIN_DENSE: usize = ALL_DIGITS + 1;
 /// Up to this many coordinates the methods of small problems take seconds.
 const MAX_SLOW: usize = 400;
@@ -35,7 +35,7 @@ const MAX_SLOW: usize = 400;
 const NEGLIGIBLE: f64 = Dd::EPSILON / 256.0;
 const MAX_STEPS: usize = 8;
 
-/// Why there are no eigenpairs.
+/// The reason why there are no eigenpairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
     /// M is not positive definite; detected at this coordinate.

@@ -19,9 +19,9 @@ use crate::base::{Number, Power};
 use crate::system::chain::ChainedRow;
 use crate::system::{CoordinateId, Form, LinearSystem};
 
-/// With more entries than this for each coordinate the rows are not short: the links do not hang in one line.
+/// With more entries per coordinate than this, the rows are not short: the links do not hang in one line.
 const MOST_ENTRIES: usize = 24;
-/// The most entries of M, C and K together that are written out if no other method applies.
+/// Maximum number of entries of M, C and K together that are written out if no other method applies.
 const MOST_WRITTEN_OUT: u64 = 5_000_000;
 
 /// A linkage in the new coordinates.

@@ -300,7 +300,7 @@ struct Report<'a> {
     stiffness: Terms,
     /// M and K in binary64.
     light: [Roots; 2],
-    /// Which coordinates are displacements.
+    /// For each coordinate, whether it is a displacement.
     translates: Vec<bool>,
 }
 

@@ -14,7 +14,7 @@ pub struct Pair {
     pub route: Route,
 }
 
-/// Displacements; in three words if the stretches of stiff springs need them.
+/// Displacements, in three words if the stretches of stiff springs need them.
 #[derive(Clone, Debug)]
 pub enum Displacements {
     Precise(Vec<Triple>),

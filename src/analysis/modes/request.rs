@@ -1,6 +1,6 @@
 //! The request that an analysis of modes answers.
 
-/// Which modes to compute, and how accurately.
+/// The modes to compute, and their accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
     pub which: Which,
@@ -9,7 +9,7 @@ pub struct Request {
     pub tolerance: f64,
     /// Relative bound that the user asked for, if any, of every frequency and pole; a larger bound is an error.
     pub asked: Option<f64>,
-    /// Solve all independent parts as one. Splitting must not change a result; this is what it is compared with.
+    /// Treat all independent parts as one. Splitting must not change a result; this option serves to compare.
     pub together: bool,
 }
 

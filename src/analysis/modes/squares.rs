@@ -1,7 +1,7 @@
 //! A form of the system as flat numbers: the weights and sparse rows of `sum w a a^T` as balls.
 //!
-//! What is uncertain in the model (a root, a sine, the rounding of 0.1 to a double-double) is in the balls and so in every
-//! bound.
+//! Any uncertainty in the model (a root, a sine, the rounding of 0.1 to a double-double) is in the balls and so in
+//! every bound.
 
 use crate::base::Ball;
 use crate::kernel::squares::Squares;

@@ -89,7 +89,7 @@ fn equilibrating(x: f64) -> f64 {
     if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
 }
 
-/// Values with im > 0, and those that are real up to rounding.
+/// The values with im > 0, and those that are real up to rounding.
 fn upper_half(values: &[Complex<f64>]) -> Vec<Complex<f64>> {
     let is_real = |z: &Complex<f64>| z.im.abs() <= 1e-13 * z.re.abs();
     values

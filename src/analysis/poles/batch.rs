@@ -26,7 +26,7 @@ const OFFSET: f64 = 2e-9;
 const CONTRACTION: f64 = 1e-7;
 /// Each step gains some seven of thirty digits.
 const MOST_STEPS: usize = 6;
-/// A start farther from its pole than this gains nothing from a step whose equations are set up next to it.
+/// A step whose equations are set up next to the pole does not improve a start farther from its pole than this.
 const FAR: f64 = 1e-4;
 /// Refined, but not to the last digit.
 const REFINED: f64 = 1e-20;

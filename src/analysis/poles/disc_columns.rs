@@ -54,7 +54,7 @@ pub struct Columns {
     pub of_pair: Vec<(usize, usize)>,
     /// The factor that scales pair p.
     pub factors: Vec<Complex<f64>>,
-    /// For each column, that of the conjugate vector, up to a sign.
+    /// For each column, the column of the conjugate vector, up to a sign.
     pub mirror: Vec<usize>,
     pub centres: Vec<Complex<Ball>>,
 }

@@ -32,8 +32,8 @@ pub struct PoleEnclosure {
 }
 
 /// The discs of all pairs (one of each conjugate pair, im > 0, and real ones) together with the exact rigid motions.
-/// `count` is the number of poles; nothing is certified if there are fewer or more columns than poles.
-/// `also` makes from the bounds of the proof what else follows from them; `None` where there is no proof.
+/// `count` is the number of poles; nothing is certified if there are fewer or more columns than poles. `also` computes
+/// further results from the bounds of the proof; `None` if there is no proof.
 pub fn discs<T>(
     pencil: &Pencil<Precise>,
     rigid: &RigidMotions,

@@ -20,7 +20,7 @@ use std::cmp::Ordering;
 pub const MOST_COORDINATES: usize = 12;
 /// Initial working precision for roots, in bits; it is doubled until their discs are disjoint.
 const FIRST_BITS: u64 = 160;
-/// Largest working precision. It separates roots down to a distance of 2^-1000; the polynomials here have none closer.
+/// Largest working precision. It separates roots down to a distance of 2^-1000; no polynomial here has closer roots.
 const MOST_BITS: u64 = 2560;
 
 /// All finite poles of a part: as many as the degree of det Q. Made only by [`exact_poles`].
@@ -418,7 +418,7 @@ mod tests {
         ComplexFloat::new(Float::from(re), Float::from(im))
     }
 
-    /// Discs that meet, a missing disc, and discs on and off the axis that contain the same root prove nothing.
+    /// Discs that touch, a missing disc, and discs on and off the axis that contain the same root prove nothing.
     #[test]
     fn values_that_are_not_separated_are_not_roots() {
         // (s + 1)(s + 3)
@@ -436,7 +436,7 @@ mod tests {
         assert!(real.iter().all(|(s, real)| *real && s.im.is_zero()));
     }
 
-    /// Discs that meet are not separated roots, also for values whose squares exceed binary64.
+    /// Discs that touch are not separated roots, even for values whose squares exceed binary64.
     #[test]
     fn large_values_are_separated_exactly() {
         let big = BigInt::from(10).pow(160u32);

@@ -27,7 +27,7 @@ pub struct PoleList {
     first: usize,
     /// Indices at which the poles of each part end, and those of each mode that is an independent oscillator.
     ends: Vec<usize>,
-    /// Of a system that is one part.
+    /// The residues of a system that is one part.
     pub residues: Option<Residues>,
     /// The same.
     pub coordinates: Option<PoleCoordinates>,

@@ -57,9 +57,10 @@ use crate::kernel::complex::Complex;
 use crate::system::{Form, LinearSystem};
 use std::sync::Arc;
 
-/// Up to this many coupled coordinates all poles are computed where all modes are asked for; unasked, up to `MAX_UNASKED`.
+/// Up to this many coupled coordinates, all poles are computed if all modes are requested; without a request, up to
+/// `MAX_UNASKED`.
 pub const MAX_DAMPED: usize = 1_000;
-/// From this many coordinates on, pairs are first refined all together.
+/// From this many coordinates on, all pairs are first refined at once.
 const TOGETHER: usize = 24;
 
 /// All poles.
@@ -80,8 +81,8 @@ pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisErro
     in_range(system, unscaled(system, modes, Also::Nothing)?)
 }
 
-/// All poles, and transfer functions as sums over them where their proof bounds what such a sum leaves out: of a system that is
-/// one part with general damping, none of whose poles is on the imaginary axis.
+/// All poles, and transfer functions as sums over them if the proof bounds the error of such sums: for a system that is
+/// one part with general damping and has no pole on the imaginary axis.
 pub fn poles_and_residues(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
     if system.c.is_empty() || scaled(system).is_some() || !is_one_part(system) {
         return poles(system, modes);
@@ -124,7 +125,7 @@ struct FromProof {
     coordinates: Option<PoleCoordinates>,
 }
 
-/// All modes, whatever their number: whoever asks for all poles has decided that.
+/// All modes, whatever their number: the request for all poles implies it.
 fn all_modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
     crate::analysis::modes_as(system, &Request { which: Which::All, ..Request::default() })
 }
@@ -212,7 +213,7 @@ fn without_inertia(modes: &Modes, damping: &Proportional, passive: Passive, foun
     found.infinite(modes.infinite);
 }
 
-/// The poles that were found, with the number of those that were not.
+/// The list of the poles that were found, and the number of those that were not.
 fn finish_partial(mut found: PoleList, system: &LinearSystem, modes: &Modes) -> Poles {
     let left_out = found.missing(2 * system.n());
     if modes.is_complete() {
@@ -403,14 +404,13 @@ impl Portion<'_> {
         let decided = rigid.free.len() + rigid.dragged.len() == rigid_modes;
         let zeros = if decided { basis.zeros() } else { rigid_modes };
         let Some(lost) = (2 * pencil.n).checked_sub(zeros + count) else {
-            // Approximations of a pole that is repeated within what is known may be more than there are poles, real and
-            // complex ones. Nothing is known of any.
+            // Approximations of a pole that is repeated within its uncertainty may outnumber the poles, as real and
+            // complex ones. Then nothing is known about any of them.
             found.unknown((2 * pencil.n).saturating_sub(zeros));
             found.zeros(zeros.min(2 * pencil.n));
             return Ok(());
         };
-        // Poles that were not found are listed nevertheless: nothing is known of them, and nothing is certified of the
-        // others.
+        // Poles that were not found are listed nevertheless, as unknown, and no other pole is certified.
         found.unknown(lost);
         found.zeros(zeros);
         found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));

@@ -10,7 +10,7 @@ use crate::system::{Form, LinearSystem};
 /// Larger sums with negative weights are not examined, because the elimination is exact.
 const MOST_COORDINATES: usize = 24;
 
-/// Which energies are certainly never negative.
+/// The energies that are certainly never negative.
 #[derive(Clone, Copy, Debug)]
 pub struct Passive {
     /// M and C are positive: no oscillation grows.
@@ -43,7 +43,7 @@ fn is_damped(system: &LinearSystem, part: &Part) -> bool {
     is_semidefinite(&system.m, &part.m) && is_semidefinite(&system.c, &part.c)
 }
 
-/// Whether a damping ratio certainly feeds no energy in.
+/// Whether a damping ratio certainly feeds in no energy.
 pub fn takes_energy(ratio: &Number) -> bool {
     ratio.is_zero() || ratio.is_positive()
 }

@@ -1,6 +1,6 @@
-//! Damping of the form C = alpha M + beta K (Rayleigh), recognised exactly: then each undamped mode is an oscillator
-//! s^2 + (alpha + beta omega^2) s + omega^2 of its own. In: the terms of an independent part. Out: alpha and beta, or
-//! nothing if C is not of that form or a number is not rational. See docs/method/poles.md#quadratics.
+//! Damping of the form C = alpha M + beta K (Rayleigh), recognised exactly: each undamped mode is then an independent
+//! oscillator s^2 + (alpha + beta omega^2) s + omega^2. In: the terms of an independent part. Out: alpha and beta;
+//! `None` if C is not of that form or a number is not rational. See docs/method/poles.md#quadratics.
 
 use crate::analysis::modes::parts::Part;
 use crate::base::{Number, Rational};

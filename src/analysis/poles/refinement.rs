@@ -26,7 +26,7 @@ impl Pair {
 
 /// A smaller correction is rounding error: 2^-103.
 pub const SETTLED: f64 = 1e-31;
-/// From a good start each step gains at least ten digits; this many are for bad ones.
+/// From a good start each step gains at least ten digits; the limit allows for bad starts.
 const MOST_STEPS: usize = 24;
 
 /// Refines one start; `seed` selects a pseudo-random first vector, so that equal starts find different vectors. `None`
@@ -64,8 +64,8 @@ pub fn refine(pencil: &Pencil<Dd>, basis: &Basis, start: Complex<f64>, seed: usi
 }
 
 /// s <- s - x^T Q(s) x / x^T Q'(s) x, the Rayleigh quotient. The energies of stiff springs that hardly stretch are
-/// small of second order, so a slow pole among fast ones gets all its digits; the forces of those springs would drown
-/// them.
+/// small of second order, so a slow pole among fast ones gets all its digits; with the forces of those springs, they
+/// would be lost.
 pub fn balance_energies(pencil: &Pencil<Dd>, pair: &mut Pair) {
     let applied = pencil.apply(pair.s, &pair.x);
     let slope = pencil.slope(pair.s.to_f64(), &applied);

@@ -1,11 +1,12 @@
-//! Transfer functions as sums over poles, with a bound of what the sums leave out. In: the columns in which the poles are
-//! certified, and the bounds of that proof. Out: for each pole what each input excites of it and what each output sees of
-//! it. docs/method/transfer.md#sum-over-poles derives it:
+//! Transfer functions as sums over poles, with a bound of the error of these sums. In: the columns in which the poles
+//! are certified, and the bounds of that proof. Out: for each pole its excitation by each input and its share in each
+//! output. docs/method/transfer.md#sum-over-poles derives it:
 //!
-//! With Z^T L(s) Z = B (s - D + T), B = Lambda (1 + F), and b, p an input and an output as the columns of Z see them,
+//! With Z^T L(s) Z = B (s - D + T), B = Lambda (1 + F), and b, p an input and an output in the columns of Z,
 //!   p^T Q^-1 b = p^T (s - D)^-1 (1 + T (s - D)^-1)^-1 (1 + F)^-1 Lambda^-1 b.
-//! T and F are as small as the residuals of the pairs, so Lambda^-1 b is what the input excites but for a rest w, and the sum
-//! over p_j b_j / (Lambda_j (s - s_j)) is H but for sum |p_j| w_j / |s - s_j|. The s_j are exact numbers here, not enclosures.
+//! T and F are as small as the residuals of the pairs, so Lambda^-1 b is the excitation by the input except for a
+//! remainder w, and the sum over p_j b_j / (Lambda_j (s - s_j)) differs from H by at most sum |p_j| w_j / |s - s_j|.
+//! The s_j are exact numbers here, not enclosures.
 
 use crate::analysis::poles::disc_columns::{Columns, UP};
 use crate::analysis::poles::discs::{Deviation, Perturbation};
@@ -17,17 +18,18 @@ use crate::kernel::squares::Squares;
 use crate::kernel::triple::Precise;
 use crate::system::{CoordinateId, LinearSystem};
 
-/// What inputs excite of each pole, and what outputs see of it. Its poles are approximate, and one of each conjugate pair.
+/// The excitation of each pole by inputs, and its share in outputs. The poles are approximate; one of each conjugate
+/// pair.
 #[derive(Clone, Debug)]
 pub struct Residues {
     pub(in crate::analysis) poles: Vec<Complex<Dd>>,
-    /// For each input its powers of s.
+    /// For each input, one entry per power of s.
     pub(in crate::analysis) inputs: Vec<[Option<Excited>; 3]>,
-    /// For each output its powers of s: p . x_j.
+    /// For each output, one entry per power of s: p . x_j.
     pub(in crate::analysis) outputs: Vec<[Option<Vec<Complex<Ball>>>; 3]>,
 }
 
-/// What a power of an input excites of each pole.
+/// The excitation of each pole by a power of an input.
 #[derive(Clone, Debug)]
 pub struct Excited {
     /// x_j . b / Lambda_j
@@ -48,8 +50,8 @@ pub struct Proof<'a> {
 }
 
 impl Proof<'_> {
-    /// The residues of a system that is one part; `local` are its coordinates in the part. `None` where a pole may lie on the
-    /// imaginary axis, or a motion is free.
+    /// The residues of a system that is one part; `local` are its coordinates in the part. `None` if a pole may lie on
+    /// the imaginary axis, or if a motion is free.
     pub fn residues(&self, system: &LinearSystem, local: &[u32]) -> Option<Residues> {
         let norms: Vec<Complex<Ball>> =
             self.pairs.iter().zip(self.applied).map(|(pair, applied)| norm(self.pencil, pair.s, applied)).collect();
@@ -74,8 +76,8 @@ impl Proof<'_> {
         Some(Residues { poles: self.pairs.iter().map(|pair| pair.s).collect(), inputs, outputs })
     }
 
-    /// For each column 2 / |re s_j|, no less than 1 / |s - s_j| for s on the imaginary axis or half way from it to the nearest
-    /// pole, and the largest row sum of |T_ij| times this.
+    /// For each column 2 / |re s_j|, which is at least 1 / |s - s_j| for s on the imaginary axis or half way from it to
+    /// the nearest pole, and the largest row sum of |T_ij| times this.
     fn near_axis(&self) -> Option<(Vec<f64>, f64)> {
         if !self.columns.rigid.is_empty() {
             return None;
@@ -127,7 +129,7 @@ impl Proof<'_> {
     }
 }
 
-/// A bound of x + A x + A^2 x + .. from that of x, where the row sums of |A| are at most theta.
+/// A bound of x + A x + A^2 x + .. from that of x, if the row sums of |A| are at most theta.
 fn with_tail(first: Vec<f64>, theta: f64) -> Vec<f64> {
     let tail = first.iter().copied().fold(0.0, larger) * (theta / (1.0 - theta)) * UP;
     first.into_iter().map(|x| (x + tail) * UP).collect()
@@ -148,8 +150,8 @@ pub(in crate::analysis::poles) fn norm(
     twice * energy(&pencil.m, &applied.m_stretch) + energy(&pencil.c, &applied.c_stretch)
 }
 
-/// sum w t^2 in double-double, with a bound of what is lost: each term is good to a few roundings, each sum to one of the
-/// whole.
+/// sum w t^2 in double-double, with a bound of the error: a few roundings for each term, and one rounding of the whole
+/// for each sum.
 fn energy(squares: &Squares<Precise>, stretches: &[Complex<Precise>]) -> Complex<Ball> {
     let (mut sum, mut size, mut doubt) = (Complex::<Dd>::ZERO, 0.0, f64::MIN_POSITIVE);
     for (w, t) in squares.weights.iter().zip(stretches) {
@@ -178,8 +180,8 @@ mod tests {
     use crate::analysis::transfer::partial_fractions::PartialFractions;
     use crate::analysis::transfer::{Frequency, Transfer};
 
-    /// Vectors and poles that are wrong by 1e-12 to 1e-6, each in its own way: what their sums leave out is within the bounds,
-    /// which are as small as the slips are.
+    /// Vectors and poles with errors of 1e-12 to 1e-6, each in its own way: the errors of their sums are within the
+    /// bounds, which are as small as the errors of the pairs.
     #[test]
     fn sums_over_wrong_pairs_are_within_their_bounds() {
         let mut system = blank(4);
@@ -197,7 +199,7 @@ mod tests {
             (0..).zip(&starts).map(|(seed, &start)| refine(&working, &basis, start, seed).expect("a pole")).collect();
         let transfer = Transfer::of(&system);
         let mut largest: f64 = 0.0;
-        // Of right vectors with wrong poles F is as small as ever, and T alone says what is wrong.
+        // With correct vectors and wrong poles, F stays small, and only T shows the error.
         for (slip, of_vectors) in [(0.0, 0.0), (1e-12, 1.0), (1e-9, 1.0), (1e-9, 0.0), (1e-6, 1.0)] {
             let mut pairs = right.clone();
             for (j, pair) in pairs.iter_mut().enumerate() {
@@ -209,7 +211,7 @@ mod tests {
             }
             let residues =
                 discs(&pencil, &RigidMotions::default(), &pairs, 8, |proof| proof.residues(&system, &local)).1;
-            // Of poles as near to the axis as the slip nothing is proved.
+            // Nothing is proved about poles whose distance from the axis is comparable to the error.
             let Some(residues) = residues.flatten() else {
                 assert!(slip > 1e-9, "{slip}");
                 continue;
@@ -227,7 +229,7 @@ mod tests {
                 }
             }
         }
-        // Otherwise nothing was tried.
+        // Otherwise the test would compare nothing.
         assert!(largest > 1e-3, "{largest}");
     }
 }

@@ -75,7 +75,7 @@ impl ComplexColumns {
     }
 }
 
-/// Sizes below which an entry beside the diagonal splits the matrix, relative to its neighbours. Where roundings keep the
+/// Sizes below which an entry beside the diagonal splits the matrix, relative to its neighbours. If roundings keep the
 /// iteration above the first one, a larger one is tried: the form is the start of proofs, which do not depend on it.
 const SPLITS: [f64; 3] = [f64::EPSILON, 16.0 * f64::EPSILON, 1024.0 * f64::EPSILON];
 
@@ -93,7 +93,7 @@ impl SchurForm {
             return Some(SchurForm { q: empty.clone(), t: empty, least_pivot: 0.0 });
         }
         if n == 1 {
-            // It is not handled there either.
+            // nalgebra does not handle this case either.
             let (q, t) = (Matrix::filled(1, 1, 1.0), Matrix::filled(1, 1, a[(0, 0)]));
             return Some(SchurForm { q, t, least_pivot: (a[(0, 0)].abs() * f64::EPSILON).max(f64::MIN_POSITIVE) });
         }

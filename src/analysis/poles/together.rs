@@ -1,11 +1,11 @@
-//! All pairs refined together, each along all others. In: pencil, modal basis, starting values with some digits. Out:
+//! Refines all pairs together, each along all others. In: pencil, modal basis, starting values with some digits. Out:
 //! pairs in double-double, for a few products of matrices.
 //!
 //! With the columns z_i = (x_i, s_i x_i) and B, R of the discs, Z^T L(s_j) Z = B (s_j - D) + R. To first order B is
 //! diagonal, so z_j + sum e_ij z_i solves L(s_j) z = 0 with
 //!   e_ij = -x_i^T Q(s_j) x_j / (B_ii (s_j - s_i)), B_ii = x_i^T (2 s_i M + C) x_i,
-//! and s_j takes the step of its Rayleigh quotient. The error after a step is the product of those of j and of the
-//! others before it: eight digits become sixteen and then thirty. See docs/method/poles.md#general-systems.
+//! and s_j takes the step of its Rayleigh quotient. The error after a step is the product of the previous errors of j
+//! and of the others: eight digits become sixteen and then thirty. See docs/method/poles.md#general-systems.
 
 use crate::analysis::poles::batch::displacements;
 use crate::analysis::poles::companion::{Basis, Starts};
@@ -24,14 +24,14 @@ const MOST_STEPS: usize = 6;
 const CONTRACTION: f64 = 1e-12;
 /// Vectors of this relative error are good enough: the radius of a disc is quadratic in it.
 const ENOUGH: f64 = 1e-26;
-/// A start farther from its pole than this is none.
+/// A value farther from its pole than this is not a usable start.
 const FAR: f64 = 0.3;
-/// One of so many pairs may be refined by itself.
+/// One pair in this many may be refined by itself.
 const FEW_LOST: usize = 16;
 /// Poles nearer to each other than this (relative) are not separated along each other's vectors.
 const CLOSE: f64 = 1e-8;
 
-/// What a step needs of one pair.
+/// The data of one pair that a step needs.
 struct Residual {
     /// Q(s) x
     force: Vec<Complex<f64>>,
@@ -61,7 +61,7 @@ pub fn refine_together(pencil: &Pencil<Dd>, basis: &Basis, starts: &Starts) -> O
             larger(size, residuals[column].step.abs() / pairs[j].s.to_f64().abs())
         };
         let steps: Vec<f64> = moving.iter().enumerate().map(|(column, &j)| step(column, j)).collect();
-        // What the other vectors lack is lacking in the step along them.
+        // The error of the other vectors remains in the step along them.
         let others = steps.iter().copied().filter(|&step| step < FAR).fold(CONTRACTION, f64::max);
         let mut still = Vec::new();
         for (column, &j) in moving.iter().enumerate() {
@@ -98,7 +98,7 @@ fn expanded(basis: &Basis, starts: &Starts) -> Vec<Pair> {
     let x = y.after(View::of(&basis.shapes));
     let scale = |j: usize| {
         let size = size(&x, j);
-        // A power of two rounds nothing.
+        // Multiplying by a power of two causes no rounding.
         1.0 / f64::from_bits(size.to_bits() & f64::INFINITY.to_bits())
     };
     let words = |m: &Matrix<f64>, j: usize| {
@@ -185,7 +185,7 @@ fn along_others(
     ComplexColumns { re, im }
 }
 
-/// -product / (s - other); nothing along a pole that cannot be told from s.
+/// -product / (s - other); zero along a pole that cannot be distinguished from s.
 fn factor(product: Complex<f64>, s: Complex<f64>, other: Complex<f64>) -> Complex<f64> {
     let gap = s - other;
     if gap.one_norm() <= CLOSE * s.one_norm() {

@@ -1,11 +1,12 @@
-//! The least of the largest |H| over ranges of parameters, proved. In: |H|^2 as a function of the parameters and the frequency,
-//! and a place near the least. Out: the place, a number that |H|^2 cannot stay below anywhere in the ranges, and how far another
-//! place that is as good can be. See docs/method/measures.md#optima.
+//! The least possible peak of |H| over ranges of parameters, proved. In: |H|^2 as a function of the parameters and the
+//! frequency, and a place near the optimum. Out: the place, a number below which |H|^2 cannot stay anywhere in the
+//! ranges, and the possible distance of another place that is equally good. See docs/method/measures.md#optima.
 //!
-//! At any frequency, |H| is not above its largest value. So for weights that add up to one and frequencies that may depend on the
-//! parameters p, L(p) = sum w_i(p) |H(w_i(p), p)|^2 bounds the square of the peak from below, everywhere. Near the place L is
-//! built from the peaks that are equal there, with the weights at which its gradient vanishes; where its second derivatives are
-//! positive definite over a box, its least value follows. Elsewhere boxes are excluded by the gains at some frequencies.
+//! At any frequency, |H| is at most its largest value. So for weights that add up to one and frequencies that may
+//! depend on the parameters p, L(p) = sum w_i(p) |H(w_i(p), p)|^2 is a lower bound of the square of the peak
+//! everywhere. Near the place, L is built from the peaks that are equal there, with the weights at which its gradient
+//! vanishes; if its second derivatives are positive definite over a box, its least value follows. Elsewhere boxes are
+//! excluded by the gains at some frequencies.
 
 use super::several::{Affine, Square};
 use crate::base::{Ball, Dd, up};
@@ -19,7 +20,7 @@ pub struct Peaks {
     pub band: [f64; 2],
     /// Below this, frequencies are compared with the lower end of the band alone.
     pub lowest: f64,
-    /// The one frequency, where the ends of the band are the same.
+    /// The only frequency, if the two ends of the band are equal.
     pub fixed: Option<Ball>,
     /// Most boxes that are examined.
     pub most: usize,
@@ -31,16 +32,16 @@ pub struct Top {
     pub omega: Dd,
     /// Its weight.
     pub weight: Dd,
-    /// Whether it moves with the parameters: |H| is stationary there.
+    /// Whether its frequency depends on the parameters: |H| is stationary there.
     pub moves: bool,
 }
 
-/// A place where the peaks cannot be lowered together.
+/// A place at which the peaks cannot all be lowered.
 #[derive(Clone, Debug)]
 pub struct Place {
     pub at: Vec<Dd>,
     pub tops: Vec<Top>,
-    /// The parameters that stand at an end of their range: -1, 1, or 0 for inside.
+    /// For each parameter, -1 or 1 if it is at an end of its range, and 0 inside.
     pub ends: Vec<i8>,
 }
 
@@ -55,13 +56,13 @@ pub struct Valley {
     curvature: f64,
     /// The gradient of L at the place, of the free parameters.
     gradient: f64,
-    /// For each parameter at an end, how much L rises at least per unit.
+    /// For each parameter at an end, a lower bound of the increase of L per unit.
     rises: Vec<f64>,
     /// L at the place.
     level: Ball,
 }
 
-/// Proof that no box outside of a valley holds a lower peak. Made by the search alone.
+/// Proof that no box outside a valley contains a lower peak. Made only by the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Everywhere(());
 
@@ -70,9 +71,9 @@ const NEWTON: usize = 40;
 const ROUND: f64 = 1.6;
 /// A peak this much lower than the highest one is not taken for equal to it.
 const NEARLY: f64 = 0.03;
-/// How far the weights move over a box, as parts of what keeps them above zero.
+/// The change of the weights over a box, as a share of the change that would make a weight zero.
 const TILTED: [f64; 5] = [0.3, 0.03, 3e-3, 3e-4, 3e-5];
-/// A parameter this near to an end of its range is tried at the end.
+/// Distances from an end of its range within which a parameter is tried at the end.
 const AT_AN_END: [f64; 3] = [1e-6, 1e-3, 3e-2];
 
 impl Peaks {
@@ -121,8 +122,8 @@ impl Peaks {
         list
     }
 
-    /// Newton's method for a place where the weighted gradients of equal peaks cancel, from one nearby. `None` if it does not
-    /// arrive.
+    /// Newton's method for a place at which the weighted gradients of equal peaks cancel, from one nearby. `None` if it
+    /// does not converge.
     pub fn settle(&self, start: &[f64]) -> Option<Place> {
         let maxima = self.maxima(start);
         let most = self.count() + 1;
@@ -220,7 +221,7 @@ impl Peaks {
         self.fixed.unwrap_or(Ball::exact(top.omega))
     }
 
-    /// The largest box around a place, of those whose widths are powers of two, over which L is convex.
+    /// The largest box around a place, among those whose widths are powers of two, over which L is convex.
     pub fn valley(&self, place: &Place) -> Option<Valley> {
         let scales = self.scales(place)?;
         let sizes = std::iter::successors(Some(0.5), |size| Some(0.5 * size)).take(40);
@@ -257,7 +258,7 @@ impl Peaks {
         let here: Option<Vec<Square>> =
             tops.iter().map(|top| self.affine.square(&point, self.omega(top), true)).collect();
         let here = here?;
-        // How each peak moves: d omega / dp = - (d2 / domega dp) / (d2 / domega2).
+        // The drift of each peak: d omega / dp = - (d2 / domega dp) / (d2 / domega2).
         let drift = |square: &Square, top: &Top| -> Vec<Ball> {
             let own = square.bend[last][last].mid;
             let of = |a: usize| if top.moves { Ball::exact(-square.bend[last][a].mid / own) } else { Ball::ZERO };
@@ -280,7 +281,7 @@ impl Peaks {
             }
             over.push(self.affine.square(&wide, omega, true)?);
         }
-        // Of each peak followed along its drift: gradient and second derivatives by the parameters.
+        // For each peak followed along its drift: gradient and second derivatives with respect to the parameters.
         let along = |square: &Square, drift: &[Ball]| -> (Vec<Ball>, Vec<Vec<Ball>>) {
             let slope = (0..count).map(|a| square.slope[a] + square.slope[last] * drift[a]).collect();
             let bend = |a: usize, c: usize| {
@@ -328,7 +329,8 @@ impl Peaks {
         Some(Valley { radius: radius.to_vec(), least, curvature, gradient, rises, level: level / whole })
     }
 
-    /// The weights' own slopes: towards the peak that is higher, by this part of what the box allows, so that L bends where the peaks part.
+    /// The slopes of the weights: towards the higher peak, by this share of the change that the box allows, so that L
+    /// curves where the peaks separate.
     fn tilts(&self, place: &Place, slopes: &[Vec<Ball>], radius: &[f64], tilted: f64) -> Vec<Vec<Ball>> {
         let (count, k) = (self.count(), place.tops.len());
         let mean = |a: usize| slopes.iter().fold(Dd::ZERO, |sum, slope| sum + slope[a].mid) / Dd::from(k as f64);
@@ -347,8 +349,8 @@ impl Peaks {
         apart.iter().map(|row| row.iter().map(|x| Ball::exact(*x * times)).collect()).collect()
     }
 
-    /// Whether the square of the peak is above `bar` in every part of the ranges outside of the valley; otherwise the number of
-    /// boxes that were not settled.
+    /// Whether the square of the peak is above `bar` in every part of the ranges outside the valley; otherwise the
+    /// number of boxes that were not settled.
     pub fn excludes(&self, place: &Place, valley: &Valley, bar: Ball) -> Result<Everywhere, usize> {
         let count = self.count();
         let mut waiting = std::collections::VecDeque::from([vec![(-1.0, 1.0); count]]);
@@ -407,7 +409,8 @@ impl Peaks {
         false
     }
 
-    /// Frequencies at which |H| is likely above the bar throughout a box: its highest maxima, and where they are high beside them.
+    /// Frequencies at which |H| is likely above the bar throughout a box: its highest maxima, and high points on their
+    /// flanks.
     fn witnesses(&self, at: &[f64], tops: &[Top], bar: f64) -> Vec<f64> {
         let mut list = Vec::new();
         let path = self.affine.at(at);
@@ -433,7 +436,8 @@ impl Peaks {
 }
 
 impl Valley {
-    /// How far from the place, along each parameter, the square of the peak may still be no higher than this.
+    /// The distances from the place, along each parameter, up to which the square of the peak may be no higher than
+    /// this.
     pub fn reach(&self, place: &Place, square: Ball) -> Vec<f64> {
         let gap = (square - self.least).mid.hi + (square - self.least).rad;
         let above = (square - self.level).mid.hi + (square - self.level).rad;
@@ -449,8 +453,8 @@ impl Valley {
     }
 }
 
-/// Whether the larger one of two functions, given at the middle of a box and by their slopes over it, is positive throughout: by a
-/// weighted mean.
+/// Whether the larger of two functions, given by their values at the middle of a box and their slopes over it, is
+/// positive throughout: by a weighted mean.
 fn together(a: &(Ball, Vec<Ball>), b: &(Ball, Vec<Ball>), radius: &[f64]) -> bool {
     let below = |part: f64| {
         let (one, other) = (Ball::from(part), Ball::from(1.0 - part));
@@ -459,7 +463,7 @@ fn together(a: &(Ball, Vec<Ball>), b: &(Ball, Vec<Ball>), radius: &[f64]) -> boo
         let falls: f64 = a.1.iter().zip(&b.1).map(slope).zip(radius).map(|(slope, radius)| slope * radius).sum();
         value - Ball::from(falls * up::THOUSANDS)
     };
-    // The bound is concave in the part, with kinks where a slope vanishes.
+    // The bound is a concave function of the weight, with kinks where a slope vanishes.
     let kink = |(a, b): (&Ball, &Ball)| {
         let part = b.to_f64() / (b.to_f64() - a.to_f64());
         (part > 0.0 && part < 1.0).then_some((part * 1048576.0).round() / 1048576.0)
@@ -488,8 +492,8 @@ fn weigh(tops: &mut [Top], found: &[Square], free: &[usize]) -> Option<()> {
     right.iter().all(|x| x.is_finite()).then_some(())
 }
 
-/// A lower bound, above zero, of the eigenvalues of a symmetric matrix known in balls: the pivots of A - s 1 are positive. `None`
-/// if it may have others.
+/// A positive lower bound of the eigenvalues of a symmetric matrix of balls: the pivots of A - s 1 are positive. `None`
+/// if an eigenvalue may not be positive.
 fn least_eigenvalue(free: &[usize], entry: &dyn Fn(usize, usize) -> Ball) -> Option<f64> {
     let m = free.len();
     if m == 0 {
@@ -575,7 +579,8 @@ mod tests {
         assert!(peaks.excludes(&place, &valley, bar).is_ok());
     }
 
-    /// What is not so is not proved: a bar above the peaks of some places outside of the valley, and a place that is no optimum.
+    /// False statements are not proved: a bar above the peaks of some places outside the valley, and a place that is
+    /// not an optimum.
     #[test]
     fn a_bar_that_is_too_high_is_not_excluded() {
         let peaks = Peaks { most: 2000, ..peaks() };
@@ -585,7 +590,7 @@ mod tests {
         let lowest =
             grid(&peaks).into_iter().filter(|(at, _)| outside(at)).map(|(_, square)| square).fold(f64::MAX, f64::min);
         assert!(peaks.excludes(&place, &valley, Ball::from(1.0001 * lowest)).is_err());
-        // Around a place beside the optimum the bound still lies below the optimum, as far as it holds there.
+        // Around a place beside the optimum, the bound is still below the optimum wherever it is valid.
         let best = valley.least.to_f64();
         let beside = [[1e-3, 0.0], [0.0, 1e-3], [0.0, -1e-3], [1e-4, 1e-4]].map(|step| {
             let mut moved = place.clone();

@@ -1,6 +1,7 @@
 //! A system over a whole range of one parameter. In: a linear system whose numbers are enclosed with their derivatives
 //! ([`Jet`]). Out: enclosures of measures, and of their derivatives, for every value of the parameter in the range.
-//! They show where a measure cannot have the wanted value, and where it is monotone. See docs/method/measures.md.
+//! They show that a measure cannot have its target value in a range, or that it is monotone there. See
+//! docs/method/measures.md.
 
 pub mod least;
 pub mod linear;
@@ -20,7 +21,7 @@ pub const MOST: usize = 30;
 #[derive(Clone, Debug)]
 pub struct Family<'a> {
     system: &'a LinearSystem,
-    /// Whether some number depends on the parameter in a way whose derivative is not known.
+    /// Whether the derivative of some number with respect to the parameter is not known.
     lost: bool,
     m: Vec<Vec<Number>>,
     c: Vec<Vec<Number>>,
@@ -30,9 +31,9 @@ pub struct Family<'a> {
 /// The direction in which all eigenvalues of K - sigma M move as the parameter grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Course {
-    /// None decreases.
+    /// No eigenvalue decreases.
     Rises,
-    /// None increases.
+    /// No eigenvalue increases.
     Falls,
 }
 
@@ -79,7 +80,7 @@ impl<'a> Family<'a> {
         Some(self.known_jet(bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.s.entry(0, 0)))
     }
 
-    /// The null vectors of K - omega^2 M as columns, if it has `count` of them for the omega^2 in this ball. `None` if
+    /// The null vectors of K - omega^2 M as columns, if it has `count` of them for the omega^2 in this ball; `None` if
     /// it may have more.
     pub fn modes_at(&self, omega_squared: Ball, count: usize) -> Option<Matrix<Ball>> {
         let n = self.system.n();

@@ -1,5 +1,6 @@
-//! A gain over ranges of several parameters. In: systems whose numbers are affine functions of the parameters. Out: |H|^2 at a
-//! frequency with its derivatives by the parameters and the frequency, enclosed over a box. See docs/method/measures.md#optima.
+//! A gain over ranges of several parameters. In: systems whose numbers are affine functions of the parameters. Out:
+//! |H|^2 at a frequency with its derivatives with respect to the parameters and the frequency, enclosed over a box. See
+//! docs/method/measures.md#optima.
 //!
 //! With H = p x + d u, Q x = b u and y = Q^-T p, where Q = K - omega^2 M + i omega C,
 //!
@@ -18,13 +19,13 @@ use crate::kernel::dense::enclosure::{product, solve};
 use crate::kernel::dense::lu::Lu;
 use crate::system::{CoordinateId, LinearSystem};
 
-/// A derivative that is known better than this, relative to itself, counts as constant: what is left of it is carried along.
+/// A derivative known to this relative error counts as constant; its uncertainty is carried along.
 const CONSTANT: f64 = 1e-20;
 
 type Complexes = Complex<Ball>;
 
-/// One path of a system, whose numbers are affine functions of parameters that lie between -1 and 1, at frequencies in a unit of
-/// its own.
+/// The path from an input to an output of a system whose numbers are affine functions of parameters between -1 and 1,
+/// at frequencies in a unit of its own.
 #[derive(Clone, Debug)]
 pub struct Affine {
     n: usize,
@@ -38,7 +39,7 @@ pub struct Affine {
     d: [Linear; 3],
 }
 
-/// A number at the middle of all ranges, and what each parameter adds to it.
+/// A number at the middle of all ranges, and its change with each parameter.
 #[derive(Clone, Debug)]
 struct Linear {
     value: Ball,
@@ -55,8 +56,9 @@ pub struct Square {
 }
 
 impl Affine {
-    /// From the system at the middle of all ranges, and for each parameter the system with the derivatives by it, all
-    /// parameters anywhere in their ranges, whose half widths are given. `None` unless all numbers are affine.
+    /// The path from the system at the middle of all ranges and, for each parameter, the system with its derivatives,
+    /// with all parameters anywhere in their ranges; the half widths of the ranges are given. `None` unless all numbers
+    /// are affine.
     pub fn of(
         middle: &LinearSystem,
         moved: &[LinearSystem],
@@ -126,7 +128,8 @@ impl Affine {
         Still { n: self.n, forms: all(&self.forms), b: all(&self.b), p: all(&self.p), d: self.d.each_ref().map(real) }
     }
 
-    /// |H|^2 over a box, with its derivatives; those of second order if wanted. `None` where it may be infinite.
+    /// |H|^2 over a box with its derivatives, including those of second order if `bends` is set. `None` if it may be
+    /// infinite.
     pub fn square(&self, at: &[Ball], omega: Ball, bends: bool) -> Option<Square> {
         let (n, count) = (self.n, self.parameters + 1);
         let point = Point { at, omega };
@@ -258,7 +261,7 @@ fn numbers(system: &LinearSystem, n: usize, input: usize, output: usize) -> Opti
     Some(list)
 }
 
-/// Where the polynomials in s = i omega are evaluated.
+/// The point at which the polynomials in s = i omega are evaluated.
 struct Point<'a> {
     at: &'a [Ball],
     omega: Ball,
@@ -411,7 +414,7 @@ mod tests {
         }
     }
 
-    /// What is enclosed over a box contains the value and the derivatives at its corners.
+    /// The enclosures over a box contain the value and the derivatives at its corners.
     #[test]
     fn a_box_encloses_its_points() {
         let affine = affine([0.1, 0.05]);

@@ -142,8 +142,8 @@ pub fn fed_approximations(channels: &[Channel], factor: impl Fn(usize) -> f64) -
     channels.iter().map(of).sum()
 }
 
-/// For each state of each channel, the longest time between stops while it is active: a constant drives the system for
-/// as long as it lasts, but a later piece may be far from constant and short.
+/// For each state of each channel, the longest time between stops while it is active. A constant drives the system for
+/// its whole duration, but a later piece may be far from constant and short.
 fn longest_steps(channels: &[Channel], times: &[Number]) -> Vec<f64> {
     let mut stops: Vec<f64> = channels.iter().flat_map(|c| c.source.events()).map(|at| at.to_f64()).collect();
     stops.extend(times.iter().map(Number::to_f64));

@@ -23,7 +23,7 @@ pub const FINE: usize = 29;
 const MOST_PIECES: f64 = 4e6;
 /// Number of pieces between two states in two words.
 const BLOCK: usize = 64;
-/// The most pieces that are evaluated in two words; beyond them the binary64 values are used.
+/// Maximum number of pieces that are evaluated in two words; beyond it the binary64 values are used.
 const MOST_FINE: usize = 50_000;
 /// Number of stretches that are cached.
 const KEPT: usize = 8;
@@ -38,7 +38,7 @@ pub enum Outcome {
     TooLong,
 }
 
-/// Goes from event to event up to `until`; `pass` moves the run on to the time that it is given.
+/// Proceeds from event to event up to `until`; `pass` moves the run on to the time that it is given.
 pub(super) fn stretches(
     system: &LinearSystem,
     drives: &[Vec<Signal>],

@@ -42,7 +42,7 @@ pub struct History {
 }
 
 impl History {
-    /// Adds another motion at the same times; none adds nothing.
+    /// Adds another motion at the same times; an empty one adds nothing.
     pub fn add(&mut self, other: &[Vec<Ball>]) {
         for (row, other) in self.values.iter_mut().zip(other) {
             row.iter_mut().zip(other).for_each(|(value, other)| *value = *value + *other);

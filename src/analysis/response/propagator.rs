@@ -62,11 +62,11 @@ pub struct StateSpace {
 /// Coordinates by the order of their equations.
 #[derive(Clone, Debug)]
 struct Parts {
-    /// With mass: second order.
+    /// Coordinates with mass, of second order.
     heavy: Vec<usize>,
     /// Without mass but damped: first order.
     damped: Vec<usize>,
-    /// With neither: they follow at once.
+    /// Coordinates with neither, which follow without delay.
     following: Vec<usize>,
 }
 

@@ -282,7 +282,7 @@ impl Source {
             }
             let derivatives: Vec<Number> =
                 std::iter::once(value.clone()).chain(piece.derivatives.iter().cloned()).collect();
-            // The value goes on; the slope is the old value, and jumps where that did.
+            // The value is continuous; the slope is the old value, and jumps where that did.
             made.push(Piece { jump: piece.jump || i == 0, ..Piece::jump(piece.at.clone(), derivatives) });
         }
         // The k-th derivative of the new remainder is below error h rise^k for k = 0, and for all others below what the (k-1)-th

@@ -1,6 +1,6 @@
 //! Combines the signals of one input: a sum of polynomials between jumps is again such a signal. So a force of a
-//! thousand steps has one state, not a thousand, one more of which becomes active after each step. In: sources. Out:
-//! fewer sources with the same sum. See docs/method/response.md#signals.
+//! thousand steps has one state instead of a thousand that become active one after another. In: sources. Out: fewer
+//! sources with the same sum. See docs/method/response.md#signals.
 
 use super::signal::{Piece, Source, taylor};
 use crate::base::Number;

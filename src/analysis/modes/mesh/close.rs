@@ -16,7 +16,8 @@ use std::ops::Range;
 
 /// Eigenvalues nearer than this part of themselves are close.
 pub const CLOSE: f64 = 1e-6;
-/// If more than this lie together, they count as a repeated frequency: any basis of its span consists of modes.
+/// If more vectors than this are close together, they count as a repeated frequency: any basis of its span consists of
+/// modes.
 const MOST: usize = 40;
 
 /// Runs of two or more close neighbours in an ascending list of eigenvalues.

@@ -41,7 +41,7 @@ use std::ops::Range;
 const MOST_VECTORS: usize = 400;
 /// A residual of the operator that will hardly shrink any further.
 const CONVERGED: f64 = 1e-11;
-/// The most numbers in all vectors of the basis together.
+/// Maximum number of numbers in all vectors of the basis together.
 const MOST_NUMBERS: usize = 200_000_000;
 
 /// The requested eigenpairs; `None` if this method does not find them.
@@ -72,7 +72,7 @@ struct Cut {
     above: f64,
 }
 
-/// Why there is no cut yet.
+/// The reason why there is no cut yet.
 enum Lack {
     Steps,
     Modes,

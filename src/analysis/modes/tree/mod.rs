@@ -50,7 +50,7 @@ enum Lack {
 
 /// Widths of a bracket relative to the distance of its neighbours, tried in turn.
 const NARROW: [f64; 4] = [0.25, 0.01, 1e-4, 1e-8];
-/// After a relative step this small in double-double, the next one, its square, would change nothing.
+/// After a relative step this small in double-double, the next one, its square, would have no effect.
 const SETTLED: f64 = 1e-18;
 /// Quadratic convergence from a narrow bracket takes two or three steps.
 const MAX_ITERATIONS: usize = 6;

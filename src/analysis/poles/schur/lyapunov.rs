@@ -17,7 +17,7 @@ impl SchurForm {
         while end > 0 {
             let start = end - self.size_before(end);
             let size = end - start;
-            // What the columns that are known take away: right_j - sum over k of y_k t_jk.
+            // The right-hand side minus the contribution of the known columns: right_j - sum over k of y_k t_jk.
             for j in start..end {
                 for k in end..n {
                     let factor = self.t[(j, k)];

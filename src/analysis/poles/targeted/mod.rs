@@ -98,7 +98,7 @@ fn unproved(s: Complex<Ball>) -> PoleEnclosure {
     PoleEnclosure { s: Complex::new(unknown(s.re), unknown(s.im)), clusters: [None; 2] }
 }
 
-/// Discs that meet may contain the same pole: then neither is proved.
+/// Discs that touch may contain the same pole: then neither is proved.
 fn discard_overlapping(discs: Vec<PoleEnclosure>) -> Vec<PoleEnclosure> {
     let meets = |i: usize, j: usize| {
         let d = discs[i].s - discs[j].s;

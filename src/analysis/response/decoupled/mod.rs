@@ -32,7 +32,7 @@ use poles::PoleBlocks;
 use std::rc::Rc;
 use step::Step;
 
-/// For fewer samples times coordinates, computing the modes does not pay.
+/// For fewer samples times coordinates, computing the modes costs more than it saves.
 pub const WORTH_IT: usize = 16;
 /// The most samples between two evaluations of the harmonic sources' formulas.
 const MOST_AT_ONCE: usize = 128;

@@ -60,7 +60,7 @@ const UNIT: f64 = 2.0 * Dd::EPSILON;
 /// (2^-53)^2
 const SQUARE: f64 = rounding::UNIT_SQUARED;
 const UP: f64 = up::THOUSANDS;
-/// A time of 2^100 over the fastest rate is more than any that is worth a number.
+/// No result is useful at a time of 2^100 over the fastest rate.
 const MOST_SQUARINGS: usize = 100;
 
 /// The input of the loop over lanes.
