@@ -1,5 +1,6 @@
-//! Natural frequencies in closed form, part by part: coordinates that no entry connects are separate parts. In: the linearised equations;
-//! out: for parts of one and two coordinates the characteristic polynomial in symbols and what solves it, for larger ones its numbers.
+//! Natural frequencies in closed form, part by part: coordinates that no entry connects are separate parts. In: the
+//! linearised equations. Out: for parts of one and two coordinates the characteristic polynomial in symbols and its
+//! roots, for larger ones its numbers.
 
 use super::polynomial::{self, Polynomial};
 use super::{Entry, Equations};
@@ -11,7 +12,7 @@ use crate::symbols::{Factor, Product, Sum, Symbol};
 pub struct Part {
     /// Their places among the independent coordinates.
     pub places: Vec<usize>,
-    /// det(M s^2 + C s + K) by powers of s, the constant first; empty where it is too long or has no symbols.
+    /// det(M s^2 + C s + K) by powers of s, the constant first; empty if it is too long or has no symbols.
     pub characteristic: Vec<Sum>,
     /// The polynomials with numbers, for parts of more coordinates.
     pub numbers: Polynomial,
@@ -26,18 +27,18 @@ pub struct Part {
 /// The square of a natural frequency.
 #[derive(Clone, Debug)]
 pub struct Square {
-    /// In symbols where it is not the root of a quadratic.
+    /// The root in symbols, unless it is the root of a quadratic.
     pub form: Option<Sum>,
-    /// `None` where its enclosure says nothing.
+    /// `None` if its enclosure is infinite.
     pub value: Option<Number>,
 }
 
-/// Terms of a coefficient beyond which a closed form says less than its numbers.
+/// Maximum number of terms of a coefficient; a longer closed form says less than its numbers.
 pub const MOST_TERMS: usize = 16;
-/// Coordinates of a part whose polynomials are written with numbers.
+/// Maximum number of coordinates of a part whose polynomials are written with numbers.
 const MOST_NUMBERS: usize = 8;
 
-/// The parts whose closed form is short, and those of a few more coordinates.
+/// The parts with a short closed form, and those of a few more coordinates.
 pub fn parts(equations: &Equations) -> Vec<Part> {
     let linear = &equations.linear;
     let groups = groups(linear.coordinates.len(), &[&linear.mass, &linear.damping, &linear.stiffness]);
@@ -140,7 +141,8 @@ fn damping_ratio(equations: &Equations, places: &[usize]) -> Option<(Sum, Number
 /// The characteristic polynomial of a larger part.
 fn numbers(equations: &Equations, places: &[usize]) -> Option<Polynomial> {
     let mut polynomial = polynomial::determinant(&matrix_of_numbers(equations, places)?)?;
-    // A motion of all coordinates alike that no spring resists brings a factor s, and s^2 where no damper does: these are exact zeros.
+    // An equal motion of all coordinates that no spring resists gives a factor s, or s^2 if no damper resists it
+    // either: these are exact zeros.
     let resists = |matrix: &Vec<Vec<Entry>>| {
         let row = |i: &usize| places.iter().fold(Sum::ZERO, |sum, j| &sum + &matrix[*i][*j].sum);
         !places.iter().all(|i| row(i).vanishes())

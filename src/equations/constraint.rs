@@ -1,5 +1,5 @@
-//! Constraint equations: what joints that close loops, and couplings, hold at zero. In: the scene's motion; out: a sum for each, and a
-//! multiplier's name. See docs/method/kinematics.md#constraints.
+//! Constraint equations: the sums that joints closing loops, and couplings, hold at zero. In: the scene's motion. Out:
+//! a sum for each, and a multiplier's name. See docs/method/kinematics.md#constraints.
 
 use super::motion::Motion;
 use super::names::{Label, Names, class};
@@ -12,7 +12,7 @@ use crate::symbols::{Sum, Symbol};
 /// `equation = 0`.
 #[derive(Clone, Debug)]
 pub struct Constraint {
-    /// Of the joint or coupling.
+    /// The name of the joint or coupling.
     pub name: String,
     pub span: Span,
     pub multiplier: Symbol,
@@ -21,7 +21,7 @@ pub struct Constraint {
     pub is_linear: bool,
 }
 
-/// All of them: joints in order of declaration, then couplings.
+/// All constraints: joints in order of declaration, then couplings.
 pub fn constraints(scene: &Scene, written: &Written, motion: &Motion, names: &mut Names) -> Option<Vec<Constraint>> {
     let mut list = Vec::new();
     for &index in &motion.closing {

@@ -1,4 +1,4 @@
-//! Coordinates: what moves, the letter that a textbook gives it, and what the rest adds to it.
+//! Coordinates: the body and its motion, the letter that a textbook gives it, and the name of its value at rest.
 
 use super::names::{Label, Names};
 use crate::base::{Name, Span, Words};
@@ -10,7 +10,7 @@ use crate::symbols::{Sum, Symbol};
 pub struct Coordinate {
     pub owner: Part,
     pub owner_name: Name,
-    /// Where its body or base is declared.
+    /// The place where its body or base is declared.
     pub span: Span,
     /// `x`, `y`, `along`, `slide`, `angle`.
     pub motion: &'static str,
@@ -23,7 +23,7 @@ pub struct Coordinate {
     pub input: Option<usize>,
 }
 
-/// Labels of coordinates: `x` and `theta` where there is one of its kind, else with the name of the body.
+/// Labels of coordinates: `x` and `theta` if there is one of its kind, otherwise with the name of the body.
 pub fn label(names: &mut Names, coordinates: &[Coordinate], words: &Words) {
     for coordinate in coordinates {
         let word = letter(coordinate);

@@ -1,4 +1,5 @@
-//! Linear equations whose entries are sums: Gauss's elimination, with pivots that are certainly not zero at the values of their names.
+//! Linear equations whose entries are sums: Gaussian elimination, with pivots that are certainly not zero at the values
+//! of their names.
 
 use super::names::Names;
 use crate::symbols::{Factor, Product, Sum};
@@ -6,7 +7,8 @@ use crate::symbols::{Factor, Product, Sum};
 /// Left sides with right sides.
 pub type Rows = Vec<(Vec<Sum>, Vec<Sum>)>;
 
-/// Terms of all rows together, beyond which nobody reads the solution: they grow faster than any power of the unknowns.
+/// Maximum number of terms of all rows together. They grow faster than any power of the unknowns, and a longer solution
+/// is unreadable.
 pub const MOST_TERMS: usize = 20_000;
 
 /// Terms of one product before it is simplified.
@@ -17,7 +19,7 @@ const MOST_PRODUCTS: usize = 100_000;
 pub enum Unsolved {
     /// No entry is certainly not zero, or its inverse has no form.
     NoPivot,
-    /// The rows have so many terms.
+    /// The rows have this many terms.
     Long { terms: usize },
 }
 
@@ -38,7 +40,7 @@ pub fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Result<Vec<Vec<S
                 continue;
             }
             for (entry, own) in other.iter_mut().zip(&left).chain(values.iter_mut().zip(&right)) {
-                // Known before it is multiplied out.
+                // The number of terms, before they are multiplied out.
                 let terms = size(&factor) * size(own);
                 if terms > MOST_PRODUCTS {
                     return Err(Unsolved::Long { terms });

@@ -19,7 +19,7 @@ use crate::model::scene::{Attachment, BodyId, Geometry, InputKind, Part, Scene, 
 use crate::model::written::{Pair, Written, WrittenElement, WrittenInput, difference, dot};
 use crate::symbols::{Dependence, Lengths, Power, Powers, Sum, Symbol};
 
-/// How far a spring or damper is stretched.
+/// The stretch of a spring or damper.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stretch {
     /// A linear combination of motions, zero as drawn.
@@ -35,17 +35,17 @@ pub struct Element {
     pub number: usize,
     pub name: String,
     pub span: Span,
-    /// Which derivative of the stretch it answers.
+    /// The derivative of the stretch that its force depends on.
     pub order: Order,
     /// k, c or b.
     pub coefficient: Sum,
-    /// The power of what it answers that the coefficient stands before: the first, but in a law.
+    /// The power of that derivative in the force: the first, except in a law.
     pub power: Power,
     pub stretch: Stretch,
-    /// What the stretch is counted from, so that k times the difference is the tension: the free length of a line, or what is added
-    /// to a plain stretch.
+    /// The value from which the stretch is measured, so that k times the difference is the tension: the free length of
+    /// a line, or the term added to a plain stretch.
     pub free: Sum,
-    /// Tension besides.
+    /// Tension in addition to that.
     pub tension: Sum,
 }
 
@@ -53,15 +53,16 @@ pub struct Element {
 #[derive(Clone, Debug, Default)]
 pub struct Energies {
     pub kinetic: Sum,
-    /// Inerters whose energy is part of the kinetic energy; those along a line that turns are among `elements`.
+    /// Inerters whose energy is part of the kinetic energy; inerters along a line that turns are among `elements`.
     pub inerters: Vec<Element>,
-    /// Of weights and constant loads, up to a constant.
+    /// The potential of weights and constant loads, up to a constant.
     pub weights: Sum,
     pub elements: Vec<Element>,
     pub lengths: Lengths,
     /// From end to end of each of `lengths` that is the length of something, in their order.
     pub spans: Vec<Pair>,
-    /// Lengths as drawn that have a name: what springs along a line are free at, each with its square and what it leads along.
+    /// Lengths as drawn that have a name, which are the free lengths of springs along a line; each with its square and
+    /// its vector.
     pub free_lengths: Vec<(Symbol, Sum, Pair)>,
     pub belts: Vec<Belt>,
     /// For each input that is a force or torque: its name and the displacement that it does work on.
@@ -78,13 +79,13 @@ pub struct OfBody {
     pub kinetic: Sum,
 }
 
-/// A force and what it does work on.
+/// A force and the displacement on which it does work.
 #[derive(Clone, Debug)]
 pub struct Work {
     pub input: usize,
     pub force: Symbol,
     pub displacement: Sum,
-    /// What the force is, of an unbalance.
+    /// The force in symbols, for an unbalance.
     pub unbalance: Option<Unbalance>,
 }
 
@@ -405,7 +406,7 @@ impl Element {
         &self.coefficient * &self.power.slope(at)
     }
 
-    /// Whether its force is proportional to what it answers.
+    /// Whether its force is proportional to the stretch, or to the derivative that it depends on.
     pub fn is_linear(&self) -> bool {
         self.power == Power::FIRST
     }
@@ -423,7 +424,7 @@ fn drawn_length(written: &WrittenElement, geometry: &Geometry, names: &Names) ->
     Some(if names.value_of(&length).is_some_and(|value| value.is_negative()) { -&length } else { length })
 }
 
-/// Where an end of a force is written to be.
+/// The written position of an end of a force.
 fn written_place(written: &WrittenInput, ends: usize, place: usize) -> Option<Pair> {
     // `force F: a -- b` without a direction keeps its second end first.
     let swapped = ends == 2 && written.along.is_none();

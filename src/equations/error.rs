@@ -1,4 +1,4 @@
-//! Why there are no equations, and what to say about it.
+//! The reasons why there are no equations, and the diagnostics for them.
 
 use crate::base::{Code, Diagnostic, Span};
 
@@ -40,7 +40,7 @@ pub enum EquationsError {
     NoForm {
         span: Span,
     },
-    /// The symbols and the lowering do not agree: one of them is wrong.
+    /// The symbols contradict the lowering: one of them is wrong.
     Defect {
         span: Span,
         what: String,

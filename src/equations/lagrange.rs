@@ -1,4 +1,4 @@
-//! Lagrange's equations. In: energies; out: for each free coordinate q
+//! Lagrange's equations. In: energies. Out: for each free coordinate q
 //!
 //!   d/dt dT/dq' - dT/dq + dV/dq + dD/dq' + sum lambda dg/dq = Q,
 //!
@@ -118,7 +118,8 @@ impl Line {
     }
 }
 
-/// Which power of it the force is times the coefficient: e - e_free of a spring, e' of a damper, e'' of an inerter.
+/// The variable of an element's force, of which it is a power times the coefficient: e - e_free for a spring, e' for a
+/// damper, e'' for an inerter.
 pub fn answered(element: &Element, motion: &Motion) -> Sum {
     let none = Lengths::default();
     match (element.order, &element.stretch) {

@@ -29,11 +29,11 @@ pub struct Linear {
 pub struct Column {
     /// Among the inputs of the scene.
     pub input: usize,
-    /// The symbols of u, u', u''; a force has the first alone, an unbalance none.
+    /// The symbols of u, u', u''; a force has only the first one, an unbalance none.
     pub symbols: Vec<Symbol>,
     /// The force of an unbalance, -u''.
     pub force: Option<Sum>,
-    /// By the order of the derivative, a sum for each equation.
+    /// For each order of the derivative, a sum for each equation.
     pub parts: Vec<Vec<Sum>>,
 }
 

@@ -1,4 +1,4 @@
-//! Springs, dampers and inerters at rest: what each adds to an entry of the linearised equations.
+//! Springs, dampers and inerters at rest: their contributions to the entries of the linearised equations.
 //!
 //! A spring along a line pulls with P = k (l - l_0) + T; with g = (l^2)'/2 at rest it adds k g_i g_j/l^2 + P/l (g_ij - g_i g_j/l^2).
 //! Where that is long, the lever arms r_i = g_i/l and the tension by length q = P/l get names, and it adds k r_i r_j + q (g_ij - r_i r_j).
@@ -25,7 +25,7 @@ pub struct AtRest {
     pub named: Vec<(Symbol, Sum)>,
     /// Lever arms and tensions by length that have a name.
     pub parts: Vec<(Symbol, Sum)>,
-    /// By their places among the elements of the energies.
+    /// Named parts, by the index of the element in the energies.
     lines: BTreeMap<usize, Parts>,
     belts: Vec<Spans>,
 }
@@ -44,11 +44,11 @@ struct Spans {
     twist: Sum,
 }
 
-/// A line whose contributions are long.
+/// The named parts of a line whose contributions are long.
 struct Parts {
-    /// By the displacement of the coordinate.
+    /// The lever arms, by the displacement of the coordinate.
     levers: BTreeMap<Symbol, Sum>,
-    /// The tension by length; zero of what is no spring.
+    /// The tension by length; zero for an element that is not a spring.
     density: Sum,
     /// k, or the tangent of a law.
     tangent: Sum,
@@ -253,7 +253,7 @@ impl AtRest {
         }
     }
 
-    /// Names for the parts of a line that would be long in an entry.
+    /// Names the parts of a line that would be long in an entry.
     fn name_parts(&mut self, shares: &[usize], energies: &Energies, motion: &Motion, names: &mut Names) {
         let (element, others) = (&energies.elements[shares[0]], &shares[1..]);
         let Stretch::Line { length, square, .. } = &element.stretch else { return };
@@ -293,7 +293,7 @@ impl AtRest {
             (*symbol, self.named_part(lever, names, names.fresh("r", index)))
         });
         let levers: BTreeMap<Symbol, Sum> = levers.collect();
-        // The first of them stands for all.
+        // The first of them represents all of them.
         for other in others {
             let (density, tangent) = (Sum::ZERO, Sum::ZERO);
             self.lines.insert(*other, Parts { levers: levers.clone(), density, tangent });
@@ -360,7 +360,8 @@ pub fn is_short(length: &Sum) -> bool {
         && length.terms().iter().all(|(product, _)| product.factors().iter().all(|(f, _)| short(f)))
 }
 
-/// What a line adds to an entry, its row and column by their displacements: k r_i r_j and q (g_ij - r_i r_j).
+/// The contribution of a line to an entry, whose row and column are given by their displacements: k r_i r_j and q (g_ij
+/// - r_i r_j).
 pub fn entry(energies: &Energies, line: &Line, [row, column]: [Symbol; 2], at_rest: &AtRest) -> (Sum, Sum) {
     let element = &energies.elements[line.element];
     let tangent = at_rest.tangent(element);

@@ -1,9 +1,10 @@
-//! The reduced form: Lagrange's equations without multipliers. In: the equations with their multipliers, the constraints, and which coordinates
-//! are independent; out: the velocities of the dependent coordinates in the independent ones, and one equation for each of these.
+//! The reduced form: Lagrange's equations without multipliers. In: the equations with their multipliers, the
+//! constraints, and the choice of independent coordinates. Out: the velocities of the dependent coordinates in terms of
+//! the independent ones, and one equation for each of these.
 //!
-//! Constraints g(q, u) = 0 hold G_d q_d' + G_i q_i' + G_u u' = 0, so q_d' = N_i q_i' + N_u u' with N = -G_d^-1 G, by Cramer's rule for each group of
-//! constraints that share dependent coordinates. With E the left side less the right, E_i + N_i^T E_d has no multiplier in it.
-//! Where a row of N is constant, the coordinate itself is put in.
+//! Constraints g(q, u) = 0 hold G_d q_d' + G_i q_i' + G_u u' = 0, so q_d' = N_i q_i' + N_u u' with N = -G_d^-1 G, by
+//! Cramer's rule for each group of constraints that share dependent coordinates. With E the left side minus the right,
+//! E_i + N_i^T E_d contains no multiplier. If a row of N is constant, the coordinate itself is substituted.
 
 use super::constraint::Constraint;
 use super::elimination::solve;
@@ -14,21 +15,21 @@ use super::names::{Label, Names, class, without_motion};
 use crate::base::Number;
 use crate::symbols::{Lengths, Sum, Symbol};
 
-/// Dependent coordinates that are solved for together, and terms of what is found.
+/// Maximum number of dependent coordinates that are solved for at once, and of terms of a result.
 pub const MOST_TOGETHER: usize = 4;
 pub const MOST_TERMS: usize = 60;
 
 /// The equations of motion over the independent coordinates.
 #[derive(Clone, Debug)]
 pub struct Reduced {
-    /// Of each dependent coordinate.
+    /// The relation for each dependent coordinate.
     pub follows: Vec<Follow>,
-    /// The constraints that this was found from; others say nothing new.
+    /// The constraints that this follows from; the others follow from them.
     pub held: Vec<usize>,
     pub equations: Vec<Equation>,
 }
 
-/// How a dependent coordinate follows: its velocity is the sum of these ratios times velocities.
+/// The relation for a dependent coordinate: its velocity is the sum of these ratios times velocities.
 #[derive(Clone, Debug)]
 pub struct Follow {
     /// Among the coordinates of the motion.
@@ -42,7 +43,7 @@ pub struct Ratio {
     /// The independent or prescribed coordinate.
     pub by: usize,
     pub form: Sum,
-    /// Its name where it changes with the motion.
+    /// Its name, if it changes with the motion.
     pub name: Option<Symbol>,
 }
 
@@ -62,7 +63,7 @@ impl Follow {
         self.ratios.iter().find(|ratio| ratio.by == by).map_or(Sum::ZERO, Ratio::short)
     }
 
-    /// The coordinate, its velocity or its acceleration, where it follows in proportion.
+    /// The coordinate, its velocity or its acceleration, if it is proportional to others.
     pub fn in_proportion(&self, motion: &Motion, order: usize) -> Option<Sum> {
         let term = |ratio: &Ratio| &ratio.form * &Sum::name(motion.coordinates[ratio.by].symbols[order]);
         self.is_constant().then(|| self.ratios.iter().fold(Sum::ZERO, |sum, ratio| &sum + &term(ratio)))
@@ -72,7 +73,7 @@ impl Follow {
 /// Why equations keep their multipliers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kept {
-    /// This many coordinates depend on each other, more than are solved for together.
+    /// More coordinates depend on each other than are solved for at once; their number.
     Together { dependent: usize },
     /// A velocity ratio would have this many terms.
     Long { terms: usize },
@@ -80,7 +81,7 @@ pub enum Kept {
     Undecided,
 }
 
-/// How every dependent coordinate follows, and the constraints that say so.
+/// The relations of all dependent coordinates, and the constraints that give them.
 pub fn follows(
     motion: &Motion,
     constraints: &[Constraint],
@@ -130,7 +131,7 @@ fn slopes(motion: &Motion, constraint: &Constraint) -> Vec<Sum> {
     motion.coordinates.iter().map(|c| constraint.equation.derivative(c.symbols[0], &none)).collect()
 }
 
-/// Constraints that share dependent coordinates, with these.
+/// Groups of constraints that share dependent coordinates, with these coordinates.
 fn groups(slopes: &[Vec<Sum>], dependent: &[usize]) -> Vec<(Vec<usize>, Vec<usize>)> {
     let mut groups: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
     for (row, slopes) in slopes.iter().enumerate() {
@@ -220,7 +221,7 @@ fn independent_rows(slopes: &[Vec<Sum>], rows: &[usize], own: &[usize], names: &
     Some(chosen)
 }
 
-/// By the first row: matrices are small.
+/// The determinant by expansion along the first row: matrices are small.
 fn determinant(matrix: &[Vec<Sum>]) -> Sum {
     let Some((first, others)) = matrix.split_first() else { return Sum::one() };
     let mut sum = Sum::ZERO;
@@ -235,7 +236,8 @@ fn determinant(matrix: &[Vec<Sum>]) -> Sum {
     sum
 }
 
-/// Ratios that change with the motion are called h, with the body that follows and, among several, what it follows.
+/// Names the ratios that change with the motion: h, with the body that follows and, if there are several, the body that
+/// it follows.
 fn name_ratios(follows: &mut [Follow], motion: &Motion, names: &mut Names) {
     let label = |index: usize, names: &Names| names.label(motion.coordinates[index].symbols[0]);
     let short = |label: &Label| if label.index.is_empty() { label.word.clone() } else { label.index.clone() };
@@ -259,7 +261,7 @@ fn name_ratios(follows: &mut [Follow], motion: &Motion, names: &mut Names) {
     }
 }
 
-/// E_i + N_i^T E_d; what follows in proportion is put in.
+/// E_i + N_i^T E_d, with proportional coordinates substituted.
 fn projected(index: usize, equations: &[Equation], follows: &[Follow], motion: &Motion) -> Equation {
     let own = &equations[index];
     let mut projected = Equation { reactions: Vec::new(), lines: Vec::new(), ..own.clone() };

@@ -59,7 +59,7 @@ pub struct Equations {
     pub energies: Energies,
     pub constraints: Vec<Constraint>,
     pub nonlinear: Vec<Equation>,
-    /// Without multipliers, where there are constraints: or why not.
+    /// The equations without multipliers, if there are constraints; or the reason why there are none.
     pub reduced: Option<Result<loops::Reduced, loops::Kept>>,
     pub rest: Rest,
     pub linear: Linearised,
@@ -73,14 +73,14 @@ pub struct Equations {
     pub rayleigh: Option<(Sum, Sum)>,
     /// The ratio of modal damping, which has no symbols.
     pub modal_damping: Option<Number>,
-    /// How each coordinate is described: its body.
+    /// The description of each coordinate: its body.
     pub bodies: Vec<String>,
 }
 
 /// The linearised equations over the independent coordinates, with values.
 #[derive(Clone, Debug)]
 pub struct Linearised {
-    /// Of the motion's coordinates, in the order of the lowered system.
+    /// The indices of the motion's coordinates, in the order of the lowered system.
     pub coordinates: Vec<usize>,
     pub mass: Vec<Vec<Entry>>,
     pub damping: Vec<Vec<Entry>>,
@@ -132,7 +132,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     let mut rest = Rest::new(&derived.motion, &derived.energies, &derived.equations, &mut names, &numbers);
     tensions(scene, lowered, &mut names);
     let closed = rest.closed_forms(&names);
-    // Angles are put in, so that they are measured from where they rest; lengths at rest stay names.
+    // Angles are substituted, so that they are measured from their values at rest; lengths at rest stay names.
     let angles: Vec<(usize, Sum)> =
         closed.iter().filter(|(index, _)| derived.motion.coordinates[*index].turns).cloned().collect();
     rest.closed = closed;
@@ -238,7 +238,7 @@ fn derived(
     Ok(Derived { motion, energies, constraints, equations })
 }
 
-/// Free fall that is a bare number is called g, unless the model calls something else so.
+/// A gravity that is a bare number is called g, unless the model uses that name.
 fn name_gravity(written: &mut Written) {
     let Some(fall) = &written.free_fall else { return };
     let Some(value) = fall.as_number() else { return };
@@ -264,7 +264,7 @@ fn name_quotients(scene: &Scene, written: &mut Written) {
         if taken.contains(&text) {
             return;
         }
-        // In front of g, behind every name of the model.
+        // Sorted before g, after all names of the model.
         let symbol = Symbol::new(class_of(dimension), Symbol::LAST - 1 - made.len());
         let (value, definition) = (Number::from(number), Some(sum.clone()));
         made.push(Named { symbol, text, value, dimension, definition, source: None });
@@ -290,7 +290,7 @@ fn name_quotients(scene: &Scene, written: &mut Written) {
     written.names.extend(made);
 }
 
-/// A fraction that has no short decimal and is none of those that people write.
+/// A fraction without a short decimal that is not one of those that people write.
 fn is_unreadable(number: &Rational) -> bool {
     /// Denominators of fractions that are read at a glance.
     const MOST: i64 = 60;
@@ -328,12 +328,12 @@ impl Linearised {
 }
 
 impl Equations {
-    /// The form without multipliers, where it was found.
+    /// The form without multipliers, if it was found.
     pub fn reduced(&self) -> Option<&loops::Reduced> {
         self.reduced.as_ref().and_then(|reduced| reduced.as_ref().ok())
     }
 
-    /// Of an independent coordinate.
+    /// The label of an independent coordinate.
     pub fn label(&self, place: usize) -> Label {
         self.names.label(self.motion.coordinates[self.linear.coordinates[place]].symbols[0])
     }

@@ -24,7 +24,7 @@ struct Piece {
 #[derive(Clone, Debug)]
 pub struct Motion {
     pub coordinates: Vec<Coordinate>,
-    /// How many of them no base prescribes; they come first.
+    /// Number of coordinates that no base prescribes; they come first.
     pub free: usize,
     pieces: Vec<Piece>,
     /// The piece of ground, bases and bodies.
@@ -77,7 +77,7 @@ impl Motion {
         }
     }
 
-    /// The time derivative of what depends on coordinates and velocities.
+    /// The time derivative of an expression in coordinates and velocities.
     pub fn rate(&self, of: &Sum, lengths: &Lengths) -> Sum {
         let mut rate = Sum::ZERO;
         for coordinate in &self.coordinates {
@@ -150,7 +150,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Whether the part stands without a joint.
+    /// Whether the part is held without a joint.
     fn has_no_joint(&self, number: usize) -> bool {
         match self.part(number) {
             Part::Body(body) => self.scene.bodies[body.index()].freedom != Freedom::FromJoints,
@@ -158,7 +158,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Joins welded parts; what stands represents them, else what is declared first.
+    /// Joins welded parts. A part that is held represents the others, otherwise the one declared first.
     fn weld(&mut self) {
         for (index, joint) in self.scene.joints.iter().enumerate() {
             if !joint.kind.is_rigid() {

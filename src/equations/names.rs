@@ -1,12 +1,12 @@
-//! The names of the equations: parameters as the model has them, coordinates as a textbook writes them, each with its value
-//! where it has one.
+//! The names of the equations: parameters as in the model, coordinates as in a textbook, each with its value if it has
+//! one.
 
 use crate::base::{Number, Rational};
 use crate::model::written::{Named, Pair, Written, dot};
 use crate::symbols::{Factor, Product, Sum, Symbol, common_factors};
 use std::collections::BTreeMap;
 
-/// Classes of names besides those of the model's parameters, in the order of factors.
+/// Classes of names other than those of the model's parameters, in the order of factors.
 pub mod class {
     /// Tensions that hold a drawing.
     pub const TENSION: u8 = 32;
@@ -14,7 +14,7 @@ pub mod class {
     pub const LENGTH: u8 = 33;
     /// One of these at rest.
     pub const REST_LENGTH: u8 = 34;
-    /// Where a coordinate rests, measured from the drawing.
+    /// The value of a coordinate at rest, measured from the drawing.
     pub const REST: u8 = 35;
     /// Multipliers of constraints.
     pub const MULTIPLIER: u8 = 36;
@@ -43,7 +43,7 @@ pub mod class {
     pub const LAPLACE: u8 = 50;
 }
 
-/// How a name is shown: a word, an index below it, and how often it is differentiated.
+/// The notation of a name: a word, an index below it, and the number of differentiations.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     pub word: String,
@@ -56,7 +56,7 @@ impl Label {
         Label { word: word.into(), index: index.into(), dots: 0 }
     }
 
-    /// As the model or a plain text would write it: `x_block`.
+    /// The name as the model or a plain text would write it: `x_block`.
     pub fn plain(&self) -> String {
         match &self.index {
             index if index.is_empty() => self.word.clone(),
@@ -154,7 +154,7 @@ impl Names {
         }
     }
 
-    /// The root with those squares of positive names taken out that all terms share.
+    /// The root, with squares of positive names taken out that all terms share.
     fn square_root(&self, square: &Sum) -> Sum {
         let shared = common_factors(square).product;
         let is_positive = |factor: &Factor| {
@@ -184,7 +184,7 @@ impl Names {
     }
 }
 
-/// With every motion and force at zero.
+/// The sum with every motion and force at zero.
 pub fn without_motion(sum: &Sum) -> Sum {
     sum.replaced(&|symbol| {
         let moves = (class::COORDINATE..=class::FORCE).contains(&symbol.class());

@@ -2,7 +2,7 @@
 
 use crate::base::Number;
 
-/// By ascending powers.
+/// Coefficients by ascending powers.
 pub type Polynomial = Vec<Number>;
 
 pub fn sum(a: &[Number], b: &[Number]) -> Polynomial {
@@ -39,7 +39,7 @@ pub fn determinant(matrix: &[Vec<Polynomial>]) -> Option<Polynomial> {
         let row = columns.count_ones() as usize - 1;
         let mut sum = Vec::new();
         for column in (0..n).filter(|column| columns & (1 << column) != 0) {
-            // The columns behind this one say how often it is exchanged.
+            // The number of columns after this one determines the sign.
             let behind = (columns >> (column + 1)).count_ones();
             let term = product(&matrix[row][column], &minors[columns & !(1 << column)]);
             let term = if behind % 2 == 0 { term } else { term.iter().map(|number| -number).collect() };

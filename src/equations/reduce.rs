@@ -18,7 +18,7 @@ use crate::base::{Number, Rational, Span};
 use crate::lower::Lowered;
 use crate::symbols::{Factor, Lengths, Product, Sum, Symbol};
 
-/// Constraint equations that are solved together.
+/// Maximum number of constraint equations that are solved at once.
 const MOST_EQUATIONS: usize = 12;
 
 #[allow(clippy::too_many_arguments)]
@@ -107,7 +107,7 @@ fn at_rest_ratios(follows: &[Follow], index: usize, columns: &[usize]) -> Vec<Su
     columns.iter().map(ratio).collect()
 }
 
-/// All dependent coordinates to first order, solved for together.
+/// All dependent coordinates to first order, solved for at once.
 fn all_together(
     motion: &Motion,
     constraints: &[Constraint],
@@ -132,7 +132,7 @@ fn unsolved(why: Unsolved, span: Span) -> EquationsError {
     }
 }
 
-/// Ratios that are long get a name, with their definition beside it: entries that are made of them stay readable.
+/// Long ratios get a name, with their definition beside it, so that entries made of them stay readable.
 fn named(
     row: Vec<Sum>,
     (index, columns): (usize, &[usize]),
@@ -220,7 +220,7 @@ fn transposed_product(follows: &[Vec<Sum>], half: &Matrix, width: usize) -> Matr
     (0..width).map(|i| (0..columns).map(|j| entry(i, j)).collect()).collect()
 }
 
-/// The columns of the inputs: N^T B, less what prescribed motions move of the dependent coordinates.
+/// The columns of the inputs: N^T B, minus the effect of prescribed motions on the dependent coordinates.
 fn inputs(motion: &Motion, full: &Linear, stiffness: &Matrix, follows: &[Vec<Sum>], width: usize) -> Vec<Column> {
     let matrices = [stiffness, &full.damping, &full.mass];
     let column = |column: &Column| {
@@ -243,7 +243,7 @@ fn inputs(motion: &Motion, full: &Linear, stiffness: &Matrix, follows: &[Vec<Sum
     full.inputs.iter().map(column).collect()
 }
 
-/// The multipliers at rest: G_d^T lambda = -f_d on the dependent coordinates, f what everything else does there.
+/// The multipliers at rest: G_d^T lambda = -f_d on the dependent coordinates, where f are all other forces.
 fn reactions(
     motion: &Motion,
     constraints: &[Constraint],
@@ -275,7 +275,7 @@ fn reactions(
         rest.reactions.push((constraint.multiplier, Some(form), value));
     }
     if rest.reactions.iter().all(|(_, form, _)| form.as_ref().is_some_and(Sum::is_zero)) {
-        // Nothing is held against anything.
+        // There is no constraint force.
         let is_multiplier = |symbol: Symbol| symbol.class() == class::MULTIPLIER;
         rest.conditions
             .retain(|(_, condition)| !without_multipliers(condition).is_zero() || !condition.mentions(&is_multiplier));

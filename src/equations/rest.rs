@@ -1,5 +1,5 @@
-//! The rest in symbols: what it has to fulfil, and its closed form where one is found. In: the equations with every motion at zero;
-//! out: conditions over `q_0`, and solutions that agree with the rest that was found in numbers.
+//! The rest in symbols: its conditions, and its closed form if one is found. In: the equations with every motion at
+//! zero. Out: conditions over `q_0`, and solutions that agree with the numerical rest.
 
 use super::coordinate::Coordinate;
 use super::energy::Energies;
@@ -14,7 +14,7 @@ use crate::symbols::{Factor, Sum, Symbol};
 /// The rest of the free coordinates.
 #[derive(Clone, Debug, Default)]
 pub struct Rest {
-    /// `condition = 0`, for each coordinate whose condition is not fulfilled by itself.
+    /// `condition = 0`, for each coordinate whose condition is not satisfied identically.
     pub conditions: Vec<(usize, Sum)>,
     /// Coordinates that do not rest as drawn, each with its symbol and its value.
     pub moved: Vec<(usize, Symbol, Number)>,
@@ -91,7 +91,8 @@ impl Rest {
         rest
     }
 
-    /// Lengths at rest in place of their names, `by_parts` where a line has names for its parts; conditions that fulfil themselves are none.
+    /// Replaces names by lengths at rest, or `by_parts` if a line has names for its parts; conditions that hold
+    /// identically are dropped.
     pub fn settle(&mut self, at_rest: &AtRest, names: &Names, by_parts: impl Fn(usize) -> Option<Sum>) {
         for (coordinate, condition) in &mut self.conditions {
             *condition = by_parts(*coordinate).unwrap_or_else(|| at_rest.of(condition).simplified());
@@ -118,7 +119,7 @@ impl Rest {
         }
     }
 
-    /// Closed forms, one coordinate after the other, each from a condition with one unknown that is left.
+    /// Closed forms, one coordinate after the other, each from a condition with one remaining unknown.
     pub fn closed_forms(&self, names: &Names) -> Vec<(usize, Sum)> {
         let mut found: Vec<(usize, Sum)> = Vec::new();
         let mut conditions: Vec<Sum> = self.conditions.iter().map(|(_, condition)| condition.clone()).collect();
@@ -135,7 +136,7 @@ impl Rest {
                     .collect();
                 let &[(index, symbol, value)] = &unknown[..] else { continue };
                 let solved = solved_linear(condition, *symbol).into_iter().chain(solved_wave(condition, *symbol));
-                // Of several angles the one that was found in numbers.
+                // Of several angles, the one that was found numerically.
                 let agrees = |form: &Sum| names.value_of(form).is_some_and(|worth| (&worth - value).may_be_zero());
                 let Some(form) = solved.into_iter().find(agrees) else { continue };
                 found.push((*index, form.clone()));

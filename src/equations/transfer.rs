@@ -22,7 +22,7 @@ pub struct Output {
     /// Its place among the outputs of the scene, and in the model.
     pub number: usize,
     pub span: Span,
-    /// By the order of the derivative: the factor of each independent coordinate.
+    /// For each order of the derivative, the factor of each independent coordinate.
     pub rows: Vec<Vec<Sum>>,
     /// ... and of each prescribed motion, by its input.
     pub direct: Vec<Vec<(usize, Sum)>>,
@@ -76,7 +76,7 @@ fn form(
         Moved::Turn { part, derivative } => {
             (usize::from(*derivative), first_order(&motion.angle(*part).unwrap_or_default(), motion, &none, at_rest))
         }
-        // By multipliers, which the reduced equations do not have.
+        // Reactions need multipliers, which the reduced equations do not have.
         Moved::Reaction(_) => return None,
         Moved::Stretch { element } => (0, stretch(energies, element.index(), motion, at_rest)),
         Moved::Force { element } => {
@@ -140,7 +140,7 @@ pub struct Transfer {
     pub input: usize,
     /// Among the outputs of the equations.
     pub output: usize,
-    /// By powers of s, the constant first; empty where it has numbers alone.
+    /// Coefficients by powers of s, the constant first; empty if there are only numbers.
     pub numerator: Vec<Sum>,
     /// Numerator and denominator with their common factors cancelled.
     pub reduced: (Vec<Sum>, Vec<Sum>),
@@ -213,7 +213,7 @@ fn reduced(numerator: &[Sum], denominator: &[Sum]) -> (Vec<Sum>, Vec<Sum>) {
     (divided(numerator), divided(denominator))
 }
 
-/// By Cramer's rule: each column of M s^2 + C s + K in turn replaced by the input's.
+/// By Cramer's rule: each column of M s^2 + C s + K in turn is replaced by the input's.
 fn numerator_of_numbers(equations: &Equations, part: &Part, column: &Column, output: &Output) -> Option<Polynomial> {
     let worth = |sum: &Sum| equations.names.value_of(sum);
     let whole = closed::matrix_of_numbers(equations, &part.places)?;

@@ -1,8 +1,8 @@
-//! Rotating unbalances: the force of a heavy spot by the motion of that spot. In: what the model says of it; out: for each axis where the
-//! spot is, times its mass, and the force, which is the opposite of the second derivative of that.
+//! Rotating unbalances: the force of a heavy spot through the motion of that spot. In: the declaration. Out: for each
+//! axis the position of the spot times its mass, and the force, which is the opposite of the second derivative of that.
 //!
-//! With a speed the spot is at the angle omega t and the force along x is m e omega^2 cos(omega t); without one its angle is a name,
-//! and the force m e (phi'^2 cos(phi) + phi'' sin(phi)).
+//! With a speed, the spot is at the angle omega t and the force along x is m e omega^2 cos(omega t); without one, its
+//! angle is a name, and the force is m e (phi'^2 cos(phi) + phi'' sin(phi)).
 
 use super::names::{Label, Names, class};
 use crate::base::Dimension;
@@ -14,13 +14,13 @@ use crate::symbols::{Factor, Sum, Symbol};
 #[derive(Clone, Debug)]
 pub struct Unbalance {
     pub axis: Axis,
-    /// Where the heavy spot is along the axis, times its mass.
+    /// The position of the heavy spot along the axis, times its mass.
     pub place: Sum,
     pub force: Sum,
     pub turns: Turns,
     /// The axis in the scene.
     pub along: Pair,
-    /// In the scene; in a component that is mirrored the model says the opposite.
+    /// The sense in the scene; in a mirrored component, the model states the opposite.
     pub clockwise: bool,
 }
 
@@ -81,7 +81,7 @@ impl Unbalance {
         self.axis == Axis::X
     }
 
-    /// `None` for any other input.
+    /// The unbalance of an input; `None` for any other kind of input.
     pub fn new(scene: &Scene, written: &Written, input: usize, names: &mut Names) -> Option<Unbalance> {
         let InputKind::Unbalance { axis, clockwise, .. } = scene.inputs.get(input)?.kind else { return None };
         let along = written.inputs.get(input)?.along.clone()?;

@@ -52,7 +52,8 @@ fn matrices(equations: &Equations, system: &LinearSystem, whole: &solutions::Mat
     Ok(())
 }
 
-/// Where the scene makes an entry: the body or element whose own part of it differs, else the coordinate.
+/// The place in the scene where an entry differs: the body or element whose own contribution differs, otherwise the
+/// coordinate.
 fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &Form), i: usize, j: usize) -> Span {
     let theirs = |part: &str| {
         let terms = form.terms().iter().filter(|term| system.display(form.source_of(term.source)) == part);

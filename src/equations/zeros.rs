@@ -1,5 +1,5 @@
-//! The numerator of a transfer function in symbols, where its numbers do not say which coefficients are zero: those that cancel whatever
-//! the values are, as of a force that cannot stretch the spring that is looked at.
+//! The numerator of a transfer function in symbols, for cases in which its numbers do not show which coefficients are
+//! zero: those that cancel for all values, as for a force that cannot stretch the spring in question.
 
 use super::Equations;
 use super::closed::{self, Part};
@@ -11,7 +11,8 @@ use crate::symbols::Sum;
 const MOST_ROWS: usize = 10;
 const MOST_PRODUCTS: usize = 40_000;
 
-/// p adj(Z) b + d det(Z) by powers of s: the determinant of Z with b as one more column and -p as one more row. `None` where it is too long.
+/// p adj(Z) b + d det(Z) by powers of s: the determinant of Z with b as an additional column and -p as an additional
+/// row. `None` if it is too long.
 pub fn numerator(equations: &Equations, part: &Part, column: &Column, output: &Output) -> Option<Vec<Sum>> {
     let places = &part.places;
     let mut matrix: Vec<Vec<Vec<Sum>>> = Vec::new();
@@ -49,7 +50,7 @@ fn determinant(matrix: &[Vec<Vec<Sum>>]) -> Option<Vec<Sum>> {
             if products > MOST_PRODUCTS {
                 return None;
             }
-            // The columns behind this one say how often it is exchanged.
+            // The number of columns after this one determines the sign.
             let is_odd = (columns >> (column + 1)).count_ones() % 2 == 1;
             let term = closed::product(entry, minor);
             add(&mut sum, if is_odd { term.iter().map(|sum| -sum).collect() } else { term });

@@ -76,7 +76,7 @@ impl Jet {
         (0..exponent.unsigned_abs()).fold(Jet::constant(Ball::from(1.0)), |power, _| power.times(base))
     }
 
-    /// x^n, or |x| x^(n-1): `None` where the sign is not known.
+    /// x^n, or |x| x^(n-1); `None` if the sign is not known.
     fn raised(self, exponent: u32, has_magnitude: bool) -> Option<Jet> {
         let power = self.power(exponent as i32);
         match Number::Ball(self.value) {
@@ -160,7 +160,7 @@ impl Point<'_> {
 
 /// Moves every equation is looked at.
 const STATES: u64 = 2;
-/// Scenes with more coordinates are compared at some of them.
+/// Maximum number of equations that are compared; larger scenes are compared at some of their coordinates.
 const MOST_EQUATIONS: usize = 24;
 
 pub fn verify(equations: &Equations) -> Result<(), EquationsError> {
@@ -218,9 +218,10 @@ impl<'a> State<'a> {
         Some(self.point(Perturbed::Nothing, Perturbed::Nothing)?.sum(sum)?.value)
     }
 
-    /// Velocity ratios hold the constraints, and the equations without multipliers are those sums of the others that they say.
+    /// Checks that velocity ratios satisfy the constraints, and that the equations without multipliers are the sums of
+    /// the others that they should be.
     fn reduced(mut self, reduced: &Reduced) -> Result<(), EquationsError> {
-        // Constraints that say nothing new do so where the others are fulfilled, not at any state.
+        // Redundant constraints follow from the others where these are satisfied, not at any state.
         for (index, constraint) in self.equations.constraints.iter().enumerate() {
             if !reduced.held.contains(&index) {
                 self.given.retain(|(symbol, _)| *symbol != constraint.multiplier);
@@ -259,7 +260,7 @@ impl<'a> State<'a> {
         })
     }
 
-    /// An equation without multipliers, and the sum of those with them.
+    /// The values of an equation without multipliers, and of the corresponding sum of those with multipliers.
     fn projected(&self, reduced: &Reduced, equation: &Equation) -> Option<(Number, Number)> {
         let point = self.point(Perturbed::Nothing, Perturbed::Nothing)?;
         let written = Number::Ball(point.written(equation)?);
@@ -279,7 +280,7 @@ impl<'a> State<'a> {
         defect(coordinate.span, format!("{what} of {label} at a random state"), written, derived)
     }
 
-    /// The state with what moves by nilpotent parts; `None` where a length is not above zero.
+    /// The state whose moving parts are nilpotent; `None` if a length is not positive.
     fn point(&self, a: Perturbed, b: Perturbed) -> Option<Point<'a>> {
         let equations = self.equations;
         let mut motions = BTreeMap::new();
@@ -301,7 +302,8 @@ impl<'a> State<'a> {
         Some(point)
     }
 
-    /// An equation as written, and by derivatives of the energies; `None` where a length or a root is not above zero there.
+    /// The values of an equation as written, and by derivatives of the energies; `None` if a length or a root is not
+    /// positive there.
     fn both_values(&self, index: usize) -> Option<(Number, Number)> {
         let (equations, energies) = (self.equations, &self.equations.energies);
         let momentum = self.point(Perturbed::Velocity(index), Perturbed::AlongMotion)?;
@@ -367,7 +369,7 @@ impl Point<'_> {
 enum Perturbed {
     Displacement(usize),
     Velocity(usize),
-    /// Every coordinate as the motion goes on.
+    /// Every coordinate as the motion proceeds.
     AlongMotion,
     Nothing,
 }

@@ -50,9 +50,9 @@ pub fn verify(equations: &Equations, scene: &Scene) -> Result<(), EquationsError
 
 /// The heavy spot at a moment.
 struct Moment<'a> {
-    /// In s, where the speed is given.
+    /// The time in s, if the speed is given.
     time: Option<Number>,
-    /// Of its angle.
+    /// The rate of its angle.
     rate: Number,
     /// Its angle moves with a + b, to second order.
     point: Point<'a>,

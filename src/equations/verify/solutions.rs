@@ -129,7 +129,7 @@ fn frequencies(equations: &Equations, part: &Part, whole: &Matrices) -> Result<(
 /// Places at which polynomials are compared: more than any of them has coefficients.
 const PLACES: std::ops::RangeInclusive<i64> = 1..=20;
 
-/// N(s) and D(s) as printed fulfil N(s) D'(s) = N'(s) D(s) with those of the linear system.
+/// Checks that the printed N(s) and D(s) satisfy N(s) D'(s) = N'(s) D(s) with N' and D' of the linear system.
 fn transfer_function(
     equations: &Equations,
     transfer: &Transfer,
