@@ -278,7 +278,8 @@ fn independent(a: &Matrix<Dd>) -> Vec<usize> {
     parts
 }
 
-/// What a vector of one part has left in another after the iteration, at most 1e-10 of its own.
+/// Above any component that a vector of one part has left in another after the iteration, which is at most 1e-10 of the
+/// vector itself.
 const LEFT_OVER: f64 = 1e-8;
 
 /// Sets the entries of vectors to zero in parts that do not take part in their motion: what the iteration leaves there would

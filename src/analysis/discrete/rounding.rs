@@ -194,7 +194,7 @@ impl Frame {
             Form::Lose(d) => 2.0 * d.abs() + self.driven(cell, 0).error(d.abs()) + 1.0,
             Form::Pair(lift) => {
                 let [x, v] = self.of_pair(cell, lift);
-                // What v loses reaches x in the same step.
+                // The error of v reaches x in the same step.
                 self.norm.length(&[x, 0.0]) + v * self.norm.length(&[lift.p, 1.0])
             }
             Form::Dense { rows, .. } => {
@@ -227,7 +227,7 @@ impl Frame {
         [in_x, in_v]
     }
 
-    /// What inputs add to a state.
+    /// The contribution of inputs to a state.
     fn driven(&self, cell: &Cell, state: usize) -> Driven {
         let mut found = Driven { count: cell.input[state].len() as f64, size: 0.0, multiplied: 0.0 };
         for input in inputs(cell) {
@@ -318,7 +318,7 @@ fn powers(f: Matrix<f64>) -> Vec<f64> {
     let n = f.rows();
     let mut power = f;
     let mut sums = vec![1.0];
-    // What the power that is computed may be off by: its entries were rounded once.
+    // The error of the computed power: its entries were rounded once.
     let mut off = f64::EPSILON * (1.0 + norm_bound(n, n, |i, j| power[(i, j)].abs()));
     for i in 0..DOUBLINGS {
         let size = norm(&power);

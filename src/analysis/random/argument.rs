@@ -10,7 +10,7 @@ pub type Point = Complex<Ball>;
 #[derive(Clone, Copy, Debug)]
 pub struct Two(pub [[Point; 2]; 2]);
 
-/// What a function that is a power series, or ends in a logarithm, may be taken of.
+/// An argument of functions that are power series, or contain a logarithm.
 pub trait Argument: Copy {
     fn of(z: Point) -> Self;
     fn plus(self, other: Self) -> Self;

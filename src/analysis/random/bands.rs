@@ -14,7 +14,7 @@ const UP: f64 = up::THOUSANDS;
 pub struct Bands {
     /// Integrals over i w - D of each block and of its conjugate.
     of_poles: Vec<[Value; 2]>,
-    /// Integrals over w^(2 m), m from -2 to 2; `None` where there is none, or none is known.
+    /// Integrals over w^(2 m), m from -2 to 2; `None` if the integral does not exist, or is not known.
     even: [Option<Ball>; 5],
     /// A bound of the mean square of the noise itself.
     whole: f64,
@@ -47,7 +47,7 @@ impl Bands {
         Some(Bands { of_poles, even, whole, near, of_close })
     }
 
-    /// How near the bands are to the poles.
+    /// The distances of the bands from the poles.
     pub fn near(&self) -> &Nearness {
         &self.near
     }
@@ -57,7 +57,7 @@ impl Bands {
         self.whole
     }
 
-    /// The integral of |H|^2 over angular frequencies, and a bound of what is missing.
+    /// The integral of |H|^2 over angular frequencies, and a bound of its error.
     pub fn integral(&self, resolvent: &Resolvent, parts: &Parts) -> Option<(Ball, f64)> {
         let square = resolvent.square(parts, &self.near);
         let two = Ball::from(2.0);
@@ -86,7 +86,7 @@ impl Bands {
     }
 }
 
-/// A mean square from an integral over angular frequencies and what it may be off by.
+/// A mean square from an integral over angular frequencies and its error bound.
 pub fn settled(integral: Ball, off: f64) -> Option<Ball> {
     let value = integral.widen(off) / (Ball::PI * Ball::from(2.0));
     if !value.is_finite() {
@@ -97,8 +97,8 @@ pub fn settled(integral: Ball, off: f64) -> Option<Ball> {
 }
 
 impl Bands {
-    /// What each mode contributes to the mean square: the integral of re H_i conj H S, in binary64. What reaches the output directly
-    /// is no mode's.
+    /// The contribution of each mode to the mean square: the integral of re H_i conj H S, in binary64. Noise that
+    /// reaches the output directly belongs to no mode.
     pub fn contributions(&self, resolvent: &Resolvent, lines: &[Line], direct: &[Ball; 5]) -> Option<Vec<f64>> {
         // In the order of the lines: a conjugate before its pole.
         let mut integrals = Vec::with_capacity(lines.len());
@@ -143,14 +143,14 @@ pub fn over<A: Argument>(panels: &[Panels], d: A) -> A {
     panels.iter().fold(A::of(Complex::ZERO), |sum, panels| sum.plus(panels.over(d)))
 }
 
-/// Whether a band of the density begins at 0 Hz; `None` where numbers leave the range or do not decide.
+/// Whether a band of the density begins at 0 Hz; `None` if numbers leave their range or do not decide.
 pub fn starts_at_zero(density: &Density, within: Option<[&Number; 2]>) -> Option<bool> {
     let pieces = pieces(density, within)?;
     let is_decided = pieces.iter().all(|piece| piece.from.is_zero() || piece.from.is_positive());
     is_decided.then(|| pieces.iter().any(|piece| piece.from.is_zero()))
 }
 
-/// The power laws that a density is made of. `None` for white noise without ends, and where numbers leave the range.
+/// The power laws that a density consists of. `None` for white noise without limits, and if numbers leave their range.
 pub fn pieces(density: &Density, within: Option<[&Number; 2]>) -> Option<Vec<Piece>> {
     let white;
     let bands = match (density, within) {

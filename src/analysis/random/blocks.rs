@@ -15,7 +15,7 @@ type Long = Complex<Dd>;
 
 /// The most refinements of poles and vectors; each gains at least ten digits.
 const STEPS: usize = 6;
-/// A step that is smaller, relative to the vector, changes nothing.
+/// A step that is smaller than this, relative to the vector, has no effect.
 const SETTLED: f64 = 1e-30;
 /// Blocks whose poles are nearer, relative to their size, are not separated by a refinement.
 const CLOSE: f64 = 1e-12;
@@ -30,7 +30,7 @@ const COUPLING: f64 = 1.0 / 64.0;
 /// that above the real axis.
 pub struct Block {
     pub is_real: bool,
-    /// Rows of D.
+    /// The coupling between the two vectors of a block, relative to that distance.
     pub d: Vec<Vec<Long>>,
     /// Columns of X.
     pub x: Vec<Vec<Long>>,
@@ -222,7 +222,7 @@ fn of_part(space: &Space, part: &[usize]) -> Option<Vec<Block>> {
             blocks.push(joined([(s, &x), (other, &y)], s.im == 0.0));
             continue;
         }
-        // What is near and not parallel is made orthogonal, as the vectors of a multiple pole may be.
+        // Vectors that are close but not parallel are made orthogonal, as those of a multiple pole may be.
         let own = ShortBlock { is_real: s.im == 0.0, d: vec![vec![s]], x: vec![x.clone()] };
         let slope = own.slope(space)[0][0];
         for (other, y) in pairs.iter_mut().filter(|(other, _)| (*other - s).one_norm() < reach) {
@@ -240,7 +240,7 @@ fn of_part(space: &Space, part: &[usize]) -> Option<Vec<Block>> {
 /// A state's column as places of all modes, the largest of them one.
 fn places(space: &Space, part: &[usize], states: &ComplexColumns, column: usize, s: Short) -> Vec<Short> {
     let mut x = vec![Complex::ZERO; space.n];
-    // Of the place and the rate of each mode the larger one is the more accurate.
+    // The larger one of the place and the rate of a mode is more accurate.
     for (i, &mode) in part.iter().enumerate() {
         let (place, rate) = (states.at(i, column), states.at(part.len() + i, column));
         let is_place = place.one_norm() >= rate.one_norm();

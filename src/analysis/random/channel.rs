@@ -9,12 +9,12 @@ use crate::kernel::dense::lu::Lu;
 use crate::kernel::dense::{Matrix, echelon, enclosure};
 use crate::system::{CoordinateId, Form, LinearSystem, Output};
 
-/// Up to so many coordinates that inertia couples are solved for in fractions.
+/// Maximum number of coordinates coupled by inertia that are solved for in fractions.
 const MOST_EXACT: usize = 12;
-/// Up to so many coordinates statics is solved in fractions.
+/// Maximum number of coordinates for which the static response is solved in fractions.
 const MOST_STATIC: usize = 24;
 
-/// How the noise of some inputs drives the coordinates.
+/// The action of the noise of some inputs on the coordinates.
 pub struct Channel {
     /// M h, where v' = u + h w.
     pub jump: Vec<Number>,
@@ -28,11 +28,11 @@ pub struct Channel {
     pub inputs: Vec<usize>,
 }
 
-/// What of the noise reaches an output other than by way of the state: the factors of s^-2 w .. s^2 w.
+/// The part of the noise that reaches an output directly, not through the state: the factors of s^-2 w .. s^2 w.
 pub type Feed = [Number; 5];
 
 impl Channel {
-    /// `None` where what the coordinates follow of a base is not found, or numbers do not decide.
+    /// `None` if the static response to a base is not found, or if numbers do not decide.
     pub fn of(system: &LinearSystem, inputs: &[usize], derivative: u8) -> Option<Channel> {
         let (n, derivative) = (system.n(), usize::from(derivative));
         let b = [0, 1, 2].map(|power| {
@@ -137,7 +137,7 @@ pub fn applied(form: &Form, x: &[Number]) -> Vec<Number> {
     image
 }
 
-/// r with K r = b exactly, if one is found: in most scenes it is what a base carries along, zeros and ones.
+/// r with K r = b exactly, if one is found. In most scenes it is a motion carried along by a base, of zeros and ones.
 fn static_solution(system: &LinearSystem, b: &[Number]) -> Option<Vec<Number>> {
     let n = b.len();
     if b.iter().all(Number::is_zero) {
@@ -175,7 +175,7 @@ fn near_solution(system: &LinearSystem, b: &[Number]) -> Option<Vec<Number>> {
     x.iter().map(simple).collect()
 }
 
-/// M^-1 x, exact where that is possible; zero in the coordinates that inertia does not couple with those of x.
+/// M^-1 x, exact if possible; zero in the coordinates that inertia does not couple with those of x.
 fn mass_solution(system: &LinearSystem, x: &[Number]) -> Option<Vec<Number>> {
     let n = x.len();
     let mut solution = vec![Number::ZERO; n];

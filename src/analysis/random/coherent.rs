@@ -110,7 +110,7 @@ pub fn mean_square(bands: &Bands, pairs: &[Pair], resolvent: &Resolvent, parts: 
     settled(sum, off * UP)
 }
 
-/// What H_a(s) H_b(-s) has of s^-4 .. s^4 beside its poles.
+/// The coefficients of s^-4 .. s^4 in H_a(s) H_b(-s), apart from its poles.
 fn laurent(resolvent: &Resolvent, a: &Parts, b: &Parts) -> [Ball; 9] {
     let mut powers = [Ball::ZERO; 9];
     for (k, x) in a.direct.iter().enumerate() {

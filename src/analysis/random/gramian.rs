@@ -19,22 +19,22 @@ use crate::system::{LinearSystem, Output};
 use nalgebra::DMatrix;
 
 const UP: f64 = up::THOUSANDS;
-/// For more coordinates the Schur form takes too long.
+/// With more coordinates, the Schur form takes too long.
 pub const MOST: usize = 150;
 /// The most refinements of a solution.
 const STEPS: usize = 5;
-/// What is left over, relative to the certificate's right-hand side and to the solution, at which refinement ends.
+/// The residual, relative to the certificate's right-hand side and to the solution, at which refinement ends.
 const SETTLED: f64 = 1e-24;
 
 /// Covers underflow in sums of products.
 const TINY: f64 = 1e-290;
 
-/// Why there is no space in which variances are found.
+/// The reason why variances cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
     Empty,
     Large,
-    /// A motion has no inertia, or not all modes are known.
+    /// A motion has no inertia, or some modes are not known.
     Modes,
     /// A motion is held by no spring, or its kind is not certain.
     Rigid,
@@ -42,7 +42,7 @@ pub enum Obstacle {
     NotStable,
 }
 
-/// The system in modal coordinates with what proves variances.
+/// The system in modal coordinates, with the data that prove variances.
 pub struct Space {
     pub(super) n: usize,
     shapes: Matrix<Dd>,
@@ -103,7 +103,7 @@ impl Space {
         }
         let s: Vec<f64> = mids.iter().map(|k| k.hi.sqrt()).collect();
         let squares: Vec<f64> = s.iter().map(|s| s * s).collect();
-        // Of the diagonal of X^T K X the radius alone: the midpoints are k.
+        // Only the radius of the diagonal of X^T K X: the midpoints are k.
         let of_k = off_diagonal(&form.k, &squares, false) * UP;
         let of_m = off_diagonal(&form.m, &vec![1.0; n], true) * UP;
         let is_small = n as f64 * (of_m + of_k) < 1e-6;
@@ -219,7 +219,7 @@ impl Space {
         }
     }
 
-    /// Widens the image by what the entries of X^T M X - 1 and X^T K X - diag k may do.
+    /// Widens the image by the effect of the errors of X^T M X - 1 and X^T K X - diag k.
     fn add_uncertainty(&self, image: &mut Matrix<Ball>, [z, w, v]: [&Matrix<Ball>; 3], cv: &Matrix<Ball>) {
         let n = self.n;
         let (mixed, lower) = self.uncertainty([z, w, v, cv].map(|m| m.map(|x| x.magnitude())));
@@ -407,7 +407,7 @@ impl Space {
         seen.iter().zip(&size).map(column).sum::<f64>() * UP
     }
 
-    /// What each mode contributes to the variance: cov(part of the mode, whole) / variance.
+    /// The contribution of each mode to the variance: cov(part of the mode, whole) / variance.
     pub fn shares(&self, covariance: &Covariance, row: &[Ball]) -> Vec<f64> {
         let n = self.n;
         let p = |i: usize, j: usize| covariance.p[(i, j)].to_f64();

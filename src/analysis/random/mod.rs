@@ -1,6 +1,6 @@
-//! Stationary response to noise: mean squares with bounds, densities, crossings. In: a linear system with all its modes, the
-//! noises of its inputs. Out: for each output a number, a proof that it is infinite, or what is missing. See
-//! docs/method/random.md.
+//! Stationary response to noise: mean squares with bounds, densities, crossings. In: a linear system with all its
+//! modes, the noises of its inputs. Out: for each output a number, a proof that it is infinite, or the reason why there
+//! is none. See docs/method/random.md.
 
 mod argument;
 mod bands;
@@ -33,13 +33,13 @@ pub use density::density;
 pub use peaks::Peak;
 pub use realisation::realisation;
 
-/// A mean square or what follows from it.
+/// A mean square, or a number derived from it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spread {
     Finite(Ball),
     /// Proved, with its reason.
     Infinite(Cow<'static, str>),
-    /// Nothing is proved; why.
+    /// Nothing is proved, for this reason.
     Unknown(&'static str),
 }
 
@@ -243,7 +243,7 @@ impl Spread {
     }
 }
 
-/// A mean square, if its bound leaves a number.
+/// A mean square, if its bound is small enough to give a number.
 fn finite(value: Option<Ball>) -> Spread {
     match value {
         Some(value) if value.is_zero() || value.relative_error() < LEAST => Spread::Finite(value),

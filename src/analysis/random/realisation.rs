@@ -121,7 +121,7 @@ fn line_of(band: &Band, cell: i64, spacing: &Number) -> Result<Option<(Number, B
     Ok(Some((middle, (&(&density * &width) * &Number::from(2)).to_ball())))
 }
 
-/// What each output has of a line: sum H e^(-i w t) (i w)^-d over the inputs that the noise drives.
+/// The response of each output to a line: sum H e^(-i w t) (i w)^-d over the inputs that the noise drives.
 fn responses(
     transfer: &Transfer,
     noise: &Noise,

@@ -36,7 +36,7 @@ struct Residual {
 pub struct Nearness {
     /// A lower bound of the distance from the middle of each block.
     far: Vec<f64>,
-    /// What a transfer function may be off by at these frequencies, relative to the product of its scaled rows.
+    /// Relative error bound of a transfer function at these frequencies, in terms of the product of its scaled rows.
     relative: f64,
     /// Pairs of blocks b, c with s_b nearly - conj s_c, for all the frequencies can tell: of poles that are nearly on the axis.
     close: Vec<(usize, usize)>,
@@ -209,12 +209,12 @@ impl Resolvent {
         Some(resolvent)
     }
 
-    /// What holds at all frequencies.
+    /// The distances and bounds for all frequencies.
     pub fn on_axis(&self) -> Option<Nearness> {
         self.near(self.blocks.iter().map(|block| block.far).collect())
     }
 
-    /// What holds between angular frequencies.
+    /// The distances and bounds between angular frequencies.
     pub fn within(&self, ranges: &[[Ball; 2]]) -> Option<Nearness> {
         if ranges.is_empty() {
             return self.on_axis();
@@ -456,7 +456,7 @@ impl Resolvent {
         self.blocks.iter().map(|block| block.far).fold(0.0, f64::max)
     }
 
-    /// What |H|^2 has of w^-4 .. w^4.
+    /// The coefficients of w^-4 .. w^4 in |H|^2.
     fn even(&self, parts: &Parts) -> [Ball; 5] {
         let (two, direct) = (Ball::from(2.0), &parts.direct);
         // Powers of s from -4 to 4: those of the direct parts among each other, then those with the poles.
@@ -484,7 +484,7 @@ impl Resolvent {
 /// A pole or its conjugate in binary64, with what a noise and an output have of it, mode by mode.
 pub struct Line {
     pub s: Complex<f64>,
-    /// What each mode has in p.
+    /// The contribution of each mode to p.
     pub of_modes: Vec<Complex<f64>>,
     pub p: Complex<f64>,
     pub q: Complex<f64>,
@@ -513,8 +513,8 @@ impl Resolvent {
     }
 }
 
-/// What bounds of the residual and of the skewness leave of a transfer function, whose resolvent is at most 1 / (1 - `MOST_APART`)
-/// on the axis once it is scaled.
+/// The relative error of a transfer function that follows from bounds of the residual and of the skewness; its
+/// resolvent is at most 1 / (1 - `MOST_APART`) on the axis once it is scaled.
 fn relative(residual: f64, skew: f64) -> Option<f64> {
     const MOST: f64 = 0.1;
     const RESOLVENT: f64 = 1.0 / (1.0 - MOST_APART) * UP;

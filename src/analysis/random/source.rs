@@ -72,8 +72,8 @@ impl Arm {
     }
 }
 
-/// What of white noise reaches an output without delay: nothing, or why its variance is not finite. Direct paths that are followed
-/// at different times do not cancel, except at 0 Hz.
+/// Whether white noise reaches an output without delay, and if so, why its variance is not finite. Direct paths at
+/// different times do not cancel, except at 0 Hz.
 pub fn direct(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
     let mut open = false;
     for Arm { channel, .. } in arms {

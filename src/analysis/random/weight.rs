@@ -33,7 +33,7 @@ const STEEP: f64 = 2.0;
 const MOST_PANELS: f64 = 10_000.0;
 /// The most that a phase turns in half a panel, rad: the series of it is e^4 times as large for |x| = 2 as for |x| = 0.
 const TURN: f64 = 2.0;
-/// What the rest of a series may be, relative to its first term.
+/// Bound of the remainder of a series, relative to its first term.
 const LEFT: f64 = 1e-34;
 const MOST_TERMS: usize = 600;
 /// Poles nearer than this, in half widths, are divided by; the others are expanded.

@@ -51,7 +51,7 @@ fn highest(x: Ball, v: Ball, damping: Damping) -> Ball {
     } else {
         None
     };
-    // What cannot be decided lies between the start and what the energy allows.
+    // An undecided value lies between the start and the bound by the energy.
     let low = if x.is_positive() { x.mignitude() } else { 0.0 };
     let within = between(low, whole.magnitude());
     found.map(|found| super::larger(found, x)).filter(|found| found.rad <= within.rad).unwrap_or(within)

@@ -17,7 +17,7 @@ pub struct State {
     pub v: Ball,
 }
 
-/// What the signal does with one oscillator.
+/// The result of the signal for one oscillator.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
     pub primary: Sides,
@@ -284,7 +284,7 @@ struct Lanes {
     v: [f64; LANES],
     /// Bounds of the error of the state, in the norm of [`LIGHT`].
     error: [f64; LANES],
-    /// What x certainly reaches to the positive and to the negative side.
+    /// Values of x that are certainly reached, on the positive and on the negative side.
     low: [[f64; LANES]; 2],
     candidates: [Vec<Candidate>; 2 * LANES],
     limits: [usize; 2 * LANES],
