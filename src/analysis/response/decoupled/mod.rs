@@ -22,7 +22,7 @@ use crate::analysis::modes::modes_as;
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::poles::MAX_DAMPED;
 use crate::analysis::response::signal::Source;
-use crate::base::{Ball, Dd, Number, Power};
+use crate::base::{Ball, Dd, Number};
 use crate::kernel::lanes::Lanes;
 use crate::system::{LinearSystem, Signal};
 use blocks::Blocks;
