@@ -47,6 +47,7 @@ pub use poles::poles;
 pub use poles::residues::Residues;
 pub use random::{Noisy, Peak, Spread};
 pub use response::{History, MOST_SAMPLES, grid, respond, respond_with, samples};
+pub(crate) use stability::is_passive;
 pub use stability::{Reason, Stability, Verdict, stability};
 pub use steady::{Steady, steady};
 pub use transfer::extrema::{Extrema, Extremum, FeatureKind};

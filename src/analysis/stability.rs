@@ -87,7 +87,13 @@ pub fn stability_by_ratio(system: &LinearSystem, modes: &Modes, poles: &Poles, r
     verdict(system, modes, poles, !takes_energy(ratio))
 }
 
-/// `oscillator_fed_by_damper`: whether something other than the terms of C may feed energy in.
+/// Whether no term of M, C or K supplies energy, so that no motion grows: a proof that needs neither modes nor poles.
+pub fn is_passive(system: &LinearSystem) -> bool {
+    let whole = Part::whole(system);
+    is_semidefinite(&system.m, &whole.m) && is_semidefinite(&system.c, &whole.c) && is_semidefinite(&system.k, &whole.k)
+}
+
+/// `fed`: whether something other than the terms of C may feed energy in.
 fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles, fed: bool) -> Verdict {
     let pole = |is: fn(PoleKind) -> bool| poles.list.iter().any(|pole| is(pole.kind));
     let mode = |kind: ModeKind| modes.before.contains_kind(kind) || modes.list.iter().any(|mode| mode.kind == kind);

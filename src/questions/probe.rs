@@ -5,7 +5,7 @@ use super::combined::value_of;
 use super::trial::Context;
 use crate::analysis::measures::{self, Loads};
 use crate::analysis::random::{self, Random, Reach, Spread};
-use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, peak, stability};
+use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, is_passive, peak, stability};
 use crate::base::{Ball, Number, Span};
 use crate::lower::{Lowered, Readout};
 use crate::model::scene::{Cause, Combined, Measure, MotionTerm, Question, Scene, Signal};
@@ -164,6 +164,11 @@ impl Probe {
         })
     }
 
+    /// Whether it is of the motion that is left when every free motion has decayed.
+    pub fn of_settled_motion(&self) -> bool {
+        self.any(|probe| matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Psd(..)))
+    }
+
     /// Whether the motion in time is needed.
     pub fn of_time(&self) -> bool {
         self.any(|probe| matches!(probe, Probe::Peak(_) | Probe::Rms(_, Cause::Time | Cause::Either)))
@@ -202,6 +207,11 @@ impl Measured<'_> {
         const NONE: Measurement = Measurement::None("it could not be computed");
         if !self.lowered.rest.is_proven() {
             return Measurement::None("the rest about which it would be measured is not proven");
+        }
+        if let (false, true, Some(why)) =
+            (matches!(probe, Probe::Combined(_)), probe.of_settled_motion(), self.growth())
+        {
+            return Measurement::None(why);
         }
         let drives = &self.context.drives;
         match probe {
@@ -292,6 +302,20 @@ impl Measured<'_> {
                 Some(until) => peak::rms(system, drives, *output, until),
                 None => NO_TIME,
             },
+        }
+    }
+
+    /// Why nothing settles, or may not.
+    fn growth(&self) -> Option<&'static str> {
+        let system = &self.lowered.system;
+        if is_passive(system) {
+            return None;
+        }
+        let verdict = self.modes.zip(self.poles).map(|(modes, poles)| stability(system, modes, poles).kind());
+        match verdict {
+            Some(Stability::Stable | Stability::Neutral) => None,
+            Some(Stability::Unstable) => Some("a free motion grows: nothing settles"),
+            Some(Stability::Undetermined) | None => Some("it is not proved that no free motion grows"),
         }
     }
 

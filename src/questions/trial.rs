@@ -7,7 +7,8 @@ use super::range_enclosure::{Centre, Drive, QuestionOverRange};
 use crate::analysis::measures;
 use crate::analysis::range::Family;
 use crate::analysis::{
-    AnalysisError, Measurement, Modal, Modes, Poles, Request, Which, modal_from, modes, modes_as, peak, poles,
+    AnalysisError, Measurement, Modal, Modes, Poles, Request, Which, is_passive, modal_from, modes, modes_as, peak,
+    poles,
 };
 use crate::base::number::jet;
 use crate::base::{Diagnostics, Number, Sources};
@@ -312,10 +313,11 @@ fn compute_spectrum(
     known: Option<Modes>,
     probes: &[Probe],
 ) -> Result<(Option<Modes>, Option<Poles>), String> {
-    if !probes.iter().any(Probe::of_modes) {
+    let may_grow = probes.iter().any(Probe::of_settled_motion) && !is_passive(system);
+    let of_poles = may_grow || probes.iter().any(Probe::of_poles);
+    if !of_poles && !probes.iter().any(Probe::of_modes) {
         return Ok((None, None));
     }
-    let of_poles = probes.iter().any(Probe::of_poles);
     let takes_all = probes.iter().any(Probe::takes_all_modes);
     let highest = probes.iter().map(Probe::highest_mode).max();
     let lowest = Which::Lowest(highest.unwrap_or(1));

@@ -6,7 +6,7 @@ use crate::measures::sources;
 use vibc::answers::ModalAnswer;
 use vibc::base::{Ball, Diagnostic, Number};
 use vibc::model::Overrides;
-use vibc::questions::answer::{Derivative, Others, Slope};
+use vibc::questions::answer::{Derivative, Others, Slope, Value};
 use vibc::{Failure, Outcome, Study};
 
 fn run(text: &str) -> Outcome<ModalAnswer> {
@@ -33,6 +33,40 @@ fn numbers(text: &str) -> Vec<f64> {
 
 const BLOCK: &str = "param k = 10 N/m\nparam m = 1 kg\nparam c = 0.5 N*s/m\nbody block { mass = m, moves x }\n\
                      spring s: ground -- block { k = k }\ndamper d: ground -- block { c = c }\n";
+
+/// What is left when free motions have decayed is asked of scenes in which one grows: by a damper that feeds energy in, and by
+/// a spring that pushes away. A damper that feeds in less than the others take leaves all values.
+#[test]
+fn nothing_settles_where_a_free_motion_grows() {
+    let model = |k: &str, c: [&str; 2], signal: &str, measure: &str| {
+        format!(
+            "body b {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = {k} }}\ndamper d: ground -- b {{ c = {} }}\n\
+             damper e: ground -- b {{ c = {} }}\nforce F: b along x = {signal}\noutput x = b.x\nrequire {measure}\n",
+            c[0], c[1]
+        )
+    };
+    for (signal, measure, value) in [
+        ("step(1 N, 0 s)", "static(x) < 2 m", 0.01),
+        ("harmonic(1 N, 0.5 Hz)", "amplitude(x) < 2 m", {
+            let omega = std::f64::consts::PI;
+            1.0 / (100.0 - omega * omega).hypot(omega)
+        }),
+        ("noise(white 1 N^2/Hz)", "psd(x, 0.5 Hz) < 2 m^2/Hz", {
+            let omega = std::f64::consts::PI;
+            1.0 / (100.0 - omega * omega).hypot(omega).powi(2)
+        }),
+    ] {
+        for (k, c) in [("100 N/m", ["-1 N*s/m", "0.5 N*s/m"]), ("-100 N/m", ["1 N*s/m", "1 N*s/m"])] {
+            let found = finding(&model(k, c, signal, measure));
+            assert_eq!(found.code.0, "vib::require::no_value", "{measure}");
+            let shown = format!("{found:?}");
+            assert!(shown.contains("a free motion grows: nothing settles"), "{shown}");
+        }
+        let held = answer(&model("100 N/m", ["-1 N*s/m", "2 N*s/m"], signal, measure));
+        let Value::Number(found) = &held.requirements[0].value else { panic!("{measure} has a value") };
+        assert!((found.to_f64() - value).abs() <= 1e-14 * value, "{measure}: {found:?}, not {value}");
+    }
+}
 
 /// A light absorber makes a narrow resonance: two of the three roots lie in a thousandth of the range.
 #[test]

@@ -54,7 +54,7 @@ fn steady_state(system: &LinearSystem, steady: &[Steady]) -> Vec<Block> {
             table.row(vec![name.into(), unit.into(), frequency.into(), amplitude, phase, error]);
         }
     }
-    let caption = "steady state: amplitude × sin(2π f t + phase), after the transient has decayed";
+    let caption = "steady state, without the free motion: amplitude × sin(2π f t + phase)";
     vec![Line::from(caption).into(), table.into()]
 }
 
