@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, emitted, equations, equations_examples, extrema, extremes, large, measures, modal, modes, motions, noise, planar, poles, reactions, sensitivities, shock, solving, spectrum, transfer
+from . import coupled, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, optima, planar, poles, reactions, sensitivities, shock, solving, spectrum, transfer
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,11 @@ ALL = {
     "noise_powers": Class(noise.of_form("points", "points", "road"), noise.check, 1000, 12),
     "noise_several": Class(noise.of_form("white", "flat", "points", "road", form="two"), noise.check, 1000, 8),
     "noise_delayed": Class(noise.of_form("white", "white", "flat", "points", "road", form="delayed"), noise.check, 1000, 12),
+    "effective": Class(effective.scene, effective.check, 10000, 30),
+    "laws": Class(loaded.law_scene, loaded.law_check, 10000, 30),
+    "belts": Class(loaded.belt_scene, loaded.belt_check, 10000, 30),
+    "unbalance": Class(loaded.unbalance_scene, loaded.unbalance_check, 5000, 20),
+    "optima": Class(optima.scene, optima.check, 1000, 5),
     "shock": Class(shock.scene, shock.check, 5000, 60),
     "spectrum": Class(spectrum.scene, spectrum.check, 5000, 60),
 }
