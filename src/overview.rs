@@ -90,6 +90,7 @@ pub(crate) struct Lowered<'a> {
     pub optimised: &'a [Optimised],
     pub requirements: &'a [Requirement],
     pub noisy: Vec<analysis::Noisy>,
+    pub spectral: analysis::response_spectrum::Spectral,
 }
 
 impl Overview {
@@ -108,7 +109,7 @@ impl Overview {
             optimised: of.optimised.to_vec(),
             requirements: of.requirements.to_vec(),
             noisy: of.noisy,
-            spectral: analysis::response_spectrum::Spectral::default(),
+            spectral: of.spectral,
             sensitivities: Vec::new(),
         };
         Overview::of(of.scene, answer, of.mechanism)

@@ -191,15 +191,16 @@ fn mode(
     // The off-diagonal part of the damping is below epsilon of the diagonal one.
     let rate = Ball::exact(sum.c[i]).widen(sum.epsilon * sum.c_size[i] * 4.0);
     let damping = rate / (omega * Ball::from(2.0));
-    let is_excited =
-        excitation.modes[i].mass.is_none_or(|mass| mass.magnitude() > 1e-20 * excitation.total.magnitude());
+    // However little, if it is certain: stiff springs show what hardly moves.
+    let excited = &excitation.modes[i];
+    let is_excited = excited.participation.is_none_or(|factor| !factor.contains_zero())
+        || excited.mass.is_none_or(|mass| mass.magnitude() > 1e-20 * excitation.total.magnitude());
     let own = spectrum.damping.to_ball();
     let is_rigid = spectrum.ends().is_some_and(|(_, last)| (hertz - last.to_ball()).is_positive());
-    // If an oscillator follows its base, its maximum is the same with any damping; if it is not excited, its maximum is
-    // zero.
-    let is_other = is_excited && !is_rigid && (damping - own).magnitude() > SAME * own.magnitude();
+    // If an oscillator follows its base, its maximum is the same with any damping; if it is not excited, its maximum is zero.
+    let is_other = !is_rigid && (damping - own).magnitude() > SAME * own.magnitude();
     let correction = (is_other && added.other_damping).then(|| reduction(damping) / reduction(own));
-    if is_other && correction.is_none() {
+    if is_other && is_excited && correction.is_none() {
         let percent = |ratio: Ball| format!("{:.3} %", ratio.to_f64() * 100.0);
         return Err(format!(
             "mode {} has a damping ratio of {}, and the spectrum is for {}: give the spectrum of that damping, or all modes this one, or \

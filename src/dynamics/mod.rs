@@ -225,7 +225,7 @@ pub fn realisation(
             &own
         }
     };
-    let refused = |why: &str| Box::new(Diagnostic::error(Code::model("vib::noise::left_out"), span, why));
+    let refused = |why: &str| Box::new(Diagnostic::error(Code::model("vib::noise::realisation"), span, why));
     analysis::random::realisation(system, modes, &noises(scene), seed, times).map_err(refused)
 }
 

@@ -29,8 +29,13 @@ pub fn page(document: &Document) -> Option<String> {
             &computed
         }
     };
-    let noises = if motions.rest.is_proven() { lower::noises(&known.scene) } else { Vec::new() };
+    let (noises, spectra) = match motions.rest.is_proven() {
+        true => (lower::noises(&known.scene), lower::spectra(&known.scene)),
+        false => Default::default(),
+    };
     let noisy = analysis::random::outputs(&motions.system, &modal.modes, &noises);
+    let added = analysis::response_spectrum::Additions::default();
+    let spectral = analysis::response_spectrum::maxima(&motions.system, &modal.modes, &spectra, added);
     let overview = Overview::known(Lowered {
         scene: known.scene.scene(),
         system: &motions.system,
@@ -40,6 +45,7 @@ pub fn page(document: &Document) -> Option<String> {
         solved: if document.is_current { &document.solved } else { &[] },
         optimised: if document.is_current { &document.optimised } else { &[] },
         noisy,
+        spectral,
         requirements: if document.is_current { &document.requirements } else { &[] },
     });
     Some(overview.page((&known.sources, document.file), &shown))

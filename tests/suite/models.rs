@@ -11,7 +11,7 @@ use vibc::{DiscreteOptions, Hold, Precision};
 /// A model that was analysed, and its findings.
 ///
 /// Lines in the model's leading comments control the run: `// --set k=3` and `// settings: k = "3 N/m"` give overrides,
-/// `// simulate` asks for its motion over a minute instead of its modal report, and `// emit` for its code, `// emit held` for code that takes the inputs from sample to sample. Tables are next to the models.
+/// `// simulate` asks for its motion over a minute instead of its modal report, `// simulate seeded` with a realisation of noise, and `// emit` for its code, `// emit held` for code that takes the inputs from sample to sample. Tables are next to the models.
 pub struct Run {
     sources: Sources,
     pub diagnostics: Vec<Diagnostic>,
@@ -62,9 +62,10 @@ impl Run {
                 until: None,
             };
             vibc::discrete(&sources, model, &overrides, &options).diagnostics
-        } else if asks("// simulate") {
+        } else if asks("// simulate") || asks("// simulate seeded") {
             let times = [Number::ZERO, Number::from(60)];
-            vibc::simulate(&sources, model, &overrides, &times).diagnostics
+            let seed = asks("// simulate seeded").then_some(7);
+            vibc::simulate_with_noise(&sources, model, &overrides, &times, seed).diagnostics
         } else {
             vibc::analyze(&sources, model, &overrides).diagnostics
         };

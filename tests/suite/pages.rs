@@ -44,6 +44,42 @@ fn twenty_degrees_of_freedom_stay_below_400_kilobytes() {
     assert!(page.contains("\"terms\":[[") && !page.contains("\"samples\":"), "curves are fractions");
 }
 
+/// The sections of noise and of response spectra, with their numbers, bounds and reasons.
+#[test]
+fn the_page_has_noise_and_spectra() {
+    let scene = |signal: &str, more: &str| {
+        format!(
+            "base g {{ moves x }} = {signal}\nbody b {{ mass = 2 kg, moves x }}\nspring s: g -- b {{ k = 200 N/m }}\n{more}\
+             output pull = s.force\noutput slip = g.vx\n"
+        )
+    };
+    let text = |page: &str| page.replace("&nbsp;", " ").replace('\u{a0}', " ");
+    let noisy = text(&page(&scene("noise(white 3 m^2/s^4/Hz)", "damping modal 5 %\n")));
+    for words in
+        ["<h2", "Noise</h2>", "stationary response to noise", "17.3205", "51.9615", "1.59155", "rms of slip: infinite"]
+    {
+        assert!(noisy.contains(words), "{words}: {noisy}");
+    }
+    let undamped = text(&page(&scene("noise(3 m^2/s^4/Hz, 1 Hz .. 2 Hz)", "")));
+    assert!(
+        undamped.contains("infinite: nothing damps mode 1, and the noise has power at its frequency"),
+        "{undamped}"
+    );
+    let spectrum = "spectrum((0.5 Hz, 4 m/s^2), (9 Hz, 4 m/s^2), damping = 5 %)";
+    let spectral = text(&page(&scene(spectrum, "damping modal 5 %\n")));
+    for words in [
+        "Response spectra</h2>",
+        "by g: damping 5 %",
+        "8.00000",
+        "slip: a velocity, which a response spectrum does not have",
+    ] {
+        assert!(spectral.contains(words), "{words}: {spectral}");
+    }
+    let refused = text(&page(&scene(spectrum, "damping modal 4 %\n")));
+    assert!(refused.contains("mode 1 has a damping ratio of 4.000 %"), "{refused}");
+    assert!(!page(MASS).contains("Noise</h2>") && !page(MASS).contains("Response spectra</h2>"));
+}
+
 #[test]
 fn text_of_a_model_is_text_of_the_page() {
     let page = page(&format!("/// </script><script>alert(1)</script> <img src=x onerror=alert(1)>\n{MASS}"));

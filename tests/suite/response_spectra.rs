@@ -212,6 +212,25 @@ fn a_spectrum_is_corrected_for_other_damping() {
     meets(&found["outputs"][0], "srss", 9.0);
 }
 
+/// A light body on a stiff spring: its mode has 1e-21 of the mass, and half of the force of the spring. It counts like any other: named
+/// if it has another damping, and corrected on request.
+#[test]
+fn a_mode_that_hardly_moves_counts() {
+    // In mode 1 both move together, and the spring carries m S; the light one's own mode, far above, has a part that is not small.
+    let scene = |damping: &str| {
+        format!(
+            "base quake {{ moves x }} = spectrum((0.1 Hz, 1 m/s^2), (0.2 Hz, 1 m/s^2), (1000 Hz, 1e7 m/s^2), (1e7 Hz, 1e7 m/s^2), damping = 5 %)\n\
+             body heavy {{ mass = 1 t, moves x }}\nbody light {{ mass = 1 g, moves x }}\nspring soft: quake -- heavy {{ k = 1 kN/m }}\n\
+             spring stiff: heavy -- light {{ k = 1 MN/m }}\n{damping}\noutput pull = stiff.force\n"
+        )
+    };
+    let [plain, corrected] = ["5 %", "2 %"]
+        .map(|ratio| maxima(&scene(&format!("damping modal {ratio}")), &["--other-damping"])["directions"][0].clone());
+    let factor = (0.10f64 / 0.07).sqrt();
+    meets(&corrected["outputs"][0], "srss", factor * plain["outputs"][0]["srss"].as_f64().expect("a number"));
+    assert_eq!(corrected["corrected_modes"].as_array().map(Vec::len), Some(2));
+}
+
 /// A frame along two directions: SRSS over them on request, and a direction that does not move an output adds nothing.
 #[test]
 fn directions_are_combined_on_request() {

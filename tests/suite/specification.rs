@@ -12,7 +12,7 @@ use vibc::syntax;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
 /// model gives): their pages describe the example in words.
-const IN_WORDS: [&str; 31] = [
+const IN_WORDS: [&str; 32] = [
     "vib::equations::defect",
     "vib::equations::no_form",
     "vib::equations::too_large",
@@ -25,6 +25,7 @@ const IN_WORDS: [&str; 31] = [
     "vib::motion::unsettled",
     "vib::noise::emit",
     "vib::noise::left_out",
+    "vib::noise::realisation",
     "vib::scene::more_findings",
     "vib::signal::base_impulse",
     "vib::spectrum::emit",

@@ -52,7 +52,7 @@ pub const PAGES: &[Page] = pages! {
     minimise: circle end_of_range never_met no_value plateau twice;
     motion: impossible non_linear none still unknown unsettled;
     name: duplicate index reserved unknown;
-    noise: density emit frequency left_out reading road;
+    noise: density emit frequency left_out reading realisation road;
     number: division_by_zero domain overflow root_of_negative;
     parameter: cycle;
     part: kind unknown;

@@ -529,6 +529,30 @@ fn the_preview_is_fresh_and_outlives_errors() {
     assert!(broken.contains("class=\"vibc-figure\"") && broken.contains("3.183"), "the last figure");
 }
 
+/// Root mean squares under noise, and maxima under a response spectrum, of the text as it stands.
+#[test]
+fn the_preview_has_noise_and_spectra() {
+    let scene = |signal: &str| {
+        format!(
+            "model m\nbase g {{ moves x }} = {signal}\nbody b {{ mass = 2 kg, moves x }}\nspring s: g -- b {{ k = 200 N/m }}\n\
+             damping modal 5 %\noutput pull = s.force\n"
+        )
+    };
+    let mut client = Client::open(&scene("noise(white 3 m^2/s^4/Hz)"));
+    let page = |client: &mut Client| {
+        let params = client.document();
+        client.ask("vibc/page", params)["html"].as_str().expect("a page").to_string()
+    };
+    // k^2 m^2 S / (4 c k), c = 2 N*s/m: sqrt(300) N
+    let first = page(&mut client);
+    assert!(first.contains("stationary response to noise") && first.contains("17.3205"), "{first}");
+    client.change(&scene("noise(white 12 m^2/s^4/Hz)"));
+    assert!(page(&mut client).contains("34.6410"), "twice as much");
+    client.change(&scene("spectrum((0.5 Hz, 4 m/s^2), (9 Hz, 4 m/s^2), damping = 5 %)"));
+    let spectral = page(&mut client);
+    assert!(spectral.contains("maxima under response spectra") && spectral.contains("8.00000"), "{spectral}");
+}
+
 /// A scene whose poles take longer than a key stroke has its figure and modes at once, and the poles when they are there.
 #[test]
 fn the_preview_does_not_wait_for_poles() {

@@ -158,7 +158,8 @@ def direction(net, number, listed, is_added):
     zeta, given = arb(decimal(net.damping[1])), arb(decimal(own.damping))
     found = [own.at(omega / (2 * pi())) for omega in omegas]
     total = sum(masses, arb(0))
-    if any(at is None and mass > total * arb(10) ** -18 for at, mass in zip(found, masses)):
+    # Participation factors are known to some 28 digits.
+    if any(at is None and mass > total * arb(10) ** -40 for at, mass in zip(found, masses)):
         return "below"
     if any(at is None for at in found):
         return "open"
