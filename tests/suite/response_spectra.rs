@@ -212,11 +212,10 @@ fn a_spectrum_is_corrected_for_other_damping() {
     meets(&found["outputs"][0], "srss", 9.0);
 }
 
-/// A light body on a stiff spring: its mode has 1e-21 of the mass, and half of the force of the spring. It counts like any other: named
-/// if it has another damping, and corrected on request.
+/// A light body on a stiff spring: its mode has 1e-24 of the mass, and a hundredth of the force of the spring. It counts like any other and
+/// is corrected too.
 #[test]
 fn a_mode_that_hardly_moves_counts() {
-    // In mode 1 both move together, and the spring carries m S; the light one's own mode, far above, has a part that is not small.
     let scene = |damping: &str| {
         format!(
             "base quake {{ moves x }} = spectrum((0.1 Hz, 1 m/s^2), (0.2 Hz, 1 m/s^2), (1000 Hz, 1e7 m/s^2), (1e7 Hz, 1e7 m/s^2), damping = 5 %)\n\
