@@ -54,7 +54,7 @@ fn the_page_has_noise_and_spectra() {
         )
     };
     let text = |page: &str| page.replace("&nbsp;", " ").replace('\u{a0}', " ");
-    let noisy = text(&page(&scene("noise(white 3 m^2/s^4/Hz)", "damping modal 5 %\n")));
+    let noisy = text(&page(&scene("noise(white 3 m^2/s^4/Hz)", "damper d: g -- b { c = 2 N*s/m }\n")));
     for words in
         ["<h2", "Noise</h2>", "stationary response to noise", "17.3205", "51.9615", "1.59155", "rms of slip: infinite"]
     {
@@ -66,7 +66,7 @@ fn the_page_has_noise_and_spectra() {
         "{undamped}"
     );
     let spectrum = "spectrum((0.5 Hz, 4 m/s^2), (9 Hz, 4 m/s^2), damping = 5 %)";
-    let spectral = text(&page(&scene(spectrum, "damping modal 5 %\n")));
+    let spectral = text(&page(&scene(spectrum, "damper d: g -- b { c = 2 N*s/m }\n")));
     for words in [
         "Response spectra</h2>",
         "by g: damping 5 %",
@@ -75,7 +75,7 @@ fn the_page_has_noise_and_spectra() {
     ] {
         assert!(spectral.contains(words), "{words}: {spectral}");
     }
-    let refused = text(&page(&scene(spectrum, "damping modal 4 %\n")));
+    let refused = text(&page(&scene(spectrum, "damper d: g -- b { c = 1.6 N*s/m }\n")));
     assert!(refused.contains("mode 1 has a damping ratio of 4.000 %"), "{refused}");
     assert!(!page(MASS).contains("Noise</h2>") && !page(MASS).contains("Response spectra</h2>"));
 }

@@ -535,7 +535,7 @@ fn the_preview_has_noise_and_spectra() {
     let scene = |signal: &str| {
         format!(
             "model m\nbase g {{ moves x }} = {signal}\nbody b {{ mass = 2 kg, moves x }}\nspring s: g -- b {{ k = 200 N/m }}\n\
-             damping modal 5 %\noutput pull = s.force\n"
+             damper d: g -- b {{ c = 2 N*s/m }}\noutput pull = s.force\n"
         )
     };
     let mut client = Client::open(&scene("noise(white 3 m^2/s^4/Hz)"));
