@@ -360,8 +360,8 @@ pub fn is_short(length: &Sum) -> bool {
         && length.terms().iter().all(|(product, _)| product.factors().iter().all(|(f, _)| short(f)))
 }
 
-/// The contribution of a line to an entry, whose row and column are given by their displacements: k r_i r_j and q (g_ij
-/// - r_i r_j).
+/// The contribution of a line to an entry, whose row and column are given by their displacements: k r_i r_j and
+/// q (g_ij - r_i r_j).
 pub fn entry(energies: &Energies, line: &Line, [row, column]: [Symbol; 2], at_rest: &AtRest) -> (Sum, Sum) {
     let element = &energies.elements[line.element];
     let tangent = at_rest.tangent(element);

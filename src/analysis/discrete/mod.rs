@@ -7,7 +7,8 @@
 //! 1. [`modal`] or [`invariant`]: the continuous system as independent blocks
 //! 2. [`reduce`]: removes blocks that no input reaches, that no output sees, or that the tolerance allows to leave out
 //! 3. [`hold`], [`lift`]: one step of each block, in the form that loses fewest digits
-//! 4. [`rounding`]: a bound of the effect of the target's rounding; [`comparison`]: its actual effect, if the run is known
+//! 4. [`rounding`]: a bound of the effect of the target's rounding; [`comparison`]: its actual effect, if the run
+//!    is known
 
 pub mod block;
 pub mod cell;

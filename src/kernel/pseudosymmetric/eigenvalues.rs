@@ -2,8 +2,8 @@
 //!
 //! The QL method for the complex symmetric matrix J^-1/2 T J^-1/2 (Cullum and Willoughby, SIAM J. Matrix Anal. 17
 //! (1996) 83) finds all of them in about n^2 steps, but a few of them with few digits, because its rotations are not
-//! bounded. The Ehrlich-Aberth iteration on det(T - s J) (Bini, Gemignani and Tisseur, SIAM J. Matrix Anal. 27 (2005)
-//! 153) then refines them to the digits that the pencil determines.
+//! bounded. The Ehrlich-Aberth iteration on det(T - s J) (Bini, Gemignani and Tisseur, SIAM J. Matrix Anal. 27
+//! (2005) 153) then refines them to the digits that the pencil determines.
 
 use crate::kernel::complex::Complex;
 use crate::kernel::lanes::Pair;
