@@ -23,7 +23,7 @@ const CLOSE: f64 = 1e-12;
 const UNCOUPLED: f64 = 1e-26;
 /// Poles nearer to each other than this, relative to their distance from the axis, make a block.
 const NEAR: f64 = 1e-3;
-/// What couples the two vectors of a block, relative to that distance.
+/// The coupling between the two vectors of a block, relative to that distance.
 const COUPLING: f64 = 1.0 / 64.0;
 
 /// Columns X and a matrix D of order one or two with Q(X, D) = M X D^2 + C X D + K X near zero; real, or one of a conjugate pair,

@@ -215,7 +215,7 @@ impl<'a> Driven<'a> {
             return Spread::Unknown(OPEN_DIGITS);
         };
         if starts_at_zero {
-            // What drifts has a density that no band from 0 Hz up has an integral of.
+            // The density of an output that drifts has no integral over a band from 0 Hz up.
             if source.left > 0 {
                 return Spread::Unknown(OPEN_BASE);
             }
@@ -355,14 +355,14 @@ impl<'a> Driven<'a> {
         }
     }
 
-    /// What each mode contributes to the mean square, in binary64.
+    /// The contribution of each mode to the mean square, in binary64.
     fn contributions(&self, output: &Output) -> Option<Vec<f64>> {
         let (Ok(space), Some(covariance)) = (&self.space, &self.covariance) else { return None };
         let row = space.row(output);
         let all = self.reaching(output);
         let (white, banded): (Vec<&Source>, Vec<&Source>) = all.partition(|source| source.is_white());
         let mut sum = vec![0.0; self.system.n()];
-        // What two inputs of one noise contribute together is no mode's.
+        // The joint contribution of two inputs of one noise belongs to no mode.
         let is_apart = |source: &&Source| self.arms(source, output).is_ok_and(|arms| arms.len() == 1);
         if !white.iter().all(is_apart) {
             return None;
@@ -384,7 +384,8 @@ impl<'a> Driven<'a> {
         Some(sum)
     }
 
-    /// What each mode contributes to the mean square: modes from 1, and parts that add up to one where nothing reaches the output directly.
+    /// The contribution of each mode to the mean square: modes from 1, and shares that add up to one if no noise
+    /// reaches the output directly.
     pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
         let Some(parts) = self.contributions(output) else { return Vec::new() };
         let Spread::Finite(whole) = self.mean_square(output) else { return Vec::new() };
@@ -395,13 +396,13 @@ impl<'a> Driven<'a> {
     }
 }
 
-/// What of a noise is taken.
+/// The part of a noise that is used.
 #[derive(Clone, Copy)]
 enum Part<'n> {
     Whole,
     /// Its rate.
     Rate,
-    /// What it has between two frequencies, Hz.
+    /// The part between two frequencies, Hz.
     Within([&'n Number; 2]),
 }
 

@@ -218,7 +218,7 @@ impl<'a> Random<'a> {
         [mean_square.clone().root(), driven.crossings(&output, mean_square)]
     }
 
-    /// What each mode contributes to the mean square, with numbers of modes from 1.
+    /// The contribution of each mode to the mean square, with modes numbered from 1.
     pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
         let (driven, output) = self.place(output);
         driven.shares(&output)

@@ -28,7 +28,7 @@ pub struct Undamped<'a> {
     pub rest: Option<(Basis, Box<Driven<'a>>)>,
 }
 
-/// What a noise does to the undamped motions that an output shows.
+/// The effect of a noise on the undamped motions that an output shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Excited {
     /// It has power at the frequency of one, rad/s.
@@ -83,7 +83,7 @@ impl<'a> Undamped<'a> {
         })
     }
 
-    /// What a noise, or what it has between two frequencies, Hz, does to the motions that an output shows.
+    /// The effect of a noise, or of its part between two frequencies in Hz, on the motions that an output shows.
     pub fn under(&self, noise: &Noise, output: &Output, within: Option<[&Number; 2]>) -> Excited {
         if self.is_apart(noise, output) {
             return Excited::Nowhere;

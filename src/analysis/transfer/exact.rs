@@ -85,7 +85,7 @@ impl Singular {
     }
 }
 
-/// b0 + s^2 b2 as a dense vector; `None` where it is not real and rational (s b1 is imaginary unless s = 0).
+/// b0 + s^2 b2 as a dense vector; `None` if it is not real and rational (s b1 is imaginary unless s = 0).
 fn column(b: &[Vec<(CoordinateId, Number)>; 3], square: &Rational, n: usize) -> Option<Vec<Rational>> {
     if !(square.is_zero() || b[1].is_empty()) {
         return None;

@@ -8,7 +8,7 @@ use crate::kernel::complex::Complex;
 use crate::kernel::dense::{Matrix, lu};
 use crate::kernel::real;
 
-/// The numbers of an inverse: `Complex<f64>` first, `Complex<Dd>` where that is not enough.
+/// The numbers of an inverse: `Complex<f64>` first, `Complex<Dd>` if that is not enough.
 pub trait Scalar: real::Scalar {
     /// Relative error of one real operation, doubled.
     const UNIT: f64;
@@ -147,7 +147,7 @@ fn binary_exponent(x: f64) -> i32 {
     ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023
 }
 
-/// A bound of |I - R' Q'|: the computed difference, its rounding, and what Q is uncertain by or lost when it was rounded.
+/// A bound of |I - R' Q'|: the computed difference, its rounding, and the uncertainty and rounding of Q.
 fn defect<T: Scalar>(
     n: usize,
     entries: &[Entry],

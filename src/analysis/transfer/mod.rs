@@ -88,7 +88,7 @@ struct Solution {
 
 /// Refinement stops below this relative radius: the value is then correct in binary64 with two extra digits.
 const SETTLED: f64 = 1e-18;
-/// In larger systems, small independent parts are not looked for.
+/// Small independent parts are not searched for in larger systems.
 const MOST_WITH_PARTS: usize = 2000;
 /// Zeros and poles are kept for at most this many pairs of inputs and outputs, and not computed for others.
 const MOST_PAIRS: usize = 10_000;
@@ -100,7 +100,7 @@ const FAST_ABOVE: f64 = 1e-14;
 const MOST_DENSE: usize = 300;
 /// Underflow error of a few products.
 const UNDERFLOW: f64 = 1e-317;
-/// With a certified inverse each step gains at least half a digit; this many are for the worst case.
+/// With a certified inverse each step gains at least half a digit; the limit allows for the worst case.
 const MOST_STEPS: usize = 40;
 
 impl Frequency {
@@ -211,7 +211,7 @@ impl<'a> Transfer<'a> {
         gains
     }
 
-    /// The same with the numbers as they are, whatever their size.
+    /// The transfer functions with the system's own numbers, whatever their size.
     fn in_own_units(&self, frequency: &Frequency, inputs: &[usize], outputs: &[usize]) -> Vec<Vec<Gain>> {
         let mut gains = vec![vec![Gain::Unknown; outputs.len()]; inputs.len()];
         if self.system.n() == 0 {
@@ -542,8 +542,8 @@ fn summed(parts: &mut Vec<Part>) {
 }
 
 fn collect(form: &Form, which: usize, parts: &mut Vec<Part>) {
-    /// The most contributions that wait to be summed: long rows have many times more of them than the matrix has
-    /// entries.
+    /// Maximum number of contributions that wait to be summed: long rows have many times more of them than the matrix
+    /// has entries.
     const WAITING: usize = 1 << 20;
     let index = |i: &CoordinateId| i.0;
     let mut room = parts.len() + WAITING;

@@ -1,13 +1,14 @@
-//! H of one input and one output as a sum over poles, with a bound of what the sum leaves out:
+//! H of one input and one output as a sum over poles, with a bound of the error of the sum:
 //!
 //! ```text
 //! H(s) = sum r_j / (s - s_j) + e_0 + e_1 s + e_2 s^2 + e_3 s^3 + rest,
 //! |rest| <= sum_j sum_m q_jm |s|^m / |s - s_j|
 //! ```
 //!
-//! at every frequency, and within half of the distance to the nearest pole about it, so that Cauchy's formula bounds the
-//! derivatives of the rest. In: a system and the residues of its poles. Out: H and its derivative over omega at a frequency in
-//! double-double, and Taylor polynomials about one in binary64. See docs/method/transfer.md#sum-over-poles.
+//! at every frequency, and within half the distance from it to the nearest pole, so that Cauchy's formula bounds the
+//! derivatives of the rest. In: a system and the residues of its poles. Out: H and its derivative with respect to omega
+//! at a frequency in double-double, and Taylor polynomials about one in binary64. See
+//! docs/method/transfer.md#sum-over-poles.
 
 use crate::analysis::poles::residues::Residues;
 use crate::analysis::transfer::{Disc, Frequency, Gain, feed_through};
@@ -54,7 +55,7 @@ pub struct Expansion {
     pub coefficients: [Complex<f64>; DEGREE + 1],
     /// Bounds of the errors of H and of its first two derivatives over |omega - middle| <= half.
     pub errors: [f64; 3],
-    /// The part of these errors that a smaller interval reduces: that of the terms left out.
+    /// The part of these errors that a smaller interval reduces: the error of the omitted terms.
     pub cut: [f64; 3],
 }
 
@@ -103,7 +104,7 @@ impl PartialFractions {
         self.terms.iter().map(|term| term.s.to_f64().abs()).fold(0.0, f64::max)
     }
 
-    /// Whether H is zero as far as is known: nothing that the input drives is seen.
+    /// Whether H is zero as far as the sum shows: the output sees no motion that the input drives.
     pub fn is_nothing(&self) -> bool {
         self.terms.iter().all(|term| term.r == Complex::ZERO) && self.polynomial.iter().all(Ball::is_zero)
     }
@@ -303,10 +304,10 @@ simd! {
 /// Sums over all terms of a Taylor polynomial.
 struct TaylorSums {
     coefficients: [Complex<f64>; DEGREE + 1],
-    /// Bounds of H and of its derivatives, term by term: what rounding errors are relative to.
+    /// Bounds of H and of its derivatives, term by term, to which rounding errors are relative.
     sizes: [f64; 3],
     doubts: [f64; 3],
-    /// Bounds of what follows the polynomial.
+    /// Bounds of the terms after the polynomial.
     cut: [f64; 3],
     rests: [f64; 5],
 }

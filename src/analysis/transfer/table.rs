@@ -25,12 +25,12 @@ pub struct Sweep {
     /// Number of grid points; the default grid is refined, a requested one is used unchanged.
     pub points: Option<usize>,
     pub linear: bool,
-    /// Single requested frequencies: then there is no grid.
+    /// Single frequencies, if requested; there is then no grid.
     pub at: Vec<Frequency>,
     /// The relative error that is sufficient; if not given, every value is correct to the last digits of binary64.
     pub tolerance: Option<f64>,
-    /// Whether the ends of the range and the extrema are all that is wanted of a table without a requested grid: where they
-    /// are proved from zeros and poles, no grid is computed.
+    /// Whether only the ends of the range and the extrema are needed in a table without a requested grid. If these are
+    /// proved from zeros and poles, no grid is computed.
     pub features_only: bool,
     /// Indices of inputs and outputs.
     pub inputs: Vec<usize>,
@@ -140,7 +140,7 @@ impl<'a> Methods<'a> {
         frequencies.iter().zip(rows).map(row).collect()
     }
 
-    /// Zeros and poles are worth computing if extrema are wanted.
+    /// Zeros and poles are only computed if extrema are requested.
     fn pairs(&self, poles: &Poles, sweep: &Sweep, refined: bool) -> Pairs<'_> {
         let pair = |input: usize, output: usize| Pair {
             modal: self.sum.as_ref().map(|sum| sum.pair(self.system, input, output)),
@@ -153,7 +153,7 @@ impl<'a> Methods<'a> {
     }
 }
 
-/// The poles that a table needs: with sums over them, where exact arithmetic does not find the zeros of every pair.
+/// The poles that a table needs, with sums over them if exact arithmetic does not find the zeros of every pair.
 pub fn poles_for_table(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
     if system.n() <= MOST_ENCLOSED { poles(system, modes) } else { poles_and_residues(system, modes) }
 }
@@ -190,7 +190,7 @@ pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
     Table { inputs, outputs, rows, extrema: Some(extrema) }
 }
 
-/// The extrema of each pair that its zeros and poles prove, `[input][output]`; without any where these are not known.
+/// The extrema of each pair that its zeros and poles prove, `[input][output]`; empty if these are not known.
 fn from_roots(
     methods: &Methods,
     poles: &Poles,
@@ -228,7 +228,7 @@ fn from_roots(
     (0..sweep.inputs.len()).map(|i| (0..sweep.outputs.len()).map(|o| of_pair(i, o)).collect()).collect()
 }
 
-/// The extrema that are proved complete, and for other pairs those that the rows bracket besides.
+/// The extrema that are proved complete; for other pairs, also those that the rows bracket.
 fn beside_brackets(
     methods: &Methods,
     poles: &Poles,

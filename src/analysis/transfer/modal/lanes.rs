@@ -1,5 +1,5 @@
-//! The sum over modes in binary64, at several frequencies at once: sum c_i / D_i, and the sums of which its bound is
-//! made.
+//! The sum over modes in binary64, at several frequencies at once: sum c_i / D_i, and the sums that its bound consists
+//! of.
 
 use super::{ModalSum, Residues};
 use crate::analysis::transfer::Frequency;

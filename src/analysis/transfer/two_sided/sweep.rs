@@ -31,12 +31,12 @@ struct Sweep<'a, V> {
     z: Vec<Vec<Pair<V>>>,
     loose: f64,
     t: Vec<V>,
-    /// By input, then output.
+    /// Results by input, then output.
     results: Vec<Result<V>>,
     /// The reading that equals a load, if any: then one solution serves both.
     same: Vec<Option<usize>>,
     tolerance: f64,
-    /// By lane, then input, then output: the best disc so far.
+    /// The best disc so far, by lane, then input, then output.
     discs: Vec<Disc>,
 }
 
@@ -76,8 +76,8 @@ struct Point<V> {
 const U: f64 = rounding::UNIT;
 /// Covers the roundings of sums of positive numbers: up to a million of them.
 const UP: f64 = up::MILLIONS;
-/// What is lost below the range of binary64: products of numbers near 1e-300 do not happen (gains are far larger, or the
-/// radius bounds).
+/// The error below the range of binary64. Products of numbers near 1e-300 do not occur: gains are far larger, or the
+/// radius bounds them.
 const TINY: f64 = 1e-300;
 
 /// The input of a sweep.
