@@ -30,7 +30,7 @@ const COUPLING: f64 = 1.0 / 64.0;
 /// that above the real axis.
 pub struct Block {
     pub is_real: bool,
-    /// The coupling between the two vectors of a block, relative to that distance.
+    /// Rows of D.
     pub d: Vec<Vec<Long>>,
     /// Columns of X.
     pub x: Vec<Vec<Long>>,
