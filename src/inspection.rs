@@ -30,7 +30,7 @@ pub struct Inspection {
     pub is_whole: bool,
 }
 
-/// How far a model is processed.
+/// The extent to which a model is processed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
     /// Completely if the scene as declared has at most this many coordinates. Otherwise only as declared, without the

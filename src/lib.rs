@@ -223,7 +223,7 @@ use reading::Reading;
 pub struct Outcome<T> {
     /// `None` if an error stopped a stage.
     pub answer: Option<T>,
-    /// From all stages, sorted by place.
+    /// The diagnostics of all stages, sorted by place.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -243,7 +243,7 @@ impl<T> Outcome<T> {
     }
 }
 
-/// From the text of a model to its modal report, with the usual number of modes for its size.
+/// Analyses a model: its modes, poles and stability, with the usual number of modes for its size.
 ///
 /// ```
 /// use vibc::{Failure, Overrides, SourceFile, Sources, Stability};
@@ -264,8 +264,8 @@ pub fn analyze(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
     analyze_as(sources, model, overrides, &Request { which: Which::Usual, ..Request::default() })
 }
 
-/// From the text of a model to a modal report as requested. If a requested accuracy is not reached, there is an answer
-/// all the same, with the bounds that were reached.
+/// Analyses a model like [`analyze`], with the requested modes and accuracy. If a requested accuracy is not reached,
+/// there is an answer all the same, with the bounds that were reached.
 pub fn analyze_as(sources: &Sources, model: FileId, overrides: &Overrides, request: &Request) -> Outcome<ModalAnswer> {
     analyze_with(sources, model, overrides, request, &Study::default())
 }
@@ -417,7 +417,7 @@ pub struct Dynamics {
     pub spectrum: Option<(Modes, Poles)>,
 }
 
-/// From the text of a model to the basis of its transfer functions.
+/// The basis of a model's transfer functions: its linear system, modes and poles.
 ///
 /// ```
 /// use vibc::{Frequency, Number, Overrides, SourceFile, Sources, Transfer};
@@ -468,7 +468,7 @@ pub struct Motion {
     pub has_noise: bool,
 }
 
-/// From the text of a model to its motion at ascending times, s, under its signals and from its initial state.
+/// The motion of a model at ascending times, s, under its signals and from its initial state.
 ///
 /// ```
 /// use vibc::{Number, Overrides, SourceFile, Sources};
@@ -531,7 +531,7 @@ pub fn simulate_with_noise(
     })
 }
 
-/// From the text of a model to shock response spectra of its bases; `from` names them, and is empty for all that have a signal.
+/// Shock response spectra of a model's bases; `from` names them, and is empty for all that have a signal.
 /// The inner error says why there is none.
 ///
 /// ```
@@ -622,7 +622,7 @@ pub struct Emission {
     pub system: DiscreteSystem,
 }
 
-/// From the text of a model to the discrete system that emitted code runs.
+/// The discrete system that code emitted for a model runs.
 ///
 /// ```
 /// use vibc::{DiscreteOptions, Hold, Language, Number, Overrides, Precision, SourceFile, Sources};
@@ -676,7 +676,7 @@ pub fn discrete(
     })
 }
 
-/// From the text of a model to its linear system as a function of one parameter; the inner error says why there is none.
+/// The linear system of a model as a function of one parameter; the inner error says why there is none.
 pub fn parameterised(
     sources: &Sources,
     model: FileId,
@@ -690,7 +690,7 @@ pub fn parameterised(
     })
 }
 
-/// From the text of a model to its linear system.
+/// The linear system of a model.
 pub fn linear(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<(String, LinearSystem)> {
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
@@ -719,7 +719,7 @@ impl Explained {
     }
 }
 
-/// From the text of a model to its equations of motion in symbols, compared with its linear system.
+/// The equations of motion of a model in symbols, compared with its linear system.
 pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Equations> {
     Outcome::of(|diagnostics| {
         let (scene, written) = reading::read_written(sources, model, overrides, diagnostics)?;
@@ -730,7 +730,7 @@ pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Out
     })
 }
 
-/// From the text of a model to an account of what was kept of it, which needs no analysis.
+/// An account of the parts of a model that were kept and left out, which needs no analysis.
 pub fn explain(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Explained> {
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
@@ -781,7 +781,7 @@ pub struct FigureOptions {
     pub values: bool,
 }
 
-/// From the text of a model to its figure; the inner error says why there is none.
+/// The figure of a model; the inner error says why there is none.
 pub fn draw(
     sources: &Sources,
     model: FileId,

@@ -55,7 +55,7 @@ const SAMPLES: i64 = 300;
 const FIGURE_DIGITS: usize = 4;
 const CAPTION_DIGITS: usize = 4;
 
-/// From the text of a model to the contents of its page.
+/// The contents of a model's page.
 pub fn overview(sources: &Sources, model: FileId, overrides: &Overrides, study: &Study) -> Outcome<Overview> {
     Outcome::of(|diagnostics| {
         let mut reading = reading::read_and_solve(sources, model, overrides, study.until, diagnostics)?;

@@ -40,10 +40,10 @@ pub struct Direction {
 /// A mode for whose damping the spectrum is corrected.
 #[derive(Clone, Copy, Debug)]
 pub struct Corrected {
-    /// From 1.
+    /// The number of the mode, from 1.
     pub mode: usize,
     pub damping: Ball,
-    /// Of its value in the spectrum.
+    /// The factor of its value in the spectrum.
     pub factor: Ball,
 }
 

@@ -5,7 +5,7 @@ use super::Dimension;
 /// A number that a place of the model expects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Expected {
-    /// With its article: "a mass".
+    /// The noun with its article: "a mass".
     pub noun: &'static str,
     pub dimension: Dimension,
     /// An example to type, such as `mass = 1 kg`.

@@ -25,7 +25,7 @@ pub enum EquationsError {
         equations: usize,
         most: usize,
     },
-    /// The constraint equations, solved in symbols, would have so many terms.
+    /// The constraint equations, solved in symbols, would have too many terms; their number.
     LongLoop {
         span: Span,
         terms: usize,

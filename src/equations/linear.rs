@@ -27,7 +27,7 @@ pub struct Linear {
 /// The column of an input.
 #[derive(Clone, Debug)]
 pub struct Column {
-    /// Among the inputs of the scene.
+    /// Index of the input of the scene.
     pub input: usize,
     /// The symbols of u, u', u''; a force has only the first one, an unbalance none.
     pub symbols: Vec<Symbol>,

@@ -32,7 +32,7 @@ pub struct Reduced {
 /// The relation for a dependent coordinate: its velocity is the sum of these ratios times velocities.
 #[derive(Clone, Debug)]
 pub struct Follow {
-    /// Among the coordinates of the motion.
+    /// Index of the coordinate of the motion.
     pub coordinate: usize,
     pub ratios: Vec<Ratio>,
 }

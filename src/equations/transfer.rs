@@ -135,10 +135,10 @@ fn combined(output: Output, forms: &[Sum], motion: &Motion, linear: &Linearised)
 /// A transfer function within a part, over the part's characteristic polynomial.
 #[derive(Clone, Debug)]
 pub struct Transfer {
-    /// Among the parts of the equations.
+    /// Index of the part of the equations.
     pub part: usize,
     pub input: usize,
-    /// Among the outputs of the equations.
+    /// Index of the output of the equations.
     pub output: usize,
     /// Coefficients by powers of s, the constant first; empty if there are only numbers.
     pub numerator: Vec<Sum>,

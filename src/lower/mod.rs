@@ -47,7 +47,7 @@ use reactions::Holding;
 pub struct Lowered {
     pub system: LinearSystem,
     pub rest: Rest,
-    /// How the scene moves about its rest, for later questions.
+    /// The mechanism of the scene at its rest, for later questions.
     pub mechanism: Mechanism,
 }
 

@@ -314,7 +314,7 @@ impl<'a> Check<'a> {
         Ok(name)
     }
 
-    /// Where a part is declared: the word of its name.
+    /// The place where a part is declared: the word of its name.
     pub fn part_span(&self, part: Part) -> Span {
         let (list, index) = match part {
             Part::Body(index) => (&self.instances.bodies, index),

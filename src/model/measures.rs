@@ -545,7 +545,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// A force, a torque, or a motion of a base: `floor`, `front.road`, or `floor.y` where it has several.
+    /// A force, a torque, or a motion of a base: `floor`, `front.road`, or `floor.y` if it has several.
     pub fn measured_input(&mut self, expr: ExprId, environment: Environment) -> Evaluated<(InputId, Dimension)> {
         let node = *self.tree.expr(expr);
         let (owner, motion) = match node.kind {

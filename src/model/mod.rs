@@ -77,7 +77,7 @@ pub struct Overrides {
     pub arguments: Option<FileId>,
     /// A TOML file of settings.
     pub settings: Option<FileId>,
-    /// How all literals are read, including those of the model.
+    /// The reading of all literals, including those of the model.
     pub literals: Literals,
 }
 

@@ -101,7 +101,7 @@ impl PoleList {
         self.infinite += count;
     }
 
-    /// How many of `of` poles are neither in the list nor known to be infinite.
+    /// The number of poles, out of `of`, that are neither in the list nor known to be infinite.
     pub fn missing(&self, of: usize) -> usize {
         of.saturating_sub(self.list.len() + self.infinite)
     }
