@@ -2,7 +2,7 @@
 //! equations in symbols. In: a model's text, or the results that an editor already has. Out: an [`Overview`], which
 //! writes the page.
 
-use crate::analysis::fractions::{self, Parts, Pencil};
+use crate::analysis::fractions::{self, Curve, Parts, Pencil};
 use crate::analysis::{self, Methods, Mode, ModeKind, Normalise, Pole, Request, Sweep, Which};
 use crate::answers::ModalAnswer;
 use crate::answers::report::{self, Options};
@@ -45,6 +45,8 @@ const MOST_MOTIONS: usize = 60;
 const MOST_PAIRS: usize = 36;
 /// Maximum number of coordinates of a system with transfer functions on a page.
 const MOST_CURVES: usize = 300;
+/// Maximum number of coordinates of a system whose equations a page solves at each frequency of a curve.
+const MOST_SOLVED: usize = 24;
 /// Maximum number of coordinates of a scene whose equations are readable in symbols.
 const MOST_SYMBOLS: usize = 6;
 /// Matrices of more coordinates are left out of a report.
@@ -146,10 +148,17 @@ impl Overview {
         let pencil = Pencil::of(system);
         let parts = pencil.as_ref().and_then(|pencil| Parts::of(system, modes, poles, pencil));
         let curve = |i: usize, o: usize| {
-            let found = parts.as_ref()?.between(system, i, o);
-            found.agree(&table, i, o).then_some(found)
+            let found = parts.as_ref().map(|parts| parts.between(system, i, o));
+            match found.filter(|found| found.agree(&table, i, o)) {
+                Some(found) => Some(Curve::Fractions(found)),
+                None if system.n() > MOST_SOLVED => None,
+                None => pencil.as_ref()?.solved(system, &table, (i, o)).map(Curve::Solved),
+            }
         };
-        let curves = (0..inputs).map(|i| (0..outputs).map(|o| curve(i, o)).collect()).collect();
+        let curves: Vec<Vec<Option<Curve>>> =
+            (0..inputs).map(|i| (0..outputs).map(|o| curve(i, o)).collect()).collect();
+        let is_solved = |curve: &Option<Curve>| matches!(curve, Some(Curve::Solved(_)));
+        let pencil = pencil.filter(|_| curves.iter().flatten().any(is_solved));
         let reports = report::transfer(&self.answer.model, system, &table);
         let hertz = |omega: f64| omega / (2.0 * std::f64::consts::PI);
         let of_poles =
@@ -159,7 +168,7 @@ impl Overview {
             of_poles.chain(extrema.map(|extremum| extremum.frequency.mid.to_f64())).filter(|f| *f > 0.0).collect();
         centres.sort_by(f64::total_cmp);
         centres.dedup();
-        Some(TransferShown { table, curves, reports, centres })
+        Some(TransferShown { table, curves, pencil, reports, centres })
     }
 
     fn motion(

@@ -1,5 +1,5 @@
 //! The data behind pictures: the shapes of damped motions, and transfer functions as sums of partial fractions, which a
-//! page can evaluate at any frequency. Binary64, and without bounds: numbers that are printed come from elsewhere. In: a
+//! page can evaluate at any frequency; where poles are not simple, what it needs to solve the equations itself. Binary64, and without bounds: numbers that are printed come from elsewhere. In: a
 //! system with its modes and poles; out: shapes, and fractions that agree with enclosed values of the transfer function.
 //! See docs/method/transfer.md.
 //!
@@ -18,6 +18,29 @@ use crate::system::{CoordinateId, Form, LinearSystem};
 
 /// Systems of more coordinates have no shapes of damped motions: each takes n^3 operations.
 pub const MOST_COORDINATES: usize = 120;
+
+/// A transfer function by its equations: p(s)^T Q(s)^-1 b(s) and `feed0 + feed1 s + feed2 s^2`.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    pub input: Vec<Share>,
+    pub output: Vec<Share>,
+    pub feed: [f64; 3],
+}
+
+/// A coordinate in an input or an output: `weight s^power`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    pub power: usize,
+    pub coordinate: usize,
+    pub weight: f64,
+}
+
+/// How a page evaluates a transfer function.
+#[derive(Clone, Debug)]
+pub enum Curve {
+    Fractions(Fractions),
+    Solved(Solved),
+}
 
 /// The matrices in binary64, row by row.
 #[derive(Clone, Debug)]
@@ -60,6 +83,41 @@ impl Pencil {
             entries
         };
         (n <= MOST_COORDINATES).then(|| Pencil { n, m: whole(&system.m), c: whole(&system.c), k: whole(&system.k) })
+    }
+
+    /// The entries other than zero: row, column, and those of M, C and K.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, [f64; 3])> {
+        let entry = |at: usize| (at / self.n, at % self.n, [self.m[at], self.c[at], self.k[at]]);
+        (0..self.n * self.n).map(entry).filter(|(.., entry)| *entry != [0.0; 3])
+    }
+
+    /// The equations between an input and an output, if they agree with the table.
+    pub fn solved(&self, system: &LinearSystem, table: &Table, (input, output): (usize, usize)) -> Option<Solved> {
+        let shares = |rows: &[Vec<(CoordinateId, Number)>]| {
+            let row = |(power, row): (usize, &Vec<(CoordinateId, Number)>)| {
+                row.iter()
+                    .map(move |(id, weight)| Share { power, coordinate: id.index(), weight: weight.to_f64() })
+                    .collect()
+            };
+            rows.iter().enumerate().flat_map(|own| -> Vec<Share> { row(own) }).collect()
+        };
+        let feed = feed_through(&system.outputs[output], input).map(|ball| ball.mid.to_f64());
+        let found = Solved { input: shares(&system.inputs[input].b), output: shares(&system.outputs[output].p), feed };
+        agree(table, input, output, |omega| self.value(&found, omega)).then_some(found)
+    }
+
+    /// The value at s = i omega; not a number where Q(s) is singular.
+    fn value(&self, of: &Solved, omega: f64) -> Complex<f64> {
+        let s = Complex::new(0.0, omega);
+        let power = |power: usize| (0..power).fold(Complex::new(1.0, 0.0), |product, _| product * s);
+        let Some(factors) = Factors::of(self, s) else { return Complex::new(f64::NAN, f64::NAN) };
+        let mut x = vec![Complex::new(0.0, 0.0); self.n];
+        for share in &of.input {
+            x[share.coordinate] = x[share.coordinate] + power(share.power).scale(share.weight);
+        }
+        factors.solve(&mut x);
+        let feed = Complex::new(of.feed[0] - of.feed[2] * omega * omega, of.feed[1] * omega);
+        of.output.iter().fold(feed, |sum, share| sum + power(share.power).scale(share.weight) * x[share.coordinate])
     }
 
     /// The shape of the motion exp(s t), scaled so that the largest displacement is 1. Found by inverse iteration; at a
@@ -233,24 +291,29 @@ impl Fractions {
 
     /// Whether the sums agree with the enclosed values of a table, except for differences that no plot shows.
     pub fn agree(&self, table: &Table, input: usize, output: usize) -> bool {
-        const RELATIVE: f64 = 1e-5;
-        /// Relative to the largest gain: the terms that cancel in an antiresonance.
-        const ABSOLUTE: f64 = 1e-11;
-        let known = || {
-            table.rows.iter().filter_map(|row| match row.gains[input][output] {
-                Gain::Finite(disc) => Some((row.frequency.to_f64(), disc.value.to_f64())),
-                Gain::Infinite | Gain::Unknown => None,
-            })
-        };
-        let size = |z: Complex<f64>| libm::hypot(z.re, z.im);
-        let largest = known().map(|(_, value)| size(value)).fold(0.0, f64::max);
-        known().all(|(hertz, value)| {
-            let own = self.at(2.0 * std::f64::consts::PI * hertz);
-            let apart = size(Complex::new(own.re - value.re, own.im - value.im));
-            // The step to binary64 moves a frequency beside a sharp peak.
-            apart <= RELATIVE * size(value) + ABSOLUTE * largest || hertz == 0.0
-        })
+        agree(table, input, output, |omega| self.at(omega))
     }
+}
+
+/// Whether values agree with the enclosed ones of a table, but for what no picture shows.
+fn agree(table: &Table, input: usize, output: usize, value_at: impl Fn(f64) -> Complex<f64>) -> bool {
+    const RELATIVE: f64 = 1e-5;
+    /// Of the largest gain: what cancels in an antiresonance.
+    const ABSOLUTE: f64 = 1e-11;
+    let known = || {
+        table.rows.iter().filter_map(|row| match row.gains[input][output] {
+            Gain::Finite(disc) => Some((row.frequency.to_f64(), disc.value.to_f64())),
+            Gain::Infinite | Gain::Unknown => None,
+        })
+    };
+    let size = |z: Complex<f64>| libm::hypot(z.re, z.im);
+    let largest = known().map(|(_, value)| size(value)).fold(0.0, f64::max);
+    known().all(|(hertz, value)| {
+        let own = value_at(2.0 * std::f64::consts::PI * hertz);
+        let apart = size(Complex::new(own.re - value.re, own.im - value.im));
+        // The step to binary64 moves a frequency beside a sharp peak.
+        apart <= RELATIVE * size(value) + ABSOLUTE * largest || hertz == 0.0
+    })
 }
 
 #[cfg(test)]

@@ -80,6 +80,18 @@ fn the_page_has_noise_and_spectra() {
     assert!(!page(MASS).contains("Noise</h2>") && !page(MASS).contains("Response spectra</h2>"));
 }
 
+/// Two structures alike on one base have double poles, which have no fractions: the page solves the equations at each frequency.
+#[test]
+fn curves_beside_double_poles_are_no_polygons() {
+    let page = page(
+        "model twins\nbase floor { moves x }\nrepeat i in 1..2 {\nbody low[i] { mass = 4 kg, moves x }\nbody high[i] { mass = 1 kg, moves x }\n\
+         spring s[i]: floor -- low[i] { k = 400 N/m }\nspring t[i]: low[i] -- high[i] { k = 90 N/m }\ndamper d[i]: low[i] -- high[i] { c = 0.3 N*s/m }\n}\n\
+         force F: low[1] along x\noutput first = high[1].x\noutput both = high[1].x + high[2].x\n",
+    );
+    assert!(page.contains("\"matrices\":[[0,0,4.0,0.3,490.0]") && page.contains("\"b\":[[0,"), "equations");
+    assert!(!page.contains("\"samples\":"), "no samples");
+}
+
 #[test]
 fn text_of_a_model_is_text_of_the_page() {
     let page = page(&format!("/// </script><script>alert(1)</script> <img src=x onerror=alert(1)>\n{MASS}"));

@@ -5,7 +5,6 @@ use super::fold;
 use super::formula::{Formula, Running, Shown, shown};
 use crate::backend::decimal::certain_number;
 use crate::base::Dimension;
-use crate::equations::belts::Belt;
 use crate::equations::coordinate::Coordinate;
 use crate::equations::energy::{Stretch, Work};
 use crate::equations::names::Label;
@@ -80,27 +79,6 @@ impl Writer<'_> {
             Item::Paragraph(row)
         };
         along_x.map(sentence).collect()
-    }
-
-    /// What the names of each belt stand for.
-    fn spans(&self) -> Vec<Item> {
-        let belts = self.equations.energies.belts.iter().filter(|belt| belt.mean.is_some() || belt.turn.is_some());
-        let sentence = |belt: &Belt| {
-            let parts = [
-                (belt.distance, "the distance of its centres"),
-                (belt.slant_name(), "the angle between its spans and the line of centres"),
-                (belt.mean, "the mean stretch of its spans"),
-                (belt.turn_name(), "the angle by which the line of centres has turned"),
-            ];
-            let mut row = vec![words(format!("{}: ", belt.name))];
-            for (name, what) in parts {
-                let Some(name) = name else { continue };
-                let (before, is) = if row.len() == 1 { ("", " is") } else { (", ", "") };
-                row.extend([words(before), Inline::Formula(self.name(name)), words(format!("{is} {what}"))]);
-            }
-            Item::Paragraph(row)
-        };
-        belts.map(sentence).collect()
     }
 
     fn described(&self, index: usize, coordinate: &Coordinate) -> String {

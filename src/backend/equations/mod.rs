@@ -8,6 +8,7 @@ mod fold;
 mod formula;
 mod json;
 mod latex;
+mod lengths;
 mod mathml;
 mod motions;
 mod results;

@@ -6,12 +6,11 @@ use super::fold;
 use super::formula::{Formula, Running};
 use crate::base::Rational;
 use crate::elements::Order;
-use crate::equations::belts::Turn;
 use crate::equations::energy::{Element, Stretch};
 use crate::equations::lagrange::{Equation, Line};
 use crate::equations::loops::{Kept, MOST_TERMS, MOST_TOGETHER, Ratio};
 use crate::equations::names::{Label, class, without_motion};
-use crate::symbols::{Dependence, Factor, Lengths, Power, Sum, Symbol, common_factors};
+use crate::symbols::{Factor, Lengths, Power, Sum, Symbol, common_factors};
 
 impl Writer<'_> {
     pub fn energies(&self) -> Section {
@@ -48,47 +47,6 @@ impl Writer<'_> {
         }
         items.extend(self.lengths());
         Section { heading: "2 Energies, dissipation and generalised forces", items }
-    }
-
-    fn lengths(&self) -> Vec<Item> {
-        let energies = &self.equations.energies;
-        let turn = |symbol: Symbol| {
-            let turns = energies.belts.iter().filter_map(|belt| belt.turn.as_ref());
-            turns.into_iter().find(|turn| turn.name == symbol)
-        };
-        let defined = |((name, dependence), apart): (&(Symbol, Dependence), &[Sum; 2])| {
-            let formula = match dependence {
-                Dependence::Root(_) if self.equations.names.angle_of_cosine(*name).is_some() => return None,
-                Dependence::Root(square) => self.build.length(square, apart),
-                Dependence::Form { form, .. } => match turn(*name) {
-                    Some(turn) => self.turn(turn),
-                    None => self.build.plain_sum(form),
-                },
-            };
-            Some(display(self.name(*name).equal(formula)))
-        };
-        let free = energies.free_lengths.iter();
-        let free = free.map(|(name, square, apart)| display(self.name(*name).equal(self.build.length(square, apart))));
-        energies.lengths.0.iter().zip(&energies.spans).filter_map(defined).chain(free).collect()
-    }
-
-    /// `atan(y/(a + x)) - atan(h/a)`: the angle by which the centres of a belt have turned.
-    fn turn(&self, turn: &Turn) -> Formula {
-        let mut is_opposite = turn.is_opposite;
-        let mut positive = |sum: &Sum| {
-            let is_negative = sum.terms().iter().all(|(_, c)| c.signum() < 0);
-            is_opposite ^= is_negative;
-            self.build.plain_sum(&if is_negative { -sum } else { sum.clone() })
-        };
-        let quotient = Formula::quotient(positive(&turn.over), positive(&turn.under));
-        let now = Formula::Call("atan", vec![quotient]);
-        let (negative, drawn) = self.build.signed(&turn.drawn);
-        let mut terms = vec![(is_opposite, now)];
-        if !turn.drawn.is_zero() {
-            terms.push((negative == turn.is_opposite, drawn));
-        }
-        terms.sort_by_key(|(negative, _)| *negative);
-        Formula::sum(terms)
     }
 
     /// `1/2 k (x_2 - x_1)^2`, plus the term of a pretension.

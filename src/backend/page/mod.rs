@@ -10,7 +10,7 @@ mod tables;
 
 pub use html::{modal_table, page};
 
-use crate::analysis::fractions::Fractions;
+use crate::analysis::fractions::{Curve, Pencil};
 use crate::analysis::{History, Table};
 use crate::answers::report::Report;
 use crate::base::{Diagnostic, FileId, Sources, Span};
@@ -106,7 +106,9 @@ pub struct PoleShown {
 pub struct TransferShown {
     pub table: Table,
     /// `[input][output]`; `None` if only the rows of the table are known.
-    pub curves: Vec<Vec<Option<Fractions>>>,
+    pub curves: Vec<Vec<Option<Curve>>>,
+    /// The matrices, if a curve needs them.
+    pub pencil: Option<Pencil>,
     /// A report for each pair, input by input.
     pub reports: Vec<Report>,
     /// Frequencies at which the curves bend, Hz.

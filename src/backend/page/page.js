@@ -330,7 +330,8 @@
 
   /** The value at a frequency in Hz: [re, im]. */
   function gain(pair, hertz) {
-    if (!pair.terms) return pair.samples.find(([f]) => f >= hertz)?.slice(1) ?? [NaN, NaN];
+    if (pair.samples) return pair.samples.find(([f]) => f >= hertz)?.slice(1) ?? [NaN, NaN];
+    if (pair.b) return solved(pair, 2 * Math.PI * hertz);
     const w = 2 * Math.PI * hertz, w2 = w * w;
     let [re, im] = [pair.feed[0] - pair.feed[2] * w2, pair.feed[1] * w];
     for (const [power, n0, n1, d0, d1, d2] of pair.terms) {
@@ -340,6 +341,50 @@
       re += vr; im += vi;
     }
     return [re, im];
+  }
+
+  /** p(s) Q(s)^-1 b(s) at s = i w, where poles are not simple: by elimination with pivots, on rows and columns of one size. */
+  function solved(pair, w) {
+    const n = page.transfer.size, row = 2 * n + 2;
+    const q = Array.from({ length: n }, () => new Float64Array(row));
+    const size = new Float64Array(n).fill(1);
+    for (const [i, j, m, c, k] of page.transfer.matrices) {
+      q[i][2 * j] = k - m * w * w;
+      q[i][2 * j + 1] = c * w;
+      if (i === j) size[i] = 1 / Math.sqrt(Math.abs(m) * w * w + Math.abs(c) * w + Math.abs(k));
+    }
+    q.forEach((own, i) => { for (let j = 0; j < n; j++) { own[2 * j] *= size[i] * size[j]; own[2 * j + 1] *= size[i] * size[j]; } });
+    const turned = (power, x) => [[x, 0], [0, x * w], [-x * w * w, 0]][power];
+    for (const [power, i, x] of pair.b) { const [re, im] = turned(power, x); q[i][2 * n] += re * size[i]; q[i][2 * n + 1] += im * size[i]; }
+    for (let k = 0; k < n; k++) {
+      let best = k;
+      for (let i = k + 1; i < n; i++) if (Math.hypot(q[i][2 * k], q[i][2 * k + 1]) > Math.hypot(q[best][2 * k], q[best][2 * k + 1])) best = i;
+      [q[k], q[best]] = [q[best], q[k]];
+      const [pr, pi] = [q[k][2 * k], q[k][2 * k + 1]], below = pr * pr + pi * pi;
+      for (let i = k + 1; i < n; i++) {
+        const [fr, fi] = [(q[i][2 * k] * pr + q[i][2 * k + 1] * pi) / below, (q[i][2 * k + 1] * pr - q[i][2 * k] * pi) / below];
+        if (fr === 0 && fi === 0) continue;
+        for (let j = 2 * k + 2; j < row; j += 2) {
+          const [a, b] = [q[k][j], q[k][j + 1]];
+          q[i][j] -= fr * a - fi * b;
+          q[i][j + 1] -= fr * b + fi * a;
+        }
+      }
+    }
+    const x = Array.from({ length: n }, () => [0, 0]);
+    for (let i = n - 1; i >= 0; i--) {
+      let [re, im] = [q[i][2 * n], q[i][2 * n + 1]];
+      for (let j = i + 1; j < n; j++) { re -= q[i][2 * j] * x[j][0] - q[i][2 * j + 1] * x[j][1]; im -= q[i][2 * j] * x[j][1] + q[i][2 * j + 1] * x[j][0]; }
+      const [pr, pi] = [q[i][2 * i], q[i][2 * i + 1]], below = pr * pr + pi * pi;
+      x[i] = [(re * pr + im * pi) / below, (im * pr - re * pi) / below];
+    }
+    const value = [pair.feed[0] - pair.feed[2] * w * w, pair.feed[1] * w];
+    for (const [power, i, weight] of pair.p) {
+      const [re, im] = turned(power, weight * size[i]);
+      value[0] += re * x[i][0] - im * x[i][1];
+      value[1] += re * x[i][1] + im * x[i][0];
+    }
+    return value;
   }
 
   /** Frequencies of a window: one for each pixel, and more and more densely beside each pole. */
@@ -365,7 +410,7 @@
     function draw() {
       const pair = data.pairs[state.input][state.output];
       const [input, output] = [data.inputs[state.input], data.outputs[state.output]];
-      const list = pair.terms ? frequencies(lo, hi, 900, data.centres) : pair.samples.map(([f]) => f).filter(f => f >= lo && f <= hi);
+      const list = !pair.samples ? frequencies(lo, hi, pair.b ? 500 : 900, data.centres) : pair.samples.map(([f]) => f).filter(f => f >= lo && f <= hi);
       const values = list.map(f => [f, ...gain(pair, f)]);
       const unit = output.unit === input.unit ? '' : ` [${output.unit || '1'}/${/[*/ ]/.test(input.unit) ? `(${input.unit})` : input.unit}]`;
       if (state.view === 'nyquist') {

@@ -2,6 +2,7 @@
 //! in the tables of the report, with their bounds.
 
 use super::{Answers, Bend, Movement, Movements, Page};
+use crate::analysis::fractions::{Curve, Share};
 use crate::analysis::{Extremum, FeatureKind, Gain};
 use crate::backend::decimal::certain;
 use crate::kernel::complex::Complex;
@@ -186,6 +187,10 @@ fn transfer(of: &Answers) -> Value {
         .iter()
         .map(|&o| json!({ "name": system.display(system.outputs[o].name), "unit": system.outputs[o].unit }));
     let pairs = (0..table.inputs.len()).map(|i| (0..table.outputs.len()).map(|o| pair(of, i, o)).collect::<Value>());
+    let entry = |(i, j, entry): (usize, usize, [f64; 3])| {
+        [json!(i), json!(j)].into_iter().chain(entry.map(exact)).collect::<Value>()
+    };
+    let matrices = shown.pencil.as_ref().map(|pencil| pencil.entries().map(entry).collect::<Value>());
     let ends = [table.rows.first(), table.rows.last()].map(|row| row.map_or(1.0, |row| row.frequency.to_f64()));
     json!({
         "inputs": inputs.collect::<Value>(),
@@ -193,6 +198,8 @@ fn transfer(of: &Answers) -> Value {
         "pairs": pairs.collect::<Value>(),
         "range": list(ends),
         "centres": shown.centres.iter().map(|f| exact(*f)).collect::<Value>(),
+        "matrices": matrices,
+        "size": system.n(),
     })
 }
 
@@ -200,7 +207,20 @@ fn pair(of: &Answers, input: usize, output: usize) -> Value {
     let Some(shown) = of.transfer else { return Value::Null };
     let extrema = shown.table.extrema.as_ref().map(|extrema| &extrema[input][output].list[..]);
     let marks = extrema.unwrap_or_default().iter().map(mark).collect::<Value>();
-    let Some(curve) = &shown.curves[input][output] else {
+    let curve = match &shown.curves[input][output] {
+        Some(Curve::Fractions(curve)) => Some(curve),
+        Some(Curve::Solved(solved)) => {
+            let share = |share: &Share| json!([share.power, share.coordinate, exact(share.weight)]);
+            return json!({
+                "b": solved.input.iter().map(share).collect::<Value>(),
+                "p": solved.output.iter().map(share).collect::<Value>(),
+                "feed": solved.feed.iter().map(|x| exact(*x)).collect::<Value>(),
+                "marks": marks,
+            });
+        }
+        None => None,
+    };
+    let Some(curve) = curve else {
         let sample = |row: &crate::analysis::Row| match row.gains[input][output] {
             Gain::Finite(disc) => {
                 let Complex { re, im } = disc.value.to_f64();
