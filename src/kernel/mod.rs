@@ -4,6 +4,7 @@
 
 pub(crate) mod big_float;
 pub mod complex;
+pub(crate) mod cores;
 pub mod dense;
 pub mod disc;
 pub(crate) mod lanes;

@@ -15,8 +15,10 @@ use crate::analysis::poles::pencil::{Application, Pencil};
 use crate::analysis::poles::refinement::Pair;
 use crate::analysis::poles::residues::Proof;
 use crate::analysis::poles::rigid::RigidMotions;
+use crate::analysis::poles::together::least_pairs;
 use crate::base::{Ball, Dd, larger};
 use crate::kernel::complex::Complex;
+use crate::kernel::cores::in_pieces;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, product};
 use crate::kernel::triple::{Precise, Triple};
@@ -41,7 +43,9 @@ pub fn discs<T>(
     count: usize,
     also: impl FnOnce(&Proof) -> T,
 ) -> (Vec<PoleEnclosure>, Option<T>) {
-    let applied: Vec<_> = pairs.iter().map(|pair| pencil.apply(pair.s, &pair.x)).collect();
+    let applied = in_pieces(pairs, least_pairs(pencil.n), 1, |some| {
+        some.iter().map(|pair| pencil.apply(pair.s, &pair.x)).collect()
+    });
     let columns = Columns::of(pencil, rigid, pairs, &applied);
     let certified = (columns.list.len() == count).then(|| {
         let r = residual_products(&columns, pairs, &applied);

@@ -14,6 +14,7 @@ use crate::analysis::poles::refinement::{Pair, refine, rigid_residual};
 use crate::analysis::poles::schur::ComplexColumns;
 use crate::base::{Dd, larger};
 use crate::kernel::complex::Complex;
+use crate::kernel::cores::in_pieces;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::Lu;
 use crate::kernel::dense::product::{View, product};
@@ -30,6 +31,11 @@ const FAR: f64 = 0.3;
 const FEW_LOST: usize = 16;
 /// Poles nearer to each other than this (relative) are not separated along each other's vectors.
 const CLOSE: f64 = 1e-8;
+
+/// The number of pairs whose residuals take half a millisecond: with a smaller share, another core is not worth its start.
+pub fn least_pairs(coordinates: usize) -> usize {
+    (1usize << 12).div_ceil(coordinates.max(1))
+}
 
 /// The data of one pair that a step needs.
 struct Residual {
@@ -51,7 +57,9 @@ pub fn refine_together(pencil: &Pencil<Dd>, basis: &Basis, starts: &Starts) -> O
     let mut last = vec![FAR; pairs.len()];
     let (mut moving, mut lost): (Vec<usize>, Vec<usize>) = ((0..pairs.len()).collect(), Vec::new());
     for _ in 0..MOST_STEPS {
-        let residuals: Vec<Residual> = moving.iter().map(|&j| residual(pencil, basis, &pairs[j])).collect();
+        let residuals = in_pieces(&moving, least_pairs(pencil.n), 1, |some| {
+            some.iter().map(|&j| residual(pencil, basis, &pairs[j])).collect()
+        });
         moving.iter().zip(&residuals).for_each(|(&j, residual)| slopes[j] = residual.slope);
         let vectors = vectors(&pairs);
         let mut dx = along_others(&vectors, &slopes, &pairs, &moving, &residuals);

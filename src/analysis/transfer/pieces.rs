@@ -2,8 +2,8 @@
 //! number of cores changes a bit of the result. See docs/method/transfer.md#two-sided-approximation.
 
 use super::Frequency;
+use crate::kernel::cores;
 use crate::kernel::simd::MOST;
-use std::thread;
 
 /// Less work than this, in coordinates times frequencies, takes a millisecond: starting threads would take a part of
 /// that.
@@ -16,25 +16,9 @@ pub(super) fn in_pieces<T: Send>(
     coordinates: usize,
     work: impl Fn(&[Frequency]) -> Vec<T> + Sync,
 ) -> Vec<T> {
-    let cores = if frequencies.len().saturating_mul(coordinates) < WORTH_IT { 1 } else { cores() };
+    let is_worth_it = frequencies.len().saturating_mul(coordinates) >= WORTH_IT;
     // Pieces consist of whole vectors of frequencies.
-    let length = frequencies.len().div_ceil(cores).next_multiple_of(MOST);
-    if length >= frequencies.len() {
-        return work(frequencies);
-    }
-    let (first, others) = frequencies.split_at(length);
-    thread::scope(|scope| {
-        let started: Vec<_> = others.chunks(length).map(|piece| scope.spawn(|| work(piece))).collect();
-        let mut results = work(first);
-        for piece in started {
-            results.extend(piece.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        }
-        results
-    })
-}
-
-fn cores() -> usize {
-    thread::available_parallelism().map_or(1, |cores| cores.get())
+    cores::in_pieces(frequencies, if is_worth_it { 1 } else { frequencies.len() }, MOST, work)
 }
 
 #[cfg(test)]

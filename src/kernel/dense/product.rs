@@ -6,6 +6,7 @@
 //! each block one chain of fused multiply-adds from zero, in the order of the products: so |computed - true| <=
 //! [`error`] |A| |B| for f = 1 and C = 0.
 
+use crate::kernel::cores;
 use crate::kernel::dense::Matrix;
 use crate::kernel::simd::{Eight, LANES, each, simd};
 
@@ -18,6 +19,10 @@ const WIDTH: usize = 1024;
 /// Columns of C that a kernel keeps in registers.
 const COLUMNS_WIDE: usize = 8;
 const COLUMNS: usize = 6;
+
+/// Products that one core does in about a millisecond.
+const MOST_OF_ONE: usize = 1 << 23;
+const LEAST_COLUMNS: usize = 48;
 
 /// Bound of |computed - true| of an entry of A B, relative to the sum of its products' magnitudes, for `depth`
 /// products.
@@ -70,7 +75,11 @@ pub fn add_product(c: &mut [f64], stride: usize, f: f64, a: View, b: View) {
     if a.rows == 0 || b.columns == 0 || a.columns == 0 {
         return;
     }
-    add_packed(c, stride, f, a, b);
+    // Fewer columns than this take less time than starting a thread does, or leave the packed rows of A unused.
+    let least = MOST_OF_ONE.div_ceil(a.rows * a.columns).max(LEAST_COLUMNS);
+    cores::in_columns(c, (stride, b.columns, least), |c, first, columns| {
+        add_packed(c, stride, f, a, b.part((0, first), (b.rows, columns)));
+    });
 }
 
 /// A B
@@ -224,6 +233,19 @@ mod tests {
         assert_eq!((c[(2, 3)], c[(7, 3)]), (1.0, 1.0));
         for i in 3..7 {
             assert_eq!(c[(i, 6)], (-2.0f64).mul_add(whole[(i, 6)], 1.0));
+        }
+    }
+
+    /// A product that is divided among cores has the bits of its columns computed by themselves.
+    #[test]
+    fn the_division_among_cores_changes_no_bit() {
+        let (a, b) = (scrambled(60, 600), scrambled(600, 500));
+        let whole = product(View::of(&a), View::of(&b));
+        for first in (0..500).step_by(125) {
+            let part = product(View::of(&a), View::of(&b).part((0, first), (600, 125)));
+            for j in 0..125 {
+                assert_eq!(part.column(j), whole.column(first + j), "{j} after {first}");
+            }
         }
     }
 
