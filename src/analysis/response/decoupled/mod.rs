@@ -513,6 +513,7 @@ mod tests {
     use super::*;
     use crate::analysis::response::respond_by_matrix_exponential;
     use crate::analysis::test_systems::{blank, push};
+    use crate::base::Power;
     use crate::system::CoordinateId;
     use crate::system::{Course, Table};
 
