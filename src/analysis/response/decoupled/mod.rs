@@ -707,7 +707,7 @@ mod tests {
             for (i, y) in row.iter().enumerate() {
                 let of_mode = |k: usize| {
                     let omega = 2.0 * libm::sin(0.5 * angle(k));
-                    let half = 0.25 * (omega * omega) * (omega * omega);
+                    let half = 0.25 * omega.power(4);
                     let square = half * half - omega * omega;
                     let root = square.abs().sqrt();
                     let (even, odd) = match square > 0.0 {
