@@ -2,7 +2,7 @@
 //! vanish, and then a root is at infinity. In: a number and a distance. Out: what they change in the slope of ln |H| and
 //! in H. See docs/method/transfer.md#extrema.
 
-use crate::base::{down, up};
+use crate::base::{down, larger, up};
 
 /// At most `count` roots, zeros or poles, none within `beyond` of zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ impl Far {
 
     /// Those of two polynomials.
     pub fn and(self, other: Far) -> Far {
-        Far { count: self.count + other.count, beyond: self.beyond.min(other.beyond) }
+        Far { count: self.count + other.count, beyond: -larger(-self.beyond, -other.beyond) }
     }
 
     /// Bounds of what they add to g, to g' and to g'' / 2 below omega: a root z adds the real part of 1 / (omega + i z).
@@ -29,7 +29,7 @@ impl Far {
             return [0.0; 3];
         }
         let distance = (self.beyond - omega) * down::FEW;
-        if !(distance > 0.0) {
+        if distance.is_nan() || distance <= 0.0 {
             return [f64::INFINITY; 3];
         }
         let first = self.count as f64 / distance * up::DOZENS;
