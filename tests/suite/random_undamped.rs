@@ -63,6 +63,24 @@ fn power_at_the_frequency_of_a_mode_is_infinite() {
     assert!(report.contains("rms of x: infinite: nothing damps mode 1, and the noise has power"), "{report}");
 }
 
+/// A force in the middle of a chain of three does no work on the mode in which its ends swing against each other, sqrt(28.5) rad/s
+/// or 0.84966 Hz, though the noise has power there and both other modes are excited.
+#[test]
+fn a_mode_that_the_force_does_not_excite_is_not_infinite() {
+    let found = under_noise(
+        "body a { mass = 2 kg, moves x }\nbody b { mass = 2 kg, moves x }\nbody c { mass = 2 kg, moves x }\n\
+         spring s: ground -- a { k = 50 N/m }\nspring t: a -- b { k = 7 N/m }\nspring u: b -- c { k = 7 N/m }\n\
+         spring v: c -- ground { k = 50 N/m }\nforce F: b along x = noise(6 N^2/Hz, 0.845 Hz .. 0.855 Hz)\n\
+         output x = a.x\noutput y = b.x\n",
+    );
+    for (rms, crossings) in &found {
+        assert!(
+            !matches!(rms, Spread::Infinite(_)) && !matches!(crossings, Spread::Infinite(_)),
+            "{rms:?} {crossings:?}"
+        );
+    }
+}
+
 /// The integral of 1 / (a^2 - w^2)^2.
 fn primitive(a: f64, w: f64) -> f64 {
     w / (2.0 * a * a * (a * a - w * w)) + ((a + w) / (a - w).abs()).ln() / (4.0 * a.powi(3))

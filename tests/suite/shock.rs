@@ -260,6 +260,60 @@ fn a_table_beside_a_fine_grid() {
     }
 }
 
+/// A swing that hardly decays: rows meet a later, lower swing nearer to its top than the highest one. After the pulse, from
+/// y and v, the tops are those of e^(-zeta omega t) (y cos + (v + zeta omega y) / beta omega sin).
+#[test]
+fn the_highest_row_may_stand_in_another_swing_than_the_maximum() {
+    let (step, zeta) = (0.01, 0.001);
+    let table: String =
+        (0..60).map(|i| format!("{},{}\n", f64::from(i) / 100.0, f64::from(u8::from(i == 1)))).collect();
+    let mut elsewhere = 0;
+    for k in 0..24 {
+        let hertz = 21.0 + 0.83 * f64::from(k);
+        let omega = 2.0 * PI * hertz;
+        let beta = omega * (1.0f64 - zeta * zeta).sqrt();
+        // The response to the ramp t / step, times omega^2, and its rate; the pulse is a ramp, less two of them later.
+        let ramp = |t: f64| {
+            let (decay, slope) = ((-zeta * omega * t).exp(), 1.0 / step);
+            let (c, d) = (2.0 * zeta / omega, (2.0 * zeta * zeta - 1.0) / beta);
+            let y = slope * (t - c + decay * (c * (beta * t).cos() + d * (beta * t).sin()));
+            let v = slope
+                * (1.0
+                    + decay
+                        * ((d * beta - zeta * omega * c) * (beta * t).cos()
+                            - (c * beta + zeta * omega * d) * (beta * t).sin()));
+            [y, v]
+        };
+        let (two, one) = (ramp(2.0 * step), ramp(step));
+        let [y, v] = [two[0] - 2.0 * one[0], two[1] - 2.0 * one[1]];
+        let free = |t: f64| {
+            (-zeta * omega * t).exp() * (y * (beta * t).cos() + (v + zeta * omega * y) / beta * (beta * t).sin())
+        };
+        // v = 0 where tan(beta t) = v beta / (zeta omega v + omega^2 y).
+        let first = (v * beta).atan2(zeta * omega * v + omega * omega * y);
+        let tops: Vec<f64> = (-1..60).map(|half| (first + PI * f64::from(half)) / beta).collect();
+        let inside = |t: &&f64| **t >= 0.0 && **t <= 57.0 * step;
+        let row = at("table(\"t.csv\", 1 m/s^2)", &table, &zeta.to_string(), hertz, &[]);
+        for (field, sign) in [("primary_positive", 1.0), ("primary_negative", -1.0)] {
+            let value = |t: f64| sign * free(t);
+            let highest =
+                tops.iter().filter(inside).copied().max_by(|a, b| value(*a).total_cmp(&value(*b))).expect("one");
+            // In the pulse itself it stays below.
+            let pulse = (0..2000).map(|i| f64::from(i) * step / 1000.0).map(|t| {
+                let early = ramp(t)[0] - 2.0 * if t > step { ramp(t - step)[0] } else { 0.0 };
+                sign * early
+            });
+            if pulse.fold(0.0, f64::max) >= value(highest) {
+                continue;
+            }
+            row.meets(field, value(highest), 1e-10);
+            let sampled = (0..58).map(|i| f64::from(i) * step).max_by(|a, b| value(*a).total_cmp(&value(*b)));
+            elsewhere += u32::from((sampled.expect("one") - highest).abs() * beta > PI);
+        }
+    }
+    assert!(elsewhere > 8, "{elsewhere} of 48");
+}
+
 /// A grid has both ends, ascends, and each of its rows is that of the frequency alone.
 #[test]
 fn a_grid_is_made_of_single_frequencies() {
