@@ -15,8 +15,9 @@ import vibc
 
 #: A motion without mass has no state with its velocity.
 MASSLESS = {"test_hall"}
-#: An output that follows a derivative of an input: the force of a base through a damper or an inerter, an unbalance.
-IMPROPER = {"inerter_table", "rotor"}
+#: An output that follows a derivative of an input: the force of a base through a damper or an inerter, an unbalance, an
+#: acceleration where damping by modes acts relative to the base.
+IMPROPER = {"frame", "inerter_table", "rotor"}
 
 pytestmark = pytest.mark.filterwarnings("ignore::vibc.ModelWarning")
 
