@@ -570,3 +570,67 @@ fn a_mesh_graded_beyond_all_digits_has_no_frequencies() {
     let found = within["modes"][0]["frequency_hz"].as_f64().expect("a frequency");
     assert!((found / least - 1.0).abs() < 1e-14, "{found} {least}");
 }
+
+/// Limits of transfer functions at frequencies where Q is singular: real parts, imaginary parts, or infinite.
+#[track_caller]
+fn has_limits(model: &str, at: &str, truth: &[Option<(f64, f64)>]) {
+    let (table, status, said) = told(model, "transfer", &["--at", at]);
+    assert_eq!(status, Some(0), "{said}");
+    let pairs = table["pairs"].as_array().expect("pairs");
+    assert_eq!(pairs.len(), truth.len());
+    for (pair, truth) in pairs.iter().zip(truth) {
+        let row = &pair["values"][0];
+        match truth {
+            None => assert_eq!(row["infinite"], true, "{pair}"),
+            Some((re, im)) => {
+                let number = |field: &str| row[field].as_f64().unwrap_or_else(|| panic!("no {field}: {pair}"));
+                let (off, size) = ((number("re") - re).hypot(number("im") - im), re.hypot(*im));
+                // A bound of what is printed, and two roundings of the closed form.
+                assert!(number("error_bound") < 1e-16 && off <= 3e-16 * size, "off by {off:e}: {pair}");
+            }
+        }
+    }
+}
+
+/// Nothing holds these scenes at rest. A free mass m has x/F = 1/(m s^2): a/F = 1/m. With a damper to the ground
+/// v/F = 1/c; a base that moves a mass through a damper alone carries it along.
+#[test]
+fn motions_that_nothing_holds_have_their_limits_at_rest() {
+    let outputs = "output x = b.x\noutput v = b.vx\noutput a = b.ax\n";
+    let mass = "body b { mass = 4 kg, moves x }\n";
+    has_limits(&format!("{mass}force F: b along x\n{outputs}"), "0Hz", &[None, None, Some((0.25, 0.0))]);
+    let damped = format!("{mass}damper d: ground -- b {{ c = 3 N*s/m }}\nforce F: b along x\n{outputs}");
+    has_limits(&damped, "0Hz", &[None, Some((1.0 / 3.0, 0.0)), Some((0.0, 0.0))]);
+    let carried = format!("base g {{ moves x }}\n{mass}damper d: g -- b {{ c = 3 N*s/m }}\n{outputs}");
+    has_limits(&carried, "0Hz", &[Some((1.0, 0.0)), Some((0.0, 0.0)), Some((0.0, 0.0))]);
+    // An inerter b from the base: x/u = b / (m + b) at every frequency.
+    let inert = format!("base g {{ moves x }}\n{mass}inerter i: g -- b {{ b = 12 kg }}\n{outputs}");
+    has_limits(&inert, "0Hz", &[Some((0.75, 0.0)), Some((0.0, 0.0)), Some((0.0, 0.0))]);
+}
+
+/// A torque T on the motor of a hoist turns it and the drum with one angular velocity of the belt. The damper c of the drum
+/// takes c w = T R / r. Nothing accelerates, so the belt's spans, of stiffness 2 k, carry all of T: slip = T / (2 k r).
+#[test]
+fn a_hoist_that_a_damper_holds_slips_as_its_belt_is_stretched() {
+    let model = "body drum { mass = 40 kg, shape = disk(0.3 m), at = (0, 0), turns }\n\
+                 body motor { mass = 8 kg, shape = disk(0.08 m), at = (0.9 m, 0), turns }\n\
+                 belt b: motor -- drum { k = 150 kN/m, preload = 200 N }\n\
+                 damper d: ground -- drum { c = 2 N*m*s/rad }\ntorque T: motor = step(5 N*m, 0 s)\n\
+                 output slip = motor.angle * 0.08 m - drum.angle * 0.3 m\noutput w = drum.omega\n\
+                 require static(slip) < 1 mm\n";
+    has_limits(model, "0Hz", &[Some((1.0 / (2.0 * 150e3 * 0.08), 0.0)), Some((0.3 / 0.08 / 2.0, 0.0))]);
+    let (report, _, said) = told(model, "analyze", &[]);
+    let slip = report["requirements"][0]["value"].as_f64().unwrap_or_else(|| panic!("no value: {said}"));
+    assert!((slip * 24000.0 / 5.0 - 1.0).abs() < 1e-15, "{slip}");
+}
+
+/// A base moves a mass through k = 4 and an inerter of 1 kg: x/u = (4 + s^2) / (16 + 4 s^2) is 1/4 everywhere, at the
+/// natural frequency of 2 rad/s too, and the velocity has 2 i / 4.
+#[test]
+fn a_resonance_that_an_inerter_cancels_has_its_limit() {
+    let model = "base g { moves x }\nbody b { mass = 3 kg, moves x }\nspring s: g -- b { k = 4 N/m }\n\
+                 inerter i: g -- b { b = 1 kg }\nspring t: ground -- b { k = 12 N/m }\noutput x = b.x\noutput v = b.vx\n";
+    has_limits(model, "2 rad/s", &[Some((0.25, 0.0)), Some((0.0, 0.5))]);
+    let held = model.replace("k = 4 ", "k = 5 ").replace("3 kg", "3.25 kg");
+    has_limits(&held, "2 rad/s", &[None, None]);
+}

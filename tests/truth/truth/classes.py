@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, optima, planar, poles, reactions, sensitivities, shock, solving, spectrum, transfer
+from . import coupled, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, optima, planar, poles, reactions, sensitivities, shock, singular, solving, spectrum, transfer
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,7 @@ ALL = {
     "extrema": Class(extrema.scene, extrema.check, 10000, 100),
     "motions": Class(motions.scene, motions.check, 10000, 100),
     "transfer": Class(transfer.scene, transfer.check, 10000, 150),
+    "singular": Class(singular.scene, singular.check, 10000, 100),
     "modal": Class(modal.scene, modal.check, 10000, 100),
     "measures": Class(measures.scene, measures.check, 10000, 100),
     "solve": Class(solving.scene, solving.check, 5000, 60),
