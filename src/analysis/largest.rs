@@ -101,6 +101,34 @@ impl<'a> Curve<'a> {
     }
 }
 
+/// An end that a curve may go beyond, as seen from zero: (curve - end) times the sign of the end.
+pub struct About {
+    end: Ball,
+    sign: f64,
+}
+
+impl About {
+    pub fn new(end: Ball) -> About {
+        About { end, sign: if end.mid.hi < 0.0 { -1.0 } else { 1.0 } }
+    }
+
+    /// The curve beyond the end, with its sign.
+    pub fn rough(&self, terms: &[f64], error: f64) -> Curve<'static> {
+        let mut seen: Vec<f64> = terms.iter().map(|term| self.sign * term).collect();
+        seen[0] -= self.sign * self.end.to_f64();
+        let rounding = (terms[0].abs() + self.end.magnitude()) * f64::EPSILON;
+        Curve::of(seen, None, (error + self.end.rad + rounding) * UP).signed()
+    }
+
+    /// The same in two words.
+    pub fn fine<'a>(&self, terms: &'a mut Vec<Dd>, error: f64) -> Curve<'a> {
+        let rounding = (terms[0].hi.abs() + self.end.magnitude()) * UNIT;
+        terms[0] = terms[0] - self.end.mid;
+        terms.iter_mut().for_each(|term| *term = *term * self.sign);
+        Curve::fine(terms, (error + self.end.rad + rounding) * UP).signed()
+    }
+}
+
 /// Bounds of the largest |value| so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Largest {

@@ -21,6 +21,7 @@ pub mod random;
 pub mod range;
 pub mod response;
 pub mod response_spectrum;
+pub mod settling;
 pub mod shock;
 mod stability;
 pub mod steady;

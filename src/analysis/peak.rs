@@ -89,8 +89,13 @@ fn times_of(signal: &Signal) -> (f64, f64) {
     }
 }
 
+/// The time of the signal's last event, s.
+pub(in crate::analysis) fn last_event(signal: &Signal) -> f64 {
+    times_of(signal).0
+}
+
 /// Rounds up to two digits.
-fn round_up(time: f64) -> Option<Number> {
+pub(in crate::analysis) fn round_up(time: f64) -> Option<Number> {
     if !(time.is_finite() && time > 0.0) {
         return None;
     }

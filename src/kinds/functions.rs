@@ -340,6 +340,8 @@ pub enum Measure {
     Amplitude,
     Static,
     Peak,
+    Settling,
+    Overshoot,
     Rms,
     Psd,
     Crossings,
@@ -387,6 +389,18 @@ pub const MEASURES: &[Named<Measure>] = &[
         Measure::Peak,
         ["peak", "peak(output)", "peak(output)"],
         "The largest absolute value over the simulated time.",
+        &[Argument::Output],
+    ),
+    entry(
+        Measure::Settling,
+        ["settling", "settling(output, band)", "settling(output, 2 %)"],
+        "The time after which the output stays within a band about its final value under the declared signals.",
+        &[Argument::Output, Argument::Number(Dimension::NONE)],
+    ),
+    entry(
+        Measure::Overshoot,
+        ["overshoot", "overshoot(output)", "overshoot(output)"],
+        "How far the output goes beyond its final value under the declared signals, as a part of that value.",
         &[Argument::Output],
     ),
     Named {

@@ -21,6 +21,8 @@ use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, ExprList, FormalKi
 const RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE, "2 %");
 const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "-90 deg");
 
+const BAND: Expected = Expected::new("a part of the final value", Dimension::NONE, "2 %");
+
 /// Makes a measure of an output.
 type MakeMeasure = fn(Vec<MotionTerm>) -> Measure;
 
@@ -380,6 +382,11 @@ impl<'a> Check<'a> {
             (Word::Amplitude, &[output]) => ((|output| Measure::Amplitude { output }) as MakeMeasure, output),
             (Word::Static, &[output]) => ((|output| Measure::Static { output }) as MakeMeasure, output),
             (Word::Peak, &[output]) => ((|output| Measure::Peak { output }) as MakeMeasure, output),
+            (Word::Settling, &[output, band]) => return self.settling(output, band, environment),
+            (Word::Overshoot, &[output]) => {
+                let output = self.measured_output(output, environment)?.terms;
+                return Ok(Measured { measure: Measure::Overshoot { output }, dimension: Dimension::NONE });
+            }
             (Word::Rms, &[output, cause]) => return self.rms(output, Some(cause), environment),
             (Word::Rms, &[output]) => return self.rms(output, None, environment),
             (Word::Psd, &[output, frequency]) => return self.psd(output, frequency, environment),
@@ -408,6 +415,17 @@ impl<'a> Check<'a> {
             return Ok(Measured { measure: Measure::Phase { input, output, frequency }, dimension: Dimension::NONE });
         }
         Ok(Measured { measure: Measure::Gain { input, output, frequency }, dimension })
+    }
+
+    /// `settling(x, 2 %)`
+    fn settling(&mut self, output: ExprId, band: ExprId, environment: Environment) -> Evaluated<Measured> {
+        let Combination { terms: output, .. } = self.measured_output(output, environment)?;
+        let span = self.tree.expr(band).span;
+        let band = self.number(band, environment, &BAND)?;
+        if !band.is_positive() || !(&Number::ONE - &band).is_positive() {
+            return self.fail(environment, QuestionError::BandOutOfRange { span });
+        }
+        Ok(Measured { measure: Measure::Settling { output, band }, dimension: Dimension::TIME })
     }
 
     /// `rms(x)`, `rms(x, noise)`, `rms(x, time)`, `rms(x, 20 Hz .. 2 kHz)`.

@@ -634,6 +634,14 @@ pub enum Measure {
     Peak {
         output: Vec<MotionTerm>,
     },
+    /// The time after which the output stays within `band` of its final value, as a part of that.
+    Settling {
+        output: Vec<MotionTerm>,
+        band: Number,
+    },
+    Overshoot {
+        output: Vec<MotionTerm>,
+    },
     Rms {
         output: Vec<MotionTerm>,
         of: Cause,

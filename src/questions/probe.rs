@@ -5,6 +5,7 @@ use super::combined::value_of;
 use super::trial::Context;
 use crate::analysis::measures::{self, Loads};
 use crate::analysis::random::{self, Random, Reach, Spread};
+use crate::analysis::settling::Settling;
 use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, is_passive, peak, stability};
 use crate::base::{Ball, Number, Span};
 use crate::lower::{Lowered, Readout};
@@ -21,6 +22,8 @@ pub enum Probe {
     Amplitude(usize),
     Static(usize),
     Peak(usize),
+    Settling(usize, Number),
+    Overshoot(usize),
     Rms(usize, Cause),
     RmsWithin(usize, [Number; 2]),
     Psd(usize, Number),
@@ -95,6 +98,8 @@ impl Outputs {
             Measure::Amplitude { output } => Probe::Amplitude(add(output)),
             Measure::Static { output } => Probe::Static(add(output)),
             Measure::Peak { output } => Probe::Peak(add(output)),
+            Measure::Settling { output, band } => Probe::Settling(add(output), band.clone()),
+            Measure::Overshoot { output } => Probe::Overshoot(add(output)),
             Measure::Rms { output, of } => Probe::Rms(add(output), *of),
             Measure::RmsWithin { output, range } => Probe::RmsWithin(add(output), range.clone()),
             Measure::Psd { output, frequency } => Probe::Psd(add(output), frequency.clone()),
@@ -144,7 +149,16 @@ impl Probe {
 
     /// Whether poles are needed.
     pub fn of_poles(&self) -> bool {
-        self.any(|probe| matches!(probe, Probe::Damping(_) | Probe::Critical(_) | Probe::Stable | Probe::PeakGain(..)))
+        self.any(|probe| {
+            let is_of_poles =
+                matches!(probe, Probe::Damping(_) | Probe::Critical(_) | Probe::Stable | Probe::PeakGain(..));
+            is_of_poles || probe.is_of_approach()
+        })
+    }
+
+    /// Whether it is of the way to the final value.
+    fn is_of_approach(&self) -> bool {
+        matches!(self, Probe::Settling(..) | Probe::Overshoot(_))
     }
 
     /// Whether every mode is needed.
@@ -160,13 +174,17 @@ impl Probe {
     pub fn of_signals(&self) -> bool {
         self.any(|probe| {
             let is_of_time = matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Peak(_));
-            is_of_time || matches!(probe, Probe::Rms(..) | Probe::RmsWithin(..) | Probe::Psd(..) | Probe::Crossings(_))
+            is_of_time
+                || probe.is_of_approach()
+                || matches!(probe, Probe::Rms(..) | Probe::RmsWithin(..) | Probe::Psd(..) | Probe::Crossings(_))
         })
     }
 
     /// Whether it is of the motion that is left when every free motion has decayed.
     pub fn of_settled_motion(&self) -> bool {
-        self.any(|probe| matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Psd(..)))
+        self.any(|probe| {
+            probe.is_of_approach() || matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Psd(..))
+        })
     }
 
     /// Whether the motion in time is needed.
@@ -177,7 +195,9 @@ impl Probe {
     fn of_transfer(&self) -> bool {
         self.any(|probe| {
             let is_gain = matches!(probe, Probe::Gain(..) | Probe::Phase(..) | Probe::PeakGain(..));
-            is_gain || matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Psd(..))
+            is_gain
+                || probe.is_of_approach()
+                || matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Psd(..))
         })
     }
 }
@@ -298,11 +318,28 @@ impl Measured<'_> {
                 Some(until) => peak::peak(system, drives, *output, until),
                 None => NO_TIME,
             },
+            Probe::Settling(output, _) | Probe::Overshoot(output) if self.is_noisy(*output) => {
+                Measurement::None("noise reaches it: it never settles")
+            }
+            Probe::Settling(output, band) => self.settling(transfer).map_or(NONE, |found| found.time(*output, band)),
+            Probe::Overshoot(output) => self.settling(transfer).map_or(NONE, |found| found.overshoot(*output)),
             Probe::Rms(output, _) => match &self.context.until {
                 Some(until) => peak::rms(system, drives, *output, until),
                 None => NO_TIME,
             },
         }
+    }
+
+    fn settling<'a>(&'a self, transfer: Option<&'a Transfer<'a>>) -> Option<Settling<'a>> {
+        let (system, drives) = (&self.lowered.system, &self.context.drives[..]);
+        Some(Settling { system, transfer: transfer?, poles: self.poles?, drives })
+    }
+
+    /// Whether noise reaches an output.
+    fn is_noisy(&self, output: usize) -> bool {
+        let system = &self.lowered.system;
+        let reach = Reach::of(system);
+        self.context.noises.iter().any(|noise| reach.from_noise(system, noise, &system.outputs[output]))
     }
 
     /// Why nothing settles, or may not.

@@ -173,6 +173,8 @@ impl QuestionOverRange<'_> {
             Probe::Damping(_)
             | Probe::Critical(_)
             | Probe::Peak(_)
+            | Probe::Settling(..)
+            | Probe::Overshoot(_)
             | Probe::Rms(..)
             | Probe::RmsWithin(..)
             | Probe::Psd(..)

@@ -80,6 +80,7 @@ mod response_spectra;
 mod rest;
 mod sanitizer;
 mod schema;
+mod settling;
 mod shock;
 mod signals;
 mod solve;

@@ -9,8 +9,8 @@
 use super::exponential::Exponential;
 use super::{Run, Stop, UNIT, UP, growth, length};
 use crate::analysis::error::AnalysisError;
-use crate::analysis::largest::{Curve, Largest};
-use crate::base::{Dd, Number};
+use crate::analysis::largest::{About, Curve, Largest};
+use crate::base::{Ball, Dd, Number};
 use crate::kernel::dense::add_scaled;
 use crate::system::{LinearSystem, Signal};
 use std::rc::Rc;
@@ -20,9 +20,9 @@ pub const ROUGH: usize = 18;
 /// Terms of a polynomial in double-double: the remainder is 1/29! of its scale.
 pub const FINE: usize = 29;
 /// A motion with more pieces takes too long.
-const MOST_PIECES: f64 = 4e6;
+pub(super) const MOST_PIECES: f64 = 4e6;
 /// Number of pieces between two states in two words.
-const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = 64;
 /// Maximum number of pieces that are evaluated in two words; beyond it the binary64 values are used.
 const MOST_FINE: usize = 50_000;
 /// Number of stretches that are cached.
@@ -90,13 +90,25 @@ pub fn follow(
         if pieces > MOST_PIECES {
             return Ok(Outcome::TooLong);
         }
-        stretch.follow(run, output, to, largest, &mut fine)?;
+        let is_free = stretch.is_free(run);
+        stretch.follow(run, output, to, &mut |_, block| {
+            if is_free && largest.reaches(block.to_come()) {
+                return true;
+            }
+            block.bound(None, largest, &mut fine);
+            false
+        })?;
         Ok(Outcome::ToTheEnd)
     })
 }
 
 /// The stretch from the present to `to`: a cached one, or a new one.
-fn stretch(known: &mut Vec<Rc<Stretch>>, run: &Run, output: usize, to: &Number) -> Result<Rc<Stretch>, AnalysisError> {
+pub(super) fn stretch(
+    known: &mut Vec<Rc<Stretch>>,
+    run: &Run,
+    output: usize,
+    to: &Number,
+) -> Result<Rc<Stretch>, AnalysisError> {
     let (whole, states) = (to - &run.now, run.states_on());
     if let Some(stretch) = known.iter().find(|stretch| stretch.whole == whole && stretch.states == states) {
         return Ok(stretch.clone());
@@ -111,7 +123,7 @@ fn stretch(known: &mut Vec<Rc<Stretch>>, run: &Run, output: usize, to: &Number) 
 }
 
 /// The time between two stops, divided into pieces.
-struct Stretch {
+pub(super) struct Stretch {
     whole: Number,
     h: Number,
     count: usize,
@@ -128,9 +140,14 @@ struct Stretch {
     growth: f64,
 }
 
-/// The starting point of a block of pieces.
-struct Start<'a> {
-    z: &'a [Dd],
+/// Consecutive pieces of a stretch, and the state at their beginning.
+#[derive(Clone)]
+pub(super) struct Block {
+    stretch: Rc<Stretch>,
+    /// The time at its beginning.
+    at: Number,
+    pieces: usize,
+    z: Vec<Dd>,
     /// A bound of the error of z.
     error: f64,
     /// Contribution of the sources' own errors to the state in a piece, and directly to the output.
@@ -175,30 +192,33 @@ impl Stretch {
         is_steady && is_off && run.source_error == 0.0 && run.space.own_rate * self.whole.to_f64() < 0.5
     }
 
-    fn follow(
-        &self,
+    /// Takes the run through all blocks up to `to`; `visit` returns true if nothing of the rest is needed.
+    pub(super) fn follow(
+        self: &Rc<Stretch>,
         run: &mut Run,
         output: usize,
         to: &Number,
-        largest: &mut Largest,
-        fine: &mut usize,
+        visit: &mut dyn FnMut(&Run, &Block) -> bool,
     ) -> Result<(), AnalysisError> {
-        let (start, is_free) = (run.now.clone(), self.is_free(run));
+        let start = run.now.clone();
         let times = |pieces: usize| &self.h * &Number::from(pieces as i64);
         let whole_block = if self.count > BLOCK { Some(run.step(&times(BLOCK))?) } else { None };
         let mut done = 0;
         while done < self.count {
             run.set_sources();
-            let z: Vec<Dd> = self.states.iter().map(|&i| run.z[i]).collect();
-            let error = (run.trail.error + run.source_error) * UP;
-            let to_come = self.norms[0] * (length(&z) + error) * 1.7;
-            if is_free && largest.reaches(to_come) {
+            let pieces = BLOCK.min(self.count - done);
+            let block = Block {
+                stretch: self.clone(),
+                at: run.now.clone(),
+                pieces,
+                z: self.states.iter().map(|&i| run.z[i]).collect(),
+                error: (run.trail.error + run.source_error) * UP,
+                approximations: run.approximation_errors() * self.h.to_f64() * self.growth * UP,
+                fed: run.feed_through_error(output),
+            };
+            if visit(run, &block) {
                 return run.advance(to);
             }
-            let approximations = run.approximation_errors() * self.h.to_f64() * self.growth * UP;
-            let pieces = BLOCK.min(self.count - done);
-            let from = Start { z: &z, error, approximations, fed: run.feed_through_error(output) };
-            self.block(&from, pieces, largest, fine);
             done += pieces;
             match &whole_block {
                 _ if done == self.count => run.advance(to)?,
@@ -207,65 +227,6 @@ impl Stretch {
             }
         }
         Ok(())
-    }
-
-    /// Evaluates some pieces: all of them in binary64, then those that may contain the largest value in two words.
-    fn block(&self, from: &Start, pieces: usize, largest: &mut Largest, fine: &mut usize) {
-        let n = self.states.len();
-        let mut z: Vec<f64> = from.z.iter().map(|x| x.to_f64()).collect();
-        let mut error = (from.error + size(&z) * f64::EPSILON) * UP;
-        // Rounding of entries and states to binary64, of products and of sums.
-        let rounding = (n as f64 + 8.0) * f64::EPSILON * self.step.absolute_norm + self.step.error;
-        let mut wanted: Vec<(usize, f64)> = Vec::new();
-        for piece in 0..pieces {
-            let length = size(&z);
-            let terms = self.rough_terms(&z);
-            let curve = Curve::rough(&terms, self.left_out(ROUGH, length, error, from) + self.rounding(length));
-            if let Some(high) = largest.bound_rough(&curve) {
-                wanted.push((piece, high));
-            }
-            if piece + 1 == pieces {
-                break;
-            }
-            let mut next = vec![0.0; n];
-            for (x, column) in z.iter().zip(&self.columns) {
-                next.iter_mut().zip(column).for_each(|(sum, f)| *sum += f * x);
-            }
-            error = (self.step.norm * error + rounding * (length + error) + from.approximations) * UP;
-            z = next;
-        }
-        self.bound_more_closely(from, &wanted, largest, fine);
-    }
-
-    /// Evaluates in two words the pieces that may contain the largest value; each comes with its upper bound from
-    /// binary64.
-    fn bound_more_closely(&self, from: &Start, wanted: &[(usize, f64)], largest: &mut Largest, fine: &mut usize) {
-        let n = self.states.len();
-        let (mut z, mut error, mut at) = (from.z.to_vec(), from.error, 0);
-        let rounding = (n as f64 + 4.0) * UNIT * self.step.absolute_norm + self.step.error;
-        for &(piece, high) in wanted {
-            if largest.reaches(high) {
-                continue;
-            }
-            if *fine == 0 {
-                largest.at_most(high);
-                continue;
-            }
-            *fine -= 1;
-            while at < piece {
-                let mut next = vec![Dd::ZERO; n];
-                for (column, &x) in z.iter().enumerate() {
-                    add_scaled(&mut next, x, self.step.f.column(column));
-                }
-                error = (self.step.norm * error + rounding * (length(&z) + error) + from.approximations) * UP;
-                z = next;
-                at += 1;
-            }
-            let length = length(&z);
-            let terms: Vec<Dd> = self.rows[..FINE].iter().map(|row| dot(row, &z)).collect();
-            let rounding = (n as f64 + 6.0) * UNIT * self.norms[..FINE].iter().sum::<f64>() * length;
-            largest.bound_fine(&Curve::fine(&terms, self.left_out(FINE, length, error, from) + rounding));
-        }
     }
 
     fn rough_terms(&self, z: &[f64]) -> Vec<f64> {
@@ -278,12 +239,118 @@ impl Stretch {
     }
 
     /// The error of the first `terms` terms of the polynomial, for a state of this length and error.
-    fn left_out(&self, terms: usize, length: f64, error: f64, from: &Start) -> f64 {
+    fn left_out(&self, terms: usize, length: f64, error: f64, from: &Block) -> f64 {
         let seen: f64 =
             self.norms[..terms].iter().zip(&self.errors).map(|(norm, off)| norm * error + off * length).sum();
         let rest = self.norms[terms] * (length + error) * self.growth;
         let late = self.norms[0] * from.approximations;
         (seen + rest + late + from.fed) * UP
+    }
+}
+
+impl Block {
+    pub(super) fn pieces(&self) -> usize {
+        self.pieces
+    }
+
+    /// A bound of |output| from here on, if nothing drives the system any more and no motion grows.
+    fn to_come(&self) -> f64 {
+        self.stretch.norms[0] * (length(&self.z) + self.error) * 1.7
+    }
+
+    /// The time of a place in a piece, in parts of it.
+    pub(super) fn time(&self, piece: usize, part: Dd) -> Ball {
+        let pieces = Ball::from(piece as f64) + Ball::exact(part);
+        self.at.to_ball() + self.stretch.h.to_ball() * pieces
+    }
+
+    /// Every piece in binary64: its number, and the terms of its polynomial on [0, 1] with a bound of their error.
+    pub(super) fn rough(&self, visit: &mut dyn FnMut(usize, &[f64], f64)) {
+        let stretch = &*self.stretch;
+        let n = stretch.states.len();
+        let mut z: Vec<f64> = self.z.iter().map(|x| x.to_f64()).collect();
+        let mut error = (self.error + size(&z) * f64::EPSILON) * UP;
+        // Rounding of entries and states to binary64, of products and of sums.
+        let rounding = (n as f64 + 8.0) * f64::EPSILON * stretch.step.absolute_norm + stretch.step.error;
+        for piece in 0..self.pieces {
+            let length = size(&z);
+            let terms = stretch.rough_terms(&z);
+            visit(piece, &terms, stretch.left_out(ROUGH, length, error, self) + stretch.rounding(length));
+            if piece + 1 == self.pieces {
+                break;
+            }
+            let mut next = vec![0.0; n];
+            for (x, column) in z.iter().zip(&stretch.columns) {
+                next.iter_mut().zip(column).for_each(|(sum, f)| *sum += f * x);
+            }
+            error = (stretch.step.norm * error + rounding * (length + error) + self.approximations) * UP;
+            z = next;
+        }
+    }
+
+    /// The pieces in two words, in ascending order.
+    pub(super) fn fine(&self) -> Fine<'_> {
+        Fine { block: self, z: self.z.clone(), error: self.error, at: 0 }
+    }
+
+    /// Looks for the largest value, or the one farthest beyond an end: in all pieces in binary64, then in those that may
+    /// contain it in two words.
+    pub(super) fn bound(&self, about: Option<&About>, largest: &mut Largest, left: &mut usize) {
+        let mut wanted: Vec<(usize, f64)> = Vec::new();
+        self.rough(&mut |piece, terms, error| {
+            let curve = about.map_or_else(|| Curve::rough(terms, error), |about| about.rough(terms, error));
+            if let Some(high) = largest.bound_rough(&curve) {
+                wanted.push((piece, high));
+            }
+        });
+        let mut fine = self.fine();
+        for (piece, high) in wanted {
+            if largest.reaches(high) {
+                continue;
+            }
+            if *left == 0 {
+                largest.at_most(high);
+                continue;
+            }
+            *left -= 1;
+            let (mut terms, error) = fine.piece(piece);
+            let curve = match about {
+                Some(about) => about.fine(&mut terms, error),
+                None => Curve::fine(&terms, error),
+            };
+            largest.bound_fine(&curve);
+        }
+    }
+}
+
+/// The pieces of a block in two words.
+pub(super) struct Fine<'a> {
+    block: &'a Block,
+    z: Vec<Dd>,
+    error: f64,
+    at: usize,
+}
+
+impl Fine<'_> {
+    /// The terms of a piece, not before the last one that was asked for, with a bound of their error.
+    pub(super) fn piece(&mut self, piece: usize) -> (Vec<Dd>, f64) {
+        let stretch = &*self.block.stretch;
+        let n = stretch.states.len();
+        let rounding = (n as f64 + 4.0) * UNIT * stretch.step.absolute_norm + stretch.step.error;
+        while self.at < piece {
+            let mut next = vec![Dd::ZERO; n];
+            for (column, &x) in self.z.iter().enumerate() {
+                add_scaled(&mut next, x, stretch.step.f.column(column));
+            }
+            let carried = stretch.step.norm * self.error + rounding * (length(&self.z) + self.error);
+            self.error = (carried + self.block.approximations) * UP;
+            self.z = next;
+            self.at += 1;
+        }
+        let length = length(&self.z);
+        let terms = stretch.rows[..FINE].iter().map(|row| dot(row, &self.z)).collect();
+        let rounding = (n as f64 + 6.0) * UNIT * stretch.norms[..FINE].iter().sum::<f64>() * length;
+        (terms, stretch.left_out(FINE, length, self.error, self.block) + rounding)
     }
 }
 

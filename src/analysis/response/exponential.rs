@@ -75,6 +75,22 @@ impl Generator {
         Some(Parts { power: self.taylor(first), first, squarings })
     }
 
+    /// A bound of |exp(A t)| for all t >= 0; `None` if no decay is proved. With powers of two of a short time h, any t is
+    /// a sum of them and a rest below h; from the first time at which the norm is below one half, it repeats.
+    pub fn bound_for_all_times(&self) -> Option<f64> {
+        let h = if self.norm > 0.0 { 0.5 / self.norm } else { return None };
+        let Parts { mut power, first, .. } = self.parts(Ball::from(h))?;
+        let mut bound = growth(self.rate.max(0.0) * h);
+        for k in 1..=MOST_SQUARINGS {
+            if power.norm < 0.5 {
+                return bound.is_finite().then_some(bound);
+            }
+            bound *= power.norm.max(1.0) * UP;
+            power = square(&power, growth(self.rate * first.magnitude() * two_to(k as i32)));
+        }
+        None
+    }
+
     /// The square of a power; `left` squarings later it is exp(A t).
     pub fn squared(&self, power: &Exponential, t: Ball, left: u32) -> Exponential {
         let time = t.magnitude() / two_to(left as i32);
@@ -188,6 +204,23 @@ mod tests {
             assert!((e.f[(0, 1)] - s.to_ball().mid).abs().to_f64() <= e.error + s.to_ball().rad);
             assert!(e.error < 1e-28 * t.max(1.0), "{:e}", e.error);
         }
+    }
+
+    /// A matrix far from normal: |exp(A t)| rises to about 50 t e^-t, at most 50 / e, before it decays. The product of the
+    /// norms is far above that, and still a bound. Without decay nothing is claimed.
+    #[test]
+    fn a_bound_for_all_times() {
+        let of = |rate: f64, coupling: f64| {
+            let a = Matrix::from_fn(2, 2, |i, j| Dd::from([[rate, coupling], [0.0, rate]][i][j]));
+            let generator = Generator { a, error: 0.0, rate: rate + coupling / 2.0, norm: rate.abs() + coupling };
+            generator.bound_for_all_times()
+        };
+        let bound = of(-1.0, 50.0).expect("it decays");
+        assert!(bound >= 50.0 / std::f64::consts::E && bound < 1e8, "{bound}");
+        assert!(of(-1.0, 0.0).is_some_and(|bound| (1.0..1.001).contains(&bound)));
+        assert_eq!(of(0.0, 0.0), None);
+        assert_eq!(of(0.0, 1.0), None);
+        assert_eq!(of(1e-3, 0.0), None);
     }
 
     /// An exponential that has decayed to e^-80 keeps its digits.

@@ -10,6 +10,7 @@ mod decoupled;
 pub(in crate::analysis) mod exponential;
 mod findings;
 pub(in crate::analysis) mod propagator;
+pub(in crate::analysis) mod settle;
 pub mod signal;
 pub(in crate::analysis) mod square;
 mod sum;

@@ -139,6 +139,16 @@ impl StateSpace {
         image.column(0).to_vec()
     }
 
+    /// The mechanical part of z at which nothing moves while the sources keep these values; `None` if there may be
+    /// several.
+    pub fn equilibrium(&self, sources: &[Ball]) -> Option<Vec<Ball>> {
+        let n = self.mechanical;
+        let a = Matrix::from_fn(n, n, |i, j| self.a[(i, j)]);
+        let force = |i: usize| sources.iter().enumerate().fold(Ball::ZERO, |sum, (j, &w)| sum + self.a[(i, n + j)] * w);
+        let forces = Matrix::from_fn(n, 1, |i, _| -force(i));
+        Some(solve(&a, &forces)?.column(0).to_vec())
+    }
+
     /// A, without its errors.
     pub fn matrix(&self) -> Matrix<Dd> {
         self.a.mid()

@@ -27,6 +27,7 @@ pub enum QuestionError {
     UnknownMeasure { span: Span, word: String, suggestion: Option<&'static str> },
     MeasureArguments { span: Span, function: &'static Function },
     CauseUnknown { span: Span },
+    BandOutOfRange { span: Span },
     ArrowMissing { span: Span },
     NotAnInput { span: Span, found: &'static str },
     SeveralInputs { span: Span, inputs: Vec<String> },
@@ -97,6 +98,10 @@ impl QuestionError {
             }
             CauseUnknown { span } => error("vib::measure::arguments", span, "`rms` is under noise or over time")
                 .help("write `rms(x, noise)`, `rms(x, time)` or `rms(x)`"),
+            BandOutOfRange { span } => {
+                error("vib::measure::arguments", span, "the band is not between 0 and 100 % of the final value")
+                    .help("write a part of the final value, as in `settling(x, 2 %)`")
+            }
             NoInitialState { span, word, found } => {
                 error("vib::part::kind", span, format!("`{word}` is {found}: only bodies have an initial state"))
             }

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, optima, planar, poles, reactions, sensitivities, shock, singular, solving, spectrum, transfer
+from . import coupled, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, transfer
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,7 @@ ALL = {
     "singular": Class(singular.scene, singular.check, 10000, 100),
     "modal": Class(modal.scene, modal.check, 10000, 100),
     "measures": Class(measures.scene, measures.check, 10000, 100),
+    "settling": Class(settle.scene, settle.check, 5000, 40),
     "solve": Class(solving.scene, solving.check, 5000, 60),
     "sensitivities": Class(sensitivities.scene, sensitivities.check, 10000, 100),
     "coupled": Class(coupled.scene, coupled.check, 5000, 60),
