@@ -74,7 +74,8 @@ impl<V: Vector> Double<V> {
         Double { hi: V::splat(0.0), lo: V::splat(0.0) }
     }
 
-    /// self + x y, the errors of both operations kept in `lo`.
+    /// self + x y for a normalised x, the errors of both operations kept in `lo`: after l of them from zero, and
+    /// [`Double::normalised`], the sum is as close as after [`Double::plus_double`].
     #[inline(always)]
     pub fn plus_product(self, x: Double<V>, y: V) -> Double<V> {
         let p = x.hi * y;

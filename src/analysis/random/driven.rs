@@ -368,8 +368,7 @@ impl<'a> Driven<'a> {
             return None;
         }
         if !white.is_empty() {
-            let size = space.variance(covariance, &row).to_f64();
-            sum.iter_mut().zip(space.shares(covariance, &row)).for_each(|(sum, share)| *sum += share * size);
+            sum = space.contributions(covariance, &row);
         }
         for source in banded {
             let resolvent = self.resolvent.get()?.as_ref()?;
@@ -384,11 +383,10 @@ impl<'a> Driven<'a> {
         Some(sum)
     }
 
-    /// The contribution of each mode to the mean square: modes from 1, and shares that add up to one if no noise
-    /// reaches the output directly.
-    pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
+    /// The contribution of each mode to the mean square, which is known: modes from 1, and shares that add up to one if no
+    /// noise reaches the output directly.
+    pub fn shares(&self, output: &Output, whole: Ball) -> Vec<(usize, Unproven)> {
         let Some(parts) = self.contributions(output) else { return Vec::new() };
-        let Spread::Finite(whole) = self.mean_square(output) else { return Vec::new() };
         let shares = parts.into_iter().map(|part| if whole.is_zero() { 0.0 } else { part / whole.to_f64() });
         let mut list: Vec<(usize, Unproven)> = self.numbers.iter().copied().zip(shares.map(Unproven)).collect();
         list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));

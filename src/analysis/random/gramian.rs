@@ -12,8 +12,8 @@ use crate::analysis::modes::form::{ModalForm, gram, off_diagonal};
 use crate::analysis::poles::schur::SchurForm;
 use crate::base::{Ball, Dd, Number, larger, rounding::UNIT, up};
 use crate::kernel::dense::Matrix;
-use crate::kernel::dense::enclosure::product;
-use crate::kernel::dense::product::{self as rough, View};
+use crate::kernel::dense::enclosure::Panel;
+use crate::kernel::simd::simd;
 use crate::kernel::squares::Squares;
 use crate::system::{LinearSystem, Output};
 use nalgebra::DMatrix;
@@ -25,9 +25,6 @@ pub const MOST: usize = 150;
 const STEPS: usize = 5;
 /// The residual, relative to the certificate's right-hand side and to the solution, at which refinement ends.
 const SETTLED: f64 = 1e-24;
-
-/// Covers underflow in sums of products.
-const TINY: f64 = 1e-290;
 
 /// The reason why variances cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +49,8 @@ pub struct Space {
     /// k_i / s_i
     a: Vec<Ball>,
     pub(super) c: Matrix<Ball>,
+    /// The same for products.
+    panel: Panel,
     /// Bounds of the entries of X^T M X - 1 and, divided by s_i s_j, of X^T K X - diag k.
     pub(super) of_m: f64,
     pub(super) of_k: f64,
@@ -133,7 +132,8 @@ impl Space {
         };
         let start = DMatrix::from_fn(2 * n, 2 * n, entry);
         let is_passive = system.c.terms().iter().all(|term| term.weight.is_positive());
-        let mut space = Space { n, shapes: form.shapes, s, k, a, c, of_m, of_k, is_passive, certificate: None };
+        let (panel, certificate) = (Panel::of(&c), None);
+        let mut space = Space { n, shapes: form.shapes, s, k, a, c, panel, of_m, of_k, is_passive, certificate };
         space.certificate = space.certify(start);
         Ok(space)
     }
@@ -155,139 +155,67 @@ impl Space {
         let d: Vec<f64> = (0..size).map(damping).collect();
         let scale: Vec<f64> = d.iter().map(|d| up::FEW / d.sqrt()).collect();
         let mut g = symmetric(&schur.lyapunov(&Matrix::from_fn(size, size, |i, j| if i == j { -d[i] } else { 0.0 })));
-        // Rough numbers are enough unless the damping is very light.
-        let (image, off) = self.rough_image(&g);
-        let rough =
-            |i: usize, j: usize| (image[(i, j)] + if i == j { d[i] } else { 0.0 }).abs() * up::FEW + off[(i, j)];
-        let mut theta = weighed(&scale, rough);
+        let mut error = self.image(&g);
+        (0..size).for_each(|i| error[(i, i)] = error[(i, i)] + Ball::from(d[i]));
+        let distance = |error: &Matrix<Ball>| weighed(&scale, |i, j| error[(i, j)].magnitude());
+        let mut theta = distance(&error);
         if theta.is_nan() || theta >= 0.5 {
-            let step = symmetric(&schur.lyapunov(&self.certificate_error(&g, &d).map(|x| -x.to_f64())));
+            // The sum, rounded, is another matrix, but not by much.
+            let step = symmetric(&schur.lyapunov(&error.map(|x| -x.to_f64())));
             g = Matrix::from_fn(size, size, |i, j| g[(i, j)] + step[(i, j)]);
-            let error = self.certificate_error(&g, &d);
-            theta = weighed(&scale, |i, j| error[(i, j)].magnitude());
+            error = self.image(&g);
+            (0..size).for_each(|i| error[(i, i)] = error[(i, i)] + Ball::from(d[i]));
+            theta = distance(&error);
         }
         (theta < 0.5 && is_positive_definite(&g)).then_some(Certificate { schur, g, scale, theta })
     }
 
-    /// A G E^T + E G A^T + D, which is D - Y.
-    fn certificate_error(&self, g: &Matrix<f64>, d: &[f64]) -> Matrix<Ball> {
-        let image = self.image(&g.map(Ball::from), &[]);
-        let plus_d = |i: usize, j: usize| if i == j { image[(i, i)] + Ball::from(d[i]) } else { image[(i, j)] };
-        Matrix::from_fn(2 * self.n, 2 * self.n, plus_d)
-    }
-
-    /// A P E^T + E P A^T + sum of q b b^T, with all that E and A may be off by.
-    fn image(&self, p: &Matrix<Ball>, drives: &[Drive]) -> Matrix<Ball> {
+    /// A P E^T + E P A^T for a symmetric P, with all that E and A may be off by.
+    fn image(&self, p: &Matrix<f64>) -> Matrix<Ball> {
         let n = self.n;
-        let block = |row: usize, column: usize| Matrix::from_fn(n, n, |i, j| p[(row + i, column + j)]);
-        let (z, w, v) = (block(0, 0), block(0, n), block(n, n));
-        let (wc, cv) = (product(&w, &self.c), product(&self.c, &v));
-        let s = |i: usize| Ball::from(self.s[i]);
-        let mut image = Matrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
-            (true, true) => s(i) * w[(j, i)] + s(j) * w[(i, j)],
-            (true, false) => {
-                let j = j - n;
-                s(i) * v[(i, j)] - z[(i, j)] * self.a[j] - wc[(i, j)]
-            }
-            (false, true) => Ball::ZERO,
-            (false, false) => {
-                let (i, j) = (i - n, j - n);
-                -(self.a[i] * w[(i, j)] + cv[(i, j)]) - (self.a[j] * w[(j, i)] + cv[(j, i)])
-            }
-        });
-        self.add_uncertainty(&mut image, [&z, &w, &v], &cv);
-        self.add_drives(&mut image, drives);
+        // C W^T beside C V.
+        let columns = Matrix::from_fn(n, 2 * n, |k, j| if j < n { p[(j, n + k)] } else { p[(n + k, j)] });
+        let products = self.panel.times(&columns);
+        let off = self.uncertainty(p, &products);
+        let mut image = Matrix::none(2 * n, 2 * n);
+        combine(self, p, &products, &off, &mut image);
         image
     }
 
-    /// Adds the sum of q b b^T to a symmetric matrix whose block below the diagonal is not read.
-    fn add_drives(&self, image: &mut Matrix<Ball>, drives: &[Drive]) {
-        let n = self.n;
+    /// The sum of q b b^T.
+    fn driven(&self, drives: &[Drive]) -> Matrix<Ball> {
+        let size = 2 * self.n;
+        let mut sum = Matrix::none(size, size);
         for Drive { jump, force, intensity } in drives {
             let b: Vec<Ball> = jump.iter().chain(force).copied().collect();
-            let product = |i: usize, j: usize| b[i] * b[j] * *intensity;
-            for j in 0..2 * n {
-                for i in (0..2 * n).filter(|&i| i < n || j >= n) {
-                    image[(i, j)] = image[(i, j)] + product(i, j);
+            for j in (0..size).filter(|&j| !b[j].is_zero()) {
+                let factor = b[j] * *intensity;
+                for (sum, b) in sum.column_mut(j)[..=j].iter_mut().zip(&b) {
+                    *sum = *sum + *b * factor;
                 }
             }
         }
-        for j in 0..n {
-            for i in n..2 * n {
-                image[(i, j)] = image[(j, i)];
-            }
-        }
+        mirror(&mut sum);
+        sum
     }
 
-    /// Widens the image by the effect of the errors of X^T M X - 1 and X^T K X - diag k.
-    fn add_uncertainty(&self, image: &mut Matrix<Ball>, [z, w, v]: [&Matrix<Ball>; 3], cv: &Matrix<Ball>) {
-        let n = self.n;
-        let (mixed, lower) = self.uncertainty([z, w, v, cv].map(|m| m.map(|x| x.magnitude())));
-        for i in 0..n {
-            for j in 0..n {
-                image[(i, n + j)] = image[(i, n + j)].widen(mixed[(i, j)]);
-                image[(n + i, n + j)] = image[(n + i, n + j)].widen(lower[(i, j)]);
-            }
-        }
-    }
-
-    /// What those entries may add to the blocks of the image beside and below the first one. Magnitudes of the blocks of P, and of C V.
-    fn uncertainty(&self, [z, w, v, cv]: [Matrix<f64>; 4]) -> (Matrix<f64>, Matrix<f64>) {
+    /// Bounds of what the errors of X^T M X - 1 and X^T K X - diag k may add to the blocks of the image beside and below the
+    /// first one.
+    fn uncertainty(&self, p: &Matrix<f64>, products: &Matrix<Ball>) -> [Matrix<f64>; 2] {
         /// Products of two of the small entries are smaller than this part of the sums by far.
         const MORE: f64 = 1.01;
         let n = self.n;
-        let sums = |m: &Matrix<f64>| -> Vec<f64> { (0..n).map(|i| (0..n).map(|k| m[(i, k)]).sum()).collect() };
-        let (of_z, of_w, of_v, of_cv) = (sums(&z), sums(&w), sums(&v), sums(&cv));
-        let down_w: Vec<f64> = (0..n).map(|j| w.column(j).iter().sum()).collect();
+        let of_row = |i: usize, from: usize| (from..from + n).map(|j| p[(i, j)].abs()).sum::<f64>();
+        let sums = |row: usize, from: usize| (0..n).map(|i| of_row(row + i, from)).collect::<Vec<f64>>();
+        let (of_z, of_w, down_w, of_v) = (sums(0, 0), sums(0, n), sums(n, 0), sums(n, n));
+        let of_cv: Vec<f64> = (0..n).map(|i| (n..2 * n).map(|j| products[(i, j)].magnitude()).sum()).collect();
         let mixed = |i: usize, j: usize| self.of_m * self.s[i] * of_v[i] + self.of_k * self.s[j] * of_z[i];
-        let one = |i: usize, j: usize| {
-            self.of_k * self.s[i] * down_w[j] + self.of_m * (self.a[i].magnitude() * of_w[i] + of_cv[i])
-        };
-        (
+        let own: Vec<f64> = (0..n).map(|i| self.of_m * (self.a[i].magnitude() * of_w[i] + of_cv[i])).collect();
+        let one = |i: usize, j: usize| self.of_k * self.s[i] * down_w[j] + own[i];
+        [
             Matrix::from_fn(n, n, |i, j| MORE * mixed(i, j) * UP),
             Matrix::from_fn(n, n, |i, j| MORE * (one(i, j) + one(j, i)) * UP),
-        )
-    }
-
-    /// A P E^T + E P A^T in binary64, and bounds of its errors with all that E and A may be off by.
-    fn rough_image(&self, p: &Matrix<f64>) -> (Matrix<f64>, Matrix<f64>) {
-        let n = self.n;
-        let block = |row: usize, column: usize| Matrix::from_fn(n, n, |i, j| p[(row + i, column + j)]);
-        let (z, w, v) = (block(0, 0), block(0, n), block(n, n));
-        let c = self.c.map(|c| c.to_f64());
-        // C as rounded, and a bound of the error of its products, relative to the other factor.
-        let relative = rough::error(n) + 4.0 * UNIT;
-        let slack = self.c.map(|c| (c.magnitude() * relative + c.rad + c.mid.lo.abs()) * up::FEW);
-        let (aw, av) = (w.map(|x| x.abs()), v.map(|x| x.abs()));
-        let of = |a: &Matrix<f64>, b: &Matrix<f64>| rough::product(View::of(a), View::of(b));
-        let (wc, cv) = (of(&w, &c), of(&c, &v));
-        let (wc_off, cv_off) = (of(&aw, &slack), of(&slack, &av));
-        let a: Vec<f64> = self.a.iter().map(Ball::to_f64).collect();
-        let cv_size = Matrix::from_fn(n, n, |i, j| cv[(i, j)].abs() + cv_off[(i, j)]);
-        let (mixed, lower) = self.uncertainty([z.map(|x| x.abs()), aw, av, cv_size]);
-        let (mut image, mut off) = (Matrix::filled(2 * n, 2 * n, 0.0), Matrix::filled(2 * n, 2 * n, 0.0));
-        // Each entry is a sum of products that are rounded, with factors that are; some may underflow.
-        let rounded = |parts: [f64; 4]| 8.0 * UNIT * parts.iter().map(|x| x.abs()).sum::<f64>() + TINY;
-        for j in 0..n {
-            for i in 0..n {
-                let own = [self.s[i] * w[(j, i)], self.s[j] * w[(i, j)], 0.0, 0.0];
-                image[(i, j)] = own[0] + own[1];
-                off[(i, j)] = rounded(own) * UP;
-                let parts = [self.s[i] * v[(i, j)], z[(i, j)] * a[j], wc[(i, j)], 0.0];
-                image[(i, n + j)] = parts[0] - parts[1] - parts[2];
-                off[(i, n + j)] = (rounded(parts) + wc_off[(i, j)] + mixed[(i, j)]) * UP;
-                let parts = [a[i] * w[(i, j)], cv[(i, j)], a[j] * w[(j, i)], cv[(j, i)]];
-                image[(n + i, n + j)] = -(parts[0] + parts[1]) - (parts[2] + parts[3]);
-                off[(n + i, n + j)] = (rounded(parts) + cv_off[(i, j)] + cv_off[(j, i)] + lower[(i, j)]) * UP;
-            }
-        }
-        for j in 0..n {
-            for i in 0..n {
-                image[(n + j, i)] = image[(i, n + j)];
-                off[(n + j, i)] = off[(i, n + j)];
-            }
-        }
-        (image, off)
+        ]
     }
 
     /// The drive of a channel.
@@ -322,38 +250,28 @@ impl Space {
     pub fn covariance(&self, drives: &[Drive]) -> Option<Covariance> {
         let Certificate { schur, scale, theta, .. } = self.certificate.as_ref()?;
         let size = 2 * self.n;
-        let mut p = Matrix::filled(size, size, Dd::ZERO);
-        let mut left = Matrix::none(size, size);
-        self.add_drives(&mut left, drives);
-        let mut best = weighed(scale, |i, j| left[(i, j)].magnitude());
-        for count in 0..STEPS {
+        let mut p = Matrix::none(size, size);
+        let mut left = self.driven(drives);
+        let rest = |left: &Matrix<Ball>| weighed(scale, |i, j| left[(i, j)].magnitude());
+        let mut best = rest(&left);
+        for _ in 0..STEPS {
             let step = symmetric(&schur.lyapunov(&left.map(|x| -x.to_f64())));
-            let next = Matrix::from_fn(size, size, |i, j| p[(i, j)] + Dd::from(step[(i, j)]));
-            // The sum of two numbers is exact, and what the second step leaves is what the first one left and its own image, which
-            // is small enough for rough numbers.
-            if count == 1 {
-                let (image, off) = self.rough_image(&step);
-                let now = weighed(scale, |i, j| (left[(i, j)] + Ball::from(image[(i, j)])).magnitude() + off[(i, j)]);
-                let large = (0..size).map(|i| next[(i, i)].hi).fold(0.0, f64::max);
-                if now <= SETTLED * large {
-                    (p, best) = (next, now);
-                    break;
-                }
-            }
-            let after = self.image(&next.map(Ball::exact), drives);
-            let now = weighed(scale, |i, j| after[(i, j)].magnitude());
+            // A sum leaves over what its first part left over, and the image of the second one.
+            let after = sum(&left, &self.image(&step));
+            let now = rest(&after);
             let is_better = now < best;
             if !is_better {
                 break;
             }
             let is_slow = now > 0.25 * best;
-            (p, left, best) = (next, after, now);
-            let large = (0..size).map(|i| p[(i, i)].hi).fold(0.0, f64::max);
+            p = sum(&p, &step.map(Ball::from));
+            (left, best) = (after, now);
+            let large = (0..size).map(|i| p[(i, i)].mid.hi).fold(0.0, f64::max);
             if is_slow || best <= SETTLED * large {
                 break;
             }
         }
-        Some(Covariance { p: p.map(Ball::exact), epsilon: best / (1.0 - theta) * UP })
+        Some(Covariance { p, epsilon: best / (1.0 - theta) * UP })
     }
 
     /// The row of an output over the state: y = row z.
@@ -385,13 +303,8 @@ impl Space {
     /// The variance of an output.
     pub fn variance(&self, covariance: &Covariance, row: &[Ball]) -> Ball {
         let seen: Vec<usize> = (0..2 * self.n).filter(|&i| !row[i].is_zero()).collect();
-        let (mut sum, two) = (Ball::ZERO, Ball::from(2.0));
-        for (at, &j) in seen.iter().enumerate() {
-            let before = seen[..at].iter().fold(Ball::ZERO, |sum, &i| sum + row[i] * covariance.p[(i, j)]);
-            sum = sum + (before * two + row[j] * covariance.p[(j, j)]) * row[j];
-        }
         let bound = self.certified(&seen, row) * covariance.epsilon * UP;
-        let value = sum.widen(bound);
+        let value = quadratic(&covariance.p, row, &seen).widen(bound);
         // A variance is not negative.
         if value.mid.hi < 0.0 { Ball::new(Dd::ZERO, value.magnitude()) } else { value }
     }
@@ -407,15 +320,70 @@ impl Space {
         seen.iter().zip(&size).map(column).sum::<f64>() * UP
     }
 
-    /// The contribution of each mode to the variance: cov(part of the mode, whole) / variance.
-    pub fn shares(&self, covariance: &Covariance, row: &[Ball]) -> Vec<f64> {
+    /// The contribution of each mode to the variance: cov(part of the mode, whole).
+    pub fn contributions(&self, covariance: &Covariance, row: &[Ball]) -> Vec<f64> {
         let n = self.n;
-        let p = |i: usize, j: usize| covariance.p[(i, j)].to_f64();
         let row: Vec<f64> = row.iter().map(Ball::to_f64).collect();
-        let with_whole = |i: usize| row[i] * (0..2 * n).map(|j| p(i, j) * row[j]).sum::<f64>();
-        let parts: Vec<f64> = (0..n).map(|i| with_whole(i) + with_whole(n + i)).collect();
-        let whole: f64 = parts.iter().sum();
-        parts.iter().map(|part| if whole > 0.0 { part / whole } else { 0.0 }).collect()
+        let of = |j: usize| {
+            let column = covariance.p.column(j).iter().zip(&row);
+            row[j] * column.map(|(p, factor)| p.to_f64() * factor).sum::<f64>()
+        };
+        (0..n).map(|i| of(i) + of(n + i)).collect()
+    }
+}
+
+simd! {
+    /// Puts the blocks of an image together: of P, of C W^T and C V, and of what is not certain.
+    fn combine(
+        space: &Space,
+        p: &Matrix<f64>,
+        products: &Matrix<Ball>,
+        off: &[Matrix<f64>; 2],
+        image: &mut Matrix<Ball>,
+    ) {
+        let n = space.n;
+        let s = |i: usize| Ball::from(space.s[i]);
+        let at = |i: usize, j: usize| Ball::from(p[(i, j)]);
+        let [mixed, lower] = off;
+        for j in 0..n {
+            for i in 0..=j {
+                image[(i, j)] = s(i) * at(j, n + i) + s(j) * at(i, n + j);
+                let one = |i: usize, j: usize| space.a[i] * at(i, n + j) + products[(i, n + j)];
+                image[(n + i, n + j)] = (-(one(i, j) + one(j, i))).widen(lower[(i, j)]);
+            }
+            for i in 0..n {
+                let sum = s(i) * at(n + i, n + j) - at(i, j) * space.a[j] - products[(j, i)];
+                image[(i, n + j)] = sum.widen(mixed[(i, j)]);
+            }
+        }
+        mirror(image);
+    }
+}
+
+/// Copies what is above the diagonal to below it.
+fn mirror(x: &mut Matrix<Ball>) {
+    for j in 0..x.columns() {
+        for i in 0..j {
+            x[(j, i)] = x[(i, j)];
+        }
+    }
+}
+
+simd! {
+    /// row P row^T for a symmetric P; `seen`: where the row is not zero.
+    fn quadratic(p: &Matrix<Ball>, row: &[Ball], seen: &[usize]) -> Ball {
+        let (mut sum, two) = (Ball::ZERO, Ball::from(2.0));
+        for (at, &j) in seen.iter().enumerate() {
+            let before = seen[..at].iter().fold(Ball::ZERO, |sum, &i| sum + row[i] * p[(i, j)]);
+            sum = sum + (before * two + row[j] * p[(j, j)]) * row[j];
+        }
+        sum
+    }
+}
+
+simd! {
+    fn sum(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Matrix<Ball> {
+        Matrix::from_fn(a.rows(), a.columns(), |i, j| a[(i, j)] + b[(i, j)])
     }
 }
 

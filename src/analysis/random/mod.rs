@@ -208,20 +208,19 @@ impl<'a> Random<'a> {
 
     /// The expected number of upward zero crossings per second.
     pub fn crossings(&self, output: &Output) -> Spread {
-        self.measures(output)[1].clone()
+        let (driven, output) = self.place(output);
+        driven.crossings(&output, driven.mean_square(&output))
     }
 
-    /// The root mean square and the crossings.
-    fn measures(&self, output: &Output) -> [Spread; 2] {
+    /// The root mean square, the crossings, and the contribution of each mode to the mean square, with modes numbered from 1.
+    fn measures(&self, output: &Output) -> ([Spread; 2], Vec<(usize, Unproven)>) {
         let (driven, output) = self.place(output);
         let mean_square = driven.mean_square(&output);
-        [mean_square.clone().root(), driven.crossings(&output, mean_square)]
-    }
-
-    /// The contribution of each mode to the mean square, with modes numbered from 1.
-    pub fn shares(&self, output: &Output) -> Vec<(usize, Unproven)> {
-        let (driven, output) = self.place(output);
-        driven.shares(&output)
+        let shares = match &mean_square {
+            Spread::Finite(whole) => driven.shares(&output, *whole),
+            _ => Vec::new(),
+        };
+        ([mean_square.clone().root(), driven.crossings(&output, mean_square)], shares)
     }
 }
 
@@ -275,8 +274,7 @@ pub fn outputs(system: &LinearSystem, modes: &Modes, noises: &[Noise]) -> Vec<No
     let transfer = Transfer::of(system);
     let reached = system.outputs.iter().enumerate().filter(|(_, output)| random.reaches(output));
     let of = |(index, output): (usize, &Output)| {
-        let [rms, crossings] = random.measures(output);
-        let shares = if matches!(rms, Spread::Finite(_)) { random.shares(output) } else { Vec::new() };
+        let ([rms, crossings], shares) = random.measures(output);
         let peaks = match &rms {
             Spread::Finite(_) => peaks::peaks(&transfer, system, noises, &random.reach, index).map_err(Cow::from),
             Spread::Infinite(why) => Err(why.clone()),

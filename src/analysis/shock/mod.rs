@@ -3,6 +3,8 @@
 //! after its last event, as balls: the maxima of the continuous motion, not of samples. See docs/method/shock.md.
 
 mod base_motion;
+mod course;
+mod entries;
 mod free;
 mod oscillator;
 mod sweep;

@@ -78,6 +78,25 @@ pub fn step(omega: Ball, damping: Ball, h: Ball, derivatives: usize, factorials:
     Step { own: [Ball::ONE - square * p[2], omega * p[1], p[0]], forcing }
 }
 
+/// The step of twice the length h of a step: in its second half the derivatives are sum d_k h^(k - i) / (k - i)!.
+pub fn doubled(step: &Step, h: Ball, factorials: &Factorials) -> Step {
+    let [a11, a12, a22] = step.own;
+    let cross = a12.square();
+    let own = [a11.square() - cross, a12 * (a11 + a22), a22.square() - cross];
+    let mut powers = vec![Ball::ONE];
+    for k in 1..step.forcing.len() {
+        powers.push(powers[k - 1] * h);
+    }
+    let forcing = |k: usize| {
+        let (x, v) = step.forcing[k];
+        (0..=k).fold((a11 * x + a12 * v, a22 * v - a12 * x), |(x, v), i| {
+            let (factor, (f, g)) = (powers[k - i] * factorials.0[k - i], step.forcing[i]);
+            (x + factor * f, v + factor * g)
+        })
+    };
+    Step { own, forcing: (0..step.forcing.len()).map(forcing).collect() }
+}
+
 /// x within a step as a polynomial in s = t / h, from 0 to 1, and a bound of the rest and of rounding; `shape`: 2 zeta omega h,
 /// (omega h)^2, omega h.
 pub fn within(state: [f64; 2], [damped, square, theta]: [f64; 3], h: f64, derivatives: &[f64]) -> (Vec<f64>, f64) {

@@ -1,14 +1,18 @@
-//! The largest motions of oscillators during a signal, eight of them in parallel lanes of binary64: exact steps from event to
-//! event with a running bound of their error, and for each step a bound of what the motion reaches within it. The few steps
+//! The largest motions of oscillators during a signal, eight of them in parallel lanes of binary64. The first pass takes each
+//! piece of the signal in one exact step, with a running bound of the error, and finds values that are certainly reached; the
+//! second one returns to the few pieces in which the motion may exceed them, and takes these in short steps. The few steps
 //! that may hold the largest value are examined as polynomials afterwards. See docs/method/shock.md#maxima.
 
-use super::base_motion::{BaseMotion, Segment};
-use super::oscillator::{Factorials, LONGEST, Step, factorials_for, step, within};
+use super::base_motion::BaseMotion;
+use super::course::{Course, Piece, TINY, rounding};
+use super::entries::{Entries, INTO, OUT_OF, Row, after, row, short, whole};
+use super::oscillator::{Factorials, factorials_for, within};
 use super::{MOST_STEPS, Refusal, Sides};
 use crate::analysis::largest::{Curve, Largest};
 use crate::base::rounding::UNIT;
-use crate::base::{Ball, Number, up};
-use crate::kernel::simd::{LANES, simd};
+use crate::base::{Ball, up};
+use crate::kernel::cores;
+use crate::kernel::simd::{Eight, LANES, simd};
 
 /// The state of an oscillator; see [`super::oscillator`].
 #[derive(Clone, Copy, Debug)]
@@ -25,247 +29,78 @@ pub struct Found {
     pub state: State,
 }
 
-/// Up to this damping ratio errors are counted in q = x^2 + 2 zeta x v + v^2, which decays as exp(-2 zeta omega t) exactly.
-const LIGHT: f64 = 0.5;
-/// Bounds of sqrt(q) over the length of a state, and the other way, for ratios up to [`LIGHT`].
-const INTO: f64 = 1.2248;
-const OUT_OF: f64 = 1.4143;
-/// Covers underflow in a step.
-const TINY: f64 = 1e-290;
 /// Candidates of a lane that are kept before those that were overtaken are dropped.
 const KEPT: usize = 1024;
+/// Pieces that are passed over or returned to together.
+const BLOCK: usize = 16;
+/// Steps of a group that take longer than starting a thread does.
+const MOST_OF_ONE: usize = 40_000;
+
+/// More than the root of a sum of squares loses to underflow.
+const LOST: f64 = 1e-150;
 
 /// For each frequency, in ascending order.
 pub fn sweep(motion: &BaseMotion, damping: Ball, omegas: &[Ball]) -> Result<Vec<Found>, Refusal> {
-    let course = Course::of(motion);
-    let steps: f64 = omegas.chunks(LANES).map(|group| course.steps(damping, group) * LANES as f64).sum();
+    let rate =
+        |group: &[Ball]| group.iter().map(Ball::magnitude).fold(0.0, f64::max) * (2.0 * damping.magnitude()).max(1.0);
+    let course = Course::of(motion, rate(omegas));
+    let steps: f64 = omegas.chunks(LANES).map(|group| course.all_steps(rate(group)) * LANES as f64).sum();
     if steps > MOST_STEPS || steps.is_nan() {
         return Err(Refusal::TooLong { steps });
     }
+    let course = course.filled();
     let factorials = Factorials::new(factorials_for(course.terms));
-    let mut found = Vec::with_capacity(omegas.len());
-    let most = omegas.chunks(LANES).map(|group| course.steps(damping, group)).fold(0.0, f64::max);
-    let mut pieces = Pieces::with_room(&course, most as usize);
-    let mut is_filled = false;
-    for group in omegas.chunks(LANES) {
-        let parts = course.parts(damping, group);
-        if !is_filled || pieces.parts != parts {
-            pieces.fill(&course, motion, parts);
-            is_filled = true;
-        }
-        found.extend(of_group(&course, &pieces, &factorials, damping, group)?);
-    }
-    Ok(found)
+    let least = LANES * MOST_OF_ONE.div_ceil(course.pieces.len().max(1));
+    let found = cores::in_pieces(omegas, least, LANES, |omegas| {
+        omegas.chunks(LANES).flat_map(|group| Group::of(&course, &factorials, damping, group).found()).collect()
+    });
+    found.into_iter().collect()
 }
 
-/// The segments of a motion with their different lengths.
-struct Course {
-    lengths: Vec<Ball>,
-    /// For each segment, the index of its length.
-    class: Vec<u32>,
-    /// The most derivatives that an acceleration has.
-    terms: usize,
+/// Eight oscillators on their way.
+struct Group<'a> {
+    course: &'a Course<'a>,
+    damping: Ball,
+    omegas: &'a [Ball],
+    entries: Entries,
+    now: Lanes,
+    /// Values of x that are certainly reached, on the positive and on the negative side.
+    low: [Row; 2],
+    candidates: [Vec<Candidate>; 2 * LANES],
+    limits: [usize; 2 * LANES],
 }
 
-impl Course {
-    fn of(motion: &BaseMotion) -> Course {
-        /// Lengths that are compared with the next one.
-        const RECENT: usize = 8;
-        let mut known: Vec<&Number> = Vec::new();
-        let mut class = Vec::with_capacity(motion.segments.len());
-        for Segment { length, .. } in &motion.segments {
-            let recent = known.len().saturating_sub(RECENT);
-            let found = known[recent..].iter().rposition(|other| *other == length);
-            let place = found.map_or_else(
-                || {
-                    known.push(length);
-                    known.len() - 1
-                },
-                |place| recent + place,
-            );
-            class.push(place as u32);
-        }
-        let terms = motion.segments.iter().map(|segment| segment.derivatives.len()).max().unwrap_or(0).max(1);
-        Course { lengths: known.into_iter().map(Number::to_ball).collect(), class, terms }
+/// States, and bounds of their errors in the norm of [`super::entries::LIGHT`].
+#[derive(Clone, Copy)]
+struct Lanes {
+    x: Row,
+    v: Row,
+    error: Row,
+}
+
+impl Lanes {
+    #[inline(always)]
+    fn of<V: Eight>(x: V, v: V, error: V) -> Lanes {
+        let mut lanes = Lanes { x: [0.0; LANES], v: [0.0; LANES], error: [0.0; LANES] };
+        x.store(&mut lanes.x);
+        v.store(&mut lanes.v);
+        error.store(&mut lanes.error);
+        lanes
     }
 
-    /// For each length the number of steps that it is divided into, a power of two.
-    fn parts(&self, damping: Ball, group: &[Ball]) -> Vec<f64> {
-        let fastest = group.iter().map(Ball::magnitude).fold(0.0, f64::max) * (2.0 * damping.magnitude()).max(1.0);
-        let divided = |length: &Ball| {
-            let least = fastest * length.magnitude() / LONGEST * up::FEW;
-            let mut parts = 1.0;
-            while parts < least {
-                parts *= 2.0;
-            }
-            parts
-        };
-        self.lengths.iter().map(divided).collect()
-    }
-
-    fn steps(&self, damping: Ball, group: &[Ball]) -> f64 {
-        let parts = self.parts(damping, group);
-        self.class.iter().map(|class| parts[*class as usize]).sum()
+    #[inline(always)]
+    fn loaded<V: Eight>(&self) -> (V, V, V) {
+        (V::load(&self.x), V::load(&self.v), V::load(&self.error))
     }
 }
 
-/// All steps of a group of frequencies, in binary64.
-struct Pieces {
-    /// For each length, the number of steps.
-    parts: Vec<f64>,
-    terms: usize,
-    /// The index of the length of each step.
-    class: Vec<u32>,
-    /// For each step the acceleration and its derivatives at its start.
-    derivatives: Vec<f64>,
-    /// Bounds of |a| and |a'| within each step, and of the error of the state that its numbers cause.
-    most: Vec<f64>,
-    rise: Vec<f64>,
-    added: Vec<f64>,
-    /// By what the state jumps before a step: its index, displacement and velocity.
-    jumps: Vec<(usize, Ball, Ball)>,
-}
-
-impl Pieces {
-    /// Room for so many steps.
-    fn with_room(course: &Course, count: usize) -> Pieces {
-        let with = Vec::<f64>::with_capacity;
-        Pieces {
-            terms: course.terms,
-            class: Vec::with_capacity(count),
-            derivatives: with(count * course.terms),
-            most: with(count),
-            rise: with(count),
-            added: with(count),
-            jumps: Vec::new(),
-            parts: Vec::new(),
-        }
-    }
-
-    /// All steps, where each length is divided into so many parts.
-    fn fill(&mut self, course: &Course, motion: &BaseMotion, parts: Vec<f64>) {
-        let pieces = self;
-        pieces.class.clear();
-        pieces.jumps.clear();
-        for list in [&mut pieces.derivatives, &mut pieces.most, &mut pieces.rise, &mut pieces.added] {
-            list.clear();
-        }
-        pieces.parts = parts;
-        let lengths: Vec<Ball> =
-            course.lengths.iter().zip(&pieces.parts).map(|(length, parts)| *length * Ball::from(1.0 / parts)).collect();
-        let mut jumps = motion.jumps.iter().peekable();
-        for (i, (segment, class)) in motion.segments.iter().zip(&course.class).enumerate() {
-            if let Some(jump) = jumps.next_if(|jump| jump.segment == i) {
-                pieces.jumps.push((pieces.class.len(), jump.displacement, jump.velocity));
-            }
-            pieces.divide(&segment.derivatives, *class, lengths[*class as usize], motion.error);
-        }
-        if let Some(jump) = jumps.next() {
-            pieces.jumps.push((pieces.class.len(), jump.displacement, jump.velocity));
-        }
-    }
-
-    /// Adds the steps of a segment.
-    fn divide(&mut self, derivatives: &[Ball], class: u32, h: Ball, error: f64) {
-        let length = h.magnitude();
-        for part in 0..self.parts[class as usize] as usize {
-            let (mut most, mut rise, mut off) = (0.0, 0.0, error);
-            let mut power = 1.0;
-            for k in 0..self.terms {
-                let (value, size, error) = shifted(derivatives, k, part as f64 * h.mid.hi);
-                self.derivatives.push(value);
-                most += size * power;
-                off += error * power;
-                if k > 0 {
-                    rise += size * power * k as f64 / length;
-                }
-                power *= length / (k as f64 + 1.0);
-            }
-            self.class.push(class);
-            self.most.push(most * up::DOZENS);
-            self.rise.push(rise * up::DOZENS);
-            self.added.push(((off + most * rounding(self.terms)) * length * INTO + TINY) * up::DOZENS);
-        }
-    }
-
-    fn derivatives_of(&self, piece: usize) -> &[f64] {
-        &self.derivatives[piece * self.terms..(piece + 1) * self.terms]
-    }
-}
-
-/// The k-th derivative after a time t that is rounded twice, a bound of its size, and one of its error.
-fn shifted(derivatives: &[Ball], k: usize, t: f64) -> (f64, f64, f64) {
-    let Some((last, others)) = derivatives.get(k..).and_then(<[Ball]>::split_last) else { return (0.0, 0.0, 0.0) };
-    let own = |d: &Ball| (d.mid.hi, d.mid.hi.abs(), d.rad + d.mid.lo.abs());
-    if t == 0.0 {
-        let (value, size, error) = own(others.first().unwrap_or(last));
-        return (value, (size + error) * up::FEW, error * up::FEW);
-    }
-    let (mut value, mut size, mut error) = own(last);
-    for (i, d) in others.iter().enumerate().rev() {
-        let (factor, (own, own_size, own_error)) = (t / (i as f64 + 1.0), own(d));
-        value = value * factor + own;
-        size = size * factor + own_size;
-        error = error * factor + own_error;
-    }
-    // Each step of Horner's scheme rounds the factor, which is off by three units already, the product and the sum.
-    let rounded = (6.0 * others.len() as f64 + 2.0) * UNIT;
-    let size = (size + error) * up::MILLIONS;
-    (value, size, (error * up::MILLIONS + rounded * size) * up::FEW)
-}
-
-/// Relative rounding of a step: each of its sums has `terms` + 2 products, whose factors are rounded.
-fn rounding(terms: usize) -> f64 {
-    (terms as f64 + 4.0) * 1.5 * UNIT
-}
-
-/// Rows of a step's entries, each of eight lanes.
-mod row {
-    pub const A11: usize = 0;
-    pub const A12: usize = 1;
-    pub const A22: usize = 2;
-    /// Factor of the error.
-    pub const DECAY: usize = 3;
-    pub const THETA: usize = 4;
-    /// Factors in the bound of how far the motion leaves a parabola: of |a'|, |a|, and the size of the state.
-    pub const BENT: usize = 5;
-    pub const DRIVEN: usize = 6;
-    pub const OWN: usize = 7;
-    /// The length in each lane.
-    pub const LENGTH: usize = 8;
-    /// From here on the entries for each derivative of the acceleration, first for x and then for v.
-    pub const FORCING: usize = 9;
-}
-
-/// The entries of one length for eight frequencies.
-fn entries(h: Ball, damping: Ball, group: &[Ball], terms: usize, factorials: &Factorials) -> Vec<f64> {
-    let mut all = vec![0.0; (row::FORCING + 2 * terms) * LANES];
-    let zeta = damping.magnitude();
-    let curved = 1.0 + 2.0 * zeta + 4.0 * zeta * zeta;
-    for lane in 0..LANES {
-        // Lanes that are left over repeat the last frequency.
-        let omega = group[lane.min(group.len() - 1)];
-        let Step { own, forcing } = step(omega, damping, h, terms, factorials);
-        let theta = omega * h;
-        let decay = Number::Ball(-(damping * theta)).exp().map_or(1.0, |decay| decay.to_ball().magnitude());
-        let (long, length) = (theta.magnitude(), h.magnitude());
-        let bent = long / 12.0;
-        let mut put = |at: usize, value: f64| all[at * LANES + lane] = value;
-        put(row::A11, own[0].mid.hi);
-        put(row::A12, own[1].mid.hi);
-        put(row::A22, own[2].mid.hi);
-        put(row::DECAY, if zeta <= LIGHT { decay.min(1.0) * up::FEW } else { 1.0 });
-        put(row::THETA, theta.mid.hi);
-        put(row::BENT, bent * length * length * up::DOZENS);
-        put(row::DRIVEN, length * (bent * long * (2.0 * zeta + long * curved) + 32.0 * UNIT) * up::DOZENS);
-        put(row::OWN, (bent * long * long * curved + 32.0 * UNIT) * up::DOZENS);
-        put(row::LENGTH, length);
-        for (k, (x, v)) in forcing.into_iter().enumerate() {
-            put(row::FORCING + 2 * k, x.mid.hi);
-            put(row::FORCING + 2 * k + 1, v.mid.hi);
-        }
-    }
-    all
+/// Some pieces in a row.
+struct Block {
+    from: usize,
+    to: usize,
+    start: Lanes,
+    /// Bounds of |x| in them.
+    most: Row,
 }
 
 /// A step that may hold the largest value to one side.
@@ -273,67 +108,60 @@ fn entries(h: Ball, damping: Ball, group: &[Ball], terms: usize, factorials: &Fa
 struct Candidate {
     /// An upper bound of the value.
     high: f64,
-    piece: u32,
+    class: u32,
+    segment: u32,
+    /// The number of the step in its segment.
+    part: u32,
     state: [f64; 2],
     error: f64,
 }
 
-/// The eight oscillators of a group on their way.
-struct Lanes {
-    x: [f64; LANES],
-    v: [f64; LANES],
-    /// Bounds of the error of the state, in the norm of [`LIGHT`].
-    error: [f64; LANES],
-    /// Values of x that are certainly reached, on the positive and on the negative side.
-    low: [[f64; LANES]; 2],
-    candidates: [Vec<Candidate>; 2 * LANES],
-    limits: [usize; 2 * LANES],
-}
-
-fn of_group(
-    course: &Course,
-    pieces: &Pieces,
-    factorials: &Factorials,
-    damping: Ball,
-    group: &[Ball],
-) -> Result<Vec<Found>, Refusal> {
-    let length = |class: usize| course.lengths[class] * Ball::from(1.0 / pieces.parts[class]);
-    let table: Vec<f64> = (0..course.lengths.len())
-        .flat_map(|class| entries(length(class), damping, group, pieces.terms, factorials))
-        .collect();
-    let mut lanes = Lanes {
-        x: [0.0; LANES],
-        v: [0.0; LANES],
-        error: [0.0; LANES],
-        low: [[0.0; LANES]; 2],
-        candidates: std::array::from_fn(|_| Vec::new()),
-        limits: [KEPT; 2 * LANES],
-    };
-    let mut from = 0;
-    for (at, displacement, velocity) in &pieces.jumps {
-        run(pieces, &table, from, *at, &mut lanes);
-        lanes.jump(*displacement, *velocity, damping, group);
-        from = *at;
+impl<'a> Group<'a> {
+    fn of(course: &'a Course<'a>, factorials: &Factorials, damping: Ball, omegas: &'a [Ball]) -> Group<'a> {
+        let rest = [0.0; LANES];
+        Group {
+            course,
+            damping,
+            omegas,
+            entries: Entries::of(course, damping, omegas, factorials),
+            now: Lanes { x: rest, v: rest, error: rest },
+            low: [rest; 2],
+            candidates: std::array::from_fn(|_| Vec::new()),
+            limits: [KEPT; 2 * LANES],
+        }
     }
-    run(pieces, &table, from, pieces.class.len(), &mut lanes);
-    let of = |lane: usize| {
-        let state = [lanes.x[lane], lanes.v[lane]];
-        let error = lanes.error[lane] * OUT_OF * up::MILLIONS;
+
+    fn found(mut self) -> Vec<Result<Found, Refusal>> {
+        let course = self.course;
+        let mut blocks = Vec::with_capacity(course.pieces.len() / BLOCK + course.jumps.len() + 1);
+        let mut from = 0;
+        for jump in &course.jumps {
+            forward(&mut self, from, jump.piece, &mut blocks);
+            self.jump(jump.displacement, jump.velocity);
+            from = jump.piece;
+        }
+        forward(&mut self, from, course.pieces.len(), &mut blocks);
+        let mut bends = vec![0.0; course.terms - 2];
+        for block in &blocks {
+            again(&mut self, block, &mut bends);
+        }
+        (0..self.omegas.len()).map(|lane| self.of_lane(lane, &mut bends)).collect()
+    }
+
+    fn of_lane(&self, lane: usize, bends: &mut [f64]) -> Result<Found, Refusal> {
+        let state = [self.now.x[lane], self.now.v[lane]];
+        let error = self.now.error[lane] * OUT_OF * up::MILLIONS;
         if !(state[0].is_finite() && state[1].is_finite() && error.is_finite()) {
             return Err(Refusal::OutOfRange);
         }
-        let side = |side: usize| {
+        let mut side = |side: usize| {
             let mut largest = Largest::default();
-            largest.at_least(lanes.low[side][lane]);
-            let take = |candidate: &Candidate, largest: &mut Largest| {
-                let class = pieces.class[candidate.piece as usize] as usize;
-                examine(pieces, candidate, [group[lane], damping, length(class)], side == 1, largest);
-            };
+            largest.at_least(self.low[side][lane]);
             // Few others are left after the highest.
-            let list = &lanes.candidates[2 * lane + side];
+            let list = &self.candidates[2 * lane + side];
             let highest = list.iter().max_by(|a, b| a.high.total_cmp(&b.high));
             if let Some(highest) = highest.filter(|highest| !largest.reaches(highest.high)) {
-                take(highest, &mut largest);
+                self.examine(lane, highest, side == 1, &mut largest, bends);
             }
             let mut others: Vec<&Candidate> = list.iter().filter(|other| !largest.reaches(other.high)).collect();
             others.sort_by(|a, b| b.high.total_cmp(&a.high));
@@ -341,7 +169,7 @@ fn of_group(
                 if largest.reaches(candidate.high) {
                     break;
                 }
-                take(candidate, &mut largest);
+                self.examine(lane, candidate, side == 1, &mut largest, bends);
             }
             largest.ball()
         };
@@ -350,115 +178,181 @@ fn of_group(
             primary: Sides { positive: side(0), negative: side(1) },
             state: State { x: ball(state[0]), v: ball(state[1]) },
         })
-    };
-    (0..group.len()).map(of).collect()
-}
-
-/// Takes account of a step as a polynomial.
-fn examine(
-    pieces: &Pieces,
-    candidate: &Candidate,
-    [omega, damping, h]: [Ball; 3],
-    negative: bool,
-    largest: &mut Largest,
-) {
-    let theta = omega * h;
-    let shape = [(damping * theta).mid.hi * 2.0, theta.square().mid.hi, theta.mid.hi];
-    let (mut terms, off) = within(candidate.state, shape, h.mid.hi, pieces.derivatives_of(candidate.piece as usize));
-    if negative {
-        terms.iter_mut().for_each(|term| *term = -*term);
     }
-    largest.bound_fine(&Curve::rough(&terms, off + candidate.error).signed());
-}
 
-impl Lanes {
+    /// Takes account of a step as a polynomial.
+    fn examine(&self, lane: usize, candidate: &Candidate, negative: bool, largest: &mut Largest, bends: &mut [f64]) {
+        let class = candidate.class;
+        let h = self.course.length(class as usize, self.entries.steps[class as usize]);
+        let Piece { line, .. } = self.course.step(class, candidate.segment, candidate.part, h, bends);
+        let theta = self.omegas[lane] * h;
+        let shape = [(self.damping * theta).mid.hi * 2.0, theta.square().mid.hi, theta.mid.hi];
+        let derivatives: Vec<f64> = line.iter().chain(&*bends).copied().collect();
+        let (mut terms, off) = within(candidate.state, shape, h.mid.hi, &derivatives);
+        if negative {
+            terms.iter_mut().for_each(|term| *term = -*term);
+        }
+        largest.bound_fine(&Curve::rough(&terms, off + candidate.error).signed());
+    }
+
     /// The base jumps by a displacement and a velocity, and the mass lags behind by them: y += d, y' += v - 2 zeta omega d.
-    fn jump(&mut self, displacement: Ball, velocity: Ball, damping: Ball, group: &[Ball]) {
+    fn jump(&mut self, displacement: Ball, velocity: Ball) {
+        let Lanes { x: xs, v: vs, error } = &mut self.now;
         for lane in 0..LANES {
-            let omega = group[lane.min(group.len() - 1)];
-            let (x, v) = (omega * displacement, velocity - damping * omega * displacement * Ball::from(2.0));
-            let to = [self.x[lane] + x.mid.hi, self.v[lane] + v.mid.hi];
+            let omega = self.omegas[lane.min(self.omegas.len() - 1)];
+            let (x, v) = (omega * displacement, velocity - self.damping * omega * displacement * Ball::from(2.0));
+            let to = [xs[lane] + x.mid.hi, vs[lane] + v.mid.hi];
             let rounded = (x.magnitude() + v.magnitude() + to[0].abs() + to[1].abs()) * 2.0 * UNIT;
-            self.error[lane] += (x.rad + v.rad + rounded + TINY) * INTO * up::DOZENS;
-            [self.x[lane], self.v[lane]] = to;
+            error[lane] += (x.rad + v.rad + rounded + TINY) * INTO * up::DOZENS;
+            [xs[lane], vs[lane]] = to;
             // Where no step follows, the value counts all the same.
-            let off = self.error[lane] * OUT_OF * up::FEW;
+            let off = error[lane] * OUT_OF * up::FEW;
             self.low[0][lane] = self.low[0][lane].max(to[0] - off);
             self.low[1][lane] = self.low[1][lane].max(-to[0] - off);
         }
     }
 
-    fn keep(&mut self, place: usize, low: f64, candidate: Candidate) {
-        let list = &mut self.candidates[place];
-        if list.len() >= self.limits[place] {
-            list.retain(|known| known.high > low);
-            self.limits[place] = (2 * list.len()).max(KEPT);
+    /// Keeps a step for each lane of a side in which it may exceed the value that is certainly reached.
+    fn keep(&mut self, side: usize, bits: u32, step: &Piece, [highs, xs, vs, errors]: [Row; 4]) {
+        for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+            let Piece { class, segment, part, .. } = *step;
+            let (state, error) = ([xs[lane], vs[lane]], errors[lane]);
+            let candidate = Candidate { high: highs[lane], class, segment, part, state, error };
+            let (place, low) = (2 * lane + side, self.low[side][lane]);
+            let list = &mut self.candidates[place];
+            if list.len() >= self.limits[place] {
+                list.retain(|known| known.high > low);
+                self.limits[place] = (2 * list.len()).max(KEPT);
+            }
+            list.push(candidate);
         }
-        list.push(candidate);
     }
 }
 
 simd! {
-/// Steps from one piece to another.
-fn run<V: Eight>(pieces: &Pieces, table: &[f64], from: usize, to: usize, lanes: &mut Lanes) {
-    let stride = (row::FORCING + 2 * pieces.terms) * LANES;
-    let (mut x, mut v, mut error) = (V::load(&lanes.x), V::load(&lanes.v), V::load(&lanes.error));
-    let (mut above, mut below) = (V::load(&lanes.low[0]), V::load(&lanes.low[1]));
-    let rounded = V::splat(rounding(pieces.terms) * INTO);
-    let (zero, one, half) = (V::splat(0.0), V::splat(1.0), V::splat(0.5));
-    let grown = V::splat(OUT_OF);
-    let mut least = above.min(below);
-    for piece in from..to {
-        let start = pieces.class[piece] as usize * stride;
-        let entries = &table[start..start + stride];
-        let entry = |row: usize| V::load(&entries[row * LANES..]);
-        let (mut x1, mut v1) = (zero, zero);
-        for (k, d) in pieces.derivatives[piece * pieces.terms..(piece + 1) * pieces.terms].iter().enumerate() {
-            let d = V::splat(*d);
-            x1 = entry(row::FORCING + 2 * k).mul_add(d, x1);
-            v1 = entry(row::FORCING + 2 * k + 1).mul_add(d, v1);
+/// Goes over some pieces in whole steps.
+fn forward<V: Eight>(group: &mut Group, from: usize, to: usize, blocks: &mut Vec<Block>) {
+    let (course, entries) = (group.course, &group.entries);
+    let bent = course.terms - 2;
+    let rounded = V::splat(rounding(course.terms) * INTO);
+    let grown = V::splat(OUT_OF * up::FEW);
+    let (mut x, mut v, mut error) = group.now.loaded::<V>();
+    let (mut above, mut below) = (V::load(&group.low[0]), V::load(&group.low[1]));
+    for start in (from..to).step_by(BLOCK) {
+        let end = (start + BLOCK).min(to);
+        let mut block = Block { from: start, to: end, start: Lanes::of(x, v, error), most: [0.0; LANES] };
+        let (mut highest, mut lowest, mut largest, mut worst, mut reach) = (x, -x, x.abs() + v.abs(), error, 0.0);
+        for (i, piece) in course.pieces[start..end].iter().enumerate() {
+            let (rows, _) = entries.whole.of(piece.class);
+            let bends = &course.bends[(start + i) * bent..][..bent];
+            let size = x.abs() + v.abs();
+            error = V::load(&rows[row::DECAY]).mul_add(error, rounded.mul_add(size, V::splat(piece.added)));
+            [x, v] = after::<V>(rows, piece.line, bends, [x, v]);
+            highest = highest.max(x);
+            lowest = lowest.max(-x);
+            largest = largest.max(size);
+            worst = worst.max(error);
+            reach = if piece.reach > reach { piece.reach } else { reach };
         }
-        let (a11, a12, a22) = (entry(row::A11), entry(row::A12), entry(row::A22));
-        x1 = a11.mul_add(x, a12.mul_add(v, x1));
-        v1 = a22.mul_add(v, (-a12).mul_add(x, v1));
+        let off = worst * grown;
+        above = above.max(highest - off);
+        below = below.max(lowest - off);
+        let most = (largest + V::splat(reach) + off + off) * V::splat(up::FEW);
+        most.store(&mut block.most);
+        blocks.push(block);
+    }
+    group.now = Lanes::of(x, v, error);
+    above.store(&mut group.low[0]);
+    below.store(&mut group.low[1]);
+}
+}
+
+simd! {
+/// Goes over the pieces of a block once more if the motion may exceed in them what is certainly reached, and takes those in which
+/// it may in short steps.
+fn again<V: Eight>(group: &mut Group, block: &Block, bends: &mut [f64]) {
+    let least = V::load(&group.low[0]).min(V::load(&group.low[1]));
+    if V::load(&block.most).exceeds(least) == 0 {
+        return;
+    }
+    let course = group.course;
+    let bent = course.terms - 2;
+    let rounded = V::splat(rounding(course.terms) * INTO);
+    let (grown, lost) = (V::splat(OUT_OF), V::splat(LOST));
+    let (mut x, mut v, mut error) = block.start.loaded::<V>();
+    for at in block.from..block.to {
+        let piece = &course.pieces[at];
+        let (rows, more) = group.entries.whole.of(piece.class);
         let size = x.abs() + v.abs();
-        let error1 = entry(row::DECAY).mul_add(error, rounded.mul_add(size, V::splat(pieces.added[piece])));
+        let error1 = V::load(&rows[row::DECAY]).mul_add(error, rounded.mul_add(size, V::splat(piece.added)));
         let off = (error + error1) * grown;
-        let most = V::splat(pieces.most[piece]);
+        let (above, below) = (V::load(&group.low[0]), V::load(&group.low[1]));
         // No motion from this state is larger.
-        if (entry(row::LENGTH).mul_add(most, size) + off).exceeds(least) != 0 {
-            let theta = entry(row::THETA);
+        let whole_size = x.mul_add(x, v * v).sqrt() + lost;
+        let mut may = (whole_size + V::splat(piece.reach) + off).exceeds(above.min(below));
+        if may != 0 && bent == 0 {
+            // Nor does it leave the motion that goes with the base by more than it does now.
+            let (d0, d1) = (V::splat(piece.line[0]), V::splat(piece.line[1]));
+            let entry = |row: usize| V::load(&more[row]);
+            let rest = entry(whole::RATE).mul_add(d0, entry(whole::LAG) * d1);
+            let later = entry(whole::RISE).mul_add(d1, rest);
+            let (dx, dv) = (x - rest, v - entry(whole::SWAY) * d1);
+            let swing = entry(whole::SLACK).mul_add(V::splat(piece.most), dx.mul_add(dx, dv * dv).sqrt() + lost + off);
+            may = (rest.max(later) + swing).exceeds(above) | (swing - rest.min(later)).exceeds(below);
+        }
+        let next = after::<V>(rows, piece.line, &course.bends[at * bent..][..bent], [x, v]);
+        if may != 0 {
+            in_short_steps::<V>(group, piece, Lanes::of(x, v, error), bends);
+        }
+        ([x, v], error) = (next, error1);
+    }
+}
+}
+
+/// Takes a piece in short steps from a state at its start, and keeps those that may hold the largest value to one side.
+#[inline(always)]
+fn in_short_steps<V: Eight>(group: &mut Group, piece: &Piece, now: Lanes, bends: &mut [f64]) {
+    let course = group.course;
+    let steps = group.entries.steps[piece.class as usize];
+    let h = course.length(piece.class as usize, steps);
+    let rounded = V::splat(rounding(course.terms) * INTO);
+    let (zero, one, half, grown) = (V::splat(0.0), V::splat(1.0), V::splat(0.5), V::splat(OUT_OF));
+    let (mut x, mut v, mut error) = now.loaded::<V>();
+    let (mut above, mut below) = (V::load(&group.low[0]), V::load(&group.low[1]));
+    for step in 0..steps as u32 {
+        let step = course.step(piece.class, piece.segment, piece.part * steps as u32 + step, h, bends);
+        let (rows, more) = group.entries.short.of(piece.class);
+        let entry = |row: usize| V::load(&more[row]);
+        let size = x.abs() + v.abs();
+        let [x1, v1] = after::<V>(rows, step.line, bends, [x, v]);
+        let error1 = V::load(&rows[row::DECAY]).mul_add(error, rounded.mul_add(size, V::splat(step.added)));
+        let off = (error + error1) * grown;
+        let most = V::splat(step.most);
+        if (entry(short::LENGTH).mul_add(most, size) + off).exceeds(above.min(below)) != 0 {
+            let theta = entry(short::THETA);
             // On the parabola with the same slopes at both ends.
             let q = (v / (v - v1)).max(zero).min(one);
             let top = (theta * q).mul_add((v1 - v).mul_add(q * half, v), x);
-            let bent = entry(row::OWN).mul_add(size, entry(row::DRIVEN).mul_add(most, entry(row::BENT) * V::splat(pieces.rise[piece])));
+            let bent = entry(short::OWN)
+                .mul_add(size, entry(short::DRIVEN).mul_add(most, entry(short::BENT) * V::splat(step.rise)));
             let slack = bent + bent + off;
             let (high, low) = (x.max(x1).max(top), x.min(x1).min(top));
             let (up, down) = (high + slack, slack - low);
             let bits = [up.exceeds(above), down.exceeds(below)];
             above = above.max(high - slack);
             below = below.max(-low - slack);
-            least = above.min(below);
             if bits[0] | bits[1] != 0 {
-                let (xs, vs, errors) = (x.to_array(), v.to_array(), off.to_array());
-                for (side, (bits, bounds, low)) in [(bits[0], up, above), (bits[1], down, below)].into_iter().enumerate() {
-                    let (bounds, low) = (bounds.to_array(), low.to_array());
-                    for lane in 0..LANES {
-                        if bits >> lane & 1 == 1 {
-                            let (state, error) = ([xs[lane], vs[lane]], errors[lane]);
-                            let candidate = Candidate { high: bounds[lane], piece: piece as u32, state, error };
-                            lanes.keep(2 * lane + side, low[lane], candidate);
-                        }
-                    }
+                above.store(&mut group.low[0]);
+                below.store(&mut group.low[1]);
+                for (side, bounds) in [up, down].into_iter().enumerate() {
+                    let mut rows = [[0.0; LANES]; 4];
+                    rows.iter_mut().zip([bounds, x, v, off]).for_each(|(row, of)| of.store(row));
+                    group.keep(side, bits[side], &step, rows);
                 }
             }
         }
-        (x, v, error) = (x1, v1, error1);
+        ([x, v], error) = ([x1, v1], error1);
     }
-    x.store(&mut lanes.x);
-    v.store(&mut lanes.v);
-    error.store(&mut lanes.error);
-    above.store(&mut lanes.low[0]);
-    below.store(&mut lanes.low[1]);
-}
+    above.store(&mut group.low[0]);
+    below.store(&mut group.low[1]);
 }

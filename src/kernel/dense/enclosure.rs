@@ -1,8 +1,11 @@
 //! Small dense matrices of balls: products, solutions and triangular factors with error bounds.
 
+use crate::base::rounding::UNIT_SQUARED;
 use crate::base::{Ball, Dd, larger, two_to, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::inverse;
+use crate::kernel::lanes::{Double, Lanes};
+use crate::kernel::simd::{LANES, simd};
 
 /// A bound of the 2-norm of |A|: the smaller of the Frobenius norm and sqrt(norm_1 norm_inf).
 pub fn norm_bound(rows: usize, columns: usize, size: impl Fn(usize, usize) -> f64) -> f64 {
@@ -41,20 +44,79 @@ impl Matrix<Ball> {
     }
 }
 
-/// A B
-pub fn product(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Matrix<Ball> {
-    let mut c = Matrix::none(a.rows(), b.columns());
-    for j in 0..b.columns() {
-        for (k, &factor) in b.column(j).iter().enumerate() {
-            if factor.is_zero() {
-                continue;
+simd! {
+    /// A B
+    pub fn product(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Matrix<Ball> {
+        let mut c = Matrix::none(a.rows(), b.columns());
+        for j in 0..b.columns() {
+            for (k, &factor) in b.column(j).iter().enumerate() {
+                if factor.is_zero() {
+                    continue;
+                }
+                for (c, &a) in c.column_mut(j).iter_mut().zip(a.column(k)) {
+                    *c = *c + a * factor;
+                }
             }
-            for (c, &a) in c.column_mut(j).iter_mut().zip(a.column(k)) {
-                *c = *c + a * factor;
+        }
+        c
+    }
+}
+
+/// Balls in parallel lanes, column by column, each padded to whole vectors: the left factor of several products.
+pub struct Panel {
+    rows: usize,
+    columns: usize,
+    mid: Lanes,
+    /// Bounds of the error of an entry, and of what its product with a number loses besides, over the magnitude of that number.
+    off: Vec<f64>,
+}
+
+/// Bound of underflow in sums of products.
+const TINY: f64 = 1e-290;
+
+impl Panel {
+    pub fn of(a: &Matrix<Ball>) -> Panel {
+        let (rows, columns) = (a.rows(), a.columns());
+        let room = rows.next_multiple_of(LANES);
+        // See [`Double::plus_product`].
+        let lost = (columns as f64 + 3.0).powi(2) * UNIT_SQUARED;
+        let (mut mid, mut off) = (Lanes::zeros(room * columns), vec![0.0; room * columns]);
+        for j in 0..columns {
+            for (i, entry) in a.column(j).iter().enumerate() {
+                mid.set(j * room + i, entry.mid);
+                off[j * room + i] = (entry.rad + entry.magnitude() * lost) * up::FEW;
+            }
+        }
+        Panel { rows, columns, mid, off }
+    }
+
+    /// A B, where the numbers of B are exact.
+    pub fn times(&self, b: &Matrix<f64>) -> Matrix<Ball> {
+        let mut product = Matrix::none(self.rows, b.columns());
+        times(self, b, &mut product);
+        product
+    }
+}
+
+simd! {
+    fn times<V: Eight>(a: &Panel, b: &Matrix<f64>, product: &mut Matrix<Ball>) {
+        let room = a.rows.next_multiple_of(LANES);
+        for j in 0..b.columns() {
+            for first in (0..a.rows).step_by(LANES) {
+                let (mut sum, mut off) = (Double::<V>::zero(), V::splat(TINY));
+                for (k, factor) in b.column(j).iter().enumerate().take(a.columns) {
+                    let at = k * room + first;
+                    sum = sum.plus_product(a.mid.at(at), V::splat(*factor));
+                    off = V::load(&a.off[at..]).mul_add(V::splat(factor.abs()), off);
+                }
+                let sum = sum.normalised();
+                let (hi, lo, off) = (sum.hi.to_array(), sum.lo.to_array(), (off * V::splat(up::THOUSANDS)).to_array());
+                for (i, entry) in product.column_mut(j)[first..].iter_mut().enumerate().take(LANES) {
+                    *entry = Ball::exact(Dd { hi: hi[i], lo: lo[i] }).widen(off[i]);
+                }
             }
         }
     }
-    c
 }
 
 /// From this many rows on, the balls of an elimination may grow, since each step may double an entry's error.
@@ -185,6 +247,7 @@ fn subtract_multiple(row: &mut [Ball], pivot_row: &[Ball], step: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::{Number, Rational};
 
     #[test]
     fn a_solution_encloses_the_true_one() {
@@ -219,6 +282,31 @@ mod tests {
         let b = product(&graded, &Matrix::filled(n, 1, Ball::ONE));
         let x = verified(&graded, &b).expect("regular");
         assert!((0..n).all(|i| (x[(i, 0)] - Ball::ONE).contains_zero()));
+    }
+
+    /// Beside fractions: entries with low words and radii, in numbers that are not multiples of the lanes.
+    #[test]
+    fn a_panel_times_exact_numbers_encloses_the_product() {
+        let entry = |i: usize, j: usize| Ball::from((3 * i + 7 * j) as f64 - 20.0) / Ball::from((i + j + 1) as f64);
+        for (rows, depth, columns) in [(1, 1, 1), (8, 3, 2), (13, 21, 9)] {
+            let a = Matrix::from_fn(rows, depth, entry);
+            let b = Matrix::from_fn(depth, columns, |i, j| ((i * 5 + j * 11) % 13) as f64 * 0.1 - 0.7);
+            let found = Panel::of(&a).times(&b);
+            let fraction = |x: f64| Number::from(Rational::from_f64(x).expect("finite"));
+            for i in 0..rows {
+                for j in 0..columns {
+                    let terms = (0..depth).map(|k| {
+                        let exact = &Number::from((3 * i + 7 * k) as i64 - 20) / &Number::from((i + k + 1) as i64);
+                        &exact * &fraction(b[(k, j)])
+                    });
+                    let sum = terms.fold(Number::ZERO, |sum, term| &sum + &term);
+                    let Ball { mid, rad } = found[(i, j)];
+                    let off = (&sum - &(&fraction(mid.hi) + &fraction(mid.lo))).abs();
+                    assert!(!(&off - &fraction(rad)).is_positive(), "{rows} {i} {j}: {off:?} {rad}");
+                    assert!(rad < 1e-26, "{rows} {i} {j}: {rad}");
+                }
+            }
+        }
     }
 
     #[test]
