@@ -121,9 +121,9 @@ impl About {
     }
 
     /// The same in two words.
-    pub fn fine<'a>(&self, terms: &'a mut Vec<Dd>, error: f64) -> Curve<'a> {
+    pub fn fine<'a>(&self, terms: &'a mut [Dd], error: f64) -> Curve<'a> {
         let rounding = (terms[0].hi.abs() + self.end.magnitude()) * UNIT;
-        terms[0] = terms[0] - self.end.mid;
+        terms[0] -= self.end.mid;
         terms.iter_mut().for_each(|term| *term = *term * self.sign);
         Curve::fine(terms, (error + self.end.rad + rounding) * UP).signed()
     }

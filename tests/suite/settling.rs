@@ -96,7 +96,7 @@ fn what_creeps_does_not_overshoot() {
     let (mut low, mut high) = (0.0, 20.0);
     for _ in 0..60 {
         let t = 0.5 * (low + high);
-        if (1.0 + 2.0 * t) * (-2.0 * t as f64).exp() >= 0.02 { low = t } else { high = t }
+        if (1.0 + 2.0 * t) * (-2.0 * t).exp() >= 0.02 { low = t } else { high = t }
     }
     meets(&found[0], low);
     assert_eq!(found[1]["holds"], true);

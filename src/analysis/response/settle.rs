@@ -9,7 +9,7 @@ use super::Run;
 use super::course::{Block, MOST_PIECES, Outcome, stretch, stretches};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::largest::{About, Largest};
-use crate::base::{Ball, Dd, Number, up};
+use crate::base::{Ball, Dd, Number, Power, up};
 use crate::system::{LinearSystem, Signal};
 
 const UP: f64 = up::THOUSANDS;
@@ -136,7 +136,7 @@ impl Ahead {
         }
         let mechanical = run.space.mechanical;
         let sources: Vec<Ball> = run.z[mechanical..].iter().map(|&w| Ball::new(w, run.source_error)).collect();
-        let row = (0..mechanical).map(|i| run.outputs[(output, i)].magnitude().powi(2)).sum::<f64>().sqrt() * UP;
+        let row = (0..mechanical).map(|i| run.outputs[(output, i)].magnitude().power(2)).sum::<f64>().sqrt() * UP;
         let states: Vec<usize> = (0..mechanical).collect();
         let growth = if mechanical == 0 { 0.0 } else { run.space.generator(&states).bound_for_all_times()? };
         Some(Ahead { end: run.space.equilibrium(&sources)?, factor: row * growth * UP })
@@ -144,7 +144,7 @@ impl Ahead {
 
     /// A bound of |output - end| from now on.
     fn most(&self, run: &Run) -> f64 {
-        let apart = run.z.iter().zip(&self.end).map(|(&z, &end)| (Ball::exact(z) - end).magnitude().powi(2));
+        let apart = run.z.iter().zip(&self.end).map(|(&z, &end)| (Ball::exact(z) - end).magnitude().power(2));
         self.factor * (apart.sum::<f64>().sqrt() * UP + run.trail.error) * UP
     }
 }
@@ -180,7 +180,7 @@ impl LastOutside {
 
     fn in_piece(&self, mut terms: Vec<Dd>, error: f64) -> Option<Last> {
         let rounding = (terms[0].hi.abs() + self.end.magnitude()) * UNIT;
-        terms[0] = terms[0] - self.end.mid;
+        terms[0] -= self.end.mid;
         last_above(&terms, (error + self.end.rad + rounding) * UP, self.level)
     }
 

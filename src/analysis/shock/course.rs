@@ -5,7 +5,7 @@ use super::base_motion::{BaseMotion, Segment};
 use super::entries::INTO;
 use super::oscillator::LONGEST;
 use crate::base::rounding::UNIT;
-use crate::base::{Ball, Number, up};
+use crate::base::{Ball, Number, two_to, up};
 
 /// A piece is at most 2 to this power steps of the fastest oscillator: its entries come from as many doublings.
 const DOUBLINGS: u32 = 20;
@@ -58,7 +58,7 @@ impl<'a> Course<'a> {
     /// The lengths alone, without pieces. `fastest`: the largest omega max(1, 2 zeta).
     pub fn of(motion: &'a BaseMotion, fastest: f64) -> Course<'a> {
         let (lengths, class, counts) = classes(&motion.segments);
-        let cuts = |length: &Ball| (parts(length.magnitude(), fastest) * 0.5f64.powi(DOUBLINGS as i32)).max(1.0);
+        let cuts = |length: &Ball| (parts(length.magnitude(), fastest) * two_to(-(DOUBLINGS as i32))).max(1.0);
         let cuts = lengths.iter().map(cuts).collect();
         let terms = motion.segments.iter().map(|segment| segment.derivatives.len()).max().unwrap_or(0).max(2);
         let (pieces, bends, jumps) = (Vec::new(), Vec::new(), Vec::new());

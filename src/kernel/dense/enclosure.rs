@@ -1,7 +1,7 @@
 //! Small dense matrices of balls: products, solutions and triangular factors with error bounds.
 
 use crate::base::rounding::UNIT_SQUARED;
-use crate::base::{Ball, Dd, larger, two_to, up};
+use crate::base::{Ball, Dd, Power, larger, two_to, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::inverse;
 use crate::kernel::lanes::{Double, Lanes};
@@ -79,7 +79,7 @@ impl Panel {
         let (rows, columns) = (a.rows(), a.columns());
         let room = rows.next_multiple_of(LANES);
         // See [`Double::plus_product`].
-        let lost = (columns as f64 + 3.0).powi(2) * UNIT_SQUARED;
+        let lost = (columns as f64 + 3.0).power(2) * UNIT_SQUARED;
         let (mut mid, mut off) = (Lanes::zeros(room * columns), vec![0.0; room * columns]);
         for j in 0..columns {
             for (i, entry) in a.column(j).iter().enumerate() {
