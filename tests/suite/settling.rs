@@ -93,7 +93,7 @@ fn last(from: f64) -> f64 {
 #[test]
 fn what_creeps_does_not_overshoot() {
     let found = rows(&oscillator(4.0, "step(1 N, 0 s)", &["settling(x, 2 %) < 9 s", "overshoot(x) < 1e-15"]));
-    let (mut low, mut high) = (0.0, 20.0);
+    let (mut low, mut high) = (0.0f64, 20.0);
     for _ in 0..60 {
         let t = 0.5 * (low + high);
         if (1.0 + 2.0 * t) * (-2.0 * t).exp() >= 0.02 { low = t } else { high = t }
