@@ -9,6 +9,7 @@ pub mod derived;
 pub mod discrete;
 pub mod error;
 pub mod excitation;
+mod forms;
 pub mod fractions;
 mod largest;
 pub mod measures;

@@ -13,6 +13,9 @@ use crate::system::{LinearSystem, Signal};
 const TOO_LONG: Measurement =
     Measurement::None("the fastest motion has too many cycles in that time: choose a shorter one with `--until`");
 
+/// Digits do not decide whether the output is infinite at an instant.
+pub const OPEN: &str = "it is not decided whether an impulse reaches the output where a signal jumps";
+
 /// The largest |output| from 0 to `until`.
 pub fn peak(system: &LinearSystem, drives: &[Vec<Signal>], output: usize, until: &Number) -> Measurement {
     let mut largest = Largest::default();
@@ -33,6 +36,7 @@ fn measured(followed: Result<Outcome, AnalysisError>, value: impl FnOnce(()) -> 
     match followed {
         Ok(Outcome::ToTheEnd) => Some(value(())).filter(Ball::is_finite).map_or(TOO_LONG, Measurement::Value),
         Ok(Outcome::Infinite) => Measurement::Infinite,
+        Ok(Outcome::Open) => Measurement::None(OPEN),
         Ok(Outcome::TooLong) => TOO_LONG,
         Err(error) => Measurement::Failed(error.to_diagnostic().message),
     }

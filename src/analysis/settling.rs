@@ -4,7 +4,7 @@
 use crate::analysis::answer::{PoleKind, Poles};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::measures::{Loads, Measurement, lasting_value, static_value};
-use crate::analysis::peak::{last_event, round_up};
+use crate::analysis::peak::{OPEN, last_event, round_up};
 use crate::analysis::response::settle::{Approach, Found};
 use crate::analysis::transfer::Transfer;
 use crate::base::Number;
@@ -49,6 +49,7 @@ impl Settling<'_> {
         match of(Approach { system, drives, output, end, until: &until }) {
             Ok(Found::Value(value)) if value.is_finite() => Measurement::Value(value),
             Ok(Found::Infinite) => Measurement::Infinite,
+            Ok(Found::Open) => Measurement::None(OPEN),
             Ok(Found::Value(_) | Found::TooLong) => {
                 Measurement::None("the fastest motion has too many cycles until the slowest one has decayed")
             }

@@ -76,26 +76,6 @@ pub enum Course {
 }
 
 impl Signal {
-    /// The first derivative that may jump: 0 for the signal itself.
-    pub fn first_jump(&self) -> usize {
-        match self {
-            Signal::Step { .. } | Signal::Pulse { .. } | Signal::Impulse { .. } => 0,
-            Signal::Harmonic { phase, at, .. } => usize::from(phase.is_zero() && at.is_zero()),
-            Signal::Table(Table { values, course, .. }) => {
-                let ends = [values.first(), values.last().filter(|_| *course == Course::LinesToZero)];
-                usize::from(ends.into_iter().flatten().all(Number::is_zero))
-            }
-            Signal::Ramp { .. } => 1,
-            Signal::Chirp { from, to, duration, phase, .. } => {
-                let turns = &(&(from + to) * duration) * &Number::pi();
-                let is_zero = |angle: &Number| angle.sin_cos().is_some_and(|(sine, _)| sine.is_zero());
-                usize::from(is_zero(phase) && is_zero(&(&turns + phase)))
-            }
-            Signal::Integral { of, times } => of.first_jump() + usize::from(*times),
-            Signal::Delayed { of, .. } => of.first_jump(),
-        }
-    }
-
     /// The constant value that remains in the end; zero for a harmonic. `None` if the signal grows without limit.
     pub fn lasting(&self) -> Option<Number> {
         match self {

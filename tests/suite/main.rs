@@ -41,6 +41,7 @@ mod hostile;
 mod house;
 mod independent;
 mod inerters;
+mod infinite;
 mod kinds;
 mod language;
 mod language_page;

@@ -3,14 +3,12 @@
 //! and what is fed through, exact wherever the numbers are: a variance is infinite or not by a zero. See
 //! docs/method/random.md#direct-paths.
 
-use crate::analysis::modes::parts::joined_by;
-use crate::base::{Ball, Number, Rational};
+use crate::analysis::forms::{applied, dense, dot, solution_on};
+use crate::base::{Number, Rational};
 use crate::kernel::dense::lu::Lu;
-use crate::kernel::dense::{Matrix, echelon, enclosure};
-use crate::system::{CoordinateId, Form, LinearSystem, Output};
+use crate::kernel::dense::{Matrix, echelon};
+use crate::system::{LinearSystem, Output};
 
-/// Maximum number of coordinates coupled by inertia that are solved for in fractions.
-const MOST_EXACT: usize = 12;
 /// Maximum number of coordinates for which the static response is solved in fractions.
 const MOST_STATIC: usize = 24;
 
@@ -101,40 +99,8 @@ impl Channel {
     }
 }
 
-pub fn dense<'r>(n: usize, row: impl IntoIterator<Item = &'r (CoordinateId, Number)>) -> Vec<Number> {
-    let mut list = vec![Number::ZERO; n];
-    for (i, value) in row {
-        list[i.index()] = &list[i.index()] + value;
-    }
-    list
-}
-
-fn dot(row: &[(CoordinateId, Number)], x: &[Number]) -> Number {
-    row.iter().filter(|(i, _)| !x[i.index()].is_zero()).fold(Number::ZERO, |sum, (i, a)| &sum + &(a * &x[i.index()]))
-}
-
 fn less(a: Vec<Number>, b: Vec<Number>) -> Vec<Number> {
     a.iter().zip(&b).map(|(a, b)| a - b).collect()
-}
-
-/// The form times a vector, term by term.
-pub fn applied(form: &Form, x: &[Number]) -> Vec<Number> {
-    let mut image = vec![Number::ZERO; x.len()];
-    if x.iter().all(Number::is_zero) {
-        return image;
-    }
-    for term in form.terms() {
-        let row = form.row(term);
-        let stretch = dot(row, x);
-        if stretch.is_zero() {
-            continue;
-        }
-        let pull = &term.weight * &stretch;
-        for (i, a) in row {
-            image[i.index()] = &image[i.index()] + &(a * &pull);
-        }
-    }
-    image
 }
 
 /// r with K r = b exactly, if one is found. In most scenes it is a motion carried along by a base, of zeros and ones.
@@ -177,60 +143,5 @@ fn near_solution(system: &LinearSystem, b: &[Number]) -> Option<Vec<Number>> {
 
 /// M^-1 x, exact if possible; zero in the coordinates that inertia does not couple with those of x.
 fn mass_solution(system: &LinearSystem, x: &[Number]) -> Option<Vec<Number>> {
-    let n = x.len();
-    let mut solution = vec![Number::ZERO; n];
-    if x.iter().all(Number::is_zero) {
-        return Some(solution);
-    }
-    for part in joined_by(n, &[&system.m]) {
-        let part: Vec<usize> = part.coordinates.iter().map(|&i| i as usize).collect();
-        if part.iter().all(|&i| x[i].is_zero()) {
-            continue;
-        }
-        let own: Vec<Number> = part.iter().map(|&i| x[i].clone()).collect();
-        for (&i, value) in part.iter().zip(part_solution(system, &part, &own)?) {
-            solution[i] = value;
-        }
-    }
-    Some(solution)
-}
-
-fn part_solution(system: &LinearSystem, part: &[usize], x: &[Number]) -> Option<Vec<Number>> {
-    let n = part.len();
-    let mut place = vec![usize::MAX; system.n()];
-    part.iter().enumerate().for_each(|(at, &i)| place[i] = at);
-    let mut entries = vec![vec![Number::ZERO; n]; n];
-    for term in system.m.terms() {
-        let row = system.m.row(term);
-        for (i, a) in row {
-            for (j, b) in row {
-                let (i, j) = (place[i.index()], place[j.index()]);
-                if i < n && j < n {
-                    entries[i][j] = &entries[i][j] + &(&term.weight * &(a * b));
-                }
-            }
-        }
-    }
-    if n == 1 {
-        return Some(vec![x[0].checked_div(&entries[0][0])?]);
-    }
-    if n <= MOST_EXACT {
-        let rational = |row: &Vec<Number>| row.iter().map(|x| x.exact().cloned()).collect::<Option<Vec<Rational>>>();
-        let matrix: Option<Vec<Vec<Rational>>> = entries.iter().map(rational).collect();
-        let right: Option<Vec<Rational>> = x.iter().map(|x| x.exact().cloned()).collect();
-        if let (Some(matrix), Some(right)) = (matrix, right) {
-            let (solution, only) = echelon::solution(&matrix, &right)?;
-            return only.then(|| solution.into_iter().map(Number::from).collect());
-        }
-    }
-    let a = Matrix::from_fn(n, n, |i, j| entries[i][j].to_ball());
-    let b = Matrix::from_fn(n, 1, |i, _| x[i].to_ball());
-    let solution = enclosure::solve(&a, &b)?;
-    Some((0..n).map(|i| Number::Ball(solution[(i, 0)])).collect())
-}
-
-/// Whether a number is certainly not zero.
-pub fn is_certain(x: &Number) -> bool {
-    let ball: Ball = x.to_ball();
-    !x.is_zero() && !ball.contains_zero()
+    solution_on(&system.m, &(0..x.len()).collect::<Vec<_>>(), x)
 }

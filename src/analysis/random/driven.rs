@@ -3,7 +3,6 @@
 //! missing. See docs/method/random.md.
 
 use super::bands::{self, Bands};
-use super::channel::{applied, dense, is_certain};
 use super::coherent;
 use super::gramian::{Covariance, Drive, Obstacle, Space};
 use super::resolvent::{Parts, Resolvent};
@@ -11,6 +10,7 @@ use super::source::{Arm, OPEN_BASE, Source, direct, drift, intensity};
 use super::undamped::{Excited, Undamped};
 use super::{Reach, Spread, finite, why};
 use crate::analysis::answer::{ModeKind, Modes};
+use crate::analysis::forms::{applied, dense, is_certain};
 use crate::analysis::transfer::{Frequency, Transfer};
 use crate::base::{Ball, Density, Number, Rational, Unproven};
 use crate::system::{LinearSystem, Noise, Output};

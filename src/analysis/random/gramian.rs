@@ -8,6 +8,7 @@
 
 use super::channel::Channel;
 use crate::analysis::answer::{ModeKind, Modes};
+use crate::analysis::forms::dense;
 use crate::analysis::modes::form::{ModalForm, gram, off_diagonal};
 use crate::analysis::poles::schur::SchurForm;
 use crate::base::{Ball, Dd, Number, larger, rounding::UNIT, up};
@@ -277,7 +278,7 @@ impl Space {
     /// The row of an output over the state: y = row z.
     pub fn row(&self, output: &Output) -> Vec<Ball> {
         let n = self.n;
-        let in_modes = |power: usize| self.in_modes(&super::channel::dense(n, &output.p[power]));
+        let in_modes = |power: usize| self.in_modes(&dense(n, &output.p[power]));
         let (p0, p1) = (in_modes(0), in_modes(1));
         if output.p[2].is_empty() {
             return (0..n).map(|i| p0[i] / Ball::from(self.s[i])).chain(p1).collect();

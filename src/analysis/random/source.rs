@@ -3,7 +3,8 @@
 
 use super::Spread;
 use super::bands::Bands;
-use super::channel::{Channel, Feed, is_certain};
+use super::channel::{Channel, Feed};
+use crate::analysis::forms::is_certain;
 use crate::base::{Ball, Density, Number};
 use crate::system::{LinearSystem, Noise, Output};
 use std::cell::OnceCell;

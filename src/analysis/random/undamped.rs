@@ -3,10 +3,10 @@
 //! and an output shows: then the variance is infinite. See docs/method/random.md#undamped-motions.
 
 use super::basis::Basis;
-use super::channel::dense;
 use super::driven::Driven;
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::excitation::Excitations;
+use crate::analysis::forms::dense;
 use crate::analysis::modes::modes;
 use crate::base::{Ball, Density, Number, Rational};
 use crate::kernel::complex::Complex;

@@ -7,6 +7,7 @@
 //! accurate to two words; those that may contain the largest value are then evaluated in two words.
 
 use super::exponential::Exponential;
+use super::infinite::{self, Verdict};
 use super::{Run, Stop, UNIT, UP, growth, length};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::largest::{About, Curve, Largest};
@@ -34,6 +35,8 @@ pub enum Outcome {
     ToTheEnd,
     /// The output has an infinite value: an impulse on an acceleration, a jump on a velocity.
     Infinite,
+    /// It is not decided whether an impulse reaches the output.
+    Open,
     /// There are too many pieces.
     TooLong,
 }
@@ -48,8 +51,10 @@ pub(super) fn stretches(
 ) -> Result<Outcome, AnalysisError> {
     let times = [Number::ZERO, until.clone()];
     let mut run = Run::of(system, drives, &times)?;
-    if feeds_through_a_jump(system, drives, output) {
-        return Ok(Outcome::Infinite);
+    match infinite::verdict(system, drives, output, until) {
+        Verdict::Finite => {}
+        Verdict::Infinite => return Ok(Outcome::Infinite),
+        Verdict::Open => return Ok(Outcome::Open),
     }
     for (time, stop) in run.stops(&times) {
         if (&time - until).is_positive() {
@@ -63,12 +68,7 @@ pub(super) fn stretches(
             }
         }
         if let Stop::Event { channel, piece } = stop {
-            run.set_sources();
-            let before: Vec<Dd> = run.z.clone();
             run.event(channel, piece)?;
-            if is_infinite(&run, &before, output) {
-                return Ok(Outcome::Infinite);
-            }
         }
     }
     Ok(Outcome::ToTheEnd)
@@ -360,35 +360,4 @@ fn dot(a: &[Dd], b: &[Dd]) -> Dd {
 
 fn size(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt() * UP
-}
-
-/// Whether the state jumped in such a way that a derivative in the output is infinite: y = p0 q + p1 q' + p2 q''.
-fn is_infinite(run: &Run, before: &[Dd], output: usize) -> bool {
-    let mechanical = run.space.mechanical;
-    let change: Vec<Dd> = run.z[..mechanical].iter().zip(before).map(|(now, then)| *now - *then).collect();
-    let rounding = 1e-25 * (length(&run.z[..mechanical]) + length(&before[..mechanical]));
-    if length(&change) <= rounding {
-        return false;
-    }
-    let felt = |p: usize, motion: usize| {
-        let row = &run.system.outputs[output].p[p];
-        let jump = row.iter().fold(Dd::ZERO, |sum, (i, factor)| {
-            let rows = &run.space.rows[motion];
-            let moved = (0..mechanical).fold(Dd::ZERO, |sum, k| sum + rows[(i.index(), k)].mid * change[k]);
-            sum + factor.to_ball().mid * moved
-        });
-        let scale: f64 = row.iter().map(|(_, factor)| factor.to_f64().abs()).sum();
-        jump.abs().to_f64() > 1e-20 * scale * length(&change)
-    };
-    felt(1, 0) || felt(2, 0) || felt(2, 1)
-}
-
-/// Whether an input with jumps is fed to the output by its derivative.
-fn feeds_through_a_jump(system: &LinearSystem, drives: &[Vec<Signal>], output: usize) -> bool {
-    let enters = |order: usize, input: usize| system.outputs[output].d[order].iter().any(|(i, _)| *i as usize == input);
-    drives.iter().enumerate().any(|(input, signals)| {
-        let first = signals.iter().map(Signal::first_jump).min();
-        let (value, rate) = (first == Some(0), first.is_some_and(|first| first <= 1));
-        enters(1, input) && value || enters(2, input) && rate
-    })
 }

@@ -9,6 +9,7 @@ pub(in crate::analysis) mod course;
 mod decoupled;
 pub(in crate::analysis) mod exponential;
 mod findings;
+mod infinite;
 pub(in crate::analysis) mod propagator;
 pub(in crate::analysis) mod settle;
 pub mod signal;

@@ -52,6 +52,8 @@ pub struct StateSpace {
     pub scale: Vec<f64>,
     /// Rows over z for each coordinate: q, q', q''.
     pub rows: [Matrix<Ball>; 3],
+    /// q of every coordinate as rows over the physical states: displacements, velocities, sources.
+    displacements: Matrix<Ball>,
     /// z from (q, q') of the coordinates that are states.
     to_z: Matrix<Ball>,
     parts: Parts,
@@ -61,13 +63,13 @@ pub struct StateSpace {
 
 /// Coordinates by the order of their equations.
 #[derive(Clone, Debug)]
-struct Parts {
+pub struct Parts {
     /// Coordinates with mass, of second order.
-    heavy: Vec<usize>,
+    pub heavy: Vec<usize>,
     /// Without mass but damped: first order.
-    damped: Vec<usize>,
+    pub damped: Vec<usize>,
     /// Coordinates with neither, which follow without delay.
-    following: Vec<usize>,
+    pub following: Vec<usize>,
 }
 
 /// With more states, a dense exponential takes minutes.
@@ -76,7 +78,7 @@ pub const MOST_STATES: usize = 400;
 const MOST_SHIFTS: i32 = 200;
 
 impl Parts {
-    fn of(system: &LinearSystem) -> Parts {
+    pub fn of(system: &LinearSystem) -> Parts {
         let touched = |form: &crate::system::Form| {
             let mut touched = vec![false; system.n()];
             for term in form.terms() {
@@ -167,9 +169,10 @@ impl StateSpace {
     }
 
     /// The effect of an impulse: forces g0 delta + g1 delta' (delta the unit impulse) change q and q' by M dq = g1, C_0
-    /// dq_0 = g0 - C dq on coordinates without mass, M dq' = g0 - C dq.
+    /// dq_0 = g0 - C dq on coordinates without mass, M dq' = g0 - C dq. Coordinates that follow pass their forces on.
     pub fn impulse_response_jump(&self, g0: &[Ball], g1: &[Ball]) -> Option<Vec<Ball>> {
         let n = g0.len();
+        let g0 = &self.passed_on(g0);
         let (heavy, damped) = (&self.parts.heavy, &self.parts.damped);
         let column = |values: &[Ball], of: &[usize]| Matrix::from_fn(of.len(), 1, |i, _| values[of[i]]);
         let m = select(&self.m, heavy, heavy);
@@ -187,6 +190,20 @@ impl StateSpace {
         let kick = solve(&m, &column(&rest(&dq), heavy))?;
         heavy.iter().zip(kick.column(0)).for_each(|(&i, &x)| dv[i] = x);
         Some(self.state(&dq, &dv))
+    }
+}
+
+impl StateSpace {
+    /// The forces on the coordinates that are states, with those that the others pass on to them through springs: where
+    /// q_f = -X q + ..., a force f on the coordinates that follow does the work of -X^T f.
+    fn passed_on(&self, force: &[Ball]) -> Vec<Ball> {
+        let mut sum = force.to_vec();
+        for (position, &i) in self.parts.states().iter().enumerate() {
+            for &j in &self.parts.following {
+                sum[i] = sum[i] + self.displacements[(j, position)] * force[j];
+            }
+        }
+        sum
     }
 }
 
@@ -373,7 +390,8 @@ fn finish(
     let rows = [product(&physical.q, &back), product(&velocity, &back), product(&acceleration, &back)];
     let rest = sources_of_growth(&a, &rows[1], &Squares::of_form(&system.c)).map(|ball| ball.magnitude());
     let own_rate = norm_bound(mechanical, mechanical, |i, j| rest[(i, j)]);
-    StateSpace { a, rest, mechanical, own_rate, scale, rows, to_z: shaping.to, parts, m: physical.m, c: physical.c }
+    let (displacements, m, c) = (physical.q, physical.m, physical.c);
+    StateSpace { a, rest, mechanical, own_rate, scale, rows, displacements, to_z: shaping.to, parts, m, c }
 }
 
 /// Approximate time in which the system forgets half of its state, if that is long before the horizon: the effect of

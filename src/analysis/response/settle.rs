@@ -41,6 +41,8 @@ pub enum Found {
     Value(Ball),
     /// The output has an infinite value on its way.
     Infinite,
+    /// It is not decided whether it has.
+    Open,
     /// There are too many pieces.
     TooLong,
     /// It is not proved that the motion decays.
@@ -107,6 +109,7 @@ impl Approach<'_> {
         Ok(match outcome {
             _ if is_open => Some(Found::Lasting),
             Outcome::Infinite => Some(Found::Infinite),
+            Outcome::Open => Some(Found::Open),
             Outcome::TooLong => Some(Found::TooLong),
             Outcome::ToTheEnd if is_done => None,
             Outcome::ToTheEnd => Some(Found::Lasting),
