@@ -228,16 +228,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         let rounding = |i: usize| end.x[i].hi.abs().max(self.high[i].hi.abs() * 1e-9) * two_to(-98);
         let mut radius: Vec<f64> = (0..n).map(|i| 2.0 * step[i] + rounding(i)).collect();
         for _ in 0..WIDENINGS {
-            let slopes = self.slopes(&end.x, &radius)?;
-            let image = |i: usize| {
-                let left = |j: usize| {
-                    let product = (0..n).fold(Ball::ZERO, |sum, e| sum + Ball::exact(y[e][i]) * slopes[e][j]);
-                    (product - if i == j { Ball::ONE } else { Ball::ZERO }).magnitude()
-                };
-                (step[i] + (0..n).map(|j| left(j) * radius[j]).sum::<f64>()) * up::THOUSANDS
-            };
-            let image: Vec<f64> = (0..n).map(image).collect();
-            if image.iter().zip(&radius).all(|(image, radius)| image < radius) {
+            if is_contracted(&y, &self.slopes(&end.x, &radius)?, &step, &radius) {
                 return Some(radius);
             }
             radius.iter_mut().for_each(|radius| *radius *= 16.0);
@@ -269,13 +260,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         let moved = |centre: &Centre| -> Option<Vec<Moved>> {
             (0..n).map(|i| self.unknowns.ask(equation, &values(Some(i)), |asked| asked.moved(centre))?).collect()
         };
-        // The eigenvalue or pole that the measure depends on stays in this enclosure as long as it cannot leave it, and
-        // it is simple throughout.
-        let first = moved(&centre)?;
-        let wide = centre.widened(&first, radius, 4.0);
-        if !wide.holds(&centre, &moved(&wide)?, radius) {
-            return None;
-        }
+        let wide = centre.over_box(radius, moved)?;
         (0..n).map(|i| self.unknowns.ask(equation, &values(Some(i)), |asked| asked.slope(&wide))?).collect()
     }
 
@@ -310,6 +295,20 @@ impl<'a, 'b> Problem<'a, 'b> {
     }
 }
 
+/// Whether Krawczyk's operator maps a box about the end into its interior: |Y F| + |1 - Y J(box)| r < r in every component.
+/// `inverse` has the columns of Y, `slopes` the rows of J, and `step` bounds |Y F|.
+fn is_contracted(inverse: &[Vec<Dd>], slopes: &[Vec<Ball>], step: &[f64], radius: &[f64]) -> bool {
+    let n = radius.len();
+    (0..n).all(|i| {
+        let left = |j: usize| {
+            let product = (0..n).fold(Ball::ZERO, |sum, e| sum + Ball::exact(inverse[e][i]) * slopes[e][j]);
+            (product - if i == j { Ball::ONE } else { Ball::ZERO }).magnitude()
+        };
+        let image = (step[i] + (0..n).map(|j| left(j) * radius[j]).sum::<f64>()) * up::THOUSANDS;
+        image < radius[i]
+    })
+}
+
 /// The factors of a matrix given by rows.
 fn factored<T: Scalar>(rows: &[Vec<f64>]) -> Option<Lu<T>> {
     Lu::of(Matrix::from_fn(rows.len(), rows.len(), |i, j| T::of_f64(rows[i][j])))
@@ -319,4 +318,34 @@ fn factored<T: Scalar>(rows: &[Vec<f64>]) -> Option<Lu<T>> {
 fn solve_step(a: &Lu<Dd>, mut b: Vec<Dd>) -> Option<Vec<Dd>> {
     a.solve(&mut b);
     b.iter().all(|x| x.is_finite()).then_some(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn contracted(slopes: [[(f64, f64); 2]; 2], step: [f64; 2], radius: [f64; 2]) -> bool {
+        let ball = |(middle, radius): (f64, f64)| Ball::from(middle).widen(radius);
+        let slopes: Vec<Vec<Ball>> = slopes.iter().map(|row| row.iter().copied().map(ball).collect()).collect();
+        let identity = [vec![Dd::ONE, Dd::ZERO], vec![Dd::ZERO, Dd::ONE]];
+        is_contracted(&identity, &slopes, &step, &radius)
+    }
+
+    /// With Y = 1 the image of a box |x| <= r has the half widths |F| + |1 - J| r.
+    #[test]
+    fn a_box_is_proved_only_if_its_image_lies_within_it() {
+        let exact = [[(1.0, 0.0), (0.0, 0.0)], [(0.0, 0.0), (1.0, 0.0)]];
+        assert!(contracted(exact, [0.9; 2], [1.0; 2]));
+        // An image that reaches the boundary, or leaves through one side alone.
+        assert!(!contracted(exact, [1.0, 0.0], [1.0; 2]));
+        assert!(!contracted(exact, [0.0, 1.1], [1.0; 2]));
+        // A slope that varies by a half in the box leaves half of it for the step.
+        let varying = [[(1.0, 0.5), (0.0, 0.0)], [(0.0, 0.0), (1.0, 0.0)]];
+        assert!(contracted(varying, [0.4; 2], [1.0; 2]) && !contracted(varying, [0.6; 2], [1.0; 2]));
+        // A slope that may be zero, as at a double root, and one by the other unknown, whose range is wider.
+        let double = [[(1.0, 1.0), (0.0, 0.0)], [(0.0, 0.0), (1.0, 0.0)]];
+        assert!(!contracted(double, [0.0; 2], [1.0; 2]));
+        let coupled = [[(1.0, 0.0), (0.0, 0.5)], [(0.0, 0.0), (1.0, 0.0)]];
+        assert!(contracted(coupled, [0.1; 2], [1.0, 1.0]) && !contracted(coupled, [0.1; 2], [1.0, 2.0]));
+    }
 }

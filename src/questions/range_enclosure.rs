@@ -91,8 +91,15 @@ pub enum Moved {
 }
 
 impl Centre {
+    /// An enclosure of the eigenvalue or pole over a whole box about the values at which it lies in this one; `moved` are
+    /// its derivatives over the box wherever it lies in an enclosure, and is simple. `None` if it may leave what is tried.
+    pub fn over_box(&self, radius: &[f64], moved: impl Fn(&Centre) -> Option<Vec<Moved>>) -> Option<Centre> {
+        let wide = self.widened(&moved(self)?, radius, 4.0);
+        wide.holds(self, &moved(&wide)?, radius).then_some(wide)
+    }
+
     /// The enclosure widened by `times` the change that these derivatives allow over a box of these radii.
-    pub fn widened(&self, moved: &[Moved], radius: &[f64], times: f64) -> Centre {
+    fn widened(&self, moved: &[Moved], radius: &[f64], times: f64) -> Centre {
         let by = reach(moved, radius);
         match *self {
             Centre::Eigenvalue(square) => Centre::Eigenvalue(square.widen(times * by.0)),
@@ -103,7 +110,7 @@ impl Centre {
 
     /// Whether an eigenvalue or pole that lies in `start` at the middle of the box stays in this enclosure, given these
     /// derivatives over it.
-    pub fn holds(&self, start: &Centre, moved: &[Moved], radius: &[f64]) -> bool {
+    fn holds(&self, start: &Centre, moved: &[Moved], radius: &[f64]) -> bool {
         let by = reach(moved, radius);
         let inside = |wide: Ball, start: Ball, by: f64| start.rad + by * up::THOUSANDS < wide.rad || by == 0.0;
         match (*self, *start) {
@@ -314,4 +321,38 @@ fn harmonic_response(family: &Family, signals: &[Vec<Signal>], output: usize) ->
 
 pub fn two_pi() -> Number {
     &Number::pi() * &Number::from(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An eigenvalue 1 that moves by its slope times a parameter within 0.1 of zero, and by more the farther it is.
+    #[test]
+    fn an_eigenvalue_that_may_leave_its_enclosure_has_none() {
+        let over_box = |slope: f64, growth: f64| {
+            let start = Centre::Eigenvalue(Ball::ONE.widen(1e-9));
+            let found = start.over_box(&[0.1], |centre| {
+                let Centre::Eigenvalue(square) = centre else { return None };
+                Some(vec![Moved::Eigenvalue(Ball::from(slope).widen(growth * square.rad))])
+            });
+            found.map(|centre| match centre {
+                Centre::Eigenvalue(square) => square.rad,
+                Centre::Pole(..) | Centre::None => 0.0,
+            })
+        };
+        assert!(over_box(1.0, 0.0).is_some_and(|rad| (0.1..1.0).contains(&rad)));
+        assert!(over_box(1.0, 5.0).is_some_and(|rad| rad >= 0.1 * (1.0 + 5.0 * rad)));
+        // With a slope of 1 +- 15 * 0.4 it may move by 0.7, and not stay within 0.4.
+        assert_eq!(over_box(1.0, 15.0), None);
+        let pole = Centre::Pole(-Ball::ONE, Ball::from(2.0));
+        let moved = |re: f64, im: f64| {
+            move |centre: &Centre| {
+                let Centre::Pole(a, b) = centre else { return None };
+                Some(vec![Moved::Pole(Ball::ONE.widen(re * a.rad), Ball::ONE.widen(im * b.rad))])
+            }
+        };
+        assert!(pole.over_box(&[0.1], moved(1.0, 1.0)).is_some());
+        assert!(pole.over_box(&[0.1], moved(15.0, 1.0)).is_none() && pole.over_box(&[0.1], moved(1.0, 15.0)).is_none());
+    }
 }

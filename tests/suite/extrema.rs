@@ -369,6 +369,61 @@ fn extrema_about_a_rest_that_is_no_fraction_are_complete() {
     assert!((gain - truth).contains_zero() && gain.relative_error() < 1e-16, "{gain:?}, not {truth:?}");
 }
 
+/// An inerter's force on a table on a moving floor, with k = m (2 pi 10 Hz)^2: m b w^4 / (k - (m + b) w^2), infinite at
+/// w0^2 = k / (m + b) and least at sqrt(2) w0. That b k - b k is no term in s^2 is known to the last digits only.
+#[test]
+fn a_numerator_whose_lowest_coefficients_cancel_leaves_nothing_open() {
+    let text = "model inerter\n\nlet k = 200 kg * (2 * pi * 10 Hz)^2\nbase floor { moves y }\n\
+        body table { mass = 200 kg, moves y }\nspring s: floor -- table { k = k }\n\
+        inerter b: floor -- table { b = k / (2 * pi * 30 Hz)^2 }\noutput push = b.force\n";
+    let found = extrema_of(text, None);
+    assert!(found.is_complete(), "{:?}", found.open);
+    let [peak, least] = &found.list[..] else { panic!("{:?}", found.list) };
+    assert_eq!([(peak.kind, peak.gain == Gain::Infinite), (least.kind, false)], [(Peak, true), (Antiresonance, false)]);
+    // w0 = 2 pi 10 sqrt(0.9).
+    let square = Number::from(90).to_ball();
+    near("peak", peak.frequency, "9.4868329805051379960");
+    assert!((least.frequency * least.frequency - square * Ball::from(2.0)).contains_zero());
+    assert!(least.frequency.relative_error() < 1e-16, "{:?}", least.frequency);
+    // m b w^4 / ((m + b) (w^2 - w0^2)) = 4 w0^2 m b / (m + b), m b / (m + b) = 20 kg.
+    let truth = Ball::PI * Ball::PI * Ball::from(4.0) * square * Ball::from(80.0);
+    let gain = least.gain.disc().expect("a value").gain();
+    assert!((gain - truth).contains_zero() && gain.relative_error() < 1e-16, "{gain:?}, not {truth:?}");
+}
+
+/// A row of wagons, the last of which carries a mass on a spring of 1 t (2 pi 0.5 Hz)^2: the force in the last hook has a
+/// double zero where two couplings let nothing through, zeros at rest, and no coefficient is a fraction. With 40 digits of
+/// pi in place of pi they all are.
+#[test]
+fn double_zeros_of_numbers_that_are_no_fractions_leave_nothing_open() {
+    let of = |stiffness: &str| {
+        let mut text = format!("model row\n\nlet s = {stiffness}\nbody load {{ mass = 1 t, moves x }}\n");
+        for i in 0..4 {
+            text += &format!("body m{i} {{ mass = {} t, moves x }}\n", 4 - i);
+        }
+        for i in 1..4 {
+            let before = i - 1;
+            text += &format!("spring k{i}: m{before} -- m{i} {{ k = 300 kN/m }}\n");
+            text += &format!("damper c{i}: m{before} -- m{i} {{ c = 5 kN*s/m }}\n");
+        }
+        text += "spring s: m3 -- load { k = s }\ndamper d: m3 -- load { c = 90 N*s/m }\n";
+        text += "force F: m0 along x\noutput pull = k3.force\n";
+        extrema_of(&text, Some(("0.1", "10")))
+    };
+    let (found, truth) = (of("1 t * (2 * pi * 0.5 Hz)^2"), of("9869.60440108935861883449099987615113531369 N/m"));
+    assert!(found.is_complete() && truth.is_complete(), "{:?} {:?}", found.open, truth.open);
+    assert!(truth.list.len() >= 4 && found.list.len() == truth.list.len(), "{:?} {:?}", found.list, truth.list);
+    for (found, truth) in found.list.iter().zip(&truth.list) {
+        assert_eq!(found.kind, truth.kind);
+        let (frequency, gains) =
+            (found.frequency - truth.frequency, [found, truth].map(|e| e.gain.disc().map(|d| d.gain())));
+        assert!(frequency.contains_zero() && found.frequency.relative_error() < 1e-15, "{found:?}, not {truth:?}");
+        if let [Some(gain), Some(truth)] = gains {
+            assert!((gain - truth).contains_zero() && gain.relative_error() < 1e-13, "{gain:?}, not {truth:?}");
+        }
+    }
+}
+
 fn hertz(omega: Ball) -> Ball {
     omega / (Ball::from(2.0) * Ball::PI)
 }

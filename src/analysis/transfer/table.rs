@@ -203,7 +203,7 @@ fn from_roots(
     let of_pair = |i: usize, o: usize| {
         let found = pairs[i][o].exactly.map(|method| method.extrema(low, high));
         if let Some(found) = found.as_ref().filter(|found| found.is_complete()) {
-            let is_loose = pairs[i][o].exactly.is_some_and(Exactly::has_far_roots);
+            let is_loose = pairs[i][o].exactly.is_some_and(Exactly::has_loose_roots);
             let sharper = || sharpened(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found.clone());
             return if is_loose { sharper() } else { found.clone() };
         }

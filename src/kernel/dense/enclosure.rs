@@ -315,4 +315,19 @@ mod tests {
         let bound = norm_bound(2, 2, |i, j| if i == 0 { [3.0, 4.0][j] } else { 0.0 });
         assert!((5.0..5.3).contains(&bound));
     }
+
+    /// (1 +- 0.3) x = 1 and a row beside it: x up to 1 / 0.7, more than the residual says. With 1 +- 0.6 the approximate
+    /// inverse proves nothing.
+    #[test]
+    fn solutions_of_all_matrices_in_the_balls_are_enclosed() {
+        let of = |radius: f64| {
+            let entry = |i: usize, j: usize| if i == j { Ball::ONE.widen(radius) } else { Ball::ZERO };
+            verified(&Matrix::from_fn(2, 2, entry), &Matrix::filled(2, 1, Ball::ONE))
+        };
+        let x = of(0.3).expect("regular");
+        for truth in [1.0 / 0.7, 1.0 / 1.3] {
+            assert!((x[(0, 0)] - Ball::from(truth)).contains_zero(), "{:?}", x[(0, 0)]);
+        }
+        assert!(x[(0, 0)].rad < 0.6 && of(0.6).is_none());
+    }
 }

@@ -619,4 +619,49 @@ mod tests {
         assert!(before.radius < 1e-25 && after.radius > 1e-4, "{before:?} {after:?}");
         assert!(!expanded(&sum, Ball::from(0.9), Ball::from(1.0)).is_complete());
     }
+
+    /// Residues known to 1e-9: frequencies and gains hold those of residues that are off by nearly as much.
+    #[test]
+    fn uncertainty_of_residues_is_in_the_extrema() {
+        let system = network(4, 0);
+        let poles = poles_and_residues(&system, &modes(&system).expect("modes")).expect("poles");
+        let residues = (*poles.residues.expect("residues")).clone();
+        let with = |change: &dyn Fn(&mut Complex<Ball>, usize)| {
+            let mut residues = residues.clone();
+            let force = residues.inputs[0][0].as_mut().expect("a force");
+            force.amplitudes.iter_mut().enumerate().for_each(|(j, amplitude)| change(amplitude, j));
+            let sum = PartialFractions::of(&system, &residues, 0, 0).expect("finite");
+            expanded(&sum, Ball::from(1e-2), Ball::from(20.0))
+        };
+        let found = with(&|amplitude, _| {
+            *amplitude = Complex::new(amplitude.re.widen(1e-9), amplitude.im.widen(1e-9));
+        });
+        let truth = with(&|amplitude, j| {
+            let by = Ball::from(if j % 2 == 0 { 0.9e-9 } else { -0.9e-9 });
+            *amplitude = Complex::new(amplitude.re + by, amplitude.im - by);
+        });
+        assert!(truth.is_complete() && truth.list.len() > 4 && found.list.len() == truth.list.len());
+        for (found, truth) in found.list.iter().zip(&truth.list) {
+            assert!((found.frequency - truth.frequency).contains_zero(), "{found:?} {truth:?}");
+            let [a, b] = [found, truth].map(|extremum| extremum.gain.disc().expect("finite"));
+            assert!((a.value - b.value).to_f64().abs() <= a.radius, "{a:?} {b:?}");
+            assert!(a.relative_error() < 1e-4 && b.relative_error() < 1e-20, "{a:?} {b:?}");
+        }
+    }
+
+    /// Two maxima in a row that are certainly apart have a minimum between them that was not found; two in one place are one.
+    #[test]
+    fn extrema_alternate_or_leave_a_gap() {
+        let at = |omega: f64, kind: FeatureKind| Located {
+            omega: Ball::from(omega).widen(1e-9),
+            kind,
+            gain: Disc { value: Complex::ZERO, radius: 0.0 },
+            bend: 1.0,
+        };
+        use FeatureKind::{Antiresonance, Peak};
+        let (list, gaps) = distinct(vec![at(1.0, Peak), at(2.0, Peak), at(2.0 + 1e-10, Peak), at(3.0, Antiresonance)]);
+        assert_eq!((list.len(), gaps), (3, vec![(1.0, 2.0)]));
+        let (list, gaps) = distinct(vec![at(1.0, Peak), at(2.0, Antiresonance), at(3.0, Peak)]);
+        assert_eq!((list.len(), gaps.len()), (3, 0));
+    }
 }

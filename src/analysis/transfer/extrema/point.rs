@@ -25,6 +25,7 @@ pub struct Exactly {
     /// Zeros, and poles.
     counts: [usize; 2],
     far: Far,
+    has_clusters: bool,
 }
 
 /// A frequency as its distance from an anchor, rad/s.
@@ -61,9 +62,7 @@ impl Exactly {
         let sizes = roots.map(|root| root.centre.re.to_f64().abs().max(root.centre.im.to_f64().abs()));
         let lead = factored.lead.mid.to_f64().abs();
         let in_range = sizes.chain([lead]).all(|size| size == 0.0 || RANGE.contains(&size));
-        let count = |roots: &[Root]| -> usize {
-            roots.iter().map(|root| root.multiplicity * if root.place == Place::Real { 1 } else { 2 }).sum()
-        };
+        let count = |roots: &[Root]| -> usize { roots.iter().map(Root::count).sum() };
         let counts = [count(&factored.zeros), count(&factored.poles)];
         in_range.then(|| Exactly {
             lead: factored.lead,
@@ -71,6 +70,7 @@ impl Exactly {
             largest,
             counts,
             far: factored.far,
+            has_clusters: factored.zeros.iter().chain(&factored.poles).any(|root| root.place == Place::Cluster),
         })
     }
 
@@ -88,9 +88,9 @@ impl Exactly {
         (self.far == Far::NONE).then_some(excess)
     }
 
-    /// Whether values are limited by roots of which is known only that they are far away.
-    pub fn has_far_roots(&self) -> bool {
-        self.far != Far::NONE
+    /// Whether values are limited by roots of which is known only that they are far away, or in a cluster.
+    pub fn has_loose_roots(&self) -> bool {
+        self.far != Far::NONE || self.has_clusters
     }
 
     /// The number of zeros and poles.
@@ -550,6 +550,24 @@ mod tests {
         }
     }
 
+    /// Poles known to 1e-9 leave the place of the peak open by as much: in a bracket that is narrower it is not enclosed, and
+    /// the bracket is open again, so that the list is not complete.
+    #[test]
+    fn a_bracket_whose_root_is_not_enclosed_is_open() {
+        let exactly = resonance(-0.1, 1.0, 1e-9);
+        let mut search = search(&exactly.anchors, 10.0, (0.1, 3.0));
+        // The peak at sqrt 0.99, seen from the anchor at 1.
+        let peak = 0.99f64.sqrt() - 1.0;
+        for (half, is_enclosed) in [(1e-12, false), (1e-3, true)] {
+            let within = Interval { anchor: 1, low: peak - half, high: peak + half };
+            search.found = vec![Found::Bracket { within, rising: false }];
+            search.open.clear();
+            assert_eq!(exactly.located(&mut search).len(), usize::from(is_enclosed));
+            assert_eq!(search.open.len(), usize::from(!is_enclosed));
+            assert_eq!(exactly.open(&search, 0.1, 3.0).len(), usize::from(!is_enclosed));
+        }
+    }
+
     /// Poles known to 0.05: the enclosures of the peak, its height and its width also cover poles anywhere in there, or
     /// the list is not reported as complete.
     #[test]
@@ -588,5 +606,28 @@ mod tests {
         let width = (square * (near + apart)).sqrt() - (square * (near - apart)).sqrt();
         let reported = peak.width.expect("a width").to_f64() * 2.0 * std::f64::consts::PI;
         assert!((reported - width).abs() < 1e-14, "{reported} {width}");
+    }
+
+    /// Two zeros within 0.1 of rest, on either axis: the product at 1 rad/s, and the slope, hold those of each place.
+    #[test]
+    fn zeros_of_a_cluster_may_be_anywhere_in_it() {
+        use crate::analysis::transfer::extrema::roots::{Place, Root};
+        use crate::kernel::big_float::ComplexFloat;
+        let centre = ComplexFloat::zero();
+        let cluster = Root { centre, radius: Float::from(0.1), multiplicity: 2, place: Place::Cluster };
+        let factored = Factored { lead: Ball::ONE, unit: 1.0, zeros: vec![cluster], poles: Vec::new(), far: Far::NONE };
+        let exactly = Exactly::of(&factored).expect("in range");
+        assert!(exactly.has_loose_roots());
+        let found = exactly.gain(&Frequency::radians(&Number::ONE)).disc().expect("finite");
+        let (slope, _) = exactly.anchors[0].slope(Ball::ONE);
+        for (re, im) in [(0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.07, 0.07)] {
+            let factor = Complex::new(-re, 1.0 - im);
+            let truth = factor * factor;
+            let off = Complex::new(found.value.re.to_f64() - truth.re, found.value.im.to_f64() - truth.im);
+            assert!(off.abs() <= found.radius, "{re} {im}: {found:?}");
+            let truth = 2.0 * (1.0 - im) / ((1.0 - im) * (1.0 - im) + re * re);
+            assert!((slope.to_f64() - truth).abs() <= slope.rad, "{re} {im}: {slope:?}");
+        }
+        assert!(found.radius < 0.4 && slope.rad < 1.0, "{found:?} {slope:?}");
     }
 }

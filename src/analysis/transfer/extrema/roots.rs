@@ -5,7 +5,7 @@
 
 use super::far::Far;
 use crate::analysis::poles::exact::{circles, iterate, value};
-use crate::base::{Ball, Power, down, up};
+use crate::base::{Ball, up};
 use crate::kernel::big_float::{ComplexFloat, Float};
 use crate::kernel::complex::Complex;
 use crate::kernel::polynomial::Polynomial;
@@ -32,6 +32,15 @@ pub enum Place {
     Axis,
     /// Off both axes, with its conjugate.
     Pair,
+    /// As many roots as the multiplicity are within the radius, and nothing more is known of them.
+    Cluster,
+}
+
+impl Place {
+    /// Whether the disc stands for itself alone, and not for its conjugate too.
+    pub fn is_alone(self) -> bool {
+        matches!(self, Place::Real | Place::Cluster)
+    }
 }
 
 /// First and last working precision for roots, in bits.
@@ -39,6 +48,10 @@ const FIRST_BITS: u64 = 160;
 const MOST_BITS: u64 = 2560;
 /// Radii are below 2^-SHARP of the root, and of its distance from the imaginary axis.
 const SHARP: i64 = 110;
+
+/// Approximate roots are taken for a cluster if they agree to 2^-CLOSE of themselves; its centre gets so many bits.
+const CLOSE: i64 = 20;
+const CENTRE_BITS: u64 = 128;
 
 /// The coefficients of a polynomial: integers, or numbers within a radius of integers.
 #[derive(Clone, Debug)]
@@ -93,53 +106,159 @@ impl Coefficients {
         self.middle.degree() + self.far
     }
 
-    /// An upper bound of a coefficient.
+    /// Bounds of the size of a coefficient from below, negative if it may vanish, and from above.
+    fn bounds(&self, power: usize) -> [Float; 2] {
+        let middle = Float::from(self.middle.coefficients().get(power).cloned().unwrap_or_default()).abs();
+        let radius = Float::from(self.radius(power));
+        [&middle - &radius, &middle + &radius]
+    }
+
     fn size(&self, power: usize) -> f64 {
-        let middle = self.middle.coefficients().get(power).cloned().unwrap_or_default();
-        rounded_up(&Float::from(middle).abs()) + self.radius(power)
+        rounded_up(&self.bounds(power)[1])
+    }
+
+    /// Whether the coefficient is larger than twice its radius.
+    fn is_certain(&self, power: usize) -> bool {
+        is_less(&Float::from(self.radius(power)), &self.bounds(power)[0])
+    }
+
+    /// Bounds from above of all coefficients, those that may vanish included.
+    fn sizes(&self) -> Vec<Float> {
+        let powers = self.middle.coefficients().len().max(self.radii.len());
+        (0..powers).map(|k| self.bounds(k)[1].clone()).collect()
     }
 
     /// The coefficients of the highest powers that may vanish are moved into radii; and R, such that for |s| = R the
     /// highest power that remains outweighs all others together. By Rouche's theorem as many roots as its exponent
     /// are within that circle, whatever the others are. `None` if there is no such circle.
     fn without_far_roots(&self) -> Option<(Coefficients, f64)> {
-        let powers = self.middle.coefficients().len().max(self.radii.len());
-        let highest = (0..powers).rev().find(|k| self.size(*k) > 0.0)?;
-        let least = |k: usize| {
-            let middle = self.middle.coefficients().get(k).cloned().unwrap_or_default();
-            Float::from(middle).abs().to_f64() * down::FEW - self.radius(k)
-        };
-        let last = (0..=highest).rev().find(|k| least(*k) > self.radius(*k))?;
+        let sizes = self.sizes();
+        let highest = sizes.iter().rposition(|size| !size.is_zero())?;
+        let last = (0..=highest).rev().find(|k| self.is_certain(*k))?;
         let far = highest - last;
         if far == 0 {
             return Some((self.clone(), f64::INFINITY));
         }
+        let [least, _] = self.bounds(last);
         let beyond = (last + 1..=highest).filter(|k| self.size(*k) > 0.0).map(|k| {
-            let share = least(last) / (4.0 * far as f64 * self.size(k));
+            let share = least.to_f64() / (4.0 * far as f64 * self.size(k));
             libm::pow(share, 1.0 / (k - last) as f64)
         });
         let circle = beyond.fold(f64::INFINITY, f64::min);
-        let others = (0..=highest).filter(|k| *k != last);
-        let others: f64 = others.map(|k| self.size(k) * circle.power(k as i32 - last as i32)).sum();
         let radii = (0..=highest).map(|k| if k > last { self.size(k) } else { self.radius(k) }).collect();
         let middle = Polynomial::new(self.middle.coefficients()[..=last].to_vec());
-        (others * up::MILLIONS < least(last)).then_some((Coefficients { middle, radii, far }, circle))
+        let holds = circle.is_finite() && outweighs(&sizes, last, &least, &Float::from(circle));
+        holds.then_some((Coefficients { middle, radii, far }, circle))
     }
 
-    /// How often s certainly divides the polynomial, and the quotient; `None` if the number of roots, or of those at
-    /// zero, is not certain.
-    fn without_zero_roots(&self) -> Option<(usize, Coefficients)> {
-        let (zeros, middle) = self.middle.without_zero_roots();
-        let radii: Vec<f64> = self.radii.iter().skip(zeros).copied().collect();
-        let nothing = |radius: &f64| *radius == 0.0;
-        let certain = self.radii.iter().take(zeros).all(nothing)
-            && radii.iter().skip(middle.degree() + self.far + 1).all(nothing);
-        let rest = Coefficients { middle, radii, far: self.far };
-        let ends = [0, rest.middle.degree()].map(|power| {
-            Float::from(rest.middle.coefficients()[power].clone()).to_f64().abs() > 2.0 * rest.radius(power)
-        });
-        (certain && ends == [true; 2]).then_some((zeros, rest))
+    /// How often s certainly divides the polynomial, and the quotient.
+    fn without_zero_roots(&self) -> (usize, Coefficients) {
+        if self.is_exact() {
+            let (zeros, middle) = self.middle.without_zero_roots();
+            return (zeros, Coefficients { middle, ..self.clone() });
+        }
+        let zeros = (0..=self.middle.degree()).take_while(|k| self.size(*k) == 0.0).count();
+        let middle = Polynomial::new(self.middle.coefficients()[zeros.min(self.middle.degree())..].to_vec());
+        let radii = self.radii.iter().skip(zeros).copied().collect();
+        (zeros, Coefficients { middle, radii, far: self.far })
     }
+
+    /// The coefficients of the lowest powers that may vanish, moved into radii, how many there are, and the radius of a
+    /// circle about zero with as many roots. `None` if there is no such circle, or if the highest coefficient may vanish.
+    fn without_roots_about_zero(&self) -> Option<(Coefficients, usize, Float)> {
+        let degree = self.middle.degree();
+        let first = (0..=degree).find(|k| self.is_certain(*k)).filter(|_| self.is_certain(degree))?;
+        if first == 0 {
+            return Some((self.clone(), 0, Float::zero()));
+        }
+        let circle = circle_with(&self.sizes(), first, &self.bounds(first)[0])?;
+        let middle = self.middle.coefficients().iter().enumerate();
+        let middle = Polynomial::new(middle.map(|(k, a)| if k < first { BigInt::zero() } else { a.clone() }).collect());
+        let powers = self.radii.len().max(first);
+        let radii = (0..powers).map(|k| if k < first { self.size(k) } else { self.radius(k) }).collect();
+        Some((Coefficients { middle, radii, far: self.far }, first, circle))
+    }
+
+    /// A circle about the mean of some approximate roots that holds as many roots. `None` if none is found.
+    fn cluster(&self, values: &[&ComplexFloat]) -> Option<Root> {
+        let count = values.len();
+        let mean = |part: fn(&ComplexFloat) -> &Float| {
+            let sum = values.iter().fold(Float::zero(), |sum, z| &sum + part(z));
+            sum.divided_by(&Float::from(BigInt::from(count)), CENTRE_BITS)
+        };
+        let (re, im) = (mean(|z| &z.re), mean(|z| &z.im));
+        // On an axis of symmetry if that is near.
+        let [re, im] = [(&re, &im), (&im, &re)].map(|(part, other)| {
+            let is_small = is_less(&part.abs().times_power_of_two(CLOSE), &other.abs());
+            if is_small { Float::zero() } else { part.clone() }
+        });
+        let centre = ComplexFloat::new(re, im);
+        let middle = shifted(&self.middle, &centre);
+        let blur = self.shifted_radii(&(&centre.re.abs() + &centre.im.abs()));
+        let most = |(k, a): (usize, &ComplexFloat)| {
+            let size = &a.re.abs() + &a.im.abs();
+            blur.get(k).map_or(size.clone(), |blur| &size + blur)
+        };
+        let mut sizes: Vec<Float> = middle.iter().enumerate().map(most).collect();
+        sizes.extend(blur.iter().skip(sizes.len()).cloned());
+        let own = &middle[count];
+        let larger = if is_less(&own.re.abs(), &own.im.abs()) { own.im.abs() } else { own.re.abs() };
+        let radius = circle_with(&sizes, count, &(&larger - &blur[count]))?;
+        Some(Root { centre, radius, multiplicity: count, place: Place::Cluster })
+    }
+
+    /// The radii as bounds of the coefficients of powers of s - c, |c| = size.
+    fn shifted_radii(&self, size: &Float) -> Vec<Float> {
+        let radius = |k: usize| Float::from(self.radius(k));
+        let mut list: Vec<Float> = (0..self.radii.len().max(self.middle.coefficients().len())).map(radius).collect();
+        for first in 0..list.len().saturating_sub(1) {
+            for k in (first..list.len() - 1).rev() {
+                list[k] = &list[k] + &(size * &list[k + 1]);
+            }
+        }
+        list
+    }
+}
+
+/// The coefficients of powers of s - c, exactly.
+fn shifted(f: &Polynomial, c: &ComplexFloat) -> Vec<ComplexFloat> {
+    let real = |a: &BigInt| ComplexFloat::new(Float::from(a.clone()), Float::zero());
+    let mut list: Vec<ComplexFloat> = f.coefficients().iter().map(real).collect();
+    for first in 0..list.len().saturating_sub(1) {
+        for k in (first..list.len() - 1).rev() {
+            list[k] = &list[k] + &(c * &list[k + 1]);
+        }
+    }
+    list
+}
+
+/// Whether one coefficient, of which a lower bound is given, is larger on a circle than the sum of all others, of which
+/// upper bounds are given. By Rouche's theorem as many roots as its power are then within the circle.
+fn outweighs(sizes: &[Float], power: usize, least: &Float, circle: &Float) -> bool {
+    let (mut at, mut others, mut own) = (Float::from(1.0), Float::zero(), Float::zero());
+    for (k, size) in sizes.iter().enumerate() {
+        if k == power {
+            own = least * &at;
+        } else {
+            others = &others + &(size * &at);
+        }
+        at = &at * circle;
+    }
+    is_less(&others, &own)
+}
+
+/// The radius of a circle, small if possible, on which one coefficient outweighs the others; a power of two.
+fn circle_with(sizes: &[Float], power: usize, least: &Float) -> Option<Float> {
+    let own = Some(least).filter(|least| !least.is_negative())?.ceiling_log2()?;
+    // All lower ones together at most a quarter of it.
+    let share = 3 + i64::from(power.ilog2());
+    let needed = |(k, size): (usize, &Float)| {
+        let below = (power - k) as i64;
+        size.ceiling_log2().map(|size| (size - own + share + below - 1).div_euclid(below))
+    };
+    let exponent = sizes[..power].iter().enumerate().filter_map(needed).max()?;
+    let circle = Float::from(1.0).times_power_of_two(exponent);
+    outweighs(sizes, power, least, &circle).then_some(circle)
 }
 
 /// The largest product of the numbers of near and far roots and the ratio of their sizes.
@@ -150,6 +269,9 @@ const FAR: f64 = 1e-3;
 pub fn near_and_far(f: &Coefficients) -> Option<Roots> {
     if f.is_exact() {
         return Some(Roots { list: roots(f)?, lead: f.lead(), far: Far::NONE });
+    }
+    if !f.radii.iter().all(|radius| radius.is_finite()) {
+        return None;
     }
     let (near, beyond) = f.without_far_roots()?;
     let list = roots(&near)?;
@@ -168,7 +290,7 @@ pub fn near_and_far(f: &Coefficients) -> Option<Roots> {
 
 /// All roots; `None` if they cannot be separated.
 pub fn roots(f: &Coefficients) -> Option<Vec<Root>> {
-    let (zeros, rest) = f.without_zero_roots()?;
+    let (zeros, rest) = f.without_zero_roots();
     let mut list = Vec::new();
     if zeros > 0 {
         let (centre, radius) = (ComplexFloat::zero(), Float::zero());
@@ -181,9 +303,22 @@ pub fn roots(f: &Coefficients) -> Option<Vec<Root>> {
             list.extend(simple(&Coefficients::exact(other), false, index + 1)?);
         }
     } else {
-        let even = rest.middle.coefficients().iter().skip(1).step_by(2).all(Zero::is_zero)
-            && rest.radii.iter().skip(1).step_by(2).all(|radius| *radius == 0.0);
-        list.extend(simple(&rest, even, 1)?);
+        let (rest, about_zero, circle) = rest.without_roots_about_zero()?;
+        // Even or odd: symmetric about both axes.
+        let other = (about_zero + 1) % 2;
+        let even = rest.middle.coefficients().iter().skip(other).step_by(2).all(Zero::is_zero)
+            && rest.radii.iter().skip(other).step_by(2).all(|radius| *radius == 0.0);
+        let others = simple(&rest, even, 1)?;
+        if about_zero > 0 {
+            let centre = ComplexFloat::zero();
+            let about_zero = Root { centre, radius: circle, multiplicity: about_zero, place: Place::Cluster };
+            // All others are outside of the circle, and as many as are left: none is counted twice.
+            if !others.iter().all(|root| root.is_apart_from(&about_zero)) {
+                return None;
+            }
+            list.push(about_zero);
+        }
+        list.extend(others);
     }
     let count: usize = list.iter().map(Root::count).sum();
     (count == f.middle.degree()).then_some(list)
@@ -200,25 +335,47 @@ fn split(f: &Polynomial) -> Option<(Polynomial, Polynomial)> {
     Some((even, other))
 }
 
-/// The roots of a polynomial whose roots are simple and nonzero. Those of a polynomial in s^2 (`even`) are symmetric
-/// about both axes.
+/// The roots of a polynomial whose roots are simple and nonzero, but for those about zero where its lowest coefficients
+/// may vanish. Those of a polynomial in s^2 (`even`), or of s times one, are symmetric about both axes.
 fn simple(f: &Coefficients, even: bool, multiplicity: usize) -> Option<Vec<Root>> {
-    if f.middle.degree() == 0 {
+    let (_, others) = f.middle.without_zero_roots();
+    if others.degree() == 0 {
         return Some(Vec::new());
     }
-    let slope = f.derivative();
-    let mut values = in_binary64(&f.middle, circles(&f.middle));
+    let (slope, slope_of_others) = (f.derivative(), others.derivative());
+    let mut values = in_binary64(&others, circles(&others));
     let mut bits = FIRST_BITS;
     // More digits do not help if the coefficients are not exact.
     let most = if f.is_exact() { MOST_BITS } else { FIRST_BITS };
     while bits <= most {
-        iterate(&f.middle, &slope.middle, &mut values, bits);
+        iterate(&others, &slope_of_others, &mut values, bits);
         if let Some(discs) = discs(f, &slope, &values, even) {
-            return Some(discs.into_iter().filter_map(|disc| disc.root(multiplicity)).collect());
+            return Some(discs.into_iter().map(|disc| disc.root(multiplicity)).filter(Root::is_listed).collect());
         }
         bits *= 2;
     }
-    None
+    if f.is_exact() { None } else { in_clusters(f, &slope, &values, even) }
+}
+
+/// Roots that no discs separate, such as double ones of a polynomial that is not exact, as clusters. `None` if these and the
+/// discs of the others are not disjoint.
+fn in_clusters(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], even: bool) -> Option<Vec<Root>> {
+    let mut groups: Vec<Vec<&ComplexFloat>> = Vec::new();
+    for z in values {
+        let wide = |other: &ComplexFloat| (&(other - z).norm()).clone().times_power_of_two(2 * CLOSE);
+        match groups.iter_mut().find(|group| is_less(&wide(group[0]), &z.norm())) {
+            Some(group) => group.push(z),
+            None => groups.push(vec![z]),
+        }
+    }
+    let root = |group: &Vec<&ComplexFloat>| match group[..] {
+        [z] => Some(RootDisc::around(f, slope, z, even)?).filter(RootDisc::is_certain).map(|disc| disc.root(1)),
+        _ => f.cluster(group),
+    };
+    let all: Vec<Root> = groups.iter().map(root).collect::<Option<_>>()?;
+    let apart = |(i, a): (usize, &Root)| all[..i].iter().all(|b| a.is_apart_from(b));
+    let whole = all.iter().enumerate().all(apart);
+    whole.then(|| all.into_iter().filter(Root::is_listed).collect())
 }
 
 /// The most sweeps in binary64; a dozen are usual.
@@ -288,13 +445,13 @@ struct RootDisc {
 }
 
 /// Discs |s - z| <= d |f / f'|: each contains a root (Laguerre; Henrici, Applied and Computational Complex Analysis I,
-/// 6.4), and d disjoint ones contain them all. `None` if they touch one another or the real axis, or are wider than
-/// necessary.
+/// 6.4), and as many disjoint ones as there are roots contain them all. `None` if they touch one another or the real axis,
+/// or are wider than necessary.
 fn discs(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], even: bool) -> Option<Vec<RootDisc>> {
     let discs: Vec<RootDisc> = values.iter().map(|z| RootDisc::around(f, slope, z, even)).collect::<Option<_>>()?;
     let apart = |(i, a): (usize, &RootDisc)| discs[..i].iter().all(|b| a.is_apart_from(b));
     let sharp = |disc: &RootDisc| disc.is_certain() && (!f.is_exact() || disc.is_sharp());
-    let whole = discs.len() == f.middle.degree() && discs.iter().enumerate().all(apart) && discs.iter().all(sharp);
+    let whole = discs.iter().enumerate().all(apart) && discs.iter().all(sharp);
     whole.then_some(discs)
 }
 
@@ -315,8 +472,7 @@ impl RootDisc {
     }
 
     fn is_apart_from(&self, other: &RootDisc) -> bool {
-        let reach = &self.radius + &other.radius;
-        is_less(&(&reach * &reach), &(&self.centre - &other.centre).norm())
+        are_apart((&self.centre, &self.radius), (&other.centre, &other.radius))
     }
 
     /// Whether it is certain that its root is real, or one of a pair.
@@ -331,22 +487,36 @@ impl RootDisc {
         clear && is_less(&(&wide * &wide), &self.centre.norm())
     }
 
-    /// `None` for the lower root of a pair.
-    fn root(self, multiplicity: usize) -> Option<Root> {
+    fn root(self, multiplicity: usize) -> Root {
         let RootDisc { centre, radius } = self;
         let place = match (centre.re.is_zero(), centre.im.is_zero()) {
             (_, true) => Place::Real,
             (true, false) => Place::Axis,
             (false, false) => Place::Pair,
         };
-        (!centre.im.is_negative()).then_some(Root { centre, radius, multiplicity, place })
+        Root { centre, radius, multiplicity, place }
     }
 }
 
+/// Whether two discs are disjoint.
+fn are_apart(a: (&ComplexFloat, &Float), b: (&ComplexFloat, &Float)) -> bool {
+    let reach = a.1 + b.1;
+    is_less(&(&reach * &reach), &(a.0 - b.0).norm())
+}
+
 impl Root {
+    /// `false` for the lower root of a pair.
+    fn is_listed(&self) -> bool {
+        self.place.is_alone() || !self.centre.im.is_negative()
+    }
+
+    fn is_apart_from(&self, other: &Root) -> bool {
+        are_apart((&self.centre, &self.radius), (&other.centre, &other.radius))
+    }
+
     /// Number of roots of the polynomial that this disc represents.
-    fn count(&self) -> usize {
-        if self.place == Place::Real { self.multiplicity } else { 2 * self.multiplicity }
+    pub fn count(&self) -> usize {
+        if self.place.is_alone() { self.multiplicity } else { 2 * self.multiplicity }
     }
 }
 
@@ -507,5 +677,92 @@ mod tests {
         // s^2 + (0 +- 1) s^3: the far root may be at 1.
         let near = Coefficients { middle: polynomial(&[1, 0, 1]), radii: vec![0.0, 0.0, 0.0, 1.0], far: 0 };
         assert!(near_and_far(&near).is_none());
+    }
+
+    /// 1 + 3 s + s^2 on |s| = 1 has 3 > 1 + 1, and one root within it; with 2 s it has a double root on it.
+    #[test]
+    fn a_coefficient_that_does_not_outweigh_the_others_counts_no_roots() {
+        let holds = |own: f64| {
+            let sizes = [1.0, own, 1.0].map(Float::from);
+            outweighs(&sizes, 1, &sizes[1], &Float::from(1.0))
+        };
+        assert!(holds(3.0) && !holds(2.0) && !holds(1.0));
+        // Circles that hold a root and no other, and none where there is no such circle.
+        let circle = |sizes: &[f64], power: usize| {
+            let sizes: Vec<Float> = sizes.iter().map(|size| Float::from(*size)).collect();
+            circle_with(&sizes, power, &sizes[power]).map(|circle| circle.to_f64())
+        };
+        // 1e-9 + s + s^2: 1e-9 and nearly 1.
+        assert!(circle(&[1e-9, 1.0, 1.0], 1).is_some_and(|radius| radius > 1e-9 && radius < 1e-8));
+        assert_eq!(circle(&[1.0, 1.0, 1.0], 1), None);
+        assert_eq!(circle(&[1.0, 0.0, 1.0], 1), None);
+    }
+
+    /// s^2 (s + 2)(s + 3) known to 1e-20 of its coefficients: two roots are about zero, of 1e-20 + 1e-20 s + 6 s^2 + ... they
+    /// are 4e-11 away; and if the coefficient of s^2 may vanish, too, as in s^2 (s + 2) (s + 3e-20), nothing is known.
+    #[test]
+    fn roots_that_may_be_zero_are_about_it() {
+        let of = |middle: &[i64], radius: f64| {
+            let radii = vec![radius; middle.len()];
+            roots(&Coefficients { middle: polynomial(middle), radii, far: 0 })
+        };
+        let list = of(&[0, 0, 6, 5, 1], 1e-20).expect("roots");
+        let about_zero = list.iter().find(|root| root.place == Place::Cluster).expect("a cluster");
+        assert!(about_zero.centre.is_zero() && about_zero.multiplicity == 2);
+        let radius = about_zero.radius.to_f64();
+        assert!((4.1e-11..1e-9).contains(&radius), "{radius:e}");
+        let mut others: Vec<f64> = list.iter().map(|root| rounded(&root.centre.re)).filter(|re| *re != 0.0).collect();
+        others.sort_by(f64::total_cmp);
+        assert!(others.iter().zip([-3.0, -2.0]).all(|(root, truth)| (root - truth).abs() < 1e-18) && others.len() == 2);
+        assert!(of(&[0, 0, 0, 2, 1], 0.5).is_none());
+    }
+
+    /// (s + 1)^2 (s + 3), (s^2 + 2 s + 5)^2 and (s + 1)^3 known to 1e-20: clusters that hold the roots with the coefficients
+    /// moved as far as they may be, and reach no farther than they need to.
+    #[test]
+    fn double_roots_that_are_not_exact_are_clusters() {
+        let clusters = |middle: &[i64], radius: f64| -> Option<Vec<(f64, f64, usize, f64)>> {
+            let radii = vec![radius; middle.len()];
+            let list = roots(&Coefficients { middle: polynomial(middle), radii, far: 0 })?;
+            let clusters = list.iter().filter(|root| root.place == Place::Cluster);
+            let of = |root: &Root| {
+                (rounded(&root.centre.re), rounded(&root.centre.im), root.multiplicity, root.radius.to_f64())
+            };
+            Some(clusters.map(of).collect())
+        };
+        // (s + 1)^2 = -d / (s + 3): with d = 8e-20 at s = -1, a distance of sqrt(4e-20).
+        let found = clusters(&[3, 7, 5, 1], 1e-20).expect("roots");
+        let &[(re, im, 2, radius)] = &found[..] else { panic!("{found:?}") };
+        assert!((re + 1.0).abs() < 1e-30 + radius && im == 0.0 && (1.4e-10..4e-9).contains(&radius), "{found:?}");
+        let mut pairs = clusters(&[25, 20, 14, 4, 1], 1e-20).expect("roots");
+        pairs.sort_by(|a, b| a.1.total_cmp(&b.1));
+        assert_eq!(pairs.iter().map(|cluster| cluster.2).collect::<Vec<_>>(), [2, 2]);
+        for ((re, im, _, radius), truth) in pairs.iter().zip([-2.0, 2.0]) {
+            assert!((re + 1.0).hypot(im - truth) <= *radius && (1e-10..1e-8).contains(radius), "{pairs:?}");
+        }
+        let found = clusters(&[1, 3, 3, 1], 1e-21).expect("roots");
+        let &[(_, _, 3, radius)] = &found[..] else { panic!("{found:?}") };
+        assert!((2e-7..5e-6).contains(&radius), "{found:?}");
+        // Radii that let the roots reach each other leave nothing.
+        assert!(clusters(&[3, 7, 5, 1], 1.0).is_none());
+    }
+
+    /// (s + 1000)^2 (s + 1001)(s + 1007) and s^2 (s + 1)(s + 7), known to more and fewer digits: what is enclosed is disjoint,
+    /// and holds as many roots as the degree.
+    #[test]
+    fn enclosures_are_disjoint_however_little_is_known() {
+        let mut kinds = [0, 0];
+        for middle in [&[1_008_007_000_000, 4_024_021_000, 6_024_007, 4008, 1][..], &[0, 0, 7, 8, 1]] {
+            for exponent in 0..90 {
+                let radii = middle.iter().map(|&a| (a as f64).max(1.0) * 2f64.powi(-exponent)).collect();
+                let Some(list) = roots(&Coefficients { middle: polynomial(middle), radii, far: 0 }) else { continue };
+                assert_eq!(list.iter().map(Root::count).sum::<usize>(), 4);
+                for (i, a) in list.iter().enumerate() {
+                    assert!(list[..i].iter().all(|b| a.is_apart_from(b)), "{exponent}: {list:?}");
+                }
+                kinds[usize::from(list.iter().any(|root| root.place == Place::Cluster))] += 1;
+            }
+        }
+        assert!(kinds[1] > 30, "{kinds:?}");
     }
 }

@@ -69,10 +69,8 @@ fn segments(anchors: &[Anchor], top: f64) -> Vec<Interval> {
 impl Search {
     fn segment(&mut self, anchor: &Anchor, whole: Interval) {
         let Some(weight) = anchor.singular() else { return self.intervals(anchor, whole) };
-        let Some(reach) = dominated_radius(anchor, weight, whole) else {
-            self.open.push(whole);
-            return;
-        };
+        // With another root about the same place, all but a neighbourhood of it may be settled.
+        let Some(reach) = dominated_radius(anchor, weight, whole) else { return self.intervals(anchor, whole) };
         if whole.low < -reach {
             self.intervals(anchor, Interval { high: -reach, ..whole });
         }

@@ -60,7 +60,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Every anchor, ascending; the first is zero.
 pub fn anchors(factored: &Factored) -> Vec<Anchor> {
     let roots = factored.zeros.iter().chain(&factored.poles);
-    let mut list: Vec<&Root> = roots.filter(|root| root.place != Place::Real).collect();
+    let mut list: Vec<&Root> = roots.filter(|root| !root.place.is_alone()).collect();
     // Of roots with equal imaginary parts, the one on the axis becomes the anchor: distances to other roots are known
     // only to their radii.
     list.sort_by(|a, b| {
@@ -95,7 +95,8 @@ impl Anchor {
 
     fn add(&mut self, root: &Root, weight: f64, is_own: bool) {
         let radius = if root.radius.is_zero() { 0.0 } else { rounded_up(&root.radius) };
-        let re = if root.centre.re.is_zero() { Ball::ZERO } else { root.centre.re.to_ball(radius) };
+        let on_axis = root.centre.re.is_zero() && root.place != Place::Cluster;
+        let re = if on_axis { Ball::ZERO } else { root.centre.re.to_ball(radius) };
         let mut push = |im: Float| {
             let difference = &im - &self.place;
             // The anchor is defined as the true imaginary part of its own root.
@@ -108,7 +109,7 @@ impl Anchor {
             self.terms.push(Term { weight, offset, re, short_re, loose: (offset.rad + re.rad + lost) * up::THOUSANDS });
         };
         push(root.centre.im.clone());
-        if root.place != Place::Real {
+        if !root.place.is_alone() {
             push(-&root.centre.im);
         }
     }

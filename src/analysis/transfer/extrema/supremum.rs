@@ -32,15 +32,27 @@ pub fn supremum(
     (input, output): (usize, usize),
     range: Option<(&Number, &Number)>,
 ) -> Result<Supremum, &'static str> {
-    let own;
-    let exactly = match transfer.zero_pole_form(input, output) {
-        Some(exactly) => exactly,
-        None => {
-            let of_path = || Exactly::of(&factored(transfer, poles?, input, output)?);
-            own = of_path().ok_or(UNPROVED)?;
-            &own
-        }
-    };
+    let found = transfer
+        .zero_pole_form(input, output)
+        .map(|exactly| of_zeros_and_poles(transfer, exactly, (input, output), range));
+    if let Some(Ok(found)) = found {
+        return Ok(found);
+    }
+    // Poles of the system with some motions held may prove what the coefficients of its determinant do not.
+    let of_path = || Exactly::of(&factored(transfer, poles?, input, output)?);
+    match (of_path(), found) {
+        (Some(exactly), _) => of_zeros_and_poles(transfer, &exactly, (input, output), range),
+        (None, Some(found)) => found,
+        (None, None) => Err(UNPROVED),
+    }
+}
+
+fn of_zeros_and_poles(
+    transfer: &Transfer,
+    exactly: &Exactly,
+    (input, output): (usize, usize),
+    range: Option<(&Number, &Number)>,
+) -> Result<Supremum, &'static str> {
     if range.is_none() && exactly.excess().ok_or(UNPROVED)? > 0 {
         return Ok(Supremum::Infinite);
     }
