@@ -663,6 +663,8 @@ pub enum ShapesOption {
     Largest,
     /// All, with a row for each coordinate
     All,
+    /// Those of damped motions, complex: magnitude and phase of each coordinate and output
+    Damped,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -279,6 +279,8 @@ pub struct Study<'a> {
     pub sensitivity: bool,
     /// Compute participation factors and effective masses of the modes for each motion of a base.
     pub participation: bool,
+    /// Compute the complex shapes of the damped motions.
+    pub damped_shapes: bool,
     /// Contributions that are added to the maxima under response spectra.
     pub spectra: analysis::response_spectrum::Additions,
 }
@@ -364,6 +366,11 @@ fn reported(
         true => excitations(reading.scene.scene(), &system, &modes, rest.is_proven()),
         false => Vec::new(),
     };
+    // About a rest that is not proven no shape would have a bound.
+    let damped_shapes = match study.damped_shapes && rest.is_proven() {
+        true => analysis::damped_shapes(&system, &poles),
+        false => Vec::new(),
+    };
     if let Some(shortfall) = analysis::shortfall(&system, &modes, &poles, request) {
         diagnostics.push(shortfall.to_diagnostic());
     }
@@ -383,6 +390,7 @@ fn reported(
         spectral,
         sensitivities,
         excitations,
+        damped_shapes,
         account: None,
     })
 }
@@ -507,6 +515,7 @@ pub fn simulate_with_noise(
         }
         let (system, modes) = written.about_rest(diagnostics)?.into_parts();
         diagnostics.extend(dynamics::spectrum_left_out(&reading.scene));
+        diagnostics.extend(dynamics::drifts(&reading.scene));
         let history = analysis::respond_with(&system, modes.as_ref(), &drives, times);
         let mut history = history.or_else(|error| push_error(&error, diagnostics).ok_or(())).ok()?;
         let places: Vec<base::Span> = reading.scene.scene().outputs.iter().map(|output| output.span).collect();

@@ -89,7 +89,9 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         across: options.across_directions,
         other_damping: options.other_damping,
     };
-    let study = vibc::Study { until, sensitivity: options.sensitivity, participation: options.participation, spectra };
+    let damped_shapes = options.shapes == vibc::cli::ShapesOption::Damped;
+    let (sensitivity, participation) = (options.sensitivity, options.participation);
+    let study = vibc::Study { until, sensitivity, participation, damped_shapes, spectra };
     let request = options.request();
     let (mut analysis, explained) = match options.explain_model {
         true => vibc::analyze_and_explain(&input.sources, input.model, &input.overrides, &request, &study),

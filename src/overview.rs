@@ -99,6 +99,7 @@ impl Overview {
     pub(crate) fn known(of: Lowered) -> Overview {
         let answer = ModalAnswer {
             excitations: Vec::new(),
+            damped_shapes: Vec::new(),
             model: of.scene.name.clone(),
             system: of.system.clone(),
             rest: of.rest.clone(),

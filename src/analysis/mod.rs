@@ -4,6 +4,7 @@
 
 pub mod accuracy;
 pub mod answer;
+pub mod damped_shapes;
 pub mod damping;
 pub mod derived;
 pub mod discrete;
@@ -33,6 +34,7 @@ pub mod transfer;
 pub use crate::system::Signal;
 pub use accuracy::shortfall;
 pub use answer::{Before, Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, Share};
+pub use damped_shapes::{DampedShape, ShapeEntries, damped_shapes};
 pub use discrete::{DiscreteSystem, discretise};
 pub use error::AnalysisError;
 pub use excitation::{Excitation, Excitations};

@@ -7,7 +7,7 @@ pub(crate) mod samples;
 
 use crate::analysis::response_spectrum::Spectral;
 use crate::analysis::shock::{Quantity, ShockSpectrum};
-use crate::analysis::{Buckling, Excitation, Modes, Noisy, Pole, Poles, Verdict};
+use crate::analysis::{Buckling, DampedShape, Excitation, Modes, Noisy, Pole, Poles, Verdict};
 use crate::base::Number;
 use crate::lower::{Account, Rest};
 use crate::questions::answer::{Optimised, Requirement, Sensitivity, Solved};
@@ -41,6 +41,8 @@ pub struct ModalAnswer {
     pub sensitivities: Vec<Sensitivity>,
     /// The modes that each motion of a base excites, or the reason why they are not known; empty unless requested.
     pub excitations: Vec<(usize, Result<Excitation, &'static str>)>,
+    /// The complex shapes of the damped motions; empty unless requested.
+    pub damped_shapes: Vec<DampedShape>,
 }
 
 /// The shock response spectra of a model's bases.

@@ -75,6 +75,7 @@ fn free(words: Words, coordinates: Vec<Coordinate>, [m, c, k]: [Form; 3]) -> Lin
 fn answer(model: &str, system: LinearSystem, modes: Vec<Mode>, poles: Vec<Pole>, stability: Stability) -> ModalAnswer {
     ModalAnswer {
         excitations: Vec::new(),
+        damped_shapes: Vec::new(),
         model: model.into(),
         rest: as_drawn(system.n()),
         system,

@@ -6,11 +6,13 @@ use super::decimal::{certain, certain_digits};
 use super::json_number::{Bounds, JsonNumber};
 use super::json_spectra::JsonSpectral;
 use super::{ReportOptions, SCHEMA};
+use crate::analysis::transfer::Disc;
 use crate::analysis::{
-    Buckling, Excitation, Mode, Net, Noisy, Normalise, Peak, Pole, Share, Split, Spread, Stability, nets, normalise,
-    parts_of_modes, splits,
+    Buckling, DampedShape, Excitation, Mode, Net, Noisy, Normalise, Peak, Pole, Share, Split, Spread, Stability, nets,
+    normalise, parts_of_modes, splits,
 };
 use crate::answers::ModalAnswer;
+use crate::answers::report::at_outputs;
 use crate::base::{Ball, Bound, Number, Unproven};
 use crate::lower::Remark;
 use crate::questions::answer::{
@@ -61,6 +63,8 @@ struct Report<'a> {
     response_spectra: Option<JsonSpectral>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     sensitivities: Vec<JsonSensitivity<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    damped_shapes: Vec<JsonDampedShape<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     base_excitation: Vec<JsonExcitation>,
 }
@@ -172,6 +176,9 @@ struct JsonMode<'a> {
     growth_rate: JsonNumber,
     omega_error_bound: JsonNumber,
     shape: ByName<'a>,
+    /// At outputs of displacements, if all entries were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    outputs: Option<OutputsByName>,
     kinetic: Vec<JsonShare>,
     strain: Vec<JsonShare>,
     cluster: Option<u32>,
@@ -433,9 +440,85 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
         noise: answer.noisy.iter().map(|noisy| JsonNoisy::of(noisy, &answer.system, bounds)).collect(),
         response_spectra: JsonSpectral::of(answer, bounds),
         sensitivities: answer.sensitivities.iter().map(|found| json_sensitivity(found, bounds)).collect(),
+        damped_shapes: (answer.damped_shapes.iter())
+            .map(|shape| json_damped_shape(answer, shape, names, bounds))
+            .collect(),
         base_excitation: (answer.excitations.iter())
             .map(|excitation| json_excitation(answer, excitation, bounds))
             .collect(),
+    }
+}
+
+/// An object with a number for each output, in their order.
+struct OutputsByName(Vec<(String, JsonNumber)>);
+
+impl Serialize for OutputsByName {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+/// The shape of a damped motion: for each coordinate and output its complex amplitude.
+#[derive(serde::Serialize)]
+struct JsonDampedShape<'a> {
+    motion: usize,
+    /// The reason why there are no numbers.
+    not_computed: Option<&'static str>,
+    shape: EntriesByName<'a>,
+    outputs: EntriesByName<'a>,
+}
+
+/// Bounds are of the distance in the complex plane, relative to the magnitude; of a phase in degrees.
+#[derive(serde::Serialize)]
+struct JsonComplexEntry {
+    re: JsonNumber,
+    im: JsonNumber,
+    magnitude: JsonNumber,
+    phase_deg: JsonNumber,
+    phase_error_bound: JsonNumber,
+    error_bound: JsonNumber,
+}
+
+/// An object with a complex number for each name, in their order.
+struct EntriesByName<'a>(Vec<(Cow<'a, str>, JsonComplexEntry)>);
+
+impl Serialize for EntriesByName<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, entry)| (name, entry)))
+    }
+}
+
+fn json_damped_shape<'a>(
+    answer: &ModalAnswer,
+    shape: &DampedShape,
+    names: &'a [String],
+    bounds: Bounds,
+) -> JsonDampedShape<'a> {
+    let entry = |disc: &Disc| {
+        let (phase, [re, im]) = (disc.phase(), disc.parts().map(JsonNumber::enclosed));
+        let exact = disc.is_zero();
+        JsonComplexEntry {
+            re,
+            im,
+            magnitude: JsonNumber::enclosed(disc.gain()),
+            phase_deg: JsonNumber::of(phase),
+            phase_error_bound: phase.map_or(JsonNumber::NULL, |phase| bounds.absolute(phase)),
+            error_bound: if exact { bounds.absolute(disc.gain()) } else { bounds.of(disc.error_bound()) },
+        }
+    };
+    let system = &answer.system;
+    let (own, outputs) = match &shape.found {
+        Ok(found) => (&found.coordinates[..], &found.outputs[..]),
+        Err(_) => (&[][..], &[][..]),
+    };
+    let own = names.iter().zip(own).map(|(name, disc)| (Cow::Borrowed(name.as_str()), entry(disc)));
+    let outputs = system.outputs.iter().zip(outputs);
+    let outputs = outputs.map(|(output, disc)| (Cow::Owned(system.display(output.name)), entry(disc)));
+    JsonDampedShape {
+        motion: shape.number,
+        not_computed: shape.found.as_ref().err().copied(),
+        shape: EntriesByName(own.collect()),
+        outputs: EntriesByName(outputs.collect()),
     }
 }
 
@@ -739,6 +822,12 @@ fn matrices(system: &LinearSystem, bounds: Bounds) -> Matrices {
     }
 }
 
+/// The values that a shape gives to outputs of displacements, which have no bound.
+fn at_named_outputs(system: &LinearSystem, shape: &[Unproven]) -> OutputsByName {
+    let named = at_outputs(system, shape).into_iter();
+    OutputsByName(named.map(|(name, _, value)| (name, JsonNumber::unproven(value))).collect())
+}
+
 /// Displacements of a shape, which have no bound.
 fn unproven(shape: &[Unproven]) -> Vec<JsonNumber> {
     shape.iter().copied().map(JsonNumber::unproven).collect()
@@ -761,6 +850,7 @@ fn json_mode<'a>(
         frequency_hz: JsonNumber::of(frequency),
         growth_rate: JsonNumber::of(growth),
         omega_error_bound: bounds.of(mode.error_bound()),
+        outputs: options.all_shapes.then(|| at_named_outputs(&answer.system, &normalise(mode, options.normalise))),
         shape: ByName { names, values: unproven(&normalise(mode, options.normalise)) },
         kinetic: shares(&mode.kinetic, |of| system.display(of)),
         strain: shares(&mode.strain, |of| system.display(of)),

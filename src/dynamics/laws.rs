@@ -139,7 +139,7 @@ fn finding(scene: &crate::model::scene::Scene, law: &LawAtRest, reached: &Measur
 }
 
 /// Two digits.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
     if (1e-3..1e5).contains(&rounded) { rounded.to_string() } else { format!("{value:.1e}") }
 }

@@ -3,8 +3,10 @@
 //! here. See docs/method/rest.md, docs/method/linearisation.md and docs/method/response.md.
 
 mod laws;
+mod records;
 
 pub use laws::{beyond_tangents, laws_in_code, laws_under_noise, names_of_laws};
+pub use records::drifts;
 
 use crate::analysis::{self, damping};
 use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};

@@ -12,6 +12,7 @@ mod clients;
 mod command_line;
 mod comparisons;
 mod components;
+mod damped_shapes;
 mod damping;
 mod diagnostics;
 mod documents;

@@ -95,6 +95,27 @@ fn pulses_move_an_oscillator_as_their_closed_forms_say() {
 const SHAKEN: &str = "body b { mass = 2 kg, moves x }\nbase g { moves x } = SIGNAL\nspring s: g -- b { k = 50 N/m }\n\
                       output z = b.x - g.x\noutput u = g.x\noutput v = g.vx\noutput a = b.ax\n";
 
+/// A record whose accelerations do not add up: 2 t up to 1 s, then 2 - 3 (t - 1) up to 2 s leaves 1.5 m/s, after
+/// 1/3 + 1 + 1/2 m. One that adds up says nothing, and nor does a velocity.
+#[test]
+fn a_record_that_drifts_is_noted() {
+    let told = |record: &str| {
+        let (model, tables) = (SHAKEN.replace("SIGNAL", "table(\"quake.csv\")"), [("quake.csv", record)]);
+        String::from_utf8_lossy(&ran(&model, &tables, &["simulate", "--until", "3 s", "--step", "1 s"]).stderr)
+            .into_owned()
+    };
+    let note = told("t [s], a [m/s^2]\n0, 0\n1, 2\n2, -1\n");
+    assert!(
+        note.contains("vib::table::drift") && note.contains("at about 1.5 m/s, 1.8 m from where it began"),
+        "{note}"
+    );
+    // The first value holds from t = 0 on, and what is before t = 0 does not count: 2 + 1 and 1.
+    assert!(told("t [s], a [m/s^2]\n1, 2\n2, 0\n").contains("at about 3 m/s, 3.7 m from"));
+    assert!(told("t [s], a [m/s^2]\n-1, 0\n1, 2\n").contains("at about 1.5 m/s, 0.67 m from"));
+    assert!(!told("t [s], a [m/s^2]\n0, 0\n1, 2\n2, 0\n3, -2\n4, 0\n").contains("drift"));
+    assert!(!told("t [s], v [m/s]\n0, 0\n1, 2\n2, 0\n").contains("drift"));
+}
+
 /// z'' + w^2 z = -a for z against the base, and the base's own motion from rest by integrals.
 #[test]
 fn a_base_by_its_acceleration_or_rate_starts_at_rest() {

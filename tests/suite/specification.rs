@@ -12,7 +12,7 @@ use vibc::syntax;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
 /// model gives): their pages describe the example in words.
-const IN_WORDS: [&str; 32] = [
+const IN_WORDS: [&str; 33] = [
     "vib::equations::defect",
     "vib::equations::no_form",
     "vib::equations::too_large",
@@ -32,6 +32,7 @@ const IN_WORDS: [&str; 32] = [
     "vib::spectrum::left_out",
     "vib::syntax::character",
     "vib::syntax::more_errors",
+    "vib::table::drift",
     "vib::table::first_column",
     "vib::table::heading",
     "vib::table::order",

@@ -60,7 +60,8 @@ pub(in crate::analysis) fn translates(system: &LinearSystem) -> impl Fn(usize) -
     |i| system.coordinates[i].kind == CoordinateKind::Translation
 }
 
-fn first_largest(shape: &[f64], admitted: impl Fn(usize) -> bool) -> Option<usize> {
+/// The first of the largest admitted entries.
+pub(in crate::analysis) fn first_largest(shape: &[f64], admitted: impl Fn(usize) -> bool) -> Option<usize> {
     let size = |i: usize| if admitted(i) { shape[i].abs() } else { 0.0 };
     let largest = (0..shape.len()).map(size).fold(0.0, f64::max);
     (0..shape.len()).find(|&i| largest > 0.0 && size(i) >= largest * (1.0 - TIE))

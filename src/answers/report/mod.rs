@@ -6,6 +6,7 @@
 //! twenty largest in a sentence. Both take their numbers from the same answers by the same methods (`analysis::derived`,
 //! [`super::ModalAnswer`]), so that neither computes, bounds or judges a number of its own.
 
+mod damped_shapes;
 mod equations;
 mod excitation;
 mod modes;
@@ -21,6 +22,7 @@ mod spectral;
 mod table;
 mod transfer;
 
+pub use modes::at_outputs;
 pub use motion::motion;
 pub use parts::explanation;
 pub use questions::requirements;
@@ -301,6 +303,7 @@ pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
         modes::split_lines(answer),
         excitation::section(answer),
         poles::section(answer, options),
+        damped_shapes::section(answer),
         random::section(answer, options),
         spectral::section(answer, options),
         sensitivities::section(answer),

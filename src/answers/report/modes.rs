@@ -7,8 +7,8 @@ use super::{
 };
 use crate::analysis::{Mode, ModeKind, Normalise, Split, derived, normalise, splits};
 use crate::answers::ModalAnswer;
-use crate::base::Unproven;
-use crate::system::{Coordinate, CoordinateKind, LinearSystem};
+use crate::base::{Number, Unproven};
+use crate::system::{Coordinate, CoordinateId, CoordinateKind, LinearSystem, Output};
 
 /// Number of modes that are listed; the JSON has all.
 pub const MOST: usize = 20;
@@ -25,7 +25,7 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
         blocks.push(line!["undamped modes (", scaling(options.normalise, &answer.system), ")"].into());
         blocks.push(table(answer, options).into());
         blocks.extend(omitted_line(answer).map(Block::from));
-        if options.all_shapes && answer.system.n() > MOST_COLUMNS {
+        if options.all_shapes && (answer.system.n() > MOST_COLUMNS || !answer.system.outputs.is_empty()) {
             blocks.extend(whole_shapes(answer, options).map(Block::from));
         }
     }
@@ -102,6 +102,22 @@ fn fill_table(answer: &ModalAnswer, options: &Options, columns: bool) -> Table {
 /// Number of shapes beside each other, with a row for each coordinate.
 const BESIDE: usize = 6;
 
+/// A shape at the outputs of displacements and angles: name, unit and value of each.
+pub fn at_outputs(system: &LinearSystem, shape: &[Unproven]) -> Vec<(String, String, Unproven)> {
+    let still = |output: &&Output| output.p[1].is_empty() && output.p[2].is_empty();
+    let largest = |row: &[(CoordinateId, Number)]| {
+        row.iter().map(|(i, factor)| (factor.to_f64() * shape[i.index()].0).abs()).fold(0.0, f64::max)
+    };
+    let seen = |output: &Output| {
+        let row = &output.p[0];
+        let sum: f64 = row.iter().map(|(i, factor)| factor.to_f64() * shape[i.index()].0).sum();
+        // What cancels to the rounding of its parts is no motion.
+        let value = if sum.abs() <= NOTHING * largest(row) { 0.0 } else { sum };
+        (system.display(output.name), output.unit.clone(), Unproven(value))
+    };
+    system.outputs.iter().filter(still).map(seen).collect()
+}
+
 /// Every entry of the shapes of the modes that are listed.
 fn whole_shapes<'a>(answer: &'a ModalAnswer, options: &'a Options) -> impl Iterator<Item = Table> + 'a {
     let shapes: Vec<(usize, Vec<Unproven>)> = (answer.modes.numbered().take(MOST))
@@ -112,13 +128,23 @@ fn whole_shapes<'a>(answer: &'a ModalAnswer, options: &'a Options) -> impl Itera
         for (number, _) in some {
             table = table.column(line!["mode ", *number], "", Align::Point);
         }
-        for (place, of) in answer.system.coordinates.iter().enumerate() {
+        let hidden = answer.system.n() > MOST_COLUMNS;
+        for (place, of) in answer.system.coordinates.iter().enumerate().filter(|_| hidden) {
             let unit = if unit(of.kind) == "m" { "[m]" } else { "[rad]" };
             let entries = some.iter().map(|(_, shape)| {
                 let largest = shape.iter().fold(0.0, |largest: f64, entry| largest.max(entry.0.abs()));
                 Cell::from(displacement(shape[place], largest))
             });
             let name = [coordinate(&answer.system, of).into(), unit.into()];
+            table.row(name.into_iter().chain(entries).collect());
+        }
+        let seen: Vec<_> = some.iter().map(|(_, shape)| at_outputs(&answer.system, shape)).collect();
+        for (place, (name, unit, _)) in seen.first().into_iter().flatten().enumerate() {
+            let entries = seen.iter().map(|values| {
+                let value = values[place].2;
+                Cell::from(displacement(value, 0.0))
+            });
+            let name: [Cell; 2] = [name.clone().into(), format!("[{unit}]").into()];
             table.row(name.into_iter().chain(entries).collect());
         }
         table
@@ -148,10 +174,11 @@ fn frequency_cells(number: usize, mode: &Mode, options: &Options) -> Vec<Cell> {
     vec![number.into(), f, omega, period, bound]
 }
 
+/// Entries below this share of the largest are rounding errors, not motion (docs/method/report.md#numbers).
+const NOTHING: f64 = 1e-12;
+
 /// An entry of a shape. Shapes have no bound: binary64 gives them to more digits than are shown.
 fn displacement(entry: Unproven, largest: f64) -> Figure {
-    /// Entries below this share of the largest are rounding errors, not motion (docs/method/report.md#numbers).
-    const NOTHING: f64 = 1e-12;
     let number = if entry.0.abs() <= NOTHING * largest { Unproven(0.0) } else { entry };
     Figure::of(Value::Unproven { number, digits: SHAPE_DIGITS })
 }

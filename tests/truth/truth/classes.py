@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, transfer
+from . import coupled, damped_shapes, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, transfer
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,7 @@ ALL = {
     "solve": Class(solving.scene, solving.check, 5000, 60),
     "sensitivities": Class(sensitivities.scene, sensitivities.check, 10000, 100),
     "coupled": Class(coupled.scene, coupled.check, 5000, 60),
+    "damped_shapes": Class(damped_shapes.scene, damped_shapes.check, 5000, 40),
     "emitted": Class(emitted.scene, emitted.check, 2000, 15),
     "equations": Class(equations.scene, equations.check, 2000, 12),
     "examples": Class(equations_examples.scene, equations_examples.check, len(equations_examples.ALL), len(equations_examples.ALL)),
