@@ -355,7 +355,7 @@ fn reported(
     let Lowered { system, rest, .. } = known.lowered;
     // About a rest that is not proven no number would have a bound.
     let noises = if rest.is_proven() { dynamics::noises(&reading.scene) } else { Vec::new() };
-    let noisy = analysis::random::outputs(&system, &modes, &noises);
+    let noisy = analysis::random::outputs(&system, &modes, &poles, &noises);
     let spectra = if rest.is_proven() { dynamics::spectra(&reading.scene) } else { Vec::new() };
     let spectral = analysis::response_spectrum::maxima(&system, &modes, &spectra, study.spectra);
     let sensitivities = match study.sensitivity {

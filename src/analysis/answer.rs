@@ -1,5 +1,6 @@
 //! The answers of the analyses.
 
+use crate::analysis::poles::companion::StateForm;
 use crate::analysis::poles::coordinates::PoleCoordinates;
 use crate::analysis::poles::count::PoleCount;
 use crate::analysis::poles::residues::Residues;
@@ -176,6 +177,8 @@ pub struct Poles {
     pub residues: Option<Arc<Residues>>,
     /// The motion in coordinates of the poles, where it was asked for and proved.
     pub coordinates: Option<Arc<PoleCoordinates>>,
+    /// The state matrix with its Schur form, where the poles were found by one of a system that is one part.
+    pub(crate) state: Option<Arc<StateForm>>,
 }
 
 impl Poles {

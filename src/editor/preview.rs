@@ -33,7 +33,7 @@ pub fn page(document: &Document) -> Option<String> {
         true => (lower::noises(&known.scene), lower::spectra(&known.scene)),
         false => Default::default(),
     };
-    let noisy = analysis::random::outputs(&motions.system, &modal.modes, &noises);
+    let noisy = analysis::random::outputs(&motions.system, &modal.modes, &modal.poles, &noises);
     let added = analysis::response_spectrum::Additions::default();
     let spectral = analysis::response_spectrum::maxima(&motions.system, &modal.modes, &spectra, added);
     let overview = Overview::known(Lowered {

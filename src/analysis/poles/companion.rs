@@ -102,6 +102,12 @@ impl Basis {
         Some(slow.followed_by(taken, &fast, left))
     }
 
+    /// The state matrix with the Schur form of it that a spectrum came from.
+    pub fn state_form(&self, spectrum: Spectrum) -> Option<StateForm> {
+        let family = spectrum.families.into_iter().find(|family| family.inverse.is_none())?;
+        Some(StateForm { matrix: self.state_matrix(), form: family.form })
+    }
+
     fn eigen(&self, matrix: &DMatrix<f64>) -> Option<pseudosymmetric::Eigen> {
         let n = matrix.nrows();
         let moving = self.n() - self.rigid();
@@ -179,6 +185,24 @@ impl Basis {
             }
         }
         Some(inverse)
+    }
+}
+
+/// The state matrix of the modes of a system, and its Schur form: a start for other computations as well.
+#[derive(Clone, Debug)]
+pub struct StateForm {
+    matrix: DMatrix<f64>,
+    form: SchurForm,
+}
+
+impl StateForm {
+    /// The Schur form of a matrix that is this one but for rounding.
+    pub fn of(&self, matrix: &DMatrix<f64>) -> Option<&SchurForm> {
+        const ROUNDING: f64 = 1e-13;
+        let largest = self.matrix.iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
+        let is_near = |(x, y): (&f64, &f64)| (x - y).abs() <= ROUNDING * largest;
+        let is_same = self.matrix.shape() == matrix.shape() && self.matrix.iter().zip(matrix.iter()).all(is_near);
+        is_same.then_some(&self.form)
     }
 }
 

@@ -3,6 +3,7 @@
 //! See docs/method/poles.md#definition and docs/method/poles.md#kinds-and-stability.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Route, modulus};
+use crate::analysis::poles::companion::StateForm;
 use crate::analysis::poles::coordinates::PoleCoordinates;
 use crate::analysis::poles::count::Tally;
 use crate::analysis::poles::discs::PoleEnclosure;
@@ -31,6 +32,8 @@ pub struct PoleList {
     pub residues: Option<Residues>,
     /// The same.
     pub coordinates: Option<PoleCoordinates>,
+    /// The same.
+    pub state: Option<StateForm>,
 }
 
 /// The known facts about a pole that is not exactly zero.
@@ -247,6 +250,7 @@ impl PoleList {
             list: self.list,
             residues: self.residues.map(Arc::new),
             coordinates: self.coordinates.map(Arc::new),
+            state: self.state.map(Arc::new),
             ..Poles::default()
         }
     }

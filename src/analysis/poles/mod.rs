@@ -60,6 +60,8 @@ use std::sync::Arc;
 /// Up to this many coupled coordinates, all poles are computed if all modes are requested; without a request, up to
 /// `MAX_UNASKED`.
 pub const MAX_DAMPED: usize = 1_000;
+/// Up to this many coordinates, the Schur form is kept for other computations.
+const MOST_KEPT: usize = 150;
 /// From this many coordinates on, all pairs are first refined at once.
 const TOGETHER: usize = 24;
 
@@ -384,6 +386,7 @@ impl Portion<'_> {
             starts.iter().enumerate().filter_map(|(seed, &start)| refine(&working, &basis, start, seed)).collect()
         };
         let together = || refine_together(&working, &basis, &basis.starts()?).map(certified);
+        let mut state = None;
         let (mut pairs, mut discs, mut more): (_, _, FromProof) = if pencil.n >= TOGETHER { together() } else { None }
             .filter(|(_, discs, _)| all_apart(discs))
             .unwrap_or_default();
@@ -393,6 +396,7 @@ impl Portion<'_> {
             if !all_apart(&discs) {
                 (pairs, discs, more) = certified(one_by_one(&aberth(&basis, &spectrum.values())));
             }
+            state = basis.state_form(spectrum).filter(|_| pencil.n == self.system.n() && pencil.n <= MOST_KEPT);
         }
         if !all_apart(&discs) && self.exact(modes, found) {
             return Ok(());
@@ -414,7 +418,7 @@ impl Portion<'_> {
         found.unknown(lost);
         found.zeros(zeros);
         found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));
-        (found.residues, found.coordinates) = (more.residues, more.coordinates);
+        (found.residues, found.coordinates, found.state) = (more.residues, more.coordinates, state);
         Ok(())
     }
 

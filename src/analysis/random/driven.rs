@@ -11,6 +11,7 @@ use super::undamped::{Excited, Undamped};
 use super::{Reach, Spread, finite, why};
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::forms::{applied, dense, is_certain};
+use crate::analysis::poles::companion::StateForm;
 use crate::analysis::transfer::{Frequency, Transfer};
 use crate::base::{Ball, Density, Number, Rational, Unproven};
 use crate::system::{LinearSystem, Noise, Output};
@@ -51,8 +52,9 @@ impl<'a> Driven<'a> {
         modes: Cow<'a, Modes>,
         noises: &'a [Noise],
         numbers: Vec<usize>,
+        known: Option<&StateForm>,
     ) -> Driven<'a> {
-        let space = Space::of(&system, &modes);
+        let space = Space::of(&system, &modes, known);
         let sources: Vec<Source> = noises.iter().map(|noise| Source::of(&system, noise)).collect();
         let covariance = space.as_ref().ok().and_then(|space| {
             let white =

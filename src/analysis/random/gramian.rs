@@ -10,6 +10,7 @@ use super::channel::Channel;
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::forms::dense;
 use crate::analysis::modes::form::{ModalForm, gram, off_diagonal};
+use crate::analysis::poles::companion::StateForm;
 use crate::analysis::poles::schur::SchurForm;
 use crate::base::{Ball, Dd, Number, larger, rounding::UNIT, up};
 use crate::kernel::dense::Matrix;
@@ -85,7 +86,8 @@ pub struct Covariance {
 }
 
 impl Space {
-    pub fn of(system: &LinearSystem, modes: &Modes) -> Result<Space, Obstacle> {
+    /// `known`: a Schur form that may be that of the system's state matrix.
+    pub fn of(system: &LinearSystem, modes: &Modes, known: Option<&StateForm>) -> Result<Space, Obstacle> {
         let n = system.n();
         if n == 0 {
             return Err(Obstacle::Empty);
@@ -135,7 +137,7 @@ impl Space {
         let is_passive = system.c.terms().iter().all(|term| term.weight.is_positive());
         let (panel, certificate) = (Panel::of(&c), None);
         let mut space = Space { n, shapes: form.shapes, s, k, a, c, panel, of_m, of_k, is_passive, certificate };
-        space.certificate = space.certify(start);
+        space.certificate = space.certify(start, known);
         Ok(space)
     }
 
@@ -145,13 +147,16 @@ impl Space {
     }
 
     /// Finds G and proves that it is a certificate. `start`: A in binary64.
-    fn certify(&self, start: DMatrix<f64>) -> Option<Certificate> {
+    fn certify(&self, start: DMatrix<f64>, known: Option<&StateForm>) -> Option<Certificate> {
         let (n, size) = (self.n, 2 * self.n);
         let most = (0..n).map(|i| self.c[(i, i)].to_f64()).fold(0.0, f64::max);
         if most <= 0.0 {
             return None;
         }
-        let schur = SchurForm::of(start)?;
+        let schur = match known.and_then(|known| known.of(&start)) {
+            Some(form) => form.clone(),
+            None => SchurForm::of(start)?,
+        };
         let damping = |i: usize| self.c[(i % n, i % n)].to_f64().max(1e-12 * most);
         let d: Vec<f64> = (0..size).map(damping).collect();
         let scale: Vec<f64> = d.iter().map(|d| up::FEW / d.sqrt()).collect();

@@ -18,8 +18,9 @@ mod source;
 mod undamped;
 mod weight;
 
-use crate::analysis::answer::Modes;
+use crate::analysis::answer::{Modes, Poles};
 use crate::analysis::modes::parts::independent;
+use crate::analysis::poles::companion::StateForm;
 use crate::analysis::transfer::Transfer;
 use crate::base::{Ball, Number, Unproven};
 use crate::system::{CoordinateId, LinearSystem, Noise, Output};
@@ -52,6 +53,8 @@ pub struct Random<'a> {
     system: &'a LinearSystem,
     modes: &'a Modes,
     noises: &'a [Noise],
+    /// A Schur form that may be that of the whole system.
+    known: Option<&'a StateForm>,
     reach: Reach,
     driven: Vec<bool>,
     whole: OnceCell<Driven<'a>>,
@@ -142,7 +145,12 @@ impl<'a> Random<'a> {
                 some.push(Subset { parts, basis: Basis::of_coordinates(system.n(), &kept), driven: OnceCell::new() });
             }
         }
-        Random { system, modes, noises, reach, driven, whole: OnceCell::new(), some }
+        Random { system, modes, noises, known: None, reach, driven, whole: OnceCell::new(), some }
+    }
+
+    /// With what the search for these poles of the system has found.
+    pub fn with(self, poles: &'a Poles) -> Random<'a> {
+        Random { known: poles.state.as_deref(), ..self }
     }
 
     /// The system by which an output goes, and the output there.
@@ -152,14 +160,17 @@ impl<'a> Random<'a> {
             let of = || {
                 let (numbers, modes) = self.modes_of(&some.parts)?;
                 let system = Cow::Owned(some.basis.system(self.system));
-                Some(Driven::of(system, Cow::Owned(modes), self.noises, numbers))
+                Some(Driven::of(system, Cow::Owned(modes), self.noises, numbers, None))
             };
             let driven = some.driven.get_or_init(of).as_ref()?;
             Some((driven, Cow::Owned(some.basis.output(output))))
         });
         let (driven, output) = found.unwrap_or_else(|| {
             let numbers = (1..=self.modes.list.len()).collect();
-            let of = || Driven::of(Cow::Borrowed(self.system), Cow::Borrowed(self.modes), self.noises, numbers);
+            let of = || {
+                let (system, modes) = (Cow::Borrowed(self.system), Cow::Borrowed(self.modes));
+                Driven::of(system, modes, self.noises, numbers, self.known)
+            };
             (self.whole.get_or_init(of), Cow::Borrowed(output))
         });
         match driven.without_undamped(&output) {
@@ -266,11 +277,11 @@ pub struct Noisy {
 }
 
 /// Every output that noise reaches.
-pub fn outputs(system: &LinearSystem, modes: &Modes, noises: &[Noise]) -> Vec<Noisy> {
+pub fn outputs(system: &LinearSystem, modes: &Modes, poles: &Poles, noises: &[Noise]) -> Vec<Noisy> {
     if noises.is_empty() {
         return Vec::new();
     }
-    let random = Random::of(system, modes, noises);
+    let random = Random::of(system, modes, noises).with(poles);
     let transfer = Transfer::of(system);
     let reached = system.outputs.iter().enumerate().filter(|(_, output)| random.reaches(output));
     let of = |(index, output): (usize, &Output)| {

@@ -40,7 +40,7 @@ pub fn realisation(
 ) -> Result<Vec<Vec<Ball>>, &'static str> {
     let outputs: Vec<usize> = (0..system.outputs.len()).collect();
     let transfer = Transfer::of(system);
-    if !Space::of(system, modes).map_err(why)?.decays() {
+    if !Space::of(system, modes, None).map_err(why)?.decays() {
         return Err(why(Obstacle::NotStable));
     }
     let until = times.last().cloned().unwrap_or(Number::ZERO);

@@ -60,7 +60,7 @@ impl<'a> Undamped<'a> {
         let other_basis = Basis::of_columns(n, &others);
         let other = other_basis.system(system);
         let rest = modes(&other).ok().filter(does_swing).map(|modes| {
-            let driven = Driven::of(Cow::Owned(other), Cow::Owned(modes), noises, Vec::new());
+            let driven = Driven::of(Cow::Owned(other), Cow::Owned(modes), noises, Vec::new(), None);
             (other_basis, Box::new(driven))
         });
         Some(Undamped { basis, system: own, modes: own_modes, rest })

@@ -223,7 +223,7 @@ impl<'a> Run<'a> {
         let mut stops: Vec<(Number, Stop)> = Vec::new();
         for (channel, c) in self.channels.iter().enumerate() {
             let events = c.source.events().into_iter().enumerate();
-            stops.extend(events.map(|(piece, at)| (at, Stop::Event { channel, piece })));
+            stops.extend(events.map(|(piece, at)| (at.clone(), Stop::Event { channel, piece })));
         }
         stops.extend(times.iter().map(|time| (time.clone(), Stop::Sample)));
         let is_sample = |stop: &Stop| matches!(stop, Stop::Sample);

@@ -77,11 +77,11 @@ impl Source {
     }
 
     /// The times of its events.
-    pub fn events(&self) -> Vec<Number> {
+    pub fn events(&self) -> Vec<&Number> {
         match self {
-            Source::Harmonic { at, .. } => vec![at.clone()],
-            Source::Pieces { pieces, .. } => pieces.iter().map(|piece| piece.at.clone()).collect(),
-            Source::Impulse { at, .. } => vec![at.clone()],
+            Source::Harmonic { at, .. } => vec![at],
+            Source::Pieces { pieces, .. } => pieces.iter().map(|piece| &piece.at).collect(),
+            Source::Impulse { at, .. } => vec![at],
         }
     }
 }

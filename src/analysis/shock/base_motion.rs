@@ -2,17 +2,18 @@
 //! the events. In: signals of its displacement, velocity or acceleration. Out: one segment after another.
 
 use super::Refusal;
-use crate::analysis::response::signal::{Piece, Source, order};
+use crate::analysis::response::signal::{Source, order};
 use crate::base::{Ball, Number};
 use crate::system::Signal;
 use std::cmp::Ordering;
 
 /// The acceleration from one event to the next.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Segment {
-    pub length: Number,
-    /// a, a', a'', ... at its start.
-    pub derivatives: Vec<Ball>,
+    /// The index of its length.
+    pub class: u32,
+    /// Where its derivatives begin.
+    first: usize,
 }
 
 /// Jumps of the displacement and the velocity at the start of a segment.
@@ -27,8 +28,12 @@ pub struct Jump {
 pub struct BaseMotion {
     /// At rest before the first one.
     pub segments: Vec<Segment>,
+    /// The different lengths of segments; some may be there more than once.
+    pub lengths: Vec<Ball>,
     /// By ascending segment; one may be at the end, with the number of segments.
     pub jumps: Vec<Jump>,
+    /// a, a', a'', ... at the starts of the segments.
+    derivatives: Vec<Ball>,
     /// The acceleration after the last event, which does not change.
     pub last: Ball,
     /// A bound of the error of every acceleration, of a chirp's polynomials.
@@ -36,6 +41,9 @@ pub struct BaseMotion {
     /// The time of the last event.
     pub end: Number,
 }
+
+/// Lengths with which the next one is compared.
+const RECENT: usize = 8;
 
 impl BaseMotion {
     pub fn of(signals: &[Signal], derivative: u8) -> Result<BaseMotion, Refusal> {
@@ -53,35 +61,63 @@ impl BaseMotion {
                 source => sources.push(source),
             }
         }
-        let mut times: Vec<Number> = sources.iter().flat_map(Source::events).collect();
+        let mut times: Vec<&Number> = sources.iter().flat_map(Source::events).collect();
         if sources.len() > 1 {
-            times.sort_by(order);
+            times.sort_by(|a, b| order(a, b));
         }
         times.dedup_by(|later, earlier| order(later, earlier) == Ordering::Equal);
-        let (Some(first), Some(end)) = (times.first().cloned(), times.last().cloned()) else {
-            return Err(Refusal::NoSignal);
-        };
+        let [first, others @ ..] = &times[..] else { return Err(Refusal::NoSignal) };
         let own = usize::from(derivative);
         let error = sources.iter().map(|source| source.approximation(2 - own)).sum::<f64>().next_up();
         let mut course = Course { sources: &sources, places: vec![0; sources.len()], derivative: own };
-        let (mut segments, mut jumps) = (Vec::with_capacity(times.len()), Vec::new());
-        let mut now = first;
-        let mut ahead = times.iter().skip(1);
-        let last = loop {
-            let [displacement, velocity] = course.jumps(&now);
-            if !(displacement.is_zero() && velocity.is_zero()) {
-                jumps.push(Jump { segment: segments.len(), displacement, velocity });
-            }
-            let derivatives = course.acceleration(&now);
-            let Some(next) = ahead.next() else { break derivatives };
-            segments.push(Segment { length: next - &now, derivatives });
-            now = next.clone();
+        let mut motion = BaseMotion {
+            segments: Vec::with_capacity(others.len()),
+            lengths: Vec::new(),
+            jumps: Vec::new(),
+            derivatives: Vec::with_capacity(2 * times.len()),
+            last: Ball::ZERO,
+            error,
+            end: (*others.last().unwrap_or(first)).clone(),
         };
-        if last.len() > 1 {
-            return Err(Refusal::Endless);
+        let mut lengths: Vec<Number> = Vec::new();
+        for (i, now) in times.iter().enumerate() {
+            let [displacement, velocity] = course.jumps(now);
+            if !(displacement.is_zero() && velocity.is_zero()) {
+                motion.jumps.push(Jump { segment: i, displacement, velocity });
+            }
+            let first = motion.derivatives.len();
+            course.acceleration(now, &mut motion.derivatives);
+            let Some(next) = times.get(i + 1) else {
+                let last = &motion.derivatives[first..];
+                if last.len() > 1 {
+                    return Err(Refusal::Endless);
+                }
+                motion.last = last.first().copied().unwrap_or(Ball::ZERO);
+                motion.derivatives.truncate(first);
+                continue;
+            };
+            let class = index(&mut lengths, *next - *now);
+            motion.segments.push(Segment { class: class as u32, first });
         }
-        Ok(BaseMotion { segments, jumps, last: last.first().copied().unwrap_or(Ball::ZERO), error, end })
+        motion.lengths = lengths.iter().map(Number::to_ball).collect();
+        Ok(motion)
     }
+
+    /// a, a', a'', ... at the start of a segment.
+    pub fn derivatives(&self, segment: usize) -> &[Ball] {
+        let end = self.segments.get(segment + 1).map_or(self.derivatives.len(), |next| next.first);
+        &self.derivatives[self.segments[segment].first..end]
+    }
+}
+
+/// The index of a length among the known ones, the last of which are compared with it.
+fn index(known: &mut Vec<Number>, length: Number) -> usize {
+    let recent = known.len().saturating_sub(RECENT);
+    if let Some(place) = known[recent..].iter().rposition(|other| *other == length) {
+        return recent + place;
+    }
+    known.push(length);
+    known.len() - 1
 }
 
 /// A walk through the pieces of all sources.
@@ -128,36 +164,25 @@ impl Course<'_> {
         sum
     }
 
-    /// The acceleration and its derivatives from now on.
-    fn acceleration(&self, now: &Number) -> Vec<Ball> {
-        let mut sum: Vec<Ball> = Vec::new();
+    /// Adds the acceleration and its derivatives from now on to a list.
+    fn acceleration(&self, now: &Number, list: &mut Vec<Ball>) {
+        let (first, lower) = (list.len(), 2 - self.derivative);
         for (source, place) in self.sources.iter().zip(&self.places) {
             let Source::Pieces { pieces, .. } = source else { continue };
             let Some(piece) = place.checked_sub(1).map(|last| &pieces[last]) else { continue };
-            let mut all = here(piece, now);
-            if sum.is_empty() {
-                all.drain(..all.len().min(2 - self.derivative));
-                sum = all;
-                continue;
-            }
-            for (k, value) in all.into_iter().skip(2 - self.derivative).enumerate() {
-                match sum.get_mut(k) {
-                    Some(known) => *known = *known + value,
-                    None => sum.push(value),
-                }
+            let mut add = |k: usize, value: Ball| match list.get_mut(first + k) {
+                Some(known) => *known = *known + value,
+                None => list.push(value),
+            };
+            if piece.at == *now {
+                let all = piece.derivatives.iter().skip(lower).enumerate();
+                all.for_each(|(k, value)| add(k, value.to_ball()));
+            } else {
+                piece.at_time(now).into_iter().skip(lower).enumerate().for_each(|(k, value)| add(k, value));
             }
         }
-        while sum.last().is_some_and(Ball::is_zero) {
-            sum.pop();
+        while list.len() > first && list.last().is_some_and(Ball::is_zero) {
+            list.pop();
         }
-        sum
     }
-}
-
-/// All derivatives of a piece at a time.
-fn here(piece: &Piece, now: &Number) -> Vec<Ball> {
-    if piece.at == *now {
-        return piece.derivatives.iter().map(Number::to_ball).collect();
-    }
-    piece.at_time(now)
 }

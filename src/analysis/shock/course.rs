@@ -1,11 +1,11 @@
 //! The motion of a base in pieces for binary64, the same for all oscillators: segments with what bounds them, and the division
 //! of one into the short steps of a frequency. In: the motion in balls. Out: values with bounds of their errors.
 
-use super::base_motion::{BaseMotion, Segment};
+use super::base_motion::BaseMotion;
 use super::entries::INTO;
 use super::oscillator::LONGEST;
 use crate::base::rounding::UNIT;
-use crate::base::{Ball, Number, two_to, up};
+use crate::base::{Ball, two_to, up};
 
 /// A piece is at most 2 to this power steps of the fastest oscillator: its entries come from as many doublings.
 const DOUBLINGS: u32 = 20;
@@ -40,10 +40,7 @@ pub struct JumpAt {
 
 pub struct Course<'a> {
     motion: &'a BaseMotion,
-    /// The different lengths of segments; for each segment the index of its length.
-    lengths: Vec<Ball>,
-    class: Vec<u32>,
-    /// For each length, how many segments have it, and into how many pieces each of these is divided, a power of two.
+    /// For each length of segments, how many segments have it, and into how many pieces each of these is divided, a power of two.
     counts: Vec<f64>,
     cuts: Vec<f64>,
     /// The most derivatives that an acceleration has, the acceleration among them; at least two.
@@ -57,27 +54,29 @@ pub struct Course<'a> {
 impl<'a> Course<'a> {
     /// The lengths alone, without pieces. `fastest`: the largest omega max(1, 2 zeta).
     pub fn of(motion: &'a BaseMotion, fastest: f64) -> Course<'a> {
-        let (lengths, class, counts) = classes(&motion.segments);
+        let mut counts = vec![0.0; motion.lengths.len()];
+        motion.segments.iter().for_each(|segment| counts[segment.class as usize] += 1.0);
         let cuts = |length: &Ball| (parts(length.magnitude(), fastest) * two_to(-(DOUBLINGS as i32))).max(1.0);
-        let cuts = lengths.iter().map(cuts).collect();
-        let terms = motion.segments.iter().map(|segment| segment.derivatives.len()).max().unwrap_or(0).max(2);
+        let cuts = motion.lengths.iter().map(cuts).collect();
+        let terms = (0..motion.segments.len()).map(|segment| motion.derivatives(segment).len()).fold(2, usize::max);
         let (pieces, bends, jumps) = (Vec::new(), Vec::new(), Vec::new());
-        Course { motion, lengths, class, counts, cuts, terms, pieces, bends, jumps }
+        Course { motion, counts, cuts, terms, pieces, bends, jumps }
     }
 
     /// With its pieces.
     pub fn filled(mut self) -> Course<'a> {
         let all: f64 = self.counts.iter().zip(&self.cuts).map(|(count, cuts)| count * cuts).sum();
         self.pieces.reserve(all as usize);
-        let mut jumps = self.motion.jumps.iter().peekable();
-        for segment in 0..self.class.len() {
+        let motion = self.motion;
+        let mut jumps = motion.jumps.iter().peekable();
+        let whole: Vec<Ball> = (0..self.classes()).map(|class| self.length(class, 1.0)).collect();
+        for (segment, of) in motion.segments.iter().enumerate() {
             if let Some(jump) = jumps.next_if(|jump| jump.segment == segment) {
                 self.jumps.push(self.jump(jump.displacement, jump.velocity));
             }
-            let class = self.class[segment];
-            let h = self.length(class as usize, 1.0);
-            for part in 0..self.cuts[class as usize] as u32 {
-                self.add(Piece { class, segment: segment as u32, part, ..NONE }, h);
+            for part in 0..self.cuts[of.class as usize] as u32 {
+                let piece = Piece { class: of.class, segment: segment as u32, part, ..NONE };
+                self.add(piece, whole[of.class as usize]);
             }
         }
         if let Some(jump) = jumps.next() {
@@ -92,12 +91,12 @@ impl<'a> Course<'a> {
 
     /// The number of lengths of pieces.
     pub fn classes(&self) -> usize {
-        self.lengths.len()
+        self.counts.len()
     }
 
     /// The length of a step of which a piece has so many, a power of two.
     pub fn length(&self, class: usize, steps: f64) -> Ball {
-        self.lengths[class] * Ball::from(1.0 / (steps * self.cuts[class]))
+        self.motion.lengths[class] * Ball::from(1.0 / (steps * self.cuts[class]))
     }
 
     /// The number of steps in a piece, a power of two.
@@ -113,7 +112,7 @@ impl<'a> Course<'a> {
 
     /// Adds a piece of the length h.
     fn add(&mut self, mut piece: Piece, h: Ball) {
-        let all = &self.motion.segments[piece.segment as usize].derivatives;
+        let all = self.motion.derivatives(piece.segment as usize);
         let bends = &mut self.bends;
         describe(&mut piece, all, self.terms, h, self.motion.error, |_, value| bends.push(value));
         self.pieces.push(piece);
@@ -121,7 +120,7 @@ impl<'a> Course<'a> {
 
     /// A step of a piece, its number counted from the start of the segment, with its derivatives from the second one on.
     pub fn step(&self, class: u32, segment: u32, part: u32, h: Ball, bends: &mut [f64]) -> Piece {
-        let all = &self.motion.segments[segment as usize].derivatives;
+        let all = self.motion.derivatives(segment as usize);
         let mut step = Piece { class, segment, part, ..NONE };
         describe(&mut step, all, self.terms, h, self.motion.error, |k, value| bends[k - 2] = value);
         step
@@ -130,26 +129,6 @@ impl<'a> Course<'a> {
 
 const NONE: Piece =
     Piece { class: 0, segment: 0, part: 0, line: [0.0; 2], most: 0.0, rise: 0.0, reach: 0.0, added: 0.0 };
-
-/// The different lengths, the index of that of each segment, and how many have it.
-fn classes(segments: &[Segment]) -> (Vec<Ball>, Vec<u32>, Vec<f64>) {
-    /// Lengths that are compared with the next one.
-    const RECENT: usize = 8;
-    let (mut known, mut counts): (Vec<&Number>, Vec<f64>) = (Vec::new(), Vec::new());
-    let mut class = Vec::with_capacity(segments.len());
-    for Segment { length, .. } in segments {
-        let recent = known.len().saturating_sub(RECENT);
-        let found = known[recent..].iter().rposition(|other| *other == length);
-        let place = found.map_or(known.len(), |place| recent + place);
-        if place == known.len() {
-            known.push(length);
-            counts.push(0.0);
-        }
-        counts[place] += 1.0;
-        class.push(place as u32);
-    }
-    (known.into_iter().map(Number::to_ball).collect(), class, counts)
-}
 
 /// The least power of two of steps.
 fn parts(length: f64, fastest: f64) -> f64 {

@@ -13,8 +13,10 @@ pub const LIGHT: f64 = 0.5;
 pub const INTO: f64 = 1.2248;
 pub const OUT_OF: f64 = 1.4143;
 
-/// A row of entries, one for each lane.
-pub type Row = [f64; LANES];
+/// A row of entries, one for each lane, in one line of the cache.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub struct Row(pub [f64; LANES]);
 
 /// Rows of any step. From [`row::FORCING`] on there are two for each derivative of the acceleration, first for x and then for v;
 /// those of [`short`] or [`whole`] follow.
@@ -72,7 +74,7 @@ pub struct Entries {
 impl Table {
     fn new(classes: usize, terms: usize, more: usize) -> Table {
         let common = row::FORCING + 2 * terms;
-        Table { rows: vec![[0.0; LANES]; classes * (common + more)], common, each: common + more }
+        Table { rows: vec![Row([0.0; LANES]); classes * (common + more)], common, each: common + more }
     }
 
     /// The rows that any step has, and the further ones.
@@ -118,11 +120,11 @@ fn put_short((rows, more): (&mut [Row], &mut [Row]), lane: usize, step: &Step, [
     put(rows, lane, step, damping, theta);
     let (long, length, zeta) = (theta.magnitude(), h.magnitude(), damping.magnitude());
     let (bent, curved) = (long / 12.0, 1.0 + 2.0 * zeta + 4.0 * zeta * zeta);
-    more[short::THETA][lane] = theta.mid.hi;
-    more[short::BENT][lane] = bent * length * length * up::DOZENS;
-    more[short::DRIVEN][lane] = length * (bent * long * (2.0 * zeta + long * curved) + 32.0 * UNIT) * up::DOZENS;
-    more[short::OWN][lane] = (bent * long * long * curved + 32.0 * UNIT) * up::DOZENS;
-    more[short::LENGTH][lane] = length;
+    more[short::THETA].0[lane] = theta.mid.hi;
+    more[short::BENT].0[lane] = bent * length * length * up::DOZENS;
+    more[short::DRIVEN].0[lane] = length * (bent * long * (2.0 * zeta + long * curved) + 32.0 * UNIT) * up::DOZENS;
+    more[short::OWN].0[lane] = (bent * long * long * curved + 32.0 * UNIT) * up::DOZENS;
+    more[short::LENGTH].0[lane] = length;
 }
 
 fn put_whole((rows, more): (&mut [Row], &mut [Row]), lane: usize, step: &Step, [omega, damping, h]: [Ball; 3]) {
@@ -131,24 +133,24 @@ fn put_whole((rows, more): (&mut [Row], &mut [Row]), lane: usize, step: &Step, [
     let rate = Ball::ONE / omega;
     let sway = rate.square();
     let parts = rate.magnitude() * (2.0 + (1.0 + 2.0 * damping.magnitude()) / theta.mignitude());
-    more[whole::RATE][lane] = rate.mid.hi;
-    more[whole::LAG][lane] = -2.0 * (damping * sway).mid.hi;
-    more[whole::SWAY][lane] = sway.mid.hi;
-    more[whole::RISE][lane] = (h * rate).mid.hi;
-    more[whole::SLACK][lane] = 16.0 * UNIT * parts * up::DOZENS + TINY;
+    more[whole::RATE].0[lane] = rate.mid.hi;
+    more[whole::LAG].0[lane] = -2.0 * (damping * sway).mid.hi;
+    more[whole::SWAY].0[lane] = sway.mid.hi;
+    more[whole::RISE].0[lane] = (h * rate).mid.hi;
+    more[whole::SLACK].0[lane] = 16.0 * UNIT * parts * up::DOZENS + TINY;
 }
 
 /// The rows that both kinds of steps have.
 fn put(rows: &mut [Row], lane: usize, step: &Step, damping: Ball, theta: Ball) {
     let Step { own, forcing } = step;
-    rows[row::A11][lane] = own[0].mid.hi;
-    rows[row::A12][lane] = own[1].mid.hi;
-    rows[row::A22][lane] = own[2].mid.hi;
+    rows[row::A11].0[lane] = own[0].mid.hi;
+    rows[row::A12].0[lane] = own[1].mid.hi;
+    rows[row::A22].0[lane] = own[2].mid.hi;
     let is_light = damping.magnitude() <= LIGHT;
-    rows[row::DECAY][lane] = if is_light { decay((damping * theta).mignitude()) } else { 1.0 };
+    rows[row::DECAY].0[lane] = if is_light { decay((damping * theta).mignitude()) } else { 1.0 };
     for (k, (x, v)) in forcing.iter().enumerate() {
-        rows[row::FORCING + 2 * k][lane] = x.mid.hi;
-        rows[row::FORCING + 2 * k + 1][lane] = v.mid.hi;
+        rows[row::FORCING + 2 * k].0[lane] = x.mid.hi;
+        rows[row::FORCING + 2 * k + 1].0[lane] = v.mid.hi;
     }
 }
 
@@ -168,15 +170,15 @@ fn decay(z: f64) -> f64 {
 pub fn after<V: Eight>(rows: &[Row], line: [f64; 2], bends: &[f64], [x, v]: [V; 2]) -> [V; 2] {
     let [a11, a12, a22, _, f0, g0, f1, g1, others @ ..] = rows else { return [x, v] };
     let (d0, d1) = (V::splat(line[0]), V::splat(line[1]));
-    let mut x1 = V::load(f1).mul_add(d1, V::load(f0) * d0);
-    let mut v1 = V::load(g1).mul_add(d1, V::load(g0) * d0);
+    let mut x1 = V::load(&f1.0).mul_add(d1, V::load(&f0.0) * d0);
+    let mut v1 = V::load(&g1.0).mul_add(d1, V::load(&g0.0) * d0);
     let (others, _) = others.as_chunks::<2>();
     for ([f, g], d) in others.iter().zip(bends) {
         let d = V::splat(*d);
-        x1 = V::load(f).mul_add(d, x1);
-        v1 = V::load(g).mul_add(d, v1);
+        x1 = V::load(&f.0).mul_add(d, x1);
+        v1 = V::load(&g.0).mul_add(d, v1);
     }
-    let (a11, a12, a22) = (V::load(a11), V::load(a12), V::load(a22));
+    let (a11, a12, a22) = (V::load(&a11.0), V::load(&a12.0), V::load(&a22.0));
     [a11.mul_add(x, a12.mul_add(v, x1)), a22.mul_add(v, (-a12).mul_add(x, v1))]
 }
 

@@ -22,7 +22,13 @@ impl From<&Number> for Damping {
 pub fn residual(state: &State, acceleration: Ball, damping: Damping, omega: Ball) -> Sides {
     let rest = acceleration / omega;
     let (x, v) = (state.x - rest, state.v);
-    let side = |x: Ball, v: Ball, rest: Ball| cut(rest + highest(x, v, damping));
+    // What rises on one side falls on the other: both have the same first extremum.
+    let first = match () {
+        () if damping.ratio.is_zero() => None,
+        () if v.is_positive() || !v.is_negative() && x.is_positive() => first_extremum(x, v, damping),
+        () => first_extremum(-x, -v, damping),
+    };
+    let side = |x: Ball, v: Ball, rest: Ball| cut(rest + highest(x, v, damping, first));
     Sides { positive: side(x, v, rest), negative: side(-x, -v, -rest) }
 }
 
@@ -35,19 +41,19 @@ fn cut(x: Ball) -> Ball {
 }
 
 /// The supremum of x(t), t >= 0, for x'' + 2 zeta x' + x = 0 with x' = v at t = 0. It is not negative: x decays to zero, or
-/// swings.
+/// swings. `first`: its first extremum, or that of the motion to the other side, whichever rises.
 ///
 /// q = x^2 + 2 zeta x v + v^2 is q_0 exp(-2 zeta t), and v = 0 in an extremum: its value is sqrt(q_0) exp(-zeta t).
-fn highest(x: Ball, v: Ball, damping: Damping) -> Ball {
+fn highest(x: Ball, v: Ball, damping: Damping, first: Option<Option<Ball>>) -> Ball {
     let whole = (x.square() + v.square()).sqrt();
     if damping.ratio.is_zero() {
         return whole;
     }
     let found = if v.is_positive() {
-        first_extremum(x, v, damping).map(|extremum| extremum.unwrap_or(Ball::ZERO))
+        first.map(|extremum| extremum.unwrap_or(Ball::ZERO))
     } else if v.is_negative() || x.is_negative() {
         // Through its lowest point first.
-        swing_after(x, v, damping)
+        swing_after(first, damping)
     } else {
         None
     };
@@ -101,12 +107,12 @@ fn first_extremum(x: Ball, v: Ball, damping: Damping) -> Option<Option<Ball>> {
 }
 
 /// The highest point of a motion after its lowest one, which is next: half a period later; zero where it does not swing.
-fn swing_after(x: Ball, v: Ball, damping: Damping) -> Option<Ball> {
+fn swing_after(lowest: Option<Option<Ball>>, damping: Damping) -> Option<Ball> {
     let Damping { ratio, gap } = damping;
     if gap.is_negative() || gap.is_zero() {
         return Some(Ball::ZERO);
     }
-    let lowest = first_extremum(-x, -v, damping)??;
+    let lowest = lowest??;
     let half_turn = -(ratio * Ball::PI / gap.sqrt());
     Some(lowest * Number::Ball(half_turn).exp()?.to_ball())
 }

@@ -10,8 +10,11 @@ use crate::base::{Ball, Power};
 pub const LONGEST: f64 = 0.5;
 /// Terms of the series for the entries of a step: with |x| <= 1/2 the rest is below 2^-20 / 20!, 4e-25.
 const TERMS: usize = 20;
-/// Terms of the motion within a step; the rest is bounded by the last two.
-pub const MOTION_TERMS: usize = 20;
+/// The most terms of the motion within a step, and the least; the rest is bounded by the last two.
+const MOTION_TERMS: usize = 20;
+const LEAST_TERMS: usize = 8;
+/// Further terms would be smaller than rounding errors by this factor.
+const NEGLIGIBLE: f64 = 1e-18;
 
 /// Exact entries of a step: x' = a11 x + a12 v + sum f_k d_k, v' = -a12 x + a22 v + sum g_k d_k, for the derivatives d_k of
 /// the acceleration at its start.
@@ -104,6 +107,9 @@ pub fn within(state: [f64; 2], [damped, square, theta]: [f64; 3], h: f64, deriva
     let mut parts = terms[0].abs() + 2.0 * terms[1].abs();
     let mut power = theta * h;
     for j in 0..MOTION_TERMS - 2 {
+        if terms.len() >= LEAST_TERMS.max(derivatives.len() + 2) && last_two(&terms) < NEGLIGIBLE * parts {
+            break;
+        }
         let d = derivatives.get(j).map_or(0.0, |d| d * power);
         power *= h / (j as f64 + 1.0);
         let (first, second) = (damped * (j as f64 + 1.0) * terms[j + 1], square * terms[j]);
@@ -111,8 +117,13 @@ pub fn within(state: [f64; 2], [damped, square, theta]: [f64; 3], h: f64, deriva
         terms.push((d - first - second) * scale);
         parts += (d.abs() + first.abs() + second.abs()) * scale;
     }
-    // A further term is at most (1/2) / 20 of the last and 1/4 / (19 20) of the one before it.
-    let rest = terms[MOTION_TERMS - 1].abs().max(terms[MOTION_TERMS - 2].abs()) * 0.1;
+    // With eight terms a further one is at most (1/2) / 8 of the last and 1/4 / (7 8) of the one before it.
+    let rest = last_two(&terms) * 0.1;
     // Each term is off by some ten units of its parts, and by half the error of both before it.
     (terms, (rest + 64.0 * f64::EPSILON * parts) * 1.001)
+}
+
+/// The larger of the last two terms.
+fn last_two(terms: &[f64]) -> f64 {
+    terms.iter().rev().take(2).fold(0.0, |largest, term| f64::max(largest, term.abs()))
 }

@@ -5,7 +5,7 @@
 
 use super::base_motion::BaseMotion;
 use super::course::{Course, Piece, TINY, rounding};
-use super::entries::{Entries, INTO, OUT_OF, Row, after, row, short, whole};
+use super::entries::{Entries, INTO, OUT_OF, after, row, short, whole};
 use super::oscillator::{Factorials, factorials_for, within};
 use super::{MOST_STEPS, Refusal, Sides};
 use crate::analysis::largest::{Curve, Largest};
@@ -13,6 +13,9 @@ use crate::base::rounding::UNIT;
 use crate::base::{Ball, up};
 use crate::kernel::cores;
 use crate::kernel::simd::{Eight, LANES, simd};
+
+/// A number for each lane.
+type Row = [f64; LANES];
 
 /// The state of an oscillator; see [`super::oscillator`].
 #[derive(Clone, Copy, Debug)]
@@ -246,7 +249,7 @@ fn forward<V: Eight>(group: &mut Group, from: usize, to: usize, blocks: &mut Vec
             let (rows, _) = entries.whole.of(piece.class);
             let bends = &course.bends[(start + i) * bent..][..bent];
             let size = x.abs() + v.abs();
-            error = V::load(&rows[row::DECAY]).mul_add(error, rounded.mul_add(size, V::splat(piece.added)));
+            error = V::load(&rows[row::DECAY].0).mul_add(error, rounded.mul_add(size, V::splat(piece.added)));
             [x, v] = after::<V>(rows, piece.line, bends, [x, v]);
             highest = highest.max(x);
             lowest = lowest.max(-x);
@@ -284,7 +287,7 @@ fn again<V: Eight>(group: &mut Group, block: &Block, bends: &mut [f64]) {
         let piece = &course.pieces[at];
         let (rows, more) = group.entries.whole.of(piece.class);
         let size = x.abs() + v.abs();
-        let error1 = V::load(&rows[row::DECAY]).mul_add(error, rounded.mul_add(size, V::splat(piece.added)));
+        let error1 = V::load(&rows[row::DECAY].0).mul_add(error, rounded.mul_add(size, V::splat(piece.added)));
         let off = (error + error1) * grown;
         let (above, below) = (V::load(&group.low[0]), V::load(&group.low[1]));
         // No motion from this state is larger.
@@ -293,7 +296,7 @@ fn again<V: Eight>(group: &mut Group, block: &Block, bends: &mut [f64]) {
         if may != 0 && bent == 0 {
             // Nor does it leave the motion that goes with the base by more than it does now.
             let (d0, d1) = (V::splat(piece.line[0]), V::splat(piece.line[1]));
-            let entry = |row: usize| V::load(&more[row]);
+            let entry = |row: usize| V::load(&more[row].0);
             let rest = entry(whole::RATE).mul_add(d0, entry(whole::LAG) * d1);
             let later = entry(whole::RISE).mul_add(d1, rest);
             let (dx, dv) = (x - rest, v - entry(whole::SWAY) * d1);
@@ -322,10 +325,10 @@ fn in_short_steps<V: Eight>(group: &mut Group, piece: &Piece, now: Lanes, bends:
     for step in 0..steps as u32 {
         let step = course.step(piece.class, piece.segment, piece.part * steps as u32 + step, h, bends);
         let (rows, more) = group.entries.short.of(piece.class);
-        let entry = |row: usize| V::load(&more[row]);
+        let entry = |row: usize| V::load(&more[row].0);
         let size = x.abs() + v.abs();
         let [x1, v1] = after::<V>(rows, step.line, bends, [x, v]);
-        let error1 = V::load(&rows[row::DECAY]).mul_add(error, rounded.mul_add(size, V::splat(step.added)));
+        let error1 = V::load(&rows[row::DECAY].0).mul_add(error, rounded.mul_add(size, V::splat(step.added)));
         let off = (error + error1) * grown;
         let most = V::splat(step.most);
         if (entry(short::LENGTH).mul_add(most, size) + off).exceeds(above.min(below)) != 0 {

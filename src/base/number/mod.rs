@@ -287,7 +287,10 @@ impl Add for &Number {
 impl Sub for &Number {
     type Output = Number;
     fn sub(self, other: &Number) -> Number {
-        self + &-other
+        match (self, other) {
+            (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a - b),
+            _ => self + &-other,
+        }
     }
 }
 

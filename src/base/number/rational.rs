@@ -294,6 +294,9 @@ fn gcd(a: u128, b: u128) -> u128 {
 
 fn dd_from_i64(n: i64) -> Dd {
     let hi = n as f64;
+    if n.unsigned_abs() < 1 << 53 {
+        return Dd::from(hi);
+    }
     Dd::new(hi, (n as i128 - hi as i128) as f64)
 }
 
@@ -366,7 +369,12 @@ impl Add for &Rational {
 impl Sub for &Rational {
     type Output = Rational;
     fn sub(self, other: &Rational) -> Rational {
-        self + &-other
+        if let (Repr::Small(a, b), Repr::Small(c, d)) = (&self.0, &other.0) {
+            let (a, b, c, d) = (*a as i128, *b as i128, *c as i128, *d as i128);
+            // As for sums.
+            return if b == d { Rational::from_i128(a - c, b) } else { Rational::from_i128(a * d - c * b, b * d) };
+        }
+        Rational::from_big(self.to_big() - other.to_big())
     }
 }
 

@@ -223,7 +223,7 @@ impl<'a> Run<'a> {
         let mut events: Vec<Event> = Vec::new();
         for (channel, c) in self.channels.iter().enumerate() {
             for (piece, at) in c.source.events().into_iter().enumerate() {
-                events.push(Event { at: Moment::of(&at), channel, piece });
+                events.push(Event { at: Moment::of(at), channel, piece });
             }
         }
         events.sort_by(|a, b| a.at.seconds.total_cmp(&b.at.seconds));
