@@ -10,11 +10,97 @@ pub struct Expected {
     pub dimension: Dimension,
     /// An example to type, such as `mass = 1 kg`.
     pub example: &'static str,
+    of: Of,
+}
+
+/// Whether the noun says all about a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Of {
+    Noun,
+    /// As [`Of::Noun`], of the motion of an angle.
+    Angle,
+    /// The number is known by its unit.
+    Unit,
+    /// The number is a ratio of an output to an input, of these dimensions.
+    Gain {
+        input: Dimension,
+        output: Dimension,
+    },
 }
 
 impl Expected {
     pub const fn new(noun: &'static str, dimension: Dimension, example: &'static str) -> Expected {
-        Expected { noun, dimension, example }
+        Expected { noun, dimension, example, of: Of::Noun }
+    }
+
+    /// A motion of an angle, whose unit is one of an angle.
+    pub const fn angular(noun: &'static str, dimension: Dimension, example: &'static str) -> Expected {
+        Expected { noun, dimension, example, of: Of::Angle }
+    }
+
+    /// A number that has no name.
+    pub const fn unnamed(dimension: Dimension) -> Expected {
+        Expected { noun: "a quantity", dimension, example: "", of: Of::Unit }
+    }
+
+    /// A ratio of an output to an input.
+    pub const fn gain(dimension: Dimension, input: Dimension, output: Dimension) -> Expected {
+        Expected { noun: "a gain", dimension, example: "", of: Of::Gain { input, output } }
+    }
+
+    /// The number in words: `a mass`, `a quantity in m^2/s^2`, `a gain from m to m/s^2`.
+    pub fn phrase(&self) -> String {
+        match self.of {
+            Of::Noun | Of::Angle => self.noun.to_string(),
+            Of::Unit => match self.unit() {
+                unit if unit.starts_with('/') => format!("{} in 1{unit}", self.noun),
+                unit => format!("{} in {unit}", self.noun),
+            },
+            Of::Gain { input, output } => {
+                format!("{} from {} to {}", self.noun, motion_unit(input), motion_unit(output))
+            }
+        }
+    }
+
+    /// The usual unit. That of a ratio is not an angular one, unless its parts are.
+    pub fn unit(&self) -> String {
+        match (self.of, self.dimension) {
+            (Of::Gain { input: Dimension::NONE, output }, _) => motion_unit(output),
+            (Of::Unit | Of::Gain { .. }, Dimension::FREQUENCY | Dimension::ANGULAR_ACCELERATION) => {
+                self.dimension.to_string()
+            }
+            (Of::Angle, _) => motion_unit(self.dimension),
+            _ => self.dimension.usual_unit(),
+        }
+    }
+
+    /// A number to type.
+    pub fn example_text(&self) -> String {
+        match (self.example, self.unit()) {
+            ("", unit) if unit.is_empty() => "3".to_string(),
+            ("", unit) => format!("3 {unit}"),
+            (example, _) => example.to_string(),
+        }
+    }
+
+    /// The motion of the input that is meant, if that is not obvious.
+    pub fn remark(&self) -> Option<&'static str> {
+        let turning = "the input of a base that turns is its angle";
+        match self.of {
+            Of::Gain { input: Dimension::LENGTH, output: Dimension::LENGTH } => None,
+            Of::Gain { input: Dimension::LENGTH, .. } => Some("the input of a base is its displacement"),
+            Of::Gain { input: Dimension::NONE, output } if !output.is_none() => Some(turning),
+            _ => None,
+        }
+    }
+}
+
+/// The usual unit of an input or output.
+fn motion_unit(dimension: Dimension) -> String {
+    match dimension {
+        Dimension::NONE => "rad".to_string(),
+        Dimension::ANGULAR_VELOCITY => "rad/s".to_string(),
+        _ => dimension.usual_unit(),
     }
 }
 

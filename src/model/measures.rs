@@ -692,7 +692,12 @@ impl<'a> Check<'a> {
             Measure::Combined(_) if measured.dimension == Dimension::FREQUENCY => {
                 return self.frequency(expr, environment);
             }
-            _ => Expected::new(noun_of(measured.dimension), measured.dimension, example_of(measured.dimension)),
+            Measure::Gain { input, .. } | Measure::PeakGain { input, .. } if !measured.dimension.is_none() => {
+                let input = dimension_of(&self.scene.inputs[input.index()].kind);
+                let output = measured.dimension.times(input).unwrap_or(measured.dimension);
+                Expected::gain(measured.dimension, input, output)
+            }
+            ref measure => expected_of(measured.dimension, matches!(measure, Measure::Combined(_))),
         };
         self.number(expr, environment, &expected)
     }
@@ -714,8 +719,20 @@ pub fn dimension_of(kind: &InputKind) -> Dimension {
     }
 }
 
-fn noun_of(dimension: Dimension) -> &'static str {
-    dimension.noun().unwrap_or("another quantity")
+/// A value of a dimension. One in 1/s or 1/s^2 is of an angle if it is that of a motion; a combination of measures may
+/// be anything.
+fn expected_of(dimension: Dimension, is_combined: bool) -> Expected {
+    match (dimension, is_combined) {
+        (Dimension::ANGULAR_VELOCITY, false) => Expected::angular("an angular velocity", dimension, "2 rad/s"),
+        (Dimension::ANGULAR_ACCELERATION, false) => {
+            Expected::angular("an angular acceleration", dimension, "2 rad/s^2")
+        }
+        (Dimension::ANGULAR_ACCELERATION, true) => Expected::unnamed(dimension),
+        _ => match dimension.noun() {
+            Some(noun) => Expected::new(noun, dimension, example_of(dimension)),
+            None => Expected::unnamed(dimension),
+        },
+    }
 }
 
 /// An example of a number with its unit, for a help.
@@ -727,6 +744,6 @@ fn example_of(dimension: Dimension) -> &'static str {
         Dimension::ACCELERATION => "0.003 g0",
         Dimension::FORCE => "10 N",
         Dimension::TORQUE => "2 N*m",
-        _ => "1 m/N",
+        _ => "",
     }
 }

@@ -756,4 +756,14 @@ impl Measure {
             _ => false,
         }
     }
+
+    /// Whether the measure, or a part of it, is read from a transfer function. That has a value in a scene whose free
+    /// motions grow, too, but no motion ever shows it there.
+    pub fn is_of_transfer(&self) -> bool {
+        match self {
+            Measure::Gain { .. } | Measure::Phase { .. } | Measure::PeakGain { .. } => true,
+            Measure::Combined(combined) => combined.any(&Measure::is_of_transfer),
+            _ => false,
+        }
+    }
 }

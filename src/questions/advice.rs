@@ -4,7 +4,7 @@
 
 use super::answer::{Requirement, Value, few_digits, shown, shown_text};
 use super::derivative::{slope, step};
-use super::error::Remedy;
+use super::error::ParameterChange;
 use super::require::holds_for;
 use super::trial::{Facts, Text};
 use crate::analysis::Measurement;
@@ -26,6 +26,8 @@ const FACTORS: [f64; 8] = [2.0, 0.5, 5.0, 0.2, 20.0, 0.05, 500.0, 0.002];
 const BEYOND: [f64; 6] = [1.0, 1.01, 1.05, 1.25, 2.0, 4.0];
 /// Number of bisections between a value that fails and one that holds.
 const HALVINGS: usize = 12;
+/// Steps up and down from a whole number.
+const MOST_COUNTED: i64 = 8;
 
 /// A requirement that fails, and its model.
 pub struct Advice<'a> {
@@ -40,15 +42,19 @@ pub struct Advice<'a> {
 
 impl Advice<'_> {
     /// The best advice; `None` if no parameter was found that changes the measure.
-    pub fn remedy(&self, requirement: &Requirement) -> Option<Remedy> {
-        match requirement.value {
+    pub fn remedy(&self, requirement: &Requirement) -> Option<ParameterChange> {
+        let found = match requirement.value {
             Value::Number(here) => self.by_slope(here),
-            Value::Infinite | Value::Verdict(_) => self.by_factors(),
+            Value::Infinite | Value::Verdict(_) | Value::None(_) => self.by_factors(),
+        };
+        match found {
+            Some(ParameterChange { wanted: Some(_), .. }) => found,
+            _ => self.by_counts().or(found),
         }
     }
 
     /// Tries the parameters with the largest slopes first.
-    fn by_slope(&self, here: Ball) -> Option<Remedy> {
+    fn by_slope(&self, here: Ball) -> Option<ParameterChange> {
         let varied = self.parameters.iter().filter(|p| !p.value.si.may_be_zero()).take(MOST_TRIED);
         let mut slopes: Vec<(&Parameter, f64)> = varied
             .filter_map(|parameter| {
@@ -63,15 +69,15 @@ impl Advice<'_> {
         let found = slopes.iter().take(MOST_ADVISED).find_map(|&(parameter, slope)| {
             let wanted = self.estimate_target(parameter, &here, slope)?;
             let value = self.at_or_beyond(parameter, wanted)?;
-            Some((parameter, slope, value))
+            Some((parameter, slope, self.at_the_border(parameter, value)))
         });
         Some(match found {
-            Some((parameter, slope, value)) => Remedy {
+            Some((parameter, slope, value)) => ParameterChange {
                 percent: Some(percent(slope)).filter(|_| here.to_f64() != 0.0),
                 most: parameter.name == first.name,
                 ..self.mover_at(parameter, Some(value))
             },
-            None => Remedy {
+            None => ParameterChange {
                 percent: Some(percent(slope)).filter(|_| here.to_f64() != 0.0),
                 most: true,
                 ..self.mover_at(first, None)
@@ -81,7 +87,7 @@ impl Advice<'_> {
 
     /// Multiplies every parameter by the same factors until the requirement holds, then bisects back to the value from
     /// which it holds.
-    fn by_factors(&self) -> Option<Remedy> {
+    fn by_factors(&self) -> Option<ParameterChange> {
         let parameters = || self.parameters.iter().filter(|p| !p.value.si.may_be_zero()).take(MAX_FACTORS);
         let (parameter, factor) = FACTORS.iter().find_map(|&factor| {
             parameters().find_map(|parameter| {
@@ -89,10 +95,17 @@ impl Advice<'_> {
                 self.holds_at(parameter, &value).then_some((parameter, factor))
             })
         })?;
+        let found = decimal(parameter, parameter.value.si.to_f64() * factor)?;
+        Some(self.mover_at(parameter, Some(self.nearest(parameter, found, HALVINGS))))
+    }
+
+    /// The value nearest to the present one at which the requirement holds, by bisection of the ratio of the two, starting
+    /// from a value at which it holds.
+    fn nearest(&self, parameter: &Parameter, found: Number, halvings: usize) -> Number {
         let start = parameter.value.si.to_f64();
-        let (mut fails, mut holds) = (1.0, factor);
-        let mut best = decimal(parameter, start * factor)?;
-        for _ in 0..HALVINGS {
+        let (mut fails, mut holds) = (1.0, found.to_f64() / start);
+        let mut best = found;
+        for _ in 0..halvings {
             let middle: f64 = (fails * holds).sqrt();
             let Some(value) = decimal(parameter, start * middle) else { break };
             if self.holds_at(parameter, &value) {
@@ -101,12 +114,29 @@ impl Advice<'_> {
                 fails = middle;
             }
         }
-        Some(self.mover_at(parameter, Some(best)))
+        best
     }
 
-    fn mover_at(&self, parameter: &Parameter, wanted: Option<Number>) -> Remedy {
+    /// Tries the whole numbers next to those that may count something: a number of parts has no fractions between.
+    fn by_counts(&self) -> Option<ParameterChange> {
+        let counts = || {
+            self.parameters.iter().filter(|p| {
+                p.value.dimension.is_none() && p.value.si.exact().is_some_and(|value| value.to_i64().is_some())
+            })
+        };
+        let places = (1..=MOST_COUNTED).flat_map(|step| [-step, step]);
+        places.into_iter().find_map(|step| {
+            counts().take(MOST_ADVISED).find_map(|parameter| {
+                let value = &parameter.value.si + &Number::from(step);
+                let usable = !value.is_negative() && self.holds_at(parameter, &value);
+                usable.then(|| self.mover_at(parameter, Some(value)))
+            })
+        })
+    }
+
+    fn mover_at(&self, parameter: &Parameter, wanted: Option<Number>) -> ParameterChange {
         let in_unit = |si: Number| shown_text(&shown(&si, &parameter.unit, false));
-        Remedy {
+        ParameterChange {
             name: parameter.name.clone(),
             declared: parameter.span,
             percent: None,
@@ -125,6 +155,13 @@ impl Advice<'_> {
             ratio > 0.0 && ratio < MOST_RAISED
         });
         usable.find(|value| self.holds_at(parameter, value))
+    }
+
+    /// A value near the border from which the requirement holds. The estimate misses it by far if the measure jumps on the
+    /// way; then the requirement holds halfway, too.
+    fn at_the_border(&self, parameter: &Parameter, found: Number) -> Number {
+        let halfway = self.nearest(parameter, found.clone(), 1);
+        if halfway == found { found } else { self.nearest(parameter, halfway, HALVINGS) }
     }
 
     fn holds_at(&self, parameter: &Parameter, value: &Number) -> bool {

@@ -200,8 +200,10 @@ pub enum Slope {
 pub enum Value {
     Number(Ball),
     Infinite,
-    /// A word: `stable`, or the reason why there is no number.
+    /// A word, such as `stable`.
     Verdict(String),
+    /// The reason why there is no number.
+    None(String),
 }
 
 /// A number in the unit that it is shown in.
@@ -290,7 +292,7 @@ impl Requirement {
     pub fn value_text(&self) -> Cow<'_, str> {
         match (&self.value, self.shown_value()) {
             (_, Some(shown)) => Cow::Owned(shown_text(&shown)),
-            (Value::Verdict(text), _) => Cow::Borrowed(text),
+            (Value::Verdict(text) | Value::None(text), _) => Cow::Borrowed(text),
             (Value::Infinite, _) => Cow::Borrowed("infinite"),
             (Value::Number(ball), None) => Cow::Owned(few_digits(ball.to_f64())),
         }

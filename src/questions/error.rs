@@ -92,6 +92,15 @@ pub enum AskedError {
     NeverMet {
         span: Span,
         tried: usize,
+        /// Whether a free motion grew at some of them, which it may not.
+        grows: bool,
+    },
+    /// The values that were found for these parameters let a free motion grow, or it is not proved that they do not.
+    Unstable {
+        span: Span,
+        names: Vec<String>,
+        optimum: bool,
+        proved: bool,
     },
     /// Around the optimum, a parameter has no effect.
     Plateau {
@@ -117,9 +126,9 @@ pub enum AskedError {
     Fails {
         span: Span,
         value: Phrase,
-        /// The distance from the limit, if it is a number.
+        /// How far that is from the limit, if it is a number: `off by 3 %`.
         by: Option<String>,
-        remedy: Option<Remedy>,
+        remedy: Remedy,
     },
     Undetermined {
         span: Span,
@@ -148,9 +157,18 @@ pub struct ReachedRange {
     pub evaluations: usize,
 }
 
+/// How a requirement can be met.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Remedy {
+    /// The model has no parameter that could be changed.
+    NoParameter,
+    NotFound,
+    Change(ParameterChange),
+}
+
 /// The parameter that changes a measure most.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Remedy {
+pub struct ParameterChange {
     pub name: String,
     pub declared: Span,
     /// Change of the measure in percent for a change of the parameter by one percent.
@@ -180,6 +198,8 @@ impl AskedError {
             AskedError::NeverMet { .. } => Code::model("vib::minimise::never_met"),
             AskedError::Plateau { .. } => Code::model("vib::minimise::plateau"),
             AskedError::AtAnEnd { .. } => Code::model("vib::minimise::end_of_range"),
+            AskedError::Unstable { optimum: true, .. } => Code::model("vib::minimise::unstable"),
+            AskedError::Unstable { optimum: false, .. } => Code::model("vib::solve::unstable"),
             AskedError::Circle { .. } => Code::model("vib::minimise::circle"),
             AskedError::Fails { .. } => Code::model("vib::require::fails"),
             AskedError::Undetermined { .. } => Code::limit("vib::require::undetermined"),
@@ -277,8 +297,10 @@ impl AskedError {
                     .related(*at, "this measure")
                     .help("ask for another measure, or search other ranges")
             }
-            NeverMet { span, tried } => {
-                error(span, format!("none of the {tried} sets of values that were tried meets the conditions"))
+            NeverMet { span, tried, grows } => {
+                let meets =
+                    if *grows { "meets the conditions without a motion that grows" } else { "meets the conditions" };
+                error(span, format!("none of the {tried} sets of values that were tried {meets}"))
                     .label("the first of them")
                     .help("widen the ranges, or ask for less")
             }
@@ -296,6 +318,20 @@ impl AskedError {
                     .label(format!("{name} = {value}; values {beyond} it may be better"))
                     .help("widen the range, unless this end is a limit of the design")
             }
+            Unstable { span, names, optimum, proved } => {
+                let (with, found) = (quoted(names), if *optimum { "optimum" } else { "value" });
+                let message = match proved {
+                    true => format!("with the {found} that was found for {with}, a free motion grows"),
+                    false => {
+                        format!(
+                            "with the {found} that was found for {with}, it is not proved that no free motion grows"
+                        )
+                    }
+                };
+                Diagnostic::warning(self.code(), *span, message)
+                    .label("this line does not ask for a stable scene")
+                    .help("search ranges in which the scene is stable, and write `require stable`")
+            }
             Circle { span, others } => {
                 let finding = error(span, "these lines depend on each other's parameters".to_string());
                 others
@@ -307,12 +343,13 @@ impl AskedError {
                     .help("write one measure over all of these parameters")
             }
             Fails { span, value, by, remedy } => {
-                let by = by.as_ref().map_or(String::new(), |by| format!(", off by {by}"));
+                let by = by.as_ref().map_or(String::new(), |by| format!(", {by}"));
                 let finding =
                     error(span, "this requirement does not hold".to_string()).label(format!("it is {value}{by}"));
                 match remedy {
-                    None => finding.help("no parameter was found that makes it hold"),
-                    Some(remedy) => with_remedy(finding, remedy),
+                    Remedy::NoParameter => finding,
+                    Remedy::NotFound => finding.help("no parameter was found that makes it hold"),
+                    Remedy::Change(change) => with_change(finding, change),
                 }
             }
             Undetermined { span, value, limit, bound } => error(span, "this requirement cannot be decided".to_string())
@@ -325,8 +362,8 @@ impl AskedError {
     }
 }
 
-fn with_remedy(finding: Diagnostic, remedy: &Remedy) -> Diagnostic {
-    let Remedy { name, declared, percent, most, wanted, value } = remedy;
+fn with_change(finding: Diagnostic, change: &ParameterChange) -> Diagnostic {
+    let ParameterChange { name, declared, percent, most, wanted, value } = change;
     let moves = percent.as_ref().map(|percent| {
         let most = if *most { " most" } else { "" };
         format!("`{name}` changes it{most}: by {percent} % for each percent of `{name}`")

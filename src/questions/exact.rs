@@ -26,6 +26,12 @@ pub fn compare(measured: &Measured, probe: &Probe, question: &Question) -> Optio
             static_value(system, *output, &load)?.abs().compare(&question.value)
         }
         Probe::Frequency(mode) => is_frequency(measured, *mode, question.radians.as_ref()?).then_some(Ordering::Equal),
+        Probe::Rest(terms, span) => {
+            let lowered = measured.lowered;
+            let found = lowered.mechanism.at_rest(measured.scene, &lowered.rest, terms, *span).ok()?;
+            found.exact()?;
+            found.compare(&question.value)
+        }
         Probe::Damping(1) if system.n() == 1 => damping(system, &question.value),
         _ => None,
     }

@@ -39,6 +39,8 @@ pub enum Probe {
     Square(usize),
     /// ((s1 - s2) / 2)^2 of the two poles of a motion, for critical damping as the target: it changes sign there.
     Critical(usize),
+    /// How fast the fastest growing free motion grows, relative to its pole; zero if none is proved to grow.
+    Growth,
 }
 
 /// One probe for each question, and the outputs that the probes read.
@@ -53,6 +55,12 @@ pub fn prepare(scene: &Scene, questions: &[Question]) -> Plan {
     let mut outputs = Outputs::new(scene);
     let probes = questions.iter().map(|question| outputs.probe(question)).collect();
     Plan { probes, readouts: outputs.added }
+}
+
+/// The probes that answer the questions, and last of them [`Probe::Growth`].
+pub fn prepare_with_growth(scene: &Scene, questions: &[Question]) -> Plan {
+    let Plan { probes, readouts } = prepare(scene, questions);
+    Plan { probes: probes.into_iter().chain([Probe::Growth]).collect(), readouts }
 }
 
 /// The probes that find the parameter values at which the measures reach their targets. A measure whose range ends at
@@ -181,10 +189,15 @@ impl Probe {
     }
 
     /// Whether it is of the motion that is left when every free motion has decayed.
-    pub fn of_settled_motion(&self) -> bool {
+    fn of_settled_motion(&self) -> bool {
         self.any(|probe| {
             probe.is_of_approach() || matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Psd(..))
         })
+    }
+
+    /// Whether it matters if some free motion grows.
+    pub fn of_growth(&self) -> bool {
+        self.of_settled_motion() || matches!(self, Probe::Growth)
     }
 
     /// Whether the motion in time is needed.
@@ -264,6 +277,7 @@ impl Measured<'_> {
                 }
             }
             Probe::LoadFactor => measures::load_factor(system),
+            Probe::Growth => Measurement::Value(Ball::from(self.rate_of_growth())),
             Probe::Combined(combined) => value_of(&combined.map(&mut |part| self.one(system, transfer, part))),
             Probe::Phase(input, output, at) => {
                 transfer.map_or(NONE, |transfer| measures::phase(transfer, *input, *output, at))
@@ -344,16 +358,31 @@ impl Measured<'_> {
 
     /// Why nothing settles, or may not.
     fn growth(&self) -> Option<&'static str> {
+        match self.stability() {
+            Stability::Stable | Stability::Neutral => None,
+            Stability::Unstable => Some("a free motion grows: nothing settles"),
+            Stability::Undetermined => Some("it is not proved that no free motion grows"),
+        }
+    }
+
+    /// The verdict about free motions. Terms that supply no energy need no poles.
+    pub fn stability(&self) -> Stability {
         let system = &self.lowered.system;
-        if is_passive(system) {
-            return None;
+        match (self.modes, self.poles) {
+            _ if is_passive(system) => Stability::Stable,
+            (Some(modes), Some(poles)) => stability(system, modes, poles).kind(),
+            _ => Stability::Undetermined,
         }
-        let verdict = self.modes.zip(self.poles).map(|(modes, poles)| stability(system, modes, poles).kind());
-        match verdict {
-            Some(Stability::Stable | Stability::Neutral) => None,
-            Some(Stability::Unstable) => Some("a free motion grows: nothing settles"),
-            Some(Stability::Undetermined) | None => Some("it is not proved that no free motion grows"),
+    }
+
+    /// The largest of the ratios of a pole's real part and modulus if a free motion grows, and zero otherwise.
+    fn rate_of_growth(&self) -> f64 {
+        if self.stability() != Stability::Unstable {
+            return 0.0;
         }
+        let poles = self.poles.map_or(&[][..], |poles| &poles.list);
+        let rates = poles.iter().map(|pole| pole.re.to_f64() / pole.modulus().to_f64());
+        rates.filter(|rate| rate.is_finite()).fold(f64::MIN_POSITIVE, f64::max)
     }
 
     fn under_noise(&self, system: &LinearSystem, of: impl Fn(&Random) -> Spread) -> Measurement {

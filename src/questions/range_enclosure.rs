@@ -179,6 +179,7 @@ impl QuestionOverRange<'_> {
             }
             Probe::Damping(_)
             | Probe::Critical(_)
+            | Probe::Growth
             | Probe::Peak(_)
             | Probe::Settling(..)
             | Probe::Overshoot(_)

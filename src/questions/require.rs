@@ -12,6 +12,9 @@ use crate::model::scene::{Comparison, Parameter, Question, Require};
 use crate::model::{CheckedScene, Setting};
 use std::cmp::Ordering;
 
+/// From so many times its limit on, a value is compared with it by a factor.
+const MANY_TIMES: f64 = 10.0;
+
 /// Every requirement of a scene.
 pub fn requirements(
     text: &Text,
@@ -37,7 +40,10 @@ pub fn requirements(
     parameters.retain(|parameter| !solved(parameter));
     let findings = list.iter().zip(requires).enumerate().filter_map(|(index, (requirement, require))| {
         let advice = Advice { text, settings, parameters: &parameters, index, require };
-        finding(requirement, || advice.remedy(requirement))
+        finding(requirement, || match parameters[..] {
+            [] => Remedy::NoParameter,
+            _ => advice.remedy(requirement).map_or(Remedy::NotFound, Remedy::Change),
+        })
     });
     let findings = findings.collect();
     (list, findings)
@@ -51,14 +57,19 @@ fn requirement(
     measured: Measurement,
 ) -> Requirement {
     let question = &require.question;
-    let (holds, margin) = match (&measured, require.comparison) {
-        (Measurement::Value(value), Some(comparison)) => {
-            let order = || text.compared(scene, question, known).map(|order| keeps(order, comparison));
-            let holds = holds_for(&measured, require.comparison, &question.value).or_else(order);
-            (holds, Some(margin(value, comparison, &question.value)))
-        }
-        _ => (holds_for(&measured, require.comparison, &question.value), None),
+    let mut holds = holds_for(&measured, require.comparison, &question.value);
+    let mut margin = match (&measured, require.comparison) {
+        (Measurement::Value(value), Some(comparison)) => Some(margin(value, comparison, &question.value)),
+        _ => None,
     };
+    let mut measured = measured;
+    if let (None, Some(_), Some(comparison)) = (holds, &margin, require.comparison) {
+        let order = text.compared(scene, question, known);
+        holds = order.map(|order| keeps(order, comparison));
+        if order == Some(Ordering::Equal) {
+            (measured, margin) = (Measurement::Value(question.value.to_ball()), Some(Ball::ZERO));
+        }
+    }
     let value = match measured {
         Measurement::Value(value) if require.comparison.is_none() => {
             let verdict = if value == Ball::ONE { "stable" } else { "not stable" };
@@ -66,8 +77,8 @@ fn requirement(
         }
         Measurement::Value(value) => Value::Number(value),
         Measurement::Infinite => Value::Infinite,
-        Measurement::None(why) => Value::Verdict(why.to_string()),
-        Measurement::Failed(why) => Value::Verdict(why),
+        Measurement::None(why) => Value::None(why.to_string()),
+        Measurement::Failed(why) => Value::None(why),
     };
     Requirement {
         text: text.sources.slice(require.span).to_string(),
@@ -119,15 +130,16 @@ pub(super) fn margin(value: &Ball, comparison: Comparison, limit: &Number) -> Ba
     }
 }
 
-fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Option<Remedy>) -> Option<AskedError> {
+fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Remedy) -> Option<AskedError> {
     let span = requirement.span;
     let value = requirement.value_text().into_owned();
     match (requirement.holds, &requirement.value) {
         (Some(true), _) => None,
         (Some(false), _) => {
             let by = match (&requirement.margin, requirement.limit.as_ref().filter(|limit| !limit.may_be_zero())) {
-                (Some(margin), Some(_)) => Some(percent(-margin.to_f64())),
-                (Some(_), None) | (None, _) => missed_by(requirement),
+                (Some(margin), _) if margin.is_zero() => Some("exactly its limit".to_string()),
+                (Some(margin), Some(limit)) => Some(relative(-margin.to_f64(), limit)),
+                (Some(_), None) | (None, _) => missed_by(requirement).map(|by| format!("off by {by}")),
             };
             Some(AskedError::Fails { span, value, by, remedy: remedy() })
         }
@@ -136,7 +148,7 @@ fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Option<Remedy>) -
             Some(AskedError::Undetermined { span, value, limit, bound: format!("{:.0e}", ball.rad) })
         }
         (None, Value::Infinite) => None,
-        (None, Value::Verdict(why)) => Some(AskedError::NoNumber { span, why: why.clone() }),
+        (None, Value::Verdict(why) | Value::None(why)) => Some(AskedError::NoNumber { span, why: why.clone() }),
     }
 }
 
@@ -150,7 +162,11 @@ fn missed_by(requirement: &Requirement) -> Option<String> {
     }
 }
 
-fn percent(part: f64) -> String {
-    let short: f64 = format!("{:.2e}", 100.0 * part).parse().unwrap_or(100.0 * part);
-    format!("{} %", few_digits(short))
+/// The part of its limit by which a requirement is missed: percent, or a factor of a positive limit.
+fn relative(part: f64, limit: &Number) -> String {
+    let short = |x: f64| few_digits(format!("{x:.2e}").parse().unwrap_or(x));
+    match part >= MANY_TIMES - 1.0 && limit.is_positive() {
+        true => format!("{} times its limit", short(part + 1.0)),
+        false => format!("off by {} %", short(100.0 * part)),
+    }
 }

@@ -2,13 +2,13 @@
 //! the measures, or the reason why there are none.
 
 use super::exact;
-use super::probe::{Measured, Plan, Probe, prepare, prepare_crossings};
+use super::probe::{Measured, Plan, Probe, prepare, prepare_crossings, prepare_with_growth};
 use super::range_enclosure::{Centre, Drive, QuestionOverRange};
 use crate::analysis::measures;
 use crate::analysis::range::Family;
 use crate::analysis::{
-    AnalysisError, Measurement, Modal, Modes, Poles, Request, Which, is_passive, modal_from, modes, modes_as, peak,
-    poles,
+    AnalysisError, Measurement, Modal, Modes, Poles, Request, Stability, Which, is_passive, modal_from, modes,
+    modes_as, peak, poles,
 };
 use crate::base::number::jet;
 use crate::base::{Diagnostics, Number, Sources};
@@ -187,6 +187,23 @@ impl Text<'_> {
         self.with_measured(scene, questions, known, &prepare, |measured, probes| measured.measure(probes))
     }
 
+    /// The measures of a scene, and last the rate at which its free motions grow, relative to their poles: zero if none is
+    /// proved to grow.
+    pub fn measure_with_growth(
+        &self,
+        scene: &CheckedScene,
+        questions: &[Question],
+    ) -> Result<Vec<Measurement>, String> {
+        let (known, prepare) = (Facts::default(), &prepare_with_growth);
+        self.with_measured(scene, questions, known, prepare, |measured, probes| measured.measure(probes))
+    }
+
+    /// The verdict about the free motions of a scene.
+    pub fn stability(&self, scene: &CheckedScene) -> Result<Stability, String> {
+        let prepare = &prepare_with_growth;
+        self.with_measured(scene, &[], Facts::default(), prepare, |measured, _| measured.stability())
+    }
+
     /// How the measure of a question compares with its value, decided exactly; `None` if that is not possible.
     pub fn compared(&self, scene: &CheckedScene, question: &Question, known: Facts) -> Option<Ordering> {
         let questions = std::slice::from_ref(question);
@@ -313,7 +330,7 @@ fn compute_spectrum(
     known: Option<Modes>,
     probes: &[Probe],
 ) -> Result<(Option<Modes>, Option<Poles>), String> {
-    let may_grow = probes.iter().any(Probe::of_settled_motion) && !is_passive(system);
+    let may_grow = probes.iter().any(Probe::of_growth) && !is_passive(system);
     let of_poles = may_grow || probes.iter().any(Probe::of_poles);
     if !of_poles && !probes.iter().any(Probe::of_modes) {
         return Ok((None, None));

@@ -77,6 +77,7 @@ mod random_seeds;
 mod random_undamped;
 mod readme;
 mod reports;
+mod requirement_reports;
 mod response;
 mod response_spectra;
 mod rest;

@@ -202,3 +202,57 @@ fn mistakes_are_found() {
         "minimise gain(F -> x, 0.5 Hz) over c in 0.1 N*s/m .. 5 N*s/m",
     );
 }
+
+/// A mass on a spring with a damper that may feed energy in. |H| of the damper -c is that of the damper c, so the least peak over both
+/// signs lies at the larger size; only the damper that takes energy out is a design.
+const FED: &str = "param c = 1 N*s/m\nbody a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 100 N/m }\n\
+                   damper d: ground -- a { c = c }\nforce F: a along x\noutput x = a.x\n";
+
+/// The codes of an outcome, and the optima of its report.
+fn codes_and_optima(lines: &str) -> (Vec<&'static str>, Vec<Optimised>) {
+    let outcome = analyzed(&format!("{FED}{lines}\n"));
+    let codes = outcome.diagnostics.iter().map(|finding| finding.code.0).collect();
+    (codes, outcome.answer.map_or_else(Vec::new, |answer| answer.optimised))
+}
+
+/// Of a response, no unstable values are an optimum, though they are "better": 1 / (c w_d) at c = 2 N s/m, not 1 / (10 w_d) at -10.
+#[test]
+fn a_response_has_no_optimum_where_a_motion_grows() {
+    let (codes, found) = codes_and_optima("minimise peak_gain(F -> x) over c in -10 N*s/m .. 2 N*s/m");
+    assert_eq!(codes, ["vib::minimise::end_of_range"]);
+    assert_eq!(found[0].parameters[0].value.to_f64(), 2.0);
+    let most = 1.0 / (2.0 * (100f64 - 1.0).sqrt());
+    assert!((found[0].value.to_f64() - most).abs() < 1e-12 * most, "{:?}", found[0]);
+    // The unstable values are smaller, so nothing is claimed of the whole range.
+    assert!(!matches!(found[0].best, Best::Everywhere { .. }), "{:?}", found[0].best);
+    // The gain at one frequency, and as a part of a measure: |100 - 25 + 5 i c| at 5 rad/s.
+    let at = "gain(F -> x, 5 rad/s)";
+    let (_, found) = codes_and_optima(&format!("minimise {at} over c in -10 N*s/m .. 2 N*s/m"));
+    assert_eq!(found[0].parameters[0].value.to_f64(), 2.0);
+    let (_, found) = codes_and_optima(&format!("minimise 2 * {at} over c in -10 N*s/m .. 2 N*s/m"));
+    assert_eq!(found[0].parameters[0].value.to_f64(), 2.0);
+    let (_, found) =
+        codes_and_optima(&format!("minimise damping(1) over c in -10 N*s/m .. 2 N*s/m while {at} > 1 mm/N"));
+    assert!(found[0].parameters[0].value.to_f64() > -1e-9, "{:?}", found[0]);
+    // Nowhere in the range is a design.
+    let (codes, found) = codes_and_optima("minimise peak_gain(F -> x) over c in -10 N*s/m .. -1 N*s/m");
+    assert_eq!((codes, found.len()), (vec!["vib::minimise::no_value"], 0));
+    let (codes, _) =
+        codes_and_optima(&format!("minimise {at} over c in -10 N*s/m .. -1 N*s/m while frequency(1) > 1 Hz"));
+    assert_eq!(codes, ["vib::minimise::never_met"]);
+}
+
+/// Of other measures they are, with a warning; so are values that are solved for.
+#[test]
+fn unstable_values_of_other_measures_are_warned_of() {
+    let (codes, found) = codes_and_optima("minimise damping(1) over c in -10 N*s/m .. 2 N*s/m");
+    assert_eq!(codes, ["vib::minimise::unstable", "vib::minimise::end_of_range"]);
+    assert_eq!(found[0].parameters[0].value.to_f64(), -10.0);
+    // 1 / |75 + 5 i c| = 10 mm/N: c = sqrt(100^2 - 75^2) / 5, with either sign.
+    let solved = |range: &str| codes_and_optima(&format!("solve c in {range}: gain(F -> x, 5 rad/s) = 10 mm/N")).0;
+    assert_eq!(solved("-20 N*s/m .. 0 N*s/m"), ["vib::solve::unstable"]);
+    assert_eq!(solved("0 N*s/m .. 20 N*s/m"), Vec::<&str>::new());
+    // `require stable` says it as an error.
+    let (codes, _) = codes_and_optima("minimise damping(1) over c in -10 N*s/m .. 2 N*s/m\nrequire stable");
+    assert!(codes.contains(&"vib::require::fails") && !codes.contains(&"vib::minimise::unstable"), "{codes:?}");
+}

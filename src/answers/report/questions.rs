@@ -3,7 +3,7 @@
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Named, Report, Section, Value, line, listed};
 use crate::base::{Ball, Bound, Number, Unproven};
-use crate::questions::answer::{Best, Derivative, Optimised, Others, Requirement, Shown, Solved};
+use crate::questions::answer::{self, Best, Derivative, Optimised, Others, Requirement, Shown, Solved};
 
 /// Digits of solved parameters: all that a double holds.
 const MOST: usize = 16;
@@ -161,7 +161,15 @@ pub fn requirements(file: &str, list: &[Requirement]) -> Option<Report> {
 
 fn blocks(list: &[Requirement]) -> impl Iterator<Item = Block> {
     let followed = simulated_time_line(list.iter().find_map(|requirement| requirement.until.as_ref()));
-    [Block::Table(table(list))].into_iter().chain(followed.map(Block::from))
+    let reasons = list.iter().filter_map(reason);
+    [Block::Table(table(list))].into_iter().chain(reasons.chain(followed).map(Block::from))
+}
+
+/// The reason why a measure has no value. It is a sentence, too long for the column of values.
+fn reason(requirement: &Requirement) -> Option<Line> {
+    let answer::Value::None(why) = &requirement.value else { return None };
+    let text = Named { text: requirement.text.clone(), place: Some(requirement.span) };
+    Some(line![text, " has no value: ", why.clone()])
 }
 
 /// The simulated time for `peak` and `rms`, if one of them is used.
@@ -198,9 +206,11 @@ fn cells(requirement: &Requirement) -> Vec<Cell> {
     vec![
         Named { text: requirement.text.clone(), place: Some(requirement.span) }.into(),
         holds.into(),
-        value
-            .as_ref()
-            .map_or_else(|| requirement.value_text().into_owned().into(), |value| figure(value, DIGITS).into()),
+        match (&value, &requirement.value) {
+            (Some(value), _) => figure(value, DIGITS).into(),
+            (None, answer::Value::None(_)) => "?".into(),
+            (None, _) => requirement.value_text().into_owned().into(),
+        },
         limit.as_ref().map(|limit| figure(limit, DIGITS)).into(),
         limit.as_ref().map_or_else(Cell::default, |limit| limit.unit.to_string().into()),
         margin.map(|margin| Figure::ball(margin, FEW)).into(),

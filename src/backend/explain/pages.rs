@@ -66,7 +66,7 @@ pub const PAGES: &[Page] = pages! {
     setting: duplicate form not_a_parameter solved toml unknown;
     shape: size unknown;
     signal: arguments base_impulse constant_rate cycle delayed differ many_motions times unknown;
-    solve: independent no_root no_value range several_roots singular twice unsettled;
+    solve: independent no_root no_value range several_roots singular twice unsettled unstable;
     spectrum: damping emit input left_out points;
     spring: free_length_and_preload negative no_length;
     syntax: character more_errors stray too_deep too_large unclosed unclosed_string unexpected unknown_keyword;

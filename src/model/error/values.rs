@@ -152,24 +152,27 @@ fn swapped(head: &str, tail: &str) -> String {
 }
 
 fn unit_missing(span: Span, number: &str, expected: Expected) -> Diagnostic {
-    let unit = expected.dimension.usual_unit();
-    error("vib::unit::missing", span, format!("{} is expected here, this number has no unit", expected.noun))
+    let unit = expected.unit();
+    let remark = expected.remark().map_or_else(String::new, |remark| format!("; {remark}"));
+    error("vib::unit::missing", span, format!("{} is expected here, this number has no unit", expected.phrase()))
         .label("a plain number")
-        .help(format!("write the unit after it, such as `{number} {unit}`"))
+        .help(format!("write the unit after it, such as `{number} {unit}`{remark}"))
         .fix(span, Change::After(format!(" {unit}")))
 }
 
 fn unit_mismatch(span: Span, found: Dimension, expected: Expected, declared: Option<(String, Span)>) -> Diagnostic {
     let what = found.noun().map_or_else(|| format!("a quantity in {found}"), str::to_string);
-    let message = format!("{} is expected here, this is {what}", expected.noun);
+    let (wanted, example) = (expected.phrase(), expected.example_text());
+    let remark = expected.remark().map_or_else(String::new, |remark| format!("; {remark}"));
+    let message = format!("{wanted} is expected here, this is {what}");
     let unit = found.usual_unit();
     let mut diagnostic = error("vib::unit::mismatch", span, message)
         .label(if unit.is_empty() { "no unit".to_string() } else { unit })
-        .help(format!("write {}, such as `{}`", expected.noun, expected.example));
+        .help(format!("write {wanted}, such as `{example}`{remark}"));
     if let Some((name, place)) = declared {
         diagnostic = diagnostic.related(place, format!("`{name}` is declared here"));
         if found.is_none() {
-            diagnostic = diagnostic.fix(place, Change::Unit(expected.dimension.usual_unit()));
+            diagnostic = diagnostic.fix(place, Change::Unit(expected.unit()));
         }
     }
     diagnostic

@@ -15,14 +15,21 @@ use super::error::AskedError;
 use super::require::{holds_for, margin};
 use super::trial::{Facts, Text};
 use super::unknowns::{self, Settled, between, shortest};
-use crate::analysis::Measurement;
+use crate::analysis::{Measurement, Stability};
 use crate::base::{Ball, Dd, Number, Quantity};
-use crate::model::scene::{Optimum, Question, Varied};
+use crate::model::scene::{Measure, Optimum, Question, Varied};
 use crate::model::{CheckedScene, Setting};
 use search::{Rough, Search, Seen};
 
 /// Finds every parameter that the model varies or solves for.
 pub fn settle(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedError>> {
+    let mut settled = found(text, scene)?;
+    let growth = growth(text, &settled.scene);
+    settled.unsettled.extend(growth);
+    Ok(settled)
+}
+
+fn found(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedError>> {
     let optima = &scene.scene().optima;
     if optima.is_empty() {
         return unknowns::solve(text, scene);
@@ -59,6 +66,32 @@ pub fn settle(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedErr
     settled.settings = [settings, more].concat();
     settled.unsettled.extend(warnings);
     Ok(Settled { optimised, ..settled })
+}
+
+/// The warning if a free motion grows with the parameters that were found, or may grow where a response is measured. No
+/// transfer function shows that, and no undamped frequency.
+fn growth(text: &Text, found: &CheckedScene) -> Option<AskedError> {
+    let scene = found.scene();
+    if scene.requires.iter().any(|require| matches!(require.question.measure, Measure::Stable)) {
+        return None;
+    }
+    let stability = text.stability(found).ok()?;
+    let warned = |measure: &Measure, optimum: bool| match stability {
+        Stability::Stable | Stability::Neutral => false,
+        Stability::Unstable => optimum || measure.is_of_transfer(),
+        Stability::Undetermined => measure.is_of_transfer(),
+    };
+    let proved = stability == Stability::Unstable;
+    let optimum = scene.optima.iter().find(|optimum| warned(&optimum.question.measure, true)).map(|optimum| {
+        let names = optimum.varied.iter().map(|varied| varied.parameter.name.clone()).collect();
+        AskedError::Unstable { span: optimum.span, names, optimum: true, proved }
+    });
+    let solve = || {
+        let solve = scene.solves.iter().find(|solve| warned(&solve.question.measure, false))?;
+        let names = vec![solve.parameter.name.clone()];
+        Some(AskedError::Unstable { span: solve.span, names, optimum: false, proved })
+    };
+    optimum.or_else(solve)
 }
 
 /// Whether the condition of some `solve` depends on a parameter that is varied.
@@ -101,6 +134,8 @@ struct Trial {
     value: Measurement,
     /// The amount by which the worst condition fails, relative to its limit; 0 if all of them hold.
     broken: f64,
+    /// Whether a free motion grows, where none may.
+    grows: bool,
 }
 
 impl Lines<'_> {
@@ -110,7 +145,7 @@ impl Lines<'_> {
 
     /// The measure of a line and its conditions, with parameters at these values.
     fn trial(&self, index: usize, settings: &[Setting]) -> Trial {
-        let failed = |why: String| Trial { value: Measurement::Failed(why), broken: f64::INFINITY };
+        let failed = |why: String| Trial { value: Measurement::Failed(why), broken: f64::INFINITY, grows: false };
         let text = Text { fixed: settings, ..self.text };
         let mut scene = match text.scene(&[]) {
             Ok(scene) => scene,
@@ -128,9 +163,19 @@ impl Lines<'_> {
         let limits = optimum.limits.clone();
         let questions: Vec<Question> =
             std::iter::once(&optimum.question).chain(limits.iter().map(|limit| &limit.question)).cloned().collect();
-        let mut measured = match text.measure_scene(&scene, &questions, Facts::default()) {
+        // A response that is never seen because a free motion outgrows it is no design.
+        let must_settle = questions.iter().any(|question| question.measure.is_of_transfer());
+        let measured = match must_settle {
+            true => text.measure_with_growth(&scene, &questions),
+            false => text.measure_scene(&scene, &questions, Facts::default()),
+        };
+        let mut measured = match measured {
             Ok(measured) => measured.into_iter(),
             Err(why) => return failed(why),
+        };
+        let growth = match must_settle.then(|| measured.next_back()).flatten() {
+            Some(Measurement::Value(rate)) => rate.to_f64(),
+            _ => 0.0,
         };
         let value = measured.next().unwrap_or(Measurement::None("it could not be computed"));
         let broken = measured.zip(&limits).map(|(measured, limit)| {
@@ -142,8 +187,7 @@ impl Lines<'_> {
                 _ => f64::MAX,
             }
         });
-        let broken = broken.fold(0.0, f64::max);
-        Trial { value, broken }
+        Trial { value, broken: broken.fold(growth, f64::max), grows: growth > 0.0 }
     }
 
     /// The lines in an order in which each depends on earlier ones only.
@@ -247,9 +291,13 @@ impl Lines<'_> {
                 let place: Vec<String> = optimum.varied.iter().zip(&values).map(text).collect();
                 AskedError::NoOptimum { span, measure, at, why: format!("it is infinite at {}", place.join(", ")) }
             }
-            search::Nothing::Broken(tried) => {
+            search::Nothing::Broken { grows, .. } if optimum.limits.is_empty() && grows => {
+                let why = "a free motion grows at each of the values that were tried".to_string();
+                AskedError::NoOptimum { span, measure, at, why }
+            }
+            search::Nothing::Broken { tried, grows } => {
                 let at = optimum.limits.first().map_or(span, |limit| limit.span);
-                AskedError::NeverMet { span: at, tried }
+                AskedError::NeverMet { span: at, tried, grows }
             }
         }
     }

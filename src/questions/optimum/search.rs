@@ -32,8 +32,11 @@ pub(super) enum Nothing {
     NoValue(String),
     /// The measure is infinite at these values.
     Unbounded(Vec<Number>),
-    /// The conditions did not hold at any of the values tried; their number.
-    Broken(usize),
+    /// The conditions did not hold at any of the values tried: their number, and whether a free motion grew at some.
+    Broken {
+        tried: usize,
+        grows: bool,
+    },
 }
 
 /// The merit of a place: first the conditions, then the measure, with the sign that makes the smallest one the best.
@@ -63,6 +66,8 @@ pub(super) struct Search<'a> {
     /// Whether a trial takes so long that only few are made.
     few: bool,
     unbounded: Option<Vec<Number>>,
+    /// Whether a free motion grew at a place, where none may.
+    grew: bool,
     why: String,
 }
 
@@ -73,7 +78,7 @@ const WORST: Merit = Merit { broken: f64::INFINITY, value: Dd::ZERO };
 
 impl<'a> Search<'a> {
     pub fn new(optimum: &'a Optimum, trial: &'a dyn Fn(&[Number]) -> Trial, few: bool) -> Search<'a> {
-        Search { optimum, trial, rough: None, count: 0, few, unbounded: None, why: String::new() }
+        Search { optimum, trial, rough: None, count: 0, few, unbounded: None, grew: false, why: String::new() }
     }
 
     /// Number of places that were measured.
@@ -85,7 +90,7 @@ impl<'a> Search<'a> {
     pub fn measured(&mut self, values: &[Number]) -> Option<Ball> {
         self.count += 1;
         match (self.trial)(values) {
-            Trial { value: Measurement::Value(value), broken: 0.0 } if value.is_finite() => Some(value),
+            Trial { value: Measurement::Value(value), broken: 0.0, .. } if value.is_finite() => Some(value),
             _ => None,
         }
     }
@@ -127,7 +132,7 @@ impl<'a> Search<'a> {
             Some(Vertex { at, value: Some(value), merit: Merit { broken: 0.0, .. } }) => {
                 Ok(Seen { values: self.values(&at), value, at })
             }
-            Some(Vertex { value: Some(_), .. }) => Err(Nothing::Broken(self.count)),
+            Some(Vertex { value: Some(_), .. }) => Err(Nothing::Broken { tried: self.count, grows: self.grew }),
             _ => Err(Nothing::NoValue(std::mem::take(&mut self.why))),
         }
     }
@@ -208,7 +213,8 @@ impl<'a> Search<'a> {
             let value = rough(&values).map(Ball::from);
             return Vertex { at, merit: value.map_or(WORST, |value| self.merit(0.0, value)), value };
         }
-        let Trial { value, broken } = (self.trial)(&values);
+        let Trial { value, broken, grows } = (self.trial)(&values);
+        self.grew |= grows;
         match value {
             Measurement::Value(value) if value.is_finite() => {
                 Vertex { at, merit: self.merit(broken, value), value: Some(value) }

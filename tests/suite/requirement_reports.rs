@@ -1,0 +1,141 @@
+//! What a requirement says that does not hold, is met exactly, or has no value: the words, the table, and the value of a parameter
+//! that makes it hold.
+
+use crate::measures::sources;
+use crate::program::ran;
+use vibc::model::Overrides;
+
+/// A mass on a base whose signal is an acceleration.
+const ON_BASE: &str = "body a { mass = 1 kg, moves x }\nbase g { moves x } = harmonic(1 m/s^2, 5 Hz)\nspring s: g -- a { k = 100 N/m }\n\
+                       damper d: g -- a { c = 1 N*s/m }\nforce F: a along x = harmonic(1 N, 2 Hz)\noutput acc = a.ax\noutput vel = a.vx\n\
+                       output x = a.x\n";
+
+fn failure(model: &str) -> vibc::base::Diagnostic {
+    let (sources, file) = sources(model);
+    let found = vibc::check(&sources, file, &Overrides::default(), None).diagnostics;
+    let [finding] = &found[..] else { panic!("{model}: {found:?}") };
+    finding.clone()
+}
+
+/// The message and the help for a requirement of the mass on the base.
+fn said(line: &str) -> (String, String) {
+    let finding = failure(&format!("{ON_BASE}{line}\n"));
+    (finding.message.clone(), finding.help.clone().unwrap_or_default())
+}
+
+/// A gain in 1/s^2 is no angular acceleration, and one in 1/s no frequency.
+#[test]
+fn a_gain_is_named_by_its_input_and_output() {
+    let base = "the input of a base is its displacement";
+    for (line, wanted, example, remark) in [
+        ("require gain(g -> acc, 5 Hz) < 3", "a gain from m to m/s^2", "`3 /s^2`", base),
+        ("require peak_gain(g -> vel) < 3", "a gain from m to m/s", "`3 /s`", base),
+        ("require gain(F -> vel, 5 Hz) < 3", "a gain from N to m/s", "`3 s/kg`", ""),
+        ("require gain(F -> x, 5 Hz) < 3", "a gain from N to m", "`3 m/N`", ""),
+        ("require amplitude(acc) / amplitude(x) < 3", "a quantity in 1/s^2", "`3 /s^2`", ""),
+        ("require amplitude(acc) * amplitude(x) < 3", "a quantity in m^2/s^2", "`3 m^2/s^2`", ""),
+        ("require amplitude(acc) < 3", "an acceleration", "`3 m/s^2`", ""),
+    ] {
+        let (message, help) = said(line);
+        assert_eq!(message, format!("{wanted} is expected here, this number has no unit"), "{line}");
+        assert!(help.contains(example) && help.ends_with(remark), "{line}: {help}");
+        // What the help says can be typed.
+        let typed = format!("{ON_BASE}{} {}\n", line.trim_end_matches('3'), example.trim_matches('`'));
+        let codes = json_codes(&typed);
+        assert!(codes.iter().all(|code| code == "vib::require::fails"), "{line}: {codes:?}");
+    }
+    let (message, help) = said("require gain(g -> acc, 5 Hz) < 3 m");
+    assert_eq!(message, "a gain from m to m/s^2 is expected here, this is a length");
+    assert_eq!(help, format!("write a gain from m to m/s^2, such as `3 /s^2`; {base}"));
+    // An angle in a linear combination of motions is one.
+    let rod = "body rod { mass = 1 kg, shape = rod((0, 0), (1 m, 0)) }\npivot p: ground@(0, 0) -- rod\nspring s: ground -- rod { k = 9 N*m/rad }\n\
+               torque T: rod = harmonic(1 N*m, 1 Hz)\n";
+    for (motion, noun) in [("alpha", "an angular acceleration"), ("omega", "an angular velocity")] {
+        let finding = failure(&format!("{rod}require amplitude(rod.{motion}) < 3 m\n"));
+        assert_eq!(finding.message, format!("{noun} is expected here, this is a length"));
+    }
+}
+
+fn json_codes(model: &str) -> Vec<String> {
+    let (sources, file) = sources(model);
+    let found = vibc::check(&sources, file, &Overrides::default(), None).diagnostics;
+    found.iter().map(|finding| finding.code.0.to_string()).collect()
+}
+
+/// A limit that is met exactly is decided in fractions, and said as such.
+#[test]
+fn a_rest_at_its_limit_is_decided() {
+    let model = "body a { mass = 1 kg, moves x }\nbase g { moves x } = constant(1 mm) + step(1 mm, 0 s)\n\
+                 spring s: g -- a { k = 100 N/m }\ndamper d: g -- a { c = 1 N*s/m }\noutput x = a.x\n";
+    for (line, holds) in [
+        ("rest(a.x) <= 1 mm", true),
+        ("rest(a.x) >= 1 mm", true),
+        ("rest(a.x) < 1 mm", false),
+        ("rest(a.x) > 1 mm", false),
+        ("static(x) <= 2 mm", true),
+        ("static(x) < 2 mm", false),
+    ] {
+        let text = format!("{model}require {line}\n");
+        let (sources, file) = sources(&text);
+        let outcome = vibc::check(&sources, file, &Overrides::default(), None);
+        let requirement = &outcome.answer.expect("an answer")[0];
+        assert_eq!(requirement.holds, Some(holds), "{line}: {requirement:?}");
+        assert!(requirement.margin.is_some_and(|margin| margin.is_zero()), "{line}: {requirement:?}");
+        if !holds {
+            let words = &outcome.diagnostics.iter().next().expect("a finding").primary.text;
+            assert!(words.ends_with("mm, exactly its limit"), "{words}");
+        }
+    }
+}
+
+/// A shallow truss of two springs snaps through under 0.3908 kg: with y the height of its top, f(y) = 2 k (l0 / sqrt(b^2 + y^2) - 1) y is
+/// largest where (b^2 + y^2)^(3/2) = l0 b^2.
+#[test]
+fn the_value_that_is_advised_lies_near_the_border() {
+    let text = "param m = 10 kg\ngravity 9.81 m/s^2\nbody a { mass = m, at = (0, 0.1 m), moves y }\n\
+                spring l: ground@(-1 m, 0) -- a@(0, 0.1 m) { k = 10 kN/m }\nspring r: ground@(1 m, 0) -- a@(0, 0.1 m) { k = 10 kN/m }\n\
+                require rest(a.y) > -5 cm\n";
+    let free = 1.01f64.sqrt();
+    let y = (free.powf(2.0 / 3.0) - 1.0).sqrt();
+    let most = 2.0 * 1e4 * (free / (1.0 + y * y).sqrt() - 1.0) * y / 9.81;
+    let help = failure(text).help.expect("advice");
+    let advised: f64 =
+        help.split("m = ").nth(1).and_then(|rest| rest.split(' ').next()).expect("a value").parse().unwrap();
+    assert!(advised < most && advised > 0.99 * most, "{help}: {most}");
+}
+
+/// A number of parts has no fractions: n masses between walls at one end have omega = 2 sqrt(k/m) sin(pi / (4 n + 2)).
+#[test]
+fn a_number_of_parts_is_advised() {
+    let model = "param n = 5\nbody m[1] { mass = 1 kg, moves x }\nspring s[1]: ground -- m[1] { k = 100 N/m }\nrepeat i in 2..n {\n  \
+                 body m[i] { mass = 1 kg, moves x }\n  spring s[i]: m[i-1] -- m[i] { k = 100 N/m }\n}\nrequire frequency(1) > 0.8 Hz\n";
+    let hertz = |n: f64| 20.0 * (std::f64::consts::PI / (4.0 * n + 2.0)).sin() / std::f64::consts::TAU;
+    assert!(hertz(2.0) > 0.8 && hertz(3.0) < 0.8);
+    assert_eq!(failure(model).help.as_deref(), Some("with n = 2 it holds"));
+}
+
+/// Without parameters there is nothing to advise; a value of many times its limit is said so.
+#[test]
+fn nothing_is_advised_without_parameters() {
+    let model =
+        "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 100 N/m }\nrequire frequency(1) < 1 mHz\n";
+    let finding = failure(model);
+    assert_eq!(finding.help, None);
+    assert_eq!(finding.primary.text.as_str(), "it is 1591.55 mHz, 1590 times its limit");
+    let with = format!("param e = 3\noutput x = e * a.x\n{model}");
+    assert_eq!(failure(&with).help.as_deref(), Some("no parameter was found that makes it hold"));
+}
+
+/// The reason why a measure has no value is a sentence below the table: the table keeps its columns on 80.
+#[test]
+fn reasons_stand_below_the_table() {
+    let model = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 100 N/m }\ndamper d: ground -- a { c = -1 N*s/m }\n\
+                 force F: a along x = harmonic(1 N, 1 Hz)\noutput x = a.x\nrequire amplitude(x) < 1 m\nrequire frequency(1) < 2 Hz\n";
+    let out = String::from_utf8(ran(model, &["check"]).stdout).unwrap();
+    let lines: Vec<&str> = out.lines().collect();
+    let heading = lines.iter().position(|line| line.contains("requirement ")).expect("a table");
+    assert!(lines[heading].contains("margin") && lines[heading].ends_with("error ≤"), "{out}");
+    let cells = |line: usize| lines[line].split_whitespace().collect::<Vec<_>>();
+    assert_eq!(cells(heading + 2)[3..], ["m", "?", "?", "1", "m"], "{out}");
+    assert!(out.contains("amplitude(x) < 1 m has no value: a free motion grows: nothing settles"), "{out}");
+}
