@@ -165,10 +165,10 @@ mod tests {
 
     fn shapes(dampers: [&str; 2]) -> Vec<DampedShape> {
         let mut system = blank(2);
-        for i in 0..2 {
+        for (i, damper) in dampers.into_iter().enumerate() {
             push(&mut system.m, "1", i, None);
             push(&mut system.k, "3", i, i.checked_sub(1));
-            push(&mut system.c, dampers[i], i, None);
+            push(&mut system.c, damper, i, None);
         }
         let modes = modes(&system).expect("modes");
         damped_shapes(&system, &poles(&system, &modes).expect("poles"))

@@ -173,7 +173,7 @@ impl<'a> Check<'a> {
         }
         let (span, value) = (self.tree.expr(expr).span, scalar.quantity.si.to_f64());
         let declared = self.declaration_of(expr, environment);
-        self.report(environment, ValueError::CyclesForRadians { span, value, expected: *expected, declared });
+        self.report(environment, ValueError::CyclesForRadians { span, value, expected: Box::new(*expected), declared });
     }
 
     pub fn as_scalar<'v>(
@@ -201,7 +201,12 @@ impl<'a> Check<'a> {
                 ValueError::UnitMissing { span, number: self.sources.slice(span).to_string(), expected }
             }
             ExprKind::Literal { .. } if is_gram_for_gravity(found, expected) => ValueError::GramForGravity { span },
-            _ => ValueError::UnitMismatch { span, found, expected, declared: self.declaration_of(expr, environment) },
+            _ => ValueError::UnitMismatch {
+                span,
+                found,
+                expected: Box::new(expected),
+                declared: self.declaration_of(expr, environment),
+            },
         };
         self.report(environment, error);
         Stop::Reported

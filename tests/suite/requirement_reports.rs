@@ -82,7 +82,7 @@ fn a_rest_at_its_limit_is_decided() {
         assert_eq!(requirement.holds, Some(holds), "{line}: {requirement:?}");
         assert!(requirement.margin.is_some_and(|margin| margin.is_zero()), "{line}: {requirement:?}");
         if !holds {
-            let words = &outcome.diagnostics.iter().next().expect("a finding").primary.text;
+            let words = &outcome.diagnostics.first().expect("a finding").primary.text;
             assert!(words.ends_with("mm, exactly its limit"), "{words}");
         }
     }

@@ -14,11 +14,11 @@ pub enum ValueError {
     UnitMalformed { span: Span },
     DecibelInProduct { span: Span },
     UnitMissing { span: Span, number: String, expected: Expected },
-    UnitMismatch { span: Span, found: Dimension, expected: Expected, declared: Option<(String, Span)> },
+    UnitMismatch { span: Span, found: Dimension, expected: Box<Expected>, declared: Option<(String, Span)> },
     GramForGravity { span: Span },
     FrequencyReading { span: Span, value: f64 },
     DensityReading { span: Span, value: f64, unit: String },
-    CyclesForRadians { span: Span, value: f64, expected: Expected, declared: Option<(String, Span)> },
+    CyclesForRadians { span: Span, value: f64, expected: Box<Expected>, declared: Option<(String, Span)> },
     Overflow { span: Span },
     Operation { fault: Fault, operator: Binary, left: Span, right: Span },
     Function { fault: Fault, function: &'static str, argument: Span, span: Span },
@@ -65,7 +65,7 @@ impl ValueError {
                     .help("write a level, such as `-12 dB`")
             }
             UnitMissing { span, number, expected } => unit_missing(span, &number, expected),
-            UnitMismatch { span, found, expected, declared } => unit_mismatch(span, found, expected, declared),
+            UnitMismatch { span, found, expected, declared } => unit_mismatch(span, found, *expected, declared),
             GramForGravity { span } => {
                 error("vib::unit::mismatch", span, "an acceleration is expected here, this is a mass")
                     .label("`g` is the gram")
@@ -85,7 +85,9 @@ impl ValueError {
                     .fix(span, Change::Replace(per_radian))
             }
             FrequencyReading { span, value } => frequency_reading(span, value),
-            CyclesForRadians { span, value, expected, declared } => cycles_for_radians(span, value, expected, declared),
+            CyclesForRadians { span, value, expected, declared } => {
+                cycles_for_radians(span, value, *expected, declared)
+            }
             Overflow { span } => error("vib::number::overflow", span, "this number is out of range")
                 .help("numbers from 1e-300 to 1e300 in SI units can be used"),
             Operation { fault, operator, left, right } => operation(fault, operator, left, right),

@@ -362,7 +362,7 @@ fn simple(f: &Coefficients, even: bool, multiplicity: usize) -> Option<Vec<Root>
 fn in_clusters(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], even: bool) -> Option<Vec<Root>> {
     let mut groups: Vec<Vec<&ComplexFloat>> = Vec::new();
     for z in values {
-        let wide = |other: &ComplexFloat| (&(other - z).norm()).clone().times_power_of_two(2 * CLOSE);
+        let wide = |other: &ComplexFloat| (other - z).norm().times_power_of_two(2 * CLOSE);
         match groups.iter_mut().find(|group| is_less(&wide(group[0]), &z.norm())) {
             Some(group) => group.push(z),
             None => groups.push(vec![z]),
