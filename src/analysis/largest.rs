@@ -294,4 +294,21 @@ mod tests {
         let ball = largest.ball();
         assert!((ball - Ball::ONE / Ball::from(3.0)).contains_zero() && ball.rad < 1e-28, "{ball:?}");
     }
+
+    /// x (1 - x) times (1 - 2 x)^2 has two maxima of 1/16 and a minimum between them, so its slope has one sign at both ends of
+    /// many pieces that hold an extremum; and the same below zero.
+    #[test]
+    fn maxima_between_equal_slopes_are_seen() {
+        // x - 5 x^2 + 8 x^3 - 4 x^4
+        for sign in [1.0, -1.0] {
+            let terms = [0.0, 1.0, -5.0, 8.0, -4.0].map(|a| a * sign);
+            let fine = terms.map(Dd::from);
+            let mut largest = Largest::default();
+            largest.bound_fine(&Curve::fine(&fine, 0.0));
+            assert!((largest.ball() - Ball::from(1.0 / 16.0)).contains_zero(), "{:?}", largest.ball());
+            let mut largest = Largest::default();
+            let high = largest.bound_rough(&Curve::rough(&terms, 0.0)).expect("above zero");
+            assert!((1.0 / 16.0..0.0626).contains(&high), "{high}");
+        }
+    }
 }

@@ -21,8 +21,16 @@ use crate::kernel::dense::enclosure::norm_bound;
 pub struct Rounding {
     /// Rounding error of the sum of an output.
     output: f64,
-    /// For each cell the error of one step, and how errors of earlier steps add up.
-    cells: Vec<(f64, Growth)>,
+    cells: Vec<CellRounding>,
+}
+
+/// The rounding of the states of a cell.
+#[derive(Clone, Debug, PartialEq)]
+struct CellRounding {
+    name: String,
+    /// The error of one step, and how errors of earlier steps add up.
+    step: f64,
+    growth: Growth,
 }
 
 /// Bounds of |1| + |F| + ... + |F^(N-1)|.
@@ -43,8 +51,20 @@ impl Rounding {
     /// The bound after `steps` steps: |emitted - exact| is at most this times the sum of the largest sizes that the parts
     /// of the output have had. Infinite if nothing can be said, as for a motion that grows beyond its inputs.
     pub fn error_after(&self, steps: u64) -> Bound {
-        let worst = self.cells.iter().map(|(step, growth)| step * growth.after(steps));
-        let bound = (self.output + worst.fold(0.0, larger)) * UP;
+        let worst = self.cells.iter().map(|cell| cell.step * cell.growth.after(steps));
+        self.relative(worst.fold(0.0, larger))
+    }
+
+    /// A bound for each block, by its name: |emitted - exact| is at most the sum, over the blocks, of this times the sum of
+    /// the largest sizes that the parts of the output by the block have had, and for the direct part of the bound of any
+    /// block.
+    pub fn errors_after(&self, steps: u64) -> impl Iterator<Item = (&str, Bound)> {
+        self.cells.iter().map(move |cell| (&*cell.name, self.relative(cell.step * cell.growth.after(steps))))
+    }
+
+    /// The error of the states of a cell, and of the sum of an output.
+    fn relative(&self, of_states: f64) -> Bound {
+        let bound = (self.output + of_states) * UP;
         // The roundings are those of the emitted states, which are larger than the exact ones by the error itself.
         Bound::proved(if bound < 1.0 { bound / (1.0 - bound) * UP } else { f64::INFINITY })
     }
@@ -84,8 +104,12 @@ pub fn rounding(cells: &[Cell], direct: &[Vec<(Operand, f64)>], precision: Preci
         (count as f64 + 3.0) * most * unit
     });
     let output = output.fold(0.0, larger);
-    let cells = cells.iter().zip(frames).map(|(cell, frame)| (frame.step(cell) * unit, frame.growth));
-    Rounding { output, cells: cells.collect() }
+    let of_cell = |(cell, frame): (&Cell, Frame)| CellRounding {
+        name: cell.name.clone(),
+        step: frame.step(cell) * unit,
+        growth: frame.growth,
+    };
+    Rounding { output, cells: cells.iter().zip(frames).map(of_cell).collect() }
 }
 
 fn factor(seen: &[(usize, f64)], output: usize) -> f64 {
@@ -549,5 +573,46 @@ mod tests {
         let bound = rounding(&[cell(Form::Lose(-0.01), 1)], &[], Precision::Double);
         assert!(bound.error_after(100).value() < 1e-12);
         assert_eq!(bound.error_after(100_000).value(), f64::INFINITY);
+    }
+
+    /// A pair that nothing damps, seen through a millionth, beside a state that forgets at once: relative to both parts
+    /// together, the worst bound is a thousand times what is seen; that of each for its own part is not.
+    #[test]
+    fn each_block_has_a_bound_of_its_own() {
+        let a = Matrix::from_fn(2, 2, |i, j| Dd::from([[0.0, 1.0], [-400.0, 0.0]][i][j]));
+        let lifted =
+            lift(&turn(&a.map(|x| x * 0.01), None).expect("in range"), None, Precision::Double).expect("a form");
+        let mut pair = cell(Form::Pair(lifted.lift), 2);
+        let mut keep = cell(Form::Keep(0.3), 1);
+        (pair.name, keep.name) = ("pair".into(), "keep".into());
+        pair.input = vec![vec![], vec![(Operand::Input(0), 1.0)]];
+        keep.input = vec![vec![(Operand::Input(0), 0.7)]];
+        (pair.output[0], keep.output[0]) = (vec![(0, 1e-9)], vec![(0, 1.0)]);
+        let frames = [Frame::of(&pair), Frame::of(&keep)];
+        let steps = 20_000;
+        let (mut w, mut truth) = (vec![vec![0.0; 2], vec![0.0]], vec![vec![Dd::ZERO; 2], vec![Dd::ZERO]]);
+        let (mut sizes, mut seen) = ([0.0f64; 2], 0.0f64);
+        let mut bits = 88_172_645_463_325_252u64;
+        for _ in 0..steps {
+            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let u = (bits >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+            for (i, cell) in [&pair, &keep].into_iter().enumerate() {
+                (w[i], truth[i]) = (advanced(cell, &w[i], u), advanced(cell, &truth[i], u));
+                let length = frames[i].norm.length(&truth[i].iter().map(|x| x.to_f64()).collect::<Vec<f64>>());
+                sizes[i] = sizes[i].max(length * frames[i].most[0] * [1e-9, 1.0][i]);
+            }
+            let output = 1e-9 * w[0][0] + w[1][0];
+            let exact = truth[0][0] * Dd::from(1e-9) + truth[1][0];
+            seen = seen.max((Dd::from(output) - exact).to_f64().abs());
+        }
+        let rounding = rounding(&[pair, keep], &[Vec::new()], Precision::Double);
+        let bounds: Vec<(&str, f64)> =
+            rounding.errors_after(steps).map(|(name, bound)| (name, bound.value())).collect();
+        assert_eq!((bounds[0].0, bounds[1].0), ("pair", "keep"));
+        let worst = rounding.error_after(steps).value();
+        assert!(worst == bounds[0].1 && worst > 100.0 * bounds[1].1, "{bounds:?}");
+        let both = bounds[0].1 * sizes[0] + bounds[1].1 * sizes[1];
+        assert!((1.0..100.0).contains(&(both / seen)), "{both:e} for {seen:e}");
+        assert!(worst * (sizes[0] + sizes[1]) > 1e3 * seen, "{worst:e}");
     }
 }

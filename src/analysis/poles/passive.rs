@@ -126,4 +126,26 @@ mod tests {
         let product = vec![vec![Rational::ZERO, Rational::from(1)], vec![Rational::from(1), Rational::ZERO]];
         assert!(!has_no_negative_pivot(product));
     }
+
+    /// c x' - x = 0 grows, though no frequency says so: a coordinate without mass is held by its springs, or is not.
+    #[test]
+    fn a_coordinate_without_mass_is_not_held_by_a_negative_spring() {
+        use crate::analysis::modes::modes;
+        use crate::analysis::modes::parts::independent;
+        use crate::analysis::test_systems::blank;
+        for (weight, held) in [(Number::ONE, true), (-&Number::ONE, false)] {
+            let mut system = blank(1);
+            push(&mut system.c, "1", 0, None);
+            push(&mut system.k, "1", 0, None);
+            let term = system.k.terms()[0].clone();
+            let mut k = Form::new();
+            let source = k.source(system.k.source_of(term.source));
+            k.push(source, term.nature, weight, system.k.row(&term).iter().cloned());
+            system.k = k;
+            let part = &independent(&system)[0];
+            let modes = modes(&system).expect("a mode without inertia");
+            assert!(modes.infinite == 1 && modes.list.is_empty());
+            assert_eq!(Passive::of(&system, part, &modes).held, held);
+        }
+    }
 }

@@ -191,4 +191,18 @@ mod tests {
             assert!(off.re.contains_zero() && off.im.contains_zero() && off.magnitude() < most, "{entry:?} {truth:?}");
         }
     }
+
+    /// Between the ends of the path, on it or on both sides of it, the integral is not known; below it neither, for which the
+    /// cut would be crossed; beyond an end it is that of real numbers.
+    #[test]
+    fn a_logarithm_on_the_path_is_unknown() {
+        let at = |re: f64, im: Ball| Complex::new(Ball::from(re), im).logarithm();
+        for im in [Ball::ZERO, Ball::ZERO.widen(0.1), -Ball::ONE] {
+            assert!(!at(0.5, im).re.is_finite() && !at(0.5, im).im.is_finite());
+        }
+        let beyond = at(3.0, Ball::ZERO);
+        // ln |-2 / -4|
+        assert!((beyond.re + Ball::from(std::f64::consts::LN_2)).magnitude() < 1e-15 && beyond.im.magnitude() < 1e-30);
+        assert!(at(0.5, Ball::from(1e-3)).re.is_finite());
+    }
 }

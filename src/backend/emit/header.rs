@@ -4,13 +4,15 @@
 use super::plan::Operations;
 use crate::analysis::discrete::equations::Equations;
 use crate::analysis::discrete::parameter::Parameterised;
-use crate::analysis::discrete::{DiscreteSystem, DroppedBlock, Hold, Port, Precision, Why};
+use crate::analysis::discrete::{DiscreteSystem, DroppedBlock, Hold, Port, Precision, Rounding, Why};
 use crate::backend::decimal::{rounded, upper};
 use crate::backend::diagnostics::readable;
 use crate::base::Unproven;
 
-/// The most omitted parts that are listed.
+/// The most omitted parts, and blocks with bounds of their own, that are listed.
 const LISTED: usize = 12;
+/// A block whose bounds are at most this times the largest ones has a line of its own.
+const MUCH_LESS: f64 = 0.1;
 
 /// The lines of the header.
 pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> Vec<String> {
@@ -84,6 +86,7 @@ fn error(system: &DiscreteSystem) -> Vec<String> {
     let parts =
         "           the largest sizes that the parts of an output have had: what each input, and the initial state,";
     let rest = "           contributes by each block and directly (a bound for every input: if all roundings conspire)";
+    let blocks = better_blocks(rounding);
     match (after(1000), after(100_000)) {
         (Some(few), Some(many)) => vec![
             format!(
@@ -91,7 +94,10 @@ fn error(system: &DiscreteSystem) -> Vec<String> {
             ),
             parts.into(),
             rest.into(),
-        ],
+        ]
+        .into_iter()
+        .chain(blocks)
+        .collect(),
         (Some(few), None) => vec![
             format!("error      no integrator's; rounding at most {few} after 1e3 steps (no bound after 1e5), relative to the sum of"),
             parts.into(),
@@ -101,6 +107,22 @@ fn error(system: &DiscreteSystem) -> Vec<String> {
             "error      no integrator's; rounding has no bound after 1e3 steps: a motion grows, or the precision is too low".into(),
         ],
     }
+}
+
+/// The blocks of which much less is lost than of the worst one; without a bound after many steps that of few is not enough.
+fn better_blocks(rounding: &Rounding) -> Vec<String> {
+    let steps = [1000, 100_000];
+    let [few, many] = steps.map(|steps| rounding.errors_after(steps));
+    let worst = steps.map(|steps| rounding.error_after(steps).value());
+    let better: Vec<String> = (few.zip(many))
+        .filter(|((_, few), (_, many))| few.value() <= MUCH_LESS * worst[0] && many.value() <= MUCH_LESS * worst[1])
+        .map(|((name, few), (_, many))| format!("{name}: at most {} and {}", upper(few), upper(many)))
+        .collect();
+    let first = (!better.is_empty()).then(|| "           of these parts, those by".to_string());
+    let more = better.len().saturating_sub(LISTED);
+    let rest = (more > 0).then(|| format!("           and {more} more"));
+    let lines = better.iter().take(LISTED).map(|line| format!("           - {line}"));
+    first.into_iter().chain(lines).chain(rest).collect()
 }
 
 /// The lines of the header of equations.

@@ -2,6 +2,7 @@
 
 import os
 import re
+from math import pi as PI
 import shutil
 import subprocess
 
@@ -230,10 +231,30 @@ class Bounds:
                 self.levels = [(steps, float(bound)) for steps, bound in zip((1000, 100000), parts.groups()) if bound]
         except (ValueError, TypeError, AttributeError):
             self.levels = None
+        self.blocks = re.findall(r"- ((?:pole|mode) [^:]*): at most (\S+) and ([0-9.e+-]+)", text)
+
+    def share(self, p, level):
+        """The bound of the block of this pole over that of all blocks; 1 where the header names none."""
+        place = [last for last, _ in self.levels].index(level)
+        whole = self.levels[place][1]
+        found = [float(bounds[place]) / whole for name, *bounds in self.blocks if of_block(name, p)]
+        return max(found, default=1.0)
 
     def at(self, step):
         """How many steps the bound that holds at this one speaks of, and the bound."""
         return next(((last, bound) for last, bound in self.levels if step <= last), (step, None))
+
+
+def of_block(name, p):
+    """Whether a block may be that of a pole, by what its name says: six digits of the pole, or of a mode's frequency."""
+    numbers = [float(x) for x in re.findall(r"[+-]?[0-9.]+(?:e[+-]?[0-9]+)?(?=i| )", name + " ")]
+    near = lambda a, b: abs(a - b) <= 2e-5 * abs(p)
+    if name.startswith("pole"):
+        re_part, im_part = (numbers + [0.0])[:2]
+        return near(re_part, p.real) and near(abs(im_part), abs(p.imag))
+    # A mode: the modulus of a pair is its angular frequency, of which six decimals in Hz are written.
+    hertz = re.search(r"\(([0-9.]+) Hz\)", name)
+    return bool(hertz) and p.imag != 0 and abs(abs(p) / (2 * PI) - float(hertz[1])) <= 1e-6 + 1e-9 * abs(p)
 
 
 def run(net, folder, steps):
@@ -323,7 +344,10 @@ def compare_held(net, printed, steps, inputs, seen, tally):
             output = held.Output(net, i, inputs)
         except ValueError:
             continue
-        sizes = output.sizes()
+        levels = [last for last, _ in seen.bounds.levels]
+        sizes = {last: output.sizes(lambda p, last=last: seen.bounds.share(p, last)) for last in levels}
         for k, row in zip(steps, printed):
-            # The sizes are those of binary64 numbers: half a millionth is far more than they are off.
-            seen.output(row[i], k, output.at(k), arb(sizes[k]) * arb("1.0000005"), tally)
+            last, _ = seen.bounds.at(k)
+            if last in sizes:
+                # The sizes are those of binary64 numbers: half a millionth is far more than they are off.
+                seen.output(row[i], k, output.at(k), arb(sizes[last][k]) * arb("1.0000005"), tally)

@@ -85,15 +85,17 @@ class Output:
             self.tables[key] = ([(angle * m).exp() for m in range(BLOCK)], [(angle * (m * BLOCK)).exp() for m in range(count // BLOCK + 1)])
         return self.tables[key]
 
-    def sizes(self):
-        """The sum of the largest sizes that the parts have had up to each sample: of each pole, and of the input itself.
+    def sizes(self, share=lambda p: 1.0):
+        """The sum of the largest sizes that the parts have had up to each sample: of each pole, times its share, and of the
+        input itself.
 
         These are numbers that a bound is relative to; binary64 is enough."""
         count = len(self.inputs)
         sums = [0.0] * count
         for (p, drive), (_, start) in zip(self.impulse, self.free):
+            part = share(complex(p))
             for k, x in enumerate(self.largest(p, drive, start)):
-                sums[k] += x
+                sums[k] += part * x
         most, through = 0.0, abs(float(self.through.p) / float(self.through.q))
         for k, u in enumerate(self.inputs):
             most = max(most, through * abs(u))

@@ -664,4 +664,18 @@ mod tests {
         let (list, gaps) = distinct(vec![at(1.0, Peak), at(2.0, Antiresonance), at(3.0, Peak)]);
         assert_eq!((list.len(), gaps.len()), (3, 0));
     }
+
+    /// An output that is its input alone: |H| is 1 at every frequency, no sign of F is certain, nothing is proved, and all of the
+    /// range is open.
+    #[test]
+    fn a_gain_that_is_the_same_everywhere_is_left_open() {
+        let mut system = network(2, 1);
+        system.outputs[0].p = [Vec::new(), Vec::new(), Vec::new()];
+        system.outputs[0].d[0] = vec![(0, Number::ONE)];
+        let found = expanded(&fractions(&system, 0, 0), Ball::from(0.5), Ball::from(2.0));
+        assert!(!found.is_complete() && found.list.is_empty(), "{found:?}");
+        let (low, high) = found.open.iter().fold((f64::INFINITY, 0.0f64), |(a, b), x| (a.min(x.0), b.max(x.1)));
+        let two_pi = 2.0 * std::f64::consts::PI;
+        assert!(low * two_pi < 0.5001 && high * two_pi > 1.9999, "{:?}", found.open);
+    }
 }

@@ -625,6 +625,10 @@ mod tests {
             let truth = factor * factor;
             let off = Complex::new(found.value.re.to_f64() - truth.re, found.value.im.to_f64() - truth.im);
             assert!(off.abs() <= found.radius, "{re} {im}: {found:?}");
+            let parts = exactly.anchors[0].value(Ball::ONE, Ball::ONE);
+            for (part, truth) in [(parts.re, truth.re), (parts.im, truth.im)] {
+                assert!((part.to_f64() - truth).abs() <= part.rad * 1.000_001, "{re} {im}: {parts:?}");
+            }
             let truth = 2.0 * (1.0 - im) / ((1.0 - im) * (1.0 - im) + re * re);
             assert!((slope.to_f64() - truth).abs() <= slope.rad, "{re} {im}: {slope:?}");
         }

@@ -551,6 +551,7 @@ fn is_less(a: &Float, b: &Float) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::two_to;
     use num_traits::One;
 
     fn polynomial(coefficients: &[i64]) -> Polynomial {
@@ -754,7 +755,7 @@ mod tests {
         let mut kinds = [0, 0];
         for middle in [&[1_008_007_000_000, 4_024_021_000, 6_024_007, 4008, 1][..], &[0, 0, 7, 8, 1]] {
             for exponent in 0..90 {
-                let radii = middle.iter().map(|&a| (a as f64).max(1.0) * 2f64.powi(-exponent)).collect();
+                let radii = middle.iter().map(|&a| (a as f64).max(1.0) * two_to(-exponent)).collect();
                 let Some(list) = roots(&Coefficients { middle: polynomial(middle), radii, far: 0 }) else { continue };
                 assert_eq!(list.iter().map(Root::count).sum::<usize>(), 4);
                 for (i, a) in list.iter().enumerate() {
