@@ -98,6 +98,19 @@ fn effective_masses_have_the_published_form() {
 }
 
 #[test]
+fn shapes_on_demand_have_the_published_form() {
+    let form = Form::published("analyze");
+    for (shapes, field) in [("damped", "damped_shapes"), ("all", "\"outputs\"")] {
+        for example in ["quarter_car", "cart", "inerter_table"] {
+            let model = root().join("examples").join(format!("{example}.vib"));
+            let (result, _) = printed(&["analyze", &model.to_string_lossy(), "--shapes", shapes, "--format", "json"]);
+            assert!(result.contains(field), "{example} {shapes}");
+            form.assert_valid(example, &result);
+        }
+    }
+}
+
+#[test]
 fn transfer_functions_have_the_published_form() {
     validate("transfer", &[]);
     validate("transfer", &["--points", "3"]);
