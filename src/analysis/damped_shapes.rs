@@ -163,31 +163,31 @@ mod tests {
     use crate::analysis::test_systems::{blank, push};
     use crate::analysis::{modes, poles};
 
-    fn shapes(dampers: [&str; 2]) -> Vec<DampedShape> {
+    /// A chain of two in which the dampers are not in proportion: every shape is in the kernel of M s^2 + C s + K at its
+    /// pole, and the masses are out of phase.
+    #[test]
+    fn shapes_satisfy_the_equations() {
         let mut system = blank(2);
-        for (i, damper) in dampers.into_iter().enumerate() {
+        for (i, damper) in ["0.7", "0.1"].into_iter().enumerate() {
             push(&mut system.m, "1", i, None);
             push(&mut system.k, "3", i, i.checked_sub(1));
             push(&mut system.c, damper, i, None);
         }
-        let modes = modes(&system).expect("modes");
-        damped_shapes(&system, &poles(&system, &modes).expect("poles"))
-    }
-
-    /// The second equation of a chain of two: x_1 / x_2 = (s^2 + c s + 3) / 3 at the pole, one of its entries 1.
-    #[test]
-    fn shapes_satisfy_the_equations() {
-        let found = shapes(["0.7", "0.1"]);
-        assert_eq!(found.len(), 2);
-        for shape in found {
-            let entries = shape.found.expect("a shape");
+        let poles = poles(&system, &modes(&system).expect("modes")).expect("poles");
+        let upper: Vec<&Pole> = poles.list.iter().filter(|pole| !pole.is_lower_half()).collect();
+        let found = damped_shapes(&system, &poles);
+        assert_eq!((found.len(), upper.len()), (2, 2));
+        for (shape, pole) in found.into_iter().zip(upper) {
+            let x = shape.found.expect("a shape").coordinates;
             let is_one = |disc: &Disc| disc.radius == 0.0 && disc.value == Complex::real(Dd::ONE);
-            assert!(entries.coordinates.iter().any(is_one));
-            assert!(
-                entries.coordinates.iter().all(|disc| disc.radius < 1e-26 && disc.value.to_f64().abs() < 1.0 + 1e-9)
-            );
-            // The dampers are not in proportion: the masses are out of phase.
-            assert!(entries.coordinates.iter().any(|disc| disc.value.im.abs().to_f64() > 1e-3));
+            assert!(x.iter().any(is_one) && x.iter().all(|disc| disc.radius < 1e-26));
+            assert!(x.iter().all(|disc| disc.value.to_f64().abs() < 1.0 + 1e-9));
+            assert!(x.iter().any(|disc| disc.value.im.abs().to_f64() > 1e-3));
+            let q = Dense::of(&system).at(Complex::new(pole.re, pole.im));
+            for i in 0..2 {
+                let force = (0..2).fold(Complex::ZERO, |sum, j| sum + q[(i, j)] * x[j].value.to_ball());
+                assert!(force.mid().to_f64().abs() < 1e-24, "{force:?}");
+            }
         }
     }
 }
