@@ -8,7 +8,7 @@ use crate::base::unit::{self, Scale};
 use crate::base::{Angle, Dimension, Literals, Number, Rational};
 use crate::kinds;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgMatches, Args, FromArgMatches, Parser, Subcommand, ValueEnum};
 use std::ffi::OsStr;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -27,40 +27,84 @@ pub struct Cli {
     pub messages: Messages,
 }
 
-#[derive(Debug, Subcommand)]
-pub enum Command {
+/// The commands, each with its line in the list of `--help`. Its options are described to clap only if it is the command
+/// that runs: describing those of all commands takes longer than reading and checking a small model.
+macro_rules! commands {
+    ($(#[doc = $about:literal] $name:ident = $word:literal,)*) => {
+        #[derive(Debug)]
+        pub enum Command {
+            $(#[doc = $about] $name($name),)*
+        }
+
+        impl Subcommand for Command {
+            fn augment_subcommands(program: clap::Command) -> clap::Command {
+                program$(.subcommand(command($word, $about, <$name as Args>::augment_args)))*
+            }
+
+            fn augment_subcommands_for_update(program: clap::Command) -> clap::Command {
+                program$(.subcommand(command($word, $about, <$name as Args>::augment_args_for_update)))*
+            }
+
+            fn has_subcommand(name: &str) -> bool {
+                [$($word),*].contains(&name)
+            }
+        }
+
+        impl FromArgMatches for Command {
+            fn from_arg_matches(matches: &ArgMatches) -> Result<Command, clap::Error> {
+                match matches.subcommand() {
+                    $(Some(($word, given)) => Ok(Command::$name($name::from_arg_matches(given)?)),)*
+                    // clap has refused such command lines already.
+                    _ => Err(clap::Error::new(clap::error::ErrorKind::MissingSubcommand)),
+                }
+            }
+
+            fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+                *self = Command::from_arg_matches(matches)?;
+                Ok(())
+            }
+        }
+    };
+}
+
+/// A command that is described to clap when it is the one that runs.
+fn command(name: &'static str, about: &'static str, options: fn(clap::Command) -> clap::Command) -> clap::Command {
+    clap::Command::new(name).about(about.trim_start()).defer(options)
+}
+
+commands! {
     /// Print the modal report: rest and its stability, matrices, frequencies, mode shapes, damped poles
-    Analyze(Analyze),
+    Analyze = "analyze",
     /// Compute transfer functions between inputs and outputs: peaks, gain and phase over frequency
-    Transfer(Transfer),
+    Transfer = "transfer",
     /// Compute the time response under the model's signals and from its initial state
-    Simulate(Simulate),
+    Simulate = "simulate",
     /// Compute shock response spectra: the largest motions of single oscillators on a base that moves as its signal says
-    Shock(Shock),
+    Shock = "shock",
     /// Draw the scene as a textbook figure, in SVG: as drawn, at rest, or in a mode
-    Draw(Draw),
+    Draw = "draw",
     /// Write a page with everything: the figure in motion, tables, curves, the text; one HTML file that needs no network
-    Report(Report),
+    Report = "report",
     /// Serve the report to browsers on this machine, fresh after each save
-    Watch(Watch),
+    Watch = "watch",
     /// Emit simulation code: the exact discrete system in C99 or Rust
-    Emit(Emit),
+    Emit = "emit",
     /// Print the equations of motion in the model's own symbols, from its energies
-    Equations(Equations),
+    Equations = "equations",
     /// Check models: diagnostics, and whether the requirements hold
-    Check(Check),
+    Check = "check",
     /// Format model files
-    Fmt(Fmt),
+    Fmt = "fmt",
     /// Run the language server on standard input and output; editors start it
-    Lsp(Lsp),
+    Lsp = "lsp",
     /// Explain a diagnostic or a keyword: what it means, an example, how to fix it
-    Explain(Explain),
+    Explain = "explain",
     /// Print a script that completes commands and options in a shell
-    Completions(Completions),
+    Completions = "completions",
     /// Print the manual page of the program, or of one of its commands
-    Man(Man),
+    Man = "man",
     /// Compare speed and error: every method for each answer, its time, its true error and its bound
-    Bench(Bench),
+    Bench = "bench",
 }
 
 #[derive(Debug, Args)]

@@ -856,6 +856,7 @@ pub fn check(
         let mut reading = reading::read_and_solve(sources, model, overrides, until, diagnostics)?;
         let scene = reading.scene.scene();
         if scene.requires.is_empty() && scene.damping.is_none() {
+            reading.forget_tree();
             // No number is requested, so the scene may hang deeper than analyses allow.
             dynamics::lowered(&reading.scene, diagnostics)?;
             return Some(Vec::new());

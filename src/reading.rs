@@ -136,6 +136,11 @@ impl<'a> Reading<'a> {
         }
     }
 
+    /// Drops the tree, which takes some two times the text of a large file: nothing is asked of the text any more.
+    pub fn forget_tree(&mut self) {
+        self.tree = Tree::new(self.tree.file);
+    }
+
     /// The model's name.
     pub fn name(&self) -> String {
         self.scene.scene().name.clone()

@@ -9,6 +9,7 @@ use super::places::FrameId;
 use super::value::Value;
 use crate::base::{Name, Place, Span, Symbol};
 use crate::syntax::tree::{Decl, ExprId};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
@@ -194,6 +195,8 @@ pub struct Family {
 #[derive(Debug)]
 pub struct Space<T> {
     runs: Table<Name, Run<T>>,
+    /// The names without indices in the scene, by word: a file that is written out has nothing else.
+    plain: Vec<Option<Plain<T>>>,
     /// The names without indices in places, by component and word: runs over the places of the component.
     columns: Table<(Group, Symbol), Run<T>>,
     /// The places that declare something.
@@ -202,6 +205,13 @@ pub struct Space<T> {
     families: Table<(Group, Symbol), Family>,
     /// Words in order of declaration, for suggestions.
     words: Table<Group, Vec<Symbol>>,
+}
+
+/// What a name without indices means in the scene, and the place where it is declared.
+#[derive(Clone, Copy, Debug)]
+struct Plain<T> {
+    what: T,
+    span: Span,
 }
 
 /// Names that differ in their last index, or in the number of their place among those of a component, which increases
@@ -243,6 +253,7 @@ impl<T> Default for Space<T> {
     fn default() -> Space<T> {
         Space {
             runs: Table::default(),
+            plain: Vec::new(),
             columns: Table::default(),
             members: Members::default(),
             others: Table::default(),
@@ -254,6 +265,9 @@ impl<T> Default for Space<T> {
 
 impl<T: Copy> Space<T> {
     pub fn get(&self, name: Name) -> Option<T> {
+        if name.is_plain() {
+            return self.plain(name.symbol).map(|plain| plain.what);
+        }
         let in_run = match split_last(name) {
             Some((run, last)) => self.runs.get(&run).and_then(|run| run.get(last)),
             None => self
@@ -269,11 +283,31 @@ impl<T: Copy> Space<T> {
         if let Some(first) = self.get(name) {
             return Err(first);
         }
+        if name.is_plain() {
+            self.declare_plain(name.symbol, span, what);
+            return Ok(());
+        }
         if !self.extend_run(group, name, what) {
             self.others.insert(name, what);
         }
         self.widen_family(group, name, span);
         Ok(())
+    }
+
+    fn plain(&self, symbol: Symbol) -> Option<&Plain<T>> {
+        self.plain.get(symbol.index())?.as_ref()
+    }
+
+    /// Declares a word without indices in the scene. It is a family of its own, unless the word was declared with indices
+    /// before.
+    fn declare_plain(&mut self, symbol: Symbol, span: Span, what: T) {
+        if self.plain.len() <= symbol.index() {
+            self.plain.resize_with(symbol.index() + 1, || None);
+        }
+        self.plain[symbol.index()] = Some(Plain { what, span });
+        if !self.families.contains_key(&(Group::SCENE, symbol)) {
+            self.words.entry(Group::SCENE).or_default().push(symbol);
+        }
     }
 
     /// Appends to the run that the name continues or begins; `false` if there is no such run.
@@ -290,6 +324,12 @@ impl<T: Copy> Space<T> {
     }
 
     fn widen_family(&mut self, group: Group, name: Name, span: Span) {
+        if group == Group::SCENE
+            && self.plain(name.symbol).is_some()
+            && !self.families.contains_key(&(group, name.symbol))
+        {
+            return;
+        }
         let words = &mut self.words;
         let family = self.families.entry((group, name.symbol)).or_insert_with(|| {
             words.entry(group).or_default().push(name.symbol);
@@ -302,15 +342,17 @@ impl<T: Copy> Space<T> {
     }
 
     /// The indices with which a word is declared; `None` if it is not declared.
-    pub fn family(&self, group: Group, symbol: Symbol) -> Option<&Family> {
-        self.families.get(&(group, symbol))
+    pub fn family(&self, group: Group, symbol: Symbol) -> Option<Cow<'_, Family>> {
+        let indexed = self.families.get(&(group, symbol)).map(Cow::Borrowed);
+        let plain = |plain: &Plain<T>| Cow::Owned(Family { span: plain.span, ranges: Vec::new() });
+        indexed.or_else(|| self.plain(symbol).filter(|_| group == Group::SCENE).map(plain))
     }
 
     /// The indices with which a word is declared in the place of a name; `None` if it is not declared there.
     pub fn ranges(&self, group: Group, name: Name) -> Option<Vec<(i32, i32)>> {
-        let all = &self.family(group, name.symbol)?.ranges;
-        if name.place == Place::SCENE || all.len() != 1 {
-            return Some(all.clone());
+        let all = self.family(group, name.symbol)?;
+        if name.place == Place::SCENE || all.ranges.len() != 1 {
+            return Some(all.into_owned().ranges);
         }
         // Another place of the component may have more.
         let run = self.runs.get(&Name::plain(name.symbol).within(name.place))?;

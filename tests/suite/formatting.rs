@@ -33,14 +33,9 @@ fn meaning(text: &str) -> String {
     without_places(&format!("{:?} {messages:?}", checked.scene))
 }
 
-/// A `Debug` text without its spans, and without the map of its words, which has no fixed order.
+/// A `Debug` text without its spans.
 fn without_places(debug: &str) -> String {
-    without(&without(debug, "Span {"), "by_text: {")
-}
-
-/// Removes everything from `start` to the next brace.
-fn without(debug: &str, start: &str) -> String {
-    let mut parts = debug.split(start);
+    let mut parts = debug.split("Span {");
     let mut text = parts.next().unwrap_or_default().to_string();
     parts.for_each(|part| text += part.split_once('}').map_or("", |(_, rest)| rest));
     text
