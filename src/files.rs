@@ -5,11 +5,14 @@ pub use crate::named::Named;
 
 use crate::named::{add_named, read_limited};
 use crate::{Status, report_error, write_to};
+use serde::Serialize;
+use serde_json::ser::{Formatter, Serializer};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use vibc::backend::diagnostics;
+use vibc::base::readable::escaped;
 use vibc::base::{FileId, SourceFile, SourceKind, Sources};
 use vibc::cli::{MessageFormat, Messages, OverrideOptions};
 use vibc::model::Overrides;
@@ -108,11 +111,40 @@ impl Unreadable {
 
 /// Writes the result to standard output, or completely into a file.
 pub fn write_result(path: Option<&Path>, text: &str) -> io::Result<()> {
+    write_by(path, |out| out.write_all(text.as_bytes()))
+}
+
+/// Like [`write_result`], of a value as JSON and a line feed, piece by piece: of a large scene the whole text never exists.
+pub fn write_json(path: Option<&Path>, value: &impl Serialize) -> io::Result<()> {
+    write_by(path, |out| {
+        let mut out = BufWriter::with_capacity(JSON_AT_ONCE, out);
+        value.serialize(&mut Serializer::with_formatter(&mut out, Harmless))?;
+        out.write_all(b"\n")?;
+        out.flush()
+    })
+}
+
+/// Bytes of JSON that are written at once.
+const JSON_AT_ONCE: usize = 1 << 16;
+
+/// Compact JSON without characters that control a terminal.
+struct Harmless;
+
+impl Formatter for Harmless {
+    fn write_string_fragment<W: ?Sized + Write>(&mut self, out: &mut W, fragment: &str) -> io::Result<()> {
+        if fragment.is_ascii() && !fragment.contains('\u{7f}') {
+            return out.write_all(fragment.as_bytes());
+        }
+        out.write_all(escaped(fragment.to_string()).as_bytes())
+    }
+}
+
+fn write_by(path: Option<&Path>, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     match path {
-        Some(path) if path != Path::new("-") => replace_file(path, text),
+        Some(path) if path != Path::new("-") => replace_file(path, write),
         _ => {
             let mut stdout = io::stdout().lock();
-            match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+            match write(&mut stdout).and_then(|()| stdout.flush()) {
                 // Whoever reads the output has stopped reading; that is not an error.
                 Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
                 result => result,
@@ -123,15 +155,15 @@ pub fn write_result(path: Option<&Path>, text: &str) -> io::Result<()> {
 
 /// Replaces the content of a file completely or not at all: writes a new file beside it, then renames it. Anything but a
 /// regular file (a device, a pipe) is written to directly; for a link, its target is replaced, not the link.
-fn replace_file(path: &Path, text: &str) -> io::Result<()> {
+fn replace_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let existing = fs::metadata(path);
     if existing.as_ref().is_ok_and(|metadata| !metadata.is_file()) {
-        return OpenOptions::new().write(true).open(path)?.write_all(text.as_bytes());
+        return write(&mut OpenOptions::new().write(true).open(path)?);
     }
     let existing = existing.ok();
     let target = if existing.is_some() { fs::canonicalize(path)? } else { resolve_missing(path)? };
     let (beside, file) = new_beside(&target, existing.is_some())?;
-    let written = write_new(file, text, existing).and_then(|()| fs::rename(&beside, &target));
+    let written = write_new(file, write, existing).and_then(|()| fs::rename(&beside, &target));
     if written.is_err() {
         let _ = fs::remove_file(&beside);
     }
@@ -177,12 +209,16 @@ fn new_beside(target: &Path, is_private: bool) -> io::Result<(PathBuf, File)> {
     }
 }
 
-fn write_new(mut file: File, text: &str, replaced: Option<fs::Metadata>) -> io::Result<()> {
+fn write_new(
+    mut file: File,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    replaced: Option<fs::Metadata>,
+) -> io::Result<()> {
     if let Some(metadata) = replaced {
         keep_owner(&file, &metadata);
         file.set_permissions(metadata.permissions())?;
     }
-    file.write_all(text.as_bytes())?;
+    write(&mut file)?;
     file.sync_all()
 }
 

@@ -124,7 +124,11 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
             backend::report::laid_out(&report::modal(answer, &wanted), width)
         }
         Format::Markdown => backend::markdown::markdown(&report::modal(answer, &wanted)),
-        Format::Json => backend::json::json(answer, &wanted),
+        Format::Json => {
+            let path = options.output.file.as_deref();
+            return delivered(path, files::write_json(path, &backend::json::Modal { answer, options: &wanted }))
+                .max(status);
+        }
     };
     // An accuracy that was not reached, or a requirement that fails, is reported in addition to the answer.
     deliver(options.output.file.as_deref(), &text).max(status)
@@ -498,7 +502,12 @@ fn bench(options: &Bench, messages: &Messages) -> Status {
 
 /// Writes a result, and reports errors.
 fn deliver(output: Option<&Path>, text: &str) -> Status {
-    match write_result(output, text) {
+    delivered(output, write_result(output, text))
+}
+
+/// Reports a result that could not be written.
+fn delivered(output: Option<&Path>, written: io::Result<()>) -> Status {
+    match written {
         Ok(()) => Status::Done,
         Err(error) => {
             let name = output.unwrap_or(Path::new("standard output"));

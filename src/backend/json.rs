@@ -27,11 +27,24 @@ const MATRICES_UP_TO: usize = 200;
 
 /// One JSON object, followed by a line feed.
 pub fn json(answer: &ModalAnswer, options: &ReportOptions) -> String {
-    let names = answer.system.coordinate_names();
-    let dependent = answer.rest.dependent.iter().map(|dependent| answer.system.display(dependent.coordinate.name));
-    let all: Vec<String> = names.iter().cloned().chain(dependent).collect();
-    let report = report(answer, options, &all);
-    super::json_text(&report) + "\n"
+    super::json_text(&Modal { answer, options }) + "\n"
+}
+
+/// The report as a value to write. Shapes, of which a large scene has millions of numbers, are made mode by mode while it is
+/// written.
+pub struct Modal<'a> {
+    pub answer: &'a ModalAnswer,
+    pub options: &'a ReportOptions,
+}
+
+impl Serialize for Modal<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Modal { answer, options } = self;
+        let mut names = answer.system.coordinate_names();
+        let dependent = &answer.rest.dependent;
+        names.extend(dependent.iter().map(|dependent| answer.system.display(dependent.coordinate.name)));
+        report(answer, options, &names).serialize(serializer)
+    }
 }
 
 #[derive(serde::Serialize)]
@@ -46,7 +59,7 @@ struct Report<'a> {
     matrices: Option<Matrices>,
     normalisation: &'static str,
     not_computed: NotComputed,
-    modes: Vec<JsonMode<'a>>,
+    modes: JsonModes<'a>,
     splits: Vec<JsonSplit>,
     poles: Vec<JsonPole>,
     buckling: Option<JsonBuckling<'a>>,
@@ -165,6 +178,21 @@ struct MatrixBounds {
     m: JsonNumber,
     c: JsonNumber,
     k: JsonNumber,
+}
+
+/// Every mode, each made when it is written.
+struct JsonModes<'a> {
+    answer: &'a ModalAnswer,
+    options: &'a ReportOptions,
+    names: &'a [String],
+    bounds: Bounds,
+}
+
+impl Serialize for JsonModes<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let JsonModes { answer, options, names, bounds } = *self;
+        serializer.collect_seq(answer.modes.numbered().map(|mode| json_mode(answer, options, names, mode, bounds)))
+    }
 }
 
 #[derive(serde::Serialize)]
@@ -402,7 +430,7 @@ impl Serialize for ByName<'_> {
 }
 
 /// `all`: the names of the coordinates, followed by those that depend on them.
-fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String]) -> Report<'a> {
+fn report<'a>(answer: &'a ModalAnswer, options: &'a ReportOptions, all: &'a [String]) -> Report<'a> {
     let (names, dependent) = all.split_at(answer.system.n());
     let bounds = Bounds::about_rest_of(answer);
     let wanted = options.matrices || answer.system.n() <= MATRICES_UP_TO;
@@ -423,9 +451,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &ReportOptions, all: &'a [String
             not_proved: answer.not_proved().collect(),
             matrices: !wanted,
         },
-        modes: (answer.modes.numbered())
-            .map(|(number, mode)| json_mode(answer, options, names, (number, mode), bounds))
-            .collect(),
+        modes: JsonModes { answer, options, names, bounds },
         splits: splits(&answer.modes).iter().map(|split| json_split(split, options, bounds)).collect(),
         poles: answer.poles.list.iter().map(|pole| json_pole(pole, options, bounds)).collect(),
         buckling: answer.buckling.as_ref().map(|found| json_buckling(found, options, names, bounds)),
