@@ -15,7 +15,7 @@ use crate::analysis::poles::schur::{ComplexColumns, Eigenvalue, SchurForm};
 use crate::base::Dd;
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
-use crate::kernel::dense::product::View;
+use crate::kernel::dense::product::{View, product};
 use crate::kernel::pseudosymmetric;
 use crate::kernel::squares::Squares;
 use nalgebra::DMatrix;
@@ -409,17 +409,17 @@ fn dot(indices: &[u32], values: &[Dd], x: &[f64]) -> f64 {
 
 /// sum c (d Phi)^T (d Phi), zero where a motion is free.
 fn damping(pencil: &Pencil<Dd>, shapes: &Matrix<f64>, free: usize) -> Matrix<f64> {
-    let n = shapes.columns();
-    let mut damping = Matrix::filled(n, n, 0.0);
-    for t in 0..pencil.c.len() {
+    let (n, terms) = (shapes.columns(), pencil.c.len());
+    let stretch = |t: usize, j: usize| {
         let (indices, values) = pencil.c.row(t);
-        let stretch: Vec<f64> = (0..n).map(|j| dot(indices, values, shapes.column(j))).collect();
-        for j in free..n {
-            let weighted = pencil.c.weights[t].to_f64() * stretch[j];
-            for i in free..n {
-                damping[(i, j)] += stretch[i] * weighted;
-            }
-        }
-    }
-    damping
+        dot(indices, values, shapes.column(free + j))
+    };
+    let stretches = Matrix::from_fn(terms, n - free, stretch);
+    let tensions = Matrix::from_fn(terms, n - free, |t, j| pencil.c.weights[t].to_f64() * stretches[(t, j)]);
+    let moving = product(View::of(&stretches).transposed(), View::of(&tensions));
+    // Exactly symmetric, whatever the order of the sums.
+    Matrix::from_fn(n, n, |i, j| match i.min(j).checked_sub(free) {
+        Some(least) => moving[(least, i.max(j) - free)],
+        None => 0.0,
+    })
 }

@@ -23,6 +23,9 @@ use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, product};
 use crate::kernel::triple::{Precise, Triple};
 
+/// Bounds that one core computes in less than a millisecond.
+const MOST_OF_ONE: usize = 1 << 15;
+
 /// The certified result for one pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoleEnclosure {
@@ -113,11 +116,11 @@ impl Table {
 /// Bounds of |R_ij| = |x_i^T r_j|; zero for the columns of rigid motions.
 fn residual_products(columns: &Columns, pairs: &[Pair], applied: &[Application<Precise>]) -> Table {
     let mut table = Table::new(columns.list.len());
-    let forces: Vec<Vec<Bounded>> = applied
-        .iter()
-        .zip(&columns.factors)
-        .map(|(applied, &factor)| applied.force.iter().map(|&f| Bounded::of(f, factor)).collect())
-        .collect();
+    let scaled: Vec<(&Application<Precise>, Complex<f64>)> =
+        applied.iter().zip(columns.factors.iter().copied()).collect();
+    let forces: Vec<Vec<Bounded>> = in_pieces(&scaled, least_columns(columns.list.len()), 1, |some| {
+        some.iter().map(|(applied, factor)| applied.force.iter().map(|&f| Bounded::of(f, *factor)).collect()).collect()
+    });
     let products = dot_products(columns, &forces);
     for (p, applied) in applied.iter().enumerate() {
         let (at, conj) = columns.of_pair[p];
@@ -160,9 +163,13 @@ fn deviation(pencil: &Pencil<Precise>, columns: &Columns, r: &Table) -> Option<D
     let n = columns.list.len();
     let diagonal: Vec<Bounded> = columns.list.iter().map(|column| column.product(column, pencil)).collect();
     let mut off = Table::new(n);
-    for j in 0..n {
-        for i in 0..j {
-            let bound = coupling(pencil, columns, r, i, j);
+    // Column j has j bounds: one of the first and one of the last take as long as the next two.
+    let order: Vec<usize> = (0..n).map(|k| if k % 2 == 0 { k / 2 } else { n - 1 - k / 2 }).collect();
+    let bounds: Vec<Vec<f64>> = in_pieces(&order, least_columns(n), 1, |some| {
+        some.iter().map(|&j| (0..j).map(|i| coupling(pencil, columns, r, i, j)).collect()).collect()
+    });
+    for (&j, bounds) in order.iter().zip(&bounds) {
+        for (i, bound) in bounds.iter().enumerate() {
             off.set(i, j, bound / diagonal[i].least() * UP);
             off.set(j, i, bound / diagonal[j].least() * UP);
         }
@@ -171,6 +178,11 @@ fn deviation(pencil: &Pencil<Precise>, columns: &Columns, r: &Table) -> Option<D
     // A NaN proves nothing, and the maximum would skip it.
     let regular = theta < 0.5 && off.is_finite() && diagonal.iter().all(|b| b.least() > 0.0);
     regular.then_some(Deviation { diagonal, off, theta })
+}
+
+/// Columns of so many bounds that take longer than starting a thread.
+fn least_columns(bounds: usize) -> usize {
+    MOST_OF_ONE.div_ceil(bounds.max(1))
 }
 
 /// A bound of |B_ij|, i < j: from the residuals if the poles are well separated, otherwise from the terms.
@@ -254,7 +266,8 @@ fn gershgorin(known: &Certificate, pairs: &[Pair], applied: &[Application<Precis
             around(&pairs[p], radius, [cluster, clusters[conj]])
         }
     };
-    columns.of_pair.iter().enumerate().map(disc).collect()
+    let pairs_and_columns: Vec<(usize, &(usize, usize))> = columns.of_pair.iter().enumerate().collect();
+    in_pieces(&pairs_and_columns, least_columns(n), 1, |some| some.iter().map(|&one| disc(one)).collect())
 }
 
 impl Certificate {
