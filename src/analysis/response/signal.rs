@@ -241,7 +241,8 @@ fn table(Table { times, values, course }: &Table) -> Vec<Piece> {
     let Some((first, last)) = values.first().zip(values.last()) else { return Vec::new() };
     let is_spline = *course == Course::Spline;
     let bends = if is_spline { spline_bends(times, values) } else { vec![Number::ZERO; n] };
-    let mut pieces = vec![jump(&Number::ZERO, &[first])];
+    let mut pieces = Vec::with_capacity(n + 1);
+    pieces.push(jump(&Number::ZERO, &[first]));
     for i in 0..n.saturating_sub(1) {
         let h = &times[i + 1] - &times[i];
         let slope = &(&values[i + 1] - &values[i]) / &h;

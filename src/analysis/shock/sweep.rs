@@ -55,7 +55,13 @@ pub fn sweep(motion: &BaseMotion, damping: Ball, omegas: &[Ball]) -> Result<Vec<
     let factorials = Factorials::new(factorials_for(course.terms));
     let least = LANES * MOST_OF_ONE.div_ceil(course.pieces.len().max(1));
     let found = cores::in_pieces(omegas, least, LANES, |omegas| {
-        omegas.chunks(LANES).flat_map(|group| Group::of(&course, &factorials, damping, group).found()).collect()
+        let mut blocks = Vec::with_capacity(course.pieces.len() / BLOCK + course.jumps.len() + 1);
+        let mut found = Vec::with_capacity(omegas.len());
+        for group in omegas.chunks(LANES) {
+            blocks.clear();
+            found.extend(Group::of(&course, &factorials, damping, group).found(&mut blocks));
+        }
+        found
     });
     found.into_iter().collect()
 }
@@ -134,18 +140,18 @@ impl<'a> Group<'a> {
         }
     }
 
-    fn found(mut self) -> Vec<Result<Found, Refusal>> {
+    /// `blocks`: room for those of the course.
+    fn found(mut self, blocks: &mut Vec<Block>) -> Vec<Result<Found, Refusal>> {
         let course = self.course;
-        let mut blocks = Vec::with_capacity(course.pieces.len() / BLOCK + course.jumps.len() + 1);
         let mut from = 0;
         for jump in &course.jumps {
-            forward(&mut self, from, jump.piece, &mut blocks);
+            forward(&mut self, from, jump.piece, blocks);
             self.jump(jump.displacement, jump.velocity);
             from = jump.piece;
         }
-        forward(&mut self, from, course.pieces.len(), &mut blocks);
+        forward(&mut self, from, course.pieces.len(), blocks);
         let mut bends = vec![0.0; course.terms - 2];
-        for block in &blocks {
+        for block in blocks.iter() {
             again(&mut self, block, &mut bends);
         }
         (0..self.omegas.len()).map(|lane| self.of_lane(lane, &mut bends)).collect()
@@ -238,29 +244,29 @@ fn forward<V: Eight>(group: &mut Group, from: usize, to: usize, blocks: &mut Vec
     let (course, entries) = (group.course, &group.entries);
     let bent = course.terms - 2;
     let rounded = V::splat(rounding(course.terms) * INTO);
-    let grown = V::splat(OUT_OF * up::FEW);
+    let (grown, lost) = (V::splat(OUT_OF * up::FEW), V::splat(LOST));
     let (mut x, mut v, mut error) = group.now.loaded::<V>();
     let (mut above, mut below) = (V::load(&group.low[0]), V::load(&group.low[1]));
     for start in (from..to).step_by(BLOCK) {
         let end = (start + BLOCK).min(to);
         let mut block = Block { from: start, to: end, start: Lanes::of(x, v, error), most: [0.0; LANES] };
-        let (mut highest, mut lowest, mut largest, mut worst, mut reach) = (x, -x, x.abs() + v.abs(), error, 0.0);
+        let (mut highest, mut lowest, mut largest, mut worst, mut reach) = (x, -x, V::splat(0.0), error, 0.0);
         for (i, piece) in course.pieces[start..end].iter().enumerate() {
             let (rows, _) = entries.whole.of(piece.class);
             let bends = &course.bends[(start + i) * bent..][..bent];
             let size = x.abs() + v.abs();
+            largest = largest.max(x.mul_add(x, v * v));
             error = V::load(&rows[row::DECAY].0).mul_add(error, rounded.mul_add(size, V::splat(piece.added)));
             [x, v] = after::<V>(rows, piece.line, bends, [x, v]);
             highest = highest.max(x);
             lowest = lowest.max(-x);
-            largest = largest.max(size);
             worst = worst.max(error);
             reach = if piece.reach > reach { piece.reach } else { reach };
         }
         let off = worst * grown;
         above = above.max(highest - off);
         below = below.max(lowest - off);
-        let most = (largest + V::splat(reach) + off + off) * V::splat(up::FEW);
+        let most = (largest.sqrt() + lost + V::splat(reach) + off + off) * V::splat(up::FEW);
         most.store(&mut block.most);
         blocks.push(block);
     }
