@@ -72,6 +72,7 @@ mod published;
 mod questions;
 mod random;
 mod random_delayed;
+mod random_drift;
 mod random_peaks;
 mod random_seeds;
 mod random_undamped;

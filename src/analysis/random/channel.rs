@@ -88,6 +88,12 @@ impl Channel {
         feed
     }
 
+    /// The force along a motion r that no spring resists, at 0 Hz: r . (f + C h). `drag`: C r.
+    pub fn along(&self, motion: &[Number], drag: &[Number]) -> Number {
+        let across = |a: &[Number], b: &[Number]| a.iter().zip(b).fold(Number::ZERO, |sum, (a, b)| &sum + &(a * b));
+        &across(motion, &self.force) + &across(drag, &self.direct[1])
+    }
+
     /// Whether an output has one of the inputs themselves in it.
     pub fn is_fed(&self, output: &Output) -> bool {
         output.d.iter().flatten().any(|(input, _)| self.inputs.contains(&(*input as usize)))

@@ -6,14 +6,15 @@ use super::bands::{self, Bands};
 use super::coherent;
 use super::gramian::{Covariance, Drive, Obstacle, Space};
 use super::resolvent::{Parts, Resolvent};
-use super::source::{Arm, OPEN_BASE, Source, direct, drift, intensity};
+use super::source::{Arm, OPEN_BASE, Rigid, Source, Springs, direct, drift, intensity};
 use super::undamped::{Excited, Undamped};
 use super::{Reach, Spread, finite, why};
-use crate::analysis::answer::{ModeKind, Modes};
-use crate::analysis::forms::{applied, dense, is_certain};
+use crate::analysis::answer::{Mode, ModeKind, Modes};
+use crate::analysis::forms::{applied, is_certain};
 use crate::analysis::poles::companion::StateForm;
 use crate::analysis::transfer::{Frequency, Transfer};
 use crate::base::{Ball, Density, Number, Rational, Unproven};
+use crate::kernel::dense::echelon;
 use crate::system::{LinearSystem, Noise, Output};
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -37,6 +38,7 @@ pub struct Driven<'a> {
     noises: &'a [Noise],
     sources: Vec<Source<'a>>,
     reach: Reach,
+    springs: OnceCell<Springs>,
     space: Result<Space, Obstacle>,
     /// Under all white noises, where every motion decays.
     covariance: Option<Covariance>,
@@ -65,8 +67,8 @@ impl<'a> Driven<'a> {
             space.covariance(&drives)
         });
         let reach = Reach::of(&system);
-        let (resolvent, undamped) = (OnceCell::new(), OnceCell::new());
-        Driven { system, modes, numbers, noises, sources, reach, space, covariance, resolvent, undamped }
+        let (springs, resolvent, undamped) = Default::default();
+        Driven { system, modes, numbers, noises, sources, reach, springs, space, covariance, resolvent, undamped }
     }
 
     /// Whether every motion is proved to decay.
@@ -147,7 +149,7 @@ impl<'a> Driven<'a> {
                     continue;
                 }
             };
-            match direct(&arms, output) {
+            match direct(&arms, output, self.springs()) {
                 Ok(()) => {}
                 Err(Spread::Unknown(why)) => {
                     open.get_or_insert(why);
@@ -221,7 +223,7 @@ impl<'a> Driven<'a> {
             if source.left > 0 {
                 return Spread::Unknown(OPEN_BASE);
             }
-            if let Err(drifts) = drift(&arms, output) {
+            if let Err(drifts) = drift(&arms, output, self.springs()) {
                 return drifts;
             }
         }
@@ -290,14 +292,13 @@ impl<'a> Driven<'a> {
         if let Err(infinite) = self.resonant(source, output, None) {
             return Some(infinite);
         }
-        if let Some(rigid) = self.only_rigid_motion() {
-            let across = |row: &[Number]| row.iter().zip(&rigid).fold(Number::ZERO, |sum, (a, b)| &sum + &(a * b));
-            // At 0 Hz delays make no difference.
-            let driven = arms.iter().fold(Number::ZERO, |sum, arm| &sum + &across(&arm.channel.force));
-            let seen = across(&dense(self.system.n(), &output.p[0]));
-            let resisted = across(&applied(&self.system.c, &rigid));
-            let is_simple = resisted.is_zero() || is_certain(&resisted);
-            if is_simple && is_certain(&driven) && is_certain(&seen) {
+        // A drift of the base may cancel it.
+        let drifts = |arm: &&Arm| arm.channel.feed(output)[..2].iter().any(|part| !part.is_zero());
+        if let Springs::One(rigid) = self.springs()
+            && !arms.iter().any(drifts)
+        {
+            let is_simple = rigid.drag.iter().all(Number::is_zero) || is_certain(&rigid.resistance);
+            if is_simple && is_certain(&rigid.excited(arms, output)) {
                 return Some(Spread::Infinite(RIGID.into()));
             }
         }
@@ -309,11 +310,32 @@ impl<'a> Driven<'a> {
             let transfer = Transfer::of(&self.system);
             let excites = ["0.8164", "3.1622", "31.415"].map(Number::from).iter().any(|frequency| {
                 let gain = transfer.between(&Frequency::hertz(frequency), &[input], &[index])[0][0];
-                gain.disc().is_some_and(|disc| disc.relative_error() < 1.0)
+                gain.disc().is_some_and(|disc| disc.gain().is_positive())
             });
             return excites.then(|| Spread::Infinite(UNDAMPED.into()));
         }
         None
+    }
+
+    /// The motions that the springs leave free.
+    fn springs(&self) -> &Springs {
+        self.springs.get_or_init(|| {
+            let n = self.system.n();
+            let is_held = |mode: &Mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Divergence);
+            let free = self.modes.list.iter().filter(|mode| !is_held(mode)).count();
+            let is_complete = self.modes.list.len() == n;
+            if is_complete && free == 0 || has_regular_stiffness(&self.system) {
+                return Springs::Hold;
+            }
+            match self.only_rigid_motion().filter(|_| is_complete && free == 1) {
+                Some(motion) => {
+                    let drag = applied(&self.system.c, &motion);
+                    let resistance = motion.iter().zip(&drag).fold(Number::ZERO, |sum, (r, c)| &sum + &(r * c));
+                    Springs::One(Rigid { motion, drag, resistance })
+                }
+                None => Springs::Open,
+            }
+        })
     }
 
     /// The only motion without stiffness, as a vector of simple fractions that is proved to be one.
@@ -394,6 +416,15 @@ impl<'a> Driven<'a> {
         list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
         list
     }
+}
+
+/// Whether K is regular, if exact arithmetic finds that out.
+fn has_regular_stiffness(system: &LinearSystem) -> bool {
+    const MOST: usize = 24;
+    let n = system.n();
+    let entries = if n <= MOST { system.k.rational_entries(n) } else { None };
+    let solution = entries.and_then(|k| echelon::solution(&k, &vec![Rational::ZERO; n]));
+    solution.is_some_and(|(_, is_only)| is_only)
 }
 
 /// The part of a noise that is used.

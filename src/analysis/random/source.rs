@@ -16,6 +16,8 @@ const DRIFT: &str = "infinite: the base itself drifts, and the output with it";
 const OPEN_FEED: &str = "whether white noise reaches it directly is not decided: the numbers are not exact";
 pub const OPEN_BASE: &str = "what the coordinates follow of the base is not found exactly";
 const OPEN_DELAYS: &str = "whether two delays are equal is not decided: the numbers are not exact";
+const OPEN_FREE: &str =
+    "a motion is not held by springs: whether it takes the drift of the base from this output is not proved";
 const OPEN_TOGETHER: &str = "each base drifts, and whether the output does when one follows the other is not proved";
 
 /// A noise and how it drives the coordinates.
@@ -73,9 +75,56 @@ impl Arm {
     }
 }
 
+/// Which motions the springs of a system leave free.
+pub enum Springs {
+    /// None: K is regular.
+    Hold,
+    /// The multiples of one.
+    One(Rigid),
+    /// Not known.
+    Open,
+}
+
+/// A motion r without stiffness.
+pub struct Rigid {
+    pub motion: Vec<Number>,
+    /// C r, and r . C r
+    pub drag: Vec<Number>,
+    pub resistance: Number,
+}
+
+impl Rigid {
+    /// p r: how much of the motion an output shows.
+    fn shown(&self, output: &Output) -> Number {
+        output.p[0].iter().fold(Number::ZERO, |sum, (i, a)| &sum + &(a * &self.motion[i.index()]))
+    }
+
+    /// What of the motion an output shows times the force along it at 0 Hz, from all inputs of a noise. Delays make no difference
+    /// there.
+    pub fn excited(&self, arms: &[&Arm], output: &Output) -> Number {
+        let force = |arm: &&Arm| arm.channel.along(&self.motion, &self.drag);
+        let driven = arms.iter().map(force).fold(Number::ZERO, |sum, force| &sum + &force);
+        &driven * &self.shown(output)
+    }
+}
+
+impl Springs {
+    /// The factor of 1 / s with which motions without stiffness are in an output; `None` if it is not found.
+    fn residue(&self, arms: &[&Arm], output: &Output) -> Option<Number> {
+        match self {
+            Springs::Hold => Some(Number::ZERO),
+            // Near 0 Hz (M s^2 + C s + K)^-1 is r r^T / (s r.C r) and what is finite.
+            Springs::One(rigid) if is_certain(&rigid.resistance) => {
+                rigid.excited(arms, output).checked_div(&rigid.resistance)
+            }
+            Springs::One(_) | Springs::Open => None,
+        }
+    }
+}
+
 /// Whether white noise reaches an output without delay, and if so, why its variance is not finite. Direct paths at
 /// different times do not cancel, except at 0 Hz.
-pub fn direct(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
+pub fn direct(arms: &[&Arm], output: &Output, springs: &Springs) -> Result<(), Spread> {
     let mut open = false;
     for Arm { channel, .. } in arms {
         let feed = channel.feed(output);
@@ -83,20 +132,20 @@ pub fn direct(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
         if at_once.iter().any(is_certain) {
             let is_rate = channel.jumps() && output.p[2].is_empty() && !channel.is_fed(output);
             // A drift, if there is one, is the first reason to name.
-            drift(arms, output).map_err(|drift| {
+            drift(arms, output, springs).map_err(|drift| {
                 if matches!(drift, Spread::Infinite(_)) { drift } else { Spread::Infinite(DIRECT.into()) }
             })?;
             return Err(Spread::Infinite(if is_rate { BASE_RATE } else { DIRECT }.into()));
         }
         open |= at_once.iter().any(|part| !part.is_zero());
     }
-    drift(arms, output)?;
+    drift(arms, output, springs)?;
     if open { Err(Spread::Unknown(OPEN_FEED)) } else { Ok(()) }
 }
 
 /// Whether an output drifts with what drives it: sum (a_j / s^2 + b_j / s) e^(-s t_j) is, near 0 Hz,
-/// sum a_j / s^2 + sum (b_j - a_j t_j) / s.
-pub fn drift(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
+/// sum a_j / s^2 + sum (b_j - a_j t_j) / s, and motions that no spring holds add to it.
+pub fn drift(arms: &[&Arm], output: &Output, springs: &Springs) -> Result<(), Spread> {
     let feeds: Vec<Feed> = arms.iter().map(|arm| arm.channel.feed(output)).collect();
     if feeds.iter().all(|feed| feed[..2].iter().all(Number::is_zero)) {
         return Ok(());
@@ -106,8 +155,11 @@ pub fn drift(arms: &[&Arm], output: &Output) -> Result<(), Spread> {
         let later = &feed[0] * &arm.delay;
         &sum + &(&feed[1] - &later)
     });
+    let Some(free) = springs.residue(arms, output) else { return Err(Spread::Unknown(OPEN_FREE)) };
+    let once = &once + &free;
     Err(match arms {
         _ if is_certain(&twice) || is_certain(&once) => Spread::Infinite(DRIFT.into()),
+        _ if !matches!(springs, Springs::Hold) => Spread::Unknown(OPEN_FREE),
         [_] => Spread::Unknown(OPEN_FEED),
         _ => Spread::Unknown(OPEN_TOGETHER),
     })
