@@ -309,6 +309,24 @@ mod tests {
         }
     }
 
+    /// Exact entries of two words: the only error is that of the sums.
+    #[test]
+    fn a_panel_counts_what_its_sums_lose() {
+        let word = |i: usize, j: usize| ((i * 7 + j * 13 + 3) % 29) as f64 / 29.0 - 0.4;
+        let (rows, depth) = (9, 24);
+        let a = Matrix::from_fn(rows, depth, |i, j| Dd::new(word(i, j), word(j, i) * 1e-17));
+        let b = Matrix::from_fn(depth, 1, |k, _| word(k, 2 * k + 1));
+        let found = Panel::of(&a.map(Ball::exact)).times(&b);
+        let fraction = |x: f64| Rational::from_f64(x).expect("finite");
+        let value = |x: Dd| &fraction(x.hi) + &fraction(x.lo);
+        for i in 0..rows {
+            let terms = (0..depth).map(|k| &value(a[(i, k)]) * &fraction(b[(k, 0)]));
+            let sum = terms.fold(Rational::ZERO, |sum, term| &sum + &term);
+            let off = (&sum - &value(found[(i, 0)].mid)).to_f64().abs();
+            assert!(off <= found[(i, 0)].rad && found[(i, 0)].rad < 1e-27, "{i}: {off:e} {:?}", found[(i, 0)]);
+        }
+    }
+
     #[test]
     fn the_norm_is_not_below_the_true_one() {
         // [3 4; 0 0] has the 2-norm 5.
