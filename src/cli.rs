@@ -133,16 +133,16 @@ pub struct Analyze {
     #[arg(long)]
     pub explain_model: bool,
     /// Compute the N lowest modes [default: all, or 20 for large models]
-    #[arg(long, value_name = "N", value_parser = whole(1..=100_000))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1..=100_000))]
     pub modes: Option<u32>,
     /// Compute the modes with frequencies in this band, such as 10Hz..50Hz
-    #[arg(long, value_name = "FROM..TO", value_parser = range, conflicts_with = "modes")]
+    #[arg(long, value_name = "FROM..TO", allow_hyphen_values = true, value_parser = range, conflicts_with = "modes")]
     pub band: Option<Readings<(Number, Number)>>,
     /// Print up to N digits of frequencies and poles, as far as they are certain; at most 30
-    #[arg(long, value_name = "N", value_parser = whole(1..=32))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1..=32))]
     pub digits: Option<u32>,
     /// The proved relative error that every frequency and pole must reach, such as 1e-14; exit status 4 if one does not
-    #[arg(long, value_name = "ERROR", value_parser = tolerance)]
+    #[arg(long, value_name = "ERROR", allow_hyphen_values = true, value_parser = tolerance)]
     pub tolerance: Option<f64>,
     /// Print the derivatives of frequencies and damping ratios with respect to each parameter
     #[arg(long)]
@@ -194,19 +194,19 @@ pub struct Transfer {
     #[arg(long, value_name = "OUTPUT")]
     pub to: Vec<String>,
     /// The frequencies to cover, such as 0.1Hz..100Hz [default: from the poles]
-    #[arg(long, value_name = "FROM..TO", value_parser = range)]
+    #[arg(long, value_name = "FROM..TO", allow_hyphen_values = true, value_parser = range)]
     pub range: Option<Readings<(Number, Number)>>,
     /// The number of evenly spaced frequencies [default: a grid refined at every peak and antiresonance]
-    #[arg(long, value_name = "N", value_parser = whole(1..=1_000_000))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1..=1_000_000))]
     pub points: Option<u32>,
     /// Space the frequencies evenly instead of their logarithms
     #[arg(long)]
     pub linear: bool,
     /// A single frequency, such as 30Hz; may be repeated
-    #[arg(long, value_name = "FREQUENCY", value_parser = frequency, conflicts_with_all = ["range", "points", "linear"])]
+    #[arg(long, value_name = "FREQUENCY", allow_hyphen_values = true, value_parser = frequency, conflicts_with_all = ["range", "points", "linear"])]
     pub at: Vec<Readings<Frequency>>,
     /// An acceptable relative error, such as 1e-12 [default: every digit of a double]
-    #[arg(long, value_name = "ERROR", value_parser = tolerance)]
+    #[arg(long, value_name = "ERROR", allow_hyphen_values = true, value_parser = tolerance)]
     pub tolerance: Option<f64>,
     /// What to print
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
@@ -227,13 +227,13 @@ pub struct Simulate {
     #[command(flatten)]
     pub overrides: OverrideOptions,
     /// The time of the last sample, such as 10s
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time)]
     pub until: Readings<Number>,
     /// The time between samples, such as 1ms
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time)]
     pub step: Readings<Number>,
     /// Add the motion under a realisation of the model's noise: another one for each number
-    #[arg(long, value_name = "NUMBER", value_parser = seed)]
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = seed)]
     pub seed: Option<u64>,
     /// Add a column NAME_bound after each column of the CSV: the error bound of each sample
     #[arg(long)]
@@ -263,19 +263,19 @@ pub struct Shock {
     #[arg(long, value_name = "BASE")]
     pub from: Vec<String>,
     /// The damping ratio of the oscillators, such as 5% or 0.05
-    #[arg(long, value_name = "RATIO", value_parser = ratio, default_value = "5%")]
+    #[arg(long, value_name = "RATIO", allow_hyphen_values = true, value_parser = ratio, default_value = "5%")]
     pub damping: Readings<Number>,
     /// The frequencies of the oscillators, such as 0.1Hz..50Hz
-    #[arg(long, value_name = "FROM..TO", value_parser = range, required_unless_present = "at")]
+    #[arg(long, value_name = "FROM..TO", allow_hyphen_values = true, value_parser = range, required_unless_present = "at")]
     pub range: Option<Readings<(Number, Number)>>,
     /// The number of frequencies, evenly spaced in their logarithms
-    #[arg(long, value_name = "N", value_parser = whole(1..=100_000), default_value_t = 200)]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1..=100_000), default_value_t = 200)]
     pub points: u32,
     /// Space the frequencies evenly instead of their logarithms
     #[arg(long)]
     pub linear: bool,
     /// A single frequency, such as 30Hz; may be repeated
-    #[arg(long, value_name = "FREQUENCY", value_parser = frequency, conflicts_with_all = ["range", "points", "linear"])]
+    #[arg(long, value_name = "FREQUENCY", allow_hyphen_values = true, value_parser = frequency, conflicts_with_all = ["range", "points", "linear"])]
     pub at: Vec<Readings<Frequency>>,
     /// What is measured of the oscillators
     #[arg(long, value_enum, default_value_t = QuantityOption::PseudoAcceleration)]
@@ -337,7 +337,7 @@ pub struct Draw {
     #[arg(long, conflicts_with = "mode")]
     pub rest: bool,
     /// Draw the shape of this mode over the rest, counted from 1
-    #[arg(long, value_name = "N", value_parser = whole(1..=100_000))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1..=100_000))]
     pub mode: Option<u32>,
     /// Write values beside names, such as k = 10 N/m
     #[arg(long)]
@@ -356,10 +356,10 @@ pub struct Emit {
     #[arg(long, value_enum)]
     pub target: TargetOption,
     /// The time between steps, such as 1ms
-    #[arg(long, value_name = "TIME", value_parser = time, default_value = "1ms")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time, default_value = "1ms")]
     pub step: Readings<Number>,
     /// Leave out modes that add less than this share to every output under harmonic inputs, such as 1e-6; their static part stays
-    #[arg(long, value_name = "SHARE", value_parser = tolerance)]
+    #[arg(long, value_name = "SHARE", allow_hyphen_values = true, value_parser = tolerance)]
     pub tolerance: Option<f64>,
     /// The type of numbers in the code
     #[arg(long, value_enum, default_value_t = PrecisionOption::F64)]
@@ -380,7 +380,7 @@ pub struct Emit {
     #[arg(long, requires = "until", requires = "output")]
     pub program: bool,
     /// The time of the program's last sample, such as 10s
-    #[arg(long, value_name = "TIME", value_parser = time, requires = "program")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time, requires = "program")]
     pub until: Option<Readings<Number>>,
     /// Write NAME.c and NAME.h, or NAME.rs, into this directory instead of to standard output
     #[arg(short, long, value_name = "DIR")]
@@ -513,7 +513,7 @@ pub struct Check {
 #[derive(Debug, Args)]
 pub struct MeasureOptions {
     /// The simulated time of `peak` and `rms`, such as 10s [default: from the poles and signals]
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = time)]
     pub until: Option<Readings<Number>>,
 }
 
@@ -624,7 +624,7 @@ pub struct Output {
 #[derive(Debug, Args)]
 pub struct Page {
     /// Width of text reports in columns [default: that of the terminal, or 100]
-    #[arg(long, value_name = "COLUMNS", value_parser = whole(20..=10_000))]
+    #[arg(long, value_name = "COLUMNS", allow_hyphen_values = true, value_parser = whole(20..=10_000))]
     pub width: Option<u32>,
 }
 

@@ -592,7 +592,7 @@ pub fn shock(
             let refused =
                 |why: &dyn std::fmt::Display| Some(Err(format!("no shock response spectrum of `{name}`: {why}")));
             if input.signal.iter().any(model::scene::Signal::has_noise) {
-                return refused(&"noise has no course in time");
+                return refused(&"noise has no time history");
             }
             if input.signal.iter().any(|signal| matches!(signal, model::scene::Signal::Spectrum(_))) {
                 return refused(&"its signal is a response spectrum already");

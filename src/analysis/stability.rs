@@ -48,6 +48,8 @@ pub enum Reason {
     Contradiction,
     /// It is not proven that the linearisation point is a rest.
     Rest,
+    /// A motion without stiffness is subject to a law whose tangent is zero, which decides it beyond first order.
+    Tangent,
 }
 
 impl Verdict {
@@ -57,6 +59,14 @@ impl Verdict {
 
     pub fn reason(self) -> Reason {
         self.reason
+    }
+
+    /// The verdict for a rest at which some law has no tangent: motions without stiffness may be held by it, or driven away.
+    pub fn with_flat_law(self) -> Verdict {
+        match self.kind {
+            Stability::Neutral => Verdict { kind: Stability::Undetermined, reason: Reason::Tangent },
+            _ => self,
+        }
     }
 
     /// The verdict for a point that is a rest only if that is proven.
@@ -185,6 +195,9 @@ impl Reason {
                 "the poles contradict Routh's count of them: report this model as a defect of vibc"
             }
             Reason::Rest => "it is not proven that the scene rests here",
+            Reason::Tangent => {
+                "a law has no tangent here: it may hold the motions without stiffness, or drive them away"
+            }
         }
     }
 }

@@ -7,11 +7,12 @@ pub(crate) mod samples;
 
 use crate::analysis::response_spectrum::Spectral;
 use crate::analysis::shock::{Quantity, ShockSpectrum};
-use crate::analysis::{Buckling, DampedShape, Excitation, Modes, Noisy, Pole, Poles, Verdict};
-use crate::base::Number;
+use crate::analysis::{Buckling, DampedShape, Excitation, Modes, Noisy, Pole, Poles, Share, Verdict};
+use crate::base::{Name, Number};
 use crate::lower::{Account, Rest};
 use crate::questions::answer::{Optimised, Requirement, Sensitivity, Solved};
-use crate::system::{Coordinate, LinearSystem};
+use crate::system::{Coordinate, LinearSystem, Origin, Source};
+use std::collections::HashMap;
 
 /// The contents of a modal report.
 #[derive(Clone, Debug)]
@@ -43,6 +44,27 @@ pub struct ModalAnswer {
     pub excitations: Vec<(usize, Result<Excitation, &'static str>)>,
     /// The complex shapes of the damped motions; empty unless requested.
     pub damped_shapes: Vec<DampedShape>,
+}
+
+/// Shares with one entry for each name: a belt is one part of the model, and two spans in the system. Largest first.
+pub fn by_name(list: &[Share<Source>]) -> Vec<Share<Source>> {
+    let mut named: Vec<Share<Source>> = Vec::with_capacity(list.len());
+    let mut places: HashMap<Name, usize> = HashMap::new();
+    for share in list {
+        match (share.of.origin, places.get(&share.of.name.name)) {
+            (Origin::Element(_), Some(&place)) => named[place].part.0 += share.part.0,
+            (Origin::Element(_), None) => {
+                places.insert(share.of.name.name, named.len());
+                named.push(*share);
+            }
+            _ => named.push(*share),
+        }
+    }
+    // Equal shares keep their order, which is not that of their last bits.
+    if named.len() < list.len() {
+        named.sort_by(|a, b| b.part.0.total_cmp(&a.part.0));
+    }
+    named
 }
 
 /// The shock response spectra of a model's bases.

@@ -11,8 +11,8 @@ use crate::analysis::{
     Buckling, DampedShape, Excitation, Mode, Net, Noisy, Normalise, Peak, Pole, Share, Split, Spread, Stability, nets,
     normalise, parts_of_modes, splits,
 };
-use crate::answers::ModalAnswer;
 use crate::answers::report::at_outputs;
+use crate::answers::{ModalAnswer, by_name};
 use crate::base::{Ball, Bound, Number, Unproven};
 use crate::lower::Remark;
 use crate::questions::answer::{
@@ -879,7 +879,7 @@ fn json_mode<'a>(
         outputs: options.all_shapes.then(|| at_named_outputs(&answer.system, &normalise(mode, options.normalise))),
         shape: ByName { names, values: unproven(&normalise(mode, options.normalise)) },
         kinetic: shares(&mode.kinetic, |of| system.display(of)),
-        strain: shares(&mode.strain, |of| system.display(of)),
+        strain: shares(&by_name(&mode.strain), |of| system.display(of)),
         cluster: mode.cluster,
         input_condition: mode.input_condition.map_or(JsonNumber::NULL, JsonNumber::unproven),
         route: mode.route.name(),

@@ -204,7 +204,7 @@ fn noise_place(scene: &CheckedScene) -> Option<Span> {
 
 /// The warning that a motion in time is computed without the noise of the scene.
 pub fn noise_left_out(scene: &CheckedScene) -> Option<Diagnostic> {
-    let message = "noise has no course in time: the motion is computed without it";
+    let message = "noise has no time history: the motion is computed without it";
     let left_out = |span| Diagnostic::note(Code::model("vib::noise::left_out"), span, message);
     noise_place(scene).map(|span| {
         left_out(span).help("`vibc analyze` has root mean squares under noise; `--seed 7` adds a realisation of it")
@@ -233,7 +233,7 @@ pub fn realisation(
 
 /// The error that no code is emitted for noise.
 pub fn noise_refused(scene: &CheckedScene) -> Option<Diagnostic> {
-    let message = "code cannot be emitted for noise, which has no course in time";
+    let message = "code cannot be emitted for noise, which has no time history";
     let refused = |span| Diagnostic::error(Code::model("vib::noise::emit"), span, message);
     noise_place(scene)
         .map(|span| refused(span).help("leave the signal out: the code then takes this input in each step"))
@@ -257,14 +257,14 @@ fn spectrum_place(scene: &CheckedScene) -> Option<Span> {
 
 /// The warning that a motion in time is computed without the response spectra of the scene.
 pub fn spectrum_left_out(scene: &CheckedScene) -> Option<Diagnostic> {
-    let message = "a response spectrum has no course in time: the motion is computed without it";
+    let message = "a response spectrum has no time history: the motion is computed without it";
     let left_out = |span| Diagnostic::note(Code::model("vib::spectrum::left_out"), span, message);
     spectrum_place(scene).map(|span| left_out(span).help("`vibc analyze` has the maxima under response spectra"))
 }
 
 /// The error that no code is emitted for a response spectrum.
 pub fn spectrum_refused(scene: &CheckedScene) -> Option<Diagnostic> {
-    let message = "code cannot be emitted for a response spectrum, which has no course in time";
+    let message = "code cannot be emitted for a response spectrum, which has no time history";
     let refused = |span| Diagnostic::error(Code::model("vib::spectrum::emit"), span, message);
     spectrum_place(scene)
         .map(|span| refused(span).help("leave the signal out: the code then takes this input in each step"))
@@ -348,13 +348,14 @@ impl Damped {
     }
 }
 
-/// Removes what the system alone does not decide: the stability of a rest that is not proven, and the sensitivity of
-/// modes to the model's numbers if these change the rest as well.
+/// Removes what the system alone does not decide: the stability of a rest that is not proven or at which a law has no
+/// tangent, and the sensitivity of modes to the model's numbers if these change the rest as well.
 fn without_undecidable(rest: &Rest, mut found: Modal) -> Modal {
     if rest.moves_terms {
         found.modes.list.iter_mut().for_each(|mode| mode.input_condition = None);
     }
-    Modal { stability: found.stability.of_rest(rest.is_proven()), ..found }
+    let stability = if rest.has_flat_law() { found.stability.with_flat_law() } else { found.stability };
+    Modal { stability: stability.of_rest(rest.is_proven()), ..found }
 }
 
 impl ByModes {

@@ -268,7 +268,9 @@ impl<'a> Assembly<'a> {
     fn idle_parts(&self) -> Vec<Idle> {
         let acts = |element: &Element| !element.law.is_zero();
         let elements = self.idle.iter().copied().filter(|number| acts(&self.scene.elements[*number]));
-        let still = |columns: &[Row; 3]| columns.iter().all(Vec::is_empty);
+        // A law without a tangent is reported by itself.
+        let counts = |factor: &Number| !factor.is_zero() || !self.flat.is_empty();
+        let still = |columns: &[Row; 3]| !columns.iter().flatten().any(|(_, factor)| counts(factor));
         let inputs = self.columns.iter().enumerate().filter(|(_, columns)| still(columns)).map(|(number, _)| number);
         let flat = self.flat.iter().copied().map(Idle::Flat);
         elements.map(Idle::Element).chain(flat).chain(inputs.map(Idle::Input)).collect()

@@ -110,6 +110,8 @@ pub enum LowerError {
         span: Span,
         left: Vec<Unbalanced>,
         reason: NoRestReason,
+        /// The springs on these bodies, if all of them have laws.
+        laws: Vec<String>,
     },
     /// `rest as drawn`, but no tensions of springs balance these forces; `given` is the place of a spring whose tension
     /// is given.
@@ -217,7 +219,7 @@ impl LowerError {
                     .label("its slope jumps here, so motions about the rest have no tangent")
                     .help("let a load or a `free_length` put the rest on one side of the kink, or write a law that is smooth there")
             }
-            LowerError::NoRest { span, left, reason } => no_rest_error(*span, left, *reason),
+            LowerError::NoRest { span, left, reason, laws } => no_rest_error(*span, left, *reason, laws),
             LowerError::Unheld { declared, left, given } => unheld_error(*declared, left, *given),
             LowerError::Reaction { name, holder, span, why } => reaction_error(name, *holder, *span, why),
             LowerError::Initial { span, message, help } => {
@@ -372,9 +374,16 @@ pub fn unproven(moved: Option<&str>, span: Span) -> Diagnostic {
     )
 }
 
-fn no_rest_error(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagnostic {
+fn no_rest_error(span: Span, left: &[Unbalanced], reason: NoRestReason, laws: &[String]) -> Diagnostic {
     let forces: Vec<String> = left.iter().take(SHOWN).map(Unbalanced::to_phrase).collect();
+    let of_laws = || match laws {
+        [one] => format!("the law of `{one}`"),
+        many => format!("the laws of {}", listed(many)),
+    };
     let message = match reason {
+        _ if !laws.is_empty() => {
+            format!("no rest found: {} did not balance the load on {} where tried", of_laws(), listed(&names(left)))
+        }
         NoRestReason::Falls => format!("no rest: nothing holds {}", listed(&names(left))),
         NoRestReason::NotSettled => format!("no rest found: {} did not converge", listed(&names(left))),
     };
@@ -384,6 +393,7 @@ fn no_rest_error(span: Span, left: &[Unbalanced], reason: NoRestReason) -> Diagn
         diagnostic = diagnostic.related(unbalanced.span, format!("{} left on this one", unbalanced.size()));
     }
     diagnostic.help(match reason {
+        _ if !laws.is_empty() => "give the law forces as large as the load, or draw the scene nearer to its rest",
         NoRestReason::Falls => "hold it with a spring or a joint, or remove its load",
         NoRestReason::NotSettled => "draw the scene nearer to its rest",
     })

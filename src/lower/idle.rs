@@ -89,7 +89,7 @@ fn input(scene: &Scene, input: &Input) -> Option<Diagnostic> {
         InputKind::Base { .. } if input.signal.is_empty() => return None,
         InputKind::Base { .. } => (
             "motion of the base",
-            "nothing that moves is attached to it in this direction".into(),
+            "no element with a coefficient other than zero attaches a moving part to it in this direction".into(),
             "attach a spring or damper that acts along the motion of the base",
         ),
     };

@@ -65,6 +65,11 @@ struct Cell {
 }
 
 impl LawAtRest {
+    /// Whether a force over the stretch has the tangent zero here.
+    pub fn is_flat(&self) -> bool {
+        !self.of_rate && self.slope.is_zero()
+    }
+
     /// Whether the law is a function of a rate.
     pub fn is_of_rate(&self) -> bool {
         self.of_rate

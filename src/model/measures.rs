@@ -342,7 +342,14 @@ impl<'a> Check<'a> {
                 let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
                 self.called_measure(word, node.span, tree.list(arguments), environment)
             }
-            _ => self.fail(environment, QuestionError::NotAMeasure { span: node.span }),
+            _ => {
+                let is_name = matches!(node.kind, ExprKind::Name { .. });
+                let named = functions::named(MEASURES, text).filter(|_| is_name);
+                let known = ["stable", "load_factor"];
+                let suggestion = is_name.then(|| nearest(text, known)).flatten().filter(|_| named.is_none());
+                let form = named.map(|measure| measure.function.example);
+                self.fail(environment, QuestionError::NotAMeasure { span: node.span, suggestion, form })
+            }
         }
     }
 

@@ -55,10 +55,14 @@ impl<'a> Check<'a> {
         if sides.windows(2).any(|pair| rises(pair[0].0) != rises(pair[1].0)) {
             return self.fail(environment, QuestionError::RequireChain { span: node.span });
         }
+        let is_chain = sides.len() > 1;
         let mut list = Vec::new();
         let mut left = rest;
         for (comparison, right) in sides {
             let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
+            if is_chain && !self.has_measure(left) && !self.has_measure(right) {
+                return self.fail(environment, QuestionError::ChainWithoutMeasure { span });
+            }
             let flips = !self.has_measure(left) && self.has_measure(right);
             let (side, other) = if flips { (right, left) } else { (left, right) };
             let question = self.compared(side, other, environment)?;
@@ -202,6 +206,10 @@ impl<'a> Check<'a> {
                 let a = self.term(left, environment);
                 let b = self.term(right, environment)?;
                 self.joined(operator, a?, b, node.span, environment)
+            }
+            ExprKind::Call { name_len, .. } => {
+                let function = self.sources.slice(node.span)[..usize::from(name_len)].to_string();
+                self.fail(environment, QuestionError::MeasureInFunction { span: node.span, function })
             }
             _ => self.fail(environment, QuestionError::MeasureAsValue { span: node.span }),
         }

@@ -757,6 +757,15 @@ impl Measure {
         }
     }
 
+    /// Whether the measure, or a part of it, is an amplitude in the steady state.
+    pub fn is_of_amplitude(&self) -> bool {
+        match self {
+            Measure::Amplitude { .. } => true,
+            Measure::Combined(combined) => combined.any(&Measure::is_of_amplitude),
+            _ => false,
+        }
+    }
+
     /// Whether the measure, or a part of it, is read from a transfer function. That has a value in a scene whose free
     /// motions grow, too, but no motion ever shows it there.
     pub fn is_of_transfer(&self) -> bool {

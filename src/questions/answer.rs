@@ -159,6 +159,8 @@ pub struct Requirement {
     pub in_radians: bool,
     /// Simulated time, s, if the measure needs one.
     pub until: Option<Number>,
+    /// The frequencies, Hz, whose amplitudes the measure adds, if there are several.
+    pub added: Vec<Number>,
 }
 
 /// The derivatives of frequencies and damping ratios with respect to a parameter.

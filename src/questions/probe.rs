@@ -254,7 +254,11 @@ impl Measured<'_> {
             Probe::Critical(motion) => self.poles.map_or(NONE, |poles| measures::critical(poles, *motion)),
             Probe::Damping(motion) => self.poles.map_or(NONE, |poles| measures::damping_ratio(poles, *motion)),
             Probe::Stable => match (self.modes, self.poles) {
-                (Some(modes), Some(poles)) => verdict(stability(system, modes, poles).kind()),
+                (Some(modes), Some(poles)) => {
+                    let found = stability(system, modes, poles);
+                    let is_flat = self.lowered.rest.has_flat_law();
+                    verdict(if is_flat { found.with_flat_law() } else { found }.kind())
+                }
                 _ => NONE,
             },
             Probe::Gain(input, output, at) => {

@@ -7,9 +7,11 @@ use super::answer::{Requirement, Value, few_digits, shown, shown_text};
 use super::error::{AskedError, Remedy};
 use super::trial::{Facts, Text};
 use crate::analysis::Measurement;
-use crate::base::{Ball, Number};
-use crate::model::scene::{Comparison, Parameter, Question, Require};
+use crate::base::{Ball, Diagnostics, Number};
+use crate::dynamics;
+use crate::model::scene::{Comparison, Measure, Parameter, Question, Require};
 use crate::model::{CheckedScene, Setting};
+use crate::system::Signal;
 use std::cmp::Ordering;
 
 /// From so many times its limit on, a value is compared with it by a factor.
@@ -90,7 +92,28 @@ fn requirement(
         unit: question.unit.clone(),
         in_radians: question.radians.is_some(),
         until: text.simulated_time(&question.measure),
+        added: added_frequencies(scene, &question.measure),
     }
+}
+
+/// The frequencies of the harmonic signals, if a measure adds the amplitudes of several.
+fn added_frequencies(scene: &CheckedScene, measure: &Measure) -> Vec<Number> {
+    if !measure.is_of_amplitude() {
+        return Vec::new();
+    }
+    let drives = dynamics::drives(scene, &mut Diagnostics::new()).unwrap_or_default();
+    let mut list: Vec<Number> = Vec::new();
+    for mut signal in drives.iter().flatten() {
+        while let Signal::Delayed { of, .. } = signal {
+            signal = of;
+        }
+        if let Signal::Harmonic { frequency, .. } = signal
+            && !list.contains(frequency)
+        {
+            list.push(frequency.clone());
+        }
+    }
+    if list.len() > 1 { list } else { Vec::new() }
 }
 
 /// Whether a measured number keeps its limit; `None` if that is not certain.

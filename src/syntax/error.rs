@@ -145,6 +145,8 @@ pub enum Remark {
     Form(&'static Declaration),
     /// The replacement of a look-alike character.
     Write(&'static str),
+    /// The number that is written with a decimal comma, with a point.
+    DecimalPoint(String),
     Plus,
     Power,
     UnitApart,
@@ -349,6 +351,7 @@ impl Remark {
         match (self, expected) {
             (Remark::Write(what), _) => write(what.strip_prefix('`')?.strip_suffix('`')?),
             (Remark::Plus | Remark::Semicolon, _) => write(""),
+            (Remark::DecimalPoint(_), _) => None,
             (Remark::Hash, _) => write("//"),
             (Remark::FieldColon, _) => write(" ="),
             (Remark::UnitGlued, _) => None,
@@ -367,6 +370,9 @@ impl Remark {
         let text = match self {
             Remark::Form(declaration) => return format!("write it as `{}`", forms(declaration)),
             Remark::Write(what) => return format!("write {what}"),
+            Remark::DecimalPoint(number) => {
+                return format!("write a decimal point, and no other mark, in a number: `{number}`");
+            }
             Remark::Plus => "leave out the `+` before a value",
             Remark::Power => "write `^` for powers: `x^2`",
             Remark::UnitApart => "write one blank, or none, between a number and its unit: `10 N/m`",

@@ -190,8 +190,12 @@ impl Reader<'_> {
         if matches!(next, '\'' | '\u{2019}' | '\u{2032}' | '\u{2033}') && self.last().is_some_and(in_word) {
             return Remark::Derivative;
         }
+        if let Some(write) = self.point_of_decimal_comma(next) {
+            return Remark::DecimalPoint(write);
+        }
         if let Some(write) = look_alike(next) {
-            return Remark::Write(write);
+            let is_dash = write == "`-`" && matches!(expected, Expected::Sign("--", _));
+            return Remark::Write(if is_dash { "`--`" } else { write });
         }
         match (expected, next) {
             (_, ';') => Remark::Semicolon,
@@ -207,6 +211,17 @@ impl Reader<'_> {
             }
             _ => Remark::Form(self.declaration),
         }
+    }
+
+    /// The number `1.5` of `1,5`, if a comma between two digits stands here or just before.
+    fn point_of_decimal_comma(&self, next: char) -> Option<String> {
+        let comma = if next == ',' { self.at } else { self.at.checked_sub(1)? };
+        let (before, after) = (self.text.get(..comma)?, self.text.get(comma..)?.strip_prefix(',')?);
+        let start = before.rfind(|c: char| !(c.is_ascii_digit() || c == '.')).map_or(0, |at| at + 1);
+        let end = after.find(|c: char| !c.is_ascii_digit()).unwrap_or(after.len());
+        let (whole, part) = (before[start..].replace('.', ""), &after[..end]);
+        let in_word = before[..start].chars().next_back().is_some_and(in_word);
+        (!whole.is_empty() && !part.is_empty() && !in_word).then(|| format!("{whole}.{part}"))
     }
 
     /// Whether a name continues, as in `left-wheel`, of which only `left` was read.

@@ -1,7 +1,7 @@
 //! Belts: closed forms between fixed centres, the rest and the second derivatives of the energy of a drive whose disks move,
 //! written here by the lengths of the belt, and what is refused. See spec.md#belts.
 
-use crate::program::code;
+use crate::program::{code, json, text};
 use vibc::{ModalAnswer, Overrides, SourceFile, Sources};
 
 fn analyzed(model: &str) -> ModalAnswer {
@@ -141,4 +141,19 @@ fn what_is_no_belt_is_one_finding() {
     ] {
         assert_eq!(code(&scene(belt), &["check"]), wanted, "{belt}");
     }
+}
+
+/// Both spans of a belt hold a mode: one part of the model, one share, in words and in JSON.
+#[test]
+fn the_spans_of_a_belt_have_one_share() {
+    let model = "body motor { mass = 2 kg, shape = disk(0.1 m), at = (0, 0), turns }\n\
+                 body pump { mass = 5 kg, shape = disk(0.25 m), at = (0.7 m, 0.2 m), turns }\n\
+                 belt r: motor -- pump { k = 200 kN/m }\n";
+    let report = json(model, &["analyze"]);
+    let strain = report["modes"][1]["strain"].as_array().expect("shares");
+    assert_eq!(strain.len(), 1, "{strain:?}");
+    assert_eq!(strain[0]["of"], "r");
+    near(strain[0]["share"].as_f64().unwrap(), 1.0, 1e-12);
+    let text = text(model, &["analyze"]);
+    assert!(text.contains("r\u{a0}100\u{a0}%") || text.contains("r 100 %"), "{text}");
 }

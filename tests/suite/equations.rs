@@ -457,3 +457,12 @@ fn terms_of(model: &str) -> usize {
     let entries = linear.into_iter().flatten().flatten().map(|entry| entry.sum.terms().len()).sum::<usize>();
     energies + moving + entries
 }
+
+/// A number that is its own closed form stands once.
+#[test]
+fn a_number_is_not_said_twice() {
+    let model = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 40000 N/m }\ndamper d: ground -- a { c = 20 N*s/m }\n";
+    let out = crate::program::text(model, &["equations"]);
+    assert!(out.contains("omega = 200"), "{out}");
+    assert!(!out.contains("= 200 = 200") && !out.contains("= 0.05 = 0.05"), "{out}");
+}

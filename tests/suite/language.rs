@@ -194,6 +194,10 @@ const MISTAKES: &[&str] = &[
     "damping rayleigh(0.05 1/s, 0.001 s)",
     "model \"my first\"",
     "force F: b along x = noise(wite 3 N^2/Hz)",
+    "body b { mass = 1,5 kg }",
+    "param k = 1,5 N/m",
+    "param k = 1.000,5 N/m",
+    "spring s: ground – b { k = 9 N/m }",
 ];
 
 #[test]

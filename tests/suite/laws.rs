@@ -365,3 +365,50 @@ fn the_equations_refuse_a_law_with_its_reason() {
         assert_eq!(code(&model, &["equations"]), "vib::equations::no_form", "{law}");
     }
 }
+
+/// Of a law whose tangent is zero at rest, the tangent says nothing: with the cubic law of one sign the mass is held, with that of
+/// the other it is driven away, and neither verdict is claimed. A mass that nothing is attached to is neutral.
+#[test]
+fn a_law_without_a_tangent_decides_the_rest() {
+    let scene = |law: &str| {
+        format!("body a {{ mass = 1 kg, moves x }}\nspring s: ground -- a {{ law = {law} }}\nrequire stable\n")
+    };
+    for law in ["1e4 N/m^3 * stretch^3", "-1e4 N/m^3 * stretch^3"] {
+        let answer = analyzed(&scene(law));
+        assert_eq!(answer.stability.kind(), vibc::Stability::Undetermined, "{law}");
+        assert_eq!(answer.requirements[0].holds, None, "{law}");
+        let out = String::from_utf8(ran(&scene(law), &["analyze"]).stdout).unwrap();
+        assert!(!out.contains("nothing restrains") && !out.contains("neutral rest"), "{out}");
+        assert!(
+            out.contains("a law has no tangent here: it may hold the motions without stiffness, or drive them away"),
+            "{out}"
+        );
+        let kind: Value = serde_json::from_slice(&ran(&scene(law), &["analyze", "--format", "json"]).stdout).unwrap();
+        assert_eq!(kind["rest"]["kind"], "undetermined", "{law}");
+    }
+    // Beside a spring the cubic law changes nothing.
+    let held = scene("1e4 N/m^3 * stretch^3") + "spring t: ground -- a { k = 9 N/m }\n";
+    assert_eq!(analyzed(&held).stability.kind(), vibc::Stability::Stable);
+    let free = analyzed("body a { mass = 1 kg, moves x }\n");
+    assert_eq!(free.stability.kind(), vibc::Stability::Neutral);
+}
+
+/// A law that never carries its load is named; below its largest force there is a rest, in closed form.
+#[test]
+fn a_law_too_weak_for_its_load_is_named() {
+    let scene = |mass: f64, law: &str| {
+        format!(
+            "gravity 9.81 m/s^2\nbody a {{ mass = {mass} kg, moves y }}\nspring s: ground -- a {{ law = {law}, along = y }}\n"
+        )
+    };
+    let sine = "100 N * sin(stretch / (10 mm) * 1 rad)";
+    for (mass, law) in [(100.0, sine), (50.0, "200 N * atan(stretch / (10 mm)) / 1 rad")] {
+        let found = crate::program::finding(&scene(mass, law), &["analyze"]);
+        assert_eq!(found["code"], "vib::rest::not_found", "{law}");
+        let message = found["message"].as_str().unwrap();
+        assert!(message.contains("the law of `s`") && !message.contains("nothing holds"), "{message}");
+        assert!(!found["help"].as_str().unwrap().contains("hold it with"), "{found}");
+    }
+    let rest = &analyzed(&scene(5.0, sine)).rest;
+    near(rest.displacement[0].to_f64(), -0.01 * (5.0 * 9.81 / 100.0f64).asin(), 1e-14);
+}

@@ -329,3 +329,26 @@ fn a_chain_beside_scipy() {
         assert!((found.to_f64() / truth - 1.0).abs() < 1e-12, "{found:?} {truth}");
     }
 }
+
+/// A density is in the square of its output's unit, and says so: the same output in m, in mm and as a velocity.
+#[test]
+fn densities_have_the_units_of_their_outputs() {
+    let text = crate::program::text(
+        &format!(
+            "{OSCILLATOR}force F: b along x = noise(white 6 N^2/Hz)\noutput x = b.x\noutput z in mm = b.x\noutput v = b.vx\n"
+        ),
+        &["analyze"],
+    );
+    let row = |name: &str, unit: &str| -> f64 {
+        let line = text.lines().find(|line| line.trim_start().starts_with(name) && line.contains(unit));
+        let line = line.unwrap_or_else(|| panic!("{name} {unit}: {text}"));
+        line.split_whitespace().nth(2).expect("a density").parse().expect("a number")
+    };
+    let (metres, millimetres) = (row("x ", " m^2/Hz"), row("z ", " mm^2/Hz"));
+    assert!((millimetres / metres - 1e6).abs() < 10.0, "{metres} {millimetres}");
+    // The peak of |1 / (k - m w^2 + i c w)|^2 S, at w^2 = k/m - c^2 / (2 m^2): S / (c^2 (k/m - c^2 / (4 m^2))).
+    let truth = 6.0 / (9.0 * (25.0 - 9.0 / 16.0));
+    assert!((metres - truth).abs() < 1e-5 * truth, "{metres} {truth}");
+    row("v ", " (m/s)^2/Hz");
+    assert!(!text.contains("SI^2"), "{text}");
+}

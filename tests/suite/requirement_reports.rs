@@ -139,3 +139,67 @@ fn reasons_stand_below_the_table() {
     assert_eq!(cells(heading + 2)[3..], ["m", "?", "?", "1", "m"], "{out}");
     assert!(out.contains("amplitude(x) < 1 m has no value: a free motion grows: nothing settles"), "{out}");
 }
+
+/// Forms that are nearly right say what is wrong with them.
+#[test]
+fn forms_of_requirements_say_what_to_type() {
+    for (line, message, help) in [
+        (
+            "require frequency(1) < 2 Hz < 3 Hz",
+            "a measure is expected on one side of each comparison",
+            "write the measure between its limits, as in `1 Hz < frequency(1) < 5 Hz`",
+        ),
+        ("require max(frequency(1), 2 Hz) < 3 Hz", "`max` takes no measures", "write a line for each measure"),
+        ("require load_facter > 1", "a measure is expected here", "did you mean `load_factor`?"),
+        ("require gain > 1", "a measure is expected here", "write `gain(input -> output, 30 Hz)`"),
+        ("require 3 > 1", "a measure is expected here", "`frequency(1)`"),
+    ] {
+        let (found, advised) = said(line);
+        assert_eq!(found, message, "{line}");
+        assert!(advised.contains(help), "{line}: {advised}");
+    }
+}
+
+/// Harmonics of 1 Hz and 2 Hz: the amplitude is the sum of both, which the report says; of one frequency it is the amplitude.
+#[test]
+fn a_sum_of_amplitudes_is_said_to_be_one() {
+    let scene = |signal: &str| {
+        format!(
+            "body a {{ mass = 1 kg, moves x }}\nspring s: ground -- a {{ k = 100 N/m }}\ndamper d: ground -- a {{ c = 1 N*s/m }}\n\
+             force F: a along x = {signal}\noutput x = a.x\nrequire amplitude(x) < 1 m\n"
+        )
+    };
+    let out = |signal: &str| String::from_utf8(ran(&scene(signal), &["check"]).stdout).unwrap();
+    let both = out("harmonic(1 N, 1 Hz) + harmonic(1 N, 2 Hz)");
+    assert!(both.contains("amplitudes at 1, 2 Hz are added: the motion never exceeds their sum"), "{both}");
+    let w = std::f64::consts::TAU;
+    let gain = |w: f64| 1.0 / ((100.0 - w * w).powi(2) + w * w).sqrt();
+    let value = format!("{:.7}", gain(w) + gain(2.0 * w));
+    assert!(both.contains(&value), "{value}: {both}");
+    assert!(!out("harmonic(1 N, 1 Hz) + harmonic(1 N, 1 Hz)").contains("are added"));
+}
+
+/// Poles of critical damping are neither oscillations nor overdamped.
+#[test]
+fn critical_damping_is_a_kind() {
+    let model = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 100 N/m }\ndamper d: ground -- a { c = 20 N*s/m }\n";
+    let out = String::from_utf8(ran(model, &["analyze"]).stdout).unwrap();
+    let kinds = out.lines().filter(|line| line.ends_with(" critical")).count();
+    assert_eq!((kinds, out.contains("overdamped")), (2, false), "{out}");
+}
+
+/// A number that begins with a minus is read as the value of its option, and refused for what it is.
+#[test]
+fn negative_values_of_options_are_values() {
+    for arguments in [
+        &["simulate", "--until", "1s", "--step", "-1ms"][..],
+        &["simulate", "--until", "-1s", "--step", "1ms"],
+        &["transfer", "--at", "-1Hz"],
+        &["analyze", "--modes", "-2"],
+    ] {
+        let output = ran(ON_BASE, arguments);
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
+        assert!(!text.contains("tip:") && !text.contains("unexpected argument"), "{arguments:?}: {text}");
+    }
+}

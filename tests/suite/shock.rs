@@ -362,7 +362,7 @@ fn what_has_no_spectrum_is_refused() {
         (scene("harmonic(1 m/s^2, 2 Hz)"), &usual, "never ends"),
         (scene("constant(1 m)"), &usual, "it has no signal that moves it"),
         (scene("impulse(1 m*s, 0 s)"), &usual, "an impulse of its displacement"),
-        (scene("noise(white 1 m^2/s^4/Hz)"), &usual, "noise has no course in time"),
+        (scene("noise(white 1 m^2/s^4/Hz)"), &usual, "noise has no time history"),
         (scene("step(1 m, 0 s)"), &["--at", "0Hz"], "above zero"),
         (scene("step(1 m, 0 s)"), &["--range", "0Hz..2Hz"], "above zero"),
         (

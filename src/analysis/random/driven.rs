@@ -25,7 +25,7 @@ const UNDAMPED: &str = "infinite: nothing damps what noise excites";
 const OPEN_POLES: &str = "the poles are too close to each other for a bound";
 const OPEN_TURNS: &str = "the delay is too long for this band: the phase turns too often";
 const OPEN_DIGITS: &str = "the bound leaves no digit";
-const OPEN_RATE: &str = "how often an acceleration crosses zero takes its rate, which is not computed";
+const OPEN_RATE: &str = "the zero crossings of an acceleration need its derivative, which is not computed";
 const OPEN_UNDAMPED: &str = "whether the noise has power where it excites an undamped motion is not decided";
 const OPEN_LATER: &str = "a motion is not damped, which is not computed under noises with delays";
 

@@ -14,7 +14,7 @@ use crate::system::{LinearSystem, Noise};
 pub struct Peak {
     /// Hz
     pub frequency: Ball,
-    /// In the square of the output's SI unit per Hz.
+    /// In the square of the output's unit per Hz.
     pub density: Ball,
 }
 

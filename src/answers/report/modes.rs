@@ -6,7 +6,7 @@ use super::{
     shares as largest_shares, unit,
 };
 use crate::analysis::{Mode, ModeKind, Normalise, Split, derived, normalise, splits};
-use crate::answers::ModalAnswer;
+use crate::answers::{ModalAnswer, by_name};
 use crate::base::{Number, Unproven};
 use crate::system::{Coordinate, CoordinateId, CoordinateKind, LinearSystem, Output};
 
@@ -300,7 +300,7 @@ pub fn split_lines(answer: &ModalAnswer) -> Section {
     for (number, mode) in answer.modes.numbered().take(MOST) {
         let held = match mode.kind {
             ModeKind::Rigid => "nothing".into(),
-            _ => largest_shares(system, &mode.strain),
+            _ => largest_shares(system, &by_name(&mode.strain)),
         };
         table.row(vec![number.into(), largest_shares(system, &mode.kinetic), held]);
     }

@@ -3,7 +3,7 @@
 use super::modes::MOST;
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Options, Section, counted, line, listed};
-use crate::analysis::{Pole, Route, Stability};
+use crate::analysis::{Pole, PoleKind, Route, Stability};
 use crate::answers::ModalAnswer;
 
 const DIGITS: usize = 6;
@@ -148,6 +148,8 @@ fn cells(number: usize, pole: &Pole, options: &Options) -> Vec<Cell> {
 fn kind(pole: &Pole) -> Line {
     match pole.doubling_time() {
         Some(time) => line![pole.kind.name(), ", doubles in ", Figure::ball(time, FEW).unit("s")],
+        // A real pole whose motions have t exp(s t) lies between the two kinds.
+        None if pole.kind == PoleKind::Overdamped && pole.defective => "critical".into(),
         None => pole.kind.name().into(),
     }
 }

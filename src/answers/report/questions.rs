@@ -162,7 +162,14 @@ pub fn requirements(file: &str, list: &[Requirement]) -> Option<Report> {
 fn blocks(list: &[Requirement]) -> impl Iterator<Item = Block> {
     let followed = simulated_time_line(list.iter().find_map(|requirement| requirement.until.as_ref()));
     let reasons = list.iter().filter_map(reason);
-    [Block::Table(table(list))].into_iter().chain(reasons.chain(followed).map(Block::from))
+    let added = list.iter().find(|requirement| !requirement.added.is_empty()).map(added_line);
+    [Block::Table(table(list))].into_iter().chain(reasons.chain(added).chain(followed).map(Block::from))
+}
+
+/// What an amplitude under several frequencies is.
+fn added_line(requirement: &Requirement) -> Line {
+    let frequencies = listed(requirement.added.iter().map(|hertz| Figure::number(hertz.clone(), DIGITS).into()));
+    line!["amplitudes at ", frequencies, " Hz are added: the motion never exceeds their sum, and may not reach it"]
 }
 
 /// The reason why a measure has no value. It is a sentence, too long for the column of values.

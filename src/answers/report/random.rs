@@ -49,12 +49,14 @@ fn peaks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
     let mut table = Table::new()
         .column("output", "", Align::Left)
         .column("peak", "[Hz]", Align::Point)
-        .column("density", "[SI^2/Hz]", Align::Point)
+        .column("density", "", Align::Point)
+        .column("unit", "", Align::Left)
         .column("error ≤", "", Align::Right);
     let mut reasons: Vec<Block> = Vec::new();
     let mut is_empty = true;
     for noisy in &answer.noisy {
-        let name = answer.system.display(answer.system.outputs[noisy.output].name);
+        let output = &answer.system.outputs[noisy.output];
+        let name = answer.system.display(output.name);
         let found = match &noisy.peaks {
             Ok(found) => found,
             Err(why) if matches!(noisy.rms, Spread::Finite(_)) => {
@@ -75,6 +77,7 @@ fn peaks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
                 name.clone().into(),
                 Figure::ball(peak.frequency, options.digits(DIGITS)).into(),
                 Figure::ball(peak.density, options.digits(DIGITS)).into(),
+                density_unit(&output.unit).into(),
                 line![Figure::bound(bound)].into(),
             ]);
         }
@@ -113,6 +116,15 @@ fn cells(name: &str, unit: &str, noisy: &Noisy, digits: usize) -> Vec<Cell> {
         error.into(),
         shares(&noisy.shares).into(),
     ]
+}
+
+/// The unit of the density of an output with a unit: `mm^2/Hz`, `(m/s^2)^2/Hz`.
+fn density_unit(unit: &str) -> String {
+    match unit {
+        "" => "1/Hz".to_string(),
+        _ if unit.contains(['/', '*', '^']) => format!("({unit})^2/Hz"),
+        _ => format!("{unit}^2/Hz"),
+    }
 }
 
 /// `1 61 %, 2 39 %`

@@ -240,5 +240,5 @@ fn neutral(answer: &ModalAnswer) -> Vec<Block> {
         (below > 0).then(|| line![counted(below, "rigid-body mode", "rigid-body modes"), " below those listed"]);
     let listed = of_kind(answer, ModeKind::Rigid)
         .map(|(number, mode)| line!["mode ", number, ": ", super::carried_by(&answer.system, mode)]);
-    with_items("NEUTRAL: nothing restrains these motions", below.into_iter().chain(listed).collect())
+    with_items("NEUTRAL: no stiffness restrains these motions", below.into_iter().chain(listed).collect())
 }

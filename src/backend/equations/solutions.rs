@@ -99,7 +99,7 @@ impl Writer<'_> {
         }
         let root = self.equations.names.length(square);
         let shown = value.sqrt().map_or_else(String::new, |root| certain_number(&root, DIGITS));
-        let formula = omega.clone().equal(self.build.sum(&root)).equal(Formula::Decimal(shown));
+        let formula = valued(omega.clone(), self.build.sum(&root), Formula::Decimal(shown));
         let mut items = vec![Item::Formula { formula, note: vec![words("rad/s")] }];
         let omega = self.bare_name(&root).unwrap_or(omega);
         if let Some((ratio, value)) = &part.damping_ratio {
@@ -111,8 +111,12 @@ impl Writer<'_> {
     fn damped(&self, part: &Part, ratio: &Sum, value: &Number, omega: &Formula) -> Vec<Item> {
         let bare = self.bare_name(ratio);
         let zeta = bare.clone().unwrap_or_else(|| Formula::Name(self.lettered("zeta", part)));
-        let stated = if bare.is_some() { zeta.clone() } else { zeta.clone().equal(self.build.sum(ratio)) };
-        let mut items = vec![display(stated.equal(signed_decimal(value)))];
+        let decimal = signed_decimal(value);
+        let stated = match bare {
+            Some(_) => zeta.clone().equal(decimal),
+            None => valued(zeta.clone(), self.build.sum(ratio), decimal),
+        };
+        let mut items = vec![display(stated)];
         let is_below = (&Number::ONE - &value.abs()).is_positive();
         let one = Formula::Number(Rational::ONE);
         let square = Formula::Power(Box::new(zeta.clone()), 2);
@@ -316,6 +320,17 @@ fn by_powers(build: &Builder, terms: impl Iterator<Item = (usize, (bool, Formula
         (negative, Formula::product(vec![front, behind]))
     };
     Formula::sum(terms.map(term).collect())
+}
+
+/// `omega = sqrt(k/m) = 200`, and `omega = 200` if the form is that number.
+fn valued(name: Formula, form: Formula, decimal: Formula) -> Formula {
+    let number = |formula: &Formula| match formula {
+        Formula::Number(number) => Some(number.clone()),
+        Formula::Decimal(text) => Rational::from_decimal(text),
+        _ => None,
+    };
+    let is_number = number(&form).is_some_and(|form| number(&decimal) == Some(form));
+    if is_number { name.equal(decimal) } else { name.equal(form).equal(decimal) }
 }
 
 fn signed_decimal(value: &Number) -> Formula {

@@ -32,7 +32,7 @@ use super::law::LawAtRest;
 use super::{assembly, law, loads};
 use crate::base::Number;
 use crate::elements::Scalar;
-use crate::model::scene::{ElementId, Scene};
+use crate::model::scene::{Attachment, BodyId, ElementId, Part as ScenePart, Scene};
 use crate::system::{Coordinate, CoordinateKind, Label, LinearSystem};
 pub use drawn::Held;
 use enclosure::{MAX_DENSE, Refined};
@@ -284,6 +284,11 @@ impl PartialRest {
 }
 
 impl Rest {
+    /// Whether a law of `stretch` has the tangent zero here.
+    pub fn has_flat_law(&self) -> bool {
+        self.laws.iter().any(LawAtRest::is_flat)
+    }
+
     /// The rest of a scene without loads: its drawing.
     pub fn unloaded() -> Rest {
         Rest {
@@ -393,5 +398,16 @@ fn unbalanced(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)], rea
             turns: freely.kind == CoordinateKind::Rotation,
         }
     };
-    LowerError::NoRest { span: scene.bodies[0].span, left: left.iter().map(named).collect(), reason }
+    let laws = laws_on(scene, kinematics, left);
+    LowerError::NoRest { span: scene.bodies[0].span, left: left.iter().map(named).collect(), reason, laws }
+}
+
+/// The springs with laws on the bodies of some coordinates; none if another spring acts on one of these, too.
+fn laws_on(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)]) -> Vec<String> {
+    let bodies: Vec<BodyId> = left.iter().map(|(coordinate, _)| kinematics.free[*coordinate as usize].body).collect();
+    let is_on = |attachment: &Attachment| matches!(attachment.part, ScenePart::Body(body) if bodies.contains(&body));
+    let springs =
+        scene.elements.iter().filter(|element| element.law.kind.is_elastic() && element.ends.iter().any(is_on));
+    let names = springs.map(|spring| spring.law.curve.is_some().then(|| scene.words.display(spring.name)));
+    names.collect::<Option<Vec<String>>>().unwrap_or_default()
 }

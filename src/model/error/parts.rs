@@ -605,7 +605,7 @@ impl PartError {
             DelayOfSpectrum { span, name, declared } => error(
                 "vib::spectrum::input",
                 span,
-                format!("`{name}` has a response spectrum, which has no course in time"),
+                format!("`{name}` has a response spectrum, which has no time history"),
             )
             .related(declared, "declared here")
             .help("give both inputs a history, or each a spectrum of its own"),

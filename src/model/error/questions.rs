@@ -23,7 +23,7 @@ pub enum QuestionError {
     NoSuchReaction { span: Span, name: String, why: &'static str, help: &'static str },
     CoupleOfOthers { span: Span },
     NoInitialState { span: Span, word: String, found: &'static str },
-    NotAMeasure { span: Span },
+    NotAMeasure { span: Span, suggestion: Option<Word>, form: Option<Word> },
     UnknownMeasure { span: Span, word: String, suggestion: Option<&'static str> },
     MeasureArguments { span: Span, function: &'static Function },
     CauseUnknown { span: Span },
@@ -41,7 +41,9 @@ pub enum QuestionError {
     RequireWhat { span: Span, suggestion: Option<&'static str> },
     RateAtRest { span: Span },
     RequireChain { span: Span },
+    ChainWithoutMeasure { span: Span },
     MeasureAsValue { span: Span },
+    MeasureInFunction { span: Span, function: String },
     MeasuresDiffer { span: Span, left: Dimension, right: Dimension },
     Unused { span: Span, name: String, kind: DefinitionKind },
     Idle { span: Span, name: String, word: &'static str, why: &'static str },
@@ -105,8 +107,13 @@ impl QuestionError {
             NoInitialState { span, word, found } => {
                 error("vib::part::kind", span, format!("`{word}` is {found}: only bodies have an initial state"))
             }
-            NotAMeasure { span } => error("vib::measure::unknown", span, "a measure is expected here")
-                .help("write `frequency(1)`, `damping(1)`, `gain(input -> output, 30 Hz)`, `stable`, ..."),
+            NotAMeasure { span, suggestion, form } => {
+                let all = "`frequency(1)`, `damping(1)`, `gain(input -> output, 30 Hz)`, `stable`, ...".to_string();
+                let help = format!("write {}", form.map_or(all, |form| format!("`{form}`")));
+                let finding = error("vib::measure::unknown", span, "a measure is expected here");
+                let help = suggestion.is_none().then_some(help);
+                with_suggestion(finding, suggestion.map(str::to_string), help)
+            }
             UnknownMeasure { span, word, suggestion } => {
                 let help = "the measures are frequency, damping, gain, phase, amplitude, static, peak, rms, stable"
                     .to_string();
@@ -172,6 +179,14 @@ impl QuestionError {
             RequireChain { span } => {
                 error("vib::require::form", span, "the comparisons of a chain point in different directions")
                     .help("write all of them with `<` and `<=`, or all with `>` and `>=`; or write two lines")
+            }
+            ChainWithoutMeasure { span } => {
+                error("vib::require::form", span, "a measure is expected on one side of each comparison")
+                    .help("write the measure between its limits, as in `1 Hz < frequency(1) < 5 Hz`")
+            }
+            MeasureInFunction { span, function } => {
+                error("vib::measure::value", span, format!("`{function}` takes no measures"))
+                    .help("measures may be added, subtracted, multiplied and divided; for `min` and `max`, write a line for each measure")
             }
             MeasureAsValue { span } => {
                 error("vib::measure::value", span, "this is no arithmetic of measures that are numbers")
