@@ -49,7 +49,7 @@ pub const PAGES: &[Page] = pages! {
     loop: conflict rank_drop redundant;
     mass: indefinite missing singular;
     measure: arguments input mode output unknown value;
-    minimise: circle end_of_range never_met no_value plateau twice;
+    minimise: circle end_of_range never_met no_value plateau twice unstable;
     motion: impossible non_linear none still unknown unsettled;
     name: duplicate index reserved unknown;
     noise: density emit frequency left_out reading realisation road;
