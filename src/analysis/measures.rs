@@ -92,11 +92,14 @@ pub fn critical(poles: &Poles, i: usize) -> Measurement {
 
 /// The damping ratio of the i-th damped motion: complex pairs and pairs of real poles, ascending in |s|.
 pub fn damping_ratio(poles: &Poles, i: usize) -> Measurement {
-    match damped_motion(poles, i) {
-        Ok(pole) if !is_certain_in_order(poles, pole) => Measurement::None(
+    match pair_of_motion(poles, i) {
+        Ok((Some(first), pole)) if diverges(first) != diverges(pole) => {
+            Measurement::None("one of its two real poles grows, so they have no common damping ratio")
+        }
+        Ok((_, pole)) if !is_certain_in_order(poles, pole) => Measurement::None(
             "another damped motion is as far from zero as this one, so which comes first is not certain",
         ),
-        Ok(pole) => {
+        Ok((_, pole)) => {
             pole.damping_ratio.map_or(Measurement::None("a pole at zero has no damping ratio"), Measurement::Value)
         }
         Err(why) => Measurement::None(why),
@@ -116,10 +119,20 @@ fn is_certain_in_order(poles: &Poles, of: &Pole) -> bool {
 
 /// The last pole of the i-th damped motion, or the reason why there is none.
 pub fn damped_motion(poles: &Poles, i: usize) -> Result<&Pole, &'static str> {
+    pair_of_motion(poles, i).map(|(_, pole)| pole)
+}
+
+fn diverges(pole: &Pole) -> bool {
+    pole.kind == PoleKind::Divergence
+}
+
+/// The last pole of the i-th damped motion, and the one before it if that is real.
+fn pair_of_motion(poles: &Poles, i: usize) -> Result<(Option<&Pole>, &Pole), &'static str> {
     if poles.is_uncounted() || poles.followed {
         return Err("it is not proved that no other damped motion precedes it");
     }
     let mut halves = 0;
+    let mut first = None;
     for pole in &poles.list {
         if pole.kind == PoleKind::Undetermined {
             return Err("it is not certain what kind of motion this is");
@@ -130,7 +143,10 @@ pub fn damped_motion(poles: &Poles, i: usize) -> Result<&Pole, &'static str> {
             (false, false) => 1,
         };
         if halves >= 2 * i && i > 0 {
-            return Ok(pole);
+            return Ok((first.filter(|_| !pole.is_complex()), pole));
+        }
+        if !pole.is_lower_half() {
+            first = Some(pole).filter(|pole| !pole.is_complex() && halves % 2 == 1);
         }
     }
     Err("there is no such damped motion")
@@ -193,11 +209,19 @@ pub fn lasting_value(signals: &[Signal]) -> Option<Number> {
     signals.iter().try_fold(Number::ZERO, |sum, signal| Some(&sum + &signal.lasting()?))
 }
 
-/// The final value of an output under steady loads (input, value): sum H(0) load.
+/// The final value of an output under steady loads (input, value): sum H(0) load. Loads in balance have one although
+/// each of them alone has none: then they are taken as one input.
 pub fn static_value(transfer: &Transfer, loads: &[(usize, Number)], output: usize) -> Measurement {
+    let loads: Vec<(usize, Number)> = loads.iter().filter(|(_, load)| !load.is_zero()).cloned().collect();
+    let gains: Vec<Gain> = loads.iter().map(|(input, _)| at(transfer, *input, output, &Number::ZERO)).collect();
+    if loads.len() > 1 && !gains.iter().all(|gain| matches!(gain, Gain::Finite(_))) {
+        let together = transfer.system().with_sum_of_inputs(&loads);
+        let one = [(together.inputs.len() - 1, Number::ONE)];
+        return static_value(&Transfer::of(&together), &one, output);
+    }
     let mut sum = Ball::ZERO;
-    for (input, load) in loads.iter().filter(|(_, load)| !load.is_zero()) {
-        match at(transfer, *input, output, &Number::ZERO) {
+    for ((_, load), gain) in loads.iter().zip(gains) {
+        match gain {
             Gain::Finite(disc) => {
                 let value = Ball::exact(disc.value.re).widen(disc.radius);
                 sum = sum + load.to_ball() * value;

@@ -143,6 +143,31 @@ impl LinearSystem {
         self.coordinates.len()
     }
 
+    /// The system with one more input, which drives others by factors: (input, factor).
+    pub fn with_sum_of_inputs(&self, parts: &[(usize, Number)]) -> LinearSystem {
+        let mut system = self.clone();
+        let Some((first, _)) = parts.first() else { return system };
+        let mut sum = Input { b: Default::default(), ..self.inputs[*first].clone() };
+        let new = self.inputs.len() as u32;
+        for (input, factor) in parts {
+            for (sum, b) in sum.b.iter_mut().zip(&self.inputs[*input].b) {
+                for (i, value) in b {
+                    match sum.iter_mut().find(|(known, _)| known == i) {
+                        Some((_, known)) => *known = &*known + &(factor * value),
+                        None => sum.push((*i, factor * value)),
+                    }
+                }
+            }
+            for d in system.outputs.iter_mut().flat_map(|output| &mut output.d) {
+                let fed = d.iter().filter(|(of, _)| *of as usize == *input).map(|(_, value)| factor * value);
+                let fed: Vec<(u32, Number)> = fed.map(|value| (new, value)).collect();
+                d.extend(fed);
+            }
+        }
+        system.inputs.push(sum);
+        system
+    }
+
     /// `block.x`, `m[3].x`, `s`.
     pub fn display(&self, label: impl Into<Label>) -> String {
         let label = label.into();

@@ -374,3 +374,19 @@ fn sensitivities_follow_the_rest() {
         assert!((found.to_f64() - expected).abs() < 1e-13, "{}: {found:?} {expected}", list[i].0);
     }
 }
+
+/// On a spring of -1 N/m the poles are 0.618 1/s and -1.618 1/s: one grows and one decays, so there is no damping ratio. With
+/// k = 1 N/m and c = -3 N*s/m both grow, and it is -1.
+#[test]
+fn poles_on_both_sides_of_zero_have_no_damping_ratio() {
+    let said = |k: &str, c: &str| {
+        let text = format!(
+            "body a {{ mass = 1 kg, moves x }}\nspring s: ground -- a {{ k = {k} N/m }}\n\
+             damper d: ground -- a {{ c = {c} N*s/m }}\nrequire damping(1) < -2\n"
+        );
+        String::from_utf8(crate::program::ran(&text, &["analyze"]).stderr).expect("text")
+    };
+    assert!(said("-1", "1").contains("no common damping ratio"), "{}", said("-1", "1"));
+    assert!(said("1", "-3").contains("it is -1,"), "{}", said("1", "-3"));
+    assert!(said("1", "3").contains("it is 1,"), "{}", said("1", "3"));
+}

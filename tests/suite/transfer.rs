@@ -634,3 +634,21 @@ fn a_resonance_that_an_inerter_cancels_has_its_limit() {
     let held = model.replace("k = 4 ", "k = 5 ").replace("3 kg", "3.25 kg");
     has_limits(&held, "2 rad/s", &[None, None]);
 }
+
+/// Loads in balance: +1 N and -1 N stretch the spring between two free bodies by F/k about their centre of mass. Dampers to
+/// the ground and between the bodies leave nothing of it but the stretch of one body: the other ends where it began.
+#[test]
+fn loads_in_balance_have_a_final_value() {
+    let value = |model: &str| {
+        let (report, _, said) = told(model, "analyze", &[]);
+        report["requirements"][0]["value"].as_f64().unwrap_or_else(|| panic!("no value: {said}"))
+    };
+    let free = "body a { mass = 1 kg, moves x }\nbody b { mass = 3 kg, moves x }\nspring w: a -- b { k = 2 N/m }\n\
+                force F: a along x = step(1 N, 0 s)\nforce G: b along x = step(-1 N, 0 s)\n";
+    assert_eq!(value(&format!("{free}output y = a.x\nrequire static(y) < 1 m\n")), 0.375);
+    assert_eq!(value(&format!("{free}output y = a.x + 3*b.x\nrequire static(y) < 1 m\n")), 0.0);
+    // m a'' + c a' + ... summed over both bodies: the momentum is zero, so a ends at 0 and b at -F/k.
+    let damped = format!("{free}damper d: ground -- a {{ c = 1 N*s/m }}\ndamper e: a -- b {{ c = 1 N*s/m }}\n");
+    assert_eq!(value(&format!("{damped}output y = a.x\nrequire static(y) < 1 m\n")), 0.0);
+    assert_eq!(value(&format!("{damped}output y = b.x\nrequire static(y) < 1 m\n")), -0.5);
+}

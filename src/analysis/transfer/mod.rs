@@ -156,6 +156,10 @@ impl Disc {
 }
 
 impl<'a> Transfer<'a> {
+    pub fn system(&self) -> &'a LinearSystem {
+        self.system
+    }
+
     pub fn of(system: &'a LinearSystem) -> Transfer<'a> {
         let entries = assemble(system);
         Transfer {
