@@ -198,6 +198,16 @@ impl Largest {
         if spread <= 0.1 * curve.error {
             return self.take(curve, Dd::from(middle), spread);
         }
+        // The slope keeps its sign: the extrema are at the ends.
+        if slope.abs() > slope_off + 0.5 * bends[0] * width * UP {
+            self.take(curve, Dd::from(from), 0.0);
+            return self.take(curve, Dd::from(from + width), 0.0);
+        }
+        // A line or a constant, as far as binary64 shows: splitting gives no more information.
+        if bend.abs().max(0.5 * bends[1] * width) <= bend_off {
+            let middle = Dd::from(middle);
+            return self.take(curve, middle, 0.5 * curve.slope(middle) * width + bends[0] * width * width / 8.0);
+        }
         if bend.abs() <= 0.5 * bends[1] * width * UP + bend_off {
             if depth < DEEPEST {
                 self.search_in(curve, from, 0.5 * width, bends, depth + 1);
@@ -281,6 +291,19 @@ mod tests {
         // A smaller value adds no information.
         assert!(largest.bound_rough(&Curve::rough(&[0.9, 0.0, 0.05], 1e-3)).is_none());
         assert!(largest.bound_rough(&Curve::rough(&[-0.9, -0.2], 1e-3)).is_some());
+    }
+
+    /// A line ends at its largest value, and a constant has it everywhere: a drift, a plateau. Both have no bend whose sign
+    /// could be found by halving.
+    #[test]
+    fn lines_and_constants_are_known_to_two_words() {
+        for (terms, truth) in [([0.25, -1.0, 0.0], 0.75), ([0.7, 0.0, 0.0], 0.7), ([-0.7, 0.0, 0.0], 0.7)] {
+            let fine = terms.map(Dd::from);
+            let mut largest = Largest::default();
+            largest.bound_fine(&Curve::fine(&fine, 0.0));
+            let ball = largest.ball();
+            assert!((ball - Ball::from(truth)).contains_zero() && ball.rad < 1e-28, "{terms:?}: {ball:?}");
+        }
     }
 
     /// A curve with an exact maximum: 1/3 at a third, in 30 digits.
