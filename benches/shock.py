@@ -26,7 +26,7 @@ import numpy
 from scipy.signal import lfilter
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-VIBC = sys.argv[1] if len(sys.argv) > 1 else ROOT / "target" / "release" / "vibc"
+VIBC = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else ROOT / "target" / "release" / "vibc"
 POINTS, STEP, ZETA = 10_000, 0.01, 0.05
 PAIRS = 40
 CHECKED = (0, 40, 90, 130, 165, 199)

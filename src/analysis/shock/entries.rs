@@ -172,11 +172,14 @@ pub fn after<V: Eight>(rows: &[Row], line: [f64; 2], bends: &[f64], [x, v]: [V; 
     let (d0, d1) = (V::splat(line[0]), V::splat(line[1]));
     let mut x1 = V::load(&f1.0).mul_add(d1, V::load(&f0.0) * d0);
     let mut v1 = V::load(&g1.0).mul_add(d1, V::load(&g0.0) * d0);
-    let (others, _) = others.as_chunks::<2>();
-    for ([f, g], d) in others.iter().zip(bends) {
-        let d = V::splat(*d);
+    // By slice patterns: an iterator over pairs is not inlined across codegen units, and its call takes as long as all the rest.
+    let mut others = others;
+    for &d in bends {
+        let [f, g, rest @ ..] = others else { break };
+        let d = V::splat(d);
         x1 = V::load(&f.0).mul_add(d, x1);
         v1 = V::load(&g.0).mul_add(d, v1);
+        others = rest;
     }
     let (a11, a12, a22) = (V::load(&a11.0), V::load(&a12.0), V::load(&a22.0));
     [a11.mul_add(x, a12.mul_add(v, x1)), a22.mul_add(v, (-a12).mul_add(x, v1))]
