@@ -5,6 +5,7 @@
 use super::bands::{self, Bands};
 use super::coherent;
 use super::gramian::{Covariance, Drive, Obstacle, Space};
+use super::quotient;
 use super::resolvent::{Parts, Resolvent};
 use super::source::{Arm, OPEN_BASE, Rigid, Source, Springs, direct, drift, intensity};
 use super::undamped::{Excited, Undamped};
@@ -127,9 +128,20 @@ impl<'a> Driven<'a> {
     pub fn mean_square(&self, output: &Output) -> Spread {
         let all = self.reaching(output);
         let (white, banded): (Vec<&Source>, Vec<&Source>) = all.partition(|source| source.is_white());
-        let of_white = self.under_white(&white, output);
+        let of_white = self.or_exactly(self.under_white(&white, output), &white, output, Part::Whole);
         let of_bands = banded.iter().map(|source| self.under_bands(source, output, Part::Whole));
         of_bands.fold(of_white, Spread::plus)
+    }
+
+    /// What is not known under some noises, by exact quotients of polynomials.
+    fn or_exactly(&self, found: Spread, sources: &[&Source], output: &Output, part: Part) -> Spread {
+        let Spread::Unknown(_) = &found else { return found };
+        let within = if let Part::Within(within) = part { Some(within) } else { None };
+        let is_rate = matches!(part, Part::Rate);
+        let of =
+            |source: &&Source| quotient::mean_square(&self.system, &self.reach, source.noise, output, is_rate, within);
+        let all: Option<Vec<Spread>> = sources.iter().map(of).collect();
+        all.map_or(found, |all| all.into_iter().fold(Spread::Finite(Ball::ZERO), Spread::plus))
     }
 
     /// The mean square of an output by what it has between two frequencies, Hz.
@@ -207,6 +219,10 @@ impl<'a> Driven<'a> {
 
     /// The mean square under a noise in bands, or within a band.
     fn under_bands(&self, source: &Source, output: &Output, part: Part) -> Spread {
+        self.or_exactly(self.by_poles(source, output, part), &[source], output, part)
+    }
+
+    fn by_poles(&self, source: &Source, output: &Output, part: Part) -> Spread {
         let within = match part {
             Part::Within(within) => Some(within),
             _ => None,
@@ -361,7 +377,7 @@ impl<'a> Driven<'a> {
             return self.mean_square(&rate);
         }
         let of = |source: &Source| match source.noise.density {
-            Density::White(_) => Spread::Unknown(OPEN_RATE),
+            Density::White(_) => self.or_exactly(Spread::Unknown(OPEN_RATE), &[source], output, Part::Rate),
             Density::Bands(_) => self.under_bands(source, output, Part::Rate),
         };
         self.reaching(output).map(of).fold(Spread::Finite(Ball::ZERO), Spread::plus)

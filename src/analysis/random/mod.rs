@@ -12,6 +12,7 @@ mod density;
 mod driven;
 mod gramian;
 mod peaks;
+mod quotient;
 mod realisation;
 mod resolvent;
 mod source;

@@ -39,6 +39,11 @@ def scene(rng, forms, form="one"):
         net.noises[net.inputs()[-1]] = drawn(rng, net, "N^2", 1, forms)
     if form == "delayed":
         follow(rng, net, first)
+    return written(net)
+
+
+def written(net):
+    """The net with its noises in its text."""
     plain = net.text
 
     def text():
@@ -183,6 +188,8 @@ def banded(parts, delays, noise, more):
         return sum((above(s) / below(s) * (-s * t).exp() for above, below, t in curves), acb(0))
 
     for low, high, size, slope, last in noise.pieces:
+        if any(rings(bottom, low, high) for (_, bottom), _ in parts):
+            return None
         if slope is None:
             exponent = (arb(last) / arb(size)).log() / (arb(high) / arb(low)).log()
         else:
@@ -209,6 +216,13 @@ def banded(parts, delays, noise, more):
         for a, b in zip(cuts, cuts[1:]):
             total += acb.integral(of_log, a.log(), b.log(), rel_tol=RELATIVE).real
     return total
+
+
+def rings(bottom, low, high):
+    """Whether a pole is on the axis within a band, Hz; no pole is on the right."""
+    mirrored = fmpq_poly([x * (-1) ** i for i, x in enumerate(bottom.coeffs())])
+    found = [abs(root.imag) / (2 * pi()) for root, _ in roots(bottom.gcd(mirrored)) if root != 0]
+    return any(arb(low) < f and f < arb(high) for f in found)
 
 
 def true_square(net, i, more):

@@ -9,7 +9,7 @@ use super::roots::{Coefficients, Root, Roots, near_and_far};
 use crate::analysis::modes::parts::Part;
 use crate::base::{Ball, Dd, Number, Rational, down, up};
 use crate::kernel::polynomial::{Polynomial, determinant};
-use crate::system::{CoordinateId, Form, LinearSystem};
+use crate::system::{CoordinateId, Form, LinearSystem, Output};
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
@@ -54,6 +54,33 @@ pub struct Factored {
     pub far: Far,
 }
 
+/// H = factor above / below of inputs that act together, exactly. Common factors are not cancelled.
+pub struct Quotient {
+    pub factor: Rational,
+    pub above: Polynomial,
+    /// det Q
+    pub below: Polynomial,
+}
+
+impl Quotient {
+    /// `None` if the system is too large, det Q vanishes for every s, or a number is not rational.
+    pub fn of(system: &LinearSystem, inputs: &[usize], output: &Output) -> Option<Quotient> {
+        let n = system.n();
+        if n > MOST_COORDINATES {
+            return None;
+        }
+        let all: Vec<u32> = (0..n as u32).collect();
+        let mut rows = dynamic_stiffness(system, &all)?;
+        let below = Determinant::of(&rows, 2 * n)?;
+        let together = |power: usize| inputs.iter().flat_map(|&input| system.inputs[input].b[power].clone()).collect();
+        let (b, p) = (column(&[together(0), together(1), together(2)], &all)?, column(&output.p, &all)?);
+        let above = bordered(&mut rows, b, p, through(output, inputs)?, 2 * n + 2)?;
+        let is_known = above.polynomial.is_exact() && below.polynomial.is_exact() && !below.polynomial.middle.is_zero();
+        let factor = || Rational::from(&above.factor / &below.factor);
+        is_known.then(|| Quotient { factor: factor(), above: above.polynomial.middle, below: below.polynomial.middle })
+    }
+}
+
 /// a0 + a1 s + a2 s^2
 type Entry = [MidRadius; 3];
 
@@ -78,12 +105,7 @@ impl Denominator {
         if n > MOST_COORDINATES {
             return None;
         }
-        let mut q: Vec<Vec<[Number; 3]>> = vec![vec![[Number::ZERO, Number::ZERO, Number::ZERO]; n]; n];
-        for (power, form) in [&system.k, &system.c, &system.m].into_iter().enumerate() {
-            add(form, power, coordinates, &mut q);
-        }
-        let known = |row: Vec<[Number; 3]>| row.into_iter().map(entry).collect();
-        let q: Vec<Vec<Entry>> = q.into_iter().map(known).collect::<Option<_>>()?;
+        let q = dynamic_stiffness(system, coordinates)?;
         let determinant = Determinant::of(&q, 2 * n)?;
         if determinant.polynomial.middle.is_zero() {
             return None;
@@ -97,12 +119,8 @@ impl Denominator {
         let n = self.coordinates.len();
         let column = |powers| column(powers, &self.coordinates);
         let (b, p) = (column(&system.inputs[input].b)?, column(&system.outputs[output].p)?);
-        // det [Q, b; -p^T, d] = det Q (d + p^T Q^-1 b)
-        let mut rows = self.q.clone();
-        rows.iter_mut().zip(b).for_each(|(row, b)| row.push(b));
-        let negated = |entry: Entry| entry.map(|x| MidRadius { middle: -&x.middle, ..x });
-        rows.push(p.into_iter().map(negated).chain([through(system, input, output)?]).collect());
-        let numerator = Determinant::of(&rows, 2 * n + 2)?;
+        let through = through(&system.outputs[output], &[input])?;
+        let numerator = bordered(&mut self.q.clone(), b, p, through, 2 * n + 2)?;
         if numerator.polynomial.middle.is_zero() {
             // The input has no effect on the output.
             let (zeros, poles) = (Vec::new(), Vec::new());
@@ -191,6 +209,25 @@ fn entry(numbers: [Number; 3]) -> Option<Entry> {
     Some([a?, b?, c?])
 }
 
+/// Q of some coordinates; `None` if nothing is known of a number.
+fn dynamic_stiffness(system: &LinearSystem, coordinates: &[u32]) -> Option<Vec<Vec<Entry>>> {
+    let n = coordinates.len();
+    let mut q: Vec<Vec<[Number; 3]>> = vec![vec![[Number::ZERO, Number::ZERO, Number::ZERO]; n]; n];
+    for (power, form) in [&system.k, &system.c, &system.m].into_iter().enumerate() {
+        add(form, power, coordinates, &mut q);
+    }
+    let known = |row: Vec<[Number; 3]>| row.into_iter().map(entry).collect();
+    q.into_iter().map(known).collect()
+}
+
+/// det [Q, b; -p^T, d] = det Q (d + p^T Q^-1 b), of degree at most `most`.
+fn bordered(q: &mut Vec<Vec<Entry>>, b: Vec<Entry>, p: Vec<Entry>, d: Entry, most: usize) -> Option<Determinant> {
+    q.iter_mut().zip(b).for_each(|(row, b)| row.push(b));
+    let negated = |entry: Entry| entry.map(|x| MidRadius { middle: -&x.middle, ..x });
+    q.push(p.into_iter().map(negated).chain([d]).collect());
+    Determinant::of(q, most)
+}
+
 /// Adds sum w a a^T, times s^power.
 fn add(form: &Form, power: usize, coordinates: &[u32], q: &mut [Vec<[Number; 3]>]) {
     for term in form.terms() {
@@ -217,9 +254,9 @@ fn column(powers: &[Vec<(CoordinateId, Number)>; 3], coordinates: &[u32]) -> Opt
     dense.into_iter().map(entry).collect()
 }
 
-fn through(system: &LinearSystem, input: usize, output: usize) -> Option<Entry> {
+fn through(output: &Output, inputs: &[usize]) -> Option<Entry> {
     let of = |power: usize| {
-        let list = system.outputs[output].d[power].iter().filter(|(u, _)| *u as usize == input);
+        let list = output.d[power].iter().filter(|(u, _)| inputs.contains(&(*u as usize)));
         list.fold(Number::ZERO, |sum, (_, x)| &sum + x)
     };
     entry([of(0), of(1), of(2)])

@@ -18,10 +18,12 @@ mod supremum;
 pub use bracketed::{bracketed, sharpened};
 pub use expanded::expanded;
 pub(in crate::analysis) use fraction::MOST_ENCLOSED;
+pub(in crate::analysis) use fraction::Quotient;
 pub(in crate::analysis) use fraction::coordinates_between;
 pub use fraction::{Denominator, Factored};
 pub(in crate::analysis) use path::factored;
 pub use point::Exactly;
+pub(in crate::analysis) use roots::{Coefficients, Place, near_and_far};
 pub use supremum::{Supremum, supremum};
 
 use crate::analysis::transfer::Gain;
