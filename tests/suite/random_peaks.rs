@@ -75,6 +75,49 @@ fn peaks_that_are_not_found_say_why() {
     assert!(matches!(&found[1], Err(why) if why.contains("drifts")), "{found:?}");
     let two = oscillator("noise(white 6 N^2/Hz)", "force G: b along x = delayed(F, 1 s)\noutput x = b.x\n");
     assert!(matches!(&peaks(&two)[0], Err(why) if why.contains("one input")));
-    let steep = oscillator("noise((0.2 Hz, 6 N^2/Hz), (2 Hz, 7 N^2/Hz))", "output x = b.x\n");
-    assert!(matches!(&peaks(&steep)[0], Err(why) if why.contains("whole number")));
+}
+
+/// The last root of a function that falls, between two frequencies.
+fn root(slope: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+    assert!(slope(low) > 0.0 && slope(high) < 0.0);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if slope(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// d ln |x|^2 / dw of the oscillator.
+fn own_slope(w: f64) -> f64 {
+    let (m, c, k) = (2.0, 3.0, 50.0);
+    let rest = k - m * w * w;
+    (4.0 * m * w * rest - 2.0 * c * c * w) / (rest * rest + c * c * w * w)
+}
+
+/// A slope that is no whole number, and lines of a table, beside the roots of the derivative.
+#[test]
+fn any_slope_and_lines_of_a_table() {
+    let tau = std::f64::consts::TAU;
+    for (top, slope) in [(7.0f64, (7.0f64 / 6.0).log10()), (0.1, (0.1f64 / 6.0).log10()), (900.0, 150f64.log10())] {
+        let noise = format!("noise((0.2 Hz, 6 N^2/Hz), (2 Hz, {top} N^2/Hz))");
+        let found = peaks(&oscillator(&noise, "output x = b.x\n"));
+        let Ok(list) = &found[0] else { panic!("{found:?}") };
+        let w = root(|w| own_slope(w) + slope / w, [4.0, 6.5]);
+        assert!(list.len() == 1 && near(list[0].0, w / tau), "{list:?} {}", w / tau);
+    }
+    for (rows, line) in
+        [("0.2,1\n2,9\n", [1.0 - 8.0 / 9.0, 8.0 / 1.8]), ("0.2,9\n2,1\n", [9.0 + 8.0 / 9.0, -8.0 / 1.8])]
+    {
+        let mut sources = vibc::Sources::new();
+        let text = oscillator("noise(table(\"psd.csv\", 1 N^2/Hz))", "output x = b.x\n");
+        let model = sources.add(vibc::SourceFile::decode(vibc::SourceKind::Model, "m", text.into_bytes()));
+        sources.add(vibc::SourceFile::decode(vibc::SourceKind::Table, "psd.csv", rows.as_bytes().to_vec()));
+        let answer = vibc::analyze(&sources, model, &Default::default()).answer.expect("an answer");
+        let list = answer.noisy[0].peaks.as_ref().expect("peaks");
+        let rise = line[1] / tau;
+        let w = root(|w| own_slope(w) + rise / (line[0] + rise * w), [4.0, 6.5]);
+        assert!(list.len() == 1 && near(list[0].frequency.to_f64(), w / tau), "{list:?} {}", w / tau);
+        let density = (line[0] + rise * w) / ((50.0 - 2.0 * w * w).powi(2) + 9.0 * w * w);
+        assert!(near(list[0].density.to_f64(), density) && list[0].density.relative_error() < 1e-13, "{list:?}");
+    }
 }

@@ -19,8 +19,10 @@ pub struct Peak {
 }
 
 const SEVERAL: &str = "peaks are found under one noise of one input";
-const SLOPE: &str = "peaks are found where the density is flat or has a slope that is a whole number";
 const UNPROVED: &str = "it is not proved that no peak is missing";
+const MANY: &str = "peaks are found under densities of up to 64 bands";
+/// Each band is a search of its own.
+const MOST_BANDS: usize = 64;
 /// Frequencies above so many times the largest zero or pole have no peak.
 const BEYOND: f64 = 1000.0;
 
@@ -49,17 +51,30 @@ pub fn peaks(
             if !is_settled {
                 return Err(UNPROVED);
             }
-            list = between(exactly, integrals, Ball::ZERO, Ball::from(top))?;
+            list = between(&exactly.with_power(Ball::from(integrals)), Ball::ZERO, Ball::from(top))?;
         }
+        Density::Bands(bands) if bands.len() > MOST_BANDS => return Err(MANY),
         Density::Bands(bands) => {
             for band in bands {
-                let slope = match band.course {
-                    Course::Flat(_) => 0,
-                    Course::Power { slope: Some(slope), .. } => slope,
-                    Course::Power { slope: None, .. } | Course::Line { .. } => return Err(SLOPE),
+                let radians = |f: &Number| f.to_ball() * Ball::PI * Ball::from(2.0);
+                let whole = exactly.with_power(Ball::from(integrals));
+                let half = Ball::from(0.5);
+                let weighed = match &band.course {
+                    // A line is a factor w - w0, w0 where it is zero; one through zero at 0 Hz is a power.
+                    Course::Line { low, high } if !(low - high).is_zero() => {
+                        let apart = &(low * &band.to) - &(high * &band.from);
+                        let root = apart.checked_div(&(low - high)).ok_or(UNPROVED)?;
+                        match root.may_be_zero() {
+                            false => whole.with_factor(radians(&root), half),
+                            true if root.is_zero() => exactly.with_power(Ball::from(integrals) + half),
+                            true => return Err(UNPROVED),
+                        }
+                    }
+                    Course::Line { low, .. } if low.is_zero() => continue,
+                    Course::Line { .. } => whole,
+                    _ => exactly.with_power(Ball::from(integrals) + band.slope().ok_or(UNPROVED)?.to_ball() * half),
                 };
-                let [from, to] = [&band.from, &band.to].map(|f| f.to_ball() * Ball::PI * Ball::from(2.0));
-                list.extend(between(exactly, integrals + 0.5 * f64::from(slope), from, to)?);
+                list.extend(between(&weighed, radians(&band.from), radians(&band.to))?);
             }
         }
     }
@@ -70,9 +85,9 @@ pub fn peaks(
     list.into_iter().map(peak).collect()
 }
 
-/// The frequencies in Hz at which |H| w^power has a maximum, between two angular ones.
-fn between(exactly: &Exactly, power: f64, low: Ball, high: Ball) -> Result<Vec<Ball>, &'static str> {
-    let Extrema { list, complete, .. } = exactly.with_power(power).extrema(low, high);
+/// The frequencies in Hz at which there is a maximum, between two angular ones.
+fn between(weighed: &Exactly, low: Ball, high: Ball) -> Result<Vec<Ball>, &'static str> {
+    let Extrema { list, complete, .. } = weighed.extrema(low, high);
     complete.ok_or(UNPROVED)?;
     let maxima = list.into_iter().filter(|extremum| extremum.kind == FeatureKind::Peak);
     Ok(maxima.map(|extremum| extremum.frequency).collect())

@@ -75,9 +75,15 @@ impl Exactly {
     }
 
     /// The zeros and poles of |H| omega^power, for the search of extrema alone: its values are not those of H.
-    pub fn with_power(&self, power: f64) -> Exactly {
+    pub fn with_power(&self, power: Ball) -> Exactly {
         let at_zero = self.anchors[0].root_at_anchor();
         let anchors = self.anchors.iter().map(|anchor| anchor.with_power(power, at_zero)).collect();
+        Exactly { anchors, ..self.clone() }
+    }
+
+    /// The same of |H| |omega - root|^power, the root not at zero.
+    pub fn with_factor(&self, root: Ball, power: Ball) -> Exactly {
+        let anchors = self.anchors.iter().map(|anchor| anchor.with_factor(root, power)).collect();
         Exactly { anchors, ..self.clone() }
     }
 

@@ -115,8 +115,7 @@ impl Search {
     /// Records the extremum, if any, of an interval in which g is monotone; `false` if the sign at an end is not
     /// certain.
     fn decide(&mut self, anchor: &Anchor, within: Interval) -> bool {
-        // g is odd, so it is zero at zero.
-        if within.anchor == 0 && within.low == 0.0 {
+        if within.anchor == 0 && within.low == 0.0 && anchor.is_odd {
             return true;
         }
         let (low, high) = (anchor.sign(within.low), anchor.sign(within.high));

@@ -25,13 +25,16 @@ pub struct Anchor {
     per_unit: f64,
     pub terms: Vec<Term>,
     far: Far,
+    /// Whether g is odd, so that it is zero at zero.
+    pub is_odd: bool,
 }
 
 /// A zero or a pole, relative to an anchor.
 #[derive(Clone, Copy, Debug)]
 pub struct Term {
-    /// The multiplicity, negative for a pole.
+    /// The multiplicity, negative for a pole; of a factor beside H any number, off by at most `unsure`.
     pub weight: f64,
+    unsure: f64,
     /// b minus the anchor; exactly zero for the anchor's own root.
     offset: Ball,
     /// a
@@ -84,7 +87,8 @@ impl Anchor {
     fn of(factored: &Factored, own: Option<&Root>) -> Anchor {
         let place = own.map_or(Float::zero(), |root| root.centre.im.clone());
         let radius = own.map_or(0.0, |root| rounded_up(&root.radius));
-        let mut anchor = Anchor { place, radius, per_unit: 1.0 / factored.unit, terms: Vec::new(), far: factored.far };
+        let mut anchor =
+            Anchor { place, radius, per_unit: 1.0 / factored.unit, terms: Vec::new(), far: factored.far, is_odd: true };
         for (roots, sign) in [(&factored.zeros, 1.0), (&factored.poles, -1.0)] {
             for root in roots {
                 anchor.add(root, sign * root.multiplicity as f64, own.is_some_and(|own| std::ptr::eq(own, root)));
@@ -106,7 +110,8 @@ impl Anchor {
             let offset = if own { Ball::ZERO } else { difference.to_ball(between + known) };
             let short_re = re.to_f64();
             let lost = (re.mid - Dd::from(short_re)).abs().to_f64();
-            self.terms.push(Term { weight, offset, re, short_re, loose: (offset.rad + re.rad + lost) * up::THOUSANDS });
+            let loose = (offset.rad + re.rad + lost) * up::THOUSANDS;
+            self.terms.push(Term { weight, unsure: 0.0, offset, re, short_re, loose });
         };
         push(root.centre.im.clone());
         if !root.place.is_alone() {
@@ -120,25 +125,36 @@ impl Anchor {
     }
 
     /// The same with omega^power more, which adds to the root at zero, the term at this place, if there is one.
-    pub fn with_power(&self, power: f64, at_zero: Option<usize>) -> Anchor {
+    pub fn with_power(&self, power: Ball, at_zero: Option<usize>) -> Anchor {
         let mut anchor = self.clone();
-        if power == 0.0 {
+        if power.is_zero() {
             return anchor;
         }
         match at_zero {
             Some(place) => {
-                anchor.terms[place].weight += power;
-                if anchor.terms[place].weight == 0.0 {
+                let term = &mut anchor.terms[place];
+                (term.weight, term.unsure) = short(power + Ball::from(term.weight));
+                if term.weight == 0.0 && term.unsure == 0.0 {
                     anchor.terms.remove(place);
                 }
             }
-            None => {
-                let offset = -self.omega(Ball::ZERO);
-                let loose = offset.rad * up::THOUSANDS;
-                anchor.terms.push(Term { weight: power, offset, re: Ball::ZERO, short_re: 0.0, loose });
-            }
+            None => anchor.add_factor(Ball::ZERO, power),
         }
         anchor
+    }
+
+    /// The same with |omega - root|^power more, the root not at zero.
+    pub fn with_factor(&self, root: Ball, power: Ball) -> Anchor {
+        let mut anchor = self.clone();
+        anchor.add_factor(root, power);
+        anchor.is_odd = false;
+        anchor
+    }
+
+    fn add_factor(&mut self, root: Ball, power: Ball) {
+        let (offset, (weight, unsure)) = (root - self.omega(Ball::ZERO), short(power));
+        let loose = offset.rad * up::THOUSANDS;
+        self.terms.push(Term { weight, unsure, offset, re: Ball::ZERO, short_re: 0.0, loose });
     }
 
     /// omega of a point, rad/s.
@@ -171,7 +187,9 @@ impl Anchor {
     /// The weight of a root exactly at the anchor on the imaginary axis: |H| is zero or infinite there.
     pub fn singular(&self) -> Option<f64> {
         let own = self.terms.iter().filter(|term| term.is_singular());
-        own.map(|term| term.weight).reduce(|sum, weight| sum + weight)
+        // At least so much of it is certain.
+        let certain = |term: &Term| term.weight.signum() * (term.weight.abs() - term.unsure).max(0.0);
+        own.map(certain).reduce(|sum, weight| sum + weight)
     }
 
     /// g over [middle - half, middle + half], with or without the anchor's own singular root.
@@ -215,7 +233,7 @@ impl Anchor {
             let t = t - term.offset;
             let (tt, aa) = (t * t, term.re * term.re);
             let norm = tt + aa;
-            let weight = Ball::from(term.weight);
+            let weight = Ball::from(term.weight).widen(term.unsure);
             g = g + weight * (t / norm);
             slope = slope + weight * ((aa - tt) / norm / norm);
         }
@@ -321,6 +339,12 @@ fn unknown() -> Ball {
     Ball::new(Dd::ONE, f64::INFINITY)
 }
 
+/// A number in binary64, and a bound of its error.
+fn short(x: Ball) -> (f64, f64) {
+    let value = x.to_f64();
+    (value, (x - Ball::from(value)).magnitude())
+}
+
 impl Term {
     fn is_singular(&self) -> bool {
         self.offset.is_zero() && self.re.is_zero()
@@ -336,12 +360,13 @@ impl Term {
         let clear = (distance * (1.0 - ROUNDING) - self.loose).max(0.0);
         let to_interval = (t.abs() - cell.half).max(0.0);
         let least = ((to_interval * to_interval + a * a).sqrt() * (1.0 - ROUNDING) - self.loose).max(0.0);
-        let size = self.weight.abs();
+        let size = self.weight.abs() + self.unsure;
         let reach = 1.0 / clear;
         cell.g += self.weight * t * inverse;
         cell.slope += self.weight * (a * a - t * t) * inverse * inverse;
-        cell.g_error += size * (ROUNDING * reach + self.loose * reach * reach);
-        cell.slope_error += size * reach * reach * (2.0 * ROUNDING + 2.0 * self.loose * reach);
+        cell.g_error += size * (ROUNDING * reach + self.loose * reach * reach) + self.unsure * reach;
+        cell.slope_error +=
+            size * reach * reach * (2.0 * ROUNDING + 2.0 * self.loose * reach) + self.unsure * reach * reach;
         cell.curvature += size / (least * least * least);
     }
 }
