@@ -73,6 +73,12 @@ impl Polynomial {
         Polynomial::new(self.coefficients.iter().map(|a| a / &content).collect())
     }
 
+    /// f(-s^2)
+    pub fn of_minus_square(&self) -> Polynomial {
+        let signed = |(k, a): (usize, &BigInt)| [if k % 2 == 0 { a.clone() } else { -a }, BigInt::zero()];
+        Polynomial::new(self.coefficients.iter().enumerate().flat_map(signed).collect())
+    }
+
     pub fn derivative(&self) -> Polynomial {
         Polynomial::new(self.coefficients.iter().enumerate().skip(1).map(|(k, a)| a * k).collect())
     }

@@ -74,7 +74,7 @@ fn peaks_that_are_not_found_say_why() {
     );
     assert!(matches!(&found[1], Err(why) if why.contains("drifts")), "{found:?}");
     let two = oscillator("noise(white 6 N^2/Hz)", "force G: b along x = delayed(F, 1 s)\noutput x = b.x\n");
-    assert!(matches!(&peaks(&two)[0], Err(why) if why.contains("one input")));
+    assert!(matches!(&peaks(&two)[0], Err(why) if why.contains("later")));
 }
 
 /// The last root of a function that falls, between two frequencies.
@@ -120,4 +120,46 @@ fn any_slope_and_lines_of_a_table() {
         let density = (line[0] + rise * w) / ((50.0 - 2.0 * w * w).powi(2) + 9.0 * w * w);
         assert!(near(list[0].density.to_f64(), density) && list[0].density.relative_error() < 1e-13, "{list:?}");
     }
+}
+
+/// A force and a base, each with a noise of its own: S = (A + B y) / ((k - m y)^2 + c^2 y), y = w^2, A = S_F + S_q k^2, B = S_q c^2, is the
+/// largest where B m^2 y^2 + 2 m^2 A y = B k^2 - A (c^2 - 2 m k).
+#[test]
+fn several_noises_beside_the_closed_form() {
+    let (m, c, k) = (2.0f64, 3.0f64, 50.0f64);
+    let hertz = |y: f64| y.sqrt() / std::f64::consts::TAU;
+    let scene = |force: &str, base: &str, output: &str| {
+        format!(
+            "base g {{ moves x }} = noise({base})\nbody b {{ mass = 2 kg, moves x }}\nspring s: g -- b {{ k = 50 N/m }}\n\
+             damper d: g -- b {{ c = 3 N*s/m }}\nforce F: b along x = noise({force})\noutput x = {output}\n"
+        )
+    };
+    let truth = |force: f64, base: f64| {
+        let (a, b) = (force + base * k * k, base * c * c);
+        let rest = b * k * k - a * (c * c - 2.0 * m * k);
+        let y = ((m.powi(4) * a * a + b * m * m * rest).sqrt() - m * m * a) / (b * m * m);
+        (hertz(y), (a + b * y) / ((k - m * y).powi(2) + c * c * y))
+    };
+    let cases = [
+        ("6 N^2/Hz, 0 Hz .. 3 Hz", "0.5 m^2/Hz, 0 Hz .. 3 Hz", truth(6.0, 0.5)),
+        ("6000 N^2/Hz, 0 Hz .. 3 Hz", "0.5 m^2/Hz, 0.1 Hz .. 2 Hz", truth(6000.0, 0.5)),
+        // Only the base acts at the peak.
+        ("6000 N^2/Hz, 0.1 Hz .. 0.7 Hz", "0.5 m^2/Hz, 0.5 Hz .. 2 Hz", truth(0.0, 0.5)),
+    ];
+    for (force, base, (frequency, density)) in cases {
+        let found = peaks(&scene(force, base, "b.x"));
+        let Ok(list) = &found[0] else { panic!("{found:?}") };
+        assert!(
+            list.len() == 1 && near(list[0].0, frequency) && near(list[0].1, density),
+            "{list:?} {frequency} {density}"
+        );
+    }
+    // By its acceleration the base moves the mass relative to itself as a force of -m a does.
+    let (together, y) =
+        (peaks(&scene("white 6 N^2/Hz", "white 2 m^2/s^4/Hz", "b.x - g.x")), k / m - c * c / (2.0 * m * m));
+    let density = (6.0 + 2.0 * m * m) / ((k - m * y).powi(2) + c * c * y);
+    let Ok(list) = &together[0] else { panic!("{together:?}") };
+    assert!(list.len() == 1 && near(list[0].0, hertz(y)) && near(list[0].1, density), "{list:?}");
+    let other = peaks(&scene("white 6 N^2/Hz", "(0.2 Hz, 1 m^2/Hz), (2 Hz, 0.3 m^2/Hz)", "b.x"));
+    assert!(matches!(&other[0], Err(why) if why.contains("one slope")), "{other:?}");
 }

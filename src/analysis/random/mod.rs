@@ -15,6 +15,7 @@ mod peaks;
 mod quotient;
 mod realisation;
 mod resolvent;
+mod several;
 mod source;
 mod undamped;
 mod weight;

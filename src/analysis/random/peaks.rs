@@ -2,12 +2,13 @@
 //! densities as enclosures, or why it is not proved that none is missing. See docs/method/random.md#peaks.
 
 use super::density::density;
+use super::several::{Range, ranges};
 use super::{Reach, Spread};
 use crate::analysis::transfer::Transfer;
 use crate::analysis::transfer::extrema::{Exactly, Extrema, FeatureKind};
 use crate::base::density::{Course, Density};
 use crate::base::{Ball, Number};
-use crate::system::{LinearSystem, Noise};
+use crate::system::{LinearSystem, Noise, Output};
 
 /// A maximum of a density, not at the end of a band.
 #[derive(Clone, Debug)]
@@ -18,7 +19,7 @@ pub struct Peak {
     pub density: Ball,
 }
 
-const SEVERAL: &str = "peaks are found under one noise of one input";
+const LATER: &str = "peaks are not found under a noise that comes again later";
 const UNPROVED: &str = "it is not proved that no peak is missing";
 const MANY: &str = "peaks are found under densities of up to 64 bands";
 /// Each band is a search of its own.
@@ -35,54 +36,95 @@ pub fn peaks(
     output: usize,
 ) -> Result<Vec<Peak>, &'static str> {
     let reached = &system.outputs[output];
-    let driven = noises.iter().flat_map(|noise| noise.inputs.iter().map(move |(input, _)| (noise, *input)));
-    let reaching: Vec<(&Noise, usize)> =
-        driven.filter(|(_, input)| reach.from_input(system, *input, reached)).collect();
-    let [(noise, input)] = reaching[..] else { return Err(SEVERAL) };
-    let exactly = transfer.zero_pole_form(input, output).ok_or(UNPROVED)?;
-    let integrals = -f64::from(noise.derivative);
-    let mut list: Vec<Ball> = Vec::new();
-    match &noise.density {
-        Density::White(_) => {
-            let top = BEYOND * exactly.largest();
-            let excess = exactly.excess().ok_or(UNPROVED)? as f64 + integrals;
-            // For w >= K |z| each zero and pole has w t / (t^2 + a^2) = 1 +- 2 / K in the slope.
-            let is_settled = 4.0 * exactly.roots() as f64 <= BEYOND * excess.abs() && excess != 0.0;
-            if !is_settled {
-                return Err(UNPROVED);
+    let mut reaching: Vec<(&Noise, Vec<usize>)> = Vec::new();
+    for noise in noises {
+        let mut own = noise.inputs.iter().filter(|(input, _)| reach.from_input(system, *input, reached));
+        let Some((first, delay)) = own.next() else { continue };
+        let mut inputs = vec![*first];
+        for (input, later) in own {
+            if !(later - delay).is_zero() {
+                return Err(LATER);
             }
-            list = between(&exactly.with_power(Ball::from(integrals)), Ball::ZERO, Ball::from(top))?;
+            inputs.push(*input);
         }
-        Density::Bands(bands) if bands.len() > MOST_BANDS => return Err(MANY),
-        Density::Bands(bands) => {
-            for band in bands {
-                let radians = |f: &Number| f.to_ball() * Ball::PI * Ball::from(2.0);
-                let whole = exactly.with_power(Ball::from(integrals));
-                let half = Ball::from(0.5);
-                let weighed = match &band.course {
-                    // A line is a factor w - w0, w0 where it is zero; one through zero at 0 Hz is a power.
-                    Course::Line { low, high } if !(low - high).is_zero() => {
-                        let apart = &(low * &band.to) - &(high * &band.from);
-                        let root = apart.checked_div(&(low - high)).ok_or(UNPROVED)?;
-                        match root.may_be_zero() {
-                            false => whole.with_factor(radians(&root), half),
-                            true if root.is_zero() => exactly.with_power(Ball::from(integrals) + half),
-                            true => return Err(UNPROVED),
-                        }
-                    }
-                    Course::Line { low, .. } if low.is_zero() => continue,
-                    Course::Line { .. } => whole,
-                    _ => exactly.with_power(Ball::from(integrals) + band.slope().ok_or(UNPROVED)?.to_ball() * half),
-                };
-                list.extend(between(&weighed, radians(&band.from), radians(&band.to))?);
-            }
-        }
+        reaching.push((noise, inputs));
     }
+    let list = match &reaching[..] {
+        [(noise, inputs)] if inputs.len() == 1 => under_one(transfer, noise, inputs[0], output)?,
+        _ => under_several(system, &reaching, reached)?,
+    };
     let peak = |frequency: Ball| match density(transfer, system, noises, output, &Number::Ball(frequency)) {
         Spread::Finite(density) => Ok(Peak { frequency, density }),
         Spread::Infinite(_) | Spread::Unknown(_) => Err(UNPROVED),
     };
     list.into_iter().map(peak).collect()
+}
+
+/// Of one noise of one input.
+fn under_one(transfer: &Transfer, noise: &Noise, input: usize, output: usize) -> Result<Vec<Ball>, &'static str> {
+    let exactly = transfer.zero_pole_form(input, output).ok_or(UNPROVED)?;
+    let integrals = Ball::from(-f64::from(noise.derivative));
+    let Density::Bands(bands) = &noise.density else { return above(exactly, integrals, Ball::ZERO) };
+    if bands.len() > MOST_BANDS {
+        return Err(MANY);
+    }
+    let mut list: Vec<Ball> = Vec::new();
+    for band in bands {
+        let whole = exactly.with_power(integrals);
+        let half = Ball::from(0.5);
+        let weighed = match &band.course {
+            // A line is a factor w - w0, w0 where it is zero; one through zero at 0 Hz is a power.
+            Course::Line { low, high } if !(low - high).is_zero() => {
+                let apart = &(low * &band.to) - &(high * &band.from);
+                let root = apart.checked_div(&(low - high)).ok_or(UNPROVED)?;
+                match root.may_be_zero() {
+                    false => whole.with_factor(radians(&root), half),
+                    true if root.is_zero() => exactly.with_power(integrals + half),
+                    true => return Err(UNPROVED),
+                }
+            }
+            Course::Line { low, .. } if low.is_zero() => continue,
+            Course::Line { .. } => whole,
+            _ => exactly.with_power(integrals + band.slope().ok_or(UNPROVED)?.to_ball() * half),
+        };
+        list.extend(between(&weighed, radians(&band.from), radians(&band.to))?);
+    }
+    Ok(list)
+}
+
+fn under_several(
+    system: &LinearSystem,
+    reaching: &[(&Noise, Vec<usize>)],
+    output: &Output,
+) -> Result<Vec<Ball>, &'static str> {
+    let bands = |noise: &Noise| if let Density::Bands(bands) = &noise.density { bands.len() } else { 0 };
+    if reaching.iter().map(|(noise, _)| bands(noise)).sum::<usize>() > MOST_BANDS {
+        return Err(MANY);
+    }
+    let mut list = Vec::new();
+    for Range { from, to, whole, power } in ranges(system, reaching, output)? {
+        list.extend(match to {
+            Some(to) => between(&whole.with_power(power), radians(&from), radians(&to))?,
+            None => above(&whole, power, radians(&from))?,
+        });
+    }
+    Ok(list)
+}
+
+fn radians(frequency: &Number) -> Ball {
+    frequency.to_ball() * Ball::PI * Ball::from(2.0)
+}
+
+/// The frequencies in Hz of the maxima of |H| w^power above a frequency.
+fn above(exactly: &Exactly, power: Ball, low: Ball) -> Result<Vec<Ball>, &'static str> {
+    let top = (BEYOND * exactly.largest()).max(2.0 * low.magnitude());
+    let excess = exactly.excess().ok_or(UNPROVED)? as f64 + power.to_f64();
+    // For w >= K |z| each zero and pole has w t / (t^2 + a^2) = 1 +- 2 / K in the slope.
+    let is_settled = 4.0 * exactly.roots() as f64 <= BEYOND * excess.abs() && excess != 0.0;
+    if !is_settled {
+        return Err(UNPROVED);
+    }
+    between(&exactly.with_power(power), low, Ball::from(top))
 }
 
 /// The frequencies in Hz at which there is a maximum, between two angular ones.

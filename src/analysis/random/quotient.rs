@@ -171,8 +171,8 @@ fn descending(f: &Polynomial) -> Vec<Rational> {
     f.coefficients().iter().rev().map(|a| Rational::from(num_rational::BigRational::from(a.clone()))).collect()
 }
 
-/// f(i w) f(-i w) as a polynomial in w^2.
-fn squared(f: &Polynomial) -> Vec<Rational> {
+/// |f(i w)|^2 as a polynomial in w^2.
+pub(super) fn squared(f: &Polynomial) -> Vec<Rational> {
     let mut ascending = descending(f);
     ascending.reverse();
     let n = ascending.len();

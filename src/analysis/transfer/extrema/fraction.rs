@@ -5,7 +5,7 @@
 
 use super::expansion::{Sized, spread};
 use super::far::Far;
-use super::roots::{Coefficients, Root, Roots, near_and_far};
+use super::roots::{Coefficients, Place, Root, Roots, near_and_far};
 use crate::analysis::modes::parts::Part;
 use crate::base::{Ball, Dd, Number, Rational, down, up};
 use crate::kernel::polynomial::{Polynomial, determinant};
@@ -14,6 +14,7 @@ use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Zero};
+use std::cmp::Ordering;
 
 /// For more coordinates than this, exact arithmetic takes longer than the tables.
 const MOST_COORDINATES: usize = 12;
@@ -78,6 +79,26 @@ impl Quotient {
         let is_known = above.polynomial.is_exact() && below.polynomial.is_exact() && !below.polynomial.middle.is_zero();
         let factor = || Rational::from(&above.factor / &below.factor);
         is_known.then(|| Quotient { factor: factor(), above: above.polynomial.middle, below: below.polynomial.middle })
+    }
+}
+
+impl Factored {
+    /// A function whose square on the axis is above / below, two polynomials in omega^2 that are not negative there, but for a
+    /// factor: the zeros and poles on the left, and half of those on the axis.
+    pub fn of_square(above: &Polynomial, below: &Polynomial) -> Option<Factored> {
+        let common = above.gcd(below)?;
+        let half = |f: &Polynomial| {
+            let mut list =
+                near_and_far(&Coefficients::exact(f.primitive().divided_by(&common)?.of_minus_square()))?.list;
+            list.retain(|root| root.centre.re.sign() != Ordering::Greater);
+            for root in list.iter_mut().filter(|root| root.centre.re.is_zero()) {
+                let is_whole = root.multiplicity % 2 == 0 && root.place != Place::Cluster;
+                is_whole.then(|| root.multiplicity /= 2)?;
+            }
+            Some(list)
+        };
+        let (zeros, poles) = (half(above)?, half(below)?);
+        Some(Factored { lead: Ball::ONE, unit: 1.0, zeros, poles, far: Far::NONE })
     }
 }
 
