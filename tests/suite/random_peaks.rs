@@ -160,6 +160,13 @@ fn several_noises_beside_the_closed_form() {
     let density = (6.0 + 2.0 * m * m) / ((k - m * y).powi(2) + c * c * y);
     let Ok(list) = &together[0] else { panic!("{together:?}") };
     assert!(list.len() == 1 && near(list[0].0, hertz(y)) && near(list[0].1, density), "{list:?}");
+    // Both with the slope -2.
+    let found =
+        peaks(&scene("(0.2 Hz, 6 N^2/Hz), (2 Hz, 0.06 N^2/Hz)", "(0.2 Hz, 0.5 m^2/Hz), (2 Hz, 0.005 m^2/Hz)", "b.x"));
+    let (a, b) = (6.0 + 0.5 * k * k, 0.5 * c * c);
+    let w = root(|w| own_slope(w) - 2.0 / w + 2.0 * b * w / (a + b * w * w), [4.0, 6.5]);
+    let Ok(list) = &found[0] else { panic!("{found:?}") };
+    assert!(list.len() == 1 && near(list[0].0, w / std::f64::consts::TAU), "{list:?} {w}");
     let other = peaks(&scene("white 6 N^2/Hz", "(0.2 Hz, 1 m^2/Hz), (2 Hz, 0.3 m^2/Hz)", "b.x"));
     assert!(matches!(&other[0], Err(why) if why.contains("one slope")), "{other:?}");
 }
