@@ -219,3 +219,31 @@ fn what_noise_cannot_be_delayed_from() {
     let codes: Vec<&str> = refused(&text).iter().map(|(code, _)| *code).collect();
     assert_eq!(codes, ["vib::signal::delayed"]);
 }
+
+/// Two equal masses whose modes are the sum and the difference: shares beside quadrature of impulse responses.
+#[test]
+fn shares_of_modes_under_white_noise_that_comes_again() {
+    let text = "body a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nspring s: ground -- a { k = 9 N/m }\n\
+                spring t: ground -- b { k = 9 N/m }\nspring u: a -- b { k = 8 N/m }\ndamper d: ground -- a { c = 0.5 N*s/m }\n\
+                damper e: ground -- b { c = 0.5 N*s/m }\nforce F: a along x = noise(white 6 N^2/Hz)\n\
+                force G: b along x = delayed(F, 0.4 s)\noutput x = a.x\n";
+    let shares = &answer(text).noisy[0].shares;
+    let h = |square: f64, u: f64| {
+        let damped = (square - 0.0625f64).sqrt();
+        (-0.25 * u).exp() * (damped * u).sin() / damped
+    };
+    // The parts of the modes in a.x by a force on a, and by one on b.
+    let by_a = |mode: usize, u: f64| 0.5 * h([9.0, 25.0][mode], u);
+    let by_b = |mode: usize, u: f64| if mode == 0 { by_a(0, u) } else { -by_a(1, u) };
+    let (all_a, all_b) = (|u: f64| by_a(0, u) + by_a(1, u), |u: f64| by_b(0, u) + by_b(1, u));
+    let part = |mode: usize| {
+        simpson(|u| by_a(mode, u) * all_a(u) + by_b(mode, u) * all_b(u), 1e-7, 80.0)
+            + simpson(|u| by_a(mode, u + 0.4) * all_b(u) + by_b(mode, u) * all_a(u + 0.4), 1e-7, 80.0)
+    };
+    let parts = [part(0), part(1)];
+    assert_eq!(shares.len(), 2);
+    for (mode, share) in shares {
+        let truth = parts[mode - 1] / (parts[0] + parts[1]);
+        assert!((share.0 - truth).abs() < 1e-6, "{mode}: {share:?} {truth}");
+    }
+}

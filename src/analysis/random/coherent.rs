@@ -3,7 +3,7 @@
 
 use super::argument::{Argument, Point, Two};
 use super::bands::{Bands, over, pieces, settled};
-use super::resolvent::{Parts, Resolvent, Value, across};
+use super::resolvent::{Line, Parts, Resolvent, Value, across};
 use super::weight::{Panels, Piece};
 use crate::base::density::Density;
 use crate::base::{Ball, Number, up};
@@ -161,6 +161,24 @@ pub fn covariance(resolvent: &Resolvent, first: &Parts, second: &Parts, later: B
     let (a, b) = (slack(first), slack(second));
     let off = (a * root(second) + b * root(first) + a * b) * UP;
     of(first, second, later).widen(off)
+}
+
+/// The covariance of what each mode adds by one input with all that another adds, the second one later by a time, under white noise
+/// of unit intensity, in binary64.
+pub fn shared(one: &[Line], other: &[Line], later: f64) -> Vec<f64> {
+    let modes = one.first().map_or(0, |line| line.of_modes.len());
+    let mut sum = vec![0.0; modes];
+    for a in one {
+        for b in other {
+            // The integral of e^(s_a u) e^(s_b u), the first or the second from the delay on.
+            let delayed = if later > 0.0 { a.s } else { b.s };
+            let [size, angle] = [delayed.re, delayed.im].map(|x| x * later.abs());
+            let turn = Complex::new(libm::cos(angle), libm::sin(angle)).scale(libm::exp(size));
+            let both = -(a.q * b.p * b.q * turn * (a.s + b.s).recip());
+            sum.iter_mut().zip(&a.of_modes).for_each(|(sum, p)| *sum += (*p * both).re);
+        }
+    }
+    sum
 }
 
 /// e^(D t) q

@@ -6,7 +6,7 @@ use super::bands::{self, Bands};
 use super::coherent;
 use super::gramian::{Covariance, Drive, Obstacle, Space};
 use super::quotient;
-use super::resolvent::{Parts, Resolvent};
+use super::resolvent::{Line, Parts, Resolvent};
 use super::source::{Arm, OPEN_BASE, Rigid, Source, Springs, direct, drift, intensity};
 use super::undamped::{Excited, Undamped};
 use super::{Reach, Spread, finite, why};
@@ -402,13 +402,16 @@ impl<'a> Driven<'a> {
         let all = self.reaching(output);
         let (white, banded): (Vec<&Source>, Vec<&Source>) = all.partition(|source| source.is_white());
         let mut sum = vec![0.0; self.system.n()];
-        // The joint contribution of two inputs of one noise belongs to no mode.
-        let is_apart = |source: &&Source| self.arms(source, output).is_ok_and(|arms| arms.len() == 1);
-        if !white.iter().all(is_apart) {
-            return None;
-        }
         if !white.is_empty() {
             sum = space.contributions(covariance, &row);
+        }
+        for source in white {
+            let arms = self.arms(source, output).ok()?;
+            if arms.len() > 1 {
+                let intensity = intensity(source.noise)?.to_f64();
+                let list = self.contributions_of_pairs(space, &arms, &row)?;
+                sum.iter_mut().zip(list).for_each(|(sum, part)| *sum += intensity * part);
+            }
         }
         for source in banded {
             let resolvent = self.resolvent.get()?.as_ref()?;
@@ -419,6 +422,26 @@ impl<'a> Driven<'a> {
             let parts = resolvent.parts(space, &space.drive(channel, Ball::ONE), &row, direct, bands.near())?;
             let list = bands.contributions(resolvent, &resolvent.lines(space, &parts, &row)?, &direct)?;
             sum.iter_mut().zip(list).for_each(|(sum, part)| *sum += part);
+        }
+        Some(sum)
+    }
+
+    /// What the modes contribute by inputs that one white noise of unit intensity drives at different times, beside what each input
+    /// does alone.
+    fn contributions_of_pairs(&self, space: &Space, arms: &[&Arm], row: &[Ball]) -> Option<Vec<f64>> {
+        let resolvent = self.resolvent(space).ok()?;
+        let near = resolvent.on_axis()?;
+        let lines = |arm: &&Arm| {
+            let parts = resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), row, [Ball::ZERO; 5], &near)?;
+            resolvent.lines(space, &parts, row)
+        };
+        let lines: Vec<Vec<Line>> = arms.iter().map(lines).collect::<Option<_>>()?;
+        let mut sum = vec![0.0; self.system.n()];
+        for (a, one) in arms.iter().zip(&lines) {
+            for (b, other) in arms.iter().zip(&lines).filter(|(b, _)| !std::ptr::eq(**b, *a)) {
+                let part = coherent::shared(one, other, (&b.delay - &a.delay).to_f64());
+                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+            }
         }
         Some(sum)
     }
