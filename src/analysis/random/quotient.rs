@@ -123,7 +123,7 @@ impl Reduced {
     fn banded(&self, pieces: &[Piece]) -> Option<Ball> {
         let panels = |more: i32| pieces.iter().map(|piece| piece.panels(more, Ball::ZERO)).collect::<Option<Vec<_>>>();
         let own: Vec<Panels> = panels(2 * self.zeros)?;
-        let [above, below] = [&self.above, &self.below].map(|f| balls(f));
+        let [above, below] = [&self.above, &self.below].map(balls);
         let slope = balls(&self.below.derivative());
         let mut sum = Ball::ZERO;
         for root in near_and_far(&Coefficients::exact(self.below.clone()))?.list {
@@ -181,7 +181,7 @@ pub(super) fn squared(f: &Polynomial) -> Vec<Rational> {
         (from..=(2 * m).min(n - 1)).fold(Rational::ZERO, |sum, k| {
             let product = &ascending[k] * &ascending[2 * m - k];
             // i^k (-i)^(2 m - k) = (-1)^(m - k)
-            if (m + k) % 2 == 0 { &sum + &product } else { &sum - &product }
+            if (m + k).is_multiple_of(2) { &sum + &product } else { &sum - &product }
         })
     };
     (0..n).map(coefficient).collect()
