@@ -208,6 +208,23 @@ fn measures_of_noise() {
     );
 }
 
+/// Code_Aster V2.01.023, SDLD23: eight masses of 10 kg between two walls, springs of 1e5 N/m and dampers of 50 N s/m, white noise on the
+/// fourth mass. Its printed density there at 5.5259 Hz is 0.1059e-5 m^2/Hz.
+#[test]
+fn eight_masses_of_code_aster() {
+    let mut text = String::new();
+    (1..=8).for_each(|i| text += &format!("body p{i} {{ mass = 10 kg, moves x }}\n"));
+    for i in 0..=8 {
+        let end = |i: usize| if i == 0 || i == 9 { "ground".to_string() } else { format!("p{i}") };
+        let (a, b) = (end(i), end(i + 1));
+        text += &format!("spring s{i}: {a} -- {b} {{ k = 1e5 N/m }}\ndamper d{i}: {a} -- {b} {{ c = 50 N*s/m }}\n");
+    }
+    text += "force F: p4 along x = noise(white 1 N^2/Hz)\noutput x = p4.x\nrequire psd(x, 5.5259 Hz) < 1 m^2/Hz\n";
+    let found = answer(&text).requirements[0].shown_value().expect("a number").number.to_f64();
+    // Half a unit of the last printed digit.
+    assert!((found - 0.1059e-5).abs() <= 0.5e-9, "{found}");
+}
+
 /// The density of noise in bands, between its corner points and outside of them.
 #[test]
 fn densities_of_bands() {
