@@ -81,6 +81,8 @@ commands! {
     Simulate = "simulate",
     /// Compute shock response spectra: the largest motions of single oscillators on a base that moves as its signal says
     Shock = "shock",
+    /// Compute the model at many values of its parameters: frequencies, poles, requirements and measures of every case
+    Sweep = "sweep",
     /// Draw the scene as a textbook figure, in SVG: as drawn, at rest, or in a mode
     Draw = "draw",
     /// Write a page with everything: the figure in motion, tables, curves, the text; one HTML file that needs no network
@@ -308,6 +310,45 @@ impl Shock {
         let damping = if self.percent.is_some() { damping / &Number::from(100) } else { damping.clone() };
         shock::Request { quantity: self.quantity.into(), damping, grid }
     }
+}
+
+#[derive(Debug, Args)]
+pub struct Sweep {
+    /// The model; `-` reads standard input
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub overrides: OverrideOptions,
+    /// Values of a parameter: `k=5N/m..50N/m:200` for 200 at equal distances, `m=0.1kg,0.5kg,1kg` for these; may be repeated, then every combination is a case
+    #[arg(long, value_name = "NAME=VALUES", value_parser = swept, required = true)]
+    pub over: Vec<String>,
+    /// A measure as in a model, such as 'gain(F -> x, 3 Hz)'; may be repeated
+    #[arg(long, value_name = "MEASURE", value_parser = measure)]
+    pub measure: Vec<String>,
+    /// The frequencies of the N lowest modes [default: 6 if nothing else is asked for, otherwise none]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1..=1000))]
+    pub modes: Option<u32>,
+    /// The damped poles
+    #[arg(long)]
+    pub poles: bool,
+    /// Keep parameters that the model determines (`solve`, `minimise`) at their values for the model as declared
+    #[arg(long)]
+    pub hold_solved: bool,
+    #[command(flatten)]
+    pub measured: MeasureOptions,
+    /// What to print: the ranges as text, or every case
+    #[arg(long, value_enum, default_value_t = SweepFormat::Text)]
+    pub format: SweepFormat,
+    #[command(flatten)]
+    pub page: Page,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SweepFormat {
+    Text,
+    Csv,
+    Json,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -743,7 +784,27 @@ fn setting(text: &str) -> Result<String, String> {
     }
 }
 
+/// `NAME=VALUES` in one line, of a form that the model's check reads.
+fn swept(text: &str) -> Result<String, String> {
+    let (name, values) =
+        setting(text).ok().and_then(|_| text.split_once('=')).ok_or("write k=5N/m..50N/m:200 or k=5N/m,10N/m")?;
+    match crate::model::shape_of_values(values) {
+        Ok(_) if !name.trim().is_empty() => Ok(text.into()),
+        Ok(_) => Err("write the name of a parameter first: k=5N/m..50N/m:200".into()),
+        Err(help) => Err(help.into()),
+    }
+}
+
+/// A measure in one line; the model's own check judges the rest.
+fn measure(text: &str) -> Result<String, String> {
+    let is_line = !text.trim().is_empty() && !text.contains(['\n', '\r']);
+    if is_line { Ok(text.trim().into()) } else { Err("write a measure in one line, such as 'frequency(1)'".into()) }
+}
+
 pub use crate::analysis::MOST_SAMPLES;
+
+/// The most cases of a run.
+pub const MOST_CASES: u64 = 1_000_000_000;
 
 /// A program that is emitted prints them as it goes.
 pub const MOST_PROGRAM_SAMPLES: f64 = 4e9;

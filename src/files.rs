@@ -71,7 +71,7 @@ pub fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unre
         Some(path) => Some(sources.add(read(path, SourceKind::Settings)?)),
         None => None,
     };
-    let arguments = (!overrides.settings.is_empty()).then(|| sources.add(arguments(&overrides.settings)));
+    let arguments = (!overrides.settings.is_empty()).then(|| sources.add(arguments("--set", &overrides.settings)));
     let outside = "it lies outside the model's folder; `--root` allows another";
     add_named(&mut sources, model, path, overrides.root.as_deref(), outside);
     Ok(Input { sources, model, overrides: Overrides { arguments, settings, literals: overrides.literals.into() } })
@@ -88,10 +88,10 @@ pub fn read(path: &Path, kind: SourceKind) -> Result<SourceFile, Unreadable> {
     Ok(SourceFile::decode(kind, name, bytes))
 }
 
-/// The `--set` arguments as a file, one per line.
-fn arguments(settings: &[String]) -> SourceFile {
-    let text: String = settings.iter().map(|setting| format!("{setting}\n")).collect();
-    SourceFile { kind: SourceKind::Arguments, ..SourceFile::model("--set", text) }
+/// The values of an option as a file, one per line.
+pub fn arguments(option: &str, values: &[String]) -> SourceFile {
+    let text: String = values.iter().map(|value| format!("{value}\n")).collect();
+    SourceFile { kind: SourceKind::Arguments, ..SourceFile::model(option, text) }
 }
 
 impl Unreadable {
@@ -139,7 +139,8 @@ impl Formatter for Harmless {
     }
 }
 
-fn write_by(path: Option<&Path>, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+/// Writes a result piece by piece to standard output, or completely into a file.
+pub fn write_by(path: Option<&Path>, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     match path {
         Some(path) if path != Path::new("-") => replace_file(path, write),
         _ => {

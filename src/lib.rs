@@ -48,6 +48,11 @@ mod inspection;
 mod library;
 mod overview;
 mod reading;
+#[cfg(not(feature = "program"))]
+mod sweep;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod sweep;
 
 #[cfg(not(feature = "program"))]
 mod analysis;

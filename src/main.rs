@@ -3,6 +3,7 @@
 
 mod files;
 mod named;
+mod sweeping;
 mod transport;
 mod watch;
 
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         Command::Transfer(options) => transfer(options, &cli.messages),
         Command::Simulate(options) => simulate(options, &cli.messages),
         Command::Shock(options) => shock(options, &cli.messages),
+        Command::Sweep(options) => sweeping::sweep(options, &cli.messages),
         Command::Draw(options) => draw(options, &cli.messages),
         Command::Report(options) => page(options, &cli.messages),
         Command::Watch(options) => watch::watch(options, &cli.messages),

@@ -6,7 +6,7 @@ use crate::analysis::{Modes, Poles};
 use crate::base::{Code, Diagnostic, Diagnostics, FileId, Number, Quantity, SourceFile, SourceKind, Sources, Span};
 use crate::dynamics::{self, WrittenOut};
 use crate::library;
-use crate::model::{self, Checked, CheckedScene, Overrides, Setting, Written};
+use crate::model::{self, Checked, CheckedScene, Overrides, Setting, Swept, Written};
 use crate::questions::error::AskedError;
 use crate::questions::{self, Facts, Optimised, Requirement, Settled, Solved, Text, trial};
 use crate::syntax;
@@ -36,8 +36,19 @@ pub(crate) fn read_and_check(
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<(Tree, Option<CheckedScene>)> {
-    let check = |tree: &Tree| (model::check(sources, tree, overrides), ());
+    let check = |tree: &mut Tree| (model::check(sources, tree, overrides), ());
     check_with(sources, model, overrides, diagnostics, check).map(|(tree, scene, ())| (tree, scene))
+}
+
+/// Like [`read_and_check`], of a study: `check` may add to the tree, and returns the values of parameters as well.
+pub(crate) fn read_and_check_swept(
+    sources: &Sources,
+    model: FileId,
+    overrides: &Overrides,
+    diagnostics: &mut Diagnostics,
+    check: impl FnOnce(&mut Tree) -> (Checked, Vec<Swept>),
+) -> Option<(Tree, Option<CheckedScene>, Vec<Swept>)> {
+    check_with(sources, model, overrides, diagnostics, check)
 }
 
 /// Like [`read_and_check`], with a check that returns something in addition.
@@ -46,18 +57,18 @@ fn check_with<T>(
     model: FileId,
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
-    check: impl FnOnce(&Tree) -> (Checked, T),
+    check: impl FnOnce(&mut Tree) -> (Checked, T),
 ) -> Option<(Tree, Option<CheckedScene>, T)> {
     let files = [Some(model), overrides.settings, overrides.arguments];
     diagnostics.extend(files.into_iter().flatten().filter_map(|file| not_utf8(sources, file)));
     if diagnostics.has_errors() {
         return None;
     }
-    let parsed = syntax::parse(sources, model);
+    let mut parsed = syntax::parse(sources, model);
     let broken = parsed.errors.has_errors();
     diagnostics.extend(parsed.errors);
     // A broken declaration does not hide the errors of the others.
-    let (checked, more) = check(&parsed.tree);
+    let (checked, more) = check(&mut parsed.tree);
     diagnostics.extend(checked.diagnostics);
     Some((parsed.tree, checked.scene.filter(|_| !broken), more))
 }
@@ -69,7 +80,7 @@ pub(crate) fn read_written(
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<(CheckedScene, Written)> {
-    let check = |tree: &Tree| model::check_written(sources, tree, overrides, &[]);
+    let check = |tree: &mut Tree| model::check_written(sources, tree, overrides, &[]);
     let (tree, scene, written) = check_with(sources, model, overrides, diagnostics, check)?;
     let scene = scene?;
     if !scene.scene().determines_parameters() {
@@ -149,7 +160,7 @@ impl<'a> Reading<'a> {
     /// The text that questions are evaluated on.
     pub fn text(&self) -> Text<'_> {
         let Reading { sources, overrides, until, tree, .. } = self;
-        Text { sources, tree, overrides, until: until.as_ref(), fixed: &[] }
+        Text { sources, tree, overrides, until: until.as_ref(), case: &[], fixed: &[] }
     }
 
     /// Whether the requirements hold. The system, modes and poles are not computed again if they are known.

@@ -1,6 +1,7 @@
 //! Answers as values: the results of the stages and the questions about a model, and the reports on them, for back ends
 //! to lay out. Nothing is computed or rounded here. See docs/method/report.md.
 
+pub mod ranges;
 pub mod report;
 #[cfg(test)]
 pub(crate) mod samples;

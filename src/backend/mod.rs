@@ -18,6 +18,7 @@ pub mod plot;
 pub mod report;
 pub mod shock;
 pub mod simulation;
+pub mod sweep;
 pub mod transfer;
 
 pub use crate::answers::report::Options as ReportOptions;

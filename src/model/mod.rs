@@ -39,6 +39,7 @@ mod settings;
 mod signals;
 mod spectrum;
 mod suggestion;
+mod swept;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -66,6 +67,7 @@ use scene::{BaseId, BodyId, Parameter, Scene, TableRows};
 use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, State, Table};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
+pub use swept::{Points, Swept, shape_of_values};
 pub use value::{Scalar, Value, Vector};
 use written::Writer;
 pub use written::Written;
@@ -136,27 +138,18 @@ fn new_check<'a>(sources: &'a Sources, tree: &'a Tree, overrides: &Overrides, va
     let mut check = Check::new(sources, tree, overrides.literals);
     check.overrides(overrides);
     check.set(values);
-    check.collect();
-    check.overridden_names();
-    check.evaluate_definitions();
-    check.bodies();
-    check.bases();
-    check.joints();
-    check.freedoms();
-    check.settings();
-    check.needs();
-    check.elements();
-    check.inputs();
-    check.settle_delays();
-    check.couples();
-    check.outputs();
-    check.initials();
-    check.solves();
-    check.optima();
-    check.requires();
-    check.unplaced_components();
-    check.unused();
+    check.run();
     check
+}
+
+/// Like [`check`], and reads the values that a study gives to parameters, one parameter a line.
+pub fn check_swept(sources: &Sources, tree: &Tree, overrides: &Overrides, lines: FileId) -> (Checked, Vec<Swept>) {
+    let mut check = Check::new(sources, tree, overrides.literals);
+    check.overrides(overrides);
+    let lines = check.swept_lines(lines);
+    check.run();
+    let swept = check.swept(&lines);
+    (check.finish(), swept)
 }
 
 /// Every `param` that is a number, with its current value, in order of declaration.
@@ -356,6 +349,31 @@ impl<'a> Check<'a> {
         Err(Stop::Reported)
     }
 
+    /// Every step, in order.
+    fn run(&mut self) {
+        self.collect();
+        self.overridden_names();
+        self.evaluate_definitions();
+        self.bodies();
+        self.bases();
+        self.joints();
+        self.freedoms();
+        self.settings();
+        self.needs();
+        self.elements();
+        self.inputs();
+        self.settle_delays();
+        self.couples();
+        self.outputs();
+        self.initials();
+        self.solves();
+        self.optima();
+        self.requires();
+        self.asked();
+        self.unplaced_components();
+        self.unused();
+    }
+
     fn finish(mut self) -> Checked {
         let [errors, others] = self.tallies;
         self.diagnostics.extend(errors.unreported(|span, count| NameError::MoreErrors { span, count }.diagnostic()));
@@ -411,5 +429,6 @@ fn empty_scene(name: String) -> Scene {
         solves: Vec::new(),
         optima: Vec::new(),
         requires: Vec::new(),
+        asked: Vec::new(),
     }
 }

@@ -57,6 +57,12 @@ enum Written {
 }
 
 impl Given {
+    /// Notes that a parameter gets its value from outside.
+    pub fn mention(&mut self, name: Name, word: &str, span: Span) {
+        self.names.push((name, span));
+        self.words.push(word.to_string());
+    }
+
     /// The place where a value is given for a parameter.
     pub fn named_at(&self, name: Name) -> Option<Span> {
         self.names.iter().find(|(known, _)| *known == name).map(|(_, span)| *span)
@@ -98,8 +104,7 @@ impl<'a> Check<'a> {
             let error = NameError::SettingName { span: setting.name };
             return self.fail(Environment::TOP, error);
         };
-        self.overrides.names.push((name, setting.name));
-        self.overrides.words.push(setting.word);
+        self.overrides.mention(name, &setting.word, setting.name);
         let span = match setting.value {
             Written::Text(span) => span,
             Written::Other(span) => return self.fail(Environment::TOP, NameError::SettingValue { span }),
@@ -127,7 +132,7 @@ impl<'a> Check<'a> {
     }
 
     /// A word and whole numbers in brackets; in a component behind the names of its place: `mount[3].k`.
-    fn read_name(&mut self, text: &str) -> Option<Name> {
+    pub(super) fn read_name(&mut self, text: &str) -> Option<Name> {
         let mut place = Place::SCENE;
         let mut rest = text;
         while let Some((first, more)) = rest.split_once('.') {
@@ -170,7 +175,7 @@ impl<'a> Check<'a> {
     }
 
     /// Evaluates a value from outside the model, which knows no names of it.
-    fn value_from_outside(&mut self, span: Span) -> Evaluated<Scalar> {
+    pub(super) fn value_from_outside(&mut self, span: Span) -> Evaluated<Scalar> {
         let sources: &'a Sources = self.sources;
         let Some((tree, expr)) = syntax::parse_value(sources, span) else {
             return self.fail(Environment::TOP, NameError::SettingValue { span });
@@ -295,7 +300,7 @@ fn unquoted(text: &str, file: FileId, range: std::ops::Range<usize>) -> Span {
 }
 
 /// The span of a text that starts at `start`, without surrounding blanks.
-fn trimmed(file: FileId, start: usize, text: &str) -> Span {
+pub(super) fn trimmed(file: FileId, start: usize, text: &str) -> Span {
     let from = start + (text.len() - text.trim_start().len());
     Span::new(file, from, from + text.trim().len())
 }

@@ -62,6 +62,8 @@ pub struct Scene {
     pub solves: Vec<Solve>,
     pub optima: Vec<Optimum>,
     pub requires: Vec<Require>,
+    /// Measures that are asked for from outside the model, with zero as the value.
+    pub asked: Vec<Question>,
 }
 
 /// A rigid body.

@@ -327,3 +327,55 @@ pub fn few_digits(x: f64) -> String {
     let size = short.abs();
     if size != 0.0 && !(1e-4..1e7).contains(&size) { format!("{short:e}") } else { format!("{}", short + 0.0) }
 }
+
+/// A column of the table of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// `k`, `frequency 1`, `gain(F -> x, 3 Hz)`, `frequency(1) > 2 Hz`
+    pub name: String,
+    /// The unit of the values; empty for a plain number.
+    pub unit: String,
+    pub holds: Holds,
+}
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holds {
+    /// The given values of a parameter.
+    Parameter,
+    /// Values that the model's own lines give to a parameter.
+    Determined,
+    Frequency,
+    PoleRe,
+    PoleIm,
+    /// The measure of a requirement.
+    Required,
+    /// Whether a requirement holds.
+    Verdict,
+    /// A measure that was asked for from outside.
+    Measure,
+}
+
+/// An entry of the table of a study, in the unit of its column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Entry {
+    Enclosed(Ball),
+    Infinite,
+    /// A number without a bound.
+    Unproven(Unproven),
+    /// Whether a requirement certainly holds or certainly fails.
+    Verdict(bool),
+    /// There is no such number, or it is not known.
+    None,
+}
+
+/// A row of the table of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// Counted from 0.
+    pub number: u64,
+    /// In the order of the columns.
+    pub entries: Vec<Entry>,
+    /// The code of the error that left entries without a value, or of a warning about them.
+    pub code: Option<&'static str>,
+}

@@ -11,6 +11,7 @@
 
 mod advice;
 pub mod answer;
+pub mod cases;
 mod combined;
 pub mod cover;
 mod derivative;

@@ -25,16 +25,7 @@ pub fn requirements(
     known: Facts,
 ) -> (Vec<Requirement>, Vec<AskedError>) {
     let requires = &scene.scene().requires;
-    let questions: Vec<Question> = requires.iter().map(|require| require.question.clone()).collect();
-    let measured = text.measure_scene(scene, &questions, known).unwrap_or_else(|why| {
-        // All of them fail for the same reason.
-        questions.iter().map(|_| Measurement::Failed(why.clone())).collect()
-    });
-    let list: Vec<Requirement> = requires
-        .iter()
-        .zip(measured)
-        .map(|(require, measured)| requirement(text, scene, known, require, measured))
-        .collect();
+    let list = judged(text, scene, known);
     // Parameters that are solved for cannot be changed.
     let solved = |parameter: &Parameter| scene.scene().determined().any(|name| name == parameter.name);
     let fails = list.iter().any(|requirement| requirement.holds == Some(false));
@@ -49,6 +40,18 @@ pub fn requirements(
     });
     let findings = findings.collect();
     (list, findings)
+}
+
+/// The value of each requirement of a scene, and whether it holds.
+pub fn judged(text: &Text, scene: &CheckedScene, known: Facts) -> Vec<Requirement> {
+    let requires = &scene.scene().requires;
+    let questions: Vec<Question> = requires.iter().map(|require| require.question.clone()).collect();
+    let measured = text.measure_scene(scene, &questions, known).unwrap_or_else(|why| {
+        // All of them fail for the same reason.
+        questions.iter().map(|_| Measurement::Failed(why.clone())).collect()
+    });
+    let each = requires.iter().zip(measured);
+    each.map(|(require, measured)| requirement(text, scene, known, require, measured)).collect()
 }
 
 fn requirement(

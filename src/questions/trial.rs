@@ -28,7 +28,9 @@ pub struct Text<'a> {
     pub overrides: &'a Overrides,
     /// Simulated time, s, if it is known.
     pub until: Option<&'a Number>,
-    /// Values that stay the same in all trials.
+    /// The values of a case of a study, which stay the same in all trials.
+    pub case: &'a [Setting],
+    /// Values that stay the same in all trials of a search.
     pub fixed: &'a [Setting],
 }
 
@@ -55,16 +57,18 @@ const FEW: usize = 60;
 impl Text<'_> {
     /// The scene with some parameters at these values.
     pub fn scene(&self, values: &[Setting]) -> Result<CheckedScene, String> {
-        let checked = match self.fixed {
-            [] => model::check_with(self.sources, self.tree, self.overrides, values),
-            fixed => model::check_with(self.sources, self.tree, self.overrides, &[fixed, values].concat()),
+        let checked = match (self.case, self.fixed) {
+            ([], []) => model::check_with(self.sources, self.tree, self.overrides, values),
+            (case, fixed) => {
+                model::check_with(self.sources, self.tree, self.overrides, &[case, fixed, values].concat())
+            }
         };
         checked.scene.ok_or_else(|| first_error(&checked.diagnostics))
     }
 
     /// All parameters, at the given values if there are any.
     pub fn parameters(&self, values: &[Setting]) -> Vec<Parameter> {
-        model::parameters(self.sources, self.tree, self.overrides, &[self.fixed, values].concat())
+        model::parameters(self.sources, self.tree, self.overrides, &[self.case, self.fixed, values].concat())
     }
 
     /// The measures with some parameters at these values. `choose` finds the questions in the scene.
@@ -306,7 +310,9 @@ pub fn asks_of_motion(scene: &CheckedScene) -> bool {
     let (solves, requires) = (&scene.scene().solves, &scene.scene().requires);
     let optima = &scene.scene().optima;
     let limits = optima.iter().flat_map(|optimum| &optimum.limits);
-    let questions = solves.iter().map(|s| &s.question).chain(requires.iter().chain(limits).map(|r| &r.question));
+    let asked = scene.scene().asked.iter();
+    let questions =
+        solves.iter().map(|s| &s.question).chain(asked).chain(requires.iter().chain(limits).map(|r| &r.question));
     let mut questions = questions.chain(optima.iter().map(|optimum| &optimum.question));
     questions.any(|question| question.measure.is_of_time())
 }

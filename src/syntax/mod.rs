@@ -112,6 +112,23 @@ pub fn parse_value(sources: &Sources, value: Span) -> Option<(Tree, ExprId)> {
     Some((tree, value))
 }
 
+/// Adds the measures of a file, one a line, to a tree; the first line that is no expression of the language, if there is one.
+pub fn parse_asked(tree: &mut Tree, sources: &Sources, file: FileId) -> Result<(), Span> {
+    let own = std::mem::replace(&mut tree.file, file);
+    let mut start = 0;
+    let read = sources.text(file).split_inclusive('\n').try_for_each(|line| {
+        let (at, text) = (start, line.trim_end_matches('\n'));
+        start += line.len();
+        let brackets = text.bytes().filter(|byte| matches!(byte, b'(' | b'[')).count();
+        let fits = text.len() <= limits::NUMBER && brackets <= limits::BRACKETS;
+        let value = if fits { build::value(tree, text, at).ok() } else { None };
+        tree.asked.push(value.ok_or(Span::new(file, at, at + text.len()))?);
+        Ok(())
+    });
+    tree.file = own;
+    read
+}
+
 /// A `repeat` or `component` whose `}` has not been reached.
 struct Opened {
     range: Range<usize>,

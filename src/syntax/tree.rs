@@ -37,6 +37,8 @@ pub struct Tree {
     pub broken: Vec<Span>,
     /// Used files that contain text but no declaration.
     pub no_models: Vec<FileId>,
+    /// Measures that are asked for from outside the model.
+    pub asked: Vec<ExprId>,
 }
 
 /// An expression of the tree, see [`Tree::expr`]: an index plus one, so that `Option<ExprId>` is no larger.
@@ -352,6 +354,7 @@ impl Tree {
             docs: Vec::new(),
             broken: Vec::new(),
             no_models: Vec::new(),
+            asked: Vec::new(),
         }
     }
 

@@ -90,6 +90,7 @@ mod signals;
 mod solve;
 mod some_modes;
 mod specification;
+mod studies;
 mod sweeps;
 mod systems;
 mod tables;

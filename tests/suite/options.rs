@@ -34,7 +34,7 @@ type Values = (&'static str, &'static str, &'static [Good], &'static [&'static s
 
 const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
 
-const VALUES: [Values; 45] = [
+const VALUES: [Values; 48] = [
     (
         "*",
         "set",
@@ -111,6 +111,40 @@ const VALUES: [Values; 45] = [
         ],
         &[],
     ),
+    (
+        "sweep",
+        "over",
+        &[
+            Done("k=5N/m..50N/m:3"),
+            Done(" k = 5 N/m , 6 N/m "),
+            Done("k=0,1N/m"),
+            Ends("q=1,2", 1),
+            Ends("b=1kg", 1),
+            Ends("k=1kg,2kg", 1),
+            Ends("k=2N/m..1N/m:3", 1),
+            Ends("k=1N/m..1N/m:3", 1),
+            Ends("k=(", 1),
+        ],
+        &[
+            "",
+            "k",
+            "k=",
+            "=1",
+            "k=1N/m\n",
+            "k=1N/m..2N/m",
+            "k=1N/m..2N/m:1",
+            "k=1N/m..2N/m:1e3",
+            "k=1N/m,,2N/m",
+            "k=..:3",
+        ],
+    ),
+    (
+        "sweep",
+        "measure",
+        &[Done("gain(F -> x, 3 Hz)"), Done("2 * frequency(1)"), Ends("stable", 1), Ends("k", 1), Ends("gain(", 2)],
+        &["", " ", "frequency(1)\n"],
+    ),
+    ("sweep", "modes", &[Done("1"), Done("1000")], &["0", "-1", "1001", "1.5", "all", ""]),
     ("simulate", "until", &[Done("1s"), Done("500ms")], &TIMES),
     ("simulate", "step", &[Done("0.5s"), Done("2s"), Ends("1e-9s", 2)], &TIMES),
     (
@@ -194,7 +228,9 @@ const VALUES: [Values; 45] = [
 fn needed(command: &str, option: &str) -> Vec<&'static str> {
     let file = "@/scene.vib";
     let mut needed = match command {
-        "analyze" | "transfer" | "bench" | "draw" | "equations" | "report" | "watch" if option != "file" => vec![file],
+        "analyze" | "transfer" | "bench" | "sweep" | "draw" | "equations" | "report" | "watch" if option != "file" => {
+            vec![file]
+        }
         "simulate" if option == "seed" => vec!["@/shaken.vib"],
         "simulate" if option != "file" => vec![file],
         // `%` alone would be the file.
@@ -215,6 +251,8 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
         ("emit", "until") => needed.extend(["--target", "c", "--program", "--output", "@/code"]),
         ("emit", "target") => {}
         ("emit", _) => needed.extend(["--target", "c"]),
+        ("sweep", "over") => {}
+        ("sweep", _) => needed.extend(["--over", "k=5N/m,6N/m"]),
         ("shock", "range") => {}
         ("shock", "at") => {}
         ("shock", "points" | "linear") => needed.extend(["--range", "0.1Hz..10Hz"]),

@@ -127,6 +127,22 @@ fn shock_response_spectra_have_the_published_form() {
 }
 
 #[test]
+fn studies_have_the_published_form() {
+    let form = Form::published("sweep");
+    for (model, arguments) in [
+        ("cart", &["--over", "k=5N/m,10N/m", "--poles", "--modes", "1", "--measure", "gain(F -> x, 1 Hz)"][..]),
+        ("isolation_table", &["--over", "zeta=5%..15%:3"]),
+        ("cart", &["--over", "L=0m,1m", "--over", "b=0", "--measure", "peak_gain(F -> x)"]),
+    ] {
+        let path = root().join("examples").join(format!("{model}.vib"));
+        let (result, findings) =
+            printed(&[&["sweep", &path.to_string_lossy(), "--format", "json"], arguments].concat());
+        assert_eq!(findings, "", "{model}");
+        form.assert_valid(model, &result);
+    }
+}
+
+#[test]
 fn equations_have_the_published_form() {
     validate("equations", &[]);
 }

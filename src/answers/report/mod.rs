@@ -19,6 +19,7 @@ mod rest;
 mod sensitivities;
 pub mod shock;
 mod spectral;
+mod study;
 mod table;
 mod transfer;
 
@@ -27,6 +28,7 @@ pub use motion::motion;
 pub use parts::explanation;
 pub use questions::requirements;
 pub use shock::shock;
+pub use study::study;
 pub use table::{Align, Cell, Column, Table};
 pub use transfer::transfer;
 

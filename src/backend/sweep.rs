@@ -1,0 +1,142 @@
+//! Studies as CSV and JSON: a row for each case, made one by one. See docs/cli.md#sweeps.
+
+use super::SCHEMA;
+use super::json_number::JsonNumber;
+use crate::questions::answer::{Case, Column, Entry, Holds};
+
+/// Whether a column is followed by one with bounds.
+fn has_bound(column: &Column) -> bool {
+    !matches!(column.holds, Holds::Parameter | Holds::Verdict)
+}
+
+/// `case,k [N/m],frequency_1 [Hz],frequency_1_bound,...,code`
+pub fn csv_heading(columns: &[Column]) -> String {
+    let mut text = "case".to_string();
+    for of in columns {
+        text += &format!(",{}", quoted(&titled(of)));
+        if has_bound(of) {
+            text += &format!(",{}", quoted(&format!("{}_bound", of.name)));
+        }
+    }
+    text + ",code\n"
+}
+
+/// `k [N/m]`
+fn titled(column: &Column) -> String {
+    match column.unit.as_str() {
+        "" => column.name.clone(),
+        unit => format!("{} [{unit}]", column.name),
+    }
+}
+
+/// A row, with its line feed.
+pub fn csv_row(columns: &[Column], case: &Case) -> String {
+    let mut text = case.number.to_string();
+    for (column, entry) in columns.iter().zip(&case.entries) {
+        text.push(',');
+        let (value, bound) = match *entry {
+            Entry::Enclosed(value) => (JsonNumber::enclosed(value).field(), JsonNumber::absolute_bound(value).field()),
+            Entry::Unproven(value) => (JsonNumber::unproven(value).field(), String::new()),
+            Entry::Infinite => ("inf".to_string(), String::new()),
+            Entry::Verdict(holds) => (holds.to_string(), String::new()),
+            Entry::None => (String::new(), String::new()),
+        };
+        text += &value;
+        if has_bound(column) {
+            text.push(',');
+            text += &bound;
+        }
+    }
+    text + "," + case.code.unwrap_or("") + "\n"
+}
+
+/// A field of CSV as RFC 4180 has it.
+fn quoted(text: &str) -> String {
+    match text.contains([',', '"']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text.to_string(),
+    }
+}
+
+/// `{"vibc", "schema", "model", "columns": [...], "cases": [`
+pub fn json_heading(model: &str, columns: &[Column]) -> String {
+    let columns: Vec<JsonColumn> = columns
+        .iter()
+        .map(|column| JsonColumn { name: &column.name, unit: &column.unit, holds: word(column.holds) })
+        .collect();
+    let heading = JsonHeading { vibc: env!("CARGO_PKG_VERSION"), schema: SCHEMA, model, columns };
+    let text = super::json_text(&heading);
+    format!("{},\"cases\":[", text.trim_end_matches('}'))
+}
+
+/// A row as an object; a comma comes before all but the first.
+pub fn json_row(case: &Case) -> String {
+    let values = case.entries.iter().map(|entry| match *entry {
+        Entry::Enclosed(value) => JsonValue::Number(JsonNumber::enclosed(value)),
+        Entry::Unproven(value) => JsonValue::Number(JsonNumber::unproven(value)),
+        Entry::Verdict(holds) => JsonValue::Verdict(holds),
+        Entry::Infinite | Entry::None => JsonValue::Number(JsonNumber::NULL),
+    });
+    let bounds = case.entries.iter().map(|entry| match *entry {
+        Entry::Enclosed(value) => JsonNumber::absolute_bound(value),
+        _ => JsonNumber::NULL,
+    });
+    let infinite = case.entries.iter().enumerate().filter(|(_, entry)| **entry == Entry::Infinite).map(|(i, _)| i);
+    let row = JsonCase {
+        case: case.number,
+        values: values.collect(),
+        error_bounds: bounds.collect(),
+        infinite: infinite.collect(),
+        code: case.code,
+    };
+    super::json_text(&row)
+}
+
+/// The end of the JSON.
+pub const JSON_END: &str = "]}\n";
+
+#[derive(serde::Serialize)]
+struct JsonHeading<'a> {
+    vibc: &'static str,
+    schema: u32,
+    model: &'a str,
+    columns: Vec<JsonColumn<'a>>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonColumn<'a> {
+    name: &'a str,
+    unit: &'a str,
+    holds: &'static str,
+}
+
+#[derive(serde::Serialize)]
+struct JsonCase {
+    case: u64,
+    values: Vec<JsonValue>,
+    error_bounds: Vec<JsonNumber>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    infinite: Vec<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    code: Option<&'static str>,
+}
+
+#[derive(serde::Serialize)]
+#[serde(untagged)]
+enum JsonValue {
+    Number(JsonNumber),
+    Verdict(bool),
+}
+
+fn word(holds: Holds) -> &'static str {
+    match holds {
+        Holds::Parameter => "parameter",
+        Holds::Determined => "determined",
+        Holds::Frequency => "frequency",
+        Holds::PoleRe => "pole_re",
+        Holds::PoleIm => "pole_im",
+        Holds::Required => "required",
+        Holds::Verdict => "verdict",
+        Holds::Measure => "measure",
+    }
+}

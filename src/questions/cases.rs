@@ -1,0 +1,285 @@
+//! The cases of a study: the model at other values of its parameters, each case with the answers that are asked for. In: the text, the
+//! values. Out: the columns of a table, and for each case its row. No case depends on another. See docs/method/studies.md.
+
+use super::answer::{Case, Column, Entry, Holds, Value, shown};
+use super::error::AskedError;
+use super::optimum::settle;
+use super::require;
+use super::trial::{self, Facts, Text};
+use crate::analysis::{self, Measurement, Modal, Modes, Poles, Request, Which};
+use crate::base::readable::readable;
+use crate::base::{Diagnostics, Number, Sources, Unproven};
+use crate::dynamics::{self, WrittenOut};
+use crate::lower;
+use crate::model::scene::{Question, Written};
+use crate::model::{self, CheckedScene, Overrides, Setting, Swept};
+use crate::syntax::tree::Tree;
+
+/// What is asked of each case, in addition to the requirements of the model.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// The number of lowest modes.
+    pub modes: usize,
+    pub poles: bool,
+    /// Parameters that the model determines keep the values that it gives them as declared.
+    pub hold_solved: bool,
+    /// Simulated time for `peak` and `rms`, s; if not given, it follows from the poles and signals of each case.
+    pub until: Option<Number>,
+}
+
+/// A study of a model.
+#[derive(Clone, Debug)]
+pub struct Study<'a> {
+    pub sources: &'a Sources,
+    pub tree: Tree,
+    pub overrides: &'a Overrides,
+    pub swept: Vec<Swept>,
+    pub asked: Asked,
+    /// The values that determined parameters are held at.
+    pub held: Vec<Setting>,
+    pub columns: Vec<Column>,
+    /// The numbers of columns for frequencies and for poles.
+    sizes: (usize, usize),
+    /// Whether the measure of each requirement has a column, and no other has it already.
+    measured: Vec<bool>,
+}
+
+/// Why a case has no answers.
+type Stopped = &'static str;
+
+impl<'a> Study<'a> {
+    /// A study of a scene as declared; its tree holds the measures that are asked for.
+    pub fn new(
+        (sources, tree, overrides): (&'a Sources, Tree, &'a Overrides),
+        scene: &CheckedScene,
+        swept: Vec<Swept>,
+        held: Vec<Setting>,
+        asked: Asked,
+    ) -> Study<'a> {
+        let (columns, sizes, measured) = (Vec::new(), (0, 0), Vec::new());
+        let mut study = Study { sources, tree, overrides, swept, asked, held, columns, sizes, measured };
+        let most = [Some(scene.clone()), study.scene_of(0), study.scene_of(study.count().saturating_sub(1))];
+        let coordinates = most.iter().flatten().filter_map(|scene| Some(lower::lower(scene).lowered?.system.n()));
+        let n = coordinates.max().unwrap_or(0);
+        study.sizes = (study.asked.modes.min(n), if study.asked.poles { 2 * n } else { 0 });
+        (study.columns, study.measured) = study.columns_of(scene);
+        study
+    }
+
+    /// The number of cases; at most `u64::MAX`.
+    pub fn count(&self) -> u64 {
+        self.swept.iter().fold(1, |count, swept| count.saturating_mul(swept.points.count()))
+    }
+
+    /// The values of a case: those of the last parameter change fastest.
+    fn values(&self, number: u64) -> Vec<Setting> {
+        let mut rest = number;
+        let mut values: Vec<Setting> = Vec::with_capacity(self.swept.len());
+        for swept in self.swept.iter().rev() {
+            let count = swept.points.count();
+            values.push((swept.parameter.name.clone(), swept.quantity(rest % count)));
+            rest /= count;
+        }
+        values.reverse();
+        values
+    }
+
+    fn scene_of(&self, number: u64) -> Option<CheckedScene> {
+        let values = [&self.held[..], &self.values(number)].concat();
+        model::check_with(self.sources, &self.tree, self.overrides, &values).scene
+    }
+
+    fn columns_of(&self, scene: &CheckedScene) -> (Vec<Column>, Vec<bool>) {
+        let scene = scene.scene();
+        let column = |name: String, unit: &str, holds| Column { name, unit: unit.to_string(), holds };
+        let mut list: Vec<Column> = Vec::new();
+        for swept in &self.swept {
+            let parameter = &swept.parameter;
+            list.push(column(parameter.name.clone(), &parameter.unit.text, Holds::Parameter));
+        }
+        if !self.asked.hold_solved {
+            let varied = scene.optima.iter().flat_map(|optimum| &optimum.varied).map(|varied| &varied.parameter);
+            for parameter in scene.solves.iter().map(|solve| &solve.parameter).chain(varied) {
+                list.push(column(parameter.name.clone(), &parameter.unit.text, Holds::Determined));
+            }
+        }
+        for mode in 1..=self.sizes.0 {
+            list.push(column(format!("frequency_{mode}"), "Hz", Holds::Frequency));
+        }
+        for pole in 1..=self.sizes.1 {
+            list.push(column(format!("pole_{pole}_re"), "1/s", Holds::PoleRe));
+            list.push(column(format!("pole_{pole}_im"), "rad/s", Holds::PoleIm));
+        }
+        let mut measured = Vec::with_capacity(scene.requires.len());
+        for require in &scene.requires {
+            let of_measure = self.measure_column(&require.question, Holds::Required);
+            measured.push(require.comparison.is_some() && !list.contains(&of_measure));
+            if measured.ends_with(&[true]) {
+                list.push(of_measure);
+            }
+            list.push(column(one_line(self.sources.slice(require.span)), "", Holds::Verdict));
+        }
+        list.extend(scene.asked.iter().map(|question| self.measure_column(question, Holds::Measure)));
+        (list, measured)
+    }
+
+    fn measure_column(&self, question: &Question, holds: Holds) -> Column {
+        Column { name: one_line(self.sources.slice(question.span)), unit: question.unit.text.clone(), holds }
+    }
+
+    /// The row of a case.
+    pub fn case(&self, number: u64) -> Case {
+        let values = self.values(number);
+        let mut entries: Vec<Entry> = Vec::with_capacity(self.columns.len());
+        for (swept, (_, quantity)) in self.swept.iter().zip(&values) {
+            entries.push(Entry::Enclosed(shown(&quantity.si, &swept.parameter.unit, false).number));
+        }
+        let code = match self.answers(&values, &mut entries) {
+            Ok(warned) => warned,
+            Err(code) => {
+                // An answer that came before the error is left out with the others.
+                entries.truncate(values.len());
+                Some(code)
+            }
+        };
+        entries.resize(self.columns.len(), Entry::None);
+        Case { number, entries, code }
+    }
+
+    /// Adds the answers of a case; the code of a warning about them, if there is one.
+    fn answers(&self, values: &[Setting], entries: &mut Vec<Entry>) -> Result<Option<Stopped>, Stopped> {
+        let all = [&self.held[..], values].concat();
+        let text = Text {
+            sources: self.sources,
+            tree: &self.tree,
+            overrides: self.overrides,
+            until: self.asked.until.as_ref(),
+            case: &all,
+            fixed: &[],
+        };
+        let checked = model::check_with(self.sources, &self.tree, self.overrides, &all);
+        let mut scene = checked.scene.ok_or_else(|| first_code(&checked.diagnostics))?;
+        let usual = match text.until.is_none() && trial::asks_of_motion(&scene) {
+            true => usual_time(&scene),
+            false => None,
+        };
+        let text = Text { until: text.until.or(usual.as_ref()), ..text };
+        let mut warned = None;
+        if scene.scene().determines_parameters() && !self.asked.hold_solved {
+            let settled = settle(&text, &scene).map_err(|errors| code_of(&errors))?;
+            warned = settled.unsettled.first().map(|warning| warning.to_diagnostic().code.0);
+            for solved in &settled.solved {
+                entries.push(determined(&solved.value, solved.bound, &solved.unit));
+            }
+            for parameter in settled.optimised.iter().flat_map(|optimised| &optimised.parameters) {
+                entries.push(determined(&parameter.value, parameter.bound, &parameter.unit));
+            }
+            scene = settled.scene;
+        }
+        self.measured(&text, &scene, entries)?;
+        Ok(warned)
+    }
+
+    /// Adds the frequencies, poles and measures of a scene.
+    fn measured(&self, text: &Text, scene: &CheckedScene, entries: &mut Vec<Entry>) -> Result<(), Stopped> {
+        let mut diagnostics = Diagnostics::new();
+        let written = dynamics::lower_written_out(scene, &mut diagnostics);
+        let mut written = written.ok_or_else(|| first_code(&diagnostics))?;
+        if !written.lowered.rest.is_proven() {
+            return Err(lower::error::UNPROVEN.0);
+        }
+        let spectrum = self.spectrum(&written)?;
+        if let Some((modes, poles)) = &spectrum {
+            let frequencies = modes.list.iter().map(|mode| mode.frequency().map_or(Entry::None, Entry::Enclosed));
+            pad(entries, frequencies, self.sizes.0);
+            let poles = poles.iter().flat_map(|poles| &poles.list);
+            let parts = poles.flat_map(|pole| [Entry::Enclosed(pole.re), Entry::Enclosed(pole.im)]);
+            pad(entries, parts, 2 * self.sizes.1);
+        }
+        let scene_of = scene.scene();
+        if scene_of.requires.is_empty() && scene_of.asked.is_empty() {
+            return Ok(());
+        }
+        let complete = spectrum.as_ref().filter(|(modes, _)| modes.is_complete());
+        if let Some((modes, _)) = complete {
+            written.modes.get_or_insert_with(|| modes.clone());
+        }
+        let both = complete.and_then(|(modes, poles)| Some((modes, poles.as_ref()?)));
+        let known = Facts { system: Some(&written), spectrum: both.filter(|(_, poles)| poles.left_out == 0) };
+        if !scene_of.requires.is_empty() {
+            for (requirement, has_column) in require::judged(text, scene, known).iter().zip(&self.measured) {
+                let value = match (&requirement.value, requirement.shown_value()) {
+                    (_, Some(shown)) => Entry::Enclosed(shown.number),
+                    (Value::Infinite, None) => Entry::Infinite,
+                    _ => Entry::None,
+                };
+                entries.extend(has_column.then_some(value));
+                entries.push(requirement.holds.map_or(Entry::None, Entry::Verdict));
+            }
+        }
+        if !scene_of.asked.is_empty() {
+            let measured = text.measure_scene(scene, &scene_of.asked, known);
+            // Without them, the columns stay empty.
+            for (question, measured) in scene_of.asked.iter().zip(measured.unwrap_or_default()) {
+                entries.push(match measured {
+                    Measurement::Value(value) => {
+                        Entry::Enclosed(shown(&Number::Ball(value), &question.unit, false).number)
+                    }
+                    Measurement::Infinite => Entry::Infinite,
+                    Measurement::None(_) | Measurement::Failed(_) => Entry::None,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The modes and the poles that the columns need.
+    fn spectrum(&self, written: &WrittenOut) -> Result<Option<(Modes, Option<Poles>)>, Stopped> {
+        let (system, code) = (&written.lowered.system, |error: analysis::AnalysisError| error.to_diagnostic().code.0);
+        if self.asked.poles {
+            let found = analysis::modal_from(system, written.modes.as_ref(), &Request::default());
+            let Modal { modes, poles, .. } = found.map_err(code)?;
+            return Ok(Some((modes, Some(poles))));
+        }
+        if self.sizes.0 == 0 {
+            return Ok(None);
+        }
+        let lowest = Request { which: Which::Lowest(self.sizes.0), ..Request::default() };
+        let modes = written.modes.clone().map_or_else(|| analysis::modes_as(system, &lowest), Ok);
+        Ok(Some((modes.map_err(code)?, None)))
+    }
+}
+
+/// Adds the first `count` entries, with empty ones behind them if there are fewer.
+fn pad(to: &mut Vec<Entry>, entries: impl Iterator<Item = Entry>, count: usize) {
+    to.extend(entries.chain(std::iter::repeat(Entry::None)).take(count));
+}
+
+/// A value that the model gives to a parameter, with the bound of its distance from the true one.
+fn determined(value: &Number, bound: Option<f64>, unit: &Written) -> Entry {
+    let exact = shown(value, unit, false).number;
+    match bound {
+        Some(bound) => Entry::Enclosed(shown(&Number::Ball(value.to_ball().widen(bound)), unit, false).number),
+        None => Entry::Unproven(Unproven(exact.to_f64())),
+    }
+}
+
+/// The simulated time of a case, as `analyze` chooses it.
+fn usual_time(scene: &CheckedScene) -> Option<Number> {
+    let system = dynamics::lower_written_out(scene, &mut Diagnostics::new())?;
+    trial::usual_time(scene, &trial::spectrum(&system)?.1)
+}
+
+fn first_code(diagnostics: &Diagnostics) -> Stopped {
+    diagnostics.iter().find(|finding| finding.is_error()).map_or("", |error| error.code.0)
+}
+
+fn code_of(errors: &[AskedError]) -> Stopped {
+    errors.first().map_or("", |error| error.to_diagnostic().code.0)
+}
+
+/// A text of the model in one line.
+fn one_line(text: &str) -> String {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    readable(&words.join(" ")).into_owned()
+}

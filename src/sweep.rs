@@ -1,0 +1,84 @@
+//! Studies: a model at many values of its parameters. In: the texts, the values, what is asked. Out: a [`Study`], whose cases are
+//! computed in any order, on all cores. See docs/method/studies.md.
+
+use crate::Outcome;
+use crate::base::{FileId, Number, Sources};
+use crate::kernel::cores;
+use crate::model::{self, Overrides};
+use crate::questions::answer::Case;
+use crate::questions::cases::{Asked, Study};
+use crate::reading::{self, Reading};
+use crate::syntax;
+use std::ops::Range;
+
+/// What a study computes.
+#[derive(Clone, Debug)]
+pub struct StudyRequest {
+    /// A file with a line for each parameter and its values: `k=5N/m..50N/m:200`, `m=1kg,2kg`.
+    pub over: FileId,
+    /// A file with a measure a line, written as in a model: `gain(F -> x, 3 Hz)`.
+    pub measures: Option<FileId>,
+    /// The number of lowest modes; `None` for the usual six if nothing else is asked for.
+    pub modes: Option<u32>,
+    pub poles: bool,
+    /// Parameters that the model determines keep the values that it gives them as declared.
+    pub hold_solved: bool,
+    /// Simulated time for `peak` and `rms`, s.
+    pub until: Option<Number>,
+}
+
+/// The modes of a study that asks for nothing.
+const USUAL_MODES: u32 = 6;
+
+/// Prepares a study; the inner error says why there is none.
+pub fn study<'a>(
+    sources: &'a Sources,
+    model: FileId,
+    overrides: &'a Overrides,
+    request: StudyRequest,
+) -> Outcome<Result<(String, Study<'a>), String>> {
+    Outcome::of(|diagnostics| {
+        let mut measures = Ok(());
+        let found = reading::read_and_check_swept(sources, model, overrides, diagnostics, |tree| {
+            if let Some(file) = request.measures {
+                measures = syntax::parse_asked(tree, sources, file);
+            }
+            model::check_swept(sources, tree, overrides, request.over)
+        });
+        if let Err(span) = measures {
+            let text = sources.slice(span);
+            return Some(Err(format!("`{text}` is no measure: write one as in a model, such as `gain(F -> x, 3 Hz)`")));
+        }
+        let (tree, scene, swept) = found?;
+        let scene = scene?;
+        if let Some(twice) =
+            (1..swept.len()).find(|&i| (0..i).any(|j| swept[j].parameter.name == swept[i].parameter.name))
+        {
+            return Some(Err(format!("`--over` gives values for `{}` twice", swept[twice].parameter.name)));
+        }
+        let asks = request.poles || !scene.scene().requires.is_empty() || !scene.scene().asked.is_empty();
+        let modes = request.modes.unwrap_or(if asks { 0 } else { USUAL_MODES }) as usize;
+        let mut reading = Reading::declared(sources, overrides, tree, scene.clone());
+        if request.hold_solved {
+            reading.settle(diagnostics)?;
+        }
+        let asked = Asked { modes, poles: request.poles, hold_solved: request.hold_solved, until: request.until };
+        let (name, held) = (reading.name(), std::mem::take(&mut reading.settings));
+        Some(Ok((name, Study::new((sources, reading.tree, overrides), &scene, swept, held, asked))))
+    })
+}
+
+/// Applies `make` to the rows of these cases on all cores; the results in order.
+pub fn cases<T: Send>(study: &Study, numbers: &[u64], make: impl Fn(Case) -> T + Sync) -> Vec<T> {
+    cores::in_pieces(numbers, 1, 1, |piece| piece.iter().map(|&number| make(study.case(number))).collect())
+}
+
+/// Cases that are computed before they are handed on.
+pub const BLOCK: u64 = 4096;
+
+/// The numbers of cases in blocks.
+pub fn blocks(numbers: Range<u64>) -> impl Iterator<Item = Vec<u64>> {
+    let end = numbers.end;
+    let starts = numbers.step_by(BLOCK as usize);
+    starts.map(move |start| (start..end.min(start + BLOCK)).collect())
+}

@@ -1,0 +1,226 @@
+//! Sweeps beside closed forms and beside `analyze --set`; what stops a case, and what is refused. See docs/cli.md#sweeps.
+
+use super::documents::root;
+use num_rational::BigRational;
+use serde_json::Value;
+use std::f64::consts::PI;
+use std::fs;
+use std::process::{Command, Output};
+
+const OSCILLATOR: &str = "model one\nparam k = 100 N/m\nparam m = 1 kg\nparam c = 0 N*s/m\nbody b { mass = m, moves x }\n\
+                          spring s: ground -- b { k = k }\ndamper d: ground -- b { c = c }\nforce F: b along x\noutput x = b.x\n";
+
+fn ran(model: &str, arguments: &[&str]) -> Output {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("m.vib"), model).expect("a file");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+    command.args(["sweep", "m.vib"]).args(arguments).current_dir(folder.path()).output().expect("the program starts")
+}
+
+/// The heading and the rows of the CSV, without quotes around fields that contain no comma.
+fn table(model: &str, arguments: &[&str]) -> (Vec<String>, Vec<Vec<String>>) {
+    let output = ran(model, &[arguments, &["--format", "csv"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    let mut lines = text.lines().map(fields);
+    (lines.next().expect("a heading"), lines.collect())
+}
+
+fn fields(line: &str) -> Vec<String> {
+    let (mut list, mut quoted) = (vec![String::new()], false);
+    for letter in line.chars() {
+        match letter {
+            '"' => quoted = !quoted,
+            ',' if !quoted => list.push(String::new()),
+            _ => list.last_mut().expect("a field").push(letter),
+        }
+    }
+    list
+}
+
+fn number(field: &str) -> f64 {
+    field.parse().unwrap_or_else(|_| panic!("`{field}` is no number"))
+}
+
+/// The value is the truth, up to its bound and the rounding of the truth itself.
+fn meets(row: &[String], column: usize, truth: f64) {
+    let (value, bound) = (number(&row[column]), number(&row[column + 1]));
+    let allowed = bound + 4.0 * f64::EPSILON * truth.abs();
+    assert!((value - truth).abs() <= allowed, "{value} ± {bound:e}, not {truth}: {row:?}");
+    assert!(bound <= 1e-15 * truth.abs().max(1e-3), "{row:?}");
+}
+
+#[test]
+fn every_combination_is_a_case_in_order() {
+    let over = ["--over", "k=50N/m..200N/m:4", "--over", "m=500g,2kg,0.25kg", "--modes", "3", "--poles"];
+    let (heading, rows) = table(OSCILLATOR, &over);
+    let parts = ["re [1/s]", "re_bound", "im [rad/s]", "im_bound"];
+    let poles = (1..=2).flat_map(|i| parts.map(|part| format!("pole_{i}_{part}")));
+    let expected = ["case", "k [N/m]", "m [kg]", "frequency_1 [Hz]", "frequency_1_bound"].map(String::from);
+    let expected: Vec<String> = expected.into_iter().chain(poles).chain(["code".to_string()]).collect();
+    assert_eq!(heading, expected);
+    let cases = [50.0, 100.0, 150.0, 200.0].iter().flat_map(|k| [0.5, 2.0, 0.25].map(|m| (*k, m)));
+    let cases: Vec<(f64, f64)> = cases.collect();
+    assert_eq!(rows.len(), cases.len());
+    for (i, (row, (k, m))) in rows.iter().zip(cases).enumerate() {
+        assert_eq!([number(&row[0]), number(&row[1]), number(&row[2])], [i as f64, k, m]);
+        let omega = f64::sqrt(k / m);
+        meets(row, 3, omega / (2.0 * PI));
+        for (pole, side) in [(5, -1.0), (9, 1.0)] {
+            assert_eq!(&row[pole..pole + 2], ["0.0", "0.0"]);
+            meets(row, pole + 2, side * omega);
+        }
+        assert_eq!(row.last().map(String::as_str), Some(""));
+    }
+}
+
+/// The static gain is 1/k: the distance from it is compared in fractions, so that nothing of the bound is lost to rounding.
+#[test]
+fn bounds_hold_for_the_printed_numbers() {
+    let (_, rows) = table(OSCILLATOR, &["--over", "k=1N/m..50N/m:99", "--measure", "gain(F -> x, 0 Hz)"]);
+    let binary = |field: &str| BigRational::from_float(number(field)).expect("a number");
+    for (i, row) in rows.iter().enumerate() {
+        // k = (i + 2) / 2
+        let truth = BigRational::new(2.into(), (i + 2).into());
+        let off = binary(&row[2]) - &truth;
+        let off = if off < BigRational::from_integer(0.into()) { -off } else { off };
+        assert!(off <= binary(&row[3]), "{row:?}");
+        assert!(number(&row[3]) <= 1.2e-16 * number(&row[2]), "{row:?}");
+    }
+    assert_eq!(rows.len(), 99);
+}
+
+/// Damping from below to above the critical one, 2 sqrt(k m) = 20 N s/m: s = (-c ± sqrt(c^2 - 4 k m)) / (2 m).
+#[test]
+fn poles_pass_critical_damping() {
+    let (_, rows) = table(OSCILLATOR, &["--over", "c=12N*s/m,20N*s/m,25N*s/m", "--poles"]);
+    let expected = [[(-6.0, -8.0), (-6.0, 8.0)], [(-10.0, 0.0); 2], [(-5.0, 0.0), (-20.0, 0.0)]];
+    for (row, poles) in rows.iter().zip(expected) {
+        for (i, (re, im)) in poles.into_iter().enumerate() {
+            meets(row, 2 + 4 * i, re);
+            meets(row, 4 + 4 * i, im);
+        }
+    }
+}
+
+/// A stiffness that is solved for is another one in each case: k = m (2 pi f)^2.
+#[test]
+fn solved_parameters_are_solved_for_in_each_case() {
+    let model =
+        format!("{OSCILLATOR}solve k in 1 N/m .. 10 kN/m: frequency(1) = 2 Hz\nrequire gain(F -> x, 0 Hz) < 4 mm/N\n");
+    let (heading, rows) = table(&model, &["--over", "m=1kg..4kg:4", "--modes", "1"]);
+    assert_eq!(heading[2], "k [N/m]");
+    for (m, row) in [1.0, 2.0, 3.0, 4.0].into_iter().zip(&rows) {
+        let k = m * (4.0 * PI) * (4.0 * PI);
+        meets(row, 2, k);
+        meets(row, 4, 2.0);
+        // In the unit of the requirement.
+        meets(row, 6, 1e3 / k);
+        assert_eq!(row[8], (1e3 / k < 4.0).to_string());
+    }
+    let (heading, rows) = table(&model, &["--over", "m=1kg..4kg:4", "--modes", "1", "--hold-solved"]);
+    assert_eq!(heading[2], "frequency_1 [Hz]");
+    for (m, row) in [1.0, 2.0, 3.0, 4.0].into_iter().zip(&rows) {
+        meets(row, 2, 2.0 / f64::sqrt(m));
+    }
+}
+
+/// A case is the model with its values set.
+#[test]
+fn cases_are_those_of_analyze() {
+    let output = ran(OSCILLATOR, &["--over", "k=3N/m,7N/m", "--over", "c=0.3N*s/m", "--poles", "--format", "json"]);
+    let study: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    for (case, k) in study["cases"].as_array().expect("cases").iter().zip(["3N/m", "7N/m"]) {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        fs::write(folder.path().join("m.vib"), OSCILLATOR).expect("a file");
+        let set = ["--set", &format!("k={k}"), "--set", "c=0.3N*s/m", "--format", "json"];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+        let output = command.args(["analyze", "m.vib"]).args(set).current_dir(folder.path()).output().expect("a run");
+        let alone: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        for (i, pole) in alone["poles"].as_array().expect("poles").iter().enumerate() {
+            assert_eq!(case["values"][2 + 2 * i], pole["re"], "{pole}");
+            assert_eq!(case["values"][3 + 2 * i], pole["im"], "{pole}");
+        }
+    }
+}
+
+/// A rod of length zero is no rod; the others are computed, and the run is no failure.
+#[test]
+fn a_case_that_fails_is_a_row_with_its_code() {
+    let cart = fs::read_to_string(root().join("examples/cart.vib")).expect("an example");
+    let arguments = ["--over", "L=2m,0m,1m", "--modes", "2", "--measure", "gain(F -> x, 1 Hz)"];
+    let (heading, rows) = table(&cart, &arguments);
+    assert_eq!(rows[1][1..], [["0.0"].as_slice(), &[""; 6], &["vib::shape::size"]].concat());
+    assert_eq!(rows[1].len(), heading.len());
+    // The example's own answer, rad/s.
+    for (column, omega) in [(2, 2.15818), (4, 3.74715)] {
+        assert!((number(&rows[0][column]) * 2.0 * PI - omega).abs() < 5e-6, "{:?}", rows[0]);
+    }
+    assert!(rows[2].iter().take(8).all(|field| !field.is_empty()));
+    let text = String::from_utf8(ran(&cart, &arguments).stdout).expect("UTF-8");
+    assert!(text.contains("1 case with vib::shape::size, the first at L = 0 m"), "{text}");
+}
+
+#[test]
+fn infinite_and_missing_numbers_are_told_apart() {
+    let (_, rows) =
+        table(OSCILLATOR, &["--over", "k=0N/m,4N/m", "--measure", "gain(F -> x, 0 Hz)", "--measure", "damping(2)"]);
+    assert_eq!(rows[0][2..], ["inf", "", "", "", ""]);
+    assert_eq!([&rows[1][2], &rows[1][4], &rows[1][5], &rows[1][6]], ["0.25", "", "", ""]);
+}
+
+/// Each wrong line is one message at its place.
+#[test]
+fn what_cannot_be_swept_is_refused() {
+    let solves = format!("{OSCILLATOR}solve k in 1 N/m .. 10 kN/m: frequency(1) = 2 Hz\n");
+    for (arguments, status, message) in [
+        (&["--over", "k=1N/m,2N/m"][..], 1, "error[vib::setting::solved]"),
+        (&["--over", "kk=1N/m,2N/m"], 1, "error[vib::setting::unknown]"),
+        (&["--over", "m=1kg..2m:3"], 1, "error[vib::unit::mismatch]"),
+        (&["--over", "m=2kg..2kg:3"], 1, "error[vib::solve::range]"),
+        (&["--over", "m=1kg", "--over", "m=2kg"], 2, "`--over` gives values for `m` twice"),
+        (&["--over", "m=1kg", "--measure", "gain(F ->"], 2, "is no measure"),
+        (&["--over", "m=1kg", "--measure", "gain(G -> x, 1 Hz)"], 1, "error[vib::part::unknown]"),
+        // A million million cases: refused before any memory is taken for them.
+        (
+            &["--over", "m=1kg..2kg:1000000", "--over", "c=1N*s/m..2N*s/m:1000000"],
+            2,
+            "that would be 1000000000000 cases",
+        ),
+        (
+            &[
+                "--over",
+                "m=1kg..2kg:1000000000",
+                "--over",
+                "c=1N*s/m..2N*s/m:1000000000",
+                "--over",
+                "k=1N/m..2N/m:1000",
+            ],
+            1,
+            "error[vib::setting::solved]",
+        ),
+    ] {
+        let output = ran(&solves, arguments);
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{arguments:?}: {text}");
+        assert!(text.contains(message), "{arguments:?}: {text}");
+        assert_eq!(text.matches("error").count() - text.matches("1 error").count(), 1, "{arguments:?}: {text}");
+        assert!(output.stdout.is_empty());
+    }
+}
+
+/// Blocks and cores divide the cases; the bytes are those of the cases one by one.
+#[test]
+fn the_division_of_the_cases_changes_no_byte() {
+    let arguments = ["--over", "k=1N/m..9N/m:4200", "--modes", "1", "--format", "csv"];
+    let whole = String::from_utf8(ran(OSCILLATOR, &arguments).stdout).expect("UTF-8");
+    let rows: Vec<&str> = whole.lines().skip(1).collect();
+    assert_eq!(rows.len(), 4200);
+    for (i, row) in rows.iter().enumerate().step_by(613) {
+        // k = 1 + 8 i / 4199, as the value of a list.
+        let k = format!("k=({}/4199)*1N/m", 4199 + 8 * i);
+        let (_, alone) = table(OSCILLATOR, &["--over", &k, "--modes", "1"]);
+        assert_eq!(fields(row)[1..], alone[0][1..], "{k}");
+        assert_eq!(fields(row)[0], i.to_string());
+    }
+}
