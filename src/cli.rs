@@ -83,6 +83,8 @@ commands! {
     Shock = "shock",
     /// Compute the model at many values of its parameters: frequencies, poles, requirements and measures of every case
     Sweep = "sweep",
+    /// Join the parts of a sweep that `--shard` divided: the file that one run would have written
+    Merge = "merge",
     /// Draw the scene as a textbook figure, in SVG: as drawn, at rest, or in a mode
     Draw = "draw",
     /// Write a page with everything: the figure in motion, tables, curves, the text; one HTML file that needs no network
@@ -335,6 +337,9 @@ pub struct Sweep {
     pub hold_solved: bool,
     #[command(flatten)]
     pub measured: MeasureOptions,
+    /// Compute the cases k with k mod N = I, as a part for `vibc merge`; `auto` or `auto/N` takes I from the job array of Slurm, Kubernetes or HyperQueue
+    #[arg(long, value_name = "I/N", value_parser = shard, requires = "output")]
+    pub shard: Option<ShardOption>,
     /// What to print: the ranges as text, or every case
     #[arg(long, value_enum, default_value_t = SweepFormat::Text)]
     pub format: SweepFormat,
@@ -342,6 +347,63 @@ pub struct Sweep {
     pub page: Page,
     #[command(flatten)]
     pub output: Output,
+}
+
+#[derive(Debug, Args)]
+pub struct Merge {
+    /// The parts, each once, in any order
+    #[arg(required = true, value_name = "PART")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// One of the parts that a study is divided into: the cases k with k mod count = index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    pub index: u64,
+    pub count: u64,
+}
+
+impl Shard {
+    pub const WHOLE: Shard = Shard { index: 0, count: 1 };
+
+    /// The number of its cases, of so many in all.
+    pub fn rows(self, cases: u64) -> u64 {
+        cases / self.count + u64::from(self.index < cases % self.count)
+    }
+
+    /// The number of its case with this index.
+    pub fn case(self, index: u64) -> u64 {
+        self.index + index * self.count
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShardOption {
+    Given(Shard),
+    /// The index is a variable of a job array, and so is the number of parts if it is not given.
+    Auto(Option<u64>),
+}
+
+/// The most parts of a study.
+pub const MOST_SHARDS: u64 = 10_000;
+
+/// `3/64`, `auto` or `auto/64`
+fn shard(text: &str) -> Result<ShardOption, String> {
+    let (index, count) = match text.split_once('/') {
+        None if text == "auto" => return Ok(ShardOption::Auto(None)),
+        None => return Err("write I/N, such as 3/64 for the fourth of 64 parts, or auto".into()),
+        Some((index, count)) => (index, count),
+    };
+    let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit()).then(|| text.parse::<u64>().ok())?;
+    let count = digits(count).filter(|count| (1..=MOST_SHARDS).contains(count));
+    let count = count.ok_or(format!("the number of parts lies between 1 and {MOST_SHARDS}"))?;
+    match digits(index).filter(|index| *index < count) {
+        Some(index) => Ok(ShardOption::Given(Shard { index, count })),
+        None if index == "auto" => Ok(ShardOption::Auto(Some(count))),
+        None => Err(format!("parts are counted from 0 to {}", count - 1)),
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

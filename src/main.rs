@@ -2,7 +2,9 @@
 //! streams or the exit status. See docs/cli.md#streams-and-exit-status.
 
 mod files;
+mod merging;
 mod named;
+mod parts;
 mod sweeping;
 mod transport;
 mod watch;
@@ -47,6 +49,7 @@ fn main() -> ExitCode {
         Command::Simulate(options) => simulate(options, &cli.messages),
         Command::Shock(options) => shock(options, &cli.messages),
         Command::Sweep(options) => sweeping::sweep(options, &cli.messages),
+        Command::Merge(options) => merging::merge(options),
         Command::Draw(options) => draw(options, &cli.messages),
         Command::Report(options) => page(options, &cli.messages),
         Command::Watch(options) => watch::watch(options, &cli.messages),

@@ -9,7 +9,6 @@ use crate::questions::answer::Case;
 use crate::questions::cases::{Asked, Study};
 use crate::reading::{self, Reading};
 use crate::syntax;
-use std::ops::Range;
 
 /// What a study computes.
 #[derive(Clone, Debug)]
@@ -71,14 +70,4 @@ pub fn study<'a>(
 /// Applies `make` to the rows of these cases on all cores; the results in order.
 pub fn cases<T: Send>(study: &Study, numbers: &[u64], make: impl Fn(Case) -> T + Sync) -> Vec<T> {
     cores::in_pieces(numbers, 1, 1, |piece| piece.iter().map(|&number| make(study.case(number))).collect())
-}
-
-/// Cases that are computed before they are handed on.
-pub const BLOCK: u64 = 4096;
-
-/// The numbers of cases in blocks.
-pub fn blocks(numbers: Range<u64>) -> impl Iterator<Item = Vec<u64>> {
-    let end = numbers.end;
-    let starts = numbers.step_by(BLOCK as usize);
-    starts.map(move |start| (start..end.min(start + BLOCK)).collect())
 }

@@ -1,25 +1,41 @@
 //! The command `sweep`: prepares a study, computes its cases block by block and writes them. See docs/cli.md#sweeps.
 
 use crate::files::{Input, arguments, open, write_by};
+use crate::parts::{Header, Progress, fingerprint, is_finished, partial};
 use crate::{Status, columns, deliver, delivered, failure, report_error, show};
+use std::fs::{self, File};
 use std::io::{self, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
 use vibc::answers::ranges::Ranges;
 use vibc::answers::report;
 use vibc::backend::{self, sweep as rows};
-use vibc::cli::{MOST_CASES, Messages, Sweep, SweepFormat};
+use vibc::cli::{MOST_CASES, MOST_SHARDS, Messages, Shard, ShardOption, Sweep, SweepFormat};
 use vibc::questions::cases::Study;
-use vibc::sweep::{StudyRequest, blocks, cases, study};
+use vibc::sweep::{StudyRequest, cases, study};
 
 pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
-    let mut input = match open(&options.file, &options.overrides, &options.output.file, messages) {
+    let shard = match options.shard.map(taken).transpose() {
+        Ok(shard) => shard,
+        Err(text) => {
+            report_error(&text);
+            return Status::Usage;
+        }
+    };
+    if shard.is_some() && options.format != SweepFormat::Csv {
+        report_error("parts are CSV: add `--format csv`");
+        return Status::Usage;
+    }
+    let outputs: Vec<_> = options.output.file.iter().flat_map(|path| [path.clone(), partial(path)]).collect();
+    let mut input = match open(&options.file, &options.overrides, &outputs, messages) {
         Ok(input) => input,
         Err(status) => return status,
     };
     let request = request(options, &mut input);
+    let asked = format!("{request:?} {:?}", options.overrides.literals);
     let mut outcome = study(&input.sources, input.model, &input.overrides, request);
     let status = failure(outcome.failure());
     let found = outcome.answer.take();
-    // What the model says about its declared values alone is not about the cases.
     show(&input.sources, outcome.diagnostics, messages);
     let (model, study) = match found {
         None => return status,
@@ -30,23 +46,37 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
         Some(Ok(found)) => found,
     };
     let count = study.count();
-    if count > MOST_CASES {
-        report_error(&format!("that would be {count} cases; the limit is {MOST_CASES}"));
+    if shard.unwrap_or(Shard::WHOLE).rows(count) > MOST_CASES || count == u64::MAX {
+        report_error(&format!("that would be {count} cases; the limit of a run is {MOST_CASES}"));
         return Status::Usage;
     }
     let path = options.output.file.as_deref();
     let written = match options.format {
         SweepFormat::Text => {
             let mut ranges = Ranges::new(&study.columns);
-            for block in blocks(0..count) {
-                cases(&study, &block, |case| case).iter().for_each(|case| ranges.add(case));
+            let gathered = in_blocks(0..count, |numbers| {
+                cases(&study, numbers, |case| case).iter().for_each(|case| ranges.add(case));
+                Ok(())
+            });
+            if let Err(error) = gathered {
+                return delivered(path, Err(error));
             }
             let report = report::study(&model, &study.columns, &ranges);
-            let text = backend::report::laid_out(&report, columns(&options.page, path));
-            return deliver(path, &text).max(status);
+            return deliver(path, &backend::report::laid_out(&report, columns(&options.page, path))).max(status);
         }
-        SweepFormat::Csv => write_by(path, |out| write_csv(&study, out)),
         SweepFormat::Json => write_by(path, |out| write_json(&model, &study, out)),
+        SweepFormat::Csv => {
+            let heading = rows::csv_heading(&study.columns);
+            let of_study = fingerprint(&input.sources, &asked, &heading);
+            let header = Header { shard: shard.unwrap_or(Shard::WHOLE), cases: count, study: of_study };
+            match path.filter(|path| is_regular(path)) {
+                Some(path) => write_file(&study, path, &header, &heading, shard.is_some()),
+                None => write_by(path, |out| {
+                    out.write_all(heading.as_bytes())?;
+                    write_rows(&study, &header, 0, out)
+                }),
+            }
+        }
     };
     delivered(path, written).max(status)
 }
@@ -68,21 +98,101 @@ fn request(options: &Sweep, input: &mut Input) -> StudyRequest {
     }
 }
 
-fn write_csv(study: &Study, out: &mut dyn Write) -> io::Result<()> {
-    out.write_all(rows::csv_heading(&study.columns).as_bytes())?;
-    for block in blocks(0..study.count()) {
-        let text = cases(study, &block, |case| rows::csv_row(&study.columns, &case)).concat();
-        out.write_all(text.as_bytes())?;
+/// The part that is asked for; with `auto` the innermost array that this process is a task of.
+fn taken(option: ShardOption) -> Result<Shard, String> {
+    let given = match option {
+        ShardOption::Given(shard) => return Ok(shard),
+        ShardOption::Auto(count) => count,
+    };
+    let number = |name: &str| match std::env::var(name) {
+        Ok(text) => text.parse().map(Some).map_err(|_| format!("`{name}` is `{text}`, which is no number")),
+        Err(_) => Ok(None),
+    };
+    let mut of_array = (None, None);
+    for name in ["HQ_TASK_ID", "JOB_COMPLETION_INDEX"] {
+        if let (None, Some(index)) = (of_array.0, number(name)?) {
+            of_array = (Some(index), None);
+        }
     }
-    Ok(())
+    if let (None, Some(task)) = (of_array.0, number("SLURM_ARRAY_TASK_ID")?) {
+        let first: u64 = number("SLURM_ARRAY_TASK_MIN")?.unwrap_or(0);
+        let step: u64 = number("SLURM_ARRAY_TASK_STEP")?.unwrap_or(1).max(1);
+        let index = u64::checked_sub(task, first).ok_or("`SLURM_ARRAY_TASK_ID` is less than `SLURM_ARRAY_TASK_MIN`")?;
+        of_array = (Some(index / step), number("SLURM_ARRAY_TASK_COUNT")?);
+    }
+    let index = of_array.0.ok_or(
+        "`--shard auto` is for tasks of a job array: neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX nor HQ_TASK_ID is set",
+    )?;
+    let count =
+        given.or(of_array.1).ok_or("the job array does not say how many tasks it has: write `--shard auto/N`")?;
+    match index < count && count <= MOST_SHARDS {
+        true => Ok(Shard { index, count }),
+        false => Err(format!(
+            "this is task {index} of the job array, but parts are counted from 0 to {}",
+            count.min(MOST_SHARDS) - 1
+        )),
+    }
+}
+
+/// Whether a path is, or would be, a regular file, beside which progress can be kept.
+fn is_regular(path: &Path) -> bool {
+    path != Path::new("-") && fs::metadata(path).map_or(true, |found| found.is_file())
+}
+
+/// Writes the rows through `FILE.partial`, from where an earlier run ended; a part that is finished is left as it is.
+fn write_file(study: &Study, path: &Path, header: &Header, heading: &str, is_part: bool) -> io::Result<()> {
+    if is_part
+        && let Ok(mut file) = File::open(path)
+        && is_finished(&mut file)?
+        && let Some((found, _)) = Header::of_file(file)?
+        && found == *header
+    {
+        return Ok(());
+    }
+    let mut progress = Progress::open(path, header, heading)?;
+    write_rows(study, header, progress.done, &mut progress.file)?;
+    match is_part {
+        true => progress.finish_part(path),
+        false => progress.finish_whole(|rows| write_by(Some(path), |out| io::copy(rows, out).map(|_| ()))),
+    }
+}
+
+/// Writes the rows from the one with index `first` on.
+fn write_rows(study: &Study, header: &Header, first: u64, out: &mut dyn Write) -> io::Result<()> {
+    in_blocks(first..header.rows(), |indices| {
+        let numbers: Vec<u64> = indices.iter().map(|&index| header.shard.case(index)).collect();
+        let text = cases(study, &numbers, |case| rows::csv_row(&study.columns, &case)).concat();
+        out.write_all(text.as_bytes())
+    })
 }
 
 fn write_json(model: &str, study: &Study, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(rows::json_heading(model, &study.columns).as_bytes())?;
-    for (i, block) in blocks(0..study.count()).enumerate() {
-        let text = cases(study, &block, |case| rows::json_row(&case)).join(",");
-        out.write_all(if i == 0 { b"" } else { b"," })?;
-        out.write_all(text.as_bytes())?;
-    }
+    let mut comma = &b""[..];
+    in_blocks(0..study.count(), |numbers| {
+        out.write_all(comma)?;
+        comma = b",";
+        out.write_all(cases(study, numbers, |case| rows::json_row(&case)).join(",").as_bytes())
+    })?;
     out.write_all(rows::JSON_END.as_bytes())
+}
+
+/// Takes numbers in blocks that take about a second at most, so that little is lost where a run is ended; how they are divided
+/// changes no row.
+fn in_blocks(numbers: std::ops::Range<u64>, mut work: impl FnMut(&[u64]) -> io::Result<()>) -> io::Result<()> {
+    const SIZES: [u64; 2] = [16, 1 << 16];
+    let (mut at, mut size) = (numbers.start, SIZES[0]);
+    while at < numbers.end {
+        let end = numbers.end.min(at + size);
+        let begun = Instant::now();
+        work(&(at..end).collect::<Vec<u64>>())?;
+        let took = begun.elapsed();
+        size = match () {
+            () if took < Duration::from_millis(200) => SIZES[1].min(2 * size),
+            () if took > Duration::from_secs(1) => SIZES[0].max(size / 2),
+            () => size,
+        };
+        at = end;
+    }
+    Ok(())
 }

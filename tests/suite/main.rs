@@ -85,6 +85,7 @@ mod rest;
 mod sanitizer;
 mod schema;
 mod settling;
+mod shards;
 mod shock;
 mod signals;
 mod solve;

@@ -18,6 +18,8 @@ const DROP: &str = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nbase t { 
 const SHAKEN: &str = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n\
                       damper d: ground -- b { c = 1 N*s/m }\nforce F: b along x = noise(1 N^2/Hz, 1 Hz .. 2 Hz)\n\
                       output x = b.x\n";
+/// A finished part of a sweep, for `merge`.
+const PART: &str = "# vibc sweep part 0/1 of 1 cases, study 0\ncase,code\n0,\n# end\n";
 const SETTINGS: &str = "k = \"12 N/m\"\n";
 
 /// The expected exit status for a right value.
@@ -34,7 +36,7 @@ type Values = (&'static str, &'static str, &'static [Good], &'static [&'static s
 
 const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
 
-const VALUES: [Values; 48] = [
+const VALUES: [Values; 51] = [
     (
         "*",
         "set",
@@ -145,6 +147,27 @@ const VALUES: [Values; 48] = [
         &["", " ", "frequency(1)\n"],
     ),
     ("sweep", "modes", &[Done("1"), Done("1000")], &["0", "-1", "1001", "1.5", "all", ""]),
+    (
+        "sweep",
+        "shard",
+        &[Done("0/1"), Done("3/64"), Done("9999/10000"), Ends("auto", 2), Ends("auto/4", 2)],
+        &["", "/", "1", "1/", "/2", "2/2", "0/0", "-1/2", "+1/2", "0/10001", "auto/", "auto/0", "auto/-1", "some/2"],
+    ),
+    (
+        "merge",
+        "files",
+        &[
+            Done("@/part.csv"),
+            Ends("@/missing.csv", 3),
+            Ends("@", 3),
+            Ends("@/scene.vib", 2),
+            Ends("@/bytes", 2),
+            Ends("-", 3),
+            Ends("", 2),
+        ],
+        &[],
+    ),
+    ("merge", "output", &[Done("@/out"), Done("-"), Ends("@/missing/out", 3), Ends("@/part.csv", 2)], &[]),
     ("simulate", "until", &[Done("1s"), Done("500ms")], &TIMES),
     ("simulate", "step", &[Done("0.5s"), Done("2s"), Ends("1e-9s", 2)], &TIMES),
     (
@@ -238,6 +261,7 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
         "emit" if option != "file" => vec![file],
         "check" | "fmt" if option != "files" => vec![file],
         "explain" if option != "subject" => vec!["vib::unit::mismatch"],
+        "merge" if option != "files" => vec!["@/part.csv"],
         "completions" if option != "shell" => vec!["bash"],
         _ => Vec::new(),
     };
@@ -252,6 +276,7 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
         ("emit", "target") => {}
         ("emit", _) => needed.extend(["--target", "c"]),
         ("sweep", "over") => {}
+        ("sweep", "shard") => needed.extend(["--over", "k=5N/m,6N/m", "--format", "csv", "--output", "@/out.csv"]),
         ("sweep", _) => needed.extend(["--over", "k=5N/m,6N/m"]),
         ("shock", "range") => {}
         ("shock", "at") => {}
@@ -280,6 +305,7 @@ impl Setting {
         fs::write(at("scene.vib"), SCENE).expect("a file");
         fs::write(at("drop.vib"), DROP).expect("a file");
         fs::write(at("shaken.vib"), SHAKEN).expect("a file");
+        fs::write(at("part.csv"), PART).expect("a file");
         fs::write(at("settings.toml"), SETTINGS).expect("a file");
         fs::write(at("bytes"), [0xff, 0xfe, 0, 0x1b, b'\n']).expect("a file");
     }

@@ -1,0 +1,184 @@
+//! Sweeps in parts: merged they are the bytes of one run, whatever was interrupted meanwhile; what is no whole study is refused. See
+//! docs/cli.md#shards.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+const MODEL: &str =
+    "model one\nparam k = 100 N/m\nparam m = 1 kg\nbody b { mass = m, moves x }\nspring s: ground -- b { k = k }\n";
+const STUDY: [&str; 8] = ["m.vib", "--over", "k=1N/m..50N/m:41", "--over", "m=1kg,2kg,0kg", "--modes", "1", "--format"];
+
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("m.vib"), MODEL).expect("a file");
+    folder
+}
+
+fn command(at: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+    command.args(arguments).current_dir(at);
+    for name in
+        ["SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_COUNT", "JOB_COMPLETION_INDEX", "HQ_TASK_ID"]
+    {
+        command.env_remove(name);
+    }
+    command
+}
+
+fn ran(at: &Path, arguments: &[&str]) -> Output {
+    command(at, arguments).output().expect("the program starts")
+}
+
+fn swept(at: &Path, more: &[&str]) {
+    let output = ran(at, &[&["sweep"], &STUDY[..], &["csv"], more].concat());
+    assert!(output.status.success(), "{more:?}: {}", String::from_utf8_lossy(&output.stderr));
+}
+
+fn text(at: &Path, name: &str) -> String {
+    fs::read_to_string(at.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+#[test]
+fn merged_parts_are_the_bytes_of_one_run() {
+    let folder = folder();
+    let at = folder.path();
+    let printed = ran(at, &[&["sweep"], &STUDY[..], &["csv"]].concat()).stdout;
+    swept(at, &["-o", "one.csv"]);
+    assert_eq!(fs::read(at.join("one.csv")).expect("a file"), printed);
+    // 123 cases: seven parts of unlike lengths, and more parts than cases.
+    for count in [1, 7, 200] {
+        let parts: Vec<String> = (0..count).map(|index| format!("part-{index}-{count}.csv")).collect();
+        for (index, part) in parts.iter().enumerate() {
+            swept(at, &["--shard", &format!("{index}/{count}"), "-o", part]);
+        }
+        let mut arguments = vec!["merge", "-o", "all.csv"];
+        arguments.extend(parts.iter().rev().map(String::as_str));
+        let merged = ran(at, &arguments);
+        assert!(merged.status.success(), "{}", String::from_utf8_lossy(&merged.stderr));
+        assert_eq!(text(at, "all.csv"), text(at, "one.csv"), "{count} parts");
+    }
+    assert!(!at.join("one.csv.partial").exists());
+}
+
+#[test]
+fn parts_that_are_not_all_of_one_study_are_refused() {
+    let folder = folder();
+    let at = folder.path();
+    for index in 0..4 {
+        swept(at, &["--shard", &format!("{index}/4"), "-o", &format!("p{index}")]);
+    }
+    swept(at, &["--shard", "1/3", "-o", "third"]);
+    swept(at, &["--shard", "1/4", "-o", "poles", "--poles"]);
+    fs::write(at.join("m.vib"), MODEL.replace("ground -- b {", "ground -- b  {")).expect("a file");
+    swept(at, &["--shard", "1/4", "-o", "other"]);
+    let whole = text(at, "p1");
+    fs::write(at.join("cut"), &whole[..whole.len() / 2]).expect("a file");
+    fs::write(at.join("cut_at_line"), &whole[..whole.len() - "# end\n".len()]).expect("a file");
+    let lines: Vec<&str> = whole.split_inclusive('\n').collect();
+    fs::write(at.join("gap"), [&lines[..9], &lines[10..]].concat().concat()).expect("a file");
+    fs::write(at.join("longer"), [&lines[..9], &lines[8..]].concat().concat()).expect("a file");
+    for (files, status, message) in [
+        (&["p0", "p2", "p3"][..], 2, "missing parts: 1/4"),
+        (&["p3"], 2, "missing parts: 0/4, 1/4, 2/4"),
+        (&["p0", "p1", "p2", "p3", "p1"], 2, "it is part 1 like `p1`"),
+        (&["p0", "third", "p2", "p3"], 2, "`third`: it belongs to another study"),
+        (&["p0", "poles", "p2", "p3"], 2, "`poles`: it belongs to another study"),
+        (&["p0", "other", "p2", "p3"], 2, "`other`: it belongs to another study"),
+        (&["p0", "cut", "p2", "p3"], 2, "`cut`: it ends in the middle"),
+        (&["p0", "cut_at_line", "p2", "p3"], 2, "`cut_at_line`: it ends in the middle"),
+        (&["p0", "gap", "p2", "p3"], 2, "`gap`: rows are missing"),
+        (&["p0", "longer", "p2", "p3"], 2, "`longer`: rows are missing"),
+        (&["p0", "nothing", "p2", "p3"], 3, "cannot read `nothing`"),
+    ] {
+        let output = ran(at, &[&["merge", "-o", "all"], files].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{files:?}: {said}");
+        assert!(
+            said.starts_with("error: ") && said.contains(message) && said.lines().count() == 1,
+            "{files:?}: {said}"
+        );
+        assert!(!at.join("all").exists(), "{files:?}");
+    }
+}
+
+/// The rows that are there are kept: one that was changed by hand is found again in the result. What was cut off in a row, or
+/// comes from another study, is computed again.
+#[test]
+fn an_interrupted_run_goes_on() {
+    let folder = folder();
+    let at = folder.path();
+    swept(at, &["-o", "one.csv"]);
+    swept(at, &["--shard", "0/1", "-o", "part"]);
+    let part = text(at, "part");
+    let begun = part[..part.find("\n60,").expect("a row") + 9].replacen("\n7,", "\n7,kept,", 1);
+    fs::write(at.join("again.csv.partial"), &begun).expect("a file");
+    swept(at, &["-o", "again.csv"]);
+    assert_eq!(text(at, "again.csv"), text(at, "one.csv").replacen("\n7,", "\n7,kept,", 1));
+    assert!(!at.join("again.csv.partial").exists());
+    let foreign = begun.replacen("study ", "study 0", 1);
+    fs::write(at.join("again.csv.partial"), foreign).expect("a file");
+    swept(at, &["-o", "again.csv"]);
+    assert_eq!(text(at, "again.csv"), text(at, "one.csv"));
+    // A finished part stays as it is.
+    let changed = part.replacen("\n7,", "\n7,kept,", 1);
+    fs::write(at.join("part"), &changed).expect("a file");
+    swept(at, &["--shard", "0/1", "-o", "part"]);
+    assert_eq!(text(at, "part"), changed);
+    // A file of somebody else is not touched.
+    fs::write(at.join("mine.csv.partial"), "mine").expect("a file");
+    let output = ran(at, &[&["sweep"], &STUDY[..], &["csv", "-o", "mine.csv"]].concat());
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("`mine.csv.partial`, but it is no progress of a sweep"));
+    assert_eq!(text(at, "mine.csv.partial"), "mine");
+}
+
+#[test]
+fn a_killed_run_goes_on() {
+    let folder = folder();
+    let at = folder.path();
+    let arguments = ["sweep", "m.vib", "--over", "k=1N/m..50N/m:6000", "--modes", "1", "--format", "csv", "-o"];
+    let mut running = command(at, &[&arguments[..], &["one.csv"]].concat()).spawn().expect("the program starts");
+    let size = || fs::metadata(at.join("one.csv.partial")).map_or(0, |found| found.len());
+    while size() < 4000 && running.try_wait().expect("a process").is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    running.kill().expect("a process");
+    running.wait().expect("a process");
+    for name in ["one.csv", "another.csv"] {
+        assert!(ran(at, &[&arguments[..], &[name]].concat()).status.success());
+    }
+    assert_eq!(text(at, "one.csv"), text(at, "another.csv"));
+}
+
+#[test]
+fn job_arrays_say_which_part_it_is() {
+    let folder = folder();
+    let at = folder.path();
+    swept(at, &["--shard", "2/5", "-o", "given"]);
+    let given = text(at, "given");
+    for (shard, variables) in [
+        ("auto", &[("SLURM_ARRAY_TASK_ID", "12"), ("SLURM_ARRAY_TASK_MIN", "10"), ("SLURM_ARRAY_TASK_COUNT", "5")][..]),
+        ("auto/5", &[("JOB_COMPLETION_INDEX", "2")]),
+        ("auto/5", &[("HQ_TASK_ID", "2"), ("SLURM_ARRAY_TASK_ID", "1")]),
+    ] {
+        let arguments = [&["sweep"], &STUDY[..], &["csv", "--shard", shard, "-o", "part"]].concat();
+        let output = command(at, &arguments).envs(variables.iter().copied()).output().expect("the program starts");
+        assert!(output.status.success(), "{variables:?}: {}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(text(at, "part"), given, "{variables:?}");
+        fs::remove_file(at.join("part")).expect("a file");
+    }
+    for (shard, variables, message) in [
+        ("auto", &[][..], "is set"),
+        ("auto", &[("JOB_COMPLETION_INDEX", "2")], "write `--shard auto/N`"),
+        ("auto/2", &[("JOB_COMPLETION_INDEX", "2")], "parts are counted from 0 to 1"),
+        ("auto/2", &[("HQ_TASK_ID", "two")], "`HQ_TASK_ID` is `two`, which is no number"),
+    ] {
+        let arguments = [&["sweep"], &STUDY[..], &["csv", "--shard", shard, "-o", "part"]].concat();
+        let output = command(at, &arguments).envs(variables.iter().copied()).output().expect("the program starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(message) && !at.join("part").exists(), "{said}");
+    }
+}
