@@ -113,9 +113,7 @@ pub fn certain(value: &Ball, most: usize) -> String {
 pub fn certain_number(value: &Number, most: usize) -> String {
     match value {
         Number::Exact(value) => Decimal::round_rational(value, most).trimmed().text(),
-        Number::OfPi(_) | Number::PerPi(_) | Number::Surd(_) | Number::Ball(_) | Number::Jet(_) => {
-            certain(&value.to_ball(), most)
-        }
+        Number::Surd(_) | Number::Pi(_) | Number::Ball(_) | Number::Jet(_) => certain(&value.to_ball(), most),
     }
 }
 

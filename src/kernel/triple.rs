@@ -177,9 +177,13 @@ impl Precise {
     pub fn of(number: &Number) -> Precise {
         match number {
             Number::Exact(rational) => Precise::of_rational(rational),
-            Number::OfPi(fraction) => Precise::of_rational(fraction) * Precise::PI,
             Number::Surd(surd) => Precise::of_surd(surd),
-            Number::PerPi(_) | Number::Ball(_) | Number::Jet(_) => Precise::from(number.to_ball()),
+            Number::Pi(pi) => {
+                let power = (1..pi.power().unsigned_abs()).fold(Precise::PI, |product, _| product * Precise::PI);
+                let factor = Precise::of(pi.factor());
+                if pi.power() < 0 { factor / power } else { factor * power }
+            }
+            Number::Ball(_) | Number::Jet(_) => Precise::from(number.to_ball()),
         }
     }
 

@@ -736,24 +736,23 @@ impl<'c, 'a> Writer<'c, 'a> {
     fn of_value(&mut self, value: &Number, dimension: Dimension, span: Span) -> Sum {
         match value {
             Number::Exact(exact) => Sum::number(exact.clone()),
-            Number::OfPi(turns) => Sum::pi().scaled(turns),
-            Number::PerPi(times) => Sum::pi().inverse().unwrap_or_default().scaled(times),
-            Number::Surd(_) | Number::Ball(_) | Number::Jet(_) => {
-                let place = self.known.len() + self.written.names.len();
-                let symbol = Symbol::new(class_of(dimension), place);
-                let count = self.written.names.iter().filter(|name| name.source.is_some()).count();
-                let (text, source) = (format!("c_{}", count + 1), Some(self.check.sources.slice(span).to_string()));
-                self.written.names.push(Named {
-                    symbol,
-                    text,
-                    value: value.clone(),
-                    dimension,
-                    definition: None,
-                    source,
-                });
-                Sum::name(symbol)
-            }
+            Number::Pi(pi) => match (pi.factor().exact(), Sum::pi().power(pi.power())) {
+                (Some(factor), Some(power)) => power.scaled(factor),
+                _ => self.named_number(value, dimension, span),
+            },
+            Number::Surd(_) | Number::Ball(_) | Number::Jet(_) => self.named_number(value, dimension, span),
         }
+    }
+
+    /// A new name for a number that has no form.
+    fn named_number(&mut self, value: &Number, dimension: Dimension, span: Span) -> Sum {
+        let place = self.known.len() + self.written.names.len();
+        let symbol = Symbol::new(class_of(dimension), place);
+        let count = self.written.names.iter().filter(|name| name.source.is_some()).count();
+        let (text, source) = (format!("c_{}", count + 1), Some(self.check.sources.slice(span).to_string()));
+        let value = value.clone();
+        self.written.names.push(Named { symbol, text, value, dimension, definition: None, source });
+        Sum::name(symbol)
     }
 
     fn form_of(&mut self, expr: ExprId, environment: Environment) -> Option<Form> {

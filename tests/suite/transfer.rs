@@ -635,6 +635,29 @@ fn a_resonance_that_an_inerter_cancels_has_its_limit() {
     has_limits(&held, "2 rad/s", &[None, None]);
 }
 
+/// A stiffness of (2 pi f)^2 m puts the resonance at f. The same masses and springs as in rational numbers, in a unit of time
+/// that is pi times as long: lengths per force are 1/pi^2 times theirs.
+#[test]
+fn a_resonance_written_with_pi_is_exact() {
+    let pi = std::f64::consts::PI;
+    let tuned = "let k = (2*pi*1 Hz)^2 * 1 kg\nbody a { mass = 1 kg, moves x }\nspring s: ground -- a { k = k }\n\
+                 force F: a along x\noutput x = a.x\n";
+    has_limits(tuned, "1 Hz", &[None]);
+    has_limits(&tuned.replace("1 kg\n", "2 kg\n"), "1 Hz", &[Some((1.0 / (4.0 * pi * pi), 0.0))]);
+    // As with the inerter above, omega = 2 pi/s: the limit has no unit of time.
+    let model = "let w2 = (pi / 1 s)^2\nbase g { moves x }\nbody b { mass = 3 kg, moves x }\nspring s: g -- b { k = 4 kg * w2 }\n\
+                 inerter i: g -- b { b = 1 kg }\nspring t: ground -- b { k = 12 kg * w2 }\noutput x = b.x\noutput v = b.vx\n";
+    has_limits(model, "1 Hz", &[Some((0.25, 0.0)), Some((0.0, 0.5 * pi))]);
+    // Two free masses: nothing holds them, and a steady force on one accelerates both.
+    let free = "let w2 = (pi / 1 s)^2\nbody a { mass = 1 kg, moves x }\nbody b { mass = 3 kg, moves x }\n\
+                spring s: a -- b { k = 2 kg * w2 }\nforce F: a along x\noutput d = a.x - b.x\noutput acc = b.ax\noutput x = b.x\n";
+    has_limits(free, "0 Hz", &[Some((0.375 / (pi * pi), 0.0)), Some((0.25, 0.0)), None]);
+    // A root: omega^2 = 10 1/s^2.
+    let root = tuned.replace("(2*pi*1 Hz)^2 * 1 kg", "10 N/m");
+    let (report, ..) = told(&format!("{root}require gain(F -> x, sqrt(k / 1 kg) * 1 rad) < 1 m/N\n"), "analyze", &[]);
+    assert_eq!(report["requirements"][0]["value_text"], "infinite", "{report}");
+}
+
 /// Loads in balance: +1 N and -1 N stretch the spring between two free bodies by F/k about their centre of mass. Dampers to
 /// the ground and between the bodies leave nothing of it but the stretch of one body: the other ends where it began.
 #[test]

@@ -113,7 +113,7 @@ pub fn knots(sources: &[Source], step: &Number, felt: impl Fn(&Number) -> bool) 
         return None;
     }
     let at = |&(source, i): &(usize, usize)| &lists[source][i].at;
-    changes.sort_by(|a, b| signal::order(at(a), at(b)));
+    changes.sort_by(|a, b| signal::chronological(at(a), at(b)));
     let mut knots: Vec<Knot> = Vec::with_capacity(changes.len());
     for together in changes.chunk_by(|a, b| signal::order(at(a), at(b)) == Ordering::Equal) {
         let time = at(&together[0]);

@@ -37,7 +37,7 @@ impl Image {
         match number {
             Number::Exact(_) => true,
             Number::Surd(surd) => self.roots.iter().any(|(d, _)| *d == surd.root),
-            Number::OfPi(_) | Number::PerPi(_) | Number::Ball(_) | Number::Jet(_) => false,
+            Number::Pi(_) | Number::Ball(_) | Number::Jet(_) => false,
         }
     }
 
@@ -46,14 +46,17 @@ impl Image {
         let field = self.field;
         match number {
             Number::Exact(value) => self.of_rational(value),
-            Number::OfPi(fraction) => Some(field.multiply(self.of_rational(fraction)?, self.of_unknown(&Ball::PI))),
+            Number::Pi(pi) => match pi.factor().exact() {
+                Some(fraction) => Some(field.multiply(self.of_rational(fraction)?, self.of_unknown(&pi.power_of_pi()))),
+                None => Some(self.of_unknown(&number.to_ball())),
+            },
             Number::Surd(surd) => {
                 let known = self.roots.iter().find(|(d, _)| *d == surd.root).map(|(_, root)| *root);
                 let root = known.unwrap_or_else(|| self.of_unknown(&surd.root_ball()));
                 let product = field.multiply(self.of_rational(&surd.factor)?, root);
                 Some(field.add(self.of_rational(&surd.rational)?, product))
             }
-            Number::PerPi(_) | Number::Ball(_) | Number::Jet(_) => Some(self.of_unknown(&number.to_ball())),
+            Number::Ball(_) | Number::Jet(_) => Some(self.of_unknown(&number.to_ball())),
         }
     }
 

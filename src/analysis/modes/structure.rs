@@ -253,12 +253,15 @@ impl Unknowns {
         }
         match number {
             Number::Exact(value) => self.exact = &self.exact + &(value * factor),
-            Number::OfPi(fraction) => self.add_unknown(&Ball::PI, fraction * factor),
+            Number::Pi(pi) => match pi.factor().exact() {
+                Some(fraction) => self.add_unknown(&pi.power_of_pi(), fraction * factor),
+                None => self.add_unknown(&number.to_ball(), factor.clone()),
+            },
             Number::Surd(surd) => {
                 self.exact = &self.exact + &(&surd.rational * factor);
                 self.add_unknown(&surd.root_ball(), &surd.factor * factor);
             }
-            Number::PerPi(_) | Number::Ball(_) | Number::Jet(_) => self.add_unknown(&number.to_ball(), factor.clone()),
+            Number::Ball(_) | Number::Jet(_) => self.add_unknown(&number.to_ball(), factor.clone()),
         }
     }
 

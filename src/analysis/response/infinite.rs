@@ -8,7 +8,7 @@
 
 use crate::analysis::forms::{applied, dense, dot, solution_on};
 use crate::analysis::response::propagator::Parts;
-use crate::analysis::response::signal::{Piece, Source, order};
+use crate::analysis::response::signal::{Piece, Source, chronological, order};
 use crate::base::{Ball, Number};
 use crate::system::{LinearSystem, Signal};
 use std::cmp::Ordering;
@@ -21,9 +21,6 @@ pub enum Verdict {
     /// Digits do not decide.
     Open,
 }
-
-/// Numbers with pi that cancel are never exactly zero: those that do to so many digits of their parts count as none.
-const NOTHING: f64 = 1e-20;
 
 /// The impulse, the jump, and the jump of the rate of an input at a time.
 struct Jump {
@@ -40,11 +37,11 @@ pub fn verdict(system: &LinearSystem, drives: &[Vec<Signal>], output: usize, unt
             jumps.push(Jump { at, input, parts });
         }
     }
-    jumps.sort_by(|a, b| order(&a.at, &b.at));
+    jumps.sort_by(|a, b| chronological(&a.at, &b.at));
     let mut seen = Seen::new(system, output);
     let mut verdict = Verdict::Finite;
     for instant in jumps.chunk_by(|a, b| order(&a.at, &b.at) == Ordering::Equal) {
-        match seen.of(instant) {
+        match seen.at(instant) {
             Some(Verdict::Infinite) => return Verdict::Infinite,
             Some(Verdict::Finite) => {}
             Some(Verdict::Open) | None => verdict = Verdict::Open,
@@ -101,8 +98,8 @@ fn between(pieces: &[Piece]) -> Vec<(Number, [Number; 3])> {
     jumps.filter(|(_, parts)| parts.iter().any(|part| !part.is_zero())).collect()
 }
 
-/// The powers of s from 4 down to 0 in an output, and the size of the parts of which each is the sum.
-type Content = [(Number, f64); 5];
+/// The powers of s from 4 down to 0 in an output.
+type Content = [Number; 5];
 
 /// What an output has of unit jumps of each input.
 struct Seen<'a> {
@@ -118,35 +115,40 @@ impl Seen<'_> {
         Seen { system, output, parts: Parts::of(system), of_units }
     }
 
-    /// The verdict about one instant; `None` if an equation has no solution.
+    /// The verdict about jumps whose times may be equal; `None` if an equation has no solution.
+    fn at(&mut self, instant: &[Jump]) -> Option<Verdict> {
+        let is_one_time = instant.windows(2).all(|pair| pair[0].at.compare(&pair[1].at) == Some(Ordering::Equal));
+        if is_one_time {
+            return self.of(instant);
+        }
+        // They may come one after the other, or at once and cancel.
+        for jump in instant.chunks(1) {
+            if self.of(jump)? != Verdict::Finite {
+                return Some(Verdict::Open);
+            }
+        }
+        Some(Verdict::Finite)
+    }
+
+    /// The verdict about jumps at one time.
     fn of(&mut self, instant: &[Jump]) -> Option<Verdict> {
-        let mut content: Content = std::array::from_fn(|_| (Number::ZERO, 0.0));
-        for Jump { input, parts, .. } in instant {
+        let mut content: Content = [const { Number::ZERO }; 5];
+        for (input, parts) in of_inputs(instant) {
             for (kind, part) in parts.iter().enumerate().filter(|(_, part)| !part.is_zero()) {
-                if self.of_units[*input][kind].is_none() {
-                    self.of_units[*input][kind] = Some(self.of_unit(*input, kind)?);
+                if self.of_units[input][kind].is_none() {
+                    self.of_units[input][kind] = Some(self.of_unit(input, kind)?);
                 }
-                for ((sum, size), (unit, of_unit)) in
-                    content.iter_mut().zip(self.of_units[*input][kind].iter().flatten())
-                {
+                for (sum, unit) in content.iter_mut().zip(self.of_units[input][kind].iter().flatten()) {
                     *sum = &*sum + &(part * unit);
-                    *size += part.to_ball().magnitude() * of_unit;
                 }
             }
         }
-        let of_power = |(sum, size): &(Number, f64)| match sum.to_ball() {
-            _ if sum.is_zero() => Verdict::Finite,
-            ball if !ball.contains_zero() => Verdict::Infinite,
-            ball if ball.magnitude() <= NOTHING * size => Verdict::Finite,
-            _ => Verdict::Open,
-        };
-        let verdicts = content.each_ref().map(of_power);
-        Some(if verdicts.contains(&Verdict::Infinite) {
+        Some(if content.iter().any(|sum| !sum.may_be_zero()) {
             Verdict::Infinite
-        } else if verdicts.contains(&Verdict::Open) {
-            Verdict::Open
-        } else {
+        } else if content.iter().all(Number::is_zero) {
             Verdict::Finite
+        } else {
+            Verdict::Open
         })
     }
 
@@ -175,26 +177,31 @@ impl Seen<'_> {
             put(&mut q[i + 2], &system.m, &self.parts.heavy, &left)?;
         }
         let output = &system.outputs[self.output];
-        let mut content: Content = std::array::from_fn(|_| (Number::ZERO, 0.0));
-        for (index, (sum, size)) in content.iter_mut().enumerate() {
+        let mut content: Content = [const { Number::ZERO }; 5];
+        for (index, sum) in content.iter_mut().enumerate() {
             // s^(4 - index) of p_k q is that of s^k times s^(4 - index - k).
-            let felt = output.p.iter().enumerate().filter_map(|(k, p)| Some((p, &q[(index + k).checked_sub(2)?])));
-            let moved =
-                felt.map(|(p, q)| (dot(p, q), p.iter().map(|(i, p)| size_of(p) * size_of(&q[i.index()])).sum()));
+            let felt =
+                output.p.iter().enumerate().filter_map(|(k, p)| Some(dot(p, q.get((index + k).checked_sub(2)?)?)));
             let fed = output.d.iter().enumerate().filter(|(k, _)| index + k == 4 + kind);
-            let own =
-                fed.flat_map(|(_, d)| d).filter(|(of, _)| *of as usize == input).map(|(_, d)| (d.clone(), size_of(d)));
-            for (value, of_value) in moved.chain(own) {
+            let own = fed.flat_map(|(_, d)| d).filter(|(of, _)| *of as usize == input).map(|(_, d)| d.clone());
+            for value in felt.chain(own) {
                 *sum = &*sum + &value;
-                *size += of_value;
             }
         }
         Some(content)
     }
 }
 
-fn size_of(x: &Number) -> f64 {
-    x.to_ball().magnitude()
+/// What jumps of each input at one time, in the order of inputs.
+fn of_inputs(instant: &[Jump]) -> Vec<(usize, [Number; 3])> {
+    let mut inputs: Vec<(usize, [Number; 3])> = Vec::new();
+    for jump in instant {
+        match inputs.iter_mut().find(|(input, _)| *input == jump.input) {
+            Some((_, parts)) => parts.iter_mut().zip(&jump.parts).for_each(|(sum, part)| *sum = &*sum + part),
+            None => inputs.push((jump.input, jump.parts.clone())),
+        }
+    }
+    inputs
 }
 
 fn less(a: &[Number], b: &[Number]) -> Vec<Number> {

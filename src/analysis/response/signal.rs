@@ -336,6 +336,14 @@ pub fn order(a: &Number, b: &Number) -> Ordering {
     a.compare(b).unwrap_or(Ordering::Equal)
 }
 
+/// A total order of times, for sorting: by their midpoints, and by the fractions themselves where these agree. [`order`] is
+/// not total, since "may be equal" is not transitive.
+pub fn chronological(a: &Number, b: &Number) -> Ordering {
+    let (early, late) = (a.enclosure().mid, b.enclosure().mid);
+    let by_digits = early.hi.total_cmp(&late.hi).then(early.lo.total_cmp(&late.lo));
+    by_digits.then_with(|| a.exact().cmp(&b.exact()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,7 @@
 //! the events. In: signals of its displacement, velocity or acceleration. Out: one segment after another.
 
 use super::Refusal;
-use crate::analysis::response::signal::{Source, order};
+use crate::analysis::response::signal::{Source, chronological, order};
 use crate::base::{Ball, Number};
 use crate::system::Signal;
 use std::cmp::Ordering;
@@ -63,7 +63,7 @@ impl BaseMotion {
         }
         let mut times: Vec<&Number> = sources.iter().flat_map(Source::events).collect();
         if sources.len() > 1 {
-            times.sort_by(|a, b| order(a, b));
+            times.sort_by(|a, b| chronological(a, b));
         }
         times.dedup_by(|later, earlier| order(later, earlier) == Ordering::Equal);
         let [first, others @ ..] = &times[..] else { return Err(Refusal::NoSignal) };

@@ -1,5 +1,8 @@
 //! The transfer function at a frequency at which Q(s) is exactly singular, in rational arithmetic: at s = 0 with rigid
-//! motions, and at an undamped natural frequency that is a rational number of rad/s.
+//! motions, and at an undamped natural frequency whose square is rational.
+//!
+//! Stiffnesses are often written for a frequency, as k = (2 pi f)^2 m. Then s is pi times a variable in which everything is
+//! rational, but for a power of pi that is a factor of Q, of an input or of an output.
 //!
 //! x = Q^-1 B is expanded in powers of the distance z from that frequency: z = s at rest, z = s^2 + omega^2 at a resonance
 //! (nothing damps there, so Q depends on s^2 alone). H is infinite if a negative power of z is left in it; otherwise it is
@@ -26,82 +29,114 @@ pub(in crate::analysis) fn solve(
     outputs: &[usize],
     gains: &mut [Vec<Gain>],
 ) {
-    let Some(place) = Place::of(frequency, system) else { return };
-    let Some(pencil) = place.pencil(system) else { return };
+    let Some((place, pencil)) = Place::of(frequency, system) else { return };
     let load = |&input: &usize| place.powers(&system.inputs[input].b, system.n(), |i| i.index())?.if_even();
-    let loads: Vec<Option<[Row; 3]>> = inputs.iter().map(load).collect();
-    let Some(series) = pencil.series(&loads.iter().flatten().collect::<Vec<_>>()) else { return };
-    let known = gains.iter_mut().zip(inputs).zip(&loads).filter(|(_, load)| load.is_some());
-    for (((gains, &input), _), x) in known.zip(&series) {
+    let loads: Vec<Option<Powers>> = inputs.iter().map(load).collect();
+    let Some(series) = pencil.series(&loads.iter().flatten().map(|load| &load.even).collect::<Vec<_>>()) else {
+        return;
+    };
+    let known = gains.iter_mut().zip(inputs).zip(&loads).filter_map(|(asked, load)| Some((asked, load.as_ref()?)));
+    for (((gains, &input), load), x) in known.zip(&series) {
         for (&output, gain) in outputs.iter().zip(gains) {
             let output = &system.outputs[output];
+            let own = output.d.each_ref().map(|d| d.iter().filter(|(of, _)| *of as usize == input).cloned().collect());
             let p = place.powers(&output.p, system.n(), |i| i.index());
-            let d = place.powers(&output.d, system.inputs.len(), |input| *input as usize);
-            let limit = |p: &[Row; 3], d: &[Row; 3]| x.limit(p, &d[0][input]);
+            let d = place.powers(&own, 1, |_| 0);
             if let (Some(p), Some(d)) = (p, d) {
-                *gain = match (limit(&p.even, &d.even), limit(&p.odd, &d.odd)) {
-                    (Some(even), Some(odd)) => finite(&even, &(&odd * place.omega())),
-                    _ => Gain::Infinite,
-                };
+                *gain = limit(&place, x, load.of_pi - pencil.of_pi, [&p, &d]);
             }
         }
     }
 }
 
-fn finite(re: &Rational, im: &Rational) -> Gain {
-    Gain::Finite(Disc::of(Complex { re: re.to_ball(), im: im.to_ball() }))
+/// The limit of p x + d; x is its series times a power of pi.
+fn limit(place: &Place, x: &Series, of_pi: i32, [p, d]: [&Powers; 2]) -> Gain {
+    let value = |p_row: &[Row; 3], d_row: &[Row; 3]| -> Option<Number> {
+        let moved = Number::from(x.limit(p_row)?).times_power_of_pi(of_pi + p.of_pi);
+        Some(&moved + &Number::from(d_row[0][0].clone()).times_power_of_pi(d.of_pi))
+    };
+    match (value(&p.even, &d.even), value(&p.odd, &d.odd)) {
+        (Some(even), Some(odd)) => {
+            let odd = &odd * &place.omega;
+            Gain::Finite(Disc::of(Complex { re: even.to_ball(), im: odd.to_ball() }))
+        }
+        _ => Gain::Infinite,
+    }
 }
 
-/// The frequency about which everything is expanded.
-enum Place {
-    /// s = 0; powers of z = s.
-    Rest,
-    /// s = i `omega`, and powers of z = s^2 + omega^2.
-    Resonance { omega: Rational },
+/// The frequency about which everything is expanded, s = i `omega` pi^`unit`, in powers of z: of s / pi^`unit` at rest, and
+/// of its square plus omega^2 at a resonance.
+struct Place {
+    omega: Number,
+    /// omega^2
+    square: Rational,
+    unit: i32,
 }
 
-/// A polynomial in s as even + s odd. At rest there is no odd part: z is s itself.
+/// A polynomial in s / pi^`unit` as (even + odd s / pi^`unit`) pi^`of_pi`. At rest there is no odd part: z is the variable
+/// itself.
 struct Powers {
     even: [Row; 3],
     odd: [Row; 3],
+    of_pi: i32,
 }
 
 impl Powers {
-    fn if_even(self) -> Option<[Row; 3]> {
-        self.odd.iter().all(|row| is_zero(row)).then_some(self.even)
+    fn if_even(self) -> Option<Powers> {
+        self.odd.iter().all(|row| is_zero(row)).then_some(self)
     }
 }
 
+/// Numbers that are all rational times the same power of pi, and the power.
+fn rational<'n>(numbers: impl Iterator<Item = &'n Number>) -> Option<(Row, i32)> {
+    let mut of_pi = None;
+    let one = |number: &Number| {
+        let (factor, power) = number.rational_and_power_of_pi()?;
+        (factor.is_zero() || *of_pi.get_or_insert(power) == power).then(|| factor.clone())
+    };
+    let row: Option<Row> = numbers.map(one).collect();
+    Some((row?, of_pi.unwrap_or(0)))
+}
+
 impl Place {
-    /// `None` if Q is too large, or does not depend on powers of z alone.
-    fn of(frequency: &Frequency, system: &LinearSystem) -> Option<Place> {
-        let omega = frequency.exact()?.exact()?.clone();
-        let place = if omega.is_zero() { Place::Rest } else { Place::Resonance { omega } };
-        let is_even = matches!(place, Place::Rest) || system.c.is_empty();
-        (is_even && system.n() <= MOST_COORDINATES).then_some(place)
+    /// The place and Q there; `None` if Q is too large, does not depend on powers of z alone, or has numbers that are not
+    /// rational in any unit of time.
+    fn of(frequency: &Frequency, system: &LinearSystem) -> Option<(Place, Pencil)> {
+        let omega = frequency.exact()?;
+        let square = omega.square();
+        let (square, power) = square.rational_and_power_of_pi()?;
+        if system.n() > MOST_COORDINATES || !(square.is_zero() || system.c.is_empty()) {
+            return None;
+        }
+        let units = if square.is_zero() { 0..=1 } else { power / 2..=power / 2 };
+        units.into_iter().find_map(|unit| {
+            let place = Place { omega: omega.times_power_of_pi(-unit), square: square.clone(), unit };
+            let pencil = place.pencil(system)?;
+            Some((place, pencil))
+        })
     }
 
-    fn omega(&self) -> &Rational {
-        match self {
-            Place::Rest => &Rational::ZERO,
-            Place::Resonance { omega } => omega,
-        }
+    fn is_rest(&self) -> bool {
+        self.square.is_zero()
     }
 
     /// `None` if a number is not rational.
     fn pencil(&self, system: &LinearSystem) -> Option<Pencil> {
         let n = system.n();
-        let [m, c, k] = [&system.m, &system.c, &system.k].map(|form| form.rational_entries(n));
-        let q = match self {
-            Place::Rest => [k?, c?, m?],
-            Place::Resonance { omega } => {
-                let (m, mut q) = (m?, k?);
-                let square = -&(omega * omega);
-                q.iter_mut().zip(&m).for_each(|(q, m)| add(q, &square, m));
-                [q, m, vec![vec![Rational::ZERO; n]; n]]
-            }
-        };
-        Some(Pencil { q })
+        let mut entries = Vec::with_capacity(3 * n * n);
+        for (power, form) in [&system.k, &system.c, &system.m].into_iter().enumerate() {
+            let scaled = |entry: &Number| entry.times_power_of_pi(self.unit * power as i32);
+            entries.extend(form.entries(n).iter().flatten().map(scaled));
+        }
+        let (entries, of_pi) = rational(entries.iter())?;
+        let mut rows = entries.chunks(n.max(1)).map(<[Rational]>::to_vec);
+        let [mut k, c, m] = [(); 3].map(|()| rows.by_ref().take(n).collect::<Matrix>());
+        if self.is_rest() {
+            return Some(Pencil { q: [k, c, m], of_pi });
+        }
+        let square = -&self.square;
+        k.iter_mut().zip(&m).for_each(|(k, m)| add(k, &square, m));
+        Some(Pencil { q: [k, m, vec![vec![Rational::ZERO; n]; n]], of_pi })
     }
 
     /// v_0 + s v_1 + s^2 v_2 in powers of z, as dense vectors; `None` if a number is not rational.
@@ -111,40 +146,39 @@ impl Place {
         length: usize,
         place: impl Fn(&Index) -> usize,
     ) -> Option<Powers> {
-        let dense = |entries: &[(Index, Number)]| -> Option<Row> {
-            let mut dense = vec![Rational::ZERO; length];
+        let mut dense = vec![Number::ZERO; 3 * length];
+        for (power, entries) in sparse.iter().enumerate() {
             for (index, value) in entries {
-                let entry = &mut dense[place(index)];
-                *entry = &*entry + value.exact()?;
+                let entry = &mut dense[power * length + place(index)];
+                *entry = &*entry + &value.times_power_of_pi(self.unit * power as i32);
             }
-            Some(dense)
-        };
+        }
+        let (dense, of_pi) = rational(dense.iter())?;
+        let [mut v0, v1, v2] = [0, 1, 2].map(|power| dense[power * length..(power + 1) * length].to_vec());
         let zero = || vec![Rational::ZERO; length];
-        let [mut v0, v1, v2] = [dense(&sparse[0])?, dense(&sparse[1])?, dense(&sparse[2])?];
-        Some(match self {
-            Place::Rest => Powers { even: [v0, v1, v2], odd: [zero(), zero(), zero()] },
-            Place::Resonance { omega } => {
-                add(&mut v0, &-&(omega * omega), &v2);
-                Powers { even: [v0, v2, zero()], odd: [v1, zero(), zero()] }
-            }
-        })
+        if self.is_rest() {
+            return Some(Powers { even: [v0, v1, v2], odd: [zero(), zero(), zero()], of_pi });
+        }
+        add(&mut v0, &-&self.square, &v2);
+        Some(Powers { even: [v0, v2, zero()], odd: [v1, zero(), zero()], of_pi })
     }
 }
 
-/// Q = q_0 + z q_1 + z^2 q_2
+/// Q = (q_0 + z q_1 + z^2 q_2) pi^`of_pi`
 struct Pencil {
     q: [Matrix; 3],
+    of_pi: i32,
 }
 
 /// The first powers of x = Q^-1 B for one input: those of z^-2, z^-1 and 1.
 struct Series([Row; 3]);
 
 impl Series {
-    /// The limit of p x + d at z = 0; `None` if it is infinite.
-    fn limit(&self, p: &[Row; 3], d: &Rational) -> Option<Rational> {
+    /// The limit of p x at z = 0; `None` if it is infinite.
+    fn limit(&self, p: &[Row; 3]) -> Option<Rational> {
         let Series([x2, x1, x0]) = self;
         let is_finite = dot(&p[0], x2).is_zero() && (&dot(&p[0], x1) + &dot(&p[1], x2)).is_zero();
-        is_finite.then(|| &(&dot(&p[0], x0) + &dot(&p[1], x1)) + &(&dot(&p[2], x2) + d))
+        is_finite.then(|| &(&dot(&p[0], x0) + &dot(&p[1], x1)) + &dot(&p[2], x2))
     }
 }
 

@@ -115,7 +115,7 @@ impl Frequency {
     }
 
     fn of(omega: &Number, hertz: Number) -> Frequency {
-        let exact = omega.exact().map(|_| omega.clone());
+        let exact = omega.is_known_exactly().then(|| omega.clone());
         let omega = omega.to_ball();
         Frequency { hertz, omega, omega_squared: omega * omega, exact }
     }

@@ -2,7 +2,7 @@
 //! numbers whose value is rational, Taylor series in ball arithmetic with a bounded remainder otherwise.
 
 use super::surd::Surd;
-use super::{Ball, Dd, Jet, MAX_EXACT_BITS, Number, Power, Rational, two_to};
+use super::{Ball, Dd, Jet, MAX_EXACT_BITS, Number, Power, Rational, pi, two_to};
 
 impl Number {
     /// Non-negative square root; `None` if the number is or may be negative.
@@ -25,6 +25,9 @@ impl Number {
                 return Some(Number::Ball(Ball::new(root.mid.scale(power), root.rad * power).widen(f64::MIN_POSITIVE)));
             }
         }
+        if let Number::Pi(power) = self {
+            return pi::root(power);
+        }
         if let Number::Jet(jet) = self {
             let root = jet.value.sqrt();
             return self.is_positive().then(|| jet.through(root, Ball::from(0.5) / root));
@@ -45,6 +48,11 @@ impl Number {
             && let Some(raised) = value.pow(power, MAX_EXACT_BITS)
         {
             return Some(Number::Exact(raised));
+        }
+        if let Number::Pi(of_pi) = self
+            && let Some(raised) = pi::raised(of_pi, power)
+        {
+            return Some(raised);
         }
         let keeps = matches!(self, Number::Surd(_) | Number::Jet(_));
         let enclosed = if keeps { self.clone() } else { Number::Ball(self.to_ball()) };
@@ -108,7 +116,9 @@ impl Number {
         if self.is_zero() {
             return Some((Number::ZERO, Number::ONE));
         }
-        if let Number::OfPi(fraction) = self {
+        if let Number::Pi(pi) = self
+            && let Some(fraction) = pi.fraction_of_pi()
+        {
             return Some(sin_cos_of_pi(fraction));
         }
         let ball = self.enclosure();

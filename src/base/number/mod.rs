@@ -1,8 +1,8 @@
 //! Numbers as a model means them: exact while they are rational, enclosed in a ball from then on.
 //!
 //! A literal such as `9.81` is the decimal fraction 981/100. Sums, products and quotients of such numbers stay exact, and
-//! so do fractions of pi and sums with one square root: `60 deg` is pi/3, its sine sqrt(3)/2, and 10 rad/s are 5/pi Hz. What leaves these sets is
-//! enclosed in a [`Ball`], a double-double with a rigorous radius.
+//! so do sums with one square root, and both times a power of pi: `60 deg` is pi/3, its sine sqrt(3)/2, 10 rad/s are 5/pi Hz.
+//! What leaves these sets is enclosed in a [`Ball`], a double-double with a rigorous radius.
 //! See docs/method/numbers.md.
 
 pub mod ball;
@@ -10,6 +10,7 @@ pub mod bound;
 pub mod dd;
 mod functions;
 pub mod jet;
+pub mod pi;
 pub mod power;
 pub mod rational;
 pub mod rounded;
@@ -20,6 +21,7 @@ pub use ball::{Ball, larger};
 pub use bound::Bound;
 pub use dd::Dd;
 pub use jet::Jet;
+pub use pi::PiPower;
 pub use power::{Power, two_to};
 pub use rational::{Literals, Rational};
 pub use rounded::{Rounded, Unproven};
@@ -37,12 +39,10 @@ const MAX_EXACT_BITS: u64 = 8192;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Number {
     Exact(Rational),
-    /// This fraction of pi; never zero.
-    OfPi(Rational),
-    /// This number divided by pi; never zero. A frequency in rad/s is one in Hz.
-    PerPi(Rational),
     /// a + b sqrt(d), not rational.
     Surd(Box<Surd>),
+    /// One of the two above times a power of pi.
+    Pi(Box<PiPower>),
     Ball(Ball),
     /// Depends on a parameter that lies in a range: with its derivative.
     Jet(Box<Jet>),
@@ -53,29 +53,12 @@ impl Number {
     pub const ONE: Number = Number::Exact(Rational::ONE);
 
     pub fn pi() -> Number {
-        Number::OfPi(Rational::ONE)
+        Number::of_pi(Rational::ONE)
     }
 
     /// A fraction of pi.
     pub fn of_pi(fraction: Rational) -> Number {
-        if fraction.is_zero() {
-            Number::ZERO
-        } else if fraction.bits() <= MAX_EXACT_BITS {
-            Number::OfPi(fraction)
-        } else {
-            Number::Ball(fraction.to_ball() * Ball::PI)
-        }
-    }
-
-    /// A number divided by pi.
-    pub fn per_pi(times: Rational) -> Number {
-        if times.is_zero() {
-            Number::ZERO
-        } else if times.bits() <= MAX_EXACT_BITS {
-            Number::PerPi(times)
-        } else {
-            Number::Ball(times.to_ball() / Ball::PI)
-        }
+        PiPower::number(Number::from_rational(fraction), 1)
     }
 
     /// The number in floating point with its error bound.
@@ -92,9 +75,8 @@ impl Number {
     pub fn enclosure(&self) -> Ball {
         match self {
             Number::Exact(value) => value.to_ball(),
-            Number::OfPi(fraction) => fraction.to_ball() * Ball::PI,
-            Number::PerPi(times) => times.to_ball() / Ball::PI,
             Number::Surd(surd) => surd.to_ball(),
+            Number::Pi(pi) => pi.to_ball(),
             Number::Ball(ball) => *ball,
             Number::Jet(jet) => jet.value,
         }
@@ -103,7 +85,7 @@ impl Number {
     pub fn to_f64(&self) -> f64 {
         match self {
             Number::Exact(value) => value.to_f64(),
-            Number::OfPi(_) | Number::PerPi(_) | Number::Surd(_) => self.to_ball().to_f64(),
+            Number::Surd(_) | Number::Pi(_) => self.to_ball().to_f64(),
             Number::Ball(ball) => ball.to_f64(),
             Number::Jet(jet) => jet.value.to_f64(),
         }
@@ -113,8 +95,13 @@ impl Number {
     pub fn exact(&self) -> Option<&Rational> {
         match self {
             Number::Exact(value) => Some(value),
-            Number::OfPi(_) | Number::PerPi(_) | Number::Surd(_) | Number::Ball(_) | Number::Jet(_) => None,
+            Number::Surd(_) | Number::Pi(_) | Number::Ball(_) | Number::Jet(_) => None,
         }
+    }
+
+    /// Whether the number is known itself, not by an enclosure.
+    pub fn is_known_exactly(&self) -> bool {
+        matches!(self, Number::Exact(_) | Number::Surd(_) | Number::Pi(_))
     }
 
     /// Whether the number is certainly zero.
@@ -122,7 +109,7 @@ impl Number {
     pub fn is_zero(&self) -> bool {
         match self {
             Number::Exact(value) => value.is_zero(),
-            Number::OfPi(_) | Number::PerPi(_) | Number::Surd(_) => false,
+            Number::Surd(_) | Number::Pi(_) => false,
             Number::Ball(ball) => ball.is_zero(),
             Number::Jet(jet) => jet.is_zero(),
         }
@@ -137,7 +124,7 @@ impl Number {
     pub fn may_be_zero(&self) -> bool {
         match self {
             Number::Exact(value) => value.is_zero(),
-            Number::OfPi(_) | Number::PerPi(_) | Number::Surd(_) => false,
+            Number::Surd(_) | Number::Pi(_) => false,
             Number::Ball(ball) => ball.contains_zero(),
             Number::Jet(jet) => jet.value.contains_zero(),
         }
@@ -146,8 +133,9 @@ impl Number {
     /// Whether the number is certainly greater than zero.
     pub fn is_positive(&self) -> bool {
         match self {
-            Number::Exact(value) | Number::OfPi(value) | Number::PerPi(value) => value.signum() > 0,
+            Number::Exact(value) => value.signum() > 0,
             Number::Surd(surd) => surd.signum() > 0,
+            Number::Pi(pi) => pi.factor().is_positive(),
             Number::Ball(ball) => ball.is_positive(),
             Number::Jet(jet) => jet.value.is_positive(),
         }
@@ -156,8 +144,9 @@ impl Number {
     /// Whether the number is certainly less than zero.
     pub fn is_negative(&self) -> bool {
         match self {
-            Number::Exact(value) | Number::OfPi(value) | Number::PerPi(value) => value.signum() < 0,
+            Number::Exact(value) => value.signum() < 0,
             Number::Surd(surd) => surd.signum() < 0,
+            Number::Pi(pi) => pi.factor().is_negative(),
             Number::Ball(ball) => ball.is_negative(),
             Number::Jet(jet) => jet.value.is_negative(),
         }
@@ -252,11 +241,10 @@ impl Neg for &Number {
     fn neg(self) -> Number {
         match self {
             Number::Exact(value) => Number::Exact(-value),
-            Number::OfPi(fraction) => Number::OfPi(-fraction),
-            Number::PerPi(times) => Number::PerPi(-times),
             Number::Surd(surd) => {
                 Number::Surd(Box::new(Surd { rational: -&surd.rational, factor: -&surd.factor, root: surd.root }))
             }
+            Number::Pi(pi) => PiPower::number(-pi.factor(), pi.power()),
             Number::Ball(ball) => Number::Ball(-*ball),
             Number::Jet(jet) => Jet::number(-jet.value, -jet.slope),
         }
@@ -271,8 +259,9 @@ impl Add for &Number {
             (_, Number::Exact(b)) if b.is_zero() => self.clone(),
             (Number::Jet(_), _) | (_, Number::Jet(_)) => jet::sum(self, other),
             (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a + b),
-            (Number::OfPi(a), Number::OfPi(b)) => Number::of_pi(a + b),
-            (Number::PerPi(a), Number::PerPi(b)) => Number::per_pi(a + b),
+            (Number::Pi(a), Number::Pi(b)) if a.power() == b.power() => {
+                PiPower::number(a.factor() + b.factor(), a.power())
+            }
             (Number::Exact(b), Number::Surd(a)) | (Number::Surd(a), Number::Exact(b)) => {
                 Number::with_root(&a.rational + b, a.factor.clone(), a.root)
             }
@@ -301,9 +290,6 @@ impl Mul for &Number {
             (Number::Exact(a), _) if a.is_one() => other.clone(),
             (_, Number::Exact(b)) if b.is_one() => self.clone(),
             (Number::Exact(a), Number::Exact(b)) => Number::from_rational(a * b),
-            (Number::Exact(a), Number::OfPi(b)) | (Number::OfPi(a), Number::Exact(b)) => Number::of_pi(a * b),
-            (Number::Exact(a), Number::PerPi(b)) | (Number::PerPi(a), Number::Exact(b)) => Number::per_pi(a * b),
-            (Number::OfPi(a), Number::PerPi(b)) | (Number::PerPi(a), Number::OfPi(b)) => Number::from_rational(a * b),
             (Number::Exact(b), Number::Surd(a)) | (Number::Surd(a), Number::Exact(b)) => {
                 Number::with_root(&a.rational * b, &a.factor * b, a.root)
             }
@@ -323,6 +309,7 @@ impl Mul for &Number {
             // An exact zero stays exact whatever it is multiplied with.
             _ if self.is_zero() || other.is_zero() => Number::ZERO,
             (Number::Jet(_), _) | (_, Number::Jet(_)) => jet::product(self, other),
+            (Number::Pi(_), _) | (_, Number::Pi(_)) => pi::product(self, other),
             _ => Number::Ball(self.to_ball() * other.to_ball()),
         }
     }
@@ -336,11 +323,6 @@ impl Div for &Number {
             (_, Number::Exact(b)) if b.is_one() => self.clone(),
             (Number::Jet(_), _) | (_, Number::Jet(_)) => jet::quotient(self, other),
             (Number::Exact(a), Number::Exact(b)) if !b.is_zero() => Number::from_rational(a / b),
-            (Number::OfPi(a), Number::Exact(b)) if !b.is_zero() => Number::of_pi(a / b),
-            (Number::PerPi(a), Number::Exact(b)) if !b.is_zero() => Number::per_pi(a / b),
-            (Number::OfPi(a), Number::OfPi(b)) | (Number::PerPi(a), Number::PerPi(b)) => Number::from_rational(a / b),
-            (Number::Exact(a), Number::OfPi(b)) if !a.is_zero() => Number::per_pi(a / b),
-            (Number::Exact(a), Number::PerPi(b)) if !a.is_zero() => Number::of_pi(a / b),
             (Number::Surd(a), Number::Exact(b)) if !b.is_zero() => {
                 Number::with_root(&a.rational / b, &a.factor / b, a.root)
             }
@@ -348,6 +330,7 @@ impl Div for &Number {
                 let inverse = &Number::Surd(Box::new(b.conjugate())) / &Number::from_rational(b.norm());
                 self * &inverse
             }
+            (Number::Pi(_), _) | (_, Number::Pi(_)) => pi::quotient(self, other),
             _ => Number::Ball(self.to_ball() / other.to_ball()),
         }
     }
