@@ -39,11 +39,11 @@ pub fn merge(options: &Merge) -> Status {
     }
     let mut refused = None;
     let written = write_by(path, |out| {
-        joined(parts, out).or_else(|found| match found {
-            Failed::Write(error) => Err(error),
+        joined(parts, out).map_err(|found| match found {
+            Failed::Write(error) => error,
             Failed::Part(found) => {
                 refused = Some(found);
-                Err(io::Error::other("a part was refused"))
+                io::Error::other("a part was refused")
             }
         })
     });
