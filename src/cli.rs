@@ -332,6 +332,9 @@ pub struct Sweep {
     /// The damped poles
     #[arg(long)]
     pub poles: bool,
+    /// A relative error bound that is good enough for frequencies, such as 1e-14 [default: 1e-10]
+    #[arg(long, value_name = "ERROR", allow_hyphen_values = true, value_parser = tolerance)]
+    pub tolerance: Option<f64>,
     /// Keep parameters that the model determines (`solve`, `minimise`) at their values for the model as declared
     #[arg(long)]
     pub hold_solved: bool,

@@ -24,10 +24,15 @@ pub struct StudyRequest {
     pub hold_solved: bool,
     /// Simulated time for `peak` and `rms`, s.
     pub until: Option<Number>,
+    /// A relative bound that is good enough for a frequency; `None` for the usual one.
+    pub tolerance: Option<f64>,
 }
 
 /// The modes of a study that asks for nothing.
 const USUAL_MODES: u32 = 6;
+
+/// The relative bound of a frequency that is good enough if no other is asked for.
+const USUAL_TOLERANCE: f64 = 1e-10;
 
 /// Prepares a study; the inner error says why there is none.
 pub fn study<'a>(
@@ -61,7 +66,13 @@ pub fn study<'a>(
         if request.hold_solved {
             reading.settle(diagnostics)?;
         }
-        let asked = Asked { modes, poles: request.poles, hold_solved: request.hold_solved, until: request.until };
+        let asked = Asked {
+            modes,
+            poles: request.poles,
+            hold_solved: request.hold_solved,
+            until: request.until,
+            tolerance: request.tolerance.unwrap_or(USUAL_TOLERANCE),
+        };
         let (name, held) = (reading.name(), std::mem::take(&mut reading.settings));
         Some(Ok((name, Study::new((sources, reading.tree, overrides), &scene, swept, held, asked))))
     })
@@ -69,5 +80,5 @@ pub fn study<'a>(
 
 /// Applies `make` to the rows of these cases on all cores; the results in order.
 pub fn cases<T: Send>(study: &Study, numbers: &[u64], make: impl Fn(Case) -> T + Sync) -> Vec<T> {
-    cores::in_pieces(numbers, 1, 1, |piece| piece.iter().map(|&number| make(study.case(number))).collect())
+    cores::in_pieces(numbers, 1, 1, |piece| study.cases(piece).into_iter().map(&make).collect())
 }

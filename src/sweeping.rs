@@ -95,6 +95,7 @@ fn request(options: &Sweep, input: &mut Input) -> StudyRequest {
         poles: options.poles,
         hold_solved: options.hold_solved,
         until: options.measured.until(&options.overrides).cloned(),
+        tolerance: options.tolerance,
     }
 }
 

@@ -9,6 +9,7 @@ pub mod dense;
 pub mod disc;
 pub(crate) mod lanes;
 pub(crate) mod pairwise;
+pub mod pencils;
 pub(crate) mod philox;
 pub(crate) mod polynomial;
 pub(crate) mod precise;

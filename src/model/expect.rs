@@ -239,7 +239,11 @@ impl<'a> Check<'a> {
 
     /// Checks that a number may be zero, or has a magnitude that binary64 represents in full precision.
     pub fn check_range(&mut self, number: &Number, expr: ExprId, environment: Environment) -> Evaluated<()> {
-        let size = number.to_f64().abs();
+        let size = match number {
+            // Every value of the range.
+            Number::Jet(jet) => jet.value.mignitude(),
+            _ => number.to_f64().abs(),
+        };
         if number.is_finite() && (size >= f64::MIN_POSITIVE || number.may_be_zero()) {
             return Ok(());
         }

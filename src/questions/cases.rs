@@ -25,6 +25,8 @@ pub struct Asked {
     pub hold_solved: bool,
     /// Simulated time for `peak` and `rms`, s; if not given, it follows from the poles and signals of each case.
     pub until: Option<Number>,
+    /// A relative bound that is good enough for a frequency.
+    pub tolerance: f64,
 }
 
 /// A study of a model.
@@ -39,7 +41,7 @@ pub struct Study<'a> {
     pub held: Vec<Setting>,
     pub columns: Vec<Column>,
     /// The numbers of columns for frequencies and for poles.
-    sizes: (usize, usize),
+    pub(super) sizes: (usize, usize),
     /// Whether the measure of each requirement has a column, and no other has it already.
     measured: Vec<bool>,
 }
@@ -72,7 +74,7 @@ impl<'a> Study<'a> {
     }
 
     /// The values of a case: those of the last parameter change fastest.
-    fn values(&self, number: u64) -> Vec<Setting> {
+    pub(super) fn values(&self, number: u64) -> Vec<Setting> {
         let mut rest = number;
         let mut values: Vec<Setting> = Vec::with_capacity(self.swept.len());
         for swept in self.swept.iter().rev() {
@@ -127,13 +129,23 @@ impl<'a> Study<'a> {
         Column { name: one_line(self.sources.slice(question.span)), unit: question.unit.text.clone(), holds }
     }
 
-    /// The row of a case.
+    /// Whether the lowest frequencies are all that is asked for.
+    pub(super) fn asks_frequencies_alone(&self) -> bool {
+        self.columns.iter().all(|column| matches!(column.holds, Holds::Parameter | Holds::Frequency))
+            && self.sizes.0 > 0
+    }
+
+    /// The columns of the parameters.
+    pub(super) fn given(&self, values: &[Setting]) -> Vec<Entry> {
+        let shown =
+            |(swept, (_, quantity)): (&Swept, &Setting)| shown(&quantity.si, &swept.parameter.unit, false).number;
+        self.swept.iter().zip(values).map(|pair| Entry::Enclosed(shown(pair))).collect()
+    }
+
+    /// The row of a case, by the methods of `analyze`.
     pub fn case(&self, number: u64) -> Case {
         let values = self.values(number);
-        let mut entries: Vec<Entry> = Vec::with_capacity(self.columns.len());
-        for (swept, (_, quantity)) in self.swept.iter().zip(&values) {
-            entries.push(Entry::Enclosed(shown(&quantity.si, &swept.parameter.unit, false).number));
-        }
+        let mut entries = self.given(&values);
         let code = match self.answers(&values, &mut entries) {
             Ok(warned) => warned,
             Err(code) => {

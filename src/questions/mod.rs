@@ -17,6 +17,7 @@ pub mod cover;
 mod derivative;
 pub mod error;
 mod exact;
+mod lines;
 mod newton;
 mod one_unknown;
 mod optimum;

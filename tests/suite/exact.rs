@@ -17,13 +17,16 @@ impl ExactPencil {
     /// The pencil of a system whose numbers are all rational.
     pub fn of(system: &LinearSystem) -> ExactPencil {
         let n = system.n();
-        let (k, m) = (assembled(&system.k, n), assembled(&system.m, n));
-        let entries = || k.iter().chain(&m).flatten();
+        ExactPencil::new(&assembled(&system.k, n), &assembled(&system.m, n))
+    }
+
+    pub fn new(k: &[Vec<BigRational>], m: &[Vec<BigRational>]) -> ExactPencil {
+        let entries = || k.iter().chain(m).flatten();
         let common = entries().fold(BigInt::one(), |lcm, x| lcm.lcm(x.denom()));
         let integers = |matrix: &[Vec<BigRational>]| {
             matrix.iter().map(|row| row.iter().map(|x| x.numer() * (&common / x.denom())).collect()).collect()
         };
-        ExactPencil { k: integers(&k), m: integers(&m) }
+        ExactPencil { k: integers(k), m: integers(m) }
     }
 
     /// The number of eigenvalues below s: the negative ones of K - s M (Sylvester), as the sign changes in the sequence

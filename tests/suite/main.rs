@@ -61,6 +61,7 @@ mod optima;
 mod options;
 mod output_units;
 mod pages;
+mod pencils;
 mod plots;
 mod pole_counts;
 mod poles;

@@ -22,6 +22,8 @@ pub struct Jet {
 thread_local! {
     /// Set when a derivative is lost.
     static LOST: Cell<bool> = const { Cell::new(false) };
+    /// Set when a question about a number has not the same answer over the whole range.
+    static DIVIDED: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Runs a function and reports whether it lost a derivative.
@@ -32,7 +34,28 @@ pub fn watched<T>(run: impl FnOnce() -> T) -> (T, bool) {
     (result, lost)
 }
 
+/// Runs a function; its result, unless it lost a derivative or asked a question that has not certainly the same answer for every
+/// value of the parameter. Otherwise it took the same way that it takes for each of them.
+pub fn undivided<T>(run: impl FnOnce() -> T) -> Option<T> {
+    let before = DIVIDED.replace(false);
+    let (result, lost) = watched(run);
+    let divided = DIVIDED.replace(before);
+    (!lost && !divided).then_some(result)
+}
+
 impl Jet {
+    /// Notes a question about the sign of a number that is not zero everywhere.
+    pub(super) fn note_question(&self) {
+        if self.value.contains_zero() && !self.is_zero() {
+            DIVIDED.set(true);
+        }
+    }
+
+    /// Notes that one number was taken for all.
+    pub(super) fn note_choice() {
+        DIVIDED.set(true);
+    }
+
     /// The parameter itself, somewhere in a ball.
     pub fn of_parameter(range: Ball) -> Number {
         Number::Jet(Box::new(Jet { value: range, slope: Ball::ONE }))
@@ -139,6 +162,24 @@ mod tests {
         let x = Jet::of_parameter(Ball::from(3.0));
         assert!((&(&x - &x) * &Number::from(5)).is_zero());
         assert!(!(&x - &Number::from(3)).is_zero(), "it is zero at the middle alone");
+    }
+
+    #[test]
+    fn a_question_with_two_answers_divides_the_range() {
+        let x = Jet::of_parameter(Ball::from(3.0).widen(1.0));
+        let from = |low: i64| &x - &Number::from(low);
+        assert_eq!(undivided(|| from(1).is_positive()), Some(true));
+        let point = Jet::of_parameter(Ball::from(3.0));
+        assert_eq!(undivided(|| (&point - &point).is_zero()), Some(true));
+        assert_eq!(undivided(|| from(3).is_positive()), None);
+        assert_eq!(undivided(|| from(3).is_negative()), None);
+        assert_eq!(undivided(|| from(3).is_zero()), None);
+        assert_eq!(undivided(|| from(3).may_be_zero()), None);
+        assert_eq!(undivided(|| x.compare(&Number::from(5))), Some(Some(std::cmp::Ordering::Less)));
+        assert_eq!(undivided(|| x.compare(&Number::from(4))), None);
+        assert_eq!(undivided(|| x.to_f64()), None);
+        assert_eq!(undivided(|| x.to_ball()), None);
+        assert!(undivided(|| 0).is_some(), "an earlier question is not this one's");
     }
 
     #[test]

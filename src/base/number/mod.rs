@@ -87,7 +87,10 @@ impl Number {
             Number::Exact(value) => value.to_f64(),
             Number::Surd(_) | Number::Pi(_) => self.to_ball().to_f64(),
             Number::Ball(ball) => ball.to_f64(),
-            Number::Jet(jet) => jet.value.to_f64(),
+            Number::Jet(jet) => {
+                Jet::note_choice();
+                jet.value.to_f64()
+            }
         }
     }
 
@@ -111,7 +114,10 @@ impl Number {
             Number::Exact(value) => value.is_zero(),
             Number::Surd(_) | Number::Pi(_) => false,
             Number::Ball(ball) => ball.is_zero(),
-            Number::Jet(jet) => jet.is_zero(),
+            Number::Jet(jet) => {
+                jet.note_question();
+                jet.is_zero()
+            }
         }
     }
 
@@ -126,7 +132,10 @@ impl Number {
             Number::Exact(value) => value.is_zero(),
             Number::Surd(_) | Number::Pi(_) => false,
             Number::Ball(ball) => ball.contains_zero(),
-            Number::Jet(jet) => jet.value.contains_zero(),
+            Number::Jet(jet) => {
+                jet.note_question();
+                jet.value.contains_zero()
+            }
         }
     }
 
@@ -137,7 +146,10 @@ impl Number {
             Number::Surd(surd) => surd.signum() > 0,
             Number::Pi(pi) => pi.factor().is_positive(),
             Number::Ball(ball) => ball.is_positive(),
-            Number::Jet(jet) => jet.value.is_positive(),
+            Number::Jet(jet) => {
+                jet.note_question();
+                jet.value.is_positive()
+            }
         }
     }
 
@@ -148,7 +160,10 @@ impl Number {
             Number::Surd(surd) => surd.signum() < 0,
             Number::Pi(pi) => pi.factor().is_negative(),
             Number::Ball(ball) => ball.is_negative(),
-            Number::Jet(jet) => jet.value.is_negative(),
+            Number::Jet(jet) => {
+                jet.note_question();
+                jet.value.is_negative()
+            }
         }
     }
 

@@ -1,0 +1,136 @@
+//! Eigenvalues of many small pencils side by side: the i-th enclosure holds the i-th eigenvalue, counted by the signs of leading minors
+//! in exact arithmetic. See docs/method/studies.md#many-small-pencils.
+
+use super::exact::{ExactPencil, binary};
+use super::systems::Random;
+use num_rational::BigRational;
+use vibc::base::{Ball, Number};
+use vibc::kernel::pencils::{Line, MOST};
+
+type Exact = Vec<Vec<BigRational>>;
+
+/// Sums of squares w a a^T with rows of two to four entries, over so many decades.
+fn squares(random: &mut Random, n: usize, count: usize, decades: f64, signed: bool) -> Vec<Vec<Number>> {
+    let mut sum = vec![vec![Number::ZERO; n]; n];
+    for at in 0..count {
+        let weight = random.decimal(decades);
+        let weight = if signed && random.below(3) == 0 { &Number::ZERO - &weight } else { weight };
+        let row: Vec<(usize, Number)> = (0..2 + random.below(3)).map(|i| ((at + i) % n, random.signed())).collect();
+        for (i, a) in &row {
+            for (j, b) in &row {
+                sum[*i][*j] = &sum[*i][*j] + &(&weight * &(a * b));
+            }
+        }
+    }
+    sum
+}
+
+fn diagonal(random: &mut Random, n: usize, decades: f64) -> Vec<Vec<Number>> {
+    let mut matrix = vec![vec![Number::ZERO; n]; n];
+    (0..n).for_each(|i| matrix[i][i] = random.decimal(decades));
+    matrix
+}
+
+fn plus(a: &[Vec<Number>], b: &[Vec<Number>]) -> Vec<Vec<Number>> {
+    a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a + b).collect()).collect()
+}
+
+fn balls(matrix: &[Vec<Number>]) -> Vec<Vec<Ball>> {
+    matrix.iter().map(|row| row.iter().map(Number::to_ball).collect()).collect()
+}
+
+/// A + d B
+fn at(a: &[Vec<Number>], b: &[Vec<Number>], d: f64) -> Exact {
+    let exact = |x: &Number| x.exact().expect("rational").to_big();
+    let entry = |(a, b): (&Number, &Number)| exact(a) + binary(d) * exact(b);
+    a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(entry).collect()).collect()
+}
+
+/// Checks every enclosure; returns the number of pencils that have them, and the largest bound relative to the largest eigenvalue.
+fn check(k: [&[Vec<Number>]; 2], m: [&[Vec<Number>]; 2], places: &[f64]) -> (usize, f64) {
+    let n = k[0].len();
+    let most = places.iter().fold(0.0f64, |most, d| most.max(d.abs()));
+    let [k0, k1, m0, m1] = [k[0], k[1], m[0], m[1]].map(balls);
+    let line = Line::new(n, [&k0, &k1], [&m0, &m1], most).expect("numbers of usual size");
+    let (mut found, mut widest) = (0, 0.0f64);
+    for (d, eigenvalues) in places.iter().zip(line.eigenvalues(places)) {
+        let Some(eigenvalues) = eigenvalues else { continue };
+        found += 1;
+        let pencil = ExactPencil::new(&at(k[0], k[1], *d), &at(m[0], m[1], *d));
+        let largest = eigenvalues.list.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        for (i, (value, bound)) in eigenvalues.list.iter().zip(&eigenvalues.bounds).enumerate() {
+            widest = widest.max(bound / largest);
+            let below = pencil.below(&(binary(*value) - binary(*bound)));
+            let above = pencil.below(&(binary(*value) + binary(*bound)));
+            assert!(below.is_none_or(|count| count <= i), "{i} of {n} at {d}: {value} ± {bound}");
+            assert!(above.is_none_or(|count| count > i), "{i} of {n} at {d}: {value} ± {bound}");
+        }
+    }
+    (found, widest)
+}
+
+#[test]
+fn every_enclosure_holds_its_eigenvalue() {
+    let mut random = Random::new(20);
+    for n in 1..=MOST {
+        for (decades, signed) in [(0.0, false), (3.0, true), (8.0, false)] {
+            let k = squares(&mut random, n, 2 * n, decades, signed);
+            let k1 = squares(&mut random, n, 1 + n / 3, decades, false);
+            let m = plus(&diagonal(&mut random, n, decades.min(3.0)), &squares(&mut random, n, n / 2, 0.0, false));
+            let m1 = diagonal(&mut random, n, 0.0);
+            let places = [0.0, 0.01, 0.37, 1.0, 2.5, 7.0, 19.0, 100.0, 1e-9];
+            let (found, widest) = check([&k, &k1], [&m, &m1], &places);
+            assert!(found == places.len(), "{found} of {n} coordinates");
+            // Some 10 n units of rounding, times the condition of M, whose weights are spread over 5 decades with the places.
+            assert!(widest < 1e-10, "{n} coordinates, {decades} decades: {widest:e}");
+        }
+    }
+}
+
+/// Equal and nearly equal eigenvalues, rigid motions, and a K that is zero.
+#[test]
+fn repeated_eigenvalues_are_enclosed_together() {
+    let n = 6;
+    let unit = |value: &str| {
+        let mut matrix = vec![vec![Number::ZERO; n]; n];
+        (0..n).for_each(|i| matrix[i][i] = Number::from(value));
+        matrix
+    };
+    // A ring of equal springs: eigenvalues 0, 1, 1, 3, 3, 4.
+    let mut ring = vec![vec![Number::ZERO; n]; n];
+    for i in 0..n {
+        let j = (i + 1) % n;
+        for (a, b, x) in [(i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)] {
+            ring[a][b] = &ring[a][b] + &Number::from(x);
+        }
+    }
+    let mut nearly = unit("0");
+    nearly[2][2] = Number::from("1e-13");
+    let zero = unit("0");
+    for k in [[&ring, &nearly], [&ring, &zero], [&unit("3"), &nearly], [&zero, &zero]] {
+        let (found, widest) = check(k.map(|m| &m[..]), [&unit("1"), &zero], &[0.0, 0.5, 1.0, 3.0]);
+        assert_eq!(found, 4);
+        assert!(widest < 1e-13 || k[0] == &zero, "{widest:e}");
+    }
+}
+
+/// Where M is not positive definite, or nearly is not, there are no eigenvalues.
+#[test]
+fn a_mass_that_may_be_singular_has_none() {
+    let matrix = |entries: [&str; 4]| {
+        let [a, b, c, d] = entries.map(|text| match text.strip_prefix('-') {
+            Some(size) => &Number::ZERO - &Number::from(size),
+            None => Number::from(text),
+        });
+        vec![vec![a, b], vec![c, d]]
+    };
+    let k = matrix(["2", "-1", "-1", "2"]);
+    let zero = matrix(["0", "0", "0", "0"]);
+    for m in [["1", "1", "1", "1"], ["1", "2", "2", "1"], ["1", "1", "1", "1.0000000000000001"], ["1", "0", "0", "-1"]]
+    {
+        assert_eq!(check([&k, &zero], [&matrix(m), &zero], &[1.0]).0, 0, "{m:?}");
+    }
+    // M = diag(1, d) up to and beyond zero.
+    let (m, slope) = (matrix(["1", "0", "0", "0"]), matrix(["0", "0", "0", "1"]));
+    assert_eq!(check([&k, &zero], [&m, &slope], &[-1.0, 0.0, 1e-3, 1.0]).0, 2);
+}
