@@ -163,9 +163,9 @@ simd! {
             }
             put(n, beside_t);
             put(n + 1, beside_s);
-            // `min` passes over NaN; a sum does not.
+            // `min` passes over NaN; a sum does not, nor does its product with 0.
             let sum = s.iter().fold(V::splat(0.0), |sum, x| sum + *x);
-            put(n + 2, least + (sum - sum));
+            put(n + 2, sum.mul_add(V::splat(0.0), least));
         }
     }
 }
