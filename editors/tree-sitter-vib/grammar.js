@@ -22,12 +22,18 @@ module.exports = grammar({
 
     declaration: ($) => choice(
       $.model, $.parameter, $.gravity, $.point, $.body, $.base, $.element, $.joint, $.slide, $.couple,
-      $.force, $.torque, $.unbalance, $.initial, $.output, $.damping, $.rest, $.solve, $.optimum, $.require, $.repeat,
+      $.force, $.torque, $.unbalance, $.initial, $.output, $.damping, $.rest, $.solve, $.optimum, $.require, $.correlate, $.repeat,
       $.component, $.placed, $.use,
     ),
 
     model: ($) => seq('model', field('name', $.word)),
-    parameter: ($) => seq(choice('param', 'let'), field('name', $.name), '=', $.expression),
+    parameter: ($) => choice(
+      seq('param', field('name', $.name), '=', $.expression, optional($._spread), optional($._within)),
+      seq('let', field('name', $.name), '=', $.expression),
+    ),
+    _spread: ($) => seq('spread', choice('uniform', seq(optional('lognormal'), $.expression))),
+    _within: ($) => seq('within', choice($.expression, $._range)),
+    correlate: ($) => seq('correlate', $._path, ',', $._path, $.expression),
     gravity: ($) => seq('gravity', $.expression),
     point: ($) => seq('point', field('name', $.name), '=', $.expression),
     body: ($) => seq('body', field('name', $.name), $.fields),

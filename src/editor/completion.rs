@@ -159,6 +159,12 @@ impl<'a> Place<'a> {
                 return self.values(|kind| kind == "param");
             }
         }
+        if self.keyword() == "correlate" && last == "," {
+            return self.values(|kind| kind == "param");
+        }
+        if self.keyword() == "param" && self.open.is_empty() && self.has("=") {
+            return self.tolerance();
+        }
         if self.keyword() == "place" && self.before.len() > 1 {
             return self.placing();
         }
@@ -209,6 +215,21 @@ impl<'a> Place<'a> {
             [_] if last == "=" && self.is_port_argument() => self.ends(),
             _ => self.expression(),
         }
+    }
+
+    /// The value of a `param`, and the clauses that may follow it.
+    fn tolerance(&self) -> Vec<Item> {
+        let clauses: &[(&str, &str)] = match (self.has("within"), self.has("spread")) {
+            _ if self.last(1) == "spread" => {
+                &[("uniform", "over the range"), ("lognormal", "deviation of the logarithm")]
+            }
+            _ if !self.is_after_operand() => &[],
+            (true, _) => &[],
+            (false, true) => &[("within", "a tolerance")],
+            (false, false) => &[("within", "a tolerance"), ("spread", "a random distribution")],
+        };
+        let clauses = clauses.iter().map(|(word, meaning)| item(word, ItemKind::Keyword, *meaning));
+        clauses.chain(self.expression()).collect()
     }
 
     /// The components that the file knows.
@@ -600,7 +621,7 @@ fn can_move(lexed: &Lexed, statement: usize, motion: &str) -> bool {
 }
 
 /// Words after which an expression starts.
-const LEADS_ON: [&str; 6] = ["in", "along", "about", "modal", "over", "while"];
+const LEADS_ON: [&str; 8] = ["in", "along", "about", "modal", "over", "while", "within", "spread"];
 
 fn directions() -> Vec<Item> {
     let direction = |word: &str| item(word, ItemKind::Keyword, "a direction");

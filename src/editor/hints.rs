@@ -158,7 +158,7 @@ fn values(document: &Document) -> Vec<Hint> {
     for decl in all_decls(document) {
         let expr = match decl.kind {
             DeclKind::Let { name, value } => (name, value),
-            DeclKind::Param { name, value } if is_calculated(document, value) => (name, value),
+            DeclKind::Param { name, value, .. } if is_calculated(document, value) => (name, value),
             _ => continue,
         };
         let start = expr.0.span.start();

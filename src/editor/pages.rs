@@ -40,6 +40,10 @@ pub fn word(word: &str) -> Option<&'static str> {
         "about" => "The reference point of an inertia.",
         "over" => "Before the parameters that `minimise` or `maximise` varies.",
         "while" => "Before the conditions that the values found by `minimise` or `maximise` must meet.",
+        "within" => {
+            "A tolerance of a `param`: a share of its value, a half-width or a range, which contains the value."
+        }
+        "spread" => "The random distribution of a `param`: its standard deviation, or `lognormal` or `uniform`.",
         "in" => "Before a range, including its bounds; of an output the unit that it is shown in.",
         "white" => "In `noise`: the density is the same at all frequencies, as in `noise(white 3 N^2/Hz)`.",
         "road" => {

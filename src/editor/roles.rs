@@ -227,7 +227,14 @@ impl Reader<'_> {
             return if alone { Role::Word } else { Role::Field };
         }
         let of_optimum = matches!(self.keyword, "minimise" | "maximise") && state.open.is_empty();
-        if (matches!(word, "along" | "about" | "in") || of_optimum && matches!(word, "over" | "while"))
+        let of_tolerance = self.keyword == "param" && state.open.is_empty();
+        let after_spread = of_tolerance && last.is_some_and(|last| self.word(last) == "spread");
+        if after_spread && matches!(word, "uniform" | "lognormal") {
+            return Role::Word;
+        }
+        if (matches!(word, "along" | "about" | "in")
+            || of_optimum && matches!(word, "over" | "while")
+            || of_tolerance && matches!(word, "spread" | "within"))
             && after_value
             && !self.is_sign(last, ":")
             && !self.is_sign(last, "--")
@@ -412,6 +419,13 @@ mod tests {
                 "minimise peak(y) + a over c in 1 .. b, k in d .. 2 while peak(y) < 3, damping(1) > e",
                 "minimise:K peak:F y:p a:v over:w c:v in:w b:v k:v in:w d:v while:w peak:F y:p damping:F e:v",
             ),
+            (
+                "param e = a spread lognormal b within c .. d",
+                "param:K e:V a:v spread:w lognormal:w b:v within:w c:v d:v",
+            ),
+            ("param e = a spread uniform within b", "param:K e:V a:v spread:w uniform:w within:w b:v"),
+            ("param spread = within", "param:K spread:V within:v"),
+            ("correlate k, m[i] a", "correlate:K k:v m:v i:v a:v"),
             ("solve fn in a .. b: static(y) = c", "solve:K fn:v in:w a:v b:v static:F y:p c:v"),
             ("initial b { x = 1 mm }", "initial:K b:p x:f"),
             ("damping modal z", "damping:K modal:w z:v"),

@@ -47,6 +47,7 @@ pub enum Shape {
     Minimise,
     Maximise,
     Require,
+    Correlate,
     Component,
     Place,
     Use,
@@ -221,10 +222,12 @@ const FIRST: [Declaration; 6] = [
             "param",
             "param k = 10 N/m",
             Manual {
-                forms: "param k = 10 N/m",
+                forms: "param k = 10 N/m\nparam m = 1 kg within 0.9 kg .. 1.2 kg\nparam c = 5 N*s/m spread 3 % within 10 %",
                 summary: "Declares a number that the command line may replace: `--set k=12N/m`.",
                 rules: "Order does not matter: a parameter may use names that are declared further down. Parameters that depend on each \
-                 other in a cycle are an error. A value from outside must have the dimension of the declared one.",
+                 other in a cycle are an error. A value from outside must have the dimension of the declared one.\n\n\
+                 `within` is a tolerance: a share of the value, a half-width or a range. `spread` is a random distribution: a \
+                 standard deviation, `lognormal` with that of the logarithm, or `uniform` with a range.",
                 heading: "Parameters",
             },
             &[
@@ -232,6 +235,7 @@ const FIRST: [Declaration; 6] = [
                 Piece::Name(NEW_VALUE, "the parameter"),
                 Piece::Sign(EQUALS, "between the parameter and its value"),
                 Piece::Value("the parameter's value", Content::Any),
+                Piece::Tolerance,
             ],
         )
     },
@@ -338,7 +342,7 @@ const MIDDLE: [Declaration; 1] = [Declaration {
 }];
 
 /// The declarations after the elements.
-const LAST: [Declaration; 16] = [
+const LAST: [Declaration; 17] = [
     Declaration {
         synonyms: &["support"],
         fields: &BASE_FIELDS,
@@ -579,6 +583,26 @@ const LAST: [Declaration; 16] = [
             &[Piece::Apart, Piece::Value("a condition", Content::Measures)],
         )
     },
+    declaration(
+        Shape::Correlate,
+        "correlate",
+        "correlate k, m 0.8",
+        Manual {
+            forms: "correlate k, m 0.8",
+            summary: "The correlation of two parameters that vary at random.",
+            rules: "Both have a `spread` or a tolerance. The coefficient lies between -1 and 1; all of a model together are \
+             positive definite.",
+            heading: "Tolerances",
+        },
+        &[
+            Piece::Blank,
+            Piece::Path(Naming::Of(Space::Values), "the first parameter"),
+            Piece::Sign(",", "between the two parameters"),
+            Piece::Path(Naming::Of(Space::Values), "the second parameter"),
+            Piece::Apart,
+            Piece::Value("the coefficient of correlation", Content::Number(Dimension::NONE)),
+        ],
+    ),
     Declaration {
         synonyms: &["class", "block", "subsystem"],
         ..declaration(

@@ -74,6 +74,8 @@ pub enum Piece {
     Varied,
     /// `while peak(y) < 20 mm`, optional.
     Limits,
+    /// `spread 10 % within 30 %`, each optional.
+    Tolerance,
     /// A file's name in quotes, and a phrase for it.
     Text(&'static str),
 }

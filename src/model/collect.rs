@@ -8,6 +8,7 @@ use super::Check;
 use super::error::NameError;
 use super::evaluate::{Evaluated, Stop};
 use super::scope::{Definition, DefinitionId, DefinitionKind, Environment, Instance, Part, Role, State};
+use super::tolerances::Tolerated;
 use super::value::Function;
 use crate::base::{Name, Span, Symbol};
 use crate::syntax::tree::{Decl, DeclKind, ExprId, Ident, Rare, Repeat};
@@ -70,6 +71,8 @@ pub struct Instances<'a> {
     pub inputs: Vec<Instance<'a>>,
     pub outputs: Vec<Instance<'a>>,
     pub initials: Vec<Instance<'a>>,
+    pub tolerances: Vec<Tolerated>,
+    pub correlations: Vec<Instance<'a>>,
     pub solves: Vec<Instance<'a>>,
     pub optima: Vec<Instance<'a>>,
     pub requires: Vec<Instance<'a>>,
@@ -209,7 +212,7 @@ impl<'a> Check<'a> {
 
     pub fn declare_value(&mut self, instance: Instance<'a>) {
         let (kind, name, expr) = match instance.decl.kind {
-            DeclKind::Param { name, value } => (DefinitionKind::Param, name, value),
+            DeclKind::Param { name, value, .. } => (DefinitionKind::Param, name, value),
             DeclKind::Let { name, value } => (DefinitionKind::Let, name, value),
             DeclKind::Point { name, value } => (DefinitionKind::Point, name, value),
             _ => return,
@@ -230,6 +233,9 @@ impl<'a> Check<'a> {
         }
         let (state, role) = (State::Unsettled, Role::Declared);
         self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false, role });
+        if let DeclKind::Param { tolerance: Some(index), .. } = instance.decl.kind {
+            self.instances.tolerances.push(Tolerated { parameter: id, index });
+        }
     }
 
     /// Reports names that have a fixed meaning wherever a number may stand; returns whether the name is free.
@@ -272,6 +278,7 @@ impl<'a> Check<'a> {
                 Rare::Solve { .. } => (&mut list.solves, None),
                 Rare::Optimum { .. } => (&mut list.optima, None),
                 Rare::Require { .. } => (&mut list.requires, None),
+                Rare::Correlate { .. } => (&mut list.correlations, None),
                 Rare::DampingModal { .. } | Rare::DampingRayleigh { .. } | Rare::RestAsDrawn => {
                     (&mut list.settings, None)
                 }

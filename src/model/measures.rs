@@ -237,7 +237,7 @@ impl<'a> Check<'a> {
     }
 
     /// The parameter to be solved for, with its declared value.
-    fn solved_parameter(&mut self, path: Path, environment: Environment) -> Evaluated<(DefinitionId, Scalar)> {
+    pub fn solved_parameter(&mut self, path: Path, environment: Environment) -> Evaluated<(DefinitionId, Scalar)> {
         let id = self.named_definition(path, environment)?;
         let definition = &mut self.definitions[id.0 as usize];
         definition.used = true;
@@ -279,7 +279,7 @@ impl<'a> Check<'a> {
 
     /// The ends of a parameter's range, which must be of the same kind as the parameter. Where both are of another kind, that is
     /// one mistake.
-    fn range_of(
+    pub fn range_of(
         &mut self,
         declared: &Scalar,
         low: ExprId,

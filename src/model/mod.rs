@@ -43,6 +43,7 @@ mod swept;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod tolerances;
 mod unknown;
 mod value;
 pub mod written;
@@ -366,6 +367,7 @@ impl<'a> Check<'a> {
         self.couples();
         self.outputs();
         self.initials();
+        self.tolerances();
         self.solves();
         self.optima();
         self.requires();
@@ -426,6 +428,8 @@ fn empty_scene(name: String) -> Scene {
         initial: Vec::new(),
         damping: None,
         rest_as_drawn: None,
+        tolerances: Vec::new(),
+        correlations: Vec::new(),
         solves: Vec::new(),
         optima: Vec::new(),
         requires: Vec::new(),

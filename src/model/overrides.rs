@@ -67,6 +67,16 @@ impl Given {
     pub fn named_at(&self, name: Name) -> Option<Span> {
         self.names.iter().find(|(known, _)| *known == name).map(|(_, span)| *span)
     }
+
+    /// The place of the value that is given for a parameter.
+    pub fn given_at(&self, name: Name) -> Option<Span> {
+        self.values.get(&name).map(|given| given.span)
+    }
+
+    /// Whether an analysis tries a value of this parameter.
+    pub fn is_tried(&self, name: Name) -> bool {
+        self.trials.contains_key(&name)
+    }
 }
 
 impl<'a> Check<'a> {

@@ -308,6 +308,9 @@ impl<'a> Check<'a> {
                     Rare::Solve { .. } => {
                         ("it finds a parameter for the whole scene", "write it in the scene: `solve front.k in ...`")
                     }
+                    Rare::Correlate { .. } => {
+                        ("it relates parameters of the scene", "write it in the scene, outside of the component")
+                    }
                     Rare::Optimum { .. } => (
                         "it finds parameters for the whole scene",
                         "write it in the scene: `minimise ... over front.k in ...`",
@@ -525,6 +528,7 @@ impl<'a> Check<'a> {
                 DeclKind::Rare { index } => match self.tree.rare(index) {
                     Rare::Solve { .. }
                     | Rare::Optimum { .. }
+                    | Rare::Correlate { .. }
                     | Rare::DampingModal { .. }
                     | Rare::DampingRayleigh { .. }
                     | Rare::RestAsDrawn => {}

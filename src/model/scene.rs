@@ -59,6 +59,10 @@ pub struct Scene {
     pub initial: Vec<Initial>,
     pub damping: Option<Damping>,
     pub rest_as_drawn: Option<Span>,
+    /// The parameters that have a tolerance or a spread, in order of declaration.
+    pub tolerances: Vec<Tolerance>,
+    /// The correlations among them; together they are positive definite.
+    pub correlations: Vec<Correlation>,
     pub solves: Vec<Solve>,
     pub optima: Vec<Optimum>,
     pub requires: Vec<Require>,
@@ -525,6 +529,41 @@ pub struct Parameter {
     pub span: Span,
     pub value: Quantity,
     pub unit: Written,
+}
+
+/// How far a `param` may lie from its value, and how its values are distributed. At least one of both is there.
+#[derive(Clone, Debug)]
+pub struct Tolerance {
+    pub parameter: Parameter,
+    /// The clauses after its value.
+    pub span: Span,
+    /// Both ends in SI units, the lower one first. They contain the value, unless an analysis tries another one; rounding
+    /// apart. Without it a normal or lognormal distribution is not truncated.
+    pub within: Option<[Number; 2]>,
+    /// `None` with `within` alone: any value in the range, drawn uniformly where samples are drawn.
+    pub spread: Option<Spread>,
+}
+
+/// The distribution of a parameter. A range `within` truncates it.
+#[derive(Clone, Debug)]
+pub enum Spread {
+    /// About the value, with this standard deviation in SI units (before it is truncated).
+    Normal { deviation: Number },
+    /// The value is the median, and this is the standard deviation of the logarithm.
+    Lognormal { deviation: Number },
+    /// Over the range `within`, which is there.
+    Uniform,
+}
+
+/// `correlate k, m 0.8`: the correlation of the two standard normal variables that the parameters are monotone functions
+/// of. For two normal parameters that are not truncated it is their own.
+#[derive(Clone, Debug)]
+pub struct Correlation {
+    /// Indices of [`Scene::tolerances`], the smaller one first. A pair occurs once.
+    pub pair: [usize; 2],
+    /// Between -1 and 1, both excluded.
+    pub coefficient: Number,
+    pub span: Span,
 }
 
 /// The unit that a number was written in.

@@ -83,6 +83,7 @@ fn rule_of(text: &str) -> Option<(Shape, Rule)> {
         Shape::Minimise => Rule::minimise,
         Shape::Maximise => Rule::maximise,
         Shape::Require => Rule::require,
+        Shape::Correlate => Rule::correlate,
         Shape::Repeat => Rule::repeat,
         Shape::Component => Rule::component,
         Shape::Place => Rule::place,
@@ -254,7 +255,9 @@ impl Build<'_> {
         self.step();
         let kind = match shape {
             Shape::Model => DeclKind::Model { name: self.word() },
-            Shape::Param => DeclKind::Param { name: self.name(), value: self.expression().id },
+            Shape::Param => {
+                DeclKind::Param { name: self.name(), value: self.expression().id, tolerance: self.tolerance() }
+            }
             Shape::Let => DeclKind::Let { name: self.name(), value: self.expression().id },
             Shape::Gravity => DeclKind::Gravity { value: self.expression().id },
             Shape::Point => DeclKind::Point { name: self.name(), value: self.expression().id },
@@ -384,10 +387,50 @@ impl Build<'_> {
             Shape::Maximise => self.optimum(true),
             Shape::Place => self.placed(),
             Shape::Use => self.import(),
+            Shape::Correlate => {
+                Rare::Correlate { first: self.path(), second: self.path(), coefficient: self.expression().id }
+            }
             _ => Rare::Require { condition: self.expression().id },
         };
         self.tree.rare.push(rare);
         DeclKind::Rare { index: (self.tree.rare.len() - 1) as u32 }
+    }
+
+    /// `spread 10 % within 30 %`, if something follows the value of a `param`.
+    fn tolerance(&mut self) -> Option<u32> {
+        self.next?;
+        let start = self.next_place;
+        let spread = (self.next == Some(Rule::spread)).then(|| self.spread());
+        let (mut within, mut upper) = (None, None);
+        if self.next == Some(Rule::within) {
+            self.step();
+            within = Some(self.expression().id);
+            if self.next.is_some() {
+                self.step();
+                upper = Some(self.expression().id);
+                self.step();
+            }
+            self.step();
+        }
+        let start = self.text.len() - self.text[start..].trim_start().len();
+        let span = self.span((start, self.text.len()));
+        self.tree.tolerances.push(Tolerance { span, spread, within, upper });
+        Some((self.tree.tolerances.len() - 1) as u32)
+    }
+
+    fn spread(&mut self) -> Spread {
+        self.step();
+        let word = self.next;
+        if word != Some(Rule::expression) {
+            self.leaf();
+        }
+        let spread = match word {
+            Some(Rule::uniform) => Spread::Uniform,
+            Some(Rule::lognormal) => Spread::Lognormal(self.expression().id),
+            _ => Spread::Normal(self.expression().id),
+        };
+        self.step();
+        spread
     }
 
     fn joint(&mut self, kind: JointId) -> Rare {

@@ -262,7 +262,7 @@ impl Reader<'_> {
     }
 
     fn ends_with_value(&self) -> bool {
-        matches!(self.declaration.pieces.last(), Some(Piece::Value(..) | Piece::OneOf(..)))
+        matches!(self.declaration.pieces.last(), Some(Piece::Value(..) | Piece::OneOf(..) | Piece::Tolerance))
     }
 
     fn starts_keyword(&self) -> bool {
@@ -302,6 +302,7 @@ impl Reader<'_> {
             Piece::Path(_, whose) => self.path(whose),
             Piece::Varied => self.varied(),
             Piece::Limits => self.limits(),
+            Piece::Tolerance => self.tolerance(),
         }
     }
 
@@ -561,6 +562,30 @@ impl Reader<'_> {
             self.expression("a condition")?;
         }
         Ok(())
+    }
+
+    /// `spread 10 % within 30 %`, each of them if present.
+    fn tolerance(&mut self) -> Read {
+        let before = self.at;
+        if self.blanks() && self.eat_word("spread") {
+            self.are_separated()?;
+            if !self.eat_word("uniform") {
+                if self.eat_word("lognormal") {
+                    self.are_separated()?;
+                }
+                self.expression("the standard deviation")?;
+            }
+        } else {
+            self.at = before;
+        }
+        let before = self.at;
+        if !(self.blanks() && self.eat_word("within")) {
+            self.at = before;
+            return Ok(());
+        }
+        self.are_separated()?;
+        self.expression("a half-width or the lower bound")?;
+        self.optional("..", |reader| reader.expression("the upper bound"))
     }
 
     /// Steps over a comma and the blanks around it.

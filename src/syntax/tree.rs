@@ -29,6 +29,8 @@ pub struct Tree {
     pub uses: Vec<Use>,
     /// The parameters that `minimise` and `maximise` vary.
     pub varied: Vec<Varied>,
+    /// The tolerances of parameters.
+    pub tolerances: Vec<Tolerance>,
     /// Declarations that are too large or too rare to sit in [`DeclKind`].
     pub rare: Vec<Rare>,
     /// The `///` lines before a declaration: where the declaration starts, and their span; in order.
@@ -79,8 +81,8 @@ pub struct Decl {
 pub enum DeclKind {
     /// `model cart`
     Model { name: Span },
-    /// `param k = 10 N/m`
-    Param { name: Ident, value: ExprId },
+    /// `param k = 10 N/m within 5 %`: `tolerance` is an index into [`Tree::tolerances`].
+    Param { name: Ident, value: ExprId, tolerance: Option<u32> },
     /// `let w = sqrt(k / m)`
     Let { name: Ident, value: ExprId },
     /// `gravity 9.81 m/s^2`, `gravity (0, -9.81 m/s^2)`
@@ -128,12 +130,37 @@ pub enum Rare {
     Solve { parameter: Path, low: ExprId, high: ExprId, measure: ExprId, value: ExprId },
     /// `minimise peak_gain(F -> x) over c in 1 N*s/m .. 9 N*s/m while peak(y) < 20 mm`; `varied` are indices of [`Tree::varied`].
     Optimum { highest: bool, measure: ExprId, varied: (u32, u32), limits: ExprList },
+    /// `correlate k, m 0.8`
+    Correlate { first: Path, second: Path, coefficient: ExprId },
     /// `require frequency(1) > 2 Hz`, `require stable`
     Require { condition: ExprId },
     /// `place front = axle(m = 40 kg) at (1.2 m, 0) turned 10 deg`
     Place { name: Ident, component: Span, arguments: Fields, placing: Placing },
     /// `use "axles.vib"`: index into [`Tree::uses`].
     Use { index: u32 },
+}
+
+/// `spread 10 % within 30 %`, after the value of a `param`; at least one of the clauses is there.
+#[derive(Clone, Copy, Debug)]
+pub struct Tolerance {
+    /// Both clauses, without the blank before them.
+    pub span: Span,
+    pub spread: Option<Spread>,
+    /// The half-width, or the lower bound.
+    pub within: Option<ExprId>,
+    /// The upper bound of `within low .. high`.
+    pub upper: Option<ExprId>,
+}
+
+/// The distribution that a `param` is drawn from.
+#[derive(Clone, Copy, Debug)]
+pub enum Spread {
+    /// `spread 3 %`
+    Normal(ExprId),
+    /// `spread lognormal 3 %`
+    Lognormal(ExprId),
+    /// `spread uniform`
+    Uniform,
 }
 
 /// `c in 1 N*s/m .. 100 N*s/m`
@@ -334,6 +361,7 @@ pub(super) struct Mark {
     ends: usize,
     uses: usize,
     varied: usize,
+    tolerances: usize,
     rare: usize,
 }
 
@@ -350,6 +378,7 @@ impl Tree {
             components: Vec::new(),
             uses: Vec::new(),
             varied: Vec::new(),
+            tolerances: Vec::new(),
             rare: Vec::new(),
             docs: Vec::new(),
             broken: Vec::new(),
@@ -487,6 +516,7 @@ impl Tree {
             ends: self.ends.len(),
             uses: self.uses.len(),
             varied: self.varied.len(),
+            tolerances: self.tolerances.len(),
             rare: self.rare.len(),
         }
     }
@@ -498,6 +528,7 @@ impl Tree {
         self.ends.truncate(mark.ends);
         self.uses.truncate(mark.uses);
         self.varied.truncate(mark.varied);
+        self.tolerances.truncate(mark.tolerances);
         self.rare.truncate(mark.rare);
     }
 

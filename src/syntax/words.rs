@@ -4,7 +4,7 @@ use crate::kinds::{self, DECLARATIONS, Declaration};
 use std::ops::Range;
 
 /// Words that continue a declaration after a number and so are not units. The rule `follows` of the grammar.
-pub const FOLLOWS: [&str; 6] = ["about", "at", "turned", "mirrored", "over", "while"];
+pub const FOLLOWS: [&str; 8] = ["about", "at", "turned", "mirrored", "over", "while", "within", "spread"];
 
 pub fn is_keyword(word: &str) -> bool {
     kinds::declaration(word).is_some()

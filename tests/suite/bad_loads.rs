@@ -18,7 +18,7 @@ fn findings(marked: &str) -> (String, Vec<Diagnostic>) {
     (text, outcome.diagnostics.into_iter().filter(finding).collect())
 }
 
-fn one(marked: &str, code: &str) {
+pub fn one(marked: &str, code: &str) {
     let (text, list) = findings(marked);
     let [found] = &list[..] else { panic!("{marked}\n{list:?}") };
     assert_eq!(found.code.0, code, "{marked}");

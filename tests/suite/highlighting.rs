@@ -111,6 +111,11 @@ fn examples() -> Vec<PathBuf> {
 /// Every form of the language page, in addition to the examples.
 const FORMS: &str = "model cart // a comment
 param k = 10 N/m
+param m[1] = 1 kg within 0.9 kg .. 1.2 kg
+param c = k within 5 %
+param e = 2 mm spread lognormal 3 % within 5 %
+param f = 3 Hz spread uniform within 3 %
+correlate e, m[1] -0.8
 let w = sqrt(k / m1) + .5 /s * 1e-4 kg·m²
 gravity (0, -9.81 m/s^2)
 body block { mass = 1 kg, moves x y }
@@ -155,7 +160,7 @@ fn the_grammar_colours_every_word_of_every_example_as_the_language_has_it() {
         for (token, role) in tokens.iter().zip(roles(&text, &tokens, &outline)) {
             let scope = &coloured[token.range.start];
             let before = text[..token.range.start].trim_end();
-            let after_keyword = before.ends_with("initial") || before.ends_with("solve");
+            let after_keyword = ["initial", "solve", "correlate"].iter().any(|word| before.ends_with(word));
             let Some(wanted) = expected(token.kind, role).filter(|_| !after_keyword) else { continue };
             if !scope.starts_with(wanted) || wanted.is_empty() && !scope.is_empty() {
                 wrong.push(format!("{name}: `{}` is {scope:?}, not {wanted:?}", token.text(&text)));

@@ -96,6 +96,7 @@ mod studies;
 mod sweeps;
 mod systems;
 mod tables;
+mod tolerances;
 mod transfer;
 mod traps;
 mod unbalance;

@@ -9,9 +9,10 @@
 [
   "model" "param" "let" "gravity" "point" "body" "pivot" "slide" "weld" "couple" "spring" "damper" "inerter" "belt"
   "base" "force" "torque" "unbalance" "initial" "output" "damping" "rest" "repeat" "solve" "minimise" "maximise"
-  "require" "component" "place" "use"
+  "require" "correlate" "component" "place" "use"
 ] @keyword
-["as" "drawn" "in" "along" "about" "moves" "modal" "rayleigh" "part" "at" "turned" "mirrored"] @keyword
+["as" "drawn" "in" "along" "about" "moves" "modal" "rayleigh" "part" "at" "turned" "mirrored"
+  "spread" "uniform" "lognormal" "within"] @keyword
 (axis) @constant.builtin
 ((flag) @keyword (#any-of? @keyword "turns" "free" "crossed" "clockwise"))
 

@@ -15,14 +15,14 @@ static void advance(TSLexer *lexer) { lexer->advance(lexer, false); }
 
 // The word of a unit, up to its end; false where it goes on with the declaration, as in `inertia = 0 about A`.
 static bool word(TSLexer *lexer) {
-    static const char *const others[] = {"about", "at", "turned", "mirrored"};
+    static const char *const others[] = {"about", "at", "turned", "mirrored", "over", "while", "within", "spread"};
     char text[9] = {0};
     unsigned length = 0;
     for (; letter(lexer->lookahead) || digit(lexer->lookahead); length++) {
         if (length < 8) text[length] = lexer->lookahead < 128 ? (char)lexer->lookahead : '?';
         advance(lexer);
     }
-    for (unsigned i = 0; i < 4; i++) {
+    for (unsigned i = 0; i < sizeof others / sizeof *others; i++) {
         unsigned same = 0;
         while (others[i][same] && others[i][same] == text[same]) same++;
         if (!others[i][same] && same == length) return false;

@@ -71,6 +71,7 @@ pub const PAGES: &[Page] = pages! {
     spring: free_length_and_preload negative no_length;
     syntax: character more_errors stray too_deep too_large unclosed unclosed_string unexpected unknown_keyword;
     table: drift first_column heading order row scale too_short unit units_differ unreadable;
+    tolerance: correlation outside width;
     unbalance: emit speed;
     unit: ambiguous cycles exponent frequency malformed mismatch missing unknown;
     unused: element gravity input parameter point property;

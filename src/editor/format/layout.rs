@@ -299,6 +299,7 @@ fn is_named(keyword: &str) -> bool {
             | "minimise"
             | "maximise"
             | "require"
+            | "correlate"
             | "component"
             | "use"
     )

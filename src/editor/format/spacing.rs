@@ -131,9 +131,13 @@ impl Reader<'_> {
                 let of_optimum = matches!(self.keyword, "minimise" | "maximise")
                     && self.open.is_empty()
                     && matches!(word, "over" | "while");
-                clause || of_optimum || matches!(word, "in" | "along" | "about")
+                let of_tolerance =
+                    self.keyword == "param" && self.open.is_empty() && matches!(word, "spread" | "within");
+                clause || of_optimum || of_tolerance || matches!(word, "in" | "along" | "about")
             }
-            Some(Role::Keyword) => self.keyword == "damping" && word == "modal",
+            Some(Role::Keyword) => {
+                matches!((self.keyword, word), ("damping", "modal") | ("param", "uniform" | "lognormal" | "within"))
+            }
             Some(_) => false,
         }
     }
@@ -183,8 +187,19 @@ impl Reader<'_> {
     fn minus(&mut self, at: usize) {
         let after_value =
             self.visible().is_some_and(|last| matches!(last.role, Role::Word | Role::Value { .. } | Role::Close));
+        let after_value = after_value && !self.starts_coefficient();
         let role = if after_value { Role::Operator { close: self.is_close() } } else { Role::Minus };
         self.push("-", role, at);
+    }
+
+    /// Whether the coefficient of `correlate k, m -0.8` starts here: after the second path, which holds no two words in a row.
+    fn starts_coefficient(&self) -> bool {
+        let path = self.pieces.iter().rposition(|piece| piece.role == Role::Comma).map(|at| &self.pieces[at..]);
+        let begins = |pair: &[Piece]| {
+            matches!(pair[0].role, Role::Word | Role::Close)
+                && matches!(pair[1].role, Role::Word | Role::Value { .. } | Role::Minus | Role::Open('('))
+        };
+        self.keyword == "correlate" && self.open.is_empty() && path.is_some_and(|path| !path.windows(2).any(begins))
     }
 
     /// Whether the current piece belongs to the unit after a colon, `k: N*m/rad`, or after the `in` of an output.

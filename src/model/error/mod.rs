@@ -7,6 +7,7 @@ mod names;
 mod parts;
 mod places;
 mod questions;
+mod tolerances;
 mod values;
 
 pub use belts::BeltError;
@@ -15,6 +16,7 @@ pub use names::NameError;
 pub use parts::{PartError, RowFault, TABLE_UNREADABLE};
 pub use places::{PlaceError, kind_with_article};
 pub use questions::QuestionError;
+pub use tolerances::ToleranceError;
 pub use values::ValueError;
 
 use super::scope::DefinitionKind;
@@ -30,6 +32,7 @@ pub enum Error {
     Belt(BeltError),
     Place(PlaceError),
     Question(QuestionError),
+    Tolerance(ToleranceError),
 }
 
 impl Error {
@@ -43,6 +46,7 @@ impl Error {
             Error::Belt(error) => error.diagnostic(),
             Error::Place(error) => error.diagnostic(),
             Error::Question(error) => error.diagnostic(),
+            Error::Tolerance(error) => error.diagnostic(),
         }
     }
 }
@@ -50,6 +54,12 @@ impl Error {
 impl From<ValueError> for Error {
     fn from(error: ValueError) -> Error {
         Error::Value(error)
+    }
+}
+
+impl From<ToleranceError> for Error {
+    fn from(error: ToleranceError) -> Error {
+        Error::Tolerance(error)
     }
 }
 

@@ -1,0 +1,168 @@
+//! Tolerances of parameters in the language: what they mean in SI units, and each mistake as one finding at its place.
+
+use crate::bad_loads::one;
+use crate::measures::sources;
+use vibc::base::SourceFile;
+use vibc::model::scene::{Scene, Spread};
+use vibc::model::{self, Overrides};
+
+const AFTER: &str = "\nbody block { mass = m, moves x }\nspring s: ground -- block { k = k }\n";
+
+fn scene(text: &str, set: Option<&str>) -> Scene {
+    let (mut sources, file) = sources(&format!("{text}{AFTER}"));
+    let arguments = set
+        .map(|set| sources.add(SourceFile { kind: vibc::SourceKind::Arguments, ..SourceFile::model("outside", set) }));
+    let tree = vibc::syntax::parse(&sources, file).tree;
+    let checked = model::check(&sources, &tree, &Overrides { arguments, ..Overrides::default() });
+    assert!(checked.diagnostics.is_empty(), "{text}: {:?}", checked.diagnostics);
+    checked.scene.expect("a scene").scene().clone()
+}
+
+/// The range of `param k = 10 N/m` with these clauses.
+fn range(clauses: &str, set: Option<&str>) -> [f64; 2] {
+    let scene = scene(&format!("param m = 1 kg\nparam k = 10 N/m {clauses}"), set);
+    let [tolerance] = &scene.tolerances[..] else { panic!("{clauses}") };
+    assert_eq!(tolerance.parameter.name, "k");
+    tolerance.within.as_ref().expect("a range").each_ref().map(|end| end.to_f64())
+}
+
+#[test]
+fn a_tolerance_is_a_share_a_half_width_or_a_range() {
+    assert_eq!(range("within 5 %", None), [9.5, 10.5]);
+    assert_eq!(range("within 0.2 N/m", None), [9.8, 10.2]);
+    assert_eq!(range("within 200 N/km", None), [9.8, 10.2]);
+    assert_eq!(range("within 9 N/m .. 12 N/m", None), [9.0, 12.0]);
+    assert_eq!(range("within 10 N/m..0.012 kN/m", None), [10.0, 12.0]);
+    assert_eq!(range("spread 10 % within 30 %", None), [7.0, 13.0]);
+    assert_eq!(range("within 5 %", Some("k = 20 N/m")), [19.0, 21.0]);
+    assert_eq!(range("within (2 + 3) * 1 %", None), [9.5, 10.5]);
+}
+
+#[test]
+fn a_spread_is_normal_lognormal_or_uniform() {
+    let spread = |clauses: &str| {
+        let scene = scene(&format!("param m = 1 kg\nparam k = 10 N/m {clauses}"), None);
+        scene.tolerances[0].spread.clone()
+    };
+    let deviation = |clauses: &str| match spread(clauses) {
+        Some(Spread::Normal { deviation }) => ("normal", deviation.to_f64()),
+        Some(Spread::Lognormal { deviation }) => ("lognormal", deviation.to_f64()),
+        _ => panic!("{clauses}"),
+    };
+    assert_eq!(deviation("spread 2.5 %"), ("normal", 0.25));
+    assert_eq!(deviation("spread 0.1 N/m"), ("normal", 0.1));
+    assert_eq!(deviation("spread lognormal 3 %"), ("lognormal", 0.03));
+    assert!(matches!(spread("spread uniform within 3 %"), Some(Spread::Uniform)));
+    assert!(spread("within 3 %").is_none());
+}
+
+#[test]
+fn parameters_of_a_repeat_are_independent_and_correlations_name_them() {
+    let text = "param k = 10 N/m spread 2 %\nparam m = 1 kg\nrepeat i in 1..3 {\n    param c[i] = i * 1 N*s/m spread 2 %\n    \
+                damper d[i]: ground -- block { c = c[i] }\n}\ncorrelate c[3], k -0.5\ncorrelate c[1], c[2] 0.5";
+    let scene = scene(text, None);
+    let names: Vec<&str> = scene.tolerances.iter().map(|tolerance| tolerance.parameter.name.as_str()).collect();
+    assert_eq!(names, ["k", "c[1]", "c[2]", "c[3]"]);
+    let pairs: Vec<([usize; 2], f64)> =
+        scene.correlations.iter().map(|one| (one.pair, one.coefficient.to_f64())).collect();
+    assert_eq!(pairs, [([0, 3], -0.5), ([1, 2], 0.5)]);
+}
+
+/// Three equal coefficients r are those of some distribution for r > -1/2, and for no other r.
+#[test]
+fn correlations_are_positive_definite() {
+    let text = |r: &str| {
+        format!(
+            "param m = 1 kg spread 1 %\nparam k = 10 N/m spread 1 %\nparam c = 1 N*s/m spread 1 %\n\
+             correlate m, k {r}\ncorrelate c, m {r}\n«correlate k, c {r}»\n\
+             damper d: ground -- block {{ c = c }}{AFTER}"
+        )
+    };
+    for r in ["-0.499", "-0.4999999999999999999999", "0.9999999999999999999999"] {
+        let written = text(r).replace(['«', '»'], "").replace(AFTER, "");
+        assert_eq!(scene(&written, None).correlations.len(), 3, "{r}");
+    }
+    for r in ["-0.5", "-0.501", "-1/2"] {
+        one(&text(r), "vib::tolerance::correlation");
+    }
+}
+
+#[test]
+fn a_mistake_in_a_tolerance_is_one_finding() {
+    for (line, code) in [
+        ("param k = 10 N/m within «11 N/m .. 12 N/m»", "vib::tolerance::outside"),
+        ("param k = 10 N/m within «8 N/m .. 9 N/m»", "vib::tolerance::outside"),
+        ("param k = 10 N/m within «12 N/m .. 9 N/m»", "vib::solve::range"),
+        ("param k = 10 N/m within «10 N/m .. 10 N/m»", "vib::solve::range"),
+        ("param k = 10 N/m within «5 kg»", "vib::unit::mismatch"),
+        ("param k = 10 N/m within «5 kg .. 6 kg»", "vib::unit::mismatch"),
+        ("param k = 10 N/m within 9 N/m .. «6 kg»", "vib::unit::mismatch"),
+        ("param k = 10 N/m within «0 %»", "vib::tolerance::width"),
+        ("param k = 10 N/m within «-5 %»", "vib::tolerance::width"),
+        ("param k = 10 N/m spread «-5 %»", "vib::tolerance::width"),
+        ("param k = 10 N/m spread «0 N/m»", "vib::tolerance::width"),
+        ("param k = 10 N/m spread lognormal «-3 %»", "vib::tolerance::width"),
+        ("param k = 10 N/m spread lognormal «1 N/m»", "vib::unit::mismatch"),
+        ("param k = -10 N/m spread lognormal «1 %»", "vib::tolerance::width"),
+        ("param k = 0 N/m within «5 %»", "vib::tolerance::width"),
+        ("param k = 10 N/m «spread uniform»", "vib::tolerance::width"),
+        ("param z = 2 within «5 %»\nlet k = z * 1 N/m", "vib::tolerance::width"),
+        ("param z = 2 spread «0.1»\nlet k = z * 1 N/m", "vib::tolerance::width"),
+        ("param k = 10 N/m within 5 %\ncorrelate k, «m» 0.8", "vib::tolerance::correlation"),
+        ("param k = 10 N/m within 5 %\ncorrelate k, «z» 0.8", "vib::name::unknown"),
+        ("param k = 10 N/m within 5 %\ncorrelate k, «k» 0.8", "vib::tolerance::correlation"),
+        (
+            "param k = 10 N/m within 5 %\nparam c = 1 N/m within 5 %\nlet u = c\ncorrelate k, c «1.5»",
+            "vib::tolerance::correlation",
+        ),
+        (
+            "param k = 10 N/m within 5 %\nparam c = 1 N/m within 5 %\nlet u = c\ncorrelate k, c 0.5\n«correlate c, k 0.5»",
+            "vib::tolerance::correlation",
+        ),
+    ] {
+        one(
+            &format!("param m = 1 kg\n{line}{AFTER}").replace("let u = c\n", "spring t: ground -- block { k = c }\n"),
+            code,
+        );
+    }
+}
+
+#[test]
+fn a_value_from_outside_lies_in_the_tolerance() {
+    let (mut sources, file) = sources(&format!("param m = 1 kg\nparam k = 10 N/m within 9 N/m .. 11 N/m{AFTER}"));
+    let arguments = Some(
+        sources.add(SourceFile { kind: vibc::SourceKind::Arguments, ..SourceFile::model("outside", "k = 12 N/m") }),
+    );
+    let tree = vibc::syntax::parse(&sources, file).tree;
+    let checked = model::check(&sources, &tree, &Overrides { arguments, ..Overrides::default() });
+    let codes: Vec<&str> = checked.diagnostics.iter().map(|found| found.code.0).collect();
+    assert_eq!(codes, ["vib::tolerance::outside"]);
+}
+
+#[test]
+fn a_tolerance_has_one_layout() {
+    for (written, laid_out) in [
+        ("param k=10N/m  within   5%\n", "param k = 10 N/m within 5 %\n"),
+        ("param k = 2 N/m spread   3% within 1N/m..3 N/m\n", "param k = 2 N/m spread 3 % within 1 N/m .. 3 N/m\n"),
+        ("param k=2 spread uniform  within(1) .. 3\n", "param k = 2 spread uniform within (1) .. 3\n"),
+        ("param k=2 m spread  lognormal -3%\n", "param k = 2 m spread lognormal -3 %\n"),
+        ("correlate k ,  m[1] - 0.8\n", "correlate k, m[1] -0.8\n"),
+        ("correlate k, m[i, 1] a - 0.8\n", "correlate k, m[i, 1] a - 0.8\n"),
+        ("correlate k, m -a-0.8\n", "correlate k, m -a - 0.8\n"),
+    ] {
+        let (sources, file) = sources(written);
+        let once = vibc::format(&sources, file).answer.expect("a model");
+        assert_eq!(once, laid_out);
+    }
+}
+
+/// k = 4 pi^2 N/m is outside of the range; a value that an analysis tries is no mistake in the model.
+#[test]
+fn a_value_that_solve_finds_may_lie_outside() {
+    let text =
+        "param m = 1 kg\nparam k = 10 N/m within 9 N/m .. 11 N/m\nsolve k in 20 N/m .. 100 N/m: frequency(1) = 1 Hz";
+    let (sources, file) = sources(&format!("{text}{AFTER}"));
+    let outcome = vibc::analyze(&sources, file, &Overrides::default());
+    assert!(outcome.diagnostics.is_empty(), "{:?}", outcome.diagnostics);
+    assert_eq!(outcome.answer.expect("a report").solved.len(), 1);
+}
