@@ -354,7 +354,7 @@ fn what_has_no_spectrum_is_refused() {
     let forced =
         "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\nforce F: b along x = step(1 N, 0 s)\n";
     let usual = ["--at", "1Hz"];
-    let cases: [(String, &[&str], &str); 12] = [
+    let cases: [(String, &[&str], &str); 13] = [
         (plain.clone(), &usual, "no base of the model has a signal"),
         (plain, &["--from", "g", "--at", "1Hz"], "it has no signal that moves it"),
         (forced.into(), &["--from", "F", "--at", "1Hz"], "`F` is not a base of the model; it has none"),
@@ -364,6 +364,8 @@ fn what_has_no_spectrum_is_refused() {
         (scene("impulse(1 m*s, 0 s)"), &usual, "an impulse of its displacement"),
         (scene("noise(white 1 m^2/s^4/Hz)"), &usual, "noise has no time history"),
         (scene("step(1 m, 0 s)"), &["--at", "0Hz"], "above zero"),
+        // Minutes of work and gigabytes of candidates, for maxima without digits.
+        (scene("ramp(50 mm, 0.1 s, 0.15 s)"), &["--damping", "1e9", "--at", "1Hz"], "the damping ratio is above 1000"),
         (scene("step(1 m, 0 s)"), &["--range", "0Hz..2Hz"], "above zero"),
         (
             scene("pulse(1 m/s^2, 0 s, 100000 s)"),

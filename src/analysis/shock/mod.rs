@@ -105,6 +105,7 @@ pub enum Refusal {
     /// A frequency is not above zero.
     Frequency,
     DampingNegative,
+    DampingLarge,
     /// Steps of all oscillators together.
     TooLong {
         steps: f64,
@@ -115,6 +116,10 @@ pub enum Refusal {
 
 /// Limit on the steps of all oscillators together: some ten seconds of work.
 const MOST_STEPS: f64 = 4e9;
+
+/// Limit on damping ratios. At 1e3 maxima have at least seven digits; the steps grow with the ratio, and the candidates for a
+/// maximum that are kept grow with the error.
+const MOST_DAMPING: i64 = 1000;
 
 impl std::fmt::Display for Refusal {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
@@ -127,6 +132,11 @@ impl std::fmt::Display for Refusal {
             Refusal::Impulse => f.write_str("an impulse of its displacement makes the relative motion infinite"),
             Refusal::Frequency => f.write_str("the frequency of an oscillator is above zero"),
             Refusal::DampingNegative => f.write_str("the damping ratio is negative"),
+            Refusal::DampingLarge => write!(
+                f,
+                "the damping ratio is above {MOST_DAMPING}: so slow an oscillator takes as many steps as it is damped, and its \
+                 error grows with them"
+            ),
             Refusal::TooLong { steps } => {
                 write!(f, "that would take {steps:.1e} steps of oscillators; the limit is {MOST_STEPS:.0e}")
             }
@@ -139,6 +149,9 @@ impl std::fmt::Display for Refusal {
 pub fn shock(signals: &[Signal], derivative: u8, request: &Request) -> Result<ShockSpectrum, Refusal> {
     if request.damping.is_negative() {
         return Err(Refusal::DampingNegative);
+    }
+    if (&request.damping - &Number::from(MOST_DAMPING)).is_positive() {
+        return Err(Refusal::DampingLarge);
     }
     let motion = BaseMotion::of(signals, derivative)?;
     let mut frequencies = match &request.grid {
