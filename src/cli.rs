@@ -315,14 +315,21 @@ impl Shock {
 }
 
 #[derive(Debug, Args)]
+#[command(group(clap::ArgGroup::new("values").required(true)))]
 pub struct Sweep {
     /// The model; `-` reads standard input
     pub file: PathBuf,
     #[command(flatten)]
     pub overrides: OverrideOptions,
     /// Values of a parameter: `k=5N/m..50N/m:200` for 200 at equal distances, `m=0.1kg,0.5kg,1kg` for these; may be repeated, then every combination is a case
-    #[arg(long, value_name = "NAME=VALUES", value_parser = swept, required = true)]
+    #[arg(long, value_name = "NAME=VALUES", value_parser = swept, group = "values")]
     pub over: Vec<String>,
+    /// So many cases with random values of the parameters that have `spread` or `within`
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1..=1_000_000_000), group = "values")]
+    pub samples: Option<u32>,
+    /// The seed of the random values [default: 0]
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = seed, conflicts_with = "over")]
+    pub seed: Option<u64>,
     /// A measure as in a model, such as 'gain(F -> x, 3 Hz)'; may be repeated
     #[arg(long, value_name = "MEASURE", value_parser = measure)]
     pub measure: Vec<String>,

@@ -6,7 +6,8 @@ use crate::base::{FileId, Number, Sources};
 use crate::kernel::cores;
 use crate::model::{self, Overrides};
 use crate::questions::answer::Case;
-use crate::questions::cases::{Asked, Study};
+use crate::questions::cases::{Asked, Study, Varied};
+use crate::questions::samples::Samples;
 use crate::reading::{self, Reading};
 use crate::syntax;
 
@@ -15,6 +16,8 @@ use crate::syntax;
 pub struct StudyRequest {
     /// A file with a line for each parameter and its values: `k=5N/m..50N/m:200`, `m=1kg,2kg`.
     pub over: FileId,
+    /// Random values in place of these: the number of cases, and the seed.
+    pub samples: Option<(u64, u64)>,
     /// A file with a measure a line, written as in a model: `gain(F -> x, 3 Hz)`.
     pub measures: Option<FileId>,
     /// The number of lowest modes; `None` for the usual six if nothing else is asked for.
@@ -33,6 +36,8 @@ const USUAL_MODES: u32 = 6;
 
 /// The relative bound of a frequency that is good enough if no other is asked for.
 const USUAL_TOLERANCE: f64 = 1e-10;
+
+const NOTHING_RANDOM: &str = "no parameter of the model is random: write `spread 3 %` or `within 5 %` after its value";
 
 /// Prepares a study; the inner error says why there is none.
 pub fn study<'a>(
@@ -63,18 +68,28 @@ pub fn study<'a>(
         let asks = request.poles || !scene.scene().requires.is_empty() || !scene.scene().asked.is_empty();
         let modes = request.modes.unwrap_or(if asks { 0 } else { USUAL_MODES }) as usize;
         let mut reading = Reading::declared(sources, overrides, tree, scene.clone());
-        if request.hold_solved {
+        let hold_solved = request.hold_solved || request.samples.is_some();
+        if hold_solved {
             reading.settle(diagnostics)?;
         }
         let asked = Asked {
             modes,
             poles: request.poles,
-            hold_solved: request.hold_solved,
+            hold_solved,
             until: request.until,
             tolerance: request.tolerance.unwrap_or(USUAL_TOLERANCE),
         };
         let (name, held) = (reading.name(), std::mem::take(&mut reading.settings));
-        Some(Ok((name, Study::new((sources, reading.tree, overrides), &scene, swept, held, asked))))
+        let varied = match request.samples {
+            None => Varied::Over(swept),
+            Some((count, seed)) => Varied::Drawn(Samples::of(scene.scene(), &held, count, seed)),
+        };
+        if let Varied::Drawn(samples) = &varied
+            && samples.tolerances.is_empty()
+        {
+            return Some(Err(NOTHING_RANDOM.into()));
+        }
+        Some(Ok((name, Study::new((sources, reading.tree, overrides), &scene, varied, held, asked))))
     })
 }
 

@@ -53,7 +53,7 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
     let path = options.output.file.as_deref();
     let written = match options.format {
         SweepFormat::Text => {
-            let mut ranges = Ranges::new(&study.columns);
+            let mut ranges = Ranges::new(&study.columns, options.samples.is_some());
             let gathered = in_blocks(0..count, |numbers| {
                 cases(&study, numbers, |case| case).iter().for_each(|case| ranges.add(case));
                 Ok(())
@@ -90,6 +90,7 @@ fn request(options: &Sweep, input: &mut Input) -> StudyRequest {
     };
     StudyRequest {
         over,
+        samples: options.samples.map(|count| (u64::from(count), options.seed.unwrap_or(0))),
         measures,
         modes: options.modes,
         poles: options.poles,

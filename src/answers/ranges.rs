@@ -8,6 +8,8 @@ use crate::questions::answer::{Case, Column, Entry};
 #[derive(Clone, Debug, Default)]
 pub struct Ranges {
     pub cases: u64,
+    /// Whether the cases are random, so that means estimate those of the distribution.
+    pub random: bool,
     /// In the order of the columns.
     pub columns: Vec<Range>,
     /// Each code with the number of its cases and the first of these, in order of appearance.
@@ -21,6 +23,8 @@ pub struct Range {
     pub ends: Option<[(Ball, Case); 2]>,
     /// The largest absolute error bound.
     pub bound: Option<Bound>,
+    /// The number of finite values, their mean, and the sum of the squares of their distances from it.
+    pub moments: (u64, f64, f64),
     pub infinite: u64,
     pub unproven: u64,
     pub holds: u64,
@@ -30,8 +34,8 @@ pub struct Range {
 }
 
 impl Ranges {
-    pub fn new(columns: &[Column]) -> Ranges {
-        Ranges { columns: vec![Range::default(); columns.len()], ..Ranges::default() }
+    pub fn new(columns: &[Column], random: bool) -> Ranges {
+        Ranges { random, columns: vec![Range::default(); columns.len()], ..Ranges::default() }
     }
 
     /// Adds a case.
@@ -65,6 +69,12 @@ impl Range {
         let bound = Bound::of_midpoint(value);
         self.bound =
             Some(self.bound.map_or(bound, |largest| if largest.value() < bound.value() { bound } else { largest }));
+        // Updated as B. P. Welford does (Technometrics 4, 1962, 419-420).
+        let (count, mean, squares) = &mut self.moments;
+        *count += 1;
+        let (x, old) = (value.to_f64(), *mean);
+        *mean += (x - old) / *count as f64;
+        *squares += (x - old) * (x - *mean);
         match &mut self.ends {
             None => self.ends = Some([(value, case.clone()), (value, case.clone())]),
             Some([least, largest]) => {

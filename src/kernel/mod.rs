@@ -8,6 +8,7 @@ pub(crate) mod cores;
 pub mod dense;
 pub mod disc;
 pub(crate) mod lanes;
+pub(crate) mod normal;
 pub(crate) mod pairwise;
 pub mod pencils;
 pub(crate) mod philox;

@@ -5,13 +5,14 @@ use super::answer::{Case, Column, Entry, Holds, Value, shown};
 use super::error::AskedError;
 use super::optimum::settle;
 use super::require;
+use super::samples::Samples;
 use super::trial::{self, Facts, Text};
 use crate::analysis::{self, Measurement, Modal, Modes, Poles, Request, Which};
 use crate::base::readable::readable;
 use crate::base::{Diagnostics, Number, Sources, Unproven};
 use crate::dynamics::{self, WrittenOut};
 use crate::lower;
-use crate::model::scene::{Question, Written};
+use crate::model::scene::{Parameter, Question, Written};
 use crate::model::{self, CheckedScene, Overrides, Setting, Swept};
 use crate::syntax::tree::Tree;
 
@@ -29,13 +30,56 @@ pub struct Asked {
     pub tolerance: f64,
 }
 
+/// Which parameters have other values, and which.
+#[derive(Clone, Debug)]
+pub enum Varied {
+    /// Every combination of these.
+    Over(Vec<Swept>),
+    /// Random ones.
+    Drawn(Samples),
+}
+
+impl Varied {
+    /// The number of cases; at most `u64::MAX`.
+    fn count(&self) -> u64 {
+        match self {
+            Varied::Over(swept) => swept.iter().fold(1, |count: u64, swept| count.saturating_mul(swept.points.count())),
+            Varied::Drawn(samples) => samples.count,
+        }
+    }
+
+    fn parameters(&self) -> Vec<&Parameter> {
+        match self {
+            Varied::Over(swept) => swept.iter().map(|swept| &swept.parameter).collect(),
+            Varied::Drawn(samples) => samples.tolerances.iter().map(|tolerance| &tolerance.parameter).collect(),
+        }
+    }
+
+    /// The values of a case: of combinations, those of the last parameter change fastest.
+    fn values(&self, number: u64) -> Vec<Setting> {
+        let swept = match self {
+            Varied::Over(swept) => swept,
+            Varied::Drawn(samples) => return samples.values(number),
+        };
+        let mut rest = number;
+        let mut values: Vec<Setting> = Vec::with_capacity(swept.len());
+        for swept in swept.iter().rev() {
+            let count = swept.points.count();
+            values.push((swept.parameter.name.clone(), swept.quantity(rest % count)));
+            rest /= count;
+        }
+        values.reverse();
+        values
+    }
+}
+
 /// A study of a model.
 #[derive(Clone, Debug)]
 pub struct Study<'a> {
     pub sources: &'a Sources,
     pub tree: Tree,
     pub overrides: &'a Overrides,
-    pub swept: Vec<Swept>,
+    pub varied: Varied,
     pub asked: Asked,
     /// The values that determined parameters are held at.
     pub held: Vec<Setting>,
@@ -54,12 +98,12 @@ impl<'a> Study<'a> {
     pub fn new(
         (sources, tree, overrides): (&'a Sources, Tree, &'a Overrides),
         scene: &CheckedScene,
-        swept: Vec<Swept>,
+        varied: Varied,
         held: Vec<Setting>,
         asked: Asked,
     ) -> Study<'a> {
         let (columns, sizes, measured) = (Vec::new(), (0, 0), Vec::new());
-        let mut study = Study { sources, tree, overrides, swept, asked, held, columns, sizes, measured };
+        let mut study = Study { sources, tree, overrides, varied, asked, held, columns, sizes, measured };
         let most = [Some(scene.clone()), study.scene_of(0), study.scene_of(study.count().saturating_sub(1))];
         let coordinates = most.iter().flatten().filter_map(|scene| Some(lower::lower(scene).lowered?.system.n()));
         let n = coordinates.max().unwrap_or(0);
@@ -70,20 +114,11 @@ impl<'a> Study<'a> {
 
     /// The number of cases; at most `u64::MAX`.
     pub fn count(&self) -> u64 {
-        self.swept.iter().fold(1, |count, swept| count.saturating_mul(swept.points.count()))
+        self.varied.count()
     }
 
-    /// The values of a case: those of the last parameter change fastest.
     pub(super) fn values(&self, number: u64) -> Vec<Setting> {
-        let mut rest = number;
-        let mut values: Vec<Setting> = Vec::with_capacity(self.swept.len());
-        for swept in self.swept.iter().rev() {
-            let count = swept.points.count();
-            values.push((swept.parameter.name.clone(), swept.quantity(rest % count)));
-            rest /= count;
-        }
-        values.reverse();
-        values
+        self.varied.values(number)
     }
 
     fn scene_of(&self, number: u64) -> Option<CheckedScene> {
@@ -95,8 +130,7 @@ impl<'a> Study<'a> {
         let scene = scene.scene();
         let column = |name: String, unit: &str, holds| Column { name, unit: unit.to_string(), holds };
         let mut list: Vec<Column> = Vec::new();
-        for swept in &self.swept {
-            let parameter = &swept.parameter;
+        for parameter in self.varied.parameters() {
             list.push(column(parameter.name.clone(), &parameter.unit.text, Holds::Parameter));
         }
         if !self.asked.hold_solved {
@@ -137,9 +171,11 @@ impl<'a> Study<'a> {
 
     /// The columns of the parameters.
     pub(super) fn given(&self, values: &[Setting]) -> Vec<Entry> {
-        let shown =
-            |(swept, (_, quantity)): (&Swept, &Setting)| shown(&quantity.si, &swept.parameter.unit, false).number;
-        self.swept.iter().zip(values).map(|pair| Entry::Enclosed(shown(pair))).collect()
+        let parameters = self.varied.parameters();
+        let entry = |(parameter, (_, quantity)): (&Parameter, &Setting)| {
+            Entry::Enclosed(shown(&quantity.si, &parameter.unit, false).number)
+        };
+        parameters.into_iter().zip(values).map(entry).collect()
     }
 
     /// The row of a case, by the methods of `analyze`.

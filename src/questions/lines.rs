@@ -2,7 +2,7 @@
 //! frequencies of many cases are computed side by side. In: numbers of cases. Out: their rows. See docs/method/studies.md#lines.
 
 use super::answer::{Case, Entry};
-use super::cases::Study;
+use super::cases::{Study, Varied};
 use crate::base::number::jet;
 use crate::base::{Ball, Diagnostics, Jet, Number};
 use crate::dynamics;
@@ -17,7 +17,10 @@ const FEW: u64 = 16;
 impl Study<'_> {
     /// The rows of these cases, which are in ascending order. A row depends on the number of its case alone, not on the others.
     pub fn cases(&self, numbers: &[u64]) -> Vec<Case> {
-        let inner = self.swept.last().map_or(1, |swept| swept.points.count());
+        let inner = match &self.varied {
+            Varied::Over(swept) => swept.last().map_or(1, |swept| swept.points.count()),
+            Varied::Drawn(_) => 1,
+        };
         if inner < FEW || !self.asks_frequencies_alone() {
             return numbers.iter().map(|&number| self.case(number)).collect();
         }
@@ -56,7 +59,8 @@ impl Study<'_> {
 
     /// The line of cases from `first` on, if its matrices are certainly linear in the last parameter.
     fn line(&self, first: u64) -> Option<pencils::Line> {
-        let swept = self.swept.last()?;
+        let Varied::Over(swept) = &self.varied else { return None };
+        let swept = swept.last()?;
         let (low, high) = ends(&swept.points);
         let centre = &(&low + &high) / &Number::from(2);
         let reach = (&high - &centre).to_ball().magnitude();

@@ -24,6 +24,7 @@ mod optimum;
 mod probe;
 mod range_enclosure;
 mod require;
+pub mod samples;
 mod search;
 mod sensitivity;
 pub mod trial;

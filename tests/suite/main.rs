@@ -83,6 +83,7 @@ mod requirement_reports;
 mod response;
 mod response_spectra;
 mod rest;
+mod samples;
 mod sanitizer;
 mod schema;
 mod settling;

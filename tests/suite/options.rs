@@ -18,6 +18,7 @@ const DROP: &str = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nbase t { 
 const SHAKEN: &str = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n\
                       damper d: ground -- b { c = 1 N*s/m }\nforce F: b along x = noise(1 N^2/Hz, 1 Hz .. 2 Hz)\n\
                       output x = b.x\n";
+const RANDOM: &str = "param k = 10 N/m spread 3 %\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
 /// A finished part of a sweep, for `merge`.
 const PART: &str = "# vibc sweep part 0/1 of 1 cases, study 0\ncase,code\n0,\n# end\n";
 const SETTINGS: &str = "k = \"12 N/m\"\n";
@@ -36,7 +37,7 @@ type Values = (&'static str, &'static str, &'static [Good], &'static [&'static s
 
 const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
 
-const VALUES: [Values; 51] = [
+const VALUES: [Values; 53] = [
     (
         "*",
         "set",
@@ -146,6 +147,8 @@ const VALUES: [Values; 51] = [
         &[Done("gain(F -> x, 3 Hz)"), Done("2 * frequency(1)"), Ends("stable", 1), Ends("k", 1), Ends("gain(", 2)],
         &["", " ", "frequency(1)\n"],
     ),
+    ("sweep", "samples", &[Done("1"), Done("100")], &["0", "-1", "1000000001", "1.5", "x", ""]),
+    ("sweep", "seed", &[Done("7"), Done("18446744073709551615")], &["", "-1", "1.5", "x", "18446744073709551616"]),
     ("sweep", "modes", &[Done("1"), Done("1000")], &["0", "-1", "1001", "1.5", "all", ""]),
     (
         "sweep",
@@ -251,6 +254,7 @@ const VALUES: [Values; 51] = [
 fn needed(command: &str, option: &str) -> Vec<&'static str> {
     let file = "@/scene.vib";
     let mut needed = match command {
+        "sweep" if matches!(option, "samples" | "seed") => vec!["@/random.vib"],
         "analyze" | "transfer" | "bench" | "sweep" | "draw" | "equations" | "report" | "watch" if option != "file" => {
             vec![file]
         }
@@ -275,7 +279,8 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
         ("emit", "until") => needed.extend(["--target", "c", "--program", "--output", "@/code"]),
         ("emit", "target") => {}
         ("emit", _) => needed.extend(["--target", "c"]),
-        ("sweep", "over") => {}
+        ("sweep", "over" | "samples") => {}
+        ("sweep", "seed") => needed.extend(["--samples", "3"]),
         ("sweep", "shard") => needed.extend(["--over", "k=5N/m,6N/m", "--format", "csv", "--output", "@/out.csv"]),
         ("sweep", _) => needed.extend(["--over", "k=5N/m,6N/m"]),
         ("shock", "range") => {}
@@ -305,6 +310,7 @@ impl Setting {
         fs::write(at("scene.vib"), SCENE).expect("a file");
         fs::write(at("drop.vib"), DROP).expect("a file");
         fs::write(at("shaken.vib"), SHAKEN).expect("a file");
+        fs::write(at("random.vib"), RANDOM).expect("a file");
         fs::write(at("part.csv"), PART).expect("a file");
         fs::write(at("settings.toml"), SETTINGS).expect("a file");
         fs::write(at("bytes"), [0xff, 0xfe, 0, 0x1b, b'\n']).expect("a file");

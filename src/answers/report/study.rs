@@ -7,6 +7,9 @@ use crate::questions::answer::{Case, Column, Entry, Holds, few_digits};
 
 const DIGITS: usize = 6;
 
+/// A normal variable is as close to its mean as so many standard deviations with a probability of 95 %.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
 /// The least and the largest value of each column, with the cases that have them.
 pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
     let title = line![model.to_string(), " · ", count(ranges.cases, "case", "cases")];
@@ -40,6 +43,30 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
         cells.push(remark(range.infinite, range.unproven, range.none).into());
         table.row(cells);
     }
+    let mut statistics = Table::of([
+        ("", Align::Left),
+        ("unit", Align::Left),
+        ("mean", Align::Point),
+        ("±, 95 %", Align::Right),
+        ("standard deviation", Align::Point),
+    ]);
+    for (column, range) in of(|holds| holds != Holds::Verdict).filter(|_| ranges.random) {
+        let (number, mean, squares) = range.moments;
+        let number_of = number as f64;
+        // A mean without the cases that have no finite value is none of the distribution.
+        let is_whole = number == ranges.cases && number > 1;
+        let deviation = (squares / (number_of - 1.0)).sqrt();
+        let within = NORMAL_95 * deviation / number_of.sqrt();
+        let cell = |value: f64| if is_whole { Cell::from(few_digits(value)) } else { Cell::from("?") };
+        statistics.row(vec![
+            column.name.clone().into(),
+            column.unit.clone().into(),
+            cell(mean),
+            cell(within),
+            cell(deviation),
+        ]);
+    }
+    let estimated = if statistics.rows.is_empty() { Vec::new() } else { vec![Block::from(statistics)] };
     let mut verdicts = Table::of([
         ("requirement", Align::Left),
         ("holds", Align::Right),
@@ -59,6 +86,7 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
         title,
         [
             Section::new("Ranges", [table.into()]),
+            Section::new("Estimates", estimated),
             Section::new("Requirements", required),
             Section::new("Stopped", codes),
         ],

@@ -1,0 +1,140 @@
+//! Random values of the parameters that have a tolerance or a spread. In: tolerances, their correlations, a seed. Out: for each case
+//! the values, which depend on the seed and the number of the case alone. See docs/method/studies.md#samples.
+
+use crate::base::{Number, Quantity, Rational};
+use crate::kernel::normal::{cumulative, quantile};
+use crate::kernel::philox::philox;
+use crate::model::Setting;
+use crate::model::scene::{Scene, Spread, Tolerance};
+
+/// The draws of a study.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    pub count: u64,
+    seed: u64,
+    pub tolerances: Vec<Tolerance>,
+    /// For each parameter that is correlated with one before it, its row of the Cholesky factor L of the matrix of correlations.
+    rows: Vec<Option<Vec<f64>>>,
+}
+
+/// The streams of random numbers of other purposes have other numbers here.
+const STREAM: u32 = 0x7661_7279;
+
+impl Samples {
+    /// The draws of a scene; of parameters that are held none.
+    pub fn of(scene: &Scene, held: &[Setting], count: u64, seed: u64) -> Samples {
+        let is_free = |tolerance: &Tolerance| held.iter().all(|(name, _)| *name != tolerance.parameter.name);
+        let places: Vec<usize> = (0..scene.tolerances.len()).filter(|&i| is_free(&scene.tolerances[i])).collect();
+        let n = places.len();
+        let mut matrix = vec![vec![0.0; n]; n];
+        for correlation in &scene.correlations {
+            let [a, b] = correlation.pair.map(|of| places.iter().position(|&place| place == of));
+            if let (Some(a), Some(b)) = (a, b) {
+                matrix[a.max(b)][a.min(b)] = correlation.coefficient.to_f64();
+            }
+        }
+        let tolerances = places.iter().map(|&place| scene.tolerances[place].clone()).collect();
+        Samples { count, seed, tolerances, rows: factor(matrix) }
+    }
+
+    /// The values of a case.
+    pub fn values(&self, case: u64) -> Vec<Setting> {
+        let uniform: Vec<f64> = (0..self.tolerances.len()).map(|i| self.uniform(case, i)).collect();
+        let value = |(i, tolerance): (usize, &Tolerance)| {
+            let place = match &self.rows[i] {
+                None => Place::Probability(uniform[i]),
+                Some(row) => Place::Normal(row.iter().zip(&uniform).map(|(l, u)| l * quantile(*u)).sum()),
+            };
+            let value = drawn(tolerance, place).clamp(-f64::MAX, f64::MAX);
+            let parameter = &tolerance.parameter;
+            let si = Rational::from_f64(value).map_or(parameter.value.si.clone(), Number::from);
+            (parameter.name.clone(), Quantity { si, ..parameter.value.clone() })
+        };
+        self.tolerances.iter().enumerate().map(value).collect()
+    }
+
+    /// A number between 0 and 1, both excluded, uniformly distributed.
+    fn uniform(&self, case: u64, parameter: usize) -> f64 {
+        let counter = [case as u32, (case >> 32) as u32, parameter as u32, STREAM];
+        let [high, low, ..] = philox(counter, [self.seed as u32, (self.seed >> 32) as u32]);
+        let bits = (u64::from(high) << 32 | u64::from(low)) >> 12;
+        (bits as f64 + 0.5) / (1u64 << 52) as f64
+    }
+}
+
+/// Where in its distribution a value lies.
+#[derive(Clone, Copy)]
+enum Place {
+    Probability(f64),
+    /// The standard normal variable that is exceeded with the same probability.
+    Normal(f64),
+}
+
+impl Place {
+    fn probability(self) -> f64 {
+        match self {
+            Place::Probability(p) => p,
+            Place::Normal(z) => cumulative(z),
+        }
+    }
+
+    fn normal(self) -> f64 {
+        match self {
+            Place::Probability(p) => quantile(p),
+            Place::Normal(z) => z,
+        }
+    }
+}
+
+/// The value of a parameter at a place of its distribution, in SI units.
+fn drawn(tolerance: &Tolerance, place: Place) -> f64 {
+    let centre = tolerance.parameter.value.si.to_f64();
+    let ends = tolerance.within.as_ref().map(|ends| ends.each_ref().map(Number::to_f64));
+    match (&tolerance.spread, ends) {
+        (Some(Spread::Normal { deviation }), _) => {
+            let deviation = deviation.to_f64();
+            let within = ends.map(|ends| ends.map(|end| (end - centre) / deviation));
+            inside(ends, centre + deviation * truncated(within, place))
+        }
+        (Some(Spread::Lognormal { deviation }), _) => {
+            let deviation = deviation.to_f64();
+            let log = |end: f64| if end > 0.0 { libm::log(end / centre) / deviation } else { f64::NEG_INFINITY };
+            inside(ends, centre * libm::exp(deviation * truncated(ends.map(|ends| ends.map(log)), place)))
+        }
+        (Some(Spread::Uniform) | None, Some([low, high])) => inside(ends, low + (high - low) * place.probability()),
+        (Some(Spread::Uniform) | None, None) => centre,
+    }
+}
+
+/// A standard normal variable that lies within the ends.
+fn truncated(ends: Option<[f64; 2]>, place: Place) -> f64 {
+    match ends.map(|ends| ends.map(cumulative)) {
+        None => place.normal(),
+        Some([low, high]) => quantile(low + (high - low) * place.probability()),
+    }
+}
+
+/// Rounding leaves no range.
+fn inside(ends: Option<[f64; 2]>, value: f64) -> f64 {
+    match ends {
+        Some([low, high]) => value.max(low).min(high),
+        None => value,
+    }
+}
+
+/// The rows of L, L L^T being the matrix with ones on its diagonal whose lower triangle is given; none where nothing is left of it.
+fn factor(mut matrix: Vec<Vec<f64>>) -> Vec<Option<Vec<f64>>> {
+    for i in 0..matrix.len() {
+        let (before, rest) = matrix.split_at_mut(i);
+        let row = &mut rest[0];
+        for (j, other) in before.iter().enumerate() {
+            let sum: f64 = row.iter().zip(other).take(j).map(|(a, b)| a * b).sum();
+            row[j] = (row[j] - sum) / other[j];
+        }
+        let sum: f64 = row[..i].iter().map(|x| x * x).sum();
+        // The matrix is positive definite: the check proves it. Rounding may leave nothing of a small pivot.
+        row[i] = (1.0 - sum).max(f64::EPSILON).sqrt();
+    }
+    let row = |(i, row): (usize, Vec<f64>)| row[..i].iter().any(|x| *x != 0.0).then(|| row[..=i].to_vec());
+    matrix.into_iter().enumerate().map(row).collect()
+}

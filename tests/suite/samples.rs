@@ -1,0 +1,144 @@
+//! Random cases beside the distributions that they are drawn from. See docs/method/studies.md#samples.
+
+use std::fs;
+use std::process::{Command, Output};
+
+/// k is a share of the stiffness; each case has the frequency sqrt(k/m) / (2 pi).
+const MODEL: &str = "param k = 100 N/m spread 3 %\nparam m = 2 kg within 1.5 kg .. 3 kg\nparam l = 5 N/m spread lognormal 40 %\n\
+                     param t = 10 N/m spread 30 % within 9 N/m .. 12 N/m\nparam u = 4 N/m spread uniform within 25 %\n\
+                     correlate k, u 0.8\ncorrelate u, l -0.5\nbody b { mass = m, moves x }\n\
+                     spring s: ground -- b { k = k + l + t + u }\n";
+
+fn ran(model: &str, arguments: &[&str]) -> Output {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("m.vib"), model).expect("a file");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+    command.args(["sweep", "m.vib"]).args(arguments).current_dir(folder.path()).output().expect("the program starts")
+}
+
+fn text(model: &str, arguments: &[&str]) -> String {
+    let output = ran(model, arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// The columns of the parameters.
+fn columns(model: &str, count: usize, arguments: &[&str]) -> Vec<Vec<f64>> {
+    let text = text(model, &[arguments, &["--format", "csv", "--modes", "1"]].concat());
+    let mut columns = vec![Vec::new(); count];
+    for line in text.lines().skip(1) {
+        let numbers = line.split(',').skip(1).map(|field| field.parse().expect("a number"));
+        columns.iter_mut().zip(numbers).for_each(|(column, number): (&mut Vec<f64>, f64)| column.push(number));
+    }
+    columns
+}
+
+fn mean(column: &[f64]) -> f64 {
+    column.iter().sum::<f64>() / column.len() as f64
+}
+
+fn covariance(a: &[f64], b: &[f64]) -> f64 {
+    let (x, y) = (mean(a), mean(b));
+    a.iter().zip(b).map(|(a, b)| (a - x) * (b - y)).sum::<f64>() / a.len() as f64
+}
+
+/// Means and standard deviations of each distribution, within five standard errors (of a mean: deviation over the root of the
+/// count; of a deviation: with the fourth moment, at most 1.1 times the deviation over the root here). The truncated one:
+/// Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, 13.10.1, with ends at -1/3 and 2/3 deviations.
+#[test]
+fn draws_have_the_moments_of_their_distributions() {
+    const COUNT: usize = 4000;
+    let [k, m, l, t, u]: [Vec<f64>; 5] =
+        columns(MODEL, 5, &["--samples", "4000", "--seed", "3"]).try_into().expect("five parameters");
+    let density = |z: f64| (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+    // The last two are Phi(-1/3) and Phi(2/3), by another program.
+    let (a, b, below, above) = (-1.0 / 3.0, 2.0 / 3.0, 0.369_441_340_181_763_67, 0.747_507_462_453_077_1);
+    let share = above - below;
+    let shift = (density(a) - density(b)) / share;
+    let narrowed = 1.0 + (a * density(a) - b * density(b)) / share - shift * shift;
+    let spread = (0.4f64 * 0.4).exp();
+    let truth = [
+        (&k, 100.0, 3.0),
+        (&m, 2.25, 1.5 / 12f64.sqrt()),
+        (&l, 5.0 * spread.sqrt(), 5.0 * (spread * (spread - 1.0)).sqrt()),
+        (&t, 10.0 + 3.0 * shift, 3.0 * narrowed.sqrt()),
+        (&u, 4.0, 2.0 / 12f64.sqrt()),
+    ];
+    for (i, (column, middle, deviation)) in truth.into_iter().enumerate() {
+        assert_eq!(column.len(), COUNT);
+        let error = 5.0 * deviation / (COUNT as f64).sqrt();
+        assert!((mean(column) - middle).abs() < error, "{i}: {} and {middle}", mean(column));
+        let found = covariance(column, column).sqrt();
+        // A lognormal variable of 40 % has a fourth moment of some nine squares.
+        assert!((found - deviation).abs() < 1.5 * error, "{i}: {found} and {deviation}");
+    }
+    let within = |column: &[f64], low: f64, high: f64| column.iter().all(|x| (low..=high).contains(x));
+    assert!(within(&m, 1.5, 3.0) && within(&t, 9.0, 12.0) && within(&u, 3.0, 5.0));
+    // The coefficients are those of the normal variables: k itself, ln l, and the quantile that u has in its range, for which
+    // Pearson's coefficient of a normal and a uniform variable is r sqrt(3 / pi).
+    let coefficient = |a: &[f64], b: &[f64]| covariance(a, b) / (covariance(a, a) * covariance(b, b)).sqrt();
+    let logarithm: Vec<f64> = l.iter().map(|l| l.ln()).collect();
+    let factor = (3.0 / std::f64::consts::PI).sqrt();
+    for (found, truth) in [
+        (coefficient(&k, &u), 0.8 * factor),
+        (coefficient(&logarithm, &u), -0.5 * factor),
+        (coefficient(&k, &logarithm), 0.0),
+        (coefficient(&k, &m), 0.0),
+        (coefficient(&t, &m), 0.0),
+    ] {
+        assert!((found - truth).abs() < 5.0 / (COUNT as f64).sqrt(), "{found} and {truth}");
+    }
+}
+
+#[test]
+fn a_case_depends_on_its_number_and_the_seed_alone() {
+    let csv = |arguments: &[&str]| text(MODEL, &[arguments, &["--format", "csv", "--modes", "1"]].concat());
+    let many = csv(&["--samples", "50", "--seed", "7"]);
+    let few = csv(&["--samples", "20", "--seed", "7"]);
+    assert!(many.starts_with(&few) && few.lines().count() == 21);
+    assert_ne!(few, csv(&["--samples", "20", "--seed", "8"]));
+    assert_eq!(csv(&["--samples", "20"]), csv(&["--samples", "20", "--seed", "0"]));
+}
+
+/// The frequency has the value of its own row's parameters; what the model determines is held, also if it has a tolerance.
+#[test]
+fn answers_are_those_of_the_drawn_values() {
+    let solved = "param k = 100 N/m within 50 %\nparam m = 2 kg spread 5 %\nsolve k in 1 N/m .. 1000 N/m: frequency(1) = 1 Hz\n\
+                  body b { mass = m, moves x }\nspring s: ground -- b { k = k }\n";
+    let text = text(solved, &["--samples", "5", "--format", "csv", "--modes", "1"]);
+    assert_eq!(text.lines().next(), Some("case,m [kg],frequency_1 [Hz],frequency_1_bound,code"));
+    for line in text.lines().skip(1) {
+        let numbers: Vec<f64> = line.split(',').take(4).map(|field| field.parse().expect("a number")).collect();
+        let truth = (2.0 / numbers[1]).sqrt();
+        assert!((numbers[2] - truth).abs() <= numbers[3] + 1e-9 * truth, "{line}");
+    }
+}
+
+#[test]
+fn estimates_are_printed() {
+    let text = text(MODEL, &["--samples", "100", "--modes", "1"]);
+    let row = text.lines().skip_while(|line| !line.contains("mean")).find(|line| line.trim().starts_with("m "));
+    let numbers: Vec<f64> =
+        row.expect("a row").split_whitespace().skip(2).map(|word| word.parse().expect("a number")).collect();
+    let [m] = &columns(MODEL, 2, &["--samples", "100"])[1..] else { panic!("m") };
+    let deviation = covariance(m, m).sqrt() * f64::sqrt(100.0 / 99.0);
+    for (found, truth) in numbers.iter().zip([mean(m), 1.96 * deviation / 10.0, deviation]) {
+        // A few digits are printed.
+        assert!((found - truth).abs() < 1e-3 * truth, "{found} and {truth}\n{text}");
+    }
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused() {
+    let plain = "param k = 1 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
+    for (model, arguments, reason) in [
+        (plain, &["--samples", "3"][..], "no parameter of the model is random"),
+        (MODEL, &["--samples", "3", "--over", "k=1N/m,2N/m"], "cannot be used with"),
+        (MODEL, &["--seed", "3", "--over", "k=1N/m,2N/m"], "cannot be used with"),
+        (MODEL, &["--samples", "0"], "from 1 to 1000000000"),
+    ] {
+        let output = ran(model, arguments);
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(output.stdout.is_empty() && output.status.code() == Some(2) && text.contains(reason), "{text}");
+    }
+}
