@@ -21,7 +21,7 @@ use super::rest::{Held, Slack};
 use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
 use crate::elements::{Order, Stretch, Stretched, Vector};
-use crate::model::scene::{Attachment, Element, Geometry, Input, InputKind, Motion, Output, Scene};
+use crate::model::scene::{Attachment, Damping, Element, Geometry, Input, InputKind, Motion, Output, Scene};
 use crate::system::chain::ChainedRow;
 use crate::system::{
     self, Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature, Origin, Source,
@@ -174,6 +174,19 @@ impl<'a> Assembly<'a> {
             outputs,
             initial,
         }
+    }
+
+    /// Which displacements and which velocities of the coordinates are parts of the state: displacements of what has mass or
+    /// damping, velocities of what has mass. `None` where rows are chained, which is not looked into.
+    pub fn states(&self) -> Option<[Vec<bool>; 2]> {
+        let mut kept = [(); 2].map(|()| vec![false; self.reduction.n()]);
+        let is_damped = matches!(self.scene.damping, Some(Damping::Rayleigh { .. }));
+        for (form, orders) in [(&self.m, 0..2), (&self.c, 0..1), (&self.k, if is_damped { 0..1 } else { 0..0 })] {
+            for (i, _) in form.terms().iter().flat_map(|term| form.row(term)) {
+                orders.clone().for_each(|order| kept[order][i.index()] = true);
+            }
+        }
+        self.chain.is_empty().then_some(kept)
     }
 
     /// Adds m |du|^2 for every centre of mass and I dtheta^2 for every body that turns.

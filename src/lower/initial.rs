@@ -24,9 +24,17 @@ pub fn initial(scene: &Scene, assembly: &mut Assembly) -> Result<Vec<(Coordinate
         let (derivative, row) = assembly.placed_motion(motion);
         equations[usize::from(derivative).min(1)].push(equation(row, value, *span));
     }
+    if scene.initial.is_empty() {
+        return Ok(Vec::new());
+    }
+    let kept = assembly.states();
     let mut start: BTreeMap<u32, [Number; 2]> = BTreeMap::new();
     for (order, equations) in equations.into_iter().enumerate() {
-        for (coordinate, value) in solve(equations)? {
+        for (coordinate, (value, span)) in solve(equations)? {
+            let is_kept = kept.as_ref().is_none_or(|kept| kept[order][coordinate as usize]);
+            if !(is_kept || value.is_zero()) {
+                return Err(vec![lost(span, order)]);
+            }
             start.entry(coordinate).or_insert([Number::ZERO, Number::ZERO])[order] = value;
         }
     }
@@ -44,7 +52,7 @@ fn equation(row: Row, value: &Number, span: Span) -> Equation {
 }
 
 /// Gauss-Jordan elimination: every equation ends with a single coordinate, or becomes an error.
-fn solve(equations: Vec<Equation>) -> Result<BTreeMap<u32, Number>, Vec<LowerError>> {
+fn solve(equations: Vec<Equation>) -> Result<BTreeMap<u32, (Number, Span)>, Vec<LowerError>> {
     let mut solved: BTreeMap<u32, Equation> = BTreeMap::new();
     // Coordinates whose equations contain others too: only these can change through further equations.
     let mut open: BTreeSet<u32> = BTreeSet::new();
@@ -72,7 +80,7 @@ fn solve(equations: Vec<Equation>) -> Result<BTreeMap<u32, Number>, Vec<LowerErr
     if let Some(coordinate) = open.first() {
         return Err(vec![undetermined(solved[coordinate].span)]);
     }
-    Ok(solved.into_iter().map(|(coordinate, equation)| (coordinate, equation.value)).collect())
+    Ok(solved.into_iter().map(|(coordinate, equation)| (coordinate, (equation.value, equation.span))).collect())
 }
 
 /// The coordinate with the largest entry that is certainly not zero.
@@ -114,5 +122,19 @@ fn undetermined(span: Span) -> LowerError {
         span,
         message: "this initial value does not determine the motion: several motions have it".into(),
         help: "give the initial motions of the other bodies involved, such as `angle = 0`",
+    }
+}
+
+fn lost(span: Span, order: usize) -> LowerError {
+    let message = match order {
+        0 => {
+            "this initial position has no effect: the motion has neither mass nor damping, and springs place it at once"
+        }
+        _ => "this initial velocity has no effect: the motion has no mass",
+    };
+    LowerError::Initial {
+        span,
+        message: message.into(),
+        help: "give a mass to the body, or the initial motion to a body that has one",
     }
 }

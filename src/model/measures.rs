@@ -21,7 +21,7 @@ use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, ExprList, FormalKi
 const RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE, "2 %");
 const PHASE: Expected = Expected::new("an angle", Dimension::NONE, "-90 deg");
 
-const BAND: Expected = Expected::new("a part of the final value", Dimension::NONE, "2 %");
+const BAND: Expected = Expected::new("a fraction of the final value", Dimension::NONE, "2 %");
 
 /// Makes a measure of an output.
 type MakeMeasure = fn(Vec<MotionTerm>) -> Measure;

@@ -172,3 +172,27 @@ fn a_base_that_starts_at_rest_does_not_jump() {
         check(&model, &[("peak(v) < 3 m/s", Value(peak)), ("peak(acc) < 3 m/s^2", Finite)]);
     }
 }
+
+/// A point without mass is where springs put it at once: it has no position of its own at t = 0. On a damper of c = 1 N*s/m
+/// it creeps back by exp(-k t / c), k being 2 N/m.
+#[test]
+fn an_initial_state_belongs_to_what_has_mass_or_damping() {
+    let model = |more: &str| {
+        format!("body p {{ mass = 0 kg, moves x }}\nspring s: ground -- p {{ k = 2 N/m }}\noutput x = p.x\n{more}\n")
+    };
+    let said = |more: &str| String::from_utf8_lossy(&ran(&model(more), &["check"]).stderr).into_owned();
+    let damper = "damper d: ground -- p { c = 1 N*s/m }\n";
+    for lost in ["initial p { x = 1 mm }", "initial p { vx = 1 mm/s }", &format!("{damper}initial p {{ vx = 1 mm/s }}")]
+    {
+        let text = said(lost);
+        assert!(text.contains("vib::initial::undetermined") && text.contains("has no effect"), "{lost}: {text}");
+    }
+    let zero = said("initial p { x = 0 mm }");
+    assert!(!zero.contains("initial::"), "{zero}");
+    let creep = model(&format!("{damper}initial p {{ x = 1 mm }}"));
+    let motion = ran(&creep, &["simulate", "--until", "1s", "--step", "1s"]).stdout;
+    let motion = String::from_utf8(motion).expect("UTF-8");
+    let last: f64 =
+        motion.lines().last().and_then(|line| line.split(',').nth(1)).expect("x").parse().expect("a number");
+    assert!((last - 1e-3 * (-2f64).exp()).abs() < 1e-18, "{motion}");
+}

@@ -3,6 +3,7 @@
 use super::{error, kind_noun, listed, name_phrase, with_suggestion};
 use crate::base::{Angle, Change, Code, Diagnostic, Dimension, Span};
 use crate::kinds::Function;
+use crate::kinds::functions::MEASURES;
 use crate::model::scope::DefinitionKind;
 
 /// A word of the language.
@@ -102,7 +103,7 @@ impl QuestionError {
                 .help("write `rms(x, noise)`, `rms(x, time)` or `rms(x)`"),
             BandOutOfRange { span } => {
                 error("vib::measure::arguments", span, "the band is not between 0 and 100 % of the final value")
-                    .help("write a part of the final value, as in `settling(x, 2 %)`")
+                    .help("write a fraction of the final value, as in `settling(x, 2 %)`")
             }
             NoInitialState { span, word, found } => {
                 error("vib::part::kind", span, format!("`{word}` is {found}: only bodies have an initial state"))
@@ -115,8 +116,8 @@ impl QuestionError {
                 with_suggestion(finding, suggestion.map(str::to_string), help)
             }
             UnknownMeasure { span, word, suggestion } => {
-                let help = "the measures are frequency, damping, gain, phase, amplitude, static, peak, rms, stable"
-                    .to_string();
+                let names: Vec<&str> = MEASURES.iter().map(|measure| measure.function.name).collect();
+                let help = format!("the measures are {}", names.join(", "));
                 let help = suggestion.is_none().then_some(help);
                 let message = format!("there is no measure `{word}`");
                 with_suggestion(error("vib::measure::unknown", span, message), suggestion.map(str::to_string), help)
