@@ -458,7 +458,12 @@ pub const MEASURES: &[Named<Measure>] = &[
         "The factor by which all loads at rest can grow before some motion loses its stiffness; below 1 the scene has buckled.",
         &[],
     ),
-    entry(Measure::Stable, ["stable", "stable", "stable"], "Whether the rest is stable: no small motion grows or drifts away.", &[]),
+    entry(
+        Measure::Stable,
+        ["stable", "stable", "stable"],
+        "Whether the rest is stable: no small motion grows or drifts away.",
+        &[],
+    ),
 ];
 
 /// The kinds of damping that take arguments.

@@ -73,9 +73,9 @@ impl Given {
         self.values.get(&name).map(|given| given.span)
     }
 
-    /// Whether an analysis tries a value of this parameter.
-    pub fn is_tried(&self, name: Name) -> bool {
-        self.trials.contains_key(&name)
+    /// Whether an analysis tries values of parameters.
+    pub fn has_trials(&self) -> bool {
+        !self.trials.is_empty()
     }
 }
 

@@ -537,8 +537,8 @@ pub struct Tolerance {
     pub parameter: Parameter,
     /// The clauses after its value.
     pub span: Span,
-    /// Both ends in SI units, the lower one first. They contain the value, unless an analysis tries another one; rounding
-    /// apart. Without it a normal or lognormal distribution is not truncated.
+    /// Both ends in SI units, the lower one first. They contain the value, rounding apart. Without it a normal or lognormal
+    /// distribution is not truncated.
     pub within: Option<[Number; 2]>,
     /// `None` with `within` alone: any value in the range, drawn uniformly where samples are drawn.
     pub spread: Option<Spread>,

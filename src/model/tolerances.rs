@@ -28,7 +28,11 @@ pub struct Tolerated {
 }
 
 impl<'a> Check<'a> {
+    /// Tolerances belong to the declared values: a scene with values that an analysis tries has none.
     pub fn tolerances(&mut self) {
+        if self.overrides.has_trials() {
+            return;
+        }
         let mut known = Vec::new();
         for place in 0..self.instances.tolerances.len() {
             let Tolerated { parameter, index } = self.instances.tolerances[place];
@@ -121,7 +125,7 @@ impl<'a> Check<'a> {
         Ok(Spread::Lognormal { deviation })
     }
 
-    /// The ends of `within low .. high`, which contain the value. A trial value of an analysis may lie outside.
+    /// The ends of `within low .. high`, which contain the value.
     fn limits(
         &mut self,
         id: DefinitionId,
@@ -137,7 +141,7 @@ impl<'a> Check<'a> {
         }
         let (name, middle) = (self.definitions[id.0 as usize].name, &value.quantity.si);
         let is_outside = (middle - &low).is_negative() || (&high - middle).is_negative();
-        if is_outside && !self.overrides.is_tried(name) {
+        if is_outside {
             let expr = self.definitions[id.0 as usize].expr;
             let place = self.overrides.given_at(name).unwrap_or(self.tree.expr(expr).span);
             let word = self.words.display(name);

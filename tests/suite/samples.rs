@@ -142,3 +142,13 @@ fn what_cannot_be_drawn_is_refused() {
         assert!(output.stdout.is_empty() && output.status.code() == Some(2) && text.contains(reason), "{text}");
     }
 }
+
+/// Values that a study tries are no declared ones: a share of 0 and a range beside the value are none of its business.
+#[test]
+fn studies_leave_the_range_of_a_tolerance() {
+    let model = "param k = 5 N/m within 5 %\nparam m = 1 kg within 0.9 kg .. 1.2 kg\nbody b { mass = m, moves x }\n\
+                 spring s: ground -- b { k = k }\nspring t: ground -- b { k = 1 N/m }\n";
+    let csv = text(model, &["--over", "k=0N/m,3N/m", "--over", "m=0.5kg,4kg", "--modes", "1", "--format", "csv"]);
+    let codes: Vec<&str> = csv.lines().skip(1).map(|line| line.rsplit(',').next().expect("a code")).collect();
+    assert_eq!(codes, ["", "", "", ""], "{csv}");
+}
