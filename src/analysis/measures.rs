@@ -203,8 +203,13 @@ pub fn amplitude(transfer: &Transfer, drives: &[Vec<Signal>], output: usize) -> 
 /// A steady load: the input, and its value.
 pub type Loads = Vec<(usize, Number)>;
 
-/// The lasting part of a sum of signals: steps, the final values of ramps, the last values of tables; `None` if a
-/// signal grows without limit.
+/// The reason for a missing final value under the signal of a base that gives its velocity or acceleration. What such a
+/// signal ends at is not computed, although an output relative to the base may settle under it.
+pub const MOVES_BY_RATE: &str =
+    "a base is moved by its velocity or acceleration: no final value is computed under such a signal";
+
+/// The lasting part of a sum of signals: steps, the final values of ramps, the last values of tables; `None` under a
+/// signal that is an integral, whose end is not computed.
 pub fn lasting_value(signals: &[Signal]) -> Option<Number> {
     signals.iter().try_fold(Number::ZERO, |sum, signal| Some(&sum + &signal.lasting()?))
 }

@@ -3,7 +3,7 @@
 
 use crate::analysis::answer::{PoleKind, Poles};
 use crate::analysis::error::AnalysisError;
-use crate::analysis::measures::{Loads, Measurement, lasting_value, static_value};
+use crate::analysis::measures::{Loads, MOVES_BY_RATE, Measurement, lasting_value, static_value};
 use crate::analysis::peak::{OPEN, last_event, round_up};
 use crate::analysis::response::settle::{Approach, Found};
 use crate::analysis::transfer::Transfer;
@@ -63,7 +63,7 @@ impl Settling<'_> {
         let last = |(input, signals): (usize, &Vec<Signal>)| Some((input, lasting_value(signals)?));
         match self.drives.iter().enumerate().map(last).collect::<Option<Loads>>() {
             Some(loads) => static_value(self.transfer, &loads, output),
-            None => Measurement::None("a base moves on forever: there is no final value"),
+            None => Measurement::None(MOVES_BY_RATE),
         }
     }
 

@@ -177,16 +177,29 @@ impl<'a> Assembly<'a> {
     }
 
     /// Which displacements and which velocities of the coordinates are parts of the state: displacements of what has mass or
-    /// damping, velocities of what has mass. `None` where rows are chained, which is not looked into.
-    pub fn states(&self) -> Option<[Vec<bool>; 2]> {
-        let mut kept = [(); 2].map(|()| vec![false; self.reduction.n()]);
-        let is_damped = matches!(self.scene.damping, Some(Damping::Rayleigh { .. }));
-        for (form, orders) in [(&self.m, 0..2), (&self.c, 0..1), (&self.k, if is_damped { 0..1 } else { 0..0 })] {
-            for (i, _) in form.terms().iter().flat_map(|term| form.row(term)) {
-                orders.clone().for_each(|order| kept[order][i.index()] = true);
+    /// damping, velocities of what has mass. Of two coordinates that move one mass together, both count.
+    pub fn states(&self) -> [Vec<bool>; 2] {
+        // C = alpha M + beta K
+        let is_damped = matches!(&self.scene.damping, Some(Damping::Rayleigh { beta, .. }) if !beta.is_zero());
+        let forms = [&self.m, &self.c, &self.k];
+        [self.touched(&forms[..if is_damped { 3 } else { 2 }]), self.touched(&forms[..1])]
+    }
+
+    /// The coordinates that some term of these forms contains.
+    fn touched(&self, forms: &[&Form]) -> Vec<bool> {
+        let n = self.reduction.n();
+        let mut touched = vec![false; n + self.chain.len()];
+        for (i, _) in forms.iter().flat_map(|form| form.terms().iter().flat_map(|term| form.row(term))) {
+            touched[i.index()] = true;
+        }
+        // A chained row refers to coordinates and to chained rows before it.
+        for (place, row) in self.chain.iter().enumerate().rev() {
+            if touched[n + place] {
+                row.iter().for_each(|(i, _)| touched[i.index()] = true);
             }
         }
-        self.chain.is_empty().then_some(kept)
+        touched.truncate(n);
+        touched
     }
 
     /// Adds m |du|^2 for every centre of mass and I dtheta^2 for every body that turns.
@@ -237,20 +250,9 @@ impl<'a> Assembly<'a> {
     /// otherwise its position is undetermined. Combinations of degrees of freedom that are undetermined only together are
     /// found by the analyses.
     fn every_freedom_is_determined(&self) -> Result<(), Vec<LowerError>> {
-        let n = self.reduction.n();
-        let mut felt = vec![false; n + self.chain.len()];
-        for form in [&self.m, &self.c, &self.k] {
-            for (coordinate, _) in form.terms().iter().flat_map(|term| form.row(term)) {
-                felt[coordinate.index()] = true;
-            }
-        }
-        for (place, row) in self.chain.iter().enumerate().rev() {
-            if felt[n + place] {
-                row.iter().for_each(|(coordinate, _)| felt[coordinate.index()] = true);
-            }
-        }
+        let felt = self.touched(&[&self.m, &self.c, &self.k]);
         let idle = |place: usize| self.idle_error(&self.kinematics.free[self.reduction.at(place) as usize]);
-        let idle: Vec<LowerError> = (0..n).filter(|place| !felt[*place]).map(idle).collect();
+        let idle: Vec<LowerError> = (0..felt.len()).filter(|place| !felt[*place]).map(idle).collect();
         if idle.is_empty() { Ok(()) } else { Err(idle) }
     }
 

@@ -31,7 +31,7 @@ pub fn initial(scene: &Scene, assembly: &mut Assembly) -> Result<Vec<(Coordinate
     let mut start: BTreeMap<u32, [Number; 2]> = BTreeMap::new();
     for (order, equations) in equations.into_iter().enumerate() {
         for (coordinate, (value, span)) in solve(equations)? {
-            let is_kept = kept.as_ref().is_none_or(|kept| kept[order][coordinate as usize]);
+            let is_kept = kept[order][coordinate as usize];
             if !(is_kept || value.is_zero()) {
                 return Err(vec![lost(span, order)]);
             }

@@ -293,7 +293,7 @@ impl Measured<'_> {
                 transfer.map_or(NONE, |transfer| measures::amplitude(transfer, drives, *output))
             }
             Probe::Static(_) if drives.iter().any(|signals| measures::lasting_value(signals).is_none()) => {
-                Measurement::None("a base moves on forever: there is no final value")
+                Measurement::None(measures::MOVES_BY_RATE)
             }
             Probe::Static(_) if self.loads().iter().all(|(_, load)| load.is_zero()) => {
                 Measurement::None("no input has a lasting signal: nothing moves")

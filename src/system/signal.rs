@@ -76,7 +76,8 @@ pub enum Course {
 }
 
 impl Signal {
-    /// The constant value that remains in the end; zero for a harmonic. `None` if the signal grows without limit.
+    /// The constant value that remains in the end; zero for a harmonic. `None` for an integral, which may grow without
+    /// limit; where it ends is not computed.
     pub fn lasting(&self) -> Option<Number> {
         match self {
             Signal::Step { value, .. } | Signal::Ramp { value, .. } => Some(value.clone()),

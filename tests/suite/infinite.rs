@@ -187,6 +187,9 @@ fn an_initial_state_belongs_to_what_has_mass_or_damping() {
         let text = said(lost);
         assert!(text.contains("vib::initial::undetermined") && text.contains("has no effect"), "{lost}: {text}");
     }
+    // C = alpha M + beta K, of which the point has only the part of its stiffness.
+    let rayleigh = |beta: &str| said(&format!("damping rayleigh(1 /s, {beta})\ninitial p {{ x = 1 mm }}"));
+    assert!(rayleigh("0 s").contains("has no effect") && !rayleigh("0.5 s").contains("has no effect"));
     let zero = said("initial p { x = 0 mm }");
     assert!(!zero.contains("initial::"), "{zero}");
     let creep = model(&format!("{damper}initial p {{ x = 1 mm }}"));
@@ -195,4 +198,21 @@ fn an_initial_state_belongs_to_what_has_mass_or_damping() {
     let last: f64 =
         motion.lines().last().and_then(|line| line.split(',').nth(1)).expect("x").parse().expect("a number");
     assert!((last - 1e-3 * (-2f64).exp()).abs() < 1e-18, "{motion}");
+}
+
+/// Rows of a chain of 200 links are chained: its links have inertia, and a node without mass below the last one has none.
+#[test]
+fn an_initial_state_of_a_deep_chain_is_looked_into() {
+    let mut model = String::from("gravity 10 m/s^2\n");
+    for i in 0..200 {
+        let above = if i == 0 { "ground".to_string() } else { format!("b{}", i - 1) };
+        model += &format!("body b{i} {{ mass = 1 kg, shape = rod((0, -{i} m), (0, -{} m)) }}\n", i + 1);
+        model += &format!("pivot p{i}: {above}@(0, -{i} m) -- b{i}\n");
+    }
+    model += "body n { mass = 0 kg, moves x }\nspring s: ground -- n { k = 2 N/m }\n";
+    let said = |more: &str| String::from_utf8_lossy(&ran(&format!("{model}{more}\n"), &["check"]).stderr).into_owned();
+    let kept = said("initial b0 { angle = 1 deg }\ninitial b199 { omega = 1 rad/s }");
+    assert!(!kept.contains("error"), "{kept}");
+    let lost = said("initial n { x = 1 mm }");
+    assert!(lost.contains("vib::initial::undetermined") && lost.contains("has no effect"), "{lost}");
 }
