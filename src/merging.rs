@@ -1,6 +1,7 @@
 //! The command `merge`: the parts of a study as the file that one run would have written. See docs/cli.md#shards.
 
 use crate::files::write_by;
+use crate::named::open_regular;
 use crate::parts::{END, Header, is_finished};
 use crate::{Status, report_error};
 use std::fs::File;
@@ -35,7 +36,7 @@ pub fn merge(options: &Merge) -> Status {
     if let Some(target) = path.and_then(is_part)
         && parts.iter().any(|part| is_part(&part.path).as_deref() == Some(&target))
     {
-        return Refused::wrong(&target, "it is a part and would be overwritten").report();
+        return Refused::wrong(&target, "is a part and would be overwritten").report();
     }
     let mut refused = None;
     let written = write_by(path, |out| {
@@ -66,7 +67,7 @@ enum Failed {
 
 impl Refused {
     fn wrong(path: &Path, why: &str) -> Refused {
-        Refused { text: format!("`{}`: {why}", path.display()), status: Status::Usage }
+        Refused { text: format!("`{}` {why}", path.display()), status: Status::Usage }
     }
 
     fn unreadable(path: &Path, error: &io::Error) -> Refused {
@@ -90,11 +91,11 @@ fn parts(files: &[PathBuf]) -> Result<Vec<Part>, Refused> {
     if let Some(other) = parts.iter().find(|part| !same(&part.header, &first.header)) {
         return Err(Refused::wrong(
             &other.path,
-            &format!("it belongs to another study, or another division of it, than `{}`", first.path.display()),
+            &format!("belongs to another study, or another division of it, than `{}`", first.path.display()),
         ));
     }
     if let Some(pair) = parts.windows(2).find(|pair| pair[0].header.shard == pair[1].header.shard) {
-        let why = format!("it is part {} like `{}`", pair[1].header.shard.index, pair[0].path.display());
+        let why = format!("is part {} like `{}`", pair[1].header.shard.index, pair[0].path.display());
         return Err(Refused::wrong(&pair[1].path, &why));
     }
     let is_there = |index: &u64| parts.binary_search_by_key(index, |part| part.header.shard.index).is_ok();
@@ -111,13 +112,13 @@ fn parts(files: &[PathBuf]) -> Result<Vec<Part>, Refused> {
 
 fn part(path: &Path) -> Result<Part, Refused> {
     let unreadable = |error: io::Error| Refused::unreadable(path, &error);
-    let mut file = File::open(path).map_err(unreadable)?;
+    let mut file = open_regular(path).map_err(unreadable)?;
     let finished = is_finished(&mut file).map_err(unreadable)?;
     let Some((header, _)) = Header::of_file(file).map_err(unreadable)? else {
-        return Err(Refused::wrong(path, "it is no part of a sweep: parts are written with `--shard`"));
+        return Err(Refused::wrong(path, "is no part of a sweep; parts are written with `--shard`"));
     };
     if !finished {
-        return Err(Refused::wrong(path, "it ends in the middle: compute this part again"));
+        return Err(Refused::wrong(path, "ends in the middle: compute this part again"));
     }
     let offset = header.to_string().len() as u64;
     Ok(Part { path: path.to_path_buf(), header, offset, piece: Vec::new(), at: 0 })
@@ -151,7 +152,7 @@ impl Part {
     }
 
     fn ends_early(&self) -> Failed {
-        Failed::Part(Refused::wrong(&self.path, "rows are missing or changed in it: compute this part again"))
+        Failed::Part(Refused::wrong(&self.path, "has missing or changed rows: compute this part again"))
     }
 }
 

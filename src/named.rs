@@ -74,20 +74,25 @@ impl Named {
         Ok((key, bytes))
     }
 
-    /// Reads a regular file; a pipe or a device may have no end, or block for ever. Links count as their targets.
+    /// Reads a regular file. Links count as their targets.
     pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, String> {
         let reported = |error: io::Error| error.to_string();
         let path = fs::canonicalize(path).map_err(reported)?;
         if !self.folders.iter().any(|folder| is_below(&path, folder)) {
             return Err(self.outside.into());
         }
-        if !fs::metadata(&path).map_err(reported)?.is_file() {
-            return Err("it is not a regular file".into());
-        }
         let mut bytes = Vec::new();
-        File::open(&path).map_err(reported)?.take(self.room as u64 + 1).read_to_end(&mut bytes).map_err(reported)?;
+        open_regular(&path).map_err(reported)?.take(self.room as u64 + 1).read_to_end(&mut bytes).map_err(reported)?;
         self.room = self.room.checked_sub(bytes.len()).ok_or_else(|| self.full.clone())?;
         Ok(bytes)
+    }
+}
+
+/// Opens a regular file to read it; a pipe or a device may have no end, or block for ever.
+pub fn open_regular(path: &Path) -> io::Result<File> {
+    match fs::metadata(path)?.is_file() {
+        true => File::open(path),
+        false => Err(io::Error::other("it is not a regular file")),
     }
 }
 

@@ -110,6 +110,9 @@ impl Progress {
     pub fn open(path: &Path, header: &Header, heading: &str) -> io::Result<Progress> {
         let path = partial(path);
         let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path)?;
+        if !file.metadata()?.is_file() {
+            return Err(refused(&path, "it is not a regular file"));
+        }
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(refused(&path, "another run is writing it"));
         }

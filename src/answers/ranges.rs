@@ -31,6 +31,8 @@ pub struct Range {
     pub fails: u64,
     /// Cases without a value.
     pub none: u64,
+    /// Why the first of these that has a reason is one.
+    pub reason: Option<&'static str>,
 }
 
 impl Ranges {
@@ -61,7 +63,10 @@ impl Range {
             Entry::Unproven(_) => self.unproven += 1,
             Entry::Verdict(true) => self.holds += 1,
             Entry::Verdict(false) => self.fails += 1,
-            Entry::None => self.none += 1,
+            Entry::None(reason) => {
+                self.none += 1;
+                self.reason = self.reason.or(reason);
+            }
         }
     }
 

@@ -39,7 +39,7 @@ pub fn csv_row(columns: &[Column], case: &Case) -> String {
             Entry::Unproven(value) => (JsonNumber::unproven(value).field(), String::new()),
             Entry::Infinite => ("inf".to_string(), String::new()),
             Entry::Verdict(holds) => (holds.to_string(), String::new()),
-            Entry::None => (String::new(), String::new()),
+            Entry::None(_) => (String::new(), String::new()),
         };
         text += &value;
         if has_bound(column) {
@@ -75,7 +75,7 @@ pub fn json_row(case: &Case) -> String {
         Entry::Enclosed(value) => JsonValue::Number(JsonNumber::enclosed(value)),
         Entry::Unproven(value) => JsonValue::Number(JsonNumber::unproven(value)),
         Entry::Verdict(holds) => JsonValue::Verdict(holds),
-        Entry::Infinite | Entry::None => JsonValue::Number(JsonNumber::NULL),
+        Entry::Infinite | Entry::None(_) => JsonValue::Number(JsonNumber::NULL),
     });
     let bounds = case.entries.iter().map(|entry| match *entry {
         Entry::Enclosed(value) => JsonNumber::absolute_bound(value),

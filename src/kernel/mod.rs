@@ -3,6 +3,7 @@
 //! mechanical system. docs/method/kernel.md says which of them to use.
 
 pub(crate) mod big_float;
+pub(crate) mod binomial;
 pub mod complex;
 pub(crate) mod cores;
 pub mod dense;

@@ -365,8 +365,8 @@ pub enum Entry {
     Unproven(Unproven),
     /// Whether a requirement certainly holds or certainly fails.
     Verdict(bool),
-    /// There is no such number, or it is not known.
-    None,
+    /// There is no such number, or it is not known; the reason, if the case has one of its own.
+    None(Option<&'static str>),
 }
 
 /// A row of the table of a study.

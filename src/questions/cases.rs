@@ -90,6 +90,9 @@ pub struct Study<'a> {
     measured: Vec<bool>,
 }
 
+/// The reason of a value that only the answers about one case can give.
+const ASK: &str = "`vibc analyze --set ...` with the values of the case says why";
+
 /// Why a case has no answers.
 type Stopped = &'static str;
 
@@ -190,7 +193,7 @@ impl<'a> Study<'a> {
                 Some(code)
             }
         };
-        entries.resize(self.columns.len(), Entry::None);
+        entries.resize(self.columns.len(), Entry::None(None));
         Case { number, entries, code }
     }
 
@@ -238,7 +241,7 @@ impl<'a> Study<'a> {
         }
         let spectrum = self.spectrum(&written)?;
         if let Some((modes, poles)) = &spectrum {
-            let frequencies = modes.list.iter().map(|mode| mode.frequency().map_or(Entry::None, Entry::Enclosed));
+            let frequencies = modes.list.iter().map(|mode| mode.frequency().map_or(Entry::None(None), Entry::Enclosed));
             pad(entries, frequencies, self.sizes.0);
             let poles = poles.iter().flat_map(|poles| &poles.list);
             let parts = poles.flat_map(|pole| [Entry::Enclosed(pole.re), Entry::Enclosed(pole.im)]);
@@ -259,22 +262,23 @@ impl<'a> Study<'a> {
                 let value = match (&requirement.value, requirement.shown_value()) {
                     (_, Some(shown)) => Entry::Enclosed(shown.number),
                     (Value::Infinite, None) => Entry::Infinite,
-                    _ => Entry::None,
+                    _ => Entry::None(Some(ASK)),
                 };
                 entries.extend(has_column.then_some(value));
-                entries.push(requirement.holds.map_or(Entry::None, Entry::Verdict));
+                entries.push(requirement.holds.map_or(Entry::None(None), Entry::Verdict));
             }
         }
         if !scene_of.asked.is_empty() {
             let measured = text.measure_scene(scene, &scene_of.asked, known);
-            // Without them, the columns stay empty.
-            for (question, measured) in scene_of.asked.iter().zip(measured.unwrap_or_default()) {
+            let measured = measured.unwrap_or_else(|why| vec![Measurement::Failed(why); scene_of.asked.len()]);
+            for (question, measured) in scene_of.asked.iter().zip(measured) {
                 entries.push(match measured {
                     Measurement::Value(value) => {
                         Entry::Enclosed(shown(&Number::Ball(value), &question.unit, false).number)
                     }
                     Measurement::Infinite => Entry::Infinite,
-                    Measurement::None(_) | Measurement::Failed(_) => Entry::None,
+                    Measurement::None(reason) => Entry::None(Some(reason)),
+                    Measurement::Failed(_) => Entry::None(Some(ASK)),
                 });
             }
         }
@@ -300,7 +304,7 @@ impl<'a> Study<'a> {
 
 /// Adds the first `count` entries, with empty ones behind them if there are fewer.
 fn pad(to: &mut Vec<Entry>, entries: impl Iterator<Item = Entry>, count: usize) {
-    to.extend(entries.chain(std::iter::repeat(Entry::None)).take(count));
+    to.extend(entries.chain(std::iter::repeat(Entry::None(None))).take(count));
 }
 
 /// A value that the model gives to a parameter, with the bound of its distance from the true one.

@@ -53,7 +53,7 @@ impl Study<'_> {
         };
         let lowest = found.list.iter().zip(&found.bounds).take(self.sizes.0);
         let mut list: Vec<Entry> = lowest.map(frequency).collect::<Option<_>>()?;
-        list.resize(self.sizes.0, Entry::None);
+        list.resize(self.sizes.0, Entry::None(None));
         Some(list)
     }
 

@@ -145,7 +145,7 @@ impl Reader<'_> {
 
     /// The problem that the text at the current position is not what was expected.
     fn problem(&self, expected: Expected) -> Problem {
-        if let Some(problem) = self.misspelt_white() {
+        if let Some(problem) = self.misspelt_white().or_else(|| self.misspelt_tolerance()) {
             return problem;
         }
         let remark = self.remark(expected);
@@ -160,7 +160,7 @@ impl Reader<'_> {
     /// `noise(wite 3 N^2/Hz)`: a value after a word that is nearly `white`.
     fn misspelt_white(&self) -> Option<Problem> {
         let before = self.text[..self.at].strip_suffix([' ', '\t'])?.trim_end();
-        let start = before.rfind(|c: char| !in_word(c)).map_or(0, |at| at + 1);
+        let start = before.trim_end_matches(in_word).len();
         let word = &before[start..];
         let is_near = (1..=2).contains(&damerau_levenshtein(&word.to_lowercase(), "white")) || word == "White";
         let of_noise = before[..start].trim_end().strip_suffix('(').is_some_and(|call| call.ends_with("noise"));
@@ -173,6 +173,29 @@ impl Reader<'_> {
         })
     }
 
+    /// `2.4 t spred 2 %`, `2.4 withn 5 %`, `spread lognorml 15 %`: a word here, or the one before a value here, that is nearly one of
+    /// a tolerance; and `spread uniform 3 %`, where `within` is missing.
+    fn misspelt_tolerance(&self) -> Option<Problem> {
+        let may_have = self.declaration.pieces.iter().any(|piece| matches!(piece, Piece::Tolerance));
+        let is_value = self.next().is_some_and(|c| c.is_ascii_digit() || c == '.');
+        let end = if is_value { self.text[..self.at].trim_end().len() } else { token_range(self.text, self.at).end };
+        let start = self.text[..end].trim_end_matches(in_word).len();
+        let word = &self.text[start..end];
+        let near = |(of, _): &(&str, &str)| {
+            let edits = damerau_levenshtein(&word.to_lowercase(), of);
+            word != *of && edits * 3 <= of.len()
+        };
+        let (_, write) = match word {
+            "uniform" if is_value => ("", "`uniform within`"),
+            _ => words::OF_TOLERANCE.into_iter().find(near)?,
+        };
+        if !may_have {
+            return None;
+        }
+        let found = Some(quoted_source(word));
+        Some(Problem { remark: Remark::Write(write), at: start..end, found, expected: Expected::LineEnd })
+    }
+
     fn problem_with(&self, expected: Expected, remark: Remark) -> Problem {
         Problem { remark, ..self.problem(expected) }
     }
@@ -183,6 +206,8 @@ impl Reader<'_> {
             let operator = matches!(self.last_visible(), Some('+' | '-' | '*' | '/' | '^' | '=' | '<' | '>' | ','));
             return if matches!(expected, Expected::Value(_)) && operator {
                 Remark::LineGoesOn
+            } else if words::OF_TOLERANCE.iter().any(|(word, _)| self.text.trim_end().ends_with(word)) {
+                Remark::Write("a value after the word, such as `5 %`")
             } else {
                 Remark::Form(self.declaration)
             };
@@ -217,7 +242,7 @@ impl Reader<'_> {
     fn point_of_decimal_comma(&self, next: char) -> Option<String> {
         let comma = if next == ',' { self.at } else { self.at.checked_sub(1)? };
         let (before, after) = (self.text.get(..comma)?, self.text.get(comma..)?.strip_prefix(',')?);
-        let start = before.rfind(|c: char| !(c.is_ascii_digit() || c == '.')).map_or(0, |at| at + 1);
+        let start = before.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.').len();
         let end = after.find(|c: char| !c.is_ascii_digit()).unwrap_or(after.len());
         let (whole, part) = (before[start..].replace('.', ""), &after[..end]);
         let in_word = before[..start].chars().next_back().is_some_and(in_word);

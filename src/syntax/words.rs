@@ -6,6 +6,10 @@ use std::ops::Range;
 /// Words that continue a declaration after a number and so are not units. The rule `follows` of the grammar.
 pub const FOLLOWS: [&str; 8] = ["about", "at", "turned", "mirrored", "over", "while", "within", "spread"];
 
+/// The words of a tolerance, and how messages show them.
+pub(super) const OF_TOLERANCE: [(&str, &str); 4] =
+    [("within", "`within`"), ("spread", "`spread`"), ("lognormal", "`lognormal`"), ("uniform", "`uniform`")];
+
 pub fn is_keyword(word: &str) -> bool {
     kinds::declaration(word).is_some()
 }

@@ -129,6 +129,14 @@ fn estimates_are_printed() {
 }
 
 #[test]
+fn the_probability_of_a_requirement_has_an_interval() {
+    let model = format!("{MODEL}require frequency(1) > 0 Hz\n");
+    let text = text(&model, &["--samples", "50"]);
+    // All of 50: 0.025^(1/50) = 0.92888.
+    assert!(text.contains("0.9288 .. 1\n"), "{text}");
+}
+
+#[test]
 fn what_cannot_be_drawn_is_refused() {
     let plain = "param k = 1 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
     for (model, arguments, reason) in [

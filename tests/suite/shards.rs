@@ -82,14 +82,14 @@ fn parts_that_are_not_all_of_one_study_are_refused() {
     for (files, status, message) in [
         (&["p0", "p2", "p3"][..], 2, "missing parts: 1/4"),
         (&["p3"], 2, "missing parts: 0/4, 1/4, 2/4"),
-        (&["p0", "p1", "p2", "p3", "p1"], 2, "it is part 1 like `p1`"),
-        (&["p0", "third", "p2", "p3"], 2, "`third`: it belongs to another study"),
-        (&["p0", "poles", "p2", "p3"], 2, "`poles`: it belongs to another study"),
-        (&["p0", "other", "p2", "p3"], 2, "`other`: it belongs to another study"),
-        (&["p0", "cut", "p2", "p3"], 2, "`cut`: it ends in the middle"),
-        (&["p0", "cut_at_line", "p2", "p3"], 2, "`cut_at_line`: it ends in the middle"),
-        (&["p0", "gap", "p2", "p3"], 2, "`gap`: rows are missing"),
-        (&["p0", "longer", "p2", "p3"], 2, "`longer`: rows are missing"),
+        (&["p0", "p1", "p2", "p3", "p1"], 2, "is part 1 like `p1`"),
+        (&["p0", "third", "p2", "p3"], 2, "`third` belongs to another study"),
+        (&["p0", "poles", "p2", "p3"], 2, "`poles` belongs to another study"),
+        (&["p0", "other", "p2", "p3"], 2, "`other` belongs to another study"),
+        (&["p0", "cut", "p2", "p3"], 2, "`cut` ends in the middle"),
+        (&["p0", "cut_at_line", "p2", "p3"], 2, "`cut_at_line` ends in the middle"),
+        (&["p0", "gap", "p2", "p3"], 2, "`gap` has missing or changed rows"),
+        (&["p0", "longer", "p2", "p3"], 2, "`longer` has missing or changed rows"),
         (&["p0", "nothing", "p2", "p3"], 3, "cannot read `nothing`"),
     ] {
         let output = ran(at, &[&["merge", "-o", "all"], files].concat());
@@ -100,6 +100,14 @@ fn parts_that_are_not_all_of_one_study_are_refused() {
             "{files:?}: {said}"
         );
         assert!(!at.join("all").exists(), "{files:?}");
+    }
+    #[cfg(unix)]
+    {
+        // It has no end: to open it would block.
+        assert!(std::process::Command::new("mkfifo").arg(at.join("fifo")).status().expect("`mkfifo` starts").success());
+        let output = ran(at, &["merge", "-o", "all", "fifo"]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), &*said), (Some(3), "error: cannot read `fifo`: it is not a regular file\n"));
     }
 }
 

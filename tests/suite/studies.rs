@@ -167,6 +167,9 @@ fn infinite_and_missing_numbers_are_told_apart() {
         table(OSCILLATOR, &["--over", "k=0N/m,4N/m", "--measure", "gain(F -> x, 0 Hz)", "--measure", "damping(2)"]);
     assert_eq!(rows[0][2..], ["inf", "", "", "", ""]);
     assert_eq!([&rows[1][2], &rows[1][4], &rows[1][5], &rows[1][6]], ["0.25", "", "", ""]);
+    let output = ran(OSCILLATOR, &["--over", "k=1N/m,4N/m", "--measure", "damping(2)"]);
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    assert!(text.contains("2\u{a0}without a value: there") || text.contains("2 without a value: there"), "{text}");
 }
 
 /// Each wrong line is one message at its place.

@@ -134,8 +134,8 @@ impl std::fmt::Display for Refusal {
             Refusal::DampingNegative => f.write_str("the damping ratio is negative"),
             Refusal::DampingLarge => write!(
                 f,
-                "the damping ratio is above {MOST_DAMPING}: so slow an oscillator takes as many steps as it is damped, and its \
-                 error grows with them"
+                "the damping ratio is above {MOST_DAMPING}, where so many steps are needed that their errors hide the result: \
+                 write one such as `5 %`"
             ),
             Refusal::TooLong { steps } => {
                 write!(f, "that would take {steps:.1e} steps of oscillators; the limit is {MOST_STEPS:.0e}")

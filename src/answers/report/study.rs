@@ -2,7 +2,8 @@
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Report, Section, line};
-use crate::answers::ranges::Ranges;
+use crate::answers::ranges::{Range, Ranges};
+use crate::kernel::binomial;
 use crate::questions::answer::{Case, Column, Entry, Holds, few_digits};
 
 const DIGITS: usize = 6;
@@ -12,6 +13,11 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// The least and the largest value of each column, with the cases that have them.
 pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
+    // Random values say little and are many: the number of the case finds them.
+    let at = |case: &Case| match ranges.random {
+        true => line!["case\u{a0}", case.number as usize],
+        false => place(columns, case),
+    };
     let title = line![model.to_string(), " · ", count(ranges.cases, "case", "cases")];
     let of =
         |wanted: fn(Holds) -> bool| columns.iter().zip(&ranges.columns).filter(move |(column, _)| wanted(column.holds));
@@ -33,14 +39,14 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
                 for (value, case) in ends {
                     match is_given {
                         true => cells.extend([few_digits(value.to_f64()).into(), Cell::default()]),
-                        false => cells.extend([Figure::ball(*value, DIGITS).into(), place(columns, case).into()]),
+                        false => cells.extend([Figure::ball(*value, DIGITS).into(), at(case).into()]),
                     }
                 }
             }
             None => cells.extend(["?".into(), Cell::default(), "?".into(), Cell::default()]),
         }
         cells.push(range.bound.filter(|_| !is_given).map_or_else(Cell::default, |bound| Figure::bound(bound).into()));
-        cells.push(remark(range.infinite, range.unproven, range.none).into());
+        cells.push(remark(range).into());
         table.row(cells);
     }
     let mut statistics = Table::of([
@@ -67,30 +73,41 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
         ]);
     }
     let estimated = if statistics.rows.is_empty() { Vec::new() } else { vec![Block::from(statistics)] };
+    // Without random cases the last column stays empty.
+    let probability_heading = if ranges.random { "probability, 95 %" } else { "" };
     let mut verdicts = Table::of([
         ("requirement", Align::Left),
         ("holds", Align::Right),
         ("fails", Align::Right),
         ("not decided", Align::Right),
+        (probability_heading, Align::Right),
     ]);
     for (column, range) in of(|holds| holds == Holds::Verdict) {
         let counts = [range.holds, range.fails, range.none].map(|count| Cell::from(Line::from(count as usize)));
-        verdicts.row([vec![column.name.clone().into()], counts.to_vec()].concat());
+        let estimate = if ranges.random { probability(range, ranges.cases).into() } else { Cell::default() };
+        verdicts.row([vec![column.name.clone().into()], counts.to_vec(), vec![estimate]].concat());
     }
     let required = if verdicts.rows.is_empty() { Vec::new() } else { vec![Block::from(verdicts)] };
     let codes = ranges.codes.iter().map(|(code, number, first)| {
-        let line = line![count(*number, "case", "cases"), " with ", *code, ", the first at ", place(columns, first)];
+        let line = line![count(*number, "case", "cases"), " with ", *code, ", the first at ", at(first)];
         Block::Line(line.and(": `vibc explain ").and(*code).and("`"))
     });
     Report::new(
         title,
         [
-            Section::new("Ranges", [table.into()]),
             Section::new("Estimates", estimated),
+            Section::new("Ranges", [table.into()]),
             Section::new("Requirements", required),
             Section::new("Stopped", codes),
         ],
     )
+}
+
+/// The interval of the probability that a requirement holds; its ends are rounded outwards. Cases that are not decided may go either way.
+fn probability(range: &Range, cases: u64) -> String {
+    let least = binomial::least_probability(range.holds, cases);
+    let most = 1.0 - binomial::least_probability(range.fails, cases);
+    format!("{} .. {}", few_digits((least * 1e4).floor() / 1e4), few_digits((most * 1e4).ceil() / 1e4))
 }
 
 fn count(number: u64, one: &'static str, many: &'static str) -> Line {
@@ -112,13 +129,17 @@ fn place(columns: &[Column], case: &Case) -> Line {
 }
 
 /// Cases without a number.
-fn remark(infinite: u64, unproven: u64, none: u64) -> Line {
+fn remark(range: &Range) -> Line {
     let mut line = Line::default();
-    for (number, what) in [(infinite, "infinite"), (unproven, "without a bound"), (none, "without a value")] {
+    let kinds = [(range.infinite, "infinite"), (range.unproven, "without a bound"), (range.none, "without a value")];
+    for (number, what) in kinds {
         if number > 0 {
             let comma = if line.is_empty() { "" } else { ", " };
             line = line.and(comma).and(number as usize).and("\u{a0}").and(what);
         }
     }
-    line
+    match range.reason {
+        Some(reason) => line.and(": ").and(reason),
+        None => line,
+    }
 }
