@@ -318,6 +318,26 @@ mod tests {
         assert!((ball - Ball::ONE / Ball::from(3.0)).contains_zero() && ball.rad < 1e-28, "{ball:?}");
     }
 
+    /// 1 - (1 - x)^4 - a (x - r)^2 is 1 less (1 - r)^4 at x = r, so close to the end at 1 that the slope there is rounding in binary64,
+    /// of either sign: a (1 - r)^2 is what would be missing, more than two words need.
+    #[test]
+    fn a_slope_that_is_rounding_has_no_sign() {
+        let a = Dd::from(1e-5);
+        for step in 0..300 {
+            let apart = Dd::from(1e-12 * f64::from(step));
+            let r = Dd::ONE - apart;
+            let four = [0.0, 4.0, -6.0, 4.0, -1.0].map(Dd::from);
+            let mut terms = four;
+            terms[0] -= a * r * r;
+            terms[1] += a * r * 2.0;
+            terms[2] -= a;
+            let mut largest = Largest::default();
+            largest.bound_fine(&Curve::fine(&terms, 0.0));
+            let ball = largest.ball();
+            assert!((ball - Ball::ONE).contains_zero() && ball.rad < 1e-18, "{step}: {ball:?}");
+        }
+    }
+
     /// x (1 - x) times (1 - 2 x)^2 has two maxima of 1/16 and a minimum between them, so its slope has one sign at both ends of
     /// many pieces that hold an extremum; and the same below zero.
     #[test]

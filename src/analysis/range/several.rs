@@ -353,6 +353,7 @@ pub(super) fn absorber() -> Affine {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::system::Nature;
 
     fn affine(values: [f64; 2]) -> Affine {
         // Two masses: k0, k1 and c0 move.
@@ -382,6 +383,24 @@ mod tests {
         let p = [vec![still(1.0), still(-0.5)], vec![still(0.0), still(0.1)], vec![still(0.0), still(0.0)]];
         let d = [still(values[0]), still(values[1]), still(0.0)];
         Affine { n: 2, parameters: 2, unit: 1.0, forms: [k, c, m], b, p, d }
+    }
+
+    /// A spring whose stiffness is p^2 has the derivative 2 p, which is another at each place: such a path is not affine, and no
+    /// enclosure is made of one derivative. One that is known as well as numbers are is.
+    #[test]
+    fn a_slope_that_varies_is_not_taken_for_a_constant() {
+        use crate::analysis::test_systems::{blank, push};
+        let moved = |spread: f64| {
+            let mut system = blank(1);
+            push(&mut system.m, "1", 0, None);
+            let source = system.k.source(system.coordinates[0].name);
+            let p = Jet::of_parameter(Ball::from(2.0).widen(spread));
+            system.k.push(source, Nature::Property, &p * &p, [(CoordinateId(0), Number::ONE)]);
+            system
+        };
+        let path = |spread: f64| Affine::of(&moved(0.0), &[moved(spread)], &[Dd::from(0.1)], (0, 0), 1.0);
+        assert!(path(0.1).is_none() && path(1e-9).is_none());
+        assert!(path(0.0).is_some());
     }
 
     /// Derivatives at a point by central differences of the value in binary64, whose error is far below the tolerance.

@@ -98,13 +98,18 @@ impl Square {
     /// z^T Q z of the present state.
     fn of(&self, run: &Run) -> Ball {
         let z: Vec<Dd> = self.states.iter().map(|&i| run.z[i]).collect();
+        self.of_state(&z, (run.trail.error + run.source_error) * UP)
+    }
+
+    /// z^T Q z of a state known to within `off` in the 2-norm.
+    fn of_state(&self, z: &[Dd], off: f64) -> Ball {
         let n = z.len();
         let mut image = vec![Dd::ZERO; n];
         for (column, &x) in z.iter().enumerate() {
             add_scaled(&mut image, x, self.q.column(column));
         }
         let sum = z.iter().zip(&image).fold(Dd::ZERO, |sum, (&a, &b)| sum + a * b);
-        let (long, off) = (length(&z), (run.trail.error + run.source_error) * UP);
+        let long = length(z);
         let rounding = (2.0 * n as f64 + 8.0) * UNIT * self.size_of_sums() * long * long;
         let state = (2.0 * length(&image) + 2.0 * self.error * long + self.size * off) * off;
         Ball::new(sum, (self.error * long * long + rounding + state) * UP)
@@ -173,6 +178,23 @@ fn doubled(q: &mut Matrix<Dd>, error: f64, power: &Exponential) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// z^T Q z = 2 x^2 + 2 x y + 3 y^2 at (1, -2) is 10, and for states 1e-6 away in any direction it is in the ball, which is at most
+    /// three times wider than that: the gradient is (0, -10).
+    #[test]
+    fn an_uncertain_state_is_in_the_square() {
+        let q = Matrix::from_fn(2, 2, |i, j| Dd::from([[2.0, 1.0], [1.0, 3.0]][i][j]));
+        let size = size_of(&q);
+        let (time, states) = (Number::ONE, vec![0, 1]);
+        let square = Square { time, states, q, error: 0.0, size, row: 1.0, growth: 1.0 };
+        let of = |x: f64, y: f64, off: f64| square.of_state(&[Dd::from(x), Dd::from(y)], off);
+        let wide = of(1.0, -2.0, 1e-6);
+        assert!((wide.to_f64() - 10.0).abs() < 1e-14 && wide.rad < 3e-5, "{wide:?}");
+        for (x, y) in [(0.0, 1e-6), (0.0, -1e-6), (1e-6, 0.0), (-1e-6, 0.0), (6e-7, -8e-7)] {
+            let near = of(1.0 + x, -2.0 + y, 0.0);
+            assert!((near - wide).mid.hi.abs() <= wide.rad, "{x} {y}: {near:?} {wide:?}");
+        }
+    }
 
     /// y = c e^(-2 t): Q(1/5) = c^2 (1 - e^(-4/5)) / 4. A row that is off by 1e-6 shows in the bound, which is at most
     /// ten times as large as necessary.

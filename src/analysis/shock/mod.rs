@@ -8,6 +8,8 @@ mod entries;
 mod free;
 mod oscillator;
 mod sweep;
+#[cfg(test)]
+mod tests;
 
 use crate::analysis::transfer::table::{linear, logarithmic};
 use crate::base::{Ball, Number};

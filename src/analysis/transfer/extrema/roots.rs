@@ -718,6 +718,35 @@ mod tests {
         assert!(of(&[0, 0, 0, 2, 1], 0.5).is_none());
     }
 
+    /// (s + 4)^2 (s + 5) times s^2 + w^2 for ten larger w, with a constant that is off by as much as moves the roots near -4
+    /// and -5: the circle about the double root and the disc of -5, 23 |f / f'|, are found one by one, and are of no use where they meet.
+    #[test]
+    fn a_cluster_is_apart_from_the_other_roots() {
+        let mut terms: Vec<BigInt> = [80, 56, 13, 1].map(BigInt::from).to_vec();
+        let far = (1..=10).map(|j| 10 << (2 * j));
+        for omega in far.clone() {
+            let mut next: Vec<BigInt> = terms.iter().map(|a| a * BigInt::from(omega as i64 * omega as i64)).collect();
+            next.extend([BigInt::from(0), BigInt::from(0)]);
+            terms.iter().enumerate().for_each(|(k, a)| next[k + 2] += a);
+            terms = next;
+        }
+        let middle = Polynomial::new(terms);
+        let size = middle.coefficients()[0].to_string().parse::<f64>().expect("a number") / 80.0;
+        let real = |re: f64| ComplexFloat::new(Float::from(re), Float::zero());
+        let mut values = vec![real(-4.0), real(-4.0), real(-5.0)];
+        for omega in far {
+            values
+                .extend([1.0, -1.0].map(|sign| ComplexFloat::new(Float::zero(), Float::from(sign * f64::from(omega)))));
+        }
+        let found = |share: f64| {
+            let f = Coefficients { middle: middle.clone(), radii: vec![share * size], far: 0 };
+            in_clusters(&f, &f.derivative(), &values, false)
+        };
+        let list = found(1e-3).expect("roots");
+        assert_eq!(list.iter().filter(|root| root.place == Place::Cluster).count(), 1);
+        assert!(found(0.015).is_none());
+    }
+
     /// (s + 1)^2 (s + 3), (s^2 + 2 s + 5)^2 and (s + 1)^3 known to 1e-20: clusters that hold the roots with the coefficients
     /// moved as far as they may be, and reach no farther than they need to.
     #[test]
