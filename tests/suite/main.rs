@@ -9,6 +9,8 @@ mod bands;
 mod belts;
 mod bounds;
 mod clients;
+#[cfg(unix)]
+mod clusters;
 mod command_line;
 mod comparisons;
 mod components;
