@@ -46,7 +46,7 @@ impl Session {
             if let Message::Response(response) = self.connection.receiver.recv().expect("an answer")
                 && response.id == id
             {
-                return serde_json::to_value(response).expect("JSON")["result"].clone();
+                return response.response_result.expect("an answer");
             }
         }
     }
@@ -84,7 +84,8 @@ impl Session {
 }
 
 /// The requests after each change, besides the findings.
-const ASKED: [&str; 6] = [
+const ASKED: [&str; 7] = [
+    "vibc/page",
     "textDocument/inlayHint",
     "textDocument/hover",
     "textDocument/completion",
@@ -166,7 +167,7 @@ fn measured(text: impl Fn(usize) -> String) -> Vec<f64> {
 fn main() {
     let mut out = std::io::stdout().lock();
     writeln!(out, "milliseconds on the wall, medians of {ROUNDS}").expect("standard output");
-    let head = ["findings", "hints", "hover", "completion", "colours", "fixes", "rename"];
+    let head = ["findings", "page", "hints", "hover", "completion", "colours", "fixes", "rename"];
     writeln!(out, "{:<32}{}", "model", head.map(|name| format!("{name:>12}")).concat()).expect("standard output");
     for (n, damped, written_out) in [
         (2, true, false),

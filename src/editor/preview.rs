@@ -18,7 +18,7 @@ pub fn page(document: &Document) -> Option<String> {
     let modal = match &motions.modal {
         Some(modal) => modal,
         None if motions.system.c.is_empty() => {
-            computed = analysis::modal(&motions.system, &request()).ok()?;
+            computed = analysis::modal_from(&motions.system, Some(&motions.modes), &request()).ok()?;
             &computed
         }
         // The figure moves at once; the poles come with the results of the second thread.

@@ -30,15 +30,29 @@ pub fn page(page: &Page) -> String {
         "default-src 'none'; {connect}style-src 'sha256-{}'; script-src 'sha256-{}'; base-uri 'none'; form-action 'none'",
         HASHES[0], HASHES[1]
     );
-    format!(
+    let (main, payload) = (main(page), payload(page));
+    let mut text = String::with_capacity(STYLE.len() + SCRIPT.len() + main.len() + payload.len() + 2048);
+    for part in [
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
-         <style>{STYLE}</style>\n</head>\n<body{live}>\n{}\
-         <script type=\"application/json\" id=\"payload\">{}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
-        main(page),
-        payload(page)
-    )
+         <meta http-equiv=\"Content-Security-Policy\" content=\"",
+        &policy,
+        "\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>",
+        &title,
+        "</title>\n<style>",
+        STYLE,
+        "</style>\n</head>\n<body",
+        &live,
+        ">\n",
+        &main,
+        "<script type=\"application/json\" id=\"payload\">",
+        &payload,
+        "</script>\n<script>",
+        SCRIPT,
+        "</script>\n</body>\n</html>\n",
+    ] {
+        text += part;
+    }
+    text
 }
 
 /// The hash of a security policy: SHA-256 in base 64.

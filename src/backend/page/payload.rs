@@ -45,6 +45,11 @@ fn answers(of: &Answers) -> Value {
     Value::Object(map)
 }
 
+/// An object of parts that are moved into it; `json!` would copy each of them, at every level once more.
+fn object<const N: usize>(parts: [(&str, Value); N]) -> Value {
+    parts.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
+}
+
 /// A number of a picture, to seven digits.
 fn plain(x: f64) -> Value {
     let x = rounded::<7>(x);
@@ -89,7 +94,11 @@ fn list(values: impl IntoIterator<Item = f64>) -> Value {
 
 /// The nonzero values, in the order of [`Poses::values`], with their indices.
 fn slots(values: impl Iterator<Item = f64>) -> Value {
-    values.enumerate().filter(|(_, value)| *value != 0.0).map(|(slot, value)| json!([slot, plain(value)])).collect()
+    values
+        .enumerate()
+        .filter(|(_, value)| *value != 0.0)
+        .map(|(slot, value)| Value::Array(vec![slot.into(), plain(value)]))
+        .collect()
 }
 
 fn figure(moving: &Moving, movements: &Movements) -> Value {
@@ -98,23 +107,23 @@ fn figure(moving: &Moving, movements: &Movements) -> Value {
         list([part.piece as f64, part.from.x, part.from.y, x.x, x.y, y.x, y.y])
     };
     let pieces = moving.poses.pieces.iter().enumerate().map(|(index, piece)| {
-        json!({
+        object([
             // The ground has no carrier.
-            "carrier": if index == 0 { -1 } else { i64::from(piece.carrier) },
-            "anchor": piece.anchor.filter(|_| index > 0).map(list),
-            "angle": plain(piece.angle.rest),
-            "slides": piece.slides.iter().map(|([x, y], value)| list([*x, *y, value.rest])).collect::<Value>(),
-        })
+            ("carrier", if index == 0 { -1 } else { i64::from(piece.carrier) }.into()),
+            ("anchor", piece.anchor.filter(|_| index > 0).map(list).into()),
+            ("angle", plain(piece.angle.rest)),
+            ("slides", piece.slides.iter().map(|([x, y], value)| list([*x, *y, value.rest])).collect()),
+        ])
     });
     let basis = movements.basis.iter().map(|poses: &Poses| slots(poses.values().map(|value| value.shape)));
     let bend = |bend: &Bend| json!([bend.by[0], bend.by[1], slots(bend.values.iter().copied())]);
-    json!({
-        "parts": moving.parts.iter().map(part).collect::<Value>(),
-        "pieces": pieces.collect::<Value>(),
-        "slots": moving.poses.values().count(),
-        "basis": basis.collect::<Value>(),
-        "bends": movements.bends.iter().map(bend).collect::<Value>(),
-    })
+    object([
+        ("parts", moving.parts.iter().map(part).collect()),
+        ("pieces", pieces.collect()),
+        ("slots", moving.poses.values().count().into()),
+        ("basis", basis.collect()),
+        ("bends", movements.bends.iter().map(bend).collect()),
+    ])
 }
 
 /// Every body and element that has a share of some motion's energy; of the first motion in its order.
@@ -148,14 +157,14 @@ fn movement(of: &Movement, items: &[Item]) -> Value {
         true => "",
         false => "coloured by share of the energy: springs of the strain energy, bodies of the kinetic energy",
     };
-    let mut value = json!({
-        "kind": "mode",
-        "s": list([of.s.re, of.s.im]),
-        "q": list(of.shape.iter().map(|x| x.re)),
-        "amount": plain(of.amount),
-        "energy": energy,
-        "says": says,
-    });
+    let mut value = object([
+        ("kind", "mode".into()),
+        ("s", list([of.s.re, of.s.im])),
+        ("q", list(of.shape.iter().map(|x| x.re))),
+        ("amount", plain(of.amount)),
+        ("energy", energy.into()),
+        ("says", says.into()),
+    ]);
     if of.shape.iter().any(|x| x.im != 0.0) {
         value["qi"] = list(of.shape.iter().map(|x| x.im));
     }
@@ -172,7 +181,7 @@ fn shares(energy: &[(Item, f64)], items: &[Item]) -> Vec<Value> {
 }
 
 fn pole(of: &super::PoleShown) -> Value {
-    json!({ "s": list([of.s.re, of.s.im]), "title": of.title, "motion": of.movement })
+    object([("s", list([of.s.re, of.s.im])), ("title", of.title.as_str().into()), ("motion", of.movement.into())])
 }
 
 fn transfer(of: &Answers) -> Value {
@@ -192,15 +201,15 @@ fn transfer(of: &Answers) -> Value {
     };
     let matrices = shown.pencil.as_ref().map(|pencil| pencil.entries().map(entry).collect::<Value>());
     let ends = [table.rows.first(), table.rows.last()].map(|row| row.map_or(1.0, |row| row.frequency.to_f64()));
-    json!({
-        "inputs": inputs.collect::<Value>(),
-        "outputs": outputs.collect::<Value>(),
-        "pairs": pairs.collect::<Value>(),
-        "range": list(ends),
-        "centres": shown.centres.iter().map(|f| exact(*f)).collect::<Value>(),
-        "matrices": matrices,
-        "size": system.n(),
-    })
+    object([
+        ("inputs", inputs.collect()),
+        ("outputs", outputs.collect()),
+        ("pairs", pairs.collect()),
+        ("range", list(ends)),
+        ("centres", shown.centres.iter().map(|f| exact(*f)).collect()),
+        ("matrices", matrices.into()),
+        ("size", system.n().into()),
+    ])
 }
 
 fn pair(of: &Answers, input: usize, output: usize) -> Value {
@@ -211,12 +220,12 @@ fn pair(of: &Answers, input: usize, output: usize) -> Value {
         Some(Curve::Fractions(curve)) => Some(curve),
         Some(Curve::Solved(solved)) => {
             let share = |share: &Share| json!([share.power, share.coordinate, exact(share.weight)]);
-            return json!({
-                "b": solved.input.iter().map(share).collect::<Value>(),
-                "p": solved.output.iter().map(share).collect::<Value>(),
-                "feed": solved.feed.iter().map(|x| exact(*x)).collect::<Value>(),
-                "marks": marks,
-            });
+            return object([
+                ("b", solved.input.iter().map(share).collect()),
+                ("p", solved.output.iter().map(share).collect()),
+                ("feed", solved.feed.iter().map(|x| exact(*x)).collect()),
+                ("marks", marks),
+            ]);
         }
         None => None,
     };
@@ -228,18 +237,18 @@ fn pair(of: &Answers, input: usize, output: usize) -> Value {
             }
             Gain::Infinite | Gain::Unknown => json!([plain(row.frequency.to_f64()), null, null]),
         };
-        return json!({ "samples": shown.table.rows.iter().map(sample).collect::<Value>(), "marks": marks });
+        return object([("samples", shown.table.rows.iter().map(sample).collect()), ("marks", marks)]);
     };
     let term = |part: &crate::analysis::fractions::Fraction| {
         let numbers = part.numerator.iter().chain(&part.denominator).map(|x| exact(*x));
         std::iter::once(json!(part.power)).chain(numbers).collect::<Value>()
     };
     let terms = curve.list.iter().filter(|part| part.numerator != [0.0; 2]);
-    json!({
-        "terms": terms.map(term).collect::<Value>(),
-        "feed": curve.feed.iter().map(|x| exact(*x)).collect::<Value>(),
-        "marks": marks,
-    })
+    object([
+        ("terms", terms.map(term).collect()),
+        ("feed", curve.feed.iter().map(|x| exact(*x)).collect()),
+        ("marks", marks),
+    ])
 }
 
 fn mark(of: &Extremum) -> Value {
@@ -278,13 +287,14 @@ fn motion(of: &Answers) -> Value {
     let Some(shown) = of.motion else { return Value::Null };
     let outputs = of.system.outputs.iter().enumerate().map(|(index, output)| {
         let values = shown.history.values.iter().map(|row| row[index].mid.to_f64());
-        json!({ "name": of.system.display(output.name), "unit": output.unit, "values": short(values) })
+        let (name, unit) = (of.system.display(output.name).to_string(), output.unit.as_str());
+        object([("name", name.into()), ("unit", unit.into()), ("values", short(values))])
     });
-    json!({
-        "times": short(shown.history.times.iter().map(|time| time.to_f64())),
-        "outputs": outputs.collect::<Value>(),
-        "states": shown.states.iter().map(|row| short(row.iter().copied())).collect::<Value>(),
-    })
+    object([
+        ("times", short(shown.history.times.iter().map(|time| time.to_f64()))),
+        ("outputs", outputs.collect()),
+        ("states", shown.states.iter().map(|row| short(row.iter().copied())).collect()),
+    ])
 }
 
 /// Samples of curves, of which a page has thousands: five digits.

@@ -116,7 +116,8 @@ impl Server<'_> {
         let uri = params["textDocument"]["uri"].as_str().unwrap_or_default();
         self.publish_all();
         let document = self.document(&Uri(uri.into()))?;
-        Ok(serde_json::json!({ "html": preview::page(document) }))
+        let html = preview::page(document).map_or(Value::Null, Value::String);
+        Ok([("html".to_string(), html)].into_iter().collect())
     }
 
     fn document(&self, uri: &Uri) -> Result<&Document, Refusal> {
