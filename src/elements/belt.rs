@@ -14,7 +14,7 @@ pub const KIND: Kind = Kind {
         summary: "A belt round two disks, along their common tangents. It stretches and does not slip.",
         rules: "`k` is the stiffness of each of its two spans, and `preload` the tension of each as drawn. `crossed` makes the disks \
                 turn against each other. The disks may move.\n\n\
-                A span is taken to be tight: give a preload that keeps it so.",
+                A span is taken to be tight: give a preload that keeps it so. One that pushes at rest is a warning.",
         heading: "Belts",
     },
     synonyms: &["chain_drive", "timing_belt"],

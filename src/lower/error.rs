@@ -432,7 +432,7 @@ fn law_stretch(stretch: f64, turns: bool) -> String {
 }
 
 /// Four digits, without zeros at the end: -9.81, 4905, 1.2e-7.
-fn four_digits(value: f64) -> String {
+pub(super) fn four_digits(value: f64) -> String {
     let scientific = format!("{value:.3e}");
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);

@@ -11,6 +11,7 @@
 
 pub mod account;
 pub mod assembly;
+mod belts;
 mod chain;
 pub mod constraints;
 mod drives;
@@ -101,8 +102,9 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     let holding = Holding { constraints, held: found.held.take(), slack: std::mem::take(&mut found.slack) };
     let (rest, state) = found.finish(scene, &kinematics, &reduction, &system)?;
     let notes = notes.into_iter().chain(idle::findings(scene, &kinematics, &idle));
-    let notes = notes.chain(unproven(&system, &rest)).collect();
+    let mut notes: Vec<Diagnostic> = notes.chain(unproven(&system, &rest)).collect();
     let mechanism = Mechanism::new(kinematics, reduction, state, holding);
+    notes.extend(belts::findings(scene, &mechanism, &rest));
     let rest = Rest { laws: mechanism.laws_at_rest(scene), ..rest };
     let mut lowered = Lowered { system, rest, mechanism };
     lowered.carry(scene, &scene.outputs, 0).map_err(|error| vec![error])?;

@@ -157,3 +157,25 @@ fn the_spans_of_a_belt_have_one_share() {
     let text = text(model, &["analyze"]);
     assert!(text.contains("r\u{a0}100\u{a0}%") || text.contains("r 100 %"), "{text}");
 }
+
+/// A torque of 30 N m on the pump is the difference of both tensions times 0.2 m: 75 N more in one span and less in the other,
+/// whatever holds the motor.
+#[test]
+fn a_span_that_pushes_at_rest_is_told() {
+    let told = |preload: &str| {
+        let model = format!(
+            "body motor {{ mass = 1 kg, shape = disk(0.1 m), at = (0, 0), turns }}\n\
+             spring s: ground -- motor {{ k = 900 N*m/rad }}\n\
+             body pump {{ mass = 1 kg, shape = disk(0.2 m), at = (0.7 m, 0), turns }}\n\
+             torque T: pump = constant(30 N*m)\nbelt r: motor -- pump {{ k = 1 MN/m{preload} }}\n"
+        );
+        let output = crate::program::ran(&model, &["check"]);
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    for (preload, force) in [(", preload = 70 N", "5 N"), ("", "75 N"), (", preload = -300 N, crossed", "375 N")] {
+        let text = told(preload);
+        assert_eq!(text.matches("vib::belt::slack").count(), 1, "{preload}: {text}");
+        assert!(text.contains(&format!("pushes with {force}")), "{text}");
+    }
+    assert!(!told(", preload = 75.001 N").contains("vib::belt::slack"));
+}

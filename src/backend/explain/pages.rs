@@ -26,7 +26,7 @@ macro_rules! pages {
 /// All pages, in alphabetical order.
 pub const PAGES: &[Page] = pages! {
     base: no_motion;
-    belt: no_disk overlap;
+    belt: no_disk overlap slack;
     body: freedom given_twice no_freedom no_place;
     component: dimension duplicate forbidden inner motion_name recursion unknown;
     couple: motions;
