@@ -32,7 +32,9 @@ pub fn word(word: &str) -> Option<&'static str> {
     Some(match word {
         "ground" => "The support that never moves.",
         "pi" => "The circle constant.",
-        "stable" => "A measure: whether the rest is stable, so that no small motion grows.",
+        "stable" => {
+            "A measure: whether the rest is stable: no small motion grows, and stiffness restrains every motion."
+        }
         "load_factor" => {
             "A measure: the factor by which all loads at rest can grow before some motion loses its stiffness."
         }

@@ -461,7 +461,7 @@ pub const MEASURES: &[Named<Measure>] = &[
     entry(
         Measure::Stable,
         ["stable", "stable", "stable"],
-        "Whether the rest is stable: no small motion grows or drifts away.",
+        "Whether the rest is stable: no small motion grows, and stiffness restrains every motion.",
         &[],
     ),
 ];

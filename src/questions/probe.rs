@@ -422,11 +422,12 @@ fn spread(found: Spread) -> Measurement {
     }
 }
 
-/// 1 if the rest is stable, 0 if it is not, and anything in between if that is not certain.
+/// 1 if the rest is stable, 0 if it is neutral, -1 if a motion grows, and anything in between if that is not certain.
 fn verdict(stability: Stability) -> Measurement {
     Measurement::Value(match stability {
         Stability::Stable => Ball::ONE,
-        Stability::Neutral | Stability::Unstable => Ball::ZERO,
-        Stability::Undetermined => Ball::from(0.5).widen(0.5),
+        Stability::Neutral => Ball::ZERO,
+        Stability::Unstable => -Ball::ONE,
+        Stability::Undetermined => Ball::ZERO.widen(1.0),
     })
 }

@@ -16,6 +16,8 @@ use std::cmp::Ordering;
 
 /// From so many times its limit on, a value is compared with it by a factor.
 const MANY_TIMES: f64 = 10.0;
+/// The verdict on a rest at which nothing grows, and some motion does not return.
+const NEUTRAL: &str = "neutral";
 
 /// Every requirement of a scene.
 pub fn requirements(
@@ -77,8 +79,13 @@ fn requirement(
     }
     let value = match measured {
         Measurement::Value(value) if require.comparison.is_none() => {
-            let verdict = if value == Ball::ONE { "stable" } else { "not stable" };
-            Value::Verdict(if value.is_exact() { verdict } else { "undetermined" }.to_string())
+            let verdict = match value.is_exact() {
+                true if value == Ball::ONE => "stable",
+                true if value.is_zero() => NEUTRAL,
+                true => "not stable",
+                false => "undetermined",
+            };
+            Value::Verdict(verdict.to_string())
         }
         Measurement::Value(value) => Value::Number(value),
         Measurement::Infinite => Value::Infinite,
@@ -165,7 +172,7 @@ fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Remedy) -> Option
             let by = match (&requirement.margin, requirement.limit.as_ref().filter(|limit| !limit.may_be_zero())) {
                 (Some(margin), _) if margin.is_zero() => Some("exactly its limit".to_string()),
                 (Some(margin), Some(limit)) => Some(relative(-margin.to_f64(), limit)),
-                (Some(_), None) | (None, _) => missed_by(requirement).map(|by| format!("off by {by}")),
+                (Some(_), None) | (None, _) => missed_by(requirement),
             };
             Some(AskedError::Fails { span, value, by, remedy: remedy() })
         }
@@ -178,12 +185,14 @@ fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Remedy) -> Option
     }
 }
 
-/// The amount by which a requirement is missed if no percentage is given: the distance from a limit of 0.
+/// How far a requirement is missed if no percentage is given: the distance from a limit of 0, or what makes a rest neutral.
 fn missed_by(requirement: &Requirement) -> Option<String> {
     match (&requirement.value, &requirement.margin) {
         (Value::Number(_), Some(margin)) => {
-            Some(shown_text(&shown(&Number::Ball(-*margin), &requirement.unit, requirement.in_radians)))
+            let by = shown_text(&shown(&Number::Ball(-*margin), &requirement.unit, requirement.in_radians));
+            Some(format!("off by {by}"))
         }
+        (Value::Verdict(verdict), _) if verdict == NEUTRAL => Some("no stiffness restrains some motion".to_string()),
         _ => None,
     }
 }

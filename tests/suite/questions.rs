@@ -314,6 +314,21 @@ fn an_undriven_motion_has_no_measure() {
     }
 }
 
+/// K = diag(k, -m g l) of a body that stands on the pivot of a cart: its stiffness at rest is negative, not missing, and no
+/// multiple of the loads changes that, whether the cart is free (k = 0) or held.
+#[test]
+fn what_topples_under_any_load_has_no_load_factor() {
+    let model = "gravity 9.81 m/s^2\nbody cart { mass = 1 kg, moves x }\n\
+                 body pole { mass = 1 kg, inertia = 0.1 kg*m^2, at = (0, 0.5 m) }\n\
+                 pivot p: cart@(0, 0) -- pole@(0, 0)\n";
+    for spring in ["", "spring s: ground -- cart { k = 10 N/m }\n"] {
+        let found = finding(&format!("{model}{spring}require load_factor > 1\n"));
+        assert_eq!(found.code.0, "vib::require::no_value", "{spring}");
+        let text = &found.primary.text;
+        assert!(text.contains("neither the springs alone nor springs and loads together are shown to hold"), "{text}");
+    }
+}
+
 /// Undamped at its own frequency, in rad/s: infinite, and reported as such.
 #[test]
 fn an_undamped_resonance_is_infinite() {
@@ -343,8 +358,39 @@ fn forms_that_are_not_there_are_named() {
     ] {
         assert_eq!(finding(&format!("{text}require {condition}\n")).code.0, code, "{condition}");
     }
+    let messages = finding(&format!("{text}require zzzzzz(1) > 2 Hz\n"));
+    let help = messages.help.expect("the measures");
+    for measure in vibc::kinds::functions::MEASURES {
+        assert!(help.contains(measure.function.name), "{}: {help}", measure.function.name);
+    }
     let messages = finding(&format!("{text}require stabel\n"));
     assert_eq!(messages.help.as_deref(), Some("did you mean `stable`?"));
+}
+
+/// Poles of one block in closed form: +-2i; twice 0, which drifts by v t; 0 and -c/m, which stays where it comes to a stop;
+/// of two blocks with a spring between them twice 0 and +-i sqrt(2); 1/4 +- i sqrt(63)/4; +-2, under a negative stiffness.
+#[test]
+fn a_rest_is_stable_if_nothing_grows_and_stiffness_restrains_every_motion() {
+    use vibc::questions::answer::Value;
+    let block = "body a { mass = 1 kg, moves x }\n";
+    for (parts, holds, word) in [
+        ("spring s: ground -- a { k = 4 N/m }\n", true, "stable"),
+        ("", false, "neutral"),
+        ("damper d: ground -- a { c = 1 N*s/m }\n", false, "neutral"),
+        ("body b { mass = 1 kg, moves x }\nspring s: a -- b { k = 1 N/m }\n", false, "neutral"),
+        ("spring s: ground -- a { k = 4 N/m }\ndamper d: ground -- a { c = -0.5 N*s/m }\n", false, "not stable"),
+        ("spring s: ground -- a { k = -4 N/m }\n", false, "not stable"),
+    ] {
+        let outcome = run(&format!("{block}{parts}require stable\n"));
+        let told: Vec<&Diagnostic> = outcome.diagnostics.iter().filter(|d| d.code.0 == "vib::require::fails").collect();
+        let answer = outcome.answer.expect("a report");
+        let [row] = &answer.requirements[..] else { panic!("{parts}") };
+        assert!(matches!(&row.value, Value::Verdict(text) if text == word), "{parts}: {:?}", row.value);
+        assert_eq!(row.holds, Some(holds), "{parts}");
+        assert_eq!(told.len(), usize::from(!holds), "{parts}: {:?}", outcome.diagnostics);
+        let text = told.first().map_or("", |finding| finding.primary.text.as_str());
+        assert_eq!(text.contains("no stiffness restrains"), word == "neutral", "{parts}: {text}");
+    }
 }
 
 /// Models with a parameter `p`, its range, and a measure with the unit in which it is compared: geometry, a rest that

@@ -88,6 +88,7 @@ fn lesser(a: Ball, b: Ball) -> Ball {
 /// `None` if the part does not buckle; an error where neither is proved.
 fn of_part(system: &LinearSystem, part: &Part, k: &Form) -> Result<Option<Buckling>, &'static str> {
     const UNPROVED: &str = "it could not be proved how far the loads can grow";
+    const UNDEFINED: &str = "neither the springs alone nor springs and loads together are shown to hold every motion: no load factor is computed";
     let n = part.coordinates.len();
     let given = weighted(k, |term| (term.nature == Nature::Property).then_some(false));
     let softening = weighted(k, |term| (term.nature == Nature::Geometric).then_some(true));
@@ -100,9 +101,10 @@ fn of_part(system: &LinearSystem, part: &Part, k: &Form) -> Result<Option<Buckli
         Err(Failure::Range | Failure::Size) => return Err(UNPROVED),
         Err(Failure::Mass(_)) => {
             // -rho, descending: the pencil with -K_g again.
-            let pairs = eigenpairs(&softening, k, n, TOLERANCE).map_err(
-                |_| "some motion has no stiffness but that of the loads, and none at rest: there is no load factor",
-            )?;
+            let pairs = eigenpairs(&softening, k, n, TOLERANCE).map_err(|failure| match failure {
+                Failure::Mass(_) => UNDEFINED,
+                Failure::Range | Failure::Size => UNPROVED,
+            })?;
             let Some(pair) = pairs.into_iter().next_back() else { return Err(UNPROVED) };
             let Some(factor) = sign_of(&pair).ok_or(UNPROVED)? else { return Ok(None) };
             (Ball::ONE + Ball::ONE / factor, pair)
