@@ -184,7 +184,7 @@ pub use analysis::{
     AnalysisError, Band, Before, Buckling, Mode, ModeKind, Modes, Noisy, Normalise, Peak, Pole, PoleCount, PoleKind,
     Poles, Reason, Request, Route, Share, Spread, Stability, Verdict, Which, normalise,
 };
-pub use answers::{ModalAnswer, Shock};
+pub use answers::{ModalAnswer, Shock, by_name as shares_by_name};
 pub use questions::answer::{Best, Optimised, OptimisedParameter, Requirement, Sensitivity, Solved, Value};
 
 // Shock response spectra.
@@ -195,6 +195,11 @@ pub use analysis::{
     Disc, Extrema, Extremum, FeatureKind, Frequency, Gain, History, MOST_SAMPLES, Methods, Row, Steady, Sweep, Table,
     Transfer, grid as times, table as transfer_table,
 };
+
+// The model at many values of its parameters.
+pub use questions::answer::{Entry, Holds};
+pub use questions::cases::Study as Cases;
+pub use sweep::{StudyRequest, cases as computed_cases, study as cases_of};
 
 // Equations of motion in the model's own symbols.
 pub use equations::Equations;

@@ -21,6 +21,10 @@ space = cart.state_space()
 poles: NDArray[np.complex128] = cart.poles().values
 print(t[-1], y.shape, poles, np.linalg.eigvals(space.A), space.states, cart.M @ cart.K)
 
+swept = cart.sweep(k="5N/m..50N/m:200", m2=["0.1 kg", "0.5 kg"], modes=2)
+stiffest = swept.table[swept.table["frequency_1"].argmax()]
+print(f"{stiffest['k']} {swept.units['k']}: {stiffest['frequency_1']} Hz, within {stiffest['frequency_1_bound']:.0e} Hz")
+
 try:
     vibc.parse("body block { mass = 2 m, moves x }")
 except vibc.ModelError as error:

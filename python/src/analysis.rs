@@ -51,7 +51,8 @@ impl Analysis {
         found.set_item("growth_rate", column(&|mode| printed(mode.growth_rate())))?;
         found.set_item("bound", column(&|mode| self.proven(mode.error_bound())))?;
         found.set_item("shapes", rows(py, (list.len(), answer.system.n()), shapes))?;
-        let energies = list.iter().map(|mode| (self.shares(&mode.kinetic), self.shares(&mode.strain)));
+        let energies =
+            list.iter().map(|mode| (self.shares(&mode.kinetic), self.shares(&vibc::shares_by_name(&mode.strain))));
         found.set_item("energies", energies.collect::<Vec<_>>())?;
         found.set_item("cluster", list.iter().map(|mode| mode.cluster).collect::<Vec<_>>())?;
         found.set_item("below", answer.modes.before.count())?;

@@ -9,6 +9,7 @@ mod named;
 
 mod analysis;
 mod model;
+mod sweep;
 
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};

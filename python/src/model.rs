@@ -2,6 +2,7 @@
 
 use crate::analysis::Analysis;
 use crate::named::{add_named, read_limited};
+use crate::sweep::{Asked, Heading, table};
 use crate::{Told, printed, rows, told};
 use numpy::{Complex64, PyArray1, PyArray2};
 use pyo3::exceptions::{PyOSError, PyValueError};
@@ -12,16 +13,16 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use vibc::{
     Ball, CoordinateId, CoordinateKind, Dynamics, FigureOptions, FileId, Form, Frequency, Gain, Input, LinearSystem,
-    Literals, Methods, Number, Outcome, Output, Overrides, Rational, Request, SourceFile, SourceKind, Sources,
-    Study, Sweep, Which,
+    Literals, Methods, Number, Outcome, Output, Overrides, Rational, Request, SourceFile, SourceKind, Sources, Study,
+    Sweep, Which,
 };
 
 /// The texts of a model and its linear system.
 #[pyclass(frozen, module = "vibc._vibc")]
 pub struct Model {
-    sources: Sources,
-    file: FileId,
-    overrides: Overrides,
+    pub sources: Sources,
+    pub file: FileId,
+    pub overrides: Overrides,
     #[pyo3(get)]
     name: String,
     system: LinearSystem,
@@ -247,6 +248,31 @@ impl Model {
         let found = found.map(|(times, values, bounds)| {
             let shape = (times.len(), outputs);
             (PyArray1::from_vec(py, times), rows(py, shape, values), rows(py, shape, bounds))
+        });
+        Ok((found, json, drawn))
+    }
+
+    /// The cases of a study: the columns, the numbers and their absolute bounds (cases by columns), and the code of each case; or the
+    /// reason why there is none. `over`: parameters and their values as the command line has them.
+    #[allow(clippy::too_many_arguments, clippy::type_complexity)]
+    #[pyo3(signature = (over, samples, measures, modes, poles, hold_solved, tolerance))]
+    fn sweep<'py>(
+        &self,
+        py: Python<'py>,
+        over: Vec<String>,
+        samples: Option<(u64, u64)>,
+        measures: Vec<String>,
+        modes: Option<u32>,
+        poles: bool,
+        hold_solved: bool,
+        tolerance: Option<f64>,
+    ) -> PyResult<Told<(Vec<Heading>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Vec<&'static str>)>> {
+        let options = Asked { over, samples, measures, modes, poles, hold_solved, tolerance };
+        let (found, json, drawn) = py.detach(|| table(self, &options));
+        let found = found.transpose().map_err(PyValueError::new_err)?;
+        let found = found.map(|table| {
+            let shape = (table.codes.len(), table.headings.len());
+            (table.headings, rows(py, shape, table.values), rows(py, shape, table.bounds), table.codes)
         });
         Ok((found, json, drawn))
     }

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import itertools
+import os
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -112,3 +115,65 @@ def test_settings_are_those_of_the_command_line(program: Program) -> None:
     ):
         same(model.modes().omega, column(program("analyze", cart, *options)["modes"], "omega"))
         same(model.K, program("analyze", cart, *options)["matrices"]["k"])
+
+
+SWEPT = """
+model swept
+param k = 100 N/m spread 3 %
+param m = 1 kg within 5 %
+body b { mass = m, moves x }
+body e { mass = 2 kg, moves x }
+spring s: ground -- b { k = k }
+spring r: b -- e { k = 40 N/mm }
+damper d: ground -- b { c = 3 N*s/m }
+force F: b along x
+output x = b.x
+require frequency(1) > 1 Hz
+"""
+
+
+@pytest.mark.parametrize(
+    ("options", "asked"),
+    [
+        (
+            ["--over", "m=1kg,2kg,0.5kg", "--over", "k=5N/m..50N/m:41", "--modes", "2", "--poles", "--measure", "gain(F -> x, 3 Hz)"],
+            {"m": ["1 kg", "2kg", "0.5 kg"], "k": "5N/m..50N/m:41", "modes": 2, "poles": True, "measures": ["gain(F -> x, 3 Hz)"]},
+        ),
+        (["--over", "k=-1N/m,5N/m", "--modes", "1"], {"k": ["-1 N/m", "5 N/m"], "modes": 1}),
+        (["--samples", "30", "--seed", "7", "--modes", "1"], {"samples": 30, "seed": 7, "modes": 1}),
+    ],
+)
+def test_sweeps(options: list[str], asked: dict[str, Any], tmp_path: Path) -> None:
+    file = tmp_path / "swept.vib"
+    file.write_text(SWEPT)
+    program = os.environ.get("VIBC", str(Path(__file__).resolve().parents[2] / "target/debug/vibc"))
+    ran = subprocess.run([program, "sweep", str(file), *options, "--format", "csv"], capture_output=True, text=True, check=True)
+    heading, *rows = csv.reader(ran.stdout.splitlines())
+    swept = vibc.load(file).sweep(**asked)
+    assert [f"{name} [{swept.units[name]}]" if swept.units.get(name) else name for name in swept.table.dtype.names or ()] == heading
+    assert len(swept.table) == len(rows)
+    words = {"": np.nan, "true": 1.0, "false": 0.0}
+    for place, name in enumerate(swept.table.dtype.names or ()):
+        texts = [row[place] for row in rows]
+        if name == "code":
+            assert list(swept.table[name]) == texts
+            continue
+        missing = np.inf if name.endswith("_bound") else np.nan
+        same(swept.table[name], [missing if text == "" else words[text] if text in words else float(text) for text in texts])
+
+
+def test_what_is_no_sweep_is_said() -> None:
+    model = vibc.parse(SWEPT)
+    with pytest.raises(vibc.ModelError, match="a stiffness is expected here"):
+        model.sweep(k=np.linspace(5, 50, 4))
+    with pytest.raises(vibc.ModelError, match="no parameter `q`"):
+        model.sweep(q="1m,2m")
+    with pytest.raises(vibc.ModelError, match="a measure is expected here"):
+        model.sweep(k="5N/m,6N/m", measures=["gain"])
+    with pytest.raises(ValueError, match="`gain..x` is no measure"):
+        model.sweep(k="5N/m,6N/m", measures=["gain((x"])
+    with pytest.raises(ValueError, match="write them to a file"):
+        model.sweep(k="5N/m..6N/m:100000000")
+    for wrong in ({}, {"samples": 3, "k": "1N/m,2N/m"}, {"samples": 0}, {"k": ["1 N/m,2 N/m"]}, {"k": "1N/m\n"}):
+        with pytest.raises(ValueError):
+            model.sweep(**wrong)  # type: ignore[arg-type]

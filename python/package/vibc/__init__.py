@@ -8,7 +8,7 @@ array([10.])
 
 from .errors import Diagnostic, ModelError, ModelWarning
 from .model import Model, load, parse
-from .results import Energies, Modes, Motion, Poles, StateSpace, Transfer
+from .results import Energies, Modes, Motion, Poles, StateSpace, Sweep, Transfer
 
 __all__ = [
     "Diagnostic",
@@ -20,6 +20,7 @@ __all__ = [
     "Motion",
     "Poles",
     "StateSpace",
+    "Sweep",
     "Transfer",
     "load",
     "parse",

@@ -58,6 +58,16 @@ class Model:
         self, frequencies: _Reals, input: int, output: int
     ) -> tuple[tuple[_Complexes, _Reals] | None, str, str]: ...
     def simulate(self, until: float, step: float) -> tuple[tuple[_Reals, _Reals, _Reals] | None, str, str]: ...
+    def sweep(
+        self,
+        over: list[str],
+        samples: tuple[int, int] | None,
+        measures: list[str],
+        modes: int | None,
+        poles: bool,
+        hold_solved: bool,
+        tolerance: float | None,
+    ) -> tuple[tuple[list[tuple[str, str, bool]], _Reals, _Reals, list[str]] | None, str, str]: ...
     def figure(self, mode: int | None, values: bool) -> tuple[tuple[str | None, str] | None, str, str]: ...
 
 def read(

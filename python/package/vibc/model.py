@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from os import PathLike
 from typing import Literal, NamedTuple, SupportsFloat
@@ -13,10 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _vibc
 from .errors import Diagnostic, ModelError, findings, settled
-from .results import Energies, Modes, Motion, Poles, Reals, StateSpace, Transfer
+from .results import Energies, Modes, Motion, Poles, Reals, StateSpace, Sweep, Transfer
 
 #: A value as a model writes it, "12 N/m", or a number without a unit.
 Value = str | SupportsFloat
+#: Several values, or a range as on the command line, "5N/m..50N/m:200".
+Values = str | Iterable[Value]
 Literals = Literal["decimal", "binary64"]
 
 
@@ -85,6 +87,16 @@ def _written(name: str, value: Value) -> str:
     if any(end in part for part in (name, written) for end in "\r\n") or "=" in name:
         raise ValueError(f"{name!r} and its value are one line each, the name without an equals sign")
     return written
+
+
+def _all_written(name: str, values: Values) -> str:
+    """Values as the command line has them: one line."""
+    if isinstance(values, str):
+        return _written(name, values)
+    written = [_written(name, value) for value in values]
+    if any("," in value or ".." in value for value in written):
+        raise ValueError(f"{name}: an entry of a list is one value")
+    return ",".join(written)
 
 
 class Model:
@@ -201,6 +213,53 @@ class Model:
             raise ValueError("the model declares no output")
         t, y, bound = settled(self._native.simulate(until, step))
         return Motion(t, y, bound, list(self.outputs), list(self.outputs.values()))
+
+    def sweep(
+        self,
+        *,
+        over: Mapping[str, Values] | None = None,
+        samples: int | None = None,
+        seed: int = 0,
+        modes: int | None = None,
+        poles: bool = False,
+        measures: Sequence[str] = (),
+        hold_solved: bool = False,
+        tolerance: float | None = None,
+        **parameters: Values,
+    ) -> Sweep:
+        """The model at many values of its parameters: what `vibc sweep` computes, to the last bit, on all cores.
+
+        `sweep(k="5N/m..50N/m:200", m1=["1 kg", "2 kg"])` computes every combination, the last one changing fastest; `over`
+        takes names that are no Python names. `samples` draws the parameters that have a tolerance or a spread instead.
+        Without `modes`, `poles`, `measures` and requirements of the model, six frequencies.
+        """
+        if isinstance(measures, str):
+            raise TypeError("measures is a list of texts")
+        if samples is not None and (samples < 1 or seed < 0):
+            raise ValueError("samples is at least 1, and the seed is not negative")
+        varied = [*(over or {}).items(), *parameters.items()]
+        if bool(varied) == (samples is not None):
+            raise ValueError("give values of parameters, or a number of samples")
+        if tolerance is not None and not 0 < tolerance < 1:
+            raise ValueError("tolerance is a relative error bound such as 1e-14")
+        if modes is not None and modes < 1:
+            raise ValueError("modes is at least 1")
+        if any("\n" in measure or "\r" in measure for measure in measures):
+            raise ValueError("a measure is one line")
+        drawn = None if samples is None else (samples, seed)
+        lines = [f"{name}={_all_written(name, values)}" for name, values in varied]
+        told = self._native.sweep(lines, drawn, list(measures), modes, poles, hold_solved, tolerance)
+        columns, values, bounds, codes = settled(told)
+        fields: list[tuple[str, str]] = [("case", "i8")]
+        for name, _, has_bound in columns:
+            fields += [(name, "f8"), (f"{name}_bound", "f8")] if has_bound else [(name, "f8")]
+        table = np.zeros(len(codes), dtype=[*fields, ("code", f"U{max(map(len, codes), default=1) or 1}")])
+        table["case"], table["code"] = np.arange(len(codes)), codes
+        for place, (name, _, has_bound) in enumerate(columns):
+            table[name] = values[:, place]
+            if has_bound:
+                table[f"{name}_bound"] = bounds[:, place]
+        return Sweep(table, {name: unit for name, unit, _ in columns})
 
     def state_space(self) -> StateSpace:
         """The model in first order. Raises ValueError where there is none."""

@@ -151,3 +151,14 @@ class StateSpace:
         """The names as python-control takes them: dots mean something else there."""
         plain = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
         return {kind: [name.replace(".", "_") for name in names] for kind, names in plain.items()}
+
+
+class Sweep(NamedTuple):
+    """A model at many values of its parameters."""
+
+    #: A structured array, a row a case: `table["k"]`, `table["frequency_1"]`, `table["frequency_1_bound"]`, and `table["code"]`,
+    #: the code of the finding for which a case has no answers, or of a warning about them. Bounds are absolute, infinite where
+    #: nothing is known. NaN stands where there is no number; a verdict on a requirement is 1, 0, or NaN where it is not decided.
+    table: NDArray[Any]
+    #: The unit of each column, as the model writes it: not SI.
+    units: dict[str, str]
