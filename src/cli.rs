@@ -330,6 +330,9 @@ pub struct Sweep {
     /// The seed of the random values [default: 0]
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = seed, conflicts_with = "over")]
     pub seed: Option<u64>,
+    /// Values that fill their ranges evenly: 16 scrambled Sobol sequences in turn, which need far fewer cases
+    #[arg(long, conflicts_with = "over")]
+    pub sobol: bool,
     /// A measure as in a model, such as 'gain(F -> x, 3 Hz)'; may be repeated
     #[arg(long, value_name = "MEASURE", value_parser = measure)]
     pub measure: Vec<String>,

@@ -199,7 +199,7 @@ pub use analysis::{
 // The model at many values of its parameters.
 pub use questions::answer::{Entry, Holds};
 pub use questions::cases::Study as Cases;
-pub use sweep::{StudyRequest, cases as computed_cases, study as cases_of};
+pub use sweep::{Draws, StudyRequest, cases as computed_cases, study as cases_of};
 
 // Equations of motion in the model's own symbols.
 pub use equations::Equations;

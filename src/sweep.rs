@@ -4,9 +4,11 @@
 use crate::Outcome;
 use crate::base::{FileId, Number, Sources};
 use crate::kernel::cores;
+use crate::kernel::sobol;
 use crate::model::{self, Overrides};
 use crate::questions::answer::Case;
 use crate::questions::cases::{Asked, Study, Varied};
+pub use crate::questions::samples::Draws;
 use crate::questions::samples::Samples;
 use crate::reading::{self, Reading};
 use crate::syntax;
@@ -16,8 +18,8 @@ use crate::syntax;
 pub struct StudyRequest {
     /// A file with a line for each parameter and its values: `k=5N/m..50N/m:200`, `m=1kg,2kg`.
     pub over: FileId,
-    /// Random values in place of these: the number of cases, and the seed.
-    pub samples: Option<(u64, u64)>,
+    /// Random values in place of these.
+    pub samples: Option<Draws>,
     /// A file with a measure a line, written as in a model: `gain(F -> x, 3 Hz)`.
     pub measures: Option<FileId>,
     /// The number of lowest modes; `None` for the usual six if nothing else is asked for.
@@ -82,12 +84,22 @@ pub fn study<'a>(
         let (name, held) = (reading.name(), std::mem::take(&mut reading.settings));
         let varied = match request.samples {
             None => Varied::Over(swept),
-            Some((count, seed)) => Varied::Drawn(Samples::of(scene.scene(), &held, count, seed)),
+            Some(draws) => Varied::Drawn(Samples::of(scene.scene(), &held, draws)),
         };
         if let Varied::Drawn(samples) = &varied
             && samples.tolerances.is_empty()
         {
             return Some(Err(NOTHING_RANDOM.into()));
+        }
+        if let Varied::Drawn(samples) = &varied
+            && samples.draws.sobol
+            && samples.tolerances.len() > sobol::DIMENSIONS
+        {
+            return Some(Err(format!(
+                "`--sobol` fills the ranges of at most {} random parameters, and the model has {}: leave it out",
+                sobol::DIMENSIONS,
+                samples.tolerances.len()
+            )));
         }
         Some(Ok((name, Study::new((sources, reading.tree, overrides), &scene, varied, held, asked))))
     })

@@ -7,12 +7,13 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
-use vibc::answers::ranges::Ranges;
+use vibc::answers::ranges::{Drawing, Ranges};
 use vibc::answers::report;
 use vibc::backend::{self, sweep as rows};
 use vibc::cli::{MOST_CASES, MOST_SHARDS, Messages, Shard, ShardOption, Sweep, SweepFormat};
+use vibc::questions::answer::REPLICATES;
 use vibc::questions::cases::Study;
-use vibc::sweep::{StudyRequest, cases, study};
+use vibc::sweep::{Draws, StudyRequest, cases, study};
 
 pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
     let shard = match options.shard.map(taken).transpose() {
@@ -24,6 +25,12 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
     };
     if shard.is_some() && options.format != SweepFormat::Csv {
         report_error("parts are CSV: add `--format csv`");
+        return Status::Usage;
+    }
+    if options.sobol && options.samples.is_some_and(|count| u64::from(count) % REPLICATES != 0) {
+        report_error(
+            "`--sobol` draws from 16 sequences in turn: the number of samples has to be a multiple of 16, best a power of two",
+        );
         return Status::Usage;
     }
     let outputs: Vec<_> = options.output.file.iter().flat_map(|path| [path.clone(), partial(path)]).collect();
@@ -53,7 +60,7 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
     let path = options.output.file.as_deref();
     let written = match options.format {
         SweepFormat::Text => {
-            let mut ranges = Ranges::new(&study.columns, options.samples.is_some());
+            let mut ranges = Ranges::new(&study.columns, drawing(options));
             let gathered = in_blocks(0..count, |numbers| {
                 cases(&study, numbers, |case| case).iter().for_each(|case| ranges.add(case));
                 Ok(())
@@ -81,6 +88,14 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
     delivered(path, written).max(status)
 }
 
+fn drawing(options: &Sweep) -> Drawing {
+    match (options.samples, options.sobol) {
+        (None, _) => Drawing::Given,
+        (Some(_), false) => Drawing::Independent,
+        (Some(_), true) => Drawing::Replicated,
+    }
+}
+
 /// The request, with its texts among the sources.
 fn request(options: &Sweep, input: &mut Input) -> StudyRequest {
     let over = input.sources.add(arguments("--over", &options.over));
@@ -90,7 +105,11 @@ fn request(options: &Sweep, input: &mut Input) -> StudyRequest {
     };
     StudyRequest {
         over,
-        samples: options.samples.map(|count| (u64::from(count), options.seed.unwrap_or(0))),
+        samples: options.samples.map(|count| Draws {
+            count: u64::from(count),
+            seed: options.seed.unwrap_or(0),
+            sobol: options.sobol,
+        }),
         measures,
         modes: options.modes,
         poles: options.poles,

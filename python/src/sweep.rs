@@ -2,7 +2,7 @@
 
 use crate::model::Model;
 use crate::{Told, printed, told};
-use vibc::{Bound, Entry, Holds, Outcome, SourceFile, SourceKind, StudyRequest};
+use vibc::{Bound, Draws, Entry, Holds, Outcome, SourceFile, SourceKind, StudyRequest};
 
 /// The name of a column, its unit, and whether it has bounds.
 pub type Heading = (String, String, bool);
@@ -43,7 +43,7 @@ pub fn table(model: &Model, asked: &Asked) -> Told<Result<Table, String>> {
     let measures = (!asked.measures.is_empty()).then(|| lines("measures", &asked.measures));
     let request = StudyRequest {
         over,
-        samples: asked.samples,
+        samples: asked.samples.map(|(count, seed)| Draws { count, seed, sobol: false }),
         measures,
         modes: asked.modes,
         poles: asked.poles,

@@ -2,14 +2,24 @@
 //! and its largest value with the case that has it.
 
 use crate::base::{Ball, Bound};
-use crate::questions::answer::{Case, Column, Entry};
+use crate::questions::answer::{Case, Column, Entry, REPLICATES};
+
+/// How the cases of a study were chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Drawing {
+    #[default]
+    Given,
+    /// Random and independent.
+    Independent,
+    /// Random, in [`REPLICATES`] sequences in turn that are independent of each other.
+    Replicated,
+}
 
 /// Ranges over the cases so far.
 #[derive(Clone, Debug, Default)]
 pub struct Ranges {
     pub cases: u64,
-    /// Whether the cases are random, so that means estimate those of the distribution.
-    pub random: bool,
+    pub drawing: Drawing,
     /// In the order of the columns.
     pub columns: Vec<Range>,
     /// Each code with the number of its cases and the first of these, in order of appearance.
@@ -23,8 +33,9 @@ pub struct Range {
     pub ends: Option<[(Ball, Case); 2]>,
     /// The largest absolute error bound.
     pub bound: Option<Bound>,
-    /// The number of finite values, their mean, and the sum of the squares of their distances from it.
-    pub moments: (u64, f64, f64),
+    pub moments: Moments,
+    /// The same for each sequence of a replicated drawing, and the numbers of cases that hold and that fail.
+    pub replicates: Vec<(Moments, [u64; 2])>,
     pub infinite: u64,
     pub unproven: u64,
     pub holds: u64,
@@ -35,9 +46,49 @@ pub struct Range {
     pub reason: Option<&'static str>,
 }
 
+/// A mean and a variance, updated as B. P. Welford does (Technometrics 4, 1962, 419-420).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Moments {
+    /// The number of finite values.
+    pub number: u64,
+    pub mean: f64,
+    /// The sum of the squares of the distances from the mean.
+    squares: f64,
+}
+
+impl Moments {
+    fn add(&mut self, x: f64) {
+        let old = self.mean;
+        self.number += 1;
+        self.mean += (x - old) / self.number as f64;
+        self.squares += (x - old) * (x - self.mean);
+    }
+
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Moments {
+        let mut moments = Moments::default();
+        values.into_iter().for_each(|x| moments.add(x));
+        moments
+    }
+
+    /// The estimate of the standard deviation; not a number of fewer than two values.
+    pub fn deviation(&self) -> f64 {
+        (self.squares / (self.number as f64 - 1.0)).sqrt()
+    }
+}
+
 impl Ranges {
-    pub fn new(columns: &[Column], random: bool) -> Ranges {
-        Ranges { random, columns: vec![Range::default(); columns.len()], ..Ranges::default() }
+    pub fn new(columns: &[Column], drawing: Drawing) -> Ranges {
+        let replicates = match drawing {
+            Drawing::Replicated => vec![Default::default(); REPLICATES as usize],
+            Drawing::Given | Drawing::Independent => Vec::new(),
+        };
+        let range = Range { replicates, ..Range::default() };
+        Ranges { drawing, columns: vec![range; columns.len()], ..Ranges::default() }
+    }
+
+    /// Whether means estimate those of a distribution.
+    pub fn is_random(&self) -> bool {
+        self.drawing != Drawing::Given
     }
 
     /// Adds a case.
@@ -57,6 +108,13 @@ impl Ranges {
 
 impl Range {
     fn add(&mut self, entry: Entry, case: &Case) {
+        if let Some((moments, verdicts)) = self.replicates.get_mut((case.number % REPLICATES) as usize) {
+            match entry {
+                Entry::Enclosed(value) => moments.add(value.to_f64()),
+                Entry::Verdict(holds) => verdicts[usize::from(!holds)] += 1,
+                _ => {}
+            }
+        }
         match entry {
             Entry::Enclosed(value) => self.enclose(value, case),
             Entry::Infinite => self.infinite += 1,
@@ -74,12 +132,7 @@ impl Range {
         let bound = Bound::of_midpoint(value);
         self.bound =
             Some(self.bound.map_or(bound, |largest| if largest.value() < bound.value() { bound } else { largest }));
-        // Updated as B. P. Welford does (Technometrics 4, 1962, 419-420).
-        let (count, mean, squares) = &mut self.moments;
-        *count += 1;
-        let (x, old) = (value.to_f64(), *mean);
-        *mean += (x - old) / *count as f64;
-        *squares += (x - old) * (x - *mean);
+        self.moments.add(value.to_f64());
         match &mut self.ends {
             None => self.ends = Some([(value, case.clone()), (value, case.clone())]),
             Some([least, largest]) => {

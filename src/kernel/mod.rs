@@ -19,6 +19,7 @@ pub(crate) mod pseudosymmetric;
 pub mod real;
 pub(crate) mod residues;
 pub(crate) mod simd;
+pub(crate) mod sobol;
 pub mod sparse;
 pub(crate) mod squares;
 pub(crate) mod sturm;

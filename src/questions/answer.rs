@@ -369,6 +369,10 @@ pub enum Entry {
     None(Option<&'static str>),
 }
 
+/// Sequences of a study by Sobol's sequence, each with a scrambling of its own, so that their means tell how far they are off: the
+/// case with number k is of the sequence k mod 16.
+pub const REPLICATES: u64 = 16;
+
 /// A row of the table of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {

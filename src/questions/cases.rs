@@ -44,7 +44,7 @@ impl Varied {
     fn count(&self) -> u64 {
         match self {
             Varied::Over(swept) => swept.iter().fold(1, |count: u64, swept| count.saturating_mul(swept.points.count())),
-            Varied::Drawn(samples) => samples.count,
+            Varied::Drawn(samples) => samples.draws.count,
         }
     }
 

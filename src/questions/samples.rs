@@ -1,17 +1,27 @@
 //! Random values of the parameters that have a tolerance or a spread. In: tolerances, their correlations, a seed. Out: for each case
 //! the values, which depend on the seed and the number of the case alone. See docs/method/studies.md#samples.
 
+use super::answer::REPLICATES;
 use crate::base::{Number, Quantity, Rational};
 use crate::kernel::normal::{cumulative, quantile};
 use crate::kernel::philox::philox;
+use crate::kernel::sobol;
 use crate::model::Setting;
 use crate::model::scene::{Scene, Spread, Tolerance};
+
+/// How many random values a study has, and which.
+#[derive(Clone, Copy, Debug)]
+pub struct Draws {
+    pub count: u64,
+    pub seed: u64,
+    /// Whether the values are those of [`REPLICATES`] scrambled Sobol sequences in turn.
+    pub sobol: bool,
+}
 
 /// The draws of a study.
 #[derive(Clone, Debug)]
 pub struct Samples {
-    pub count: u64,
-    seed: u64,
+    pub draws: Draws,
     pub tolerances: Vec<Tolerance>,
     /// For each parameter that is correlated with one before it, its row of the Cholesky factor L of the matrix of correlations.
     rows: Vec<Option<Vec<f64>>>,
@@ -22,7 +32,7 @@ const STREAM: u32 = 0x7661_7279;
 
 impl Samples {
     /// The draws of a scene; of parameters that are held none.
-    pub fn of(scene: &Scene, held: &[Setting], count: u64, seed: u64) -> Samples {
+    pub fn of(scene: &Scene, held: &[Setting], draws: Draws) -> Samples {
         let is_free = |tolerance: &Tolerance| held.iter().all(|(name, _)| *name != tolerance.parameter.name);
         let places: Vec<usize> = (0..scene.tolerances.len()).filter(|&i| is_free(&scene.tolerances[i])).collect();
         let n = places.len();
@@ -34,7 +44,7 @@ impl Samples {
             }
         }
         let tolerances = places.iter().map(|&place| scene.tolerances[place].clone()).collect();
-        Samples { count, seed, tolerances, rows: factor(matrix) }
+        Samples { draws, tolerances, rows: factor(matrix) }
     }
 
     /// The values of a case.
@@ -55,8 +65,15 @@ impl Samples {
 
     /// A number between 0 and 1, both excluded, uniformly distributed.
     fn uniform(&self, case: u64, parameter: usize) -> f64 {
-        let counter = [case as u32, (case >> 32) as u32, parameter as u32, STREAM];
-        let [high, low, ..] = philox(counter, [self.seed as u32, (self.seed >> 32) as u32]);
+        let words = |x: u64| [x as u32, (x >> 32) as u32];
+        let key = words(self.draws.seed);
+        if self.draws.sobol {
+            let (index, replicate) = (case / REPLICATES, case % REPLICATES);
+            return sobol::scrambled(index as u32, parameter, key, [replicate as u32, STREAM]);
+        }
+        let [low, high] = words(case);
+        let counter = [low, high, parameter as u32, STREAM];
+        let [high, low, ..] = philox(counter, key);
         let bits = (u64::from(high) << 32 | u64::from(low)) >> 12;
         (bits as f64 + 0.5) / (1u64 << 52) as f64
     }

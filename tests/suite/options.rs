@@ -254,7 +254,7 @@ const VALUES: [Values; 53] = [
 fn needed(command: &str, option: &str) -> Vec<&'static str> {
     let file = "@/scene.vib";
     let mut needed = match command {
-        "sweep" if matches!(option, "samples" | "seed") => vec!["@/random.vib"],
+        "sweep" if matches!(option, "samples" | "seed" | "sobol") => vec!["@/random.vib"],
         "analyze" | "transfer" | "bench" | "sweep" | "draw" | "equations" | "report" | "watch" if option != "file" => {
             vec![file]
         }
@@ -280,7 +280,7 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
         ("emit", "target") => {}
         ("emit", _) => needed.extend(["--target", "c"]),
         ("sweep", "over" | "samples") => {}
-        ("sweep", "seed") => needed.extend(["--samples", "3"]),
+        ("sweep", "seed" | "sobol") => needed.extend(["--samples", "16"]),
         ("sweep", "shard") => needed.extend(["--over", "k=5N/m,6N/m", "--format", "csv", "--output", "@/out.csv"]),
         ("sweep", _) => needed.extend(["--over", "k=5N/m,6N/m"]),
         ("shock", "range") => {}

@@ -2,19 +2,22 @@
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Report, Section, line};
-use crate::answers::ranges::{Range, Ranges};
+use crate::answers::ranges::{Moments, Range, Ranges};
 use crate::kernel::binomial;
-use crate::questions::answer::{Case, Column, Entry, Holds, few_digits};
+use crate::questions::answer::{Case, Column, Entry, Holds, REPLICATES, few_digits};
 
 const DIGITS: usize = 6;
 
 /// A normal variable is as close to its mean as so many standard deviations with a probability of 95 %.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
+/// The same for Student's distribution of 15 degrees of freedom.
+const STUDENT_95: f64 = 2.131_449_545_559_323;
+
 /// The least and the largest value of each column, with the cases that have them.
 pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
     // Random values say little and are many: the number of the case finds them.
-    let at = |case: &Case| match ranges.random {
+    let at = |case: &Case| match ranges.is_random() {
         true => line!["case\u{a0}", case.number as usize],
         false => place(columns, case),
     };
@@ -56,25 +59,21 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
         ("±, 95 %", Align::Right),
         ("standard deviation", Align::Point),
     ]);
-    for (column, range) in of(|holds| holds != Holds::Verdict).filter(|_| ranges.random) {
-        let (number, mean, squares) = range.moments;
-        let number_of = number as f64;
+    for (column, range) in of(|holds| holds != Holds::Verdict).filter(|_| ranges.is_random()) {
         // A mean without the cases that have no finite value is none of the distribution.
-        let is_whole = number == ranges.cases && number > 1;
-        let deviation = (squares / (number_of - 1.0)).sqrt();
-        let within = NORMAL_95 * deviation / number_of.sqrt();
+        let is_whole = range.moments.number == ranges.cases && ranges.cases > 1;
         let cell = |value: f64| if is_whole { Cell::from(few_digits(value)) } else { Cell::from("?") };
         statistics.row(vec![
             column.name.clone().into(),
             column.unit.clone().into(),
-            cell(mean),
-            cell(within),
-            cell(deviation),
+            cell(range.moments.mean),
+            cell(half_width(range)),
+            cell(range.moments.deviation()),
         ]);
     }
     let estimated = if statistics.rows.is_empty() { Vec::new() } else { vec![Block::from(statistics)] };
     // Without random cases the last column stays empty.
-    let probability_heading = if ranges.random { "probability, 95 %" } else { "" };
+    let probability_heading = if ranges.is_random() { "probability, 95 %" } else { "" };
     let mut verdicts = Table::of([
         ("requirement", Align::Left),
         ("holds", Align::Right),
@@ -84,7 +83,7 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
     ]);
     for (column, range) in of(|holds| holds == Holds::Verdict) {
         let counts = [range.holds, range.fails, range.none].map(|count| Cell::from(Line::from(count as usize)));
-        let estimate = if ranges.random { probability(range, ranges.cases).into() } else { Cell::default() };
+        let estimate = if ranges.is_random() { probability(range, ranges.cases).into() } else { Cell::default() };
         verdicts.row([vec![column.name.clone().into()], counts.to_vec(), vec![estimate]].concat());
     }
     let required = if verdicts.rows.is_empty() { Vec::new() } else { vec![Block::from(verdicts)] };
@@ -103,10 +102,38 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
     )
 }
 
+/// Half of the 95 % confidence interval of a mean.
+fn half_width(range: &Range) -> f64 {
+    match range.replicates.is_empty() {
+        true => NORMAL_95 * range.moments.deviation() / (range.moments.number as f64).sqrt(),
+        false => of_means(&Moments::of(range.replicates.iter().map(|(moments, _)| moments.mean))),
+    }
+}
+
+/// The same of the mean of the replicates' means.
+fn of_means(means: &Moments) -> f64 {
+    STUDENT_95 * means.deviation() / (REPLICATES as f64).sqrt()
+}
+
 /// The interval of the probability that a requirement holds; its ends are rounded outwards. Cases that are not decided may go either way.
 fn probability(range: &Range, cases: u64) -> String {
-    let least = binomial::least_probability(range.holds, cases);
-    let most = 1.0 - binomial::least_probability(range.fails, cases);
+    let [least, most] = match range.replicates.is_empty() {
+        true => {
+            [binomial::least_probability(range.holds, cases), 1.0 - binomial::least_probability(range.fails, cases)]
+        }
+        false => {
+            let share = |which: usize| {
+                let own = range.replicates.iter().map(|(_, verdicts)| verdicts[which] as f64);
+                Moments::of(own.map(|number| number * REPLICATES as f64 / cases as f64))
+            };
+            let [holds, fails] = [share(0), share(1)];
+            // Replicates that agree say nothing about how far they are off.
+            if holds.deviation() == 0.0 || fails.deviation() == 0.0 {
+                return "?".into();
+            }
+            [(holds.mean - of_means(&holds)).max(0.0), (1.0 - fails.mean + of_means(&fails)).min(1.0)]
+        }
+    };
     format!("{} .. {}", few_digits((least * 1e4).floor() / 1e4), few_digits((most * 1e4).ceil() / 1e4))
 }
 
