@@ -424,6 +424,8 @@ pub enum SweepFormat {
     Text,
     Csv,
     Json,
+    /// Arrays for NumPy, as a file (`-o`)
+    Npz,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -9,6 +9,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use vibc::answers::ranges::{Drawing, Ranges};
 use vibc::answers::report;
+use vibc::backend::npz::Npz;
 use vibc::backend::{self, sweep as rows};
 use vibc::cli::{MOST_CASES, MOST_SHARDS, Messages, Shard, ShardOption, Sweep, SweepFormat};
 use vibc::questions::answer::REPLICATES;
@@ -31,6 +32,11 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
         report_error(
             "`--sobol` draws from 16 sequences in turn: the number of samples has to be a multiple of 16, best a power of two",
         );
+        return Status::Usage;
+    }
+    let path = options.output.file.as_deref();
+    if options.format == SweepFormat::Npz && path.is_none_or(|path| path == Path::new("-")) {
+        report_error("arrays are written to a file: add `-o FILE.npz`");
         return Status::Usage;
     }
     let outputs: Vec<_> = options.output.file.iter().flat_map(|path| [path.clone(), partial(path)]).collect();
@@ -57,7 +63,6 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
         report_error(&format!("that would be {count} cases; the limit of a run is {MOST_CASES}"));
         return Status::Usage;
     }
-    let path = options.output.file.as_deref();
     let written = match options.format {
         SweepFormat::Text => {
             let mut ranges = Ranges::new(&study.columns, drawing(options));
@@ -72,6 +77,13 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
             return deliver(path, &backend::report::laid_out(&report, columns(&options.page, path))).max(status);
         }
         SweepFormat::Json => write_by(path, |out| write_json(&model, &study, out)),
+        SweepFormat::Npz => {
+            let Some((npz, begun)) = Npz::begin(&study.columns, count) else {
+                report_error("that is too much for one file of arrays: write `--format csv`, or fewer cases");
+                return Status::Usage;
+            };
+            write_by(path, |out| write_arrays(npz, &begun, &study, out))
+        }
         SweepFormat::Csv => {
             let heading = rows::csv_heading(&study.columns);
             let of_study = fingerprint(&input.sources, &asked, &heading);
@@ -185,6 +197,12 @@ fn write_rows(study: &Study, header: &Header, first: u64, out: &mut dyn Write) -
         let text = cases(study, &numbers, |case| rows::csv_row(&study.columns, &case)).concat();
         out.write_all(text.as_bytes())
     })
+}
+
+fn write_arrays(mut npz: Npz, begun: &[u8], study: &Study, out: &mut dyn Write) -> io::Result<()> {
+    out.write_all(begun)?;
+    in_blocks(0..study.count(), |numbers| out.write_all(&npz.rows(&cases(study, numbers, |case| case))))?;
+    out.write_all(&npz.end())
 }
 
 fn write_json(model: &str, study: &Study, out: &mut dyn Write) -> io::Result<()> {

@@ -162,6 +162,21 @@ def test_sweeps(options: list[str], asked: dict[str, Any], tmp_path: Path) -> No
         same(swept.table[name], [missing if text == "" else words[text] if text in words else float(text) for text in texts])
 
 
+def test_arrays_of_a_sweep_are_what_numpy_loads(tmp_path: Path) -> None:
+    file, archive = tmp_path / "swept.vib", tmp_path / "swept.npz"
+    file.write_text(SWEPT)
+    program = os.environ.get("VIBC", str(Path(__file__).resolve().parents[2] / "target/debug/vibc"))
+    options = ["--over", "k=-1N/m,5N/m", "--over", "m=1kg,0kg,-1kg", "--poles", "--format", "npz", "-o", str(archive)]
+    subprocess.run([program, "sweep", str(file), *options], check=True)
+    arrays = np.load(archive)
+    swept = vibc.load(file).sweep(k=["-1 N/m", "5 N/m"], m=["1 kg", "0 kg", "-1 kg"], poles=True).table
+    *names, last = arrays["columns"].tolist()
+    assert (tuple(names), last) == (swept.dtype.names[1:-1], "code")
+    for place, name in enumerate(names):
+        same(swept[name], arrays["table"][:, place])
+    assert [arrays["codes"][int(code)] for code in arrays["table"][:, -1]] == swept["code"].tolist()
+
+
 def test_what_is_no_sweep_is_said() -> None:
     model = vibc.parse(SWEPT)
     with pytest.raises(vibc.ModelError, match="a stiffness is expected here"):

@@ -59,6 +59,11 @@ impl JsonNumber {
         self.0.is_none()
     }
 
+    /// The number in binary64, `missing` for `null`.
+    pub fn or(self, missing: f64) -> f64 {
+        self.0.unwrap_or(missing)
+    }
+
     /// The number as a field of CSV: empty for `null`.
     pub fn field(self) -> String {
         self.0.map_or(String::new(), |number| serde_json::to_string(&number).expect("a finite number has a JSON form"))

@@ -12,6 +12,7 @@ pub mod json;
 mod json_number;
 mod json_spectra;
 pub mod markdown;
+pub mod npz;
 pub mod page;
 mod plain;
 pub mod plot;

@@ -5,7 +5,7 @@ use super::json_number::JsonNumber;
 use crate::questions::answer::{Case, Column, Entry, Holds};
 
 /// Whether a column is followed by one with bounds.
-fn has_bound(column: &Column) -> bool {
+pub(super) fn has_bound(column: &Column) -> bool {
     !matches!(column.holds, Holds::Parameter | Holds::Verdict)
 }
 

@@ -3,6 +3,7 @@
 // Closed forms are evaluated with the platform's functions, and compared to a few digits.
 #![allow(clippy::disallowed_methods)]
 
+mod arrays;
 mod ask;
 mod bad_loads;
 mod bands;

@@ -282,6 +282,8 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
         ("sweep", "over" | "samples") => {}
         ("sweep", "seed" | "sobol") => needed.extend(["--samples", "16"]),
         ("sweep", "shard") => needed.extend(["--over", "k=5N/m,6N/m", "--format", "csv", "--output", "@/out.csv"]),
+        // Arrays are written to files alone.
+        ("sweep", "format") => needed.extend(["--over", "k=5N/m,6N/m", "--output", "@/out.npz"]),
         ("sweep", _) => needed.extend(["--over", "k=5N/m,6N/m"]),
         ("shock", "range") => {}
         ("shock", "at") => {}
