@@ -11,6 +11,7 @@ mod coherent;
 mod density;
 mod driven;
 mod gramian;
+mod maxima;
 mod peaks;
 mod quotient;
 mod realisation;

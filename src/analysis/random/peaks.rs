@@ -2,6 +2,7 @@
 //! densities as enclosures, or why it is not proved that none is missing. See docs/method/random.md#peaks.
 
 use super::density::density;
+use super::maxima::maxima;
 use super::several::{Range, ranges};
 use super::{Reach, Spread};
 use crate::analysis::transfer::Transfer;
@@ -19,7 +20,6 @@ pub struct Peak {
     pub density: Ball,
 }
 
-const LATER: &str = "peaks are not found under a noise that comes again later";
 const UNPROVED: &str = "it is not proved that no peak is missing";
 const MANY: &str = "peaks are found under densities of up to 64 bands";
 /// Each band is a search of its own.
@@ -36,22 +36,22 @@ pub fn peaks(
     output: usize,
 ) -> Result<Vec<Peak>, &'static str> {
     let reached = &system.outputs[output];
-    let mut reaching: Vec<(&Noise, Vec<usize>)> = Vec::new();
+    let mut reaching: Vec<(&Noise, Vec<(usize, Number)>)> = Vec::new();
     for noise in noises {
-        let mut own = noise.inputs.iter().filter(|(input, _)| reach.from_input(system, *input, reached));
-        let Some((first, delay)) = own.next() else { continue };
-        let mut inputs = vec![*first];
-        for (input, later) in own {
-            if !(later - delay).is_zero() {
-                return Err(LATER);
-            }
-            inputs.push(*input);
+        let own = noise.inputs.iter().filter(|(input, _)| reach.from_input(system, *input, reached));
+        let inputs: Vec<(usize, Number)> = own.cloned().collect();
+        if !inputs.is_empty() {
+            reaching.push((noise, inputs));
         }
-        reaching.push((noise, inputs));
     }
+    let at_once = |inputs: &[(usize, Number)]| inputs.iter().all(|(_, delay)| (delay - &inputs[0].1).is_zero());
     let list = match &reaching[..] {
-        [(noise, inputs)] if inputs.len() == 1 => under_one(transfer, noise, inputs[0], output)?,
-        _ => under_several(system, &reaching, reached)?,
+        [(noise, inputs)] if inputs.len() == 1 => under_one(transfer, noise, inputs[0].0, output)?,
+        _ if bands(&reaching) > MOST_BANDS => return Err(MANY),
+        _ if reaching.iter().all(|(_, inputs)| at_once(inputs)) => {
+            under_several(system, &reaching, reached).or_else(|_| maxima(transfer, &reaching, output))?
+        }
+        _ => maxima(transfer, &reaching, output)?,
     };
     let peak = |frequency: Ball| match density(transfer, system, noises, output, &Number::Ball(frequency)) {
         Spread::Finite(density) => Ok(Peak { frequency, density }),
@@ -92,15 +92,18 @@ fn under_one(transfer: &Transfer, noise: &Noise, input: usize, output: usize) ->
     Ok(list)
 }
 
+/// The bands of all densities.
+fn bands(reaching: &[(&Noise, Vec<(usize, Number)>)]) -> usize {
+    let bands = |noise: &Noise| if let Density::Bands(bands) = &noise.density { bands.len() } else { 0 };
+    reaching.iter().map(|(noise, _)| bands(noise)).sum()
+}
+
+/// Of noises that drive their inputs at one time.
 fn under_several(
     system: &LinearSystem,
-    reaching: &[(&Noise, Vec<usize>)],
+    reaching: &[(&Noise, Vec<(usize, Number)>)],
     output: &Output,
 ) -> Result<Vec<Ball>, &'static str> {
-    let bands = |noise: &Noise| if let Density::Bands(bands) = &noise.density { bands.len() } else { 0 };
-    if reaching.iter().map(|(noise, _)| bands(noise)).sum::<usize>() > MOST_BANDS {
-        return Err(MANY);
-    }
     let mut list = Vec::new();
     for Range { from, to, whole, power } in ranges(system, reaching, output)? {
         list.extend(match to {

@@ -4,7 +4,7 @@
 
 use super::quotient::squared;
 use crate::analysis::transfer::extrema::{Exactly, Factored, Quotient};
-use crate::base::density::Course;
+use crate::base::density::{Band, Course};
 use crate::base::{Ball, Density, Number, Rational};
 use crate::kernel::polynomial::Polynomial;
 use crate::system::{LinearSystem, Noise, Output};
@@ -34,12 +34,13 @@ struct Part<'a> {
 /// In ascending frequency. `reaching`: noises with the inputs that they drive at one time.
 pub fn ranges(
     system: &LinearSystem,
-    reaching: &[(&Noise, Vec<usize>)],
+    reaching: &[(&Noise, Vec<(usize, Number)>)],
     output: &Output,
 ) -> Result<Vec<Range>, &'static str> {
     let (mut parts, mut below) = (Vec::new(), Vec::new());
     for (noise, inputs) in reaching {
-        let quotient = Quotient::of(system, inputs, output).ok_or(LARGE)?;
+        let inputs: Vec<usize> = inputs.iter().map(|(input, _)| *input).collect();
+        let quotient = Quotient::of(system, &inputs, output).ok_or(LARGE)?;
         if quotient.above.is_zero() {
             continue;
         }
@@ -50,7 +51,7 @@ pub fn ranges(
     }
     let below = cleared(&below);
     let mut list = Vec::new();
-    let edges = edges(&parts).ok_or(SLOPES)?;
+    let edges = edges(parts.iter().map(|part| part.noise)).ok_or(SLOPES)?;
     for (i, from) in edges.iter().enumerate() {
         let to = edges.get(i + 1);
         let Some((above, power)) = sum(&parts, from, to)? else { continue };
@@ -61,10 +62,10 @@ pub fn ranges(
 }
 
 /// 0 Hz and the ends of all bands, ascending; `None` if numbers do not decide.
-fn edges(parts: &[Part]) -> Option<Vec<Number>> {
+pub fn edges<'a>(noises: impl Iterator<Item = &'a Noise>) -> Option<Vec<Number>> {
     let mut list = vec![Number::ZERO];
-    for part in parts {
-        if let Density::Bands(bands) = &part.noise.density {
+    for noise in noises {
+        if let Density::Bands(bands) = &noise.density {
             list.extend(bands.iter().flat_map(|band| [band.from.clone(), band.to.clone()]));
         }
     }
@@ -100,6 +101,12 @@ fn sum(parts: &[Part], from: &Number, to: Option<&Number>) -> Result<Option<(Pol
     Ok(Some((cleared(&whole), Ball::from(0.5 * f64::from(slope) - f64::from(most)))))
 }
 
+/// The band that holds the range between two neighbours among the edges.
+pub fn band_between<'a>(bands: &'a [Band], from: &Number, to: &Number) -> Option<&'a Band> {
+    let holds = |low: &Number, high: &Number| matches!(low.compare(high), Some(Ordering::Less | Ordering::Equal));
+    bands.iter().find(|band| holds(&band.from, from) && holds(to, &band.to))
+}
+
 /// A density as size f^slope between two edges; `None` where it is zero.
 fn course(density: &Density, from: &Number, to: Option<&Number>) -> Result<Option<(Rational, i32)>, &'static str> {
     let known = |size: Number, slope: i32| size.exact().cloned().map(|size| Some((size, slope))).ok_or(SLOPES);
@@ -107,9 +114,7 @@ fn course(density: &Density, from: &Number, to: Option<&Number>) -> Result<Optio
         Density::White(size) => return known(size.clone(), 0),
         Density::Bands(bands) => bands,
     };
-    let Some(to) = to else { return Ok(None) };
-    let holds = |low: &Number, high: &Number| matches!(low.compare(high), Some(Ordering::Less | Ordering::Equal));
-    let Some(band) = bands.iter().find(|band| holds(&band.from, from) && holds(to, &band.to)) else { return Ok(None) };
+    let Some(band) = to.and_then(|to| band_between(bands, from, to)) else { return Ok(None) };
     match &band.course {
         Course::Flat(size) => known(size.clone(), 0),
         Course::Power { low, slope: Some(slope), .. } => {

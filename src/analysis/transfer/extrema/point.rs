@@ -137,6 +137,11 @@ impl Exactly {
         self.gain_at(Point { anchor: nearest, t })
     }
 
+    /// See [`Anchor::over`].
+    pub fn over(&self, omega: Ball) -> Option<(i32, Complex<Ball>, [Complex<Ball>; 2])> {
+        if self.has_clusters { None } else { self.anchors[0].over(self.lead, omega) }
+    }
+
     fn gain_at(&self, point: Point) -> Gain {
         let value = self.anchors[point.anchor].value(self.lead, point.t);
         let disc = Disc::of(value);

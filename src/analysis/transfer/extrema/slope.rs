@@ -283,6 +283,41 @@ impl Anchor {
         }
     }
 
+    /// H over an interval of frequencies without its roots at zero: their number, of poles negative, then the value without (i omega) to
+    /// that power, and the first two derivatives of its logarithm by omega. Only of the anchor at zero; `None` where roots are known to
+    /// be far and no more.
+    pub fn over(&self, lead: Ball, omega: Ball) -> Option<(i32, Complex<Ball>, [Complex<Ball>; 2])> {
+        if self.far != Far::NONE || !self.place.is_zero() {
+            return None;
+        }
+        let mut at_zero = 0;
+        let mut derivatives = [Complex::ZERO; 2];
+        for term in &self.terms {
+            if term.is_singular() {
+                at_zero += term.weight as i32;
+                continue;
+            }
+            // ln (i (omega - b) - a)
+            let inverse = Complex::real(Ball::ONE) / Complex::new(-term.re, omega - term.offset);
+            let weight = Ball::from(term.weight);
+            derivatives[0] = derivatives[0] + Complex::new(-inverse.im, inverse.re).scale(weight);
+            derivatives[1] = derivatives[1] + (inverse * inverse).scale(weight);
+        }
+        let factor = |term: &Term| Complex::new(self.in_units(-term.re), self.in_units(omega - term.offset));
+        let unit = Ball::from(self.per_unit);
+        let by = |product: Complex<Ball>, term: &Term, up: bool| {
+            let factor = if term.is_singular() { Complex::real(unit) } else { factor(term) };
+            let next = if up { product * factor } else { product / factor };
+            if in_range(next.re.mid.hi.abs() + next.im.mid.hi.abs()) {
+                next
+            } else {
+                Complex::new(unknown(), unknown())
+            }
+        };
+        let value = self.product(Complex::real(lead), |z| z.re.mid.hi.abs() + z.im.mid.hi.abs(), by);
+        Some((at_zero, value, derivatives))
+    }
+
     /// |H| times a factor at a point.
     pub fn size(&self, factor: Ball, t: Ball) -> Ball {
         let modulus = |term: &Term| {

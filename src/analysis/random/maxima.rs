@@ -1,0 +1,277 @@
+//! Maxima of a density that is a sum over noises, each of its own course and of inputs that it drives at different times: where the
+//! density is smooth, intervals of frequency are cut until in each either its slope or its second derivative has one sign. In: zeros
+//! and poles of each path, noises. Out: the maxima between two frequencies. See docs/method/random.md#peaks.
+
+use super::several::{band_between, edges};
+use crate::analysis::transfer::Transfer;
+use crate::analysis::transfer::extrema::Exactly;
+use crate::base::density::{Band, Course, Density};
+use crate::base::{Ball, Dd, Number};
+use crate::kernel::complex::Complex;
+use crate::system::Noise;
+
+const UNPROVED: &str = "it is not proved that no peak is missing";
+const ENDLESS: &str = "white noise that comes again later, or at several inputs, makes peaks without end";
+const LARGE: &str = "peaks under noise at different times, or under densities of different slopes, are found where zeros and poles are: \
+                     in up to nine coordinates, or more if numbers are fractions";
+const EDGES: &str = "peaks under several noises are found where the ends of their bands are fractions";
+
+/// Limit on zeros and poles that are looked at, over all intervals: some seconds.
+const MOST_TERMS: usize = 3_000_000;
+/// Where an interval is cut: not in the middle, where round numbers have their maxima.
+const CUT: f64 = 0.4871;
+/// Intervals are not cut finer, relative to the frequency.
+const FINEST: f64 = 1e-13;
+/// Above so many times the largest zero or pole, sums that decay have no peak.
+const BEYOND: f64 = 1000.0;
+
+/// A noise with its paths to the output, each with the delay at its input, s.
+struct Share<'a> {
+    noise: &'a Noise,
+    paths: Vec<(&'a Exactly, Ball)>,
+}
+
+/// A function of the angular frequency with its first two derivatives, over an interval.
+type Jet = [Ball; 3];
+
+/// The frequencies in Hz of the maxima, not at the ends of bands, ascending. `reaching`: noises with the inputs that they drive.
+pub fn maxima(
+    transfer: &Transfer,
+    reaching: &[(&Noise, Vec<(usize, Number)>)],
+    output: usize,
+) -> Result<Vec<Ball>, &'static str> {
+    let mut shares = Vec::with_capacity(reaching.len());
+    for (noise, inputs) in reaching {
+        let path = |(input, delay): &(usize, Number)| Some((transfer.zero_pole_form(*input, output)?, delay.to_ball()));
+        let paths: Option<Vec<_>> = inputs.iter().map(path).collect();
+        shares.push(Share { noise, paths: paths.ok_or(LARGE)? });
+    }
+    let edges = edges(reaching.iter().map(|(noise, _)| *noise)).ok_or(EDGES)?;
+    let mut list = Vec::new();
+    for (i, from) in edges.iter().enumerate() {
+        let to = edges.get(i + 1);
+        let mut sum = Sum { parts: Vec::new(), terms: 0, left: MOST_TERMS };
+        for share in &shares {
+            let band = match (&share.noise.density, to) {
+                (Density::White(_), _) => None,
+                (Density::Bands(bands), Some(to)) => match band_between(bands, from, to) {
+                    Some(band) => Some(band),
+                    None => continue,
+                },
+                (Density::Bands(_), None) => continue,
+            };
+            sum.terms += share.paths.iter().map(|(path, _)| path.roots()).sum::<usize>();
+            sum.parts.push((share, band));
+        }
+        if !sum.parts.is_empty() {
+            let low = radians(from);
+            list.extend(sum.maxima(low, to.map_or_else(|| sum.top(low), |to| Ok(radians(to)))?)?);
+        }
+    }
+    let hertz = Ball::PI * Ball::from(2.0);
+    Ok(list.into_iter().map(|omega| omega / hertz).collect())
+}
+
+fn radians(frequency: &Number) -> Ball {
+    frequency.to_ball() * Ball::PI * Ball::from(2.0)
+}
+
+/// The density between two edges: the noises that are there, each with its band or none if it is white.
+struct Sum<'a> {
+    parts: Vec<(&'a Share<'a>, Option<&'a Band>)>,
+    /// Zeros and poles of all parts.
+    terms: usize,
+    /// Of those that may still be looked at.
+    left: usize,
+}
+
+impl Sum<'_> {
+    /// A frequency above which the density decreases: every part does, as w t / (t^2 + a^2) = 1 +- 2 / K for w >= K |z|.
+    fn top(&self, low: Ball) -> Result<Ball, &'static str> {
+        let mut largest = 0.0f64;
+        for (share, _) in &self.parts {
+            let [(path, _)] = share.paths[..] else { return Err(ENDLESS) };
+            let excess = path.excess().ok_or(UNPROVED)? as f64 - f64::from(share.noise.derivative);
+            if !(excess < 0.0 && 4.0 * path.roots() as f64 <= BEYOND * -excess) {
+                return Err(UNPROVED);
+            }
+            largest = largest.max(path.largest());
+        }
+        Ok(Ball::from((BEYOND * largest).max(2.0 * low.magnitude())))
+    }
+
+    /// Whether the density is an even function of the frequency, so that its slope at zero is zero.
+    fn is_even(&self) -> bool {
+        self.parts.iter().all(|(_, band)| band.is_none_or(|band| matches!(band.course, Course::Flat(_))))
+    }
+
+    fn maxima(&mut self, low: Ball, high: Ball) -> Result<Vec<Ball>, &'static str> {
+        let (low_end, high_end) = ((low.to_f64() - low.rad).next_down().max(0.0), (high.to_f64() + high.rad).next_up());
+        let mut list = Vec::new();
+        // The lower half of an interval is on top, so that maxima come in order.
+        let mut left = vec![[low_end, high_end]];
+        while let Some([a, b]) = left.pop() {
+            let half = (0.5 * (b - a)).next_up();
+            let middle = Ball::from(0.5 * a + 0.5 * b);
+            let [_, slope, bend] = self.over(middle.widen(half))?;
+            let from_middle = self.over(middle)?[1] + bend * Ball::new(Dd::ZERO, half);
+            let has_sign = |x: &Ball| x.is_finite() && !x.contains_zero();
+            if has_sign(&slope) || has_sign(&from_middle) || (bend.is_finite() && bend.is_positive()) {
+                continue;
+            }
+            if bend.is_finite() && bend.is_negative() {
+                // Downwards from a slope of zero at 0 Hz.
+                if a == 0.0 && self.is_even() {
+                    continue;
+                }
+                let at_ends = [self.over(Ball::from(a))?[1], self.over(Ball::from(b))?[1]];
+                if at_ends.iter().all(has_sign) {
+                    if at_ends[0].is_positive() && at_ends[1].is_negative() {
+                        list.push(self.sharpened(middle.widen(half))?);
+                    }
+                    continue;
+                }
+            }
+            let cut = a + CUT * (b - a);
+            if b - a <= FINEST * b || !(a < cut && cut < b) {
+                return Err(UNPROVED);
+            }
+            left.extend([[cut, b], [a, cut]]);
+        }
+        let mut inside = Vec::with_capacity(list.len());
+        for omega in list {
+            match ((omega - low), (high - omega)) {
+                (above, below) if above.is_positive() && below.is_positive() => inside.push(omega),
+                (above, below) if above.is_negative() || below.is_negative() => {}
+                // It may be at the end.
+                _ => return Err(UNPROVED),
+            }
+        }
+        Ok(inside)
+    }
+
+    /// The only zero of the slope in an interval over which it decreases, by Newton's method with the second derivative of the
+    /// interval: the zero is in each of the intervals that it makes. Where an interval is too wide for that, it is halved.
+    fn sharpened(&mut self, mut omega: Ball) -> Result<Ball, &'static str> {
+        loop {
+            let centre = Ball::exact(omega.mid);
+            let (at, over) = (self.over(centre)?, self.over(omega)?);
+            let next = centre - at[1] / over[2];
+            let quarter = Dd::from(0.5 * omega.rad);
+            let half = |mid: Dd| Ball::new(mid, (0.5 * omega.rad).next_up() + mid.hi.abs() * Dd::EPSILON);
+            let next = match () {
+                () if next.is_finite() && next.rad < 0.5 * omega.rad => next,
+                () if at[1].is_positive() => half(omega.mid + quarter),
+                () if at[1].is_negative() => half(omega.mid - quarter),
+                () => return Ok(omega),
+            };
+            if next.rad > 0.75 * omega.rad {
+                return Ok(omega);
+            }
+            omega = next;
+        }
+    }
+
+    /// The density over an interval.
+    fn over(&mut self, omega: Ball) -> Result<Jet, &'static str> {
+        self.left = self.left.checked_sub(self.terms).ok_or(UNPROVED)?;
+        let unknown = [Ball::new(Dd::ZERO, f64::INFINITY); 3];
+        let zero = [Ball::ZERO; 3];
+        let sum = self.parts.iter().try_fold(zero, |sum, (share, band)| {
+            let part = share.over(*band, omega)?;
+            Some(std::array::from_fn(|i| sum[i] + part[i]))
+        });
+        Ok(sum.unwrap_or(unknown))
+    }
+}
+
+impl Share<'_> {
+    /// The density times |sum H e^(-i w t)|^2 / w^(2 derivative); `None` where an interval is too wide to know anything.
+    fn over(&self, band: Option<&Band>, omega: Ball) -> Option<Jet> {
+        let by_course = course(&self.noise.density, band, omega)?;
+        let rate = i32::from(self.noise.derivative);
+        let square = match self.paths[..] {
+            [(path, _)] => {
+                let (at_zero, value, [first, second]) = path.over(omega)?;
+                let size = value.re.square() + value.im.square();
+                let (g, rise) = (first.re * Ball::from(2.0), second.re * Ball::from(2.0));
+                product([size, size * g, size * (g.square() + rise)], power(omega, 2 * (at_zero - rate)))
+            }
+            _ => {
+                let mut sum = [Complex::<Ball>::ZERO; 3];
+                for (path, delay) in &self.paths {
+                    let part = delayed(path, *delay, rate, omega)?;
+                    sum = std::array::from_fn(|i| sum[i] + part[i]);
+                }
+                let [g, g1, g2] = sum;
+                let two = Ball::from(2.0);
+                let inner = |a: Complex<Ball>, b: Complex<Ball>| a.re * b.re + a.im * b.im;
+                let size = |a: Complex<Ball>| a.re.square() + a.im.square();
+                [size(g), two * inner(g, g1), two * (size(g1) + inner(g, g2))]
+            }
+        };
+        Some(product(square, by_course))
+    }
+}
+
+/// H e^(-i w t) / (i w)^rate with its derivatives.
+fn delayed(path: &Exactly, delay: Ball, rate: i32, omega: Ball) -> Option<[Complex<Ball>; 3]> {
+    let (at_zero, value, [first, second]) = path.over(omega)?;
+    let (sine, cosine) = Number::Ball(omega * delay).sin_cos()?;
+    // The factor i of each root at zero, and -i t of each derivative of the delay.
+    let turn = |z: Complex<Ball>, times: i32| match times.rem_euclid(4) {
+        0 => z,
+        1 => Complex::new(-z.im, z.re),
+        2 => -z,
+        _ => Complex::new(z.im, -z.re),
+    };
+    let value = turn(value * Complex::new(cosine.to_ball(), -sine.to_ball()), at_zero - rate);
+    let slope = first + Complex::new(Ball::ZERO, -delay);
+    let smooth = [value, value * slope, value * (slope * slope + second)];
+    let [p, p1, p2] = power(omega, at_zero - rate);
+    let two = Ball::from(2.0);
+    let [v, v1, v2] = smooth;
+    Some([v.scale(p), v1.scale(p) + v.scale(p1), v2.scale(p) + v1.scale(two * p1) + v.scale(p2)])
+}
+
+/// The density of a noise by the angular frequency.
+fn course(density: &Density, band: Option<&Band>, omega: Ball) -> Option<Jet> {
+    let flat = |value: &Number| [value.to_ball(), Ball::ZERO, Ball::ZERO];
+    let band = match (density, band) {
+        (Density::White(value), _) => return Some(flat(value)),
+        (Density::Bands(_), band) => band?,
+    };
+    let turn = Ball::PI * Ball::from(2.0);
+    Some(match &band.course {
+        Course::Flat(value) => flat(value),
+        Course::Power { .. } => {
+            let value = band.at(&Number::Ball(omega / turn))?.to_ball();
+            let slope = band.slope()?.to_ball();
+            let by_omega = value / omega;
+            [value, slope * by_omega, slope * (slope - Ball::ONE) * by_omega / omega]
+        }
+        Course::Line { low, high } => {
+            let value = band.at(&Number::Ball(omega / turn))?.to_ball();
+            let slope = (high - low).checked_div(&(&band.to - &band.from))?.to_ball();
+            [value, slope / turn, Ball::ZERO]
+        }
+    })
+}
+
+/// omega^exponent
+fn power(omega: Ball, exponent: i32) -> Jet {
+    let of = |exponent: i32| {
+        let size = (0..exponent.unsigned_abs()).fold(Ball::ONE, |product, _| product * omega);
+        if exponent < 0 { Ball::ONE / size } else { size }
+    };
+    let times = |factor: i32, exponent: i32| match factor {
+        0 => Ball::ZERO,
+        _ => Ball::from(f64::from(factor)) * of(exponent),
+    };
+    [of(exponent), times(exponent, exponent - 1), times(exponent * (exponent - 1), exponent - 2)]
+}
+
+fn product(a: Jet, b: Jet) -> Jet {
+    let two = Ball::from(2.0);
+    [a[0] * b[0], a[0] * b[1] + a[1] * b[0], a[0] * b[2] + two * (a[1] * b[1]) + a[2] * b[0]]
+}
