@@ -255,19 +255,20 @@ impl Model {
     /// The cases of a study: the columns, the numbers and their absolute bounds (cases by columns), and the code of each case; or the
     /// reason why there is none. `over`: parameters and their values as the command line has them.
     #[allow(clippy::too_many_arguments, clippy::type_complexity)]
-    #[pyo3(signature = (over, samples, measures, modes, poles, hold_solved, tolerance))]
+    #[pyo3(signature = (over, samples, sobol, measures, modes, poles, hold_solved, tolerance))]
     fn sweep<'py>(
         &self,
         py: Python<'py>,
         over: Vec<String>,
         samples: Option<(u64, u64)>,
+        sobol: bool,
         measures: Vec<String>,
         modes: Option<u32>,
         poles: bool,
         hold_solved: bool,
         tolerance: Option<f64>,
     ) -> PyResult<Told<(Vec<Heading>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Vec<&'static str>)>> {
-        let options = Asked { over, samples, measures, modes, poles, hold_solved, tolerance };
+        let options = Asked { over, samples, sobol, measures, modes, poles, hold_solved, tolerance };
         let (found, json, drawn) = py.detach(|| table(self, &options));
         let found = found.transpose().map_err(PyValueError::new_err)?;
         let found = found.map(|table| {

@@ -12,6 +12,8 @@ pub struct Asked {
     pub over: Vec<String>,
     /// The number of cases with random values, and the seed.
     pub samples: Option<(u64, u64)>,
+    /// Whether they fill their ranges evenly.
+    pub sobol: bool,
     pub measures: Vec<String>,
     pub modes: Option<u32>,
     pub poles: bool,
@@ -43,7 +45,7 @@ pub fn table(model: &Model, asked: &Asked) -> Told<Result<Table, String>> {
     let measures = (!asked.measures.is_empty()).then(|| lines("measures", &asked.measures));
     let request = StudyRequest {
         over,
-        samples: asked.samples.map(|(count, seed)| Draws { count, seed, sobol: false }),
+        samples: asked.samples.map(|(count, seed)| Draws { count, seed, sobol: asked.sobol }),
         measures,
         modes: asked.modes,
         poles: asked.poles,

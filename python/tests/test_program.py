@@ -141,6 +141,7 @@ require frequency(1) > 1 Hz
         ),
         (["--over", "k=-1N/m,5N/m", "--modes", "1"], {"k": ["-1 N/m", "5 N/m"], "modes": 1}),
         (["--samples", "30", "--seed", "7", "--modes", "1"], {"samples": 30, "seed": 7, "modes": 1}),
+        (["--samples", "32", "--sobol", "--poles"], {"samples": 32, "sobol": True, "poles": True}),
     ],
 )
 def test_sweeps(options: list[str], asked: dict[str, Any], tmp_path: Path) -> None:
@@ -189,6 +190,6 @@ def test_what_is_no_sweep_is_said() -> None:
         model.sweep(k="5N/m,6N/m", measures=["gain((x"])
     with pytest.raises(ValueError, match="write them to a file"):
         model.sweep(k="5N/m..6N/m:100000000")
-    for wrong in ({}, {"samples": 3, "k": "1N/m,2N/m"}, {"samples": 0}, {"k": ["1 N/m,2 N/m"]}, {"k": "1N/m\n"}):
+    for wrong in ({}, {"samples": 3, "k": "1N/m,2N/m"}, {"samples": 0}, {"samples": 30, "sobol": True}, {"k": ["1 N/m,2 N/m"]}, {"k": "1N/m\n"}):
         with pytest.raises(ValueError):
             model.sweep(**wrong)  # type: ignore[arg-type]

@@ -62,6 +62,7 @@ class Model:
         self,
         over: list[str],
         samples: tuple[int, int] | None,
+        sobol: bool,
         measures: list[str],
         modes: int | None,
         poles: bool,

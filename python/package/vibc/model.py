@@ -220,6 +220,7 @@ class Model:
         over: Mapping[str, Values] | None = None,
         samples: int | None = None,
         seed: int = 0,
+        sobol: bool = False,
         modes: int | None = None,
         poles: bool = False,
         measures: Sequence[str] = (),
@@ -230,13 +231,16 @@ class Model:
         """The model at many values of its parameters: what `vibc sweep` computes, to the last bit, on all cores.
 
         `sweep(k="5N/m..50N/m:200", m1=["1 kg", "2 kg"])` computes every combination, the last one changing fastest; `over`
-        takes names that are no Python names. `samples` draws the parameters that have a tolerance or a spread instead.
+        takes names that are no Python names. `samples` draws the parameters that have a tolerance or a spread instead, with
+        `sobol` so that they fill their ranges evenly.
         Without `modes`, `poles`, `measures` and requirements of the model, six frequencies.
         """
         if isinstance(measures, str):
             raise TypeError("measures is a list of texts")
         if samples is not None and (samples < 1 or seed < 0):
             raise ValueError("samples is at least 1, and the seed is not negative")
+        if sobol and (samples is None or samples % 16 != 0):
+            raise ValueError("sobol draws from 16 sequences in turn: samples is a multiple of 16, best a power of two")
         varied = [*(over or {}).items(), *parameters.items()]
         if bool(varied) == (samples is not None):
             raise ValueError("give values of parameters, or a number of samples")
@@ -248,7 +252,7 @@ class Model:
             raise ValueError("a measure is one line")
         drawn = None if samples is None else (samples, seed)
         lines = [f"{name}={_all_written(name, values)}" for name, values in varied]
-        told = self._native.sweep(lines, drawn, list(measures), modes, poles, hold_solved, tolerance)
+        told = self._native.sweep(lines, drawn, sobol, list(measures), modes, poles, hold_solved, tolerance)
         columns, values, bounds, codes = settled(told)
         fields: list[tuple[str, str]] = [("case", "i8")]
         for name, _, has_bound in columns:
