@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, noise_peaks, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, transfer
+from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, noise_maxima, noise_peaks, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, transfer
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,7 @@ ALL = {
     "noise_several": Class(noise.of_form("white", "flat", "points", "road", form="two"), noise.check, 1000, 8),
     "noise_delayed": Class(noise.of_form("white", "white", "flat", "points", "road", form="delayed"), noise.check, 1000, 12),
     "noise_peaks": Class(noise_peaks.scene, noise_peaks.check, 2000, 15),
+    "noise_maxima": Class(noise_maxima.scene, noise_maxima.check, 1000, 6),
     "noise_drift": Class(drift.scene, noise.check, 2000, 25),
     "effective": Class(effective.scene, effective.check, 10000, 30),
     "laws": Class(loaded.law_scene, loaded.law_check, 10000, 30),

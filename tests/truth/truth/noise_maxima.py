@@ -1,0 +1,139 @@
+"""Peaks of the density of an output under noise that comes again later, and under two noises of different slopes: where the derivative,
+a power series of first order in balls, changes its sign between neighbours of a fine grid. Each is compared, and their number; where the
+numbers differ the grid is made finer before that counts."""
+
+import math
+
+from flint import arb, arb_poly, arb_series, ctx, fmpq
+
+from . import noise, noise_peaks, transfer
+from .exact import pi, roots
+from .tally import decimal
+
+BITS = 200
+# Intervals of the grid for each factor of e, within a time, and about a pole.
+FINE = 60
+
+
+def scene(rng):
+    form = rng.choice(("delayed", "delayed", "two"))
+    return noise.scene(rng, ("points", "flat", "road") if form == "delayed" else ("white", "points", "points"), form)
+
+
+class Part:
+    """A noise with its paths: zeros over poles and a time each, as real and imaginary parts by powers of omega."""
+
+    def __init__(self, net, i, name):
+        inputs = [(name, fmpq(0))] + [(other, decimal(word)) for other, (source, word) in net.delays.items() if source == name]
+        self.paths, self.roots = [], []
+        for own, time in inputs:
+            top, bottom = noise.reduced(*transfer.function(net, i, own))
+            if not top.is_zero():
+                self.paths.append((split(top), split(bottom), time))
+                self.roots += [root for root, _ in roots(bottom, 60)]
+        self.derivative = net.noises[name].derivative
+
+    def density(self, x, size, slope):
+        """By the angular frequency x, a series."""
+        total = (arb_series(0), arb_series(0))
+        for (a, b), (c, d), time in self.paths:
+            a, b, c, d = (of(poly, x) for poly in (a, b, c, d))
+            norm = c * c + d * d
+            re, im = (a * c + b * d) / norm, (b * c - a * d) / norm
+            turn = x * arb(time)
+            cosine, sine = turn.cos(), turn.sin()
+            total = (total[0] + re * cosine + im * sine, total[1] + im * cosine - re * sine)
+        size = arb_series([size])
+        if slope != 0:
+            size = size * ((x / (2 * pi())).log() * arb(slope)).exp()
+        return (total[0] * total[0] + total[1] * total[1]) * size / x ** (2 * self.derivative)
+
+
+def split(poly):
+    """f(i w) as a real and an imaginary polynomial."""
+    signs = ((1, 0), (0, 1), (-1, 0), (0, -1))
+    coefficients = poly.coeffs()
+    return [arb_poly([arb(x * signs[k % 4][part]) for k, x in enumerate(coefficients)]) for part in (0, 1)]
+
+
+def of(poly, x):
+    """By Horner's scheme."""
+    total = arb_series(0)
+    for a in reversed(poly.coeffs()):
+        total = total * x + a
+    return total
+
+
+def peaks(net, i, fine):
+    """Frequencies and densities; None where there is white noise that comes again."""
+    ctx.prec = BITS
+    parts = {name: Part(net, i, name) for name in net.noises}
+    edges = sorted({fmpq(0)} | {edge for own in net.noises.values() for piece in own.pieces or () for edge in piece[:2]})
+    found = []
+    for low, high in zip(edges, edges[1:] + [None]):
+        courses = noise_peaks.courses(net, low, high)
+        active = [(parts[name], size, slope) for name, (size, _, slope) in courses.items() if parts[name].paths]
+        if not active:
+            continue
+        if high is None and any(len(part.paths) > 1 for part, _, _ in active):
+            return None
+
+        def density(w, order=2):
+            x = arb_series([w, 1], prec=order)
+            return sum((part.density(x, size, slope) for part, size, slope in active), arb_series(0))
+
+        def slope_at(w):
+            return density(w)[1]
+
+        places = grid([part for part, _, _ in active], low, high, fine)
+        signs = [slope_at(arb(w)) for w in places]
+        for w, after, one, other in zip(places, places[1:], signs, signs[1:]):
+            if one > 0 and other < 0:
+                a, b = arb(w), arb(after)
+                for _ in range(150):
+                    middle = ((a + b) / 2).mid()
+                    if slope_at(middle) > 0:
+                        a = middle
+                    else:
+                        b = middle
+                root = a.union(b)
+                found.append((root / (2 * pi()), density(root)[0]))
+    return found
+
+
+def grid(parts, low, high, fine):
+    """Frequencies in rad/s, ascending, in a range in Hz."""
+    sizes = [abs(complex(root)) for part in parts for root in part.roots]
+    sizes = [size for size in sizes if size > 0] or [1.0]
+    to = 2 * math.pi * float(high) if high is not None else 3000 * max(sizes)
+    at = 2 * math.pi * float(low) if low else min(min(sizes), to) * 1e-3
+    places = {at * (1 + 1e-12), to * (1 - 1e-12)}
+    count = int(math.log(to / at) * FINE * fine) + 2
+    places |= {at * (to / at) ** (j / count) for j in range(1, count)}
+    for root in {root for part in parts for root in map(complex, part.roots)}:
+        width = max(abs(root.real), 1e-9 * abs(root))
+        places |= {abs(root.imag) + width * math.sinh(6 * j / (FINE * fine)) for j in range(-2 * FINE * fine, 2 * FINE * fine + 1)}
+    longest = max(float(time) for part in parts for _, _, time in part.paths)
+    if longest:
+        count = min(int((to - at) * longest * 8) * fine, 40_000)
+        places |= {at + (to - at) * j / count for j in range(1, count)}
+    return sorted(w for w in places if at <= w <= to)
+
+
+def check(net, program, tally, rng):
+    """Compares all peaks of every output whose rms is finite."""
+    told = program.ask(tally, "analyze", net.text(), "--format", "json")
+    if told is None:
+        return
+    for row in told.get("noise") or []:
+        i = int(row["output"][1:])
+        if row["peaks"] is None:
+            tally.refuse(row["peaks_reason"])
+            continue
+        truth = peaks(net, i, 1)
+        if truth is None or len(truth) != len(row["peaks"]):
+            truth = peaks(net, i, 8)
+        tally.verdict("number of peaks", len(row["peaks"]), None if truth is None else len(truth))
+        for own, (frequency, density) in zip(row["peaks"], truth) if truth is not None and len(row["peaks"]) == len(truth) else ():
+            tally.relative("frequency of a peak", own["frequency_hz"], own["frequency_error_bound"], frequency)
+            tally.relative("density of a peak", own["density"], own["density_error_bound"], density)
