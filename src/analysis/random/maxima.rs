@@ -4,7 +4,7 @@
 
 use super::several::{band_between, edges};
 use crate::analysis::transfer::Transfer;
-use crate::analysis::transfer::extrema::Exactly;
+use crate::analysis::transfer::extrema::{Exactly, Over, product};
 use crate::base::density::{Band, Course, Density};
 use crate::base::{Ball, Dd, Number};
 use crate::kernel::complex::Complex;
@@ -192,10 +192,11 @@ impl Share<'_> {
         let rate = i32::from(self.noise.derivative);
         let square = match self.paths[..] {
             [(path, _)] => {
-                let (at_zero, value, [first, second]) = path.over(omega)?;
-                let size = value.re.square() + value.im.square();
-                let (g, rise) = (first.re * Ball::from(2.0), second.re * Ball::from(2.0));
-                product([size, size * g, size * (g.square() + rise)], power(omega, 2 * (at_zero - rate)))
+                let over = path.over(omega)?;
+                let size = Ball::ONE / (over.below.re.square() + over.below.im.square());
+                let [g, rise] = over.slopes.map(|z| z.re * Ball::from(-2.0));
+                let poles = [size, size * g, size * (g.square() + rise)];
+                product(product(over.square_above, poles), power(omega, 2 * (over.at_zero - rate)))
             }
             _ => {
                 let mut sum = [Complex::<Ball>::ZERO; 3];
@@ -216,7 +217,7 @@ impl Share<'_> {
 
 /// H e^(-i w t) / (i w)^rate with its derivatives.
 fn delayed(path: &Exactly, delay: Ball, rate: i32, omega: Ball) -> Option<[Complex<Ball>; 3]> {
-    let (at_zero, value, [first, second]) = path.over(omega)?;
+    let Over { at_zero, above, below, slopes: [first, second], .. } = path.over(omega)?;
     let (sine, cosine) = Number::Ball(omega * delay).sin_cos()?;
     // The factor i of each root at zero, and -i t of each derivative of the delay.
     let turn = |z: Complex<Ball>, times: i32| match times.rem_euclid(4) {
@@ -225,12 +226,13 @@ fn delayed(path: &Exactly, delay: Ball, rate: i32, omega: Ball) -> Option<[Compl
         2 => -z,
         _ => Complex::new(z.im, -z.re),
     };
-    let value = turn(value * Complex::new(cosine.to_ball(), -sine.to_ball()), at_zero - rate);
-    let slope = first + Complex::new(Ball::ZERO, -delay);
-    let smooth = [value, value * slope, value * (slope * slope + second)];
-    let [p, p1, p2] = power(omega, at_zero - rate);
+    let value = turn(Complex::new(cosine.to_ball(), -sine.to_ball()) / below, at_zero - rate);
+    let slope = -first + Complex::new(Ball::ZERO, -delay);
     let two = Ball::from(2.0);
-    let [v, v1, v2] = smooth;
+    let [z, z1, z2] = above;
+    let [v, v1, v2] = [value, value * slope, value * (slope * slope - second)];
+    let [v, v1, v2] = [v * z, v1 * z + v * z1, v2 * z + (v1 * z1).scale(two) + v * z2];
+    let [p, p1, p2] = power(omega, at_zero - rate);
     Some([v.scale(p), v1.scale(p) + v.scale(p1), v2.scale(p) + v1.scale(two * p1) + v.scale(p2)])
 }
 
@@ -269,9 +271,4 @@ fn power(omega: Ball, exponent: i32) -> Jet {
         _ => Ball::from(f64::from(factor)) * of(exponent),
     };
     [of(exponent), times(exponent, exponent - 1), times(exponent * (exponent - 1), exponent - 2)]
-}
-
-fn product(a: Jet, b: Jet) -> Jet {
-    let two = Ball::from(2.0);
-    [a[0] * b[0], a[0] * b[1] + a[1] * b[0], a[0] * b[2] + two * (a[1] * b[1]) + a[2] * b[0]]
 }

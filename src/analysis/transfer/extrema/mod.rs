@@ -24,6 +24,7 @@ pub use fraction::{Denominator, Factored};
 pub(in crate::analysis) use path::factored;
 pub use point::Exactly;
 pub(in crate::analysis) use roots::{Coefficients, Place, near_and_far};
+pub(in crate::analysis) use slope::{Over, product};
 pub use supremum::{Supremum, supremum};
 
 use crate::analysis::transfer::Gain;

@@ -5,7 +5,7 @@
 use super::far::Far;
 use super::roots::{Place, Root};
 use super::search::{Found, Interval, Search, search};
-use super::slope::{Anchor, anchors};
+use super::slope::{Anchor, Over, anchors};
 use super::{Complete, Extrema, Extremum, Factored, FeatureKind};
 use crate::analysis::derived::hertz;
 use crate::analysis::transfer::{Disc, Frequency, Gain};
@@ -138,7 +138,7 @@ impl Exactly {
     }
 
     /// See [`Anchor::over`].
-    pub fn over(&self, omega: Ball) -> Option<(i32, Complex<Ball>, [Complex<Ball>; 2])> {
+    pub fn over(&self, omega: Ball) -> Option<Over> {
         if self.has_clusters { None } else { self.anchors[0].over(self.lead, omega) }
     }
 

@@ -283,39 +283,57 @@ impl Anchor {
         }
     }
 
-    /// H over an interval of frequencies without its roots at zero: their number, of poles negative, then the value without (i omega) to
-    /// that power, and the first two derivatives of its logarithm by omega. Only of the anchor at zero; `None` where roots are known to
-    /// be far and no more.
-    pub fn over(&self, lead: Ball, omega: Ball) -> Option<(i32, Complex<Ball>, [Complex<Ball>; 2])> {
+    /// H over an interval of frequencies, of the anchor at zero; `None` where roots are known to be far and no more.
+    pub fn over(&self, lead: Ball, omega: Ball) -> Option<Over> {
         if self.far != Far::NONE || !self.place.is_zero() {
             return None;
         }
-        let mut at_zero = 0;
-        let mut derivatives = [Complex::ZERO; 2];
-        for term in &self.terms {
-            if term.is_singular() {
-                at_zero += term.weight as i32;
-                continue;
-            }
-            // ln (i (omega - b) - a)
-            let inverse = Complex::real(Ball::ONE) / Complex::new(-term.re, omega - term.offset);
-            let weight = Ball::from(term.weight);
-            derivatives[0] = derivatives[0] + Complex::new(-inverse.im, inverse.re).scale(weight);
-            derivatives[1] = derivatives[1] + (inverse * inverse).scale(weight);
-        }
-        let factor = |term: &Term| Complex::new(self.in_units(-term.re), self.in_units(omega - term.offset));
         let unit = Ball::from(self.per_unit);
-        let by = |product: Complex<Ball>, term: &Term, up: bool| {
-            let factor = if term.is_singular() { Complex::real(unit) } else { factor(term) };
-            let next = if up { product * factor } else { product / factor };
-            if in_range(next.re.mid.hi.abs() + next.im.mid.hi.abs()) {
-                next
-            } else {
-                Complex::new(unknown(), unknown())
-            }
+        let zero = Complex::ZERO;
+        let mut over = Over {
+            at_zero: 0,
+            above: [Complex::real(Ball::ONE), zero, zero],
+            square_above: [Ball::ONE, Ball::ZERO, Ball::ZERO],
+            below: Complex::real(Ball::ONE / lead),
+            slopes: [zero; 2],
         };
-        let value = self.product(Complex::real(lead), |z| z.re.mid.hi.abs() + z.im.mid.hi.abs(), by);
-        Some((at_zero, value, derivatives))
+        let two = Ball::from(2.0);
+        for term in &self.terms {
+            let up = term.weight > 0.0;
+            if term.is_singular() {
+                over.at_zero += term.weight as i32;
+            }
+            for _ in 0..term.weight.abs() as usize {
+                if term.is_singular() {
+                    let factor = |z: Complex<Ball>| z.scale(unit);
+                    match up {
+                        true => {
+                            over.above = over.above.map(factor);
+                            over.square_above = over.square_above.map(|x| x * unit * unit);
+                        }
+                        false => over.below = factor(over.below),
+                    }
+                    continue;
+                }
+                // i (omega - b) - a, and its modulus squared.
+                let (re, im) = (self.in_units(-term.re), self.in_units(omega - term.offset));
+                let factor = Complex::new(re, im);
+                if up {
+                    let [v, v1, v2] = over.above;
+                    let turned = |z: Complex<Ball>| Complex::new(-z.im * unit, z.re * unit);
+                    over.above = [v * factor, v1 * factor + turned(v), v2 * factor + turned(v1).scale(two)];
+                    let size = [re.square() + im.square(), two * im * unit, two * unit * unit];
+                    over.square_above = product(over.square_above, size);
+                } else {
+                    over.below = over.below * factor;
+                    let inverse = Complex::real(unit) / factor;
+                    over.slopes[0] = over.slopes[0] + Complex::new(-inverse.im, inverse.re);
+                    over.slopes[1] = over.slopes[1] + inverse * inverse;
+                }
+            }
+        }
+        let sizes = [over.above[0], over.below].map(|z| z.re.mid.hi.abs() + z.im.mid.hi.abs());
+        sizes.into_iter().all(in_range).then_some(over)
     }
 
     /// |H| times a factor at a point.
@@ -363,6 +381,25 @@ impl Anchor {
         }
         product
     }
+}
+
+/// H over an interval of frequencies as a product over its zeros, which may be in the interval, and one over its poles.
+#[derive(Clone, Copy, Debug)]
+pub struct Over {
+    /// The number of zeros at zero, of poles negative; they are in no product.
+    pub at_zero: i32,
+    /// The product over the zeros with its first two derivatives by omega, and the same of its modulus squared.
+    pub above: [Complex<Ball>; 3],
+    pub square_above: [Ball; 3],
+    /// The product over the poles by the factor before both, and the first two derivatives of its logarithm.
+    pub below: Complex<Ball>,
+    pub slopes: [Complex<Ball>; 2],
+}
+
+/// The product of two functions with their first two derivatives.
+pub fn product(a: [Ball; 3], b: [Ball; 3]) -> [Ball; 3] {
+    let two = Ball::from(2.0);
+    [a[0] * b[0], a[0] * b[1] + a[1] * b[0], a[0] * b[2] + two * (a[1] * b[1]) + a[2] * b[0]]
 }
 
 /// Products near the ends of the range of binary64 lose digits that no radius accounts for; zero is not affected.
