@@ -151,6 +151,9 @@ pub struct Analyze {
     /// Print the derivatives of frequencies and damping ratios with respect to each parameter
     #[arg(long)]
     pub sensitivity: bool,
+    /// Print the range of each frequency over all values within the tolerances (`within`), and whether each requirement holds everywhere
+    #[arg(long)]
+    pub tolerances: bool,
     /// Print participation factors and effective masses of the modes for each motion of a base
     #[arg(long)]
     pub participation: bool,

@@ -287,6 +287,8 @@ pub struct Study<'a> {
     pub until: Option<&'a Number>,
     /// Compute the derivatives of frequencies and damping ratios with respect to each parameter.
     pub sensitivity: bool,
+    /// Compute the range of each frequency, and judge each requirement, over all values within the tolerances.
+    pub tolerances: bool,
     /// Compute participation factors and effective masses of the modes for each motion of a base.
     pub participation: bool,
     /// Compute the complex shapes of the damped motions.
@@ -372,6 +374,10 @@ fn reported(
         true => questions::sensitivities(&reading.text(), &reading.settings, request, &system, &modes, &poles),
         false => Vec::new(),
     };
+    let tolerated = match study.tolerances {
+        true => questions::tolerated::tolerated(&reading.text(), &reading.scene, &reading.settings),
+        false => None,
+    };
     let excitations = match study.participation {
         true => excitations(reading.scene.scene(), &system, &modes, rest.is_proven()),
         false => Vec::new(),
@@ -399,6 +405,7 @@ fn reported(
         noisy,
         spectral,
         sensitivities,
+        tolerated,
         excitations,
         damped_shapes,
         account: None,

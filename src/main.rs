@@ -95,8 +95,8 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         other_damping: options.other_damping,
     };
     let damped_shapes = options.shapes == vibc::cli::ShapesOption::Damped;
-    let (sensitivity, participation) = (options.sensitivity, options.participation);
-    let study = vibc::Study { until, sensitivity, participation, damped_shapes, spectra };
+    let (sensitivity, participation, tolerances) = (options.sensitivity, options.participation, options.tolerances);
+    let study = vibc::Study { until, sensitivity, tolerances, participation, damped_shapes, spectra };
     let request = options.request();
     let (mut analysis, explained) = match options.explain_model {
         true => vibc::analyze_and_explain(&input.sources, input.model, &input.overrides, &request, &study),
@@ -117,6 +117,12 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         }
         return status;
     };
+    if tolerances && answer.tolerated.is_none() {
+        report_error(
+            "no parameter of the model has a range: write `within 5 %` or `within 9 N/m .. 12 N/m` after its value",
+        );
+        return Status::Usage;
+    }
     let wanted = ReportOptions {
         normalise: options.normalise.into(),
         matrices: options.matrices,

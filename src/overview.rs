@@ -114,6 +114,7 @@ impl Overview {
             noisy: of.noisy,
             spectral: of.spectral,
             sensitivities: Vec::new(),
+            tolerated: None,
         };
         Overview::of(of.scene, answer, of.mechanism)
     }

@@ -11,7 +11,7 @@ use crate::analysis::shock::{Quantity, ShockSpectrum};
 use crate::analysis::{Buckling, DampedShape, Excitation, Modes, Noisy, Pole, Poles, Share, Verdict};
 use crate::base::{Name, Number};
 use crate::lower::{Account, Rest};
-use crate::questions::answer::{Optimised, Requirement, Sensitivity, Solved};
+use crate::questions::answer::{Optimised, Requirement, Sensitivity, Solved, Tolerated};
 use crate::system::{Coordinate, LinearSystem, Origin, Source};
 use std::collections::HashMap;
 
@@ -41,6 +41,8 @@ pub struct ModalAnswer {
     pub spectral: Spectral,
     /// Empty unless requested.
     pub sensitivities: Vec<Sensitivity>,
+    /// What holds for all values within the tolerances, if requested and any parameter has a range.
+    pub tolerated: Option<Tolerated>,
     /// The modes that each motion of a base excites, or the reason why they are not known; empty unless requested.
     pub excitations: Vec<(usize, Result<Excitation, &'static str>)>,
     /// The complex shapes of the damped motions; empty unless requested.

@@ -89,6 +89,7 @@ fn answer(model: &str, system: LinearSystem, modes: Vec<Mode>, poles: Vec<Pole>,
         noisy: Vec::new(),
         spectral: crate::analysis::response_spectrum::Spectral::default(),
         sensitivities: Vec::new(),
+        tolerated: None,
         account: None,
     }
 }

@@ -5,6 +5,7 @@
 use super::decimal::{certain, certain_digits};
 use super::json_number::{Bounds, JsonNumber};
 use super::json_spectra::JsonSpectral;
+use super::tolerated::JsonTolerated;
 use super::{ReportOptions, SCHEMA};
 use crate::analysis::transfer::Disc;
 use crate::analysis::{
@@ -76,6 +77,8 @@ struct Report<'a> {
     response_spectra: Option<JsonSpectral>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     sensitivities: Vec<JsonSensitivity<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tolerances: Option<JsonTolerated<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     damped_shapes: Vec<JsonDampedShape<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -466,6 +469,7 @@ fn report<'a>(answer: &'a ModalAnswer, options: &'a ReportOptions, all: &'a [Str
         noise: answer.noisy.iter().map(|noisy| JsonNoisy::of(noisy, &answer.system, bounds)).collect(),
         response_spectra: JsonSpectral::of(answer, bounds),
         sensitivities: answer.sensitivities.iter().map(|found| json_sensitivity(found, bounds)).collect(),
+        tolerances: answer.tolerated.as_ref().map(|found| JsonTolerated::of(found, &answer.requirements, bounds)),
         damped_shapes: (answer.damped_shapes.iter())
             .map(|shape| json_damped_shape(answer, shape, names, bounds))
             .collect(),

@@ -20,6 +20,7 @@ pub mod report;
 pub mod shock;
 pub mod simulation;
 pub mod sweep;
+mod tolerated;
 pub mod transfer;
 
 pub use crate::answers::report::Options as ReportOptions;

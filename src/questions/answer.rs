@@ -328,6 +328,52 @@ pub fn few_digits(x: f64) -> String {
     if size != 0.0 && !(1e-4..1e7).contains(&size) { format!("{short:e}") } else { format!("{}", short + 0.0) }
 }
 
+/// What is known for all values within the tolerances. A place is a value for each parameter, SI, in their order.
+#[derive(Clone, Debug)]
+pub struct Tolerated {
+    /// The parameters that have a range, and that nothing determines.
+    pub parameters: Vec<ToleratedParameter>,
+    /// Where every frequency is least, and largest. `None` if that is not proved of any.
+    pub corners: Option<[Vec<Number>; 2]>,
+    /// For each undamped mode, in ascending order.
+    pub frequencies: Vec<FrequencyRange>,
+    /// For each requirement.
+    pub requirements: Vec<Throughout>,
+    /// The number of places that were looked at.
+    pub places: usize,
+}
+
+/// A parameter with a range.
+#[derive(Clone, Debug)]
+pub struct ToleratedParameter {
+    pub name: String,
+    pub unit: Written,
+    /// SI, the lower one first.
+    pub ends: [Number; 2],
+}
+
+/// The frequencies of a mode, counted from the lowest.
+#[derive(Clone, Copy, Debug)]
+pub struct FrequencyRange {
+    /// The least and the largest, Hz: over all values within the tolerances if that is proved, otherwise over the places that were
+    /// looked at. `None` if the mode does not oscillate somewhere among them.
+    pub ends: Option<[Ball; 2]>,
+    pub proof: Option<Monotone>,
+}
+
+/// Proof that every frequency is least and largest at two corners. Only `questions::tolerated` makes it.
+#[derive(Clone, Copy, Debug)]
+pub struct Monotone(pub(super) ());
+
+/// Whether a requirement holds for all values within the tolerances.
+#[derive(Clone, Debug)]
+pub enum Throughout {
+    Holds(Monotone),
+    /// It certainly fails at this place.
+    FailsAt(Vec<Number>),
+    Undetermined,
+}
+
 /// A column of the table of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {

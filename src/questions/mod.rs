@@ -27,6 +27,7 @@ mod require;
 pub mod samples;
 mod search;
 mod sensitivity;
+pub mod tolerated;
 pub mod trial;
 mod unknowns;
 

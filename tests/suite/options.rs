@@ -18,7 +18,8 @@ const DROP: &str = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nbase t { 
 const SHAKEN: &str = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n\
                       damper d: ground -- b { c = 1 N*s/m }\nforce F: b along x = noise(1 N^2/Hz, 1 Hz .. 2 Hz)\n\
                       output x = b.x\n";
-const RANDOM: &str = "param k = 10 N/m spread 3 %\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
+const RANDOM: &str =
+    "param k = 10 N/m spread 3 % within 5 %\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
 /// A finished part of a sweep, for `merge`.
 const PART: &str = "# vibc sweep part 0/1 of 1 cases, study 0\ncase,code\n0,\n# end\n";
 const SETTINGS: &str = "k = \"12 N/m\"\n";
@@ -255,6 +256,7 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
     let file = "@/scene.vib";
     let mut needed = match command {
         "sweep" if matches!(option, "samples" | "seed" | "sobol") => vec!["@/random.vib"],
+        "analyze" if option == "tolerances" => vec!["@/random.vib"],
         "analyze" | "transfer" | "bench" | "sweep" | "draw" | "equations" | "report" | "watch" if option != "file" => {
             vec![file]
         }

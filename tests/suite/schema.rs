@@ -87,6 +87,22 @@ fn sensitivities_have_the_published_form() {
 }
 
 #[test]
+fn tolerances_have_the_published_form() {
+    let form = Form::published("analyze");
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = folder.path().join("m.vib");
+    let text = "param k = 10 N/m within 5 %\nparam m = 1 kg within 0.9 kg .. 1.2 kg\nbody b { mass = m, moves x }\n\
+                spring s: ground -- b { k = k }\nspring t: ground -- b { k = 20 N/m - k * LAW }\n\
+                require frequency(1) > 0.6 Hz\nrequire frequency(1) > 0.64 Hz\nrequire damping(1) < 1 %\n";
+    for law in ["0", "1 m/N * k / (10 N/m)"] {
+        fs::write(&model, text.replace("LAW", law).replace("k * 1 m/N * k", "k * k")).expect("a file");
+        let (result, findings) = printed(&["analyze", &model.to_string_lossy(), "--tolerances", "--format", "json"]);
+        assert!(result.contains("\"tolerances\""), "{findings}");
+        form.assert_valid(law, &result);
+    }
+}
+
+#[test]
 fn effective_masses_have_the_published_form() {
     let form = Form::published("analyze");
     for example in ["earthquake", "quarter_car", "inerter_table"] {

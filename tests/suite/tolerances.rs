@@ -127,6 +127,54 @@ fn a_mistake_in_a_tolerance_is_one_finding() {
     }
 }
 
+/// Between sqrt(9.5 / 1.2) and sqrt(10.5 / 0.9) rad/s, 0.4478 Hz and 0.5436 Hz, and each requirement over all of it; `solve` holds its
+/// parameter at the value that it finds, and a spread alone is none.
+#[test]
+fn analyze_tells_what_holds_for_all_values() {
+    let text = |more: &str| {
+        format!(
+            "param m = 1 kg within 0.9 kg .. 1.2 kg\nparam k = 10 N/m within 5 %\nparam q = 0 N/m spread 1 N/m\n{more}{AFTER}spring t: ground -- b2 {{ k = 1 N/m + q }}\nbody b2 {{ mass = 1000 kg, moves x }}\n"
+        )
+    };
+    let printed = |text: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("m.vib"), text).expect("a file");
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_vibc"));
+        let output =
+            command.args(["analyze", "m.vib", "--tolerances"]).current_dir(folder.path()).output().expect("it starts");
+        (
+            output.status.code(),
+            String::from_utf8(output.stdout).expect("UTF-8"),
+            String::from_utf8(output.stderr).expect("UTF-8"),
+        )
+    };
+    let requires = "require frequency(2) > 0.447 Hz\nrequire frequency(2) < 0.543 Hz\nrequire damping(2) < 1 %\n";
+    let (status, report, _) = printed(&text(requires));
+    assert_eq!(status, Some(0), "{report}");
+    let row = |start: &str| {
+        let own = report.lines().skip_while(|line| !line.contains("for all values"));
+        own.map(str::trim)
+            .find(|line| line.starts_with(start))
+            .unwrap_or_else(|| panic!("{start}\n{report}"))
+            .to_string()
+    };
+    assert!(row("for all values within m = 0.9 .. 1.2 kg, k = 9.5 .. 10.5 N/m").ends_with("N/m"));
+    let words: Vec<String> = row("2 ").split_whitespace().map(String::from).collect();
+    let hertz = |square: f64| f64::sqrt(square) / std::f64::consts::TAU;
+    for (word, truth) in [(&words[1], hertz(9.5 / 1.2)), (&words[3], hertz(10.5 / 0.9))] {
+        assert!((word.parse::<f64>().expect("a number") - truth).abs() < 1e-6, "{word} {truth}");
+    }
+    assert!(row("frequency(2) > 0.447 Hz").ends_with("holds"));
+    assert!(row("frequency(2) < 0.543 Hz").ends_with("fails at m = 0.9 kg, k = 10.5 N/m"));
+    assert!(row("damping(2) < 1 %").contains("not decided"));
+    // k is found, and m alone has a range.
+    let (_, report, _) = printed(&text("solve k in 1 N/m .. 100 N/m: frequency(2) = 1 Hz\n"));
+    assert!(report.contains("for all values within m = 0.9 .. 1.2 kg\n"), "{report}");
+    let (status, report, said) = printed(&text("").replace("within 5 %", "").replace("within 0.9 kg .. 1.2 kg", ""));
+    assert_eq!((status, &*report), (Some(2), ""));
+    assert!(said.contains("no parameter of the model has a range"), "{said}");
+}
+
 #[test]
 fn a_value_from_outside_lies_in_the_tolerance() {
     let (mut sources, file) = sources(&format!("param m = 1 kg\nparam k = 10 N/m within 9 N/m .. 11 N/m{AFTER}"));

@@ -21,6 +21,7 @@ pub mod shock;
 mod spectral;
 mod study;
 mod table;
+mod tolerances;
 mod transfer;
 
 pub use modes::at_outputs;
@@ -309,6 +310,7 @@ pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
         random::section(answer, options),
         spectral::section(answer, options),
         sensitivities::section(answer),
+        tolerances::section(answer),
         parts::section(answer),
     ];
     let report = Report::new(title(answer), sections.into_iter().chain(account));

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, noise_maxima, noise_peaks, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, transfer
+from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, noise_maxima, noise_peaks, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, tolerated, transfer
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,7 @@ ALL = {
     "laws": Class(loaded.law_scene, loaded.law_check, 10000, 30),
     "belts": Class(loaded.belt_scene, loaded.belt_check, 10000, 30),
     "unbalance": Class(loaded.unbalance_scene, loaded.unbalance_check, 5000, 20),
+    "tolerances": Class(tolerated.scene, tolerated.check, 3000, 40),
     "optima": Class(optima.scene, optima.check, 1000, 5),
     "shock": Class(shock.scene, shock.check, 5000, 60),
     "spectrum": Class(spectrum.scene, spectrum.check, 5000, 60),
