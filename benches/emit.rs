@@ -47,6 +47,7 @@ fn chain(n: usize) -> LinearSystem {
             d: [Vec::new(), Vec::new(), Vec::new()],
         }],
         initial: Vec::new(),
+        losses: None,
         chain: Vec::new(),
     }
 }

@@ -58,6 +58,7 @@ fn chain_of(n: usize, mass: impl Fn(usize) -> Number) -> LinearSystem {
             d: [Vec::new(), Vec::new(), Vec::new()],
         }],
         initial: Vec::new(),
+        losses: None,
     }
 }
 

@@ -466,6 +466,7 @@ pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outc
             Ok((modes, poles))
         });
         let spectrum = match spectrum {
+            Ok(_) if system.losses.is_some() => None,
             Ok(spectrum) => Some(spectrum),
             Err(AnalysisError::TooManyCoordinates { .. } | AnalysisError::MasslessPoles { .. }) => None,
             Err(error) => return push_error(&error, diagnostics),
@@ -522,6 +523,7 @@ pub fn simulate_with_noise(
 ) -> Outcome<Motion> {
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, times.last(), diagnostics)?;
+        dynamics::refuse_losses(&reading.scene, diagnostics)?;
         let written = dynamics::lower_written_out(&reading.scene, diagnostics)?;
         let drives = dynamics::drives(&reading.scene, diagnostics)?;
         if let Some(end) = times.last() {
@@ -749,6 +751,7 @@ impl Explained {
 pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Outcome<Equations> {
     Outcome::of(|diagnostics| {
         let (scene, written) = reading::read_written(sources, model, overrides, diagnostics)?;
+        dynamics::refuse_losses(&scene, diagnostics)?;
         let mut lowered = dynamics::lowered(&scene, diagnostics)?;
         lowered.flatten().map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
         let derived = equations::derive(scene.scene(), &written, &lowered);

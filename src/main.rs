@@ -180,10 +180,14 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
         outputs,
     };
     if dynamics.spectrum.is_none() && sweep.at.is_empty() && sweep.range.is_none() {
-        report_error(&format!(
-            "the poles of {} coordinates are not computed: give the frequencies with `--range`",
-            system.n()
-        ));
+        report_error(&match system.losses.is_some() {
+            true => {
+                "poles are not computed with loss factors: give the frequencies with `--range` or `--at`".to_string()
+            }
+            false => {
+                format!("the poles of {} coordinates are not computed: give the frequencies with `--range`", system.n())
+            }
+        });
         return Status::Limit;
     }
     let (modes, poles) = dynamics.spectrum.clone().unwrap_or_default();

@@ -68,8 +68,9 @@ pub fn overview(sources: &Sources, model: FileId, overrides: &Overrides, study: 
         let request = Request { which: Which::Usual, ..Request::default() };
         let answer = reported(&mut reading, damped, &request, study, diagnostics).ok()?;
         let mut overview = Overview::of(reading.scene.scene(), answer, &mechanism);
-        // About an unproven rest, nothing is computed.
-        if let Some(written) = written.as_ref().filter(|_| overview.answer.rest.is_proven()) {
+        // About an unproven rest, nothing is computed. Curves and motions are those of poles, which loss factors leave out.
+        let is_shown = overview.answer.rest.is_proven() && overview.answer.system.losses.is_none();
+        if let Some(written) = written.as_ref().filter(|_| is_shown) {
             overview.transfer = overview.transfer(written);
             overview.motion = overview.motion(&reading, written, study.until, &mechanism);
         }

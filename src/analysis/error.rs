@@ -37,6 +37,8 @@ pub enum AnalysisError {
     OutOfRange { at: Span },
     /// `damping modal` for a part whose modes are not known well enough to bound the damping that it adds.
     UncertainModes { at: Span },
+    /// Springs with a loss factor, in an analysis that does not take it.
+    Loss { at: Span },
 }
 
 impl AnalysisError {
@@ -82,6 +84,11 @@ impl AnalysisError {
         AnalysisError::UncertainModes { at: place(system, coordinate) }
     }
 
+    /// An error if springs have a loss factor.
+    pub(in crate::analysis) fn refuse_losses(system: &LinearSystem) -> Result<(), AnalysisError> {
+        if system.losses.is_some() { Err(AnalysisError::Loss { at: place(system, 0) }) } else { Ok(()) }
+    }
+
     pub(in crate::analysis) fn code_out_of_range(system: &LinearSystem, precision: &'static str) -> AnalysisError {
         AnalysisError::CodeOutOfRange { precision, at: place(system, 0) }
     }
@@ -116,6 +123,7 @@ impl AnalysisError {
             | AnalysisError::StepTooLong { .. }
             | AnalysisError::OutOfRange { .. }
             | AnalysisError::UncertainModes { .. } => Code::limit("vib::limit::range"),
+            AnalysisError::Loss { .. } => Code::limit("vib::limit::loss"),
         }
     }
 
@@ -139,7 +147,8 @@ impl AnalysisError {
             | AnalysisError::CodeOutOfRange { at, .. }
             | AnalysisError::StepTooLong { at }
             | AnalysisError::OutOfRange { at }
-            | AnalysisError::UncertainModes { at } => *at,
+            | AnalysisError::UncertainModes { at }
+            | AnalysisError::Loss { at } => *at,
         }
     }
 
@@ -204,6 +213,11 @@ impl AnalysisError {
                 "the modes are not known well enough to give each its damping ratio".to_string(),
                 "write what cancels without roots and angles, choose stiffnesses and masses of more similar magnitude, or write \
                  dampers instead of `damping modal`",
+            ),
+            AnalysisError::Loss { .. } => (
+                "a spring has a loss factor, which only harmonic motion has: k (1 + i loss) is not a law in time"
+                    .to_string(),
+                "ask for `vibc transfer`, `gain` or `amplitude`; or write a damper in place of `loss`",
             ),
             AnalysisError::OutOfRange { .. } => (
                 "stiffnesses and masses differ too much in magnitude: a number left the range of binary64".to_string(),

@@ -46,6 +46,11 @@ pub fn modal_from(system: &LinearSystem, known: Option<&Modes>, request: &Reques
     if system.is_chained() {
         return of_chained(system, request);
     }
+    if system.losses.is_some() {
+        let (modes, poles) = (modes_as(system, request)?, Poles::default());
+        let stability = stability(system, &modes, &poles);
+        return Ok(Modal { modes, poles, stability });
+    }
     let whole = whole(system);
     if !needs_all(system, &whole)
         && let Some((modes, poles)) = requested_modal(system, &whole, request)?
@@ -133,7 +138,7 @@ pub fn modal_by_ratio(
     request: &Request,
 ) -> Result<Option<Modal>, AnalysisError> {
     let whole = whole(system);
-    if !are_of_modes(system, &whole) {
+    if system.losses.is_some() || !are_of_modes(system, &whole) {
         return Ok(None);
     }
     // An overdamped mode may have the slowest pole of all.

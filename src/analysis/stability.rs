@@ -8,7 +8,7 @@ use crate::analysis::poles::exact::half_planes_of;
 use crate::analysis::poles::passive::{is_semidefinite, takes_energy};
 use crate::analysis::poles::proportional::proportional;
 use crate::base::Number;
-use crate::system::{Form, LinearSystem};
+use crate::system::{Form, LinearSystem, Losses};
 
 /// The fate of a small disturbance of the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +48,8 @@ pub enum Reason {
     Contradiction,
     /// It is not proven that the linearisation point is a rest.
     Rest,
+    /// Some springs have a loss factor, with which poles are not computed.
+    Loss,
     /// A motion without stiffness is subject to a law whose tangent is zero, which decides it beyond first order.
     Tangent,
 }
@@ -99,12 +101,19 @@ pub fn stability_by_ratio(system: &LinearSystem, modes: &Modes, poles: &Poles, r
 
 /// Whether no term of M, C or K supplies energy, so that no motion grows: a proof that needs neither modes nor poles.
 pub fn is_passive(system: &LinearSystem) -> bool {
+    let feeds = |losses: &Losses| losses.h.terms().iter().any(|term| term.weight.is_negative());
+    if system.losses.as_deref().is_some_and(feeds) {
+        return false;
+    }
     let whole = Part::whole(system);
     is_semidefinite(&system.m, &whole.m) && is_semidefinite(&system.c, &whole.c) && is_semidefinite(&system.k, &whole.k)
 }
 
 /// `fed`: whether something other than the terms of C may feed energy in.
 fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles, fed: bool) -> Verdict {
+    if system.losses.is_some() {
+        return Verdict { kind: Stability::Undetermined, reason: Reason::Loss };
+    }
     let pole = |is: fn(PoleKind) -> bool| poles.list.iter().any(|pole| is(pole.kind));
     let mode = |kind: ModeKind| modes.before.contains_kind(kind) || modes.list.iter().any(|mode| mode.kind == kind);
     let positive = |of: fn(&LinearSystem) -> &Form, terms: fn(&Part) -> &[u32]| {
@@ -195,6 +204,7 @@ impl Reason {
                 "the poles contradict Routh's count of them: report this model as a defect of vibc"
             }
             Reason::Rest => "it is not proven that the scene rests here",
+            Reason::Loss => "a spring has a loss factor, with which poles are not computed",
             Reason::Tangent => {
                 "a law has no tangent here: it may hold the motions without stiffness, or drive them away"
             }

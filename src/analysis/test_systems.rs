@@ -30,6 +30,7 @@ pub fn blank(n: usize) -> LinearSystem {
         inputs: inputs.collect(),
         outputs: outputs.collect(),
         initial: Vec::new(),
+        losses: None,
         words,
     }
 }

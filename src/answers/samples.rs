@@ -68,7 +68,7 @@ pub fn free_pair() -> ModalAnswer {
 /// A system without inputs, outputs and initial motion.
 fn free(words: Words, coordinates: Vec<Coordinate>, [m, c, k]: [Form; 3]) -> LinearSystem {
     let (chain, inputs, outputs, initial) = Default::default();
-    LinearSystem { words, coordinates, m, c, k, chain, inputs, outputs, initial }
+    LinearSystem { words, coordinates, m, c, k, chain, inputs, outputs, initial, losses: None }
 }
 
 /// The answer for a system that is at rest as drawn; it has all poles, and energy decides its stability.

@@ -70,7 +70,17 @@ pub fn lower_written_out(scene: &CheckedScene, diagnostics: &mut Diagnostics) ->
 
 /// Like [`lower_written_out`], about a rest that is proven.
 pub fn about_rest(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<AboutRest> {
-    lower_written_out(scene, diagnostics)?.about_rest(diagnostics)
+    let found = lower_written_out(scene, diagnostics)?.about_rest(diagnostics)?;
+    refuse_losses(scene, diagnostics)?;
+    Some(found)
+}
+
+/// An error for a spring with a loss factor, of which harmonic motion alone takes account.
+pub fn refuse_losses(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<()> {
+    let Some(lossy) = scene.scene().elements.iter().find(|element| element.law.loss.is_some()) else { return Some(()) };
+    let error = AnalysisError::Loss { at: lossy.span };
+    diagnostics.push(error.to_diagnostic());
+    None
 }
 
 /// Like [`about_rest`], for a transfer function, whose matrices are sums of products of entries of rows. An error if
@@ -115,6 +125,9 @@ pub fn with_damping(
     mut lowered: Lowered,
     diagnostics: &mut Diagnostics,
 ) -> Result<Damped, Box<Lowered>> {
+    if (has_noise(scene) || spectrum_place(scene).is_some()) && refuse_losses(scene, diagnostics).is_none() {
+        return Err(Box::new(lowered));
+    }
     let mut by_modes = None;
     match &scene.scene().damping {
         None => {}

@@ -21,6 +21,8 @@ pub const KIND: Kind = Kind {
                 line on which both parts can move.\n\n\
                 `free_length` or `preload` (the tension as drawn, pull positive) may be given, not both. With neither the \
                 spring is unstretched as drawn. A negative stiffness is allowed and noted.\n\n\
+                `loss` is its loss factor: in harmonic motion its stiffness is k (1 + i loss). Other motions and poles are not \
+                computed with it.\n\n\
                 `law` gives the tension over the `stretch` in place of `k` and `preload`; motions about the rest use its tangent.",
         heading: "Springs and dampers",
     },
@@ -45,6 +47,7 @@ pub const KIND: Kind = Kind {
             Expected::new("a torque", Dimension::TORQUE, "preload = 2 N*m"),
             "Its tension as drawn; pull is positive.",
         ),
+        LOSS,
         LAW,
     ],
     units: ["N/m", "N*m/rad"],
@@ -55,6 +58,13 @@ pub const KIND: Kind = Kind {
     ),
     acts: Acts::BetweenEnds,
 };
+
+/// The loss factor.
+pub const LOSS: Field = Field::number(
+    "loss",
+    Expected::new("a loss factor", Dimension::NONE, "loss = 0.1"),
+    "Its loss factor: in harmonic motion its stiffness is k (1 + i loss).",
+);
 
 const LAW: Field = Field::new(
     "law",

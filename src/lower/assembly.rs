@@ -6,6 +6,7 @@
 //! scene with constraints, every row is first written in terms of the independent coordinates, and the curvature of the
 //! constraints, weighted by their multipliers, adds to K.
 
+pub mod losses;
 mod released;
 
 pub use released::{Carried, carried};
@@ -173,6 +174,7 @@ impl<'a> Assembly<'a> {
             inputs: inputs.collect(),
             outputs,
             initial,
+            losses: None,
         }
     }
 

@@ -331,6 +331,11 @@ fn reaction_error(name: &str, holder: Span, span: Span, why: &Open) -> Diagnosti
                 .help("give it a place: `at = (0, 0)`, or a point after `@`")
         }
         Open::Unreleased(Unreleased::Limit(limit)) => limit.to_diagnostic(),
+        Open::Lossy => {
+            error(REACTION_DAMPED, format!("what `{name}` carries of a spring with a loss factor is not computed"))
+                .label("asked for here")
+                .help("write a damper in place of `loss`; `rest(...)` of the reaction needs no damping")
+        }
         Open::DampedByModes => {
             error(REACTION_DAMPED, format!("`damping modal` does not say which part of its forces `{name}` carries"))
                 .label("asked for here")

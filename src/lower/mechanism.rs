@@ -153,6 +153,12 @@ impl Lowered {
         let outputs: Vec<Output> = readouts.into_iter().map(output).collect();
         let first = self.system.outputs.len();
         self.system.outputs.extend(assembly::outputs(scene, kinematics, reduction, state, &outputs));
+        if let Some(losses) = &mut self.system.losses {
+            for (p, d) in assembly::losses::of_outputs(scene, kinematics, reduction, state, &outputs) {
+                losses.p.push(p);
+                losses.d.push(d);
+            }
+        }
         self.carry(scene, &outputs, first)
     }
 }

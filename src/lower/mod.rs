@@ -39,6 +39,7 @@ use crate::model::CheckedScene;
 use crate::model::scene::Scene;
 use crate::system::LinearSystem;
 use crate::system::chain::TooLong;
+use assembly::losses;
 use error::LowerError;
 use kinematics::Kinematics;
 use reactions::Holding;
@@ -103,6 +104,7 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     let (rest, state) = found.finish(scene, &kinematics, &reduction, &system)?;
     let notes = notes.into_iter().chain(idle::findings(scene, &kinematics, &idle));
     let mut notes: Vec<Diagnostic> = notes.chain(unproven(&system, &rest)).collect();
+    let system = LinearSystem { losses: losses::losses(scene, &kinematics, &reduction, &state), ..system };
     let mechanism = Mechanism::new(kinematics, reduction, state, holding);
     notes.extend(belts::findings(scene, &mechanism, &rest));
     let rest = Rest { laws: mechanism.laws_at_rest(scene), ..rest };

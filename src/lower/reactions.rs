@@ -27,6 +27,8 @@ pub enum Open {
     Unreleased(Unreleased),
     /// Modal damping does not say where its forces act.
     DampedByModes,
+    /// Reactions to forces of springs with a loss factor are not computed.
+    Lossy,
 }
 
 /// The reactions among some terms, each once, ascending.
@@ -89,6 +91,9 @@ impl Lowered {
     pub(super) fn carry(&mut self, scene: &Scene, outputs: &[Output], first: usize) -> Result<(), LowerError> {
         for (number, output) in outputs.iter().enumerate() {
             let mut reactions = self.mechanism.reactions(scene, &output.terms, output.span)?;
+            if self.system.losses.is_some() && !reactions.asked.is_empty() {
+                return Err(open(scene, &reactions.asked[0], Open::Lossy, output.span));
+            }
             match &scene.damping {
                 Some(Damping::Modal { ratio, .. }) if !ratio.is_zero() && !reactions.asked.is_empty() => {
                     return Err(open(scene, &reactions.asked[0], Open::DampedByModes, output.span));

@@ -14,6 +14,7 @@ use super::value::Value;
 use crate::base::{Dimension, Number, Span, Takes, Vec3};
 use crate::elements::curve::Undefined;
 use crate::elements::kind::ALONG;
+use crate::elements::spring::LOSS;
 use crate::elements::{Acts, Curve, Kind, Negative, Order};
 use crate::syntax::tree::{DeclKind, EndId, Fields, Ident};
 use std::sync::Arc;
@@ -95,7 +96,7 @@ impl<'a> Check<'a> {
         if value.is_negative() {
             self.negative_coefficient(kind, key, at, environment)?;
         }
-        Ok((pair, Law { kind, coefficient: value, rest, curve: None }, geometries))
+        Ok((pair, Law { kind, coefficient: value, rest, curve: None, loss: None }, geometries))
     }
 
     fn element(
@@ -131,10 +132,23 @@ impl<'a> Check<'a> {
         if rest != SpringRest::AsDrawn {
             self.drawn_length_is_known(&rest, &geometry, &pair, environment)?;
         }
+        let loss = self.loss(&given, environment)?;
         if value.is_negative() {
             self.negative_coefficient(kind, key, at, environment)?;
         }
-        Ok((pair, Law { kind, coefficient: value, rest, curve }, geometry))
+        Ok((pair, Law { kind, coefficient: value, rest, curve, loss }, geometry))
+    }
+
+    /// The loss factor of a spring, if it is not zero; other elements have no such field.
+    fn loss(&mut self, given: &Given<'a>, environment: Environment) -> Evaluated<Option<Number>> {
+        let Some((field, described)) = given.by_name(LOSS.name) else { return Ok(None) };
+        let found = self.field_number(Some(field), environment, &described.expected(false))?;
+        match found {
+            Some((loss, span)) if loss.is_negative() => {
+                self.fail(environment, ValueError::Negative { span, what: LOSS.name })
+            }
+            found => Ok(found.map(|(loss, _)| loss).filter(|loss| !loss.is_zero())),
+        }
     }
 
     /// The coefficient of an element, or its law.
@@ -149,7 +163,7 @@ impl<'a> Check<'a> {
             let coefficient = self.coefficient(kind, given, ident, environment)?;
             return Ok(Strength { coefficient, curve: None });
         };
-        let others = [kind.coefficient().name, "preload"];
+        let others = [kind.coefficient().name, "preload", LOSS.name];
         if let Some((other, known)) = others.iter().find_map(|name| given.by_name(name)) {
             let word = known.name.to_string();
             return self.fail(environment, LawError::AndAnother { span: field.key, other: other.key, word });

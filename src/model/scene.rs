@@ -277,6 +277,8 @@ pub struct Law {
     pub rest: SpringRest,
     /// The force as a function of the stretch or the rate, unless it is proportional to it.
     pub curve: Option<Arc<Curve>>,
+    /// The loss factor of a spring; `None` if it has none.
+    pub loss: Option<Number>,
 }
 
 impl Law {

@@ -16,7 +16,7 @@ const MOST: usize = 12;
 /// The exact order of a measure and the value in the question.
 pub fn compare(measured: &Measured, probe: &Probe, question: &Question) -> Option<Ordering> {
     let system = &measured.lowered.system;
-    if system.n() > MOST {
+    if system.n() > MOST || system.losses.is_some() {
         return None;
     }
     match probe {

@@ -205,6 +205,23 @@ impl Probe {
         self.any(|probe| matches!(probe, Probe::Peak(_) | Probe::Rms(_, Cause::Time | Cause::Either)))
     }
 
+    /// Whether it is computed where springs have loss factors: of harmonic motion, of rest, or of motion without damping.
+    fn takes_losses(&self) -> bool {
+        matches!(
+            self,
+            Probe::Combined(_)
+                | Probe::Gain(..)
+                | Probe::Phase(..)
+                | Probe::Amplitude(_)
+                | Probe::Static(_)
+                | Probe::Frequency(_)
+                | Probe::Square(_)
+                | Probe::EffectiveMass(..)
+                | Probe::Rest(..)
+                | Probe::LoadFactor
+        )
+    }
+
     fn of_transfer(&self) -> bool {
         self.any(|probe| {
             let is_gain = matches!(probe, Probe::Gain(..) | Probe::Phase(..) | Probe::PeakGain(..));
@@ -245,6 +262,9 @@ impl Measured<'_> {
             (matches!(probe, Probe::Combined(_)), probe.of_settled_motion(), self.growth())
         {
             return Measurement::None(why);
+        }
+        if system.losses.is_some() && !probe.takes_losses() {
+            return Measurement::None("a spring has a loss factor, with which only harmonic motion is computed");
         }
         let drives = &self.context.drives;
         match probe {

@@ -176,7 +176,8 @@ impl Text<'_> {
         };
         let mut diagnostics = Diagnostics::new();
         let mut lowered = dynamics::lower_written_out(&scene, &mut diagnostics)?.lowered;
-        lowered.add_readouts(scene.scene(), readouts).ok().filter(|()| lowered.rest.is_proven())?;
+        let is_enclosed = lowered.rest.is_proven() && lowered.system.losses.is_none();
+        lowered.add_readouts(scene.scene(), readouts).ok().filter(|()| is_enclosed)?;
         let context = self.context(&scene, std::slice::from_ref(&probe)).ok()?;
         Some((scene, question, probe, lowered, context))
     }

@@ -7,9 +7,11 @@
 //! assembled matrix does not (a principle also found in Demmel et al., LAA 299 (1999) 21-80).
 
 pub mod chain;
+pub mod losses;
 pub mod noise;
 pub mod signal;
 
+pub use losses::Losses;
 pub use noise::Noise;
 pub use signal::{Course, Signal, Table};
 
@@ -107,6 +109,8 @@ pub struct LinearSystem {
     pub outputs: Vec<Output>,
     /// State at t = 0: displacement and velocity of each coordinate that does not start at zero.
     pub initial: Vec<(CoordinateId, Number, Number)>,
+    /// The loss factors of springs, which harmonic motion alone has; `None` in most systems.
+    pub losses: Option<Box<Losses>>,
 }
 
 /// A symmetric matrix as a sum of signed squares `weight row row^T`.

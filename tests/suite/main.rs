@@ -54,6 +54,7 @@ mod layouts;
 mod library;
 mod literals;
 mod loops;
+mod losses;
 mod lowering;
 mod massless;
 mod measures;

@@ -12,12 +12,13 @@ use vibc::syntax;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
 /// model gives): their pages describe the example in words.
-const IN_WORDS: [&str; 33] = [
+const IN_WORDS: [&str; 34] = [
     "vib::equations::defect",
     "vib::equations::no_form",
     "vib::equations::too_large",
     "vib::file::not_utf8",
     "vib::limit::signal",
+    "vib::limit::loss",
     "vib::limit::states",
     "vib::mass::indefinite",
     "vib::mass::singular",

@@ -103,6 +103,7 @@ impl Builder {
             inputs: Vec::new(),
             outputs: Vec::new(),
             initial: Vec::new(),
+            losses: None,
         }
     }
 }

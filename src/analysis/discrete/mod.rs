@@ -194,6 +194,7 @@ fn check_size(system: &LinearSystem) -> Result<(), AnalysisError> {
 /// The discrete system of a model.
 pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Result<DiscreteSystem, AnalysisError> {
     let n = system.n();
+    AnalysisError::refuse_losses(system)?;
     check_size(system)?;
     let mut split = split(system, modes)?;
     let start = start(system);

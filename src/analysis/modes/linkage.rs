@@ -163,6 +163,7 @@ impl Places {
             inputs: Vec::new(),
             outputs: Vec::new(),
             initial: Vec::new(),
+            losses: None,
         })
     }
 

@@ -89,6 +89,7 @@ pub fn as_system(system: &LinearSystem, part: &Part, local: &[u32]) -> LinearSys
         inputs: Vec::new(),
         outputs: Vec::new(),
         initial: Vec::new(),
+        losses: None,
     }
 }
 

@@ -68,6 +68,9 @@ const TOGETHER: usize = 24;
 /// All poles.
 pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
     runs::begins("poles");
+    if system.losses.is_some() {
+        return Ok(Poles::default());
+    }
     if system.c.is_empty() {
         let mut found = PoleList::default();
         found.undamped(modes);
@@ -86,7 +89,7 @@ pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisErro
 /// All poles, and transfer functions as sums over them if the proof bounds the error of such sums: for a system that is
 /// one part with general damping and has no pole on the imaginary axis.
 pub fn poles_and_residues(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
-    if system.c.is_empty() || scaled(system).is_some() || !is_one_part(system) {
+    if system.losses.is_some() || system.c.is_empty() || scaled(system).is_some() || !is_one_part(system) {
         return poles(system, modes);
     }
     poles_and(Also::Residues, system, modes)
@@ -97,7 +100,7 @@ pub fn poles_and_residues(system: &LinearSystem, modes: &Modes) -> Result<Poles,
 pub fn pole_coordinates(system: &LinearSystem, modes: &Modes) -> Option<Arc<PoleCoordinates>> {
     let swings = |mode: &Mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Divergence);
     let suits = system.n() <= MAX_DAMPED && modes.list.len() == system.n() && modes.list.iter().all(swings);
-    if !suits || scaled(system).is_some() || !is_one_part(system) {
+    if !suits || system.losses.is_some() || scaled(system).is_some() || !is_one_part(system) {
         return None;
     }
     poles_and(Also::Coordinates, system, modes).ok()?.coordinates

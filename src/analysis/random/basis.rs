@@ -65,6 +65,7 @@ impl Basis {
             inputs: system.inputs.iter().map(input).collect(),
             outputs: system.outputs.iter().map(|output| self.output(output)).collect(),
             initial: Vec::new(),
+            losses: None,
         }
     }
 

@@ -48,14 +48,14 @@ impl<'a> Family<'a> {
     /// `lost` means that some derivative was lost on the way to the system. `None` if there are too many coordinates.
     pub fn of(system: &'a LinearSystem, lost: bool) -> Option<Family<'a>> {
         let n = system.n();
-        let few = n > 0 && n <= MOST && !system.is_chained();
+        let few = n > 0 && n <= MOST && !system.is_chained() && system.losses.is_none();
         few.then(|| Family { system, lost, m: system.m.entries(n), c: system.c.entries(n), k: system.k.entries(n) })
     }
 
     /// The direction of the eigenvalues of K - sigma M, from the weights of the squares alone: if no weight of K
     /// decreases and none of M increases, no eigenvalue decreases (Weyl's monotonicity: R. Bhatia, *Matrix Analysis*, Springer 1997, corollary III.2.3).
     pub fn course(system: &LinearSystem, lost: bool) -> Option<Course> {
-        if lost {
+        if lost || system.losses.is_some() {
             return None;
         }
         let (k, m) = (weights(&system.k)?, weights(&system.m)?);

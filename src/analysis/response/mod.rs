@@ -113,6 +113,7 @@ pub fn respond_with(
     drives: &[Vec<Signal>],
     times: &[Number],
 ) -> Result<History, AnalysisError> {
+    AnalysisError::refuse_losses(system)?;
     if system.outputs.is_empty() {
         return Ok(History { times: times.to_vec(), values: vec![Vec::new(); times.len()] });
     }

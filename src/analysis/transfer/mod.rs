@@ -120,6 +120,11 @@ impl Frequency {
         Frequency { hertz, omega, omega_squared: omega * omega, exact }
     }
 
+    /// rad/s, as exact as it is known.
+    fn omega(&self) -> Number {
+        self.exact.clone().unwrap_or(Number::Ball(self.omega))
+    }
+
     pub fn exact(&self) -> Option<&Number> {
         self.exact.as_ref()
     }
@@ -178,7 +183,7 @@ impl<'a> Transfer<'a> {
     /// H of one input and one output by its zeros and poles, if exact arithmetic finds them.
     pub fn zero_pole_form(&self, input: usize, output: usize) -> Option<&Exactly> {
         let found = || {
-            if self.system.n() > MOST_WITH_PARTS {
+            if self.system.n() > MOST_WITH_PARTS || self.system.losses.is_some() {
                 return None;
             }
             let parts = self.parts.get_or_init(|| independent(self.system));
@@ -204,6 +209,14 @@ impl<'a> Transfer<'a> {
 
     /// H at a frequency from some inputs to some outputs: `[input][output]`, in the order given.
     pub fn between(&self, frequency: &Frequency, inputs: &[usize], outputs: &[usize]) -> Vec<Vec<Gain>> {
+        if self.system.losses.is_some() {
+            let omega = frequency.omega();
+            if omega.may_be_zero() && !omega.is_zero() {
+                return vec![vec![Gain::Unknown; outputs.len()]; inputs.len()];
+            }
+            let system = self.system.at_frequency(&omega);
+            return Transfer::of(&system).between(frequency, inputs, outputs);
+        }
         let mut gains = self.in_own_units(frequency, inputs, outputs);
         if gains.iter().flatten().any(|gain| *gain == Gain::Unknown)
             && let Some((system, frequency)) = scaled::scaled(self.system, frequency)

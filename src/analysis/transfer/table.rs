@@ -82,7 +82,8 @@ const WORTH_SETTING_UP: usize = 8;
 
 impl<'a> Methods<'a> {
     pub fn of(system: &'a LinearSystem, modes: &Modes) -> Methods<'a> {
-        Methods { system, transfer: Transfer::of(system), sum: ModalSum::of(system, modes) }
+        let sum = if system.losses.is_none() { ModalSum::of(system, modes) } else { None };
+        Methods { system, transfer: Transfer::of(system), sum }
     }
 
     /// The gains at one frequency, `[input][output]`.
@@ -122,7 +123,7 @@ impl<'a> Methods<'a> {
         let left: Vec<usize> = (0..rows.len()).filter(|&i| !rows[i].iter().all(good)).collect();
         // Products over zeros and poles and sums over poles, if available, are fast enough.
         let at_hand = pairs.iter().flatten().all(|pair| pair.exactly.is_some() || pair.fractions.is_some());
-        if left.len() >= WORTH_SETTING_UP && !at_hand {
+        if left.len() >= WORTH_SETTING_UP && !at_hand && self.system.losses.is_none() {
             let some: Vec<Frequency> = left.iter().map(|&i| frequencies[i].clone()).collect();
             let gains = self.transfer.side_by_side(&some, &sweep.inputs, &sweep.outputs, tolerance);
             for (&i, gains) in left.iter().zip(gains.chunks(rows[0].len().max(1))) {
@@ -163,7 +164,7 @@ type Pairs<'a> = Vec<Vec<Pair<'a>>>;
 
 /// Computes a table.
 pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
-    let refined = sweep.at.is_empty() && sweep.points.is_none();
+    let refined = sweep.at.is_empty() && sweep.points.is_none() && methods.system.losses.is_none();
     let pairs = methods.pairs(poles, sweep, refined);
     let (inputs, outputs) = (sweep.inputs.clone(), sweep.outputs.clone());
     if !refined {

@@ -14,6 +14,11 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
 }
 
 fn blocks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
+    if answer.system.losses.is_some() {
+        return vec![Block::Line(
+            "damped motion: poles are not computed with loss factors, which C and K do not contain".into(),
+        )];
+    }
     let undamped = answer.system.c.is_empty();
     if answer.poles.list.is_empty() && !undamped {
         return left_out(answer).map(Block::from).into_iter().collect();

@@ -29,6 +29,8 @@ pub struct Slack {
 }
 
 impl Slack {
+    pub const NONE: Slack = Slack { of: Vec::new() };
+
     /// Whether a spring has exactly no tension at rest.
     pub fn contains(&self, kinematics: &Kinematics, between: &EndPath<Number>) -> bool {
         let of = |i: Index| self.of.get(i as usize) == Some(&true);

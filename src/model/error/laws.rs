@@ -51,7 +51,10 @@ impl LawError {
             AndAnother { span, other, word } => {
                 error("vib::law::and_coefficient", span, format!("an element has a law or `{word}`, not both"))
                     .related(other, format!("`{word}` is given here"))
-                    .help(format!("keep one: the law says all that `{word}` would"))
+                    .help(match &word[..] {
+                        "loss" => "keep one: a loss factor belongs to a stiffness `k`".to_string(),
+                        _ => format!("keep one: the law says all that `{word}` would"),
+                    })
                     .fix(span, Change::DropField)
                     .fix(other, Change::DropField)
             }

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, measures, modal, modes, motions, noise, noise_maxima, noise_peaks, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, tolerated, transfer
+from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, loss, measures, modal, modes, motions, noise, noise_maxima, noise_peaks, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, tolerated, transfer
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,7 @@ ALL = {
     "motions": Class(motions.scene, motions.check, 10000, 100),
     "transfer": Class(transfer.scene, transfer.check, 10000, 150),
     "singular": Class(singular.scene, singular.check, 10000, 100),
+    "loss": Class(loss.scene, loss.check, 10000, 60),
     "modal": Class(modal.scene, modal.check, 10000, 100),
     "measures": Class(measures.scene, measures.check, 10000, 100),
     "settling": Class(settle.scene, settle.check, 5000, 40),

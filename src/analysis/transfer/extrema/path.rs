@@ -207,6 +207,7 @@ fn poles_with_held(system: &LinearSystem, kept: &[usize], row: &[(usize, Number)
         inputs: Vec::new(),
         outputs: Vec::new(),
         initial: Vec::new(),
+        losses: None,
     };
     let modes = modes(&part).ok()?;
     roots_of(&poles(&part, &modes).ok()?)
