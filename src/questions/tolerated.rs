@@ -12,6 +12,7 @@ use crate::base::{Ball, Diagnostics, Jet, Number, Quantity};
 use crate::dynamics;
 use crate::model::scene::{Comparison, Measure, Parameter, Require, Tolerance};
 use crate::model::{CheckedScene, Setting};
+use crate::system::LinearSystem;
 
 /// With so many parameters or fewer, every corner is looked at where nothing is proved; with more, the ends of each alone.
 const MOST_CORNERS: usize = 6;
@@ -138,7 +139,8 @@ impl Corners<'_> {
             let steady = limits.map(|require| !matches!(require.question.value, Number::Jet(_))).collect();
             let lowered = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?.lowered;
             let fits = lowered.rest.is_proven() && !lowered.system.is_chained();
-            fits.then_some((lowered.system, steady))
+            // Loss factors have no part in undamped modes.
+            fits.then_some((LinearSystem { losses: None, ..lowered.system }, steady))
         });
         let (system, steady) = prepared??;
         let n = system.n();
