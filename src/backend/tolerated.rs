@@ -30,6 +30,7 @@ struct JsonFrequencies {
     largest_hz: JsonNumber,
     largest_error_bound: JsonNumber,
     proved: bool,
+    reached_hz: Option<[JsonNumber; 2]>,
 }
 
 #[derive(serde::Serialize)]
@@ -72,6 +73,7 @@ impl<'a> JsonTolerated<'a> {
                 largest_hz: JsonNumber::of(largest),
                 largest_error_bound: bound(largest),
                 proved: range.proof.is_some(),
+                reached_hz: range.reached.map(|ends| ends.map(JsonNumber::enclosed)),
             }
         });
         let everywhere = |(requirement, everywhere): (&'a Requirement, &'a Throughout)| {

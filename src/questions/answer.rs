@@ -352,23 +352,34 @@ pub struct ToleratedParameter {
     pub ends: [Number; 2],
 }
 
-/// The frequencies of a mode, counted from the lowest.
+/// The frequencies of a mode, counted from the lowest, Hz.
 #[derive(Clone, Copy, Debug)]
 pub struct FrequencyRange {
-    /// The least and the largest, Hz: over all values within the tolerances if that is proved, otherwise over the places that were
-    /// looked at. `None` if the mode does not oscillate somewhere among them.
+    /// Bounds of all values within the tolerances if that is proved, otherwise what was reached. `None` if the mode does not oscillate
+    /// at one of the places.
     pub ends: Option<[Ball; 2]>,
-    pub proof: Option<Monotone>,
+    /// The least and the largest at the places that were looked at.
+    pub reached: Option<[Ball; 2]>,
+    pub proof: Option<RangeProof>,
 }
 
-/// Proof that every frequency is least and largest at two corners. Only `questions::tolerated` makes it.
+/// Why no frequency lies beyond the ends.
 #[derive(Clone, Copy, Debug)]
-pub struct Monotone(pub(super) ());
+pub enum RangeProof {
+    /// Every frequency is least and largest at two corners: the ends are reached.
+    Corners(Proved),
+    /// Bounds of so many boxes, which together are the whole.
+    Boxes(usize, Proved),
+}
+
+/// Only `questions::tolerated` makes it.
+#[derive(Clone, Copy, Debug)]
+pub struct Proved(pub(super) ());
 
 /// Whether a requirement holds for all values within the tolerances.
 #[derive(Clone, Debug)]
 pub enum Throughout {
-    Holds(Monotone),
+    Holds(Proved),
     /// It certainly fails at this place.
     FailsAt(Vec<Number>),
     Undetermined,

@@ -244,6 +244,12 @@ impl Form {
         &self.terms
     }
 
+    /// The same rows with other weights.
+    pub fn with_weights(mut self, of: impl Fn(&Number) -> Number) -> Form {
+        self.terms.iter_mut().for_each(|term| term.weight = of(&term.weight));
+        self
+    }
+
     /// The row of a term, ascending by coordinate, without zeros.
     pub fn row(&self, term: &Term) -> &[(CoordinateId, Number)] {
         &self.entries[term.start as usize..(term.start + term.len) as usize]

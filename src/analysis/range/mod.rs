@@ -337,6 +337,28 @@ fn at(n: usize, parts: &[Vec<(CoordinateId, Number)>; 3], omega: &Number) -> Vec
     list
 }
 
+/// Two systems without damping between which the systems of a range lie: with every weight of K at its least and of M at its
+/// largest, and the reverse. With M positive definite in the latter, the count of eigenvalues below any sigma >= 0 is at most that
+/// of the former and at least that of the latter (Weyl, as above). `None` if a row changes.
+pub fn outer(system: &LinearSystem) -> Option<[LinearSystem; 2]> {
+    weights(&system.k).and(weights(&system.m))?;
+    let end = |weight: &Number, sign: f64| match weight {
+        Number::Jet(jet) => {
+            let Ball { mid, rad } = jet.value;
+            let end = mid + Dd::from(sign * rad);
+            Number::Ball(Ball::new(end, 2.0 * Dd::EPSILON * (mid.hi.abs() + rad)))
+        }
+        weight => weight.clone(),
+    };
+    let side = |k_sign: f64| LinearSystem {
+        k: system.k.clone().with_weights(|weight| end(weight, k_sign)),
+        m: system.m.clone().with_weights(|weight| end(weight, -k_sign)),
+        c: Form::new(),
+        ..system.clone()
+    };
+    Some([side(-1.0), side(1.0)])
+}
+
 /// The derivatives of the weights; `None` if a row changes too.
 fn weights(form: &Form) -> Option<Vec<Ball>> {
     let still = |(_, entry): &(CoordinateId, Number)| Jet::of(entry).slope.is_zero();
@@ -392,6 +414,22 @@ mod tests {
         assert_eq!(course(&p, &one, false), Some(Course::Falls));
         assert_eq!(course(&p, &p, false), None);
         assert_eq!(course(&one, &p, true), None, "a derivative is lost");
+    }
+
+    /// Masses of 1 to 3 kg and springs of 3 to 7 N/m: 3 / 3 and 7 / 1; and a row that changes.
+    #[test]
+    fn outer_systems_have_every_weight_at_an_end() {
+        let over = |middle: f64, reach: f64| Jet::of_parameter(Ball::from(middle).widen(reach));
+        let [low, high] = outer(&side_by_side(&[over(2.0, 1.0)], &[over(5.0, 2.0)])).expect("still rows");
+        let weights = |system: &LinearSystem| [&system.k, &system.m].map(|form| form.terms()[0].weight.to_f64());
+        for (found, truth) in [weights(&low), weights(&high)].concat().iter().zip([3.0, 3.0, 7.0, 1.0]) {
+            // Radii are rounded upwards.
+            assert!((found - truth).abs() < 1e-14, "{found} {truth}");
+        }
+        let mut moving = side_by_side(&[Number::ONE], &[Number::ONE]);
+        let source = moving.k.source(moving.coordinates[0].name);
+        moving.k.push(source, Nature::Property, Number::ONE, [(CoordinateId(0), over(1.0, 0.1))]);
+        assert!(outer(&moving).is_none());
     }
 
     /// omega^2 = 1/p at p = 2 has the slope -1/4; if a derivative was lost there is none.

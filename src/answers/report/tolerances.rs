@@ -4,7 +4,7 @@ use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Section, line};
 use crate::answers::ModalAnswer;
 use crate::base::{Bound, Number};
-use crate::questions::answer::{Throughout, Tolerated, ToleratedParameter, few_digits, shown};
+use crate::questions::answer::{RangeProof, Throughout, Tolerated, ToleratedParameter, few_digits, shown};
 
 /// Number of modes and of parameters that are shown.
 const MOST_ROWS: usize = 40;
@@ -53,7 +53,14 @@ fn frequencies(found: &Tolerated) -> Table {
             None => cells.extend(["?".into(), Cell::default(), "?".into(), Cell::default()]),
         }
         cells.push(match (&range.proof, &range.ends) {
-            (Some(_), _) => Cell::default(),
+            (Some(RangeProof::Corners(_)), _) => Cell::default(),
+            (Some(RangeProof::Boxes(..)), _) => match range.reached {
+                Some([least, largest]) => {
+                    let [least, largest] = [least, largest].map(|f| few_digits(f.to_f64()));
+                    line!["bounds; reached ", least, " .. ", largest].into()
+                }
+                None => Cell::default(),
+            },
             (None, Some(_)) => line!["reached at ", found.places, " places; others are not excluded"].into(),
             (None, None) => "it does not oscillate somewhere".into(),
         });

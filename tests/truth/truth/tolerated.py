@@ -122,8 +122,13 @@ def check(net, program, tally, rng):
         at_corners = [f[i] for f in corners]
         least, largest = (pick(at_corners, key=lambda x: float(x.mid())) for pick in (min, max))
         if row["proved"]:
-            tally.relative("least frequency", row["least_hz"], row["least_error_bound"], least)
-            tally.relative("largest frequency", row["largest_hz"], row["largest_error_bound"], largest)
+            if found["least_at"] is not None:
+                tally.relative("least frequency", row["least_hz"], row["least_error_bound"], least)
+                tally.relative("largest frequency", row["largest_hz"], row["largest_error_bound"], largest)
+            else:
+                w = max(f[i] for _, f in seen) - min(f[i] for _, f in seen)
+                wide = arb(row["largest_hz"]) - arb(row["least_hz"]) > w * arb(3) / 2 + largest / 10**6
+                tally.verdict("a range from boxes, wide", bool(wide), False) if not wide else tally.refuse("proved, but more than 1.5 times as wide")
             # One part in 1e12 is what binary64 may lose of the ends.
             low, high = arb(row["least_hz"]) * (1 - arb(10) ** -12), arb(row["largest_hz"]) * (1 + arb(10) ** -12)
             tally.verdict("values outside of a range", sum(1 for _, f in seen if not (low <= f[i] <= high)), 0)
