@@ -14,7 +14,7 @@ use crate::model::scene::{Scene, Spread, Tolerance};
 pub struct Draws {
     pub count: u64,
     pub seed: u64,
-    /// Whether the values are those of [`REPLICATES`] scrambled Sobol sequences in turn.
+    /// Whether the values are those of `REPLICATES` scrambled Sobol sequences in turn.
     pub sobol: bool,
 }
 
