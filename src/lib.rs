@@ -375,7 +375,7 @@ fn reported(
         false => Vec::new(),
     };
     let tolerated = match study.tolerances {
-        true => questions::tolerated::tolerated(&reading.text(), &reading.scene, &reading.settings),
+        true => questions::tolerated::tolerated(&reading.text(), (&reading.scene, system.n()), &reading.settings),
         false => None,
     };
     let excitations = match study.participation {

@@ -19,8 +19,13 @@ const MOST_CORNERS: usize = 6;
 /// Ends of so many parameters, where there are more.
 const MOST_ALONE: usize = 30;
 
-/// `None` if no parameter that is free has a range. `held`: values of those that the model determines.
-pub fn tolerated(text: &Text, scene: &CheckedScene, held: &[Setting]) -> Option<Tolerated> {
+/// Every mode of larger systems is computed at the declared values and at the two corners alone.
+const MOST_COORDINATES: usize = 60;
+/// Parameters times coordinates for which anything is proved: some seconds.
+const MOST_WORK: usize = 1_000_000;
+
+/// `None` if no parameter that is free has a range. `held`: values of those that the model determines; `n`: the number of coordinates.
+pub fn tolerated(text: &Text, (scene, n): (&CheckedScene, usize), held: &[Setting]) -> Option<Tolerated> {
     let is_free = |tolerance: &&Tolerance| held.iter().all(|(name, _)| *name != tolerance.parameter.name);
     // Scenes at other values than the declared ones have no tolerances.
     let declared = if held.is_empty() { None } else { Some(text.scene(&[]).ok()?) };
@@ -31,13 +36,14 @@ pub fn tolerated(text: &Text, scene: &CheckedScene, held: &[Setting]) -> Option<
         return None;
     }
     let corners = Corners { text, held, free: &free };
-    let found = corners.find();
+    // Each parameter alone takes the scene through all stages once.
+    let found = if free.len().saturating_mul(n) > MOST_WORK { None } else { corners.find(n) };
     let mut places = vec![free.iter().map(|tolerance| tolerance.parameter.value.si.clone()).collect::<Vec<_>>()];
     let ends = found.as_ref().and_then(|found| found.ends.as_ref());
     places.extend(ends.iter().copied().flatten().cloned());
     // These two decide about frequencies; where that is proved and all that is asked, others say nothing new.
     let is_frequency = |require: &Require| matches!(require.question.measure, Measure::Frequency { .. });
-    if ends.is_none() || !scene.scene().requires.iter().all(is_frequency) {
+    if n <= MOST_COORDINATES && (ends.is_none() || !scene.scene().requires.iter().all(is_frequency)) {
         places.extend(corners.others(&places[0]));
     }
     let frequencies = frequencies(&corners, &places, found.as_ref());
@@ -86,7 +92,7 @@ struct Corners<'a> {
 impl Corners<'_> {
     /// `None` if a parameter moves more than the weights of masses and springs. Where numbers over the whole box are too wide to
     /// decide, it is cut: what is constant, or rises, in each of two boxes with a common side, does so in both together.
-    fn find(&self) -> Option<Found> {
+    fn find(&self, n: usize) -> Option<Found> {
         let whole = self.whole()?;
         let (mut left, mut pieces, mut known) = (vec![whole.clone()], Vec::new(), Vec::new());
         while let Some(ranges) = left.pop() {
@@ -95,7 +101,9 @@ impl Corners<'_> {
                     pieces.push(ranges);
                     known.push(piece);
                 }
-                None if left.len() + pieces.len() < MOST_PIECES => left.extend(halved(&ranges)?),
+                None if n <= MOST_COORDINATES && left.len() + pieces.len() < MOST_PIECES => {
+                    left.extend(halved(&ranges)?)
+                }
                 None => return None,
             }
         }
@@ -203,7 +211,7 @@ impl Corners<'_> {
     /// Bounds over the whole box, from boxes into which it is cut where they are wide beside what is reached.
     fn enclosed(&self, pieces: &[Ranges], reached: &[Option<[Ball; 2]>]) -> Option<(Vec<Option<[Ball; 2]>>, usize)> {
         let count = reached.len();
-        if self.free.len() > MOST_CUT {
+        if self.free.len() > MOST_CUT || count > MOST_COORDINATES {
             return None;
         }
         let mut boxes = pieces.to_vec();
@@ -381,7 +389,7 @@ mod tests {
         let checked = model::check(&sources, &tree, &overrides);
         let scene = checked.scene.unwrap_or_else(|| panic!("{:?}", checked.diagnostics));
         let text = Text { sources: &sources, tree: &tree, overrides: &overrides, until: None, case: &[], fixed: &[] };
-        tolerated(&text, &scene, &[])
+        tolerated(&text, (&scene, 1), &[])
     }
 
     fn proved(found: &Tolerated, mode: usize) -> [Ball; 2] {
