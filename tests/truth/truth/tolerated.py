@@ -120,7 +120,7 @@ def check(net, program, tally, rng):
             tally.verdict("a range over places without oscillations is not proved", row["proved"], False)
             continue
         at_corners = [f[i] for f in corners]
-        least, largest = (pick(at_corners, key=lambda x: float(x.mid())) for pick in (min, max))
+        least, largest = (pick(at_corners, key=lambda x: x.mid()) for pick in (min, max))
         if row["proved"]:
             if found["least_at"] is not None:
                 tally.relative("least frequency", row["least_hz"], row["least_error_bound"], least)
