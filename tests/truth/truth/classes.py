@@ -46,6 +46,7 @@ ALL = {
     "noise_delayed": Class(noise.of_form("white", "white", "flat", "points", "road", form="delayed"), noise.check, 1000, 12),
     "noise_peaks": Class(noise_peaks.scene, noise_peaks.check, 2000, 15),
     "noise_maxima": Class(noise_maxima.scene, noise_maxima.check, 1000, 6),
+    "noise_tables": Class(noise_maxima.tabulated, noise_maxima.check_all, 1000, 8),
     "noise_drift": Class(drift.scene, noise.check, 2000, 25),
     "effective": Class(effective.scene, effective.check, 10000, 30),
     "laws": Class(loaded.law_scene, loaded.law_check, 10000, 30),

@@ -15,11 +15,15 @@ DIGITS = 110
 RELATIVE = arb(2) ** -(DIGITS + 4)
 
 
-class Noise:
-    """A density: pieces (f1, f2, value at f1, slope or None, value at f2) in Hz, or a white one."""
+# A piece is straight in a linear plot.
+LINE = "line"
 
-    def __init__(self, words, pieces=None, white=None, derivative=0):
-        self.words, self.pieces, self.white, self.derivative = words, pieces, white, derivative
+
+class Noise:
+    """A density: pieces (f1, f2, value at f1, slope, LINE or None, value at f2) in Hz, or a white one; and the file that it is in, if any."""
+
+    def __init__(self, words, pieces=None, white=None, derivative=0, table=None):
+        self.words, self.pieces, self.white, self.derivative, self.table = words, pieces, white, derivative, table
 
 
 def scene(rng, forms, form="one"):
@@ -99,6 +103,8 @@ def drawn(rng, net, unit, kinds, forms):
         size = decimal(level) * (fmpq(1, 10) / fmpq(11, 1000)) ** 2 / v
         return Noise(f"road({level} m^3, {speed} m/s)", [(low, high, size, fmpq(-2), None)], derivative=0)
     words = frequencies(rng, net, 2 if kind == "flat" else rng.choice((2, 3, 4)))
+    if kind == "table":
+        return tabulated(rng, words, unit, derivative)
     if kind == "flat":
         if rng.random() < 0.25:
             words[0] = "0"
@@ -109,6 +115,26 @@ def drawn(rng, net, unit, kinds, forms):
     points = ", ".join(f"({f} Hz, {s} {unit}/Hz)" for f, s in zip(words, levels))
     ends = list(zip(map(decimal, words), map(decimal, levels)))
     return Noise(points, [(a, b, s, None, t) for (a, s), (b, t) in zip(ends, ends[1:])], derivative=derivative)
+
+
+def tabulated(rng, words, unit, derivative):
+    """Rows of a file, straight between them; one or another is zero, or as large as the one before it."""
+    if rng.random() < 0.25:
+        words[0] = "0"
+    levels = []
+    for _ in words:
+        word = draw.decimal_word(rng, -1, 1)
+        levels.append(rng.choice([word] * 6 + ["0"] + levels[-1:]))
+    name = f"n{rng.randrange(10 ** 6)}.csv"
+    rows = [(decimal(f), decimal(s)) for f, s in zip(words, levels)]
+    pieces = [(a, b, s, LINE, t) for (a, s), (b, t) in zip(rows, rows[1:])]
+    content = "".join(f"{f},{s}\n" for f, s in zip(words, levels))
+    return Noise(f'table("{name}", 1 {unit}/Hz)', pieces, derivative=derivative, table=(name, content))
+
+
+def tables(net):
+    """The files of all noises, by name."""
+    return dict(own.table for own in net.noises.values() if own.table)
 
 
 def frequencies(rng, net, count):
@@ -188,12 +214,11 @@ def banded(parts, delays, noise, more):
         return sum((above(s) / below(s) * (-s * t).exp() for above, below, t in curves), acb(0))
 
     for low, high, size, slope, last in noise.pieces:
+        if slope == LINE and size == 0 and last == 0:
+            continue
         if any(rings(bottom, low, high) for (_, bottom), _ in parts):
             return None
-        if slope is None:
-            exponent = (arb(last) / arb(size)).log() / (arb(high) / arb(low)).log()
-        else:
-            exponent = arb(slope)
+        course = density(low, high, size, slope, last)
 
         def gain(f):
             s = I * 2 * pi() * f
@@ -203,12 +228,12 @@ def banded(parts, delays, noise, more):
         if low == 0:
             if any(bottom.coeffs()[0] == 0 for (_, bottom), _ in parts):
                 return None
-            total += arb(size) * acb.integral(lambda f, _: gain(f), 0, high, rel_tol=RELATIVE).real
+            total += acb.integral(lambda f, _: gain(f) * course(f), 0, high, rel_tol=RELATIVE).real
             continue
 
         def of_log(x, _):
             f = x.exp()
-            return gain(f) * arb(size) * (exponent * (x - arb(low).log())).exp() * f
+            return gain(f) * course(f) * f
 
         found = [root for (_, bottom), _ in parts for root, _ in roots(bottom, 60)]
         places = sorted({float(abs(root.imag).mid()) / 6.283185307179586 for root in found})
@@ -216,6 +241,16 @@ def banded(parts, delays, noise, more):
         for a, b in zip(cuts, cuts[1:]):
             total += acb.integral(of_log, a.log(), b.log(), rel_tol=RELATIVE).real
     return total
+
+
+def density(low, high, size, slope, last):
+    """A piece of a density as a function of the frequency, Hz."""
+    if slope == LINE:
+        return lambda f: (f - arb(low)) * arb((last - size) / (high - low)) + arb(size)
+    if slope == 0:
+        return lambda f: arb(size)
+    exponent = (arb(last) / arb(size)).log() / (arb(high) / arb(low)).log() if slope is None else arb(slope)
+    return lambda f: ((f / arb(low)).log() * exponent).exp() * arb(size)
 
 
 def rings(bottom, low, high):
@@ -275,7 +310,7 @@ def whites(parts, delays, noise, more):
 
 def check(net, program, tally, rng):
     """Compares every rms and every rate of crossings."""
-    told = program.ask(tally, "analyze", net.text(), "--format", "json")
+    told = program.ask(tally, "analyze", net.text(), "--format", "json", tables=tables(net))
     if told is None:
         return
     found = {row["output"]: row for row in told.get("noise") or []}

@@ -6,7 +6,7 @@ import math
 
 from flint import arb, arb_poly, arb_series, ctx, fmpq
 
-from . import noise, noise_peaks, transfer
+from . import noise, transfer
 from .exact import pi, roots
 from .tally import decimal
 
@@ -18,6 +18,12 @@ FINE = 60
 def scene(rng):
     form = rng.choice(("delayed", "delayed", "two"))
     return noise.scene(rng, ("points", "flat", "road") if form == "delayed" else ("white", "points", "points"), form)
+
+
+def tabulated(rng):
+    """Under rows of a file, alone, again later, or beside another noise."""
+    form = rng.choice(("one", "one", "delayed", "two"))
+    return noise.scene(rng, ("table", "table", "white", "points") if form == "two" else ("table",), form)
 
 
 class Part:
@@ -33,7 +39,7 @@ class Part:
                 self.roots += [root for root, _ in roots(bottom, 60)]
         self.derivative = net.noises[name].derivative
 
-    def density(self, x, size, slope):
+    def density(self, x, course):
         """By the angular frequency x, a series."""
         total = (arb_series(0), arb_series(0))
         for (a, b), (c, d), time in self.paths:
@@ -43,10 +49,8 @@ class Part:
             turn = x * arb(time)
             cosine, sine = turn.cos(), turn.sin()
             total = (total[0] + re * cosine + im * sine, total[1] + im * cosine - re * sine)
-        size = arb_series([size])
-        if slope != 0:
-            size = size * ((x / (2 * pi())).log() * arb(slope)).exp()
-        return (total[0] * total[0] + total[1] * total[1]) * size / x ** (2 * self.derivative)
+        size = total[0] * total[0] + total[1] * total[1]
+        return course(x / (2 * pi())) * size / x ** (2 * self.derivative)
 
 
 def split(poly):
@@ -71,21 +75,20 @@ def peaks(net, i, fine):
     edges = sorted({fmpq(0)} | {edge for own in net.noises.values() for piece in own.pieces or () for edge in piece[:2]})
     found = []
     for low, high in zip(edges, edges[1:] + [None]):
-        courses = noise_peaks.courses(net, low, high)
-        active = [(parts[name], size, slope) for name, (size, _, slope) in courses.items() if parts[name].paths]
+        active = [(parts[name], course) for name, course in courses(net, low, high).items() if parts[name].paths]
         if not active:
             continue
-        if high is None and any(len(part.paths) > 1 for part, _, _ in active):
+        if high is None and any(len(part.paths) > 1 for part, _ in active):
             return None
 
         def density(w, order=2):
             x = arb_series([w, 1], prec=order)
-            return sum((part.density(x, size, slope) for part, size, slope in active), arb_series(0))
+            return sum((part.density(x, course) for part, course in active), arb_series(0))
 
         def slope_at(w):
             return density(w)[1]
 
-        places = grid([part for part, _, _ in active], low, high, fine)
+        places = grid([part for part, _ in active], low, high, fine)
         signs = [slope_at(arb(w)) for w in places]
         for w, after, one, other in zip(places, places[1:], signs, signs[1:]):
             if one > 0 and other < 0:
@@ -98,6 +101,19 @@ def peaks(net, i, fine):
                         b = middle
                 root = a.union(b)
                 found.append((root / (2 * pi()), density(root)[0]))
+    return found
+
+
+def courses(net, low, high):
+    """The densities with power between two frequencies, Hz, by the name of the input."""
+    found = {}
+    for name, own in net.noises.items():
+        if own.white is not None:
+            found[name] = lambda f, size=arb(own.white): arb_series([size])
+        for piece in own.pieces or ():
+            is_zero = piece[3] == noise.LINE and piece[2] == 0 and piece[4] == 0
+            if piece[0] <= low and high is not None and high <= piece[1] and not is_zero:
+                found[name] = lambda f, course=noise.density(*piece): arb_series(0) + course(f)
     return found
 
 
@@ -120,9 +136,15 @@ def grid(parts, low, high, fine):
     return sorted(w for w in places if at <= w <= to)
 
 
+def check_all(net, program, tally, rng):
+    """Root mean squares and crossings too."""
+    noise.check(net, program, tally, rng)
+    check(net, program, tally, rng)
+
+
 def check(net, program, tally, rng):
     """Compares all peaks of every output whose rms is finite."""
-    told = program.ask(tally, "analyze", net.text(), "--format", "json")
+    told = program.ask(tally, "analyze", net.text(), "--format", "json", tables=noise.tables(net))
     if told is None:
         return
     for row in told.get("noise") or []:

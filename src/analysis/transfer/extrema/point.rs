@@ -204,9 +204,10 @@ impl Exactly {
                 },
             };
             let kind = if rising { FeatureKind::Antiresonance } else { FeatureKind::Peak };
-            // Maxima and minima alternate: two in a row of the same kind are the same one, found from both sides of a
-            // cut.
-            if list.last().is_none_or(|last| last.kind != kind) {
+            // One that is found from both sides of a cut counts once. Two of a kind in a row that are apart are two:
+            // what is between them is in an open interval, or is a factor's zero.
+            let is_same = |last: &Located| last.kind == kind && (self.omega(last.at) - self.omega(at)).contains_zero();
+            if !list.last().is_some_and(is_same) {
                 list.push(Located { at, kind, singular });
             }
         }
