@@ -142,6 +142,27 @@ fn a_line_that_is_zero_below_its_table_hides_no_peak() {
     }
 }
 
+/// A line that begins or ends with nothing: (f - 1) / f^4 has its maximum at 4/3 Hz, (2 - f) / f^4 only falls; and an
+/// oscillator under a line that ends with nothing, beside the root of the slope.
+#[test]
+fn a_line_from_nothing_or_to_nothing() {
+    let free =
+        "body b { mass = 1 kg, moves x }\nforce F: b along x = noise(table(\"psd.csv\", 1 N^2/Hz))\noutput x = b.x\n";
+    for (rows, frequencies) in [("1,0\n2,10\n", &[4.0 / 3.0][..]), ("1,10\n2,0\n", &[]), ("1,0\n1.2,4\n2,0\n", &[])] {
+        let noisy = with_table(free, rows);
+        let list = noisy[0].peaks.as_ref().expect(rows);
+        assert!(list.len() == frequencies.len(), "{rows} {list:?}");
+        assert!(list.iter().zip(frequencies).all(|(peak, truth)| near(peak.frequency.to_f64(), *truth)), "{list:?}");
+    }
+    let tau = std::f64::consts::TAU;
+    let noisy =
+        with_table(&oscillator("noise(table(\"psd.csv\", 1 N^2/Hz))", "output x = b.x\n"), "0.7,0\n0.72,9\n3,0\n");
+    let list = noisy[0].peaks.as_ref().expect("peaks");
+    let truth = maxima(|w| own_slope(w) + 1.0 / (w - 3.0 * tau), [0.72, 2.9]);
+    assert_eq!((list.len(), truth.len()), (1, 1), "{list:?} {truth:?}");
+    assert!(near(list[0].frequency.to_f64(), truth[0]), "{list:?} {truth:?}");
+}
+
 /// A model beside a table.
 fn with_table(text: &str, rows: &str) -> Vec<vibc::Noisy> {
     let mut sources = vibc::Sources::new();

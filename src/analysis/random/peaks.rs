@@ -78,6 +78,12 @@ fn under_one(transfer: &Transfer, noise: &Noise, input: usize, output: usize) ->
                 let apart = &(low * &band.to) - &(high * &band.from);
                 let root = apart.checked_div(&(low - high)).ok_or(UNPROVED)?;
                 match root.may_be_zero() {
+                    // At an end of the band the slope of the logarithm is infinite, that of the density is not.
+                    false if low.is_zero() || high.is_zero() => {
+                        let own = Noise { density: Density::Bands(vec![band.clone()]), ..noise.clone() };
+                        list.extend(maxima(transfer, &[(&own, vec![(input, Number::ZERO)])], output)?);
+                        continue;
+                    }
                     false => whole.with_factor(radians(&root), half),
                     true if root.is_zero() => exactly.with_power(integrals + half),
                     true => return Err(UNPROVED),
