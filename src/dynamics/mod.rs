@@ -125,7 +125,7 @@ pub fn with_damping(
     mut lowered: Lowered,
     diagnostics: &mut Diagnostics,
 ) -> Result<Damped, Box<Lowered>> {
-    if (has_noise(scene) || spectrum_place(scene).is_some()) && refuse_losses(scene, diagnostics).is_none() {
+    if spectrum_place(scene).is_some() && refuse_losses(scene, diagnostics).is_none() {
         return Err(Box::new(lowered));
     }
     let mut by_modes = None;

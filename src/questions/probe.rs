@@ -205,7 +205,7 @@ impl Probe {
         self.any(|probe| matches!(probe, Probe::Peak(_) | Probe::Rms(_, Cause::Time | Cause::Either)))
     }
 
-    /// Whether it is computed where springs have loss factors: of harmonic motion, of rest, or of motion without damping.
+    /// Whether it is computed where springs have loss factors: of harmonic motion and noise, of rest, or of motion without damping.
     fn takes_losses(&self) -> bool {
         matches!(
             self,
@@ -219,6 +219,10 @@ impl Probe {
                 | Probe::EffectiveMass(..)
                 | Probe::Rest(..)
                 | Probe::LoadFactor
+                | Probe::Rms(_, Cause::Noise | Cause::Either)
+                | Probe::RmsWithin(..)
+                | Probe::Psd(..)
+                | Probe::Crossings(_)
         )
     }
 

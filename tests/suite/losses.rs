@@ -75,7 +75,7 @@ fn what_has_no_meaning_with_it_is_refused() {
         assert!(text.contains("vib::require::no_value") && text.contains("loss factor"), "{measure}: {text}");
     }
     let noise = MODEL.replace("harmonic(5 N, 1.5 Hz)", "noise(white 3 N^2/Hz)");
-    assert!(told(&noise, &["analyze"]).contains("vib::limit::loss"));
+    assert!(told(&noise, &["simulate", "--until", "1s", "--step", "1ms", "--seed", "1"]).contains("vib::limit::loss"));
     let negative = MODEL.replace("loss = 0.1", "loss = -0.1");
     assert!(told(&negative, &["check"]).contains("vib::value::negative"));
     let law = MODEL.replace("k = 200 N/m", "law = 200 N/m * stretch");
@@ -89,4 +89,84 @@ fn zero_is_no_loss() {
     let zero = MODEL.replace("loss = 0.1", "loss = 0");
     let report = |model: &str| ran(model, &["analyze"]).stdout;
     assert_eq!(report(&plain), report(&zero));
+}
+
+/// The rows of the outputs under noise.
+fn noisy(model: &str) -> Vec<serde_json::Value> {
+    json(model, &["analyze"])["noise"].as_array().expect("noise").clone()
+}
+
+fn near(row: &serde_json::Value, name: &str, truth: f64) {
+    let (value, bound) =
+        (row[name].as_f64().expect(name), row[format!("{}_error_bound", name.trim_end_matches("_hz"))].as_f64());
+    assert!(
+        (value - truth).abs() <= 1e-13 * truth && bound.is_some_and(|bound| bound < 1e-15),
+        "{name} {truth}: {row}"
+    );
+}
+
+/// Under white noise of the density S the integral of 1 / |z - w^2|^2, z = k (1 + i loss) / m, by its residues at the roots of z:
+/// rms^2 = S re(root z) / (4 m^2 im z |z|), that of the rate S re(root z) / (4 m^2 im z), and so |z|^(1/2) / 2 pi crossings a second.
+#[test]
+fn white_noise_has_the_closed_form() {
+    for loss in [1e-4f64, 0.1, 2.0] {
+        let model = format!(
+            "body b {{ mass = 2 kg, moves x }}\nspring s: ground -- b {{ k = 200 N/m, loss = {loss} }}\n\
+             force F: b along x = noise(white 3 N^2/Hz)\noutput x = b.x\noutput v = b.vx\noutput pull = s.force\noutput a = b.ax\n\
+             require rms(x) < 9 m\nrequire psd(x, 1.5 Hz) < 1 m^2/Hz\n"
+        );
+        let (re, im) = (100.0f64, 100.0 * loss);
+        let size = re.hypot(im);
+        let square = 3.0 * ((size + re) / 2.0).sqrt() / (16.0 * im * size);
+        let rows = noisy(&model);
+        near(&rows[0], "rms", square.sqrt());
+        near(&rows[0], "crossings_hz", size.sqrt() / (2.0 * PI));
+        near(&rows[1], "rms", (square * size).sqrt());
+        near(&rows[2], "rms", square.sqrt() * 200.0 * 1f64.hypot(loss));
+        for (row, infinite) in [(&rows[1], "crossings_reason"), (&rows[3], "rms_reason")] {
+            assert!(
+                row[infinite].as_str().is_some_and(|why| why.starts_with("infinite: white noise reaches it")),
+                "{row}"
+            );
+        }
+        assert!(rows[0]["peaks_reason"].as_str().is_some_and(|why| why.contains("loss factors")), "{}", rows[0]);
+        let found = json(&model, &["analyze"]);
+        let w = 3.0 * PI;
+        let density = 3.0 / ((200.0 - 2.0 * w * w).powi(2) + (200.0 * loss).powi(2));
+        let told = found["requirements"]
+            .as_array()
+            .expect("requirements")
+            .iter()
+            .map(|row| row["value"].as_f64().expect("value"));
+        for (told, truth) in told.zip([square.sqrt(), density]) {
+            assert!((told - truth).abs() <= 1e-13 * truth, "{told} {truth}");
+        }
+    }
+}
+
+/// Base motion by its acceleration, white: relative to the base as under a force of -m a. In a band with hardly any loss it is what it
+/// is without, up to the square of the loss.
+#[test]
+fn noise_of_a_base_and_in_bands() {
+    let relative = noisy(
+        "base g { moves x } = noise(white 3 m^2/s^4/Hz)\nbody b { mass = 2 kg, moves x }\n\
+         spring s: g -- b { k = 200 N/m, loss = 0.1 }\noutput z = b.x - g.x\noutput x = b.x\n",
+    );
+    let size = 100.0f64.hypot(10.0);
+    near(&relative[0], "rms", (3.0 * ((size + 100.0) / 2.0).sqrt() / (4.0 * 10.0 * size)).sqrt());
+    assert!(relative[1]["rms_reason"].as_str().is_some_and(|why| why.contains("drifts")), "{}", relative[1]);
+    let model = |loss: &str, noise: &str| {
+        format!(
+            "body b {{ mass = 2 kg, moves x }}\nbody c {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = 200 N/m{loss} }}\n\
+             spring t: b -- c {{ k = 300 N/m{loss} }}\ndamper d: b -- c {{ c = 0.3 N*s/m }}\ndamper e: ground -- b {{ c = 0.1 N*s/m }}\n\
+             force F: b along x = noise({noise})\nforce G: c along x = delayed(F, 0.3 s)\noutput x = c.x\n"
+        )
+    };
+    for noise in ["5 N^2/Hz, 0 Hz .. 4 Hz", "(0.2 Hz, 1 N^2/Hz), (2 Hz, 7 N^2/Hz), (9 Hz, 0.1 N^2/Hz)"] {
+        let [plain, lossy] =
+            ["", ", loss = 1e-9"].map(|loss| noisy(&model(loss, noise))[0]["rms"].as_f64().expect("rms"));
+        // To first order the loss factor is a damper beside those there are, which are ten million times as large.
+        let off = (plain - lossy) / plain;
+        assert!(off > 1e-10 && off < 1e-6, "{noise}: {off}");
+    }
 }

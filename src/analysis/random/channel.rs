@@ -7,7 +7,7 @@ use crate::analysis::forms::{applied, dense, dot, solution_on};
 use crate::base::{Number, Rational};
 use crate::kernel::dense::lu::Lu;
 use crate::kernel::dense::{Matrix, echelon};
-use crate::system::{LinearSystem, Output};
+use crate::system::{LinearSystem, Losses, Output};
 
 /// Maximum number of coordinates for which the static response is solved in fractions.
 const MOST_STATIC: usize = 24;
@@ -86,6 +86,19 @@ impl Channel {
             }
         }
         feed
+    }
+
+    /// The force by loss factors, i times this; `None` where it is not certain that they are at rest in what follows a base.
+    pub fn lost(&self, losses: &Losses) -> Option<Vec<Number>> {
+        let [follows, changes] = &self.followed;
+        let b = dense(follows.len(), self.inputs.iter().flat_map(|&input| &losses.b[input]));
+        let at_once = applied(&losses.h, &self.direct[0]);
+        if self.derivative == 0 {
+            return Some(less(b, at_once));
+        }
+        let moved = less(b, applied(&losses.h, follows)).into_iter().chain(applied(&losses.h, changes));
+        let is_at_rest = moved.into_iter().all(|force| force.is_zero());
+        is_at_rest.then(|| at_once.iter().map(|force| -force).collect())
     }
 
     /// The force along a motion r that no spring resists, at 0 Hz: r . (f + C h). `drag`: C r.

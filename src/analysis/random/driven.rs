@@ -9,7 +9,7 @@ use super::quotient;
 use super::resolvent::{Line, Parts, Resolvent};
 use super::source::{Arm, OPEN_BASE, Rigid, Source, Springs, direct, drift, intensity};
 use super::undamped::{Excited, Undamped};
-use super::{Reach, Spread, finite, why};
+use super::{OPEN_RATE, Reach, Spread, finite, why};
 use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::forms::{applied, is_certain};
 use crate::analysis::poles::companion::StateForm;
@@ -26,7 +26,6 @@ const UNDAMPED: &str = "infinite: nothing damps what noise excites";
 const OPEN_POLES: &str = "the poles are too close to each other for a bound";
 const OPEN_TURNS: &str = "the delay is too long for this band: the phase turns too often";
 const OPEN_DIGITS: &str = "the bound leaves no digit";
-const OPEN_RATE: &str = "the zero crossings of an acceleration need its derivative, which is not computed";
 const OPEN_UNDAMPED: &str = "whether the noise has power where it excites an undamped motion is not decided";
 const OPEN_LATER: &str = "a motion is not damped, which is not computed under noises with delays";
 
@@ -385,14 +384,7 @@ impl<'a> Driven<'a> {
 
     /// The expected number of upward zero crossings per second: the rms of the rate over 2 pi times the rms (Rice 1945).
     pub fn crossings(&self, output: &Output, mean_square: Spread) -> Spread {
-        match (self.rate(output), mean_square) {
-            (Spread::Finite(_), Spread::Finite(square)) if square.is_zero() => Spread::Unknown("no noise moves it"),
-            (Spread::Finite(rate), Spread::Finite(square)) => {
-                Spread::Finite((rate / square).sqrt() / (Ball::PI * Ball::from(2.0)))
-            }
-            (_, Spread::Infinite(why)) | (Spread::Infinite(why), _) => Spread::Infinite(why),
-            (Spread::Unknown(why), _) | (_, Spread::Unknown(why)) => Spread::Unknown(why),
-        }
+        self.rate(output).crossings(mean_square)
     }
 
     /// The contribution of each mode to the mean square, in binary64.
@@ -477,7 +469,7 @@ enum Part<'n> {
 }
 
 /// The rate of an output as an output; `None` where that takes the third derivative.
-fn rate_of(output: &Output) -> Option<Output> {
+pub fn rate_of(output: &Output) -> Option<Output> {
     let [p0, p1, p2] = &output.p;
     let [d0, d1, d2] = &output.d;
     let is_low = p2.is_empty() && d2.is_empty();

@@ -17,7 +17,7 @@ use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::Panel;
 use crate::kernel::simd::simd;
 use crate::kernel::squares::Squares;
-use crate::system::{LinearSystem, Output};
+use crate::system::{Form, LinearSystem, Output};
 use nalgebra::DMatrix;
 
 const UP: f64 = up::THOUSANDS;
@@ -241,8 +241,24 @@ impl Space {
         self.of_m / (1.0 - self.n as f64 * self.of_m) * UP
     }
 
+    /// X^T A X
+    pub(super) fn in_all_modes(&self, form: &Form) -> Matrix<Ball> {
+        gram(&Squares::of_form(form), &self.shapes)
+    }
+
+    /// The accelerations in an output due to forces on the modes.
+    pub(super) fn acceleration(&self, output: &Output, forces: &[Ball]) -> Ball {
+        if output.p[2].is_empty() {
+            return Ball::ZERO;
+        }
+        let row = self.in_modes(&dense(self.n, &output.p[2]));
+        let size = |list: &[Ball]| list.iter().map(Ball::magnitude).sum::<f64>();
+        let slack = self.inverse_off() * size(&row) * size(forces) * UP;
+        row.iter().zip(forces).fold(Ball::ZERO, |sum, (p, force)| sum + *p * *force).widen(slack)
+    }
+
     /// x_i . a for each mode
-    fn in_modes(&self, a: &[Number]) -> Vec<Ball> {
+    pub(super) fn in_modes(&self, a: &[Number]) -> Vec<Ball> {
         let nonzero: Vec<(usize, Ball)> =
             a.iter().enumerate().filter(|(_, a)| !a.is_zero()).map(|(i, a)| (i, a.to_ball())).collect();
         let of = |mode: usize| {

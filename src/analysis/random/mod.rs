@@ -10,7 +10,9 @@ mod channel;
 mod coherent;
 mod density;
 mod driven;
+mod gauss;
 mod gramian;
+mod lossy;
 mod maxima;
 mod peaks;
 mod quotient;
@@ -30,6 +32,7 @@ use crate::system::{CoordinateId, LinearSystem, Noise, Output};
 use basis::Basis;
 use driven::Driven;
 use gramian::Obstacle;
+use lossy::{Lossy, Seen};
 use std::borrow::Cow;
 use std::cell::OnceCell;
 
@@ -48,6 +51,8 @@ pub enum Spread {
 }
 
 const OPEN_DIGITS: &str = "the bound leaves no digit";
+const OPEN_RATE: &str = "the zero crossings of an acceleration need its derivative, which is not computed";
+const OPEN_PEAKS: &str = "they are not looked for where springs have loss factors";
 /// The relative bound of a mean square beyond which there is no number.
 const LEAST: f64 = 0.1;
 
@@ -62,6 +67,8 @@ pub struct Random<'a> {
     driven: Vec<bool>,
     whole: OnceCell<Driven<'a>>,
     some: Vec<Subset<'a>>,
+    /// Of systems with loss factors alone, in place of all others.
+    lossy: OnceCell<Lossy<'a>>,
 }
 
 /// Parts of the system, but not all of them.
@@ -148,7 +155,8 @@ impl<'a> Random<'a> {
                 some.push(Subset { parts, basis: Basis::of_coordinates(system.n(), &kept), driven: OnceCell::new() });
             }
         }
-        Random { system, modes, noises, known: None, reach, driven, whole: OnceCell::new(), some }
+        let (whole, lossy) = Default::default();
+        Random { system, modes, noises, known: None, reach, driven, whole, some, lossy }
     }
 
     /// With what the search for these poles of the system has found.
@@ -208,26 +216,47 @@ impl<'a> Random<'a> {
         self.noises.iter().any(|noise| self.reach.from_noise(self.system, noise, output))
     }
 
+    /// The mean square with loss factors of an output, or of its rate; `None` in a system without them.
+    fn lossy(&self, output: &Output, is_rate: bool, within: Option<[&Number; 2]>) -> Option<Spread> {
+        let losses = self.system.losses.as_deref()?;
+        let lossy = self.lossy.get_or_init(|| Lossy::of(self.system, losses, self.modes, self.noises));
+        let seen = Seen::of(self.system, losses, output);
+        let seen = if is_rate { seen.and_then(|seen| seen.rate()) } else { seen };
+        Some(seen.map_or(Spread::Unknown(OPEN_RATE), |seen| lossy.mean_square(&self.reach, &seen, within)))
+    }
+
     /// The root mean square, in the SI unit of the output.
     pub fn rms(&self, output: &Output) -> Spread {
+        if let Some(square) = self.lossy(output, false, None) {
+            return square.root();
+        }
         let (driven, output) = self.place(output);
         driven.mean_square(&output).root()
     }
 
     /// The same of what an output has between two frequencies, Hz.
     pub fn rms_within(&self, output: &Output, within: [&Number; 2]) -> Spread {
+        if let Some(square) = self.lossy(output, false, Some(within)) {
+            return square.root();
+        }
         let (driven, output) = self.place(output);
         driven.mean_square_within(&output, within).root()
     }
 
     /// The expected number of upward zero crossings per second.
     pub fn crossings(&self, output: &Output) -> Spread {
+        if let (Some(square), Some(rate)) = (self.lossy(output, false, None), self.lossy(output, true, None)) {
+            return rate.crossings(square);
+        }
         let (driven, output) = self.place(output);
         driven.crossings(&output, driven.mean_square(&output))
     }
 
     /// The root mean square, the crossings, and the contribution of each mode to the mean square, with modes numbered from 1.
     fn measures(&self, output: &Output) -> ([Spread; 2], Vec<(usize, Unproven)>) {
+        if let (Some(square), Some(rate)) = (self.lossy(output, false, None), self.lossy(output, true, None)) {
+            return ([square.clone().root(), rate.crossings(square)], Vec::new());
+        }
         let (driven, output) = self.place(output);
         let mean_square = driven.mean_square(&output);
         let shares = match &mean_square {
@@ -239,6 +268,18 @@ impl<'a> Random<'a> {
 }
 
 impl Spread {
+    /// The upward zero crossings per second where this is the mean square of the rate: its root over 2 pi times the rms (Rice 1945).
+    fn crossings(self, mean_square: Spread) -> Spread {
+        match (self, mean_square) {
+            (Spread::Finite(_), Spread::Finite(square)) if square.is_zero() => Spread::Unknown("no noise moves it"),
+            (Spread::Finite(rate), Spread::Finite(square)) => {
+                Spread::Finite((rate / square).sqrt() / (Ball::PI * Ball::from(2.0)))
+            }
+            (_, Spread::Infinite(why)) | (Spread::Infinite(why), _) => Spread::Infinite(why),
+            (Spread::Unknown(why), _) | (_, Spread::Unknown(why)) => Spread::Unknown(why),
+        }
+    }
+
     fn root(self) -> Spread {
         match self {
             Spread::Finite(square) => Spread::Finite(square.sqrt()),
@@ -290,6 +331,7 @@ pub fn outputs(system: &LinearSystem, modes: &Modes, poles: &Poles, noises: &[No
     let of = |(index, output): (usize, &Output)| {
         let ([rms, crossings], shares) = random.measures(output);
         let peaks = match &rms {
+            Spread::Finite(_) if system.losses.is_some() => Err(OPEN_PEAKS.into()),
             Spread::Finite(_) => peaks::peaks(&transfer, system, noises, &random.reach, index).map_err(Cow::from),
             Spread::Infinite(why) => Err(why.clone()),
             Spread::Unknown(why) => Err((*why).into()),

@@ -60,6 +60,11 @@ pub struct Panels {
 }
 
 impl Piece {
+    /// The density at an angular frequency.
+    pub fn at(&self, omega: Ball) -> Option<Ball> {
+        Some(self.size * power(omega / self.reference, self.slope)?)
+    }
+
     /// The power law times w^more e^(-i w delay).
     pub fn panels(&self, more: i32, delay: Ball) -> Option<Panels> {
         let slope = match self.slope {

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, loss, measures, modal, modes, motions, noise, noise_maxima, noise_peaks, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, tolerated, transfer
+from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, loss, measures, modal, modes, motions, noise, noise_loss, noise_maxima, noise_peaks, optima, planar, poles, reactions, sensitivities, settle, shock, singular, solving, spectrum, tolerated, transfer
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,7 @@ ALL = {
     "noise_peaks": Class(noise_peaks.scene, noise_peaks.check, 2000, 15),
     "noise_maxima": Class(noise_maxima.scene, noise_maxima.check, 1000, 6),
     "noise_tables": Class(noise_maxima.tabulated, noise_maxima.check_all, 1000, 8),
+    "noise_loss": Class(noise_loss.scene, noise_loss.check, 1000, 4),
     "noise_drift": Class(drift.scene, noise.check, 2000, 25),
     "effective": Class(effective.scene, effective.check, 10000, 30),
     "laws": Class(loaded.law_scene, loaded.law_check, 10000, 30),

@@ -1,0 +1,389 @@
+//! Mean squares under noise where springs have loss factors: the transfer functions are not those of a system with poles in conjugate
+//! pairs, so |H|^2 S is integrated by Gauss's rule over panels of frequencies, with a bound from the largest value in a complex
+//! neighbourhood of each. In: a system with loss factors and its modes, noises. Out: as without loss factors. See
+//! docs/method/random.md#loss-factors.
+
+use super::argument::Point;
+use super::bands;
+use super::channel::Channel;
+use super::driven::rate_of;
+use super::gauss::{self, Rule};
+use super::gramian::Space;
+use super::source::{Arm, OPEN_BASE, Source, Springs, direct};
+use super::weight::Piece;
+use super::{Reach, Spread, finite, why};
+use crate::analysis::answer::Modes;
+use crate::base::{Ball, Density, Number, up};
+use crate::kernel::complex::Complex;
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::enclosure::solve;
+use crate::system::{LinearSystem, Losses, Noise, Output};
+
+const OPEN: &str = "with loss factors its integral takes too long, or the bound leaves no digit";
+const OPEN_LOSS: &str = "whether a loss factor lets the output drift with the base is not decided, or it does";
+const OPEN_LATER: &str = "white noise that comes again later is not computed with loss factors";
+const GROWS: &str = "a loss factor or a damper feeds a motion";
+
+/// Limit on the multiplications of all eliminations of one integral: some seconds.
+const MOST_WORK: usize = 300_000_000;
+/// A panel is fine enough if its error is below this part of the integral.
+const FINE: f64 = 1e-20;
+/// The most that a phase turns in half a panel, rad.
+const TURN: f64 = 2.0;
+/// White noise above so many times the highest natural frequency is integrated over the period.
+const BEYOND: f64 = 4.0;
+
+const I: Point = Complex { re: Ball::ZERO, im: Ball::ONE };
+
+/// A system with loss factors under noise.
+pub struct Lossy<'a> {
+    system: &'a LinearSystem,
+    losses: &'a Losses,
+    sources: Vec<Source<'a>>,
+    space: Result<Space, &'static str>,
+    /// X^T H X
+    h: Matrix<Ball>,
+}
+
+/// An output, or its rate: what is real as with every output, and what the loss factors add times i.
+#[derive(Clone)]
+pub struct Seen {
+    plain: Output,
+    lossy: Output,
+}
+
+impl Seen {
+    /// `None` if the output is none of the system's.
+    pub fn of(system: &LinearSystem, losses: &Losses, output: &Output) -> Option<Seen> {
+        let place = system.outputs.iter().position(|known| std::ptr::eq(known, output))?;
+        let (p, d) = (losses.p[place].clone(), losses.d[place].clone());
+        let lossy = Output { p: [p, Vec::new(), Vec::new()], d: [d, Vec::new(), Vec::new()], ..output.clone() };
+        Some(Seen { plain: output.clone(), lossy })
+    }
+
+    /// Its rate; `None` where that takes the third derivative.
+    pub fn rate(&self) -> Option<Seen> {
+        Some(Seen { plain: rate_of(&self.plain)?, lossy: rate_of(&self.lossy)? })
+    }
+}
+
+/// How an arm drives the modes: M q'' + C q' + (K + i H) q = force w, the rate jumping by h w; and what reaches the output at once, the
+/// factors of s^-2 .. s^2.
+struct Drive {
+    force: Vec<Point>,
+    jump: Vec<Ball>,
+    /// M h
+    impulse: Vec<Ball>,
+    /// K h
+    held: Vec<Ball>,
+    feed: [Point; 5],
+    later: Ball,
+}
+
+/// Rows over the places and the rates of the modes.
+struct Row {
+    place: Vec<Point>,
+    rate: Vec<Point>,
+}
+
+impl<'a> Lossy<'a> {
+    pub fn of(system: &'a LinearSystem, losses: &'a Losses, modes: &Modes, noises: &'a [Noise]) -> Lossy<'a> {
+        let space = Space::of(system, modes, None).map_err(why);
+        let is_fed = losses.h.terms().iter().any(|term| !term.weight.is_positive());
+        let (space, h) = match space {
+            Ok(space) if is_fed || !space.is_passive => (Err(GROWS), Matrix::none(0, 0)),
+            Ok(space) => {
+                let h = space.in_all_modes(&losses.h);
+                (Ok(space), h)
+            }
+            Err(why) => (Err(why), Matrix::none(0, 0)),
+        };
+        let sources = noises.iter().map(|noise| Source::of(system, noise)).collect();
+        Lossy { system, losses, sources, space, h }
+    }
+
+    /// The mean square of an output, or of the part of it between two frequencies, Hz.
+    pub fn mean_square(&self, reach: &Reach, seen: &Seen, within: Option<[&Number; 2]>) -> Spread {
+        let reaching = self.sources.iter().filter(|source| reach.from_noise(self.system, source.noise, &seen.plain));
+        let of = |source| self.under(reach, source, seen, within).unwrap_or_else(|open| open);
+        reaching.map(of).fold(Spread::Finite(Ball::ZERO), Spread::plus)
+    }
+
+    fn under(
+        &self,
+        reach: &Reach,
+        source: &Source,
+        seen: &Seen,
+        within: Option<[&Number; 2]>,
+    ) -> Result<Spread, Spread> {
+        let space = self.space.as_ref().map_err(|why| Spread::Unknown(why))?;
+        let all = source.arms.as_ref().map_err(|why| Spread::Unknown(why))?;
+        let reaches = |input: &usize| reach.from_input(self.system, *input, &seen.plain);
+        let arms: Vec<&Arm> = all.iter().filter(|arm| arm.channel.inputs.iter().any(reaches)).collect();
+        let is_white = source.is_white() && within.is_none();
+        if is_white {
+            direct(&arms, &seen.plain, &Springs::Hold)?;
+        }
+        let starts_at_zero = is_white
+            || bands::starts_at_zero(&source.noise.density, within)
+                .ok_or(Spread::Unknown("the bound leaves no digit"))?;
+        let row = self.row(space, seen);
+        let mut drives = Vec::with_capacity(arms.len());
+        for arm in &arms {
+            let fed = [&seen.plain, &seen.lossy].map(|output| arm.channel.feed(output));
+            let is_open = |feed: &[Number]| feed.iter().any(|part| !part.is_zero());
+            let drifts = starts_at_zero && (source.left > 0 || fed.iter().any(|feed| is_open(&feed[..2])));
+            if drifts || (is_white && fed.iter().any(|feed| is_open(feed))) {
+                return Err(Spread::Unknown(OPEN_LOSS));
+            }
+            let later = &arm.delay - &arms[0].delay;
+            drives.push(self.drive(space, &arm.channel, seen, fed, later.to_ball()).ok_or(Spread::Unknown(OPEN_BASE))?);
+        }
+        let mut integral = Integral { lossy: self, space, row, drives, left: source.left, spent: 0, sum: Ball::ZERO };
+        let done = match &source.noise.density {
+            Density::White(_) if is_white && arms.len() > 1 => return Err(Spread::Unknown(OPEN_LATER)),
+            Density::White(density) if is_white => integral.over_all(density.to_ball()),
+            density => bands::pieces(density, within).and_then(|pieces| {
+                pieces.iter().try_for_each(|piece| integral.over(&Range::Law(piece), [piece.from, piece.to]))
+            }),
+        };
+        done.ok_or(Spread::Unknown(OPEN))?;
+        Ok(match finite(bands::settled(integral.sum, 0.0)) {
+            Spread::Unknown(_) => Spread::Unknown(OPEN),
+            found => found,
+        })
+    }
+
+    /// An output over the places and rates of the modes; its accelerations by what moves them: M q'' = f w - C q' - (K + i H) q.
+    fn row(&self, space: &Space, seen: &Seen) -> Row {
+        let n = space.n;
+        let [plain, lossy] = [&seen.plain, &seen.lossy].map(|output| {
+            let row = space.row(output);
+            let scaled = row[..n].iter().zip(&space.s).map(|(x, s)| *x * Ball::from(*s));
+            (scaled.collect::<Vec<Ball>>(), row[n..].to_vec())
+        });
+        let place = |i: usize| Complex::new(plain.0[i], lossy.0[i] - space.acceleration(&seen.plain, self.h.column(i)));
+        let rate = |i: usize| Complex::new(plain.1[i], lossy.1[i]);
+        Row { place: (0..n).map(place).collect(), rate: (0..n).map(rate).collect() }
+    }
+
+    /// `None` where it is not proved that the loss factors are at rest in what a base carries along.
+    fn drive(
+        &self,
+        space: &Space,
+        channel: &Channel,
+        seen: &Seen,
+        [plain, lossy]: [[Number; 5]; 2],
+        later: Ball,
+    ) -> Option<Drive> {
+        let n = space.n;
+        let lost: Vec<Number> = channel.lost(self.losses)?;
+        let drive = space.drive(channel, Ball::ONE);
+        let jump: Vec<Ball> = drive.jump.iter().zip(&space.s).map(|(x, s)| *x / Ball::from(*s)).collect();
+        // X^T M X is 1 and X^T K X diagonal but for small entries.
+        let (of_m, of_k) = (space.of_m * sum(&jump) * UP, space.of_k * sum(&drive.jump) * UP);
+        let impulse = jump.iter().map(|x| x.widen(of_m)).collect();
+        let held = (0..n).map(|i| (space.k[i] * jump[i]).widen(space.s[i] * of_k)).collect();
+        let by_loss = space.in_modes(&lost);
+        let force = drive.force.iter().zip(&by_loss).map(|(re, im)| Complex::new(*re, *im)).collect();
+        let mut feed = std::array::from_fn(|i| Complex::new(plain[i].to_ball(), lossy[i].to_ball()));
+        // The accelerations of what the loss factors push at once.
+        feed[2].im = feed[2].im + space.acceleration(&seen.plain, &by_loss);
+        Some(Drive { force, jump, impulse, held, feed, later })
+    }
+}
+
+const UP: f64 = up::THOUSANDS;
+
+/// A bound of the sum of magnitudes.
+fn sum(list: &[Ball]) -> f64 {
+    list.iter().map(Ball::magnitude).sum::<f64>() * UP
+}
+
+/// What is integrated over a range: a power law, or constant density over frequencies or over periods 1 / w.
+enum Range<'p> {
+    Law(&'p Piece),
+    Flat(Ball),
+    Periods(Ball),
+}
+
+/// The integral of |H|^2 S, as far as it is.
+struct Integral<'a, 'l> {
+    lossy: &'a Lossy<'l>,
+    space: &'a Space,
+    row: Row,
+    drives: Vec<Drive>,
+    /// The power of 1 / w^2 beside.
+    left: i32,
+    spent: usize,
+    sum: Ball,
+}
+
+impl Integral<'_, '_> {
+    /// White noise of a density over all frequencies.
+    fn over_all(&mut self, density: Ball) -> Option<()> {
+        let highest = self.space.s.iter().copied().fold(0.0, f64::max);
+        let cut = BEYOND * highest;
+        self.over(&Range::Flat(density), [Ball::ZERO, Ball::from(cut)])?;
+        self.over(&Range::Periods(density), [Ball::ZERO, Ball::ONE / Ball::from(cut)])
+    }
+
+    /// Adds the integral between two ends; `None` if the limit is exceeded.
+    fn over(&mut self, range: &Range, [from, to]: [Ball; 2]) -> Option<()> {
+        let rule = gauss::rule();
+        let mut left = vec![[from, to]];
+        while let Some([a, b]) = left.pop() {
+            let half = (b - a) * Ball::from(0.5);
+            let middle = (a + b) * Ball::from(0.5);
+            match self.panel(rule, range, middle, half) {
+                Some(part) => self.sum = self.sum + part,
+                None if self.spent > MOST_WORK => return None,
+                None => {
+                    let cut = Ball::from(gauss::cut(a.to_f64(), b.to_f64())?);
+                    left.extend([[cut, b], [a, cut]]);
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// The integral over a panel; `None` if it is too wide.
+    fn panel(&mut self, rule: &Rule, range: &Range, middle: Ball, half: Ball) -> Option<Ball> {
+        let turns = self.drives.iter().any(|drive| (drive.later * half).magnitude() > TURN);
+        if turns {
+            return None;
+        }
+        let reach = half.magnitude() * UP;
+        let around = Complex::new(middle.widen(gauss::ACROSS * reach), Ball::ZERO.widen(gauss::UP_AND_DOWN * reach));
+        let largest = self.square(range, around)?.magnitude();
+        let mut part = Ball::ZERO;
+        for (x, weight) in &rule.nodes {
+            part = part + self.square(range, Complex::real(middle + half * *x))? * *weight;
+        }
+        let part = part * half;
+        let error = rule.error(largest) * reach;
+        let is_fine = error <= FINE * part.magnitude().max(self.sum.magnitude());
+        (is_fine && part.is_finite()).then(|| part.widen(error))
+    }
+
+    /// The density of the output at an angular frequency or a period; over a neighbourhood of it, at most so much.
+    fn square(&mut self, range: &Range, at: Point) -> Option<Ball> {
+        self.spent += (2 * self.space.n).pow(3);
+        let h = match range {
+            Range::Periods(_) => self.by_period(at)?,
+            _ => self.by_frequency(at)?,
+        };
+        let size =
+            if at.im.is_zero() { h.re.square() + h.im.square() } else { Ball::ZERO.widen(h.magnitude()).square() };
+        let density = match range {
+            Range::Flat(density) | Range::Periods(density) => *density,
+            // |w^slope| = |w|^slope
+            Range::Law(piece) => piece.at(if at.im.is_zero() { at.re } else { modulus(at) })?,
+        };
+        let rates = (0..self.left).fold(Ball::ONE, |product, _| product * modulus(at).square());
+        Some(size * density / rates).filter(Ball::is_finite)
+    }
+
+    /// H at an angular frequency: Q q = f + (C + s M) h, and q' = s q - h.
+    fn by_frequency(&self, omega: Point) -> Option<Point> {
+        let (space, s) = (self.space, omega * I);
+        let square = omega * omega;
+        let slack = square.magnitude() * space.of_m * UP;
+        let entry = |i: usize, j: usize| {
+            let own = if i == j { Complex::real(space.k[i]) - square } else { Complex::ZERO };
+            let value = own + s.scale(space.c[(i, j)]) + I.scale(self.lossy.h[(i, j)]);
+            let of_k = space.of_k * space.s[i] * space.s[j] * UP;
+            Complex::new(value.re.widen(slack + of_k), value.im.widen(slack))
+        };
+        let loads = |drive: &Drive| -> Vec<Point> {
+            let damped = self.damped(drive);
+            (0..space.n).map(|i| drive.force[i] + Complex::real(damped[i]) + s.scale(drive.impulse[i])).collect()
+        };
+        let places = self.solved(entry, &self.drives.iter().map(loads).collect::<Vec<_>>())?;
+        let mut total = Complex::ZERO;
+        for (drive, place) in self.drives.iter().zip(&places) {
+            let seen = (0..space.n).fold(Complex::ZERO, |sum: Point, i| {
+                sum + self.row.place[i] * place[i] + self.row.rate[i] * (s * place[i] - Complex::real(drive.jump[i]))
+            });
+            total = total + (seen + fed(&drive.feed, s)?) * delayed(omega, drive.later)?;
+        }
+        Some(total)
+    }
+
+    /// w H at a period 1 / w, without what reaches the output at once: (M - i C t - (K + i H) t^2) q / t = - t (f + C h) - i M h, and
+    /// the same of q' / t for - i f + t (K + i H) h.
+    fn by_period(&self, period: Point) -> Option<Point> {
+        let space = self.space;
+        let square = period * period;
+        let small = square.magnitude() * UP;
+        let entry = |i: usize, j: usize| {
+            let held = if i == j { space.k[i] } else { Ball::ZERO };
+            let own = if i == j { Complex::real(Ball::ONE) } else { Complex::ZERO };
+            let value = own - (period * I).scale(space.c[(i, j)]) - square * Complex::new(held, self.lossy.h[(i, j)]);
+            let of_k = small * space.of_k * space.s[i] * space.s[j] * UP;
+            Complex::new(value.re.widen(space.of_m + of_k), value.im.widen(of_k))
+        };
+        let [drive] = &self.drives[..] else { return None };
+        let damped = self.damped(drive);
+        let lost = |i: usize| (0..space.n).fold(Ball::ZERO, |sum, j| sum + self.lossy.h[(i, j)] * drive.jump[j]);
+        let places =
+            (0..space.n).map(|i| -(period * (drive.force[i] + Complex::real(damped[i]))) - I.scale(drive.impulse[i]));
+        let rates = (0..space.n).map(|i| period * Complex::new(drive.held[i], lost(i)) - drive.force[i] * I);
+        let found = self.solved(entry, &[places.collect(), rates.collect()])?;
+        let [place, rate] = &found[..] else { return None };
+        let of = |sum: Point, i: usize| sum + self.row.place[i] * place[i] + self.row.rate[i] * rate[i];
+        Some((0..space.n).fold(Complex::ZERO, of))
+    }
+
+    /// C h
+    fn damped(&self, drive: &Drive) -> Vec<Ball> {
+        let of = |i: usize| (0..self.space.n).fold(Ball::ZERO, |sum, j| sum + self.space.c[(i, j)] * drive.jump[j]);
+        (0..self.space.n).map(of).collect()
+    }
+
+    /// The solutions of a complex system, as one of twice the size.
+    fn solved(&self, entry: impl Fn(usize, usize) -> Point, loads: &[Vec<Point>]) -> Option<Vec<Vec<Point>>> {
+        let n = self.space.n;
+        let entries = Matrix::from_fn(n, n, entry);
+        let of = |i: usize, j: usize| {
+            let z = entries[(i % n, j % n)];
+            match (i < n, j < n) {
+                (true, true) | (false, false) => z.re,
+                (true, false) => -z.im,
+                (false, true) => z.im,
+            }
+        };
+        let right = |i: usize, j: usize| if i < n { loads[j][i].re } else { loads[j][i - n].im };
+        let x = solve(&Matrix::from_fn(2 * n, 2 * n, of), &Matrix::from_fn(2 * n, loads.len(), right))?;
+        let column = |j: usize| (0..n).map(|i| Complex::new(x[(i, j)], x[(n + i, j)])).collect();
+        let list: Vec<Vec<Point>> = (0..loads.len()).map(column).collect();
+        list.iter().flatten().all(|z| z.magnitude().is_finite()).then_some(list)
+    }
+}
+
+/// |w| over a neighbourhood.
+fn modulus(at: Point) -> Ball {
+    let (low, high) = (at.re.mignitude(), at.magnitude());
+    Ball::from(0.5 * (low + high)).widen(0.5 * (high - low) + f64::EPSILON * high)
+}
+
+/// The sum of factors of s^-2 .. s^2.
+fn fed(feed: &[Point; 5], s: Point) -> Option<Point> {
+    let is_zero = |z: &Point| z.re.is_zero() && z.im.is_zero();
+    let mut sum = Complex::ZERO;
+    for (place, factor) in feed.iter().enumerate().filter(|(_, factor)| !is_zero(factor)) {
+        let power = (0..place.abs_diff(2)).fold(Complex::real(Ball::ONE), |product: Point, _| product * s);
+        sum = sum + if place < 2 { *factor / power } else { *factor * power };
+    }
+    sum.magnitude().is_finite().then_some(sum)
+}
+
+/// e^(-i w t)
+fn delayed(omega: Point, later: Ball) -> Option<Point> {
+    if later.is_zero() {
+        return Some(Complex::real(Ball::ONE));
+    }
+    let (sine, cosine) = Number::Ball(omega.re * later).sin_cos()?;
+    let size = Number::Ball(omega.im * later).exp()?.to_ball();
+    Some(Complex::new(cosine.to_ball(), -sine.to_ball()).scale(size))
+}
