@@ -342,6 +342,9 @@ pub struct Sweep {
     /// The frequencies of the N lowest modes [default: 6 if nothing else is asked for, otherwise none]
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1..=1000))]
     pub modes: Option<u32>,
+    /// Follow the modes as curves that keep their identity, and tell where they veer or cross; for one `--over`
+    #[arg(long)]
+    pub follow: bool,
     /// The damped poles
     #[arg(long)]
     pub poles: bool,

@@ -8,6 +8,7 @@ use crate::kernel::sobol;
 use crate::model::{self, Overrides};
 use crate::questions::answer::Case;
 use crate::questions::cases::{Asked, Study, Varied};
+use crate::questions::follow::{MOST_COORDINATES, MOST_POINTS, Unfollowed};
 pub use crate::questions::samples::Draws;
 use crate::questions::samples::Samples;
 use crate::reading::{self, Reading};
@@ -24,6 +25,8 @@ pub struct StudyRequest {
     pub measures: Option<FileId>,
     /// The number of lowest modes; `None` for the usual six if nothing else is asked for.
     pub modes: Option<u32>,
+    /// Modes are curves along the one parameter, not numbers in an order.
+    pub follow: bool,
     pub poles: bool,
     /// Parameters that the model determines keep the values that it gives them as declared.
     pub hold_solved: bool,
@@ -68,7 +71,7 @@ pub fn study<'a>(
             return Some(Err(format!("`--over` gives values for `{}` twice", swept[twice].parameter.name)));
         }
         let asks = request.poles || !scene.scene().requires.is_empty() || !scene.scene().asked.is_empty();
-        let modes = request.modes.unwrap_or(if asks { 0 } else { USUAL_MODES }) as usize;
+        let modes = request.modes.unwrap_or(if asks && !request.follow { 0 } else { USUAL_MODES }) as usize;
         let mut reading = Reading::declared(sources, overrides, tree, scene.clone());
         let hold_solved = request.hold_solved || request.samples.is_some();
         if hold_solved {
@@ -101,8 +104,31 @@ pub fn study<'a>(
                 samples.tolerances.len()
             )));
         }
-        Some(Ok((name, Study::new((sources, reading.tree, overrides), &scene, varied, held, asked))))
+        let mut study = Study::new((sources, reading.tree, overrides), &scene, varied, held, asked);
+        if request.follow
+            && let Err(why) = study.follow()
+        {
+            return Some(Err(unfollowed(&why)));
+        }
+        Some(Ok((name, study)))
     })
+}
+
+/// What a user can do about modes that cannot be followed.
+fn unfollowed(why: &Unfollowed) -> String {
+    match why {
+        Unfollowed::NotInOrder => "`--follow` takes values in ascending or descending order".into(),
+        Unfollowed::TooManyPoints(count) => format!("`--follow` takes at most {MOST_POINTS} values, and these are {count}"),
+        Unfollowed::TooManyCoordinates(n) => {
+            format!("`--follow` takes models of at most {MOST_COORDINATES} coordinates, and this one has {n}")
+        }
+        Unfollowed::Determined => {
+            "`--follow` follows the modes of one model: add `--hold-solved`, since this one determines parameters itself".into()
+        }
+        Unfollowed::NoModes => {
+            "`--follow` finds no modes: no case has a proven rest and undamped modes (`vibc analyze --set ...` says why)".into()
+        }
+    }
 }
 
 /// Applies `make` to the rows of these cases on all cores; the results in order.

@@ -34,6 +34,20 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
         );
         return Status::Usage;
     }
+    if options.follow {
+        let refused = match () {
+            () if options.samples.is_some() => {
+                "`--follow` needs neighbours, and `--samples` are random: give the values by `--over`"
+            }
+            () if options.over.len() > 1 => "`--follow` follows modes along one parameter: give one `--over`",
+            () if shard.is_some() => "`--follow` needs the neighbours of each case: leave `--shard` out",
+            () => "",
+        };
+        if !refused.is_empty() {
+            report_error(refused);
+            return Status::Usage;
+        }
+    }
     let path = options.output.file.as_deref();
     if options.format == SweepFormat::Npz && path.is_none_or(|path| path == Path::new("-")) {
         report_error("arrays are written to a file: add `-o FILE.npz`");
@@ -73,7 +87,7 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
             if let Err(error) = gathered {
                 return delivered(path, Err(error));
             }
-            let report = report::study(&model, &study.columns, &ranges);
+            let report = report::study(&model, &study.columns, &ranges, study.followed.as_ref());
             return deliver(path, &backend::report::laid_out(&report, columns(&options.page, path))).max(status);
         }
         SweepFormat::Json => write_by(path, |out| write_json(&model, &study, out)),
@@ -124,6 +138,7 @@ fn request(options: &Sweep, input: &mut Input) -> StudyRequest {
         }),
         measures,
         modes: options.modes,
+        follow: options.follow,
         poles: options.poles,
         hold_solved: options.hold_solved,
         until: options.measured.until(&options.overrides).cloned(),
@@ -206,7 +221,7 @@ fn write_arrays(mut npz: Npz, begun: &[u8], study: &Study, out: &mut dyn Write) 
 }
 
 fn write_json(model: &str, study: &Study, out: &mut dyn Write) -> io::Result<()> {
-    out.write_all(rows::json_heading(model, &study.columns).as_bytes())?;
+    out.write_all(rows::json_heading(model, &study.columns, study.followed.as_ref()).as_bytes())?;
     let mut comma = &b""[..];
     in_blocks(0..study.count(), |numbers| {
         out.write_all(comma)?;

@@ -41,6 +41,7 @@ pub use excitation::{Excitation, Excitations};
 pub use measures::Measurement;
 pub use modal::{Modal, modal, modal_by_ratio, modal_from, takes_chained};
 pub use modes::buckling::{Buckling, buckling};
+pub use modes::parts::{joined_by, undamped_block};
 pub use modes::request::{Band, Request, Which};
 pub use modes::shape::{Normalise, normalise};
 pub use modes::splits::{Split, splits};

@@ -3,10 +3,11 @@
 use super::SCHEMA;
 use super::json_number::JsonNumber;
 use crate::questions::answer::{Case, Column, Entry, Holds};
+use crate::questions::answer::{Curve, Followed, Meeting, MeetingKind};
 
 /// Whether a column is followed by one with bounds.
 pub(super) fn has_bound(column: &Column) -> bool {
-    !matches!(column.holds, Holds::Parameter | Holds::Verdict)
+    !matches!(column.holds, Holds::Parameter | Holds::Verdict | Holds::Link)
 }
 
 /// `case,k [N/m],frequency_1 [Hz],frequency_1_bound,...,code`
@@ -59,14 +60,20 @@ fn quoted(text: &str) -> String {
 }
 
 /// `{"vibc", "schema", "model", "columns": [...], "cases": [`
-pub fn json_heading(model: &str, columns: &[Column]) -> String {
+pub fn json_heading(model: &str, columns: &[Column], followed: Option<&Followed>) -> String {
     let columns: Vec<JsonColumn> = columns
         .iter()
         .map(|column| JsonColumn { name: &column.name, unit: &column.unit, holds: word(column.holds) })
         .collect();
-    let heading = JsonHeading { vibc: env!("CARGO_PKG_VERSION"), schema: SCHEMA, model, columns };
+    let heading = JsonHeading {
+        vibc: env!("CARGO_PKG_VERSION"),
+        schema: SCHEMA,
+        model,
+        columns,
+        following: followed.map(following),
+    };
     let text = super::json_text(&heading);
-    format!("{},\"cases\":[", text.trim_end_matches('}'))
+    format!("{},\"cases\":[", text.strip_suffix('}').unwrap_or(&text))
 }
 
 /// A row as an object; a comma comes before all but the first.
@@ -101,6 +108,63 @@ struct JsonHeading<'a> {
     schema: u32,
     model: &'a str,
     columns: Vec<JsonColumn<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    following: Option<JsonFollowing>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonFollowing {
+    curves: Vec<JsonCurve>,
+    meetings: Vec<JsonMeeting>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonCurve {
+    name: String,
+    block: usize,
+    open_links: Vec<usize>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonMeeting {
+    kind: &'static str,
+    curves: [String; 2],
+    /// In the unit of the column, and the bound of its error.
+    parameter: [JsonNumber; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    distance_hz: Option<[JsonNumber; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frequency_hz: Option<[JsonNumber; 2]>,
+}
+
+/// The curves and what is proved of them.
+fn following(followed: &Followed) -> JsonFollowing {
+    let name = |i: usize| format!("curve_{}", i + 1);
+    let curve = |(i, curve): (usize, &Curve)| JsonCurve {
+        name: name(i),
+        block: curve.class,
+        open_links: curve.open_links().collect(),
+    };
+    let bounded = |value| [JsonNumber::enclosed(value), JsonNumber::absolute_bound(value)];
+    let meeting = |meeting: &Meeting| {
+        let place = followed.place(meeting);
+        let (kind, distance, frequency) = match meeting.kind {
+            MeetingKind::Veering { distance, .. } => ("veering", Some(distance), None),
+            MeetingKind::Crossing { frequency, .. } => ("crossing", None, Some(frequency)),
+            MeetingKind::Undecided { distance } => ("undecided", distance, None),
+        };
+        JsonMeeting {
+            kind,
+            curves: meeting.curves.map(name),
+            parameter: bounded(place),
+            distance_hz: distance.map(bounded),
+            frequency_hz: frequency.map(bounded),
+        }
+    };
+    JsonFollowing {
+        curves: followed.curves.iter().enumerate().map(curve).collect(),
+        meetings: followed.meetings.iter().map(meeting).collect(),
+    }
 }
 
 #[derive(serde::Serialize)]
@@ -133,6 +197,8 @@ fn word(holds: Holds) -> &'static str {
         Holds::Parameter => "parameter",
         Holds::Determined => "determined",
         Holds::Frequency => "frequency",
+        Holds::Curve => "curve",
+        Holds::Link => "link",
         Holds::PoleRe => "pole_re",
         Holds::PoleIm => "pole_im",
         Holds::Required => "required",

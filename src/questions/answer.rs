@@ -1,6 +1,7 @@
 //! Answers to the lines `solve` and `require`: plain data for reports.
 
 use super::cover::Proof;
+pub use super::followed::{Curve, Followed, Meeting, MeetingKind};
 use crate::base::{Ball, Bound, Number, Span, Unproven};
 use crate::model::scene::Written;
 use std::borrow::Cow;
@@ -372,7 +373,7 @@ pub enum RangeProof {
     Boxes(usize, Proved),
 }
 
-/// Only `questions::tolerated` makes it.
+/// Only `questions::tolerated` and `questions::follow` make it.
 #[derive(Clone, Copy, Debug)]
 pub struct Proved(pub(super) ());
 
@@ -403,6 +404,10 @@ pub enum Holds {
     /// Values that the model's own lines give to a parameter.
     Determined,
     Frequency,
+    /// The frequency of a mode that is followed.
+    Curve,
+    /// Whether it is proved that a curve goes on from the case before.
+    Link,
     PoleRe,
     PoleIm,
     /// The measure of a requirement.

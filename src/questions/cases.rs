@@ -3,6 +3,8 @@
 
 use super::answer::{Case, Column, Entry, Holds, Value, shown};
 use super::error::AskedError;
+use super::follow::{Unfollowed, follow};
+use super::followed::Followed;
 use super::optimum::settle;
 use super::require;
 use super::samples::Samples;
@@ -84,6 +86,10 @@ pub struct Study<'a> {
     /// The values that determined parameters are held at.
     pub held: Vec<Setting>,
     pub columns: Vec<Column>,
+    /// The modes as curves, if they are followed.
+    pub followed: Option<Followed>,
+    /// The number of columns with numbered modes.
+    width: usize,
     /// The numbers of columns for frequencies and for poles.
     pub(super) sizes: (usize, usize),
     /// Whether the measure of each requirement has a column, and no other has it already.
@@ -106,18 +112,33 @@ impl<'a> Study<'a> {
         asked: Asked,
     ) -> Study<'a> {
         let (columns, sizes, measured) = (Vec::new(), (0, 0), Vec::new());
-        let mut study = Study { sources, tree, overrides, varied, asked, held, columns, sizes, measured };
+        let mut study =
+            Study { sources, tree, overrides, varied, asked, held, columns, followed: None, width: 0, sizes, measured };
         let most = [Some(scene.clone()), study.scene_of(0), study.scene_of(study.count().saturating_sub(1))];
         let coordinates = most.iter().flatten().filter_map(|scene| Some(lower::lower(scene).lowered?.system.n()));
         let n = coordinates.max().unwrap_or(0);
         study.sizes = (study.asked.modes.min(n), if study.asked.poles { 2 * n } else { 0 });
         (study.columns, study.measured) = study.columns_of(scene);
+        study.width = study.columns.len();
         study
     }
 
     /// The number of cases; at most `u64::MAX`.
     pub fn count(&self) -> u64 {
         self.varied.count()
+    }
+
+    /// Follows the modes: their columns and rows are then those of curves.
+    pub fn follow(&mut self) -> Result<(), Unfollowed> {
+        let followed = follow(self)?;
+        self.columns = followed.columns(&self.columns, self.sizes.0);
+        self.followed = Some(followed);
+        Ok(())
+    }
+
+    /// The number of columns of frequencies.
+    pub(super) fn frequencies_asked(&self) -> usize {
+        self.sizes.0
     }
 
     pub(super) fn values(&self, number: u64) -> Vec<Setting> {
@@ -168,7 +189,9 @@ impl<'a> Study<'a> {
 
     /// Whether the lowest frequencies are all that is asked for.
     pub(super) fn asks_frequencies_alone(&self) -> bool {
-        self.columns.iter().all(|column| matches!(column.holds, Holds::Parameter | Holds::Frequency))
+        self.columns
+            .iter()
+            .all(|column| matches!(column.holds, Holds::Parameter | Holds::Frequency | Holds::Curve | Holds::Link))
             && self.sizes.0 > 0
     }
 
@@ -193,7 +216,7 @@ impl<'a> Study<'a> {
                 Some(code)
             }
         };
-        entries.resize(self.columns.len(), Entry::None(None));
+        entries.resize(self.width, Entry::None(None));
         Case { number, entries, code }
     }
 

@@ -17,6 +17,11 @@ const FEW: u64 = 16;
 impl Study<'_> {
     /// The rows of these cases, which are in ascending order. A row depends on the number of its case alone, not on the others.
     pub fn cases(&self, numbers: &[u64]) -> Vec<Case> {
+        let Some(followed) = &self.followed else { return self.numbered(numbers) };
+        self.numbered(numbers).into_iter().map(|case| followed.row(case, self.sizes.0)).collect()
+    }
+
+    fn numbered(&self, numbers: &[u64]) -> Vec<Case> {
         let inner = match &self.varied {
             Varied::Over(swept) => swept.last().map_or(1, |swept| swept.points.count()),
             Varied::Drawn(_) => 1,
@@ -57,6 +62,18 @@ impl Study<'_> {
         Some(list)
     }
 
+    /// The system without damping of a case, with another value of its last parameter.
+    pub(super) fn undamped(&self, case: u64, si: Number) -> Option<LinearSystem> {
+        let mut values = [&self.held[..], &self.values(case)].concat();
+        values.last_mut()?.1.si = si;
+        let scene = model::check_with(self.sources, &self.tree, self.overrides, &values).scene?;
+        if matches!(scene.scene().damping, Some(Damping::Modal { .. })) {
+            return None;
+        }
+        let lowered = dynamics::lower_written_out(&scene.without_damping(), &mut Diagnostics::new())?.lowered;
+        lowered.rest.is_proven().then_some(lowered.system)
+    }
+
     /// The line of cases from `first` on, if its matrices are certainly linear in the last parameter.
     fn line(&self, first: u64) -> Option<pencils::Line> {
         let Varied::Over(swept) = &self.varied else { return None };
@@ -65,16 +82,7 @@ impl Study<'_> {
         let centre = &(&low + &high) / &Number::from(2);
         let reach = (&high - &centre).to_ball().magnitude();
         let range = centre.to_ball().widen(reach * (1.0 + 4.0 * f64::EPSILON));
-        let at = |si: Number| {
-            let mut values = [&self.held[..], &self.values(first)].concat();
-            values.last_mut()?.1.si = si;
-            let scene = model::check_with(self.sources, &self.tree, self.overrides, &values).scene?;
-            if matches!(scene.scene().damping, Some(Damping::Modal { .. })) {
-                return None;
-            }
-            let lowered = dynamics::lower_written_out(&scene.without_damping(), &mut Diagnostics::new())?.lowered;
-            lowered.rest.is_proven().then_some(lowered.system)
-        };
+        let at = |si: Number| self.undamped(first, si);
         // The check and the lowering take the same way for every value of the range: none of them would stop.
         let over = jet::undivided(|| at(Jet::of_parameter(range)))??;
         let centred = at(centre.clone())?;

@@ -17,6 +17,8 @@ pub mod cover;
 mod derivative;
 pub mod error;
 mod exact;
+pub mod follow;
+mod followed;
 mod lines;
 mod newton;
 mod one_unknown;

@@ -285,7 +285,7 @@ fn halved(whole: &Ranges) -> Option<[Ranges; 2]> {
 }
 
 /// A ball that contains both.
-fn hull(low: Ball, high: Ball) -> Ball {
+pub(super) fn hull(low: Ball, high: Ball) -> Ball {
     let middle = (low + high) * Ball::from(0.5);
     let reach = (low - Ball::exact(middle.mid)).magnitude().max((high - Ball::exact(middle.mid)).magnitude());
     Ball::exact(middle.mid).widen(reach)

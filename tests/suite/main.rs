@@ -15,6 +15,7 @@ mod clusters;
 mod command_line;
 mod comparisons;
 mod components;
+mod curves;
 mod damped_shapes;
 mod damping;
 mod diagnostics;

@@ -93,6 +93,26 @@ pub fn as_system(system: &LinearSystem, part: &Part, local: &[u32]) -> LinearSys
     }
 }
 
+/// The undamped system of some coordinates alone; `None` if a term couples them with others.
+pub fn undamped_block(system: &LinearSystem, coordinates: &[u32]) -> Option<LinearSystem> {
+    let mut local = vec![u32::MAX; system.n()];
+    for (i, &coordinate) in coordinates.iter().enumerate() {
+        *local.get_mut(coordinate as usize)? = i as u32;
+    }
+    let mut part = Part { coordinates: coordinates.to_vec(), ..Part::default() };
+    for (form, list) in [(&system.m, &mut part.m), (&system.k, &mut part.k)] {
+        for (index, term) in form.terms().iter().enumerate() {
+            let inside = form.row(term).iter().filter(|(i, _)| local[i.index()] != u32::MAX).count();
+            match inside {
+                0 => {}
+                all if all == form.row(term).len() => list.push(index as u32),
+                _ => return None,
+            }
+        }
+    }
+    Some(as_system(system, &part, &local))
+}
+
 /// The chosen terms, with their coordinates numbered by `local`.
 pub fn chosen(form: &Form, terms: &[u32], local: &[u32]) -> Form {
     let mut result = Form::new();

@@ -6,6 +6,7 @@
 //! twenty largest in a sentence. Both take their numbers from the same answers by the same methods (`analysis::derived`,
 //! [`super::ModalAnswer`]), so that neither computes, bounds or judges a number of its own.
 
+mod curves;
 mod damped_shapes;
 mod equations;
 mod excitation;

@@ -4,6 +4,7 @@ use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Report, Section, line};
 use crate::answers::ranges::{Moments, Range, Ranges};
 use crate::kernel::binomial;
+use crate::questions::answer::Followed;
 use crate::questions::answer::{Case, Column, Entry, Holds, REPLICATES, few_digits};
 
 const DIGITS: usize = 6;
@@ -15,7 +16,7 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 const STUDENT_95: f64 = 2.131_449_545_559_323;
 
 /// The least and the largest value of each column, with the cases that have them.
-pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
+pub fn study(model: &str, columns: &[Column], ranges: &Ranges, followed: Option<&Followed>) -> Report {
     // Random values say little and are many: the number of the case finds them.
     let at = |case: &Case| match ranges.is_random() {
         true => line!["case\u{a0}", case.number as usize],
@@ -34,7 +35,7 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
         ("error ≤", Align::Right),
         ("", Align::Left),
     ]);
-    for (column, range) in of(|holds| holds != Holds::Verdict) {
+    for (column, range) in of(|holds| !matches!(holds, Holds::Verdict | Holds::Link)) {
         let mut cells: Vec<Cell> = vec![column.name.clone().into(), column.unit.clone().into()];
         let is_given = column.holds == Holds::Parameter;
         match &range.ends {
@@ -96,6 +97,7 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges) -> Report {
         [
             Section::new("Estimates", estimated),
             Section::new("Ranges", [table.into()]),
+            followed.map_or_else(|| Section::new("Curves", []), super::curves::section),
             Section::new("Requirements", required),
             Section::new("Stopped", codes),
         ],

@@ -1,0 +1,114 @@
+//! The modes of a study as curves: what is proved of their links, and where they veer, cross, or come too near each other to tell.
+
+use super::table::{Align, Cell, Table};
+use super::{Block, Figure, Line, Section, line};
+use crate::base::Bound;
+use crate::questions::answer::few_digits;
+use crate::questions::answer::{Followed, Meeting, MeetingKind};
+
+const DIGITS: usize = 6;
+/// Number of veerings, crossings and doubts each that are shown.
+const MOST_ROWS: usize = 40;
+
+pub fn section(followed: &Followed) -> Section {
+    let intro = match followed.classes {
+        1 => Vec::new(),
+        count => vec![Block::Line(line![count, " blocks of coordinates, which nothing couples anywhere in the range"])],
+    };
+    let is_veering = |kind: &MeetingKind| matches!(kind, MeetingKind::Veering { .. });
+    let is_crossing = |kind: &MeetingKind| matches!(kind, MeetingKind::Crossing { .. });
+    let veerings = table(followed, ["veering of curves", "smallest distance"], is_veering);
+    let crossings = table(followed, ["crossing of curves", "frequency"], is_crossing);
+    let open: Vec<&Meeting> = followed.meetings.iter().filter(|meeting| !meeting.kind.is_decided()).collect();
+    let mut doubts: Vec<Block> =
+        open.iter().take(MOST_ROWS).map(|meeting| Block::Item(doubt(followed, meeting))).collect();
+    doubts.extend(more(open.len()));
+    let blocks = [intro, vec![links(followed).into()], veerings, crossings, doubts];
+    Section::new("Curves", blocks.concat())
+}
+
+fn links(followed: &Followed) -> Table {
+    let mut table = Table::of([
+        ("", Align::Left),
+        ("block", Align::Right),
+        ("links", Align::Right),
+        ("proved", Align::Right),
+        ("not proved", Align::Left),
+    ]);
+    for (i, curve) in followed.curves.iter().enumerate() {
+        let count = (0..curve.points.len()).filter(|&case| curve.has_link(case)).count();
+        let open: Vec<usize> = curve.open_links().collect();
+        let first = match open.first() {
+            Some(&case) => {
+                line!["the first ", between(followed, [followed.places[case - 1], followed.places[case]])]
+            }
+            None => Line::default(),
+        };
+        table.row(vec![
+            format!("curve_{}", i + 1).into(),
+            Line::from(curve.class).into(),
+            Line::from(count).into(),
+            Line::from(count - open.len()).into(),
+            first.into(),
+        ]);
+    }
+    table
+}
+
+/// Those of one kind; nothing if there are none.
+fn table(followed: &Followed, [curves, value]: [&'static str; 2], is_one: impl Fn(&MeetingKind) -> bool) -> Vec<Block> {
+    let (name, unit) = (followed.parameter.0.clone(), &followed.parameter.1.text);
+    let bracketed = if unit.is_empty() { String::new() } else { format!("[{unit}]") };
+    let mut table = Table::new()
+        .column(curves, "", Align::Left)
+        .column(value, "[Hz]", Align::Point)
+        .column("error ≤", "", Align::Right)
+        .column(format!("at {name} {bracketed}").trim_end().to_string(), "", Align::Point)
+        .column("error ≤", "", Align::Right);
+    let list: Vec<&Meeting> = followed.meetings.iter().filter(|meeting| is_one(&meeting.kind)).collect();
+    for meeting in list.iter().take(MOST_ROWS) {
+        let (MeetingKind::Veering { distance: value, .. } | MeetingKind::Crossing { frequency: value, .. }) =
+            meeting.kind
+        else {
+            continue;
+        };
+        let place = followed.place(meeting);
+        let number = |value| [Cell::from(Figure::ball(value, DIGITS)), Figure::bound(Bound::relative(value)).into()];
+        table.row([vec![pair(meeting).into()], number(value).to_vec(), number(place).to_vec()].concat());
+    }
+    match list.len() {
+        0 => Vec::new(),
+        count => std::iter::once(Block::from(table)).chain(more(count)).collect(),
+    }
+}
+
+fn more(count: usize) -> Option<Block> {
+    (count > MOST_ROWS).then(|| Block::Line(line![count - MOST_ROWS, " more (--format json has all)"]))
+}
+
+fn pair(meeting: &Meeting) -> Line {
+    line![meeting.curves[0] + 1, " and ", meeting.curves[1] + 1]
+}
+
+/// What is not proved of two curves.
+fn doubt(followed: &Followed, meeting: &Meeting) -> Line {
+    let line = line!["curves ", pair(meeting), " ", between(followed, meeting.place)];
+    let line = line.and(": not proved whether they cross, touch or veer");
+    match meeting.kind {
+        MeetingKind::Undecided { distance: Some(distance) } => {
+            line.and("; they come within ").and(few_digits(distance.magnitude())).and("\u{a0}Hz")
+        }
+        _ => line,
+    }
+}
+
+/// `from k = 1 N/m to 1.5 N/m`
+fn between(followed: &Followed, ends: [f64; 2]) -> String {
+    let (name, unit) = (&followed.parameter.0, &followed.parameter.1.text);
+    let [low, high] = ends.map(|end| few_digits(followed.in_unit(end).to_f64()));
+    let place = match low == high {
+        true => format!("near {name}\u{a0}=\u{a0}{low}\u{a0}{unit}"),
+        false => format!("from {name}\u{a0}=\u{a0}{low} to {high}\u{a0}{unit}"),
+    };
+    place.trim_end().to_string()
+}

@@ -1,0 +1,162 @@
+//! Where curves come near each other: veerings, which are least distances of curves of one class, and crossings of curves of
+//! different classes. In: the frequencies at all places in order. Out: each with its place, enclosed. See docs/method/studies.md#curves.
+
+use super::places::{Field, Place, binary};
+use super::{Meeting, MeetingKind, Member};
+use crate::base::{Ball, Number};
+use crate::questions::answer::Proved;
+use crate::questions::tolerated::hull;
+
+/// Neighbours that are looked at for one that is certainly farther away.
+const MOST_NEIGHBOURS: usize = 8;
+/// Steps of one search; each makes the interval shorter by a third at least.
+const MOST_STEPS: usize = 200;
+
+/// The veerings of one curve and the next of its class.
+pub fn veerings(field: &Field, places: &[Place], member: Member, curves: [usize; 2]) -> Vec<Meeting> {
+    let distance = |i: usize| places.get(i)?.distance(member.class, member.index);
+    let (mut list, mut after) = (Vec::new(), 0);
+    for i in 1..places.len().saturating_sub(1) {
+        let (Some(before), Some(own), Some(next)) = (distance(i - 1), distance(i), distance(i + 1)) else { continue };
+        if i < after || !(own.mid < before.mid && own.mid <= next.mid) {
+            continue;
+        }
+        let farther = |j: &usize| distance(*j).is_some_and(|other| (other - own).is_positive());
+        let first = (i.saturating_sub(MOST_NEIGHBOURS)..i).rev().find(farther);
+        let last = (i + 1..places.len().min(i + 1 + MOST_NEIGHBOURS)).find(farther);
+        if let (Some(first), Some(last)) = (first, last) {
+            after = last;
+            list.extend(veering(field, member, curves, [first, i, last].map(|i| places[i].at.to_f64())));
+        }
+    }
+    list
+}
+
+/// The least distance between the outer two of three places, at the middle one of which it is certainly less than there.
+fn veering(
+    field: &Field,
+    member: Member,
+    curves: [usize; 2],
+    [mut first, mut middle, mut last]: [f64; 3],
+) -> Option<Meeting> {
+    let distance = |x: f64| field.place(&binary(x)?, true).distance(member.class, member.index);
+    let mut own = distance(middle)?;
+    if ![first, last].iter().all(|&x| distance(x).is_some_and(|other| (other - own).is_positive())) {
+        return None;
+    }
+    for _ in 0..MOST_STEPS {
+        let is_last = (last - middle).abs() > (middle - first).abs();
+        // The golden section.
+        let x = middle + 0.381_966 * (if is_last { last } else { first } - middle);
+        let Some(other) = distance(x).filter(|_| x != middle) else { break };
+        let (nearer, farther) = ((own - other).is_positive(), (other - own).is_positive());
+        match (nearer, farther, is_last) {
+            (true, _, true) => (first, middle, own) = (middle, x, other),
+            (true, _, false) => (last, middle, own) = (middle, x, other),
+            (_, true, true) => last = x,
+            (_, true, false) => first = x,
+            _ => break,
+        }
+    }
+    let ends = [binary(first)?, binary(last)?];
+    let bounds = field.bounds([&ends[0], &ends[1]]).swap_remove(member.class);
+    let least = bounds.and_then(|bounds| bounds.distance(member.index)).filter(|least| least.is_positive());
+    let kind = match least {
+        Some(least) => MeetingKind::Veering { distance: hull(least, own), proof: Proved(()) },
+        None => MeetingKind::Undecided { distance: Some(own) },
+    };
+    Some(Meeting { curves, place: [first, last], kind })
+}
+
+/// The crossings of two curves of different classes, and where they cannot be told apart.
+pub fn crossings(field: &Field, places: &[Place], of: [Member; 2], curves: [usize; 2]) -> Vec<Meeting> {
+    let mut list = Vec::new();
+    // The last place where it is certain which one lies above, and the first after it where it is not.
+    let (mut certain, mut doubtful): (Option<(usize, bool)>, Option<usize>) = (None, None);
+    for (i, place) in places.iter().enumerate() {
+        let Some(sign) = side(place, of) else {
+            (certain, doubtful) = (None, None);
+            continue;
+        };
+        let Some(above) = sign else {
+            doubtful = doubtful.or(Some(i));
+            continue;
+        };
+        match (certain, doubtful) {
+            (Some((last, was)), _) if was != above => {
+                list.extend(crossing(field, of, curves, [last, i].map(|i| places[i].at.to_f64()), was));
+            }
+            (_, Some(first)) => list.push(undecided(curves, [&places[first], &places[i - 1]])),
+            _ => {}
+        }
+        (certain, doubtful) = (Some((i, above)), None);
+    }
+    if let (Some(first), Some(last)) = (doubtful, places.last()) {
+        list.push(undecided(curves, [&places[first], last]));
+    }
+    list
+}
+
+pub fn undecided(curves: [usize; 2], ends: [&Place; 2]) -> Meeting {
+    Meeting { curves, place: ends.map(|place| place.at.to_f64()), kind: MeetingKind::Undecided { distance: None } }
+}
+
+/// Whether the first of two curves is certainly above the second, or below; the outer `None` if one has no frequency, or both are
+/// rigid.
+fn side(place: &Place, [a, b]: [Member; 2]) -> Option<Option<bool>> {
+    let (a, b) = (place.frequency(a.class, a.index)?, place.frequency(b.class, b.index)?);
+    let apart = a - b;
+    match (apart.is_positive(), apart.is_negative()) {
+        _ if a.is_zero() && b.is_zero() => None,
+        (false, false) => Some(None),
+        (above, _) => Some(Some(above)),
+    }
+}
+
+/// A crossing between two places: the first curve is certainly above the other at the first of them (`above`), and below at the second,
+/// or the reverse.
+fn crossing(
+    field: &Field,
+    of: [Member; 2],
+    curves: [usize; 2],
+    [mut first, mut last]: [f64; 2],
+    above: bool,
+) -> Option<Meeting> {
+    let at = |x: f64| side(&field.place(&binary(x)?, true), of)?;
+    if at(first) != Some(above) || at(last) != Some(!above) {
+        let kind = MeetingKind::Undecided { distance: None };
+        return Some(Meeting { curves, place: [first, last], kind });
+    }
+    for _ in 0..MOST_STEPS {
+        let (old_first, old_last) = (first, last);
+        // The middle may be the crossing itself, where nothing is certain.
+        for part in [0.5, 0.25, 0.75] {
+            let x = old_first + part * (old_last - old_first);
+            match at(x) {
+                _ if x == first || x == last => {}
+                Some(found) if found == above => first = x,
+                Some(_) => last = x,
+                None => continue,
+            }
+            break;
+        }
+        if (first, last) == (old_first, old_last) {
+            break;
+        }
+    }
+    let kind = meeting(field, of, [binary(first)?, binary(last)?]);
+    Some(Meeting { curves, place: [first, last], kind })
+}
+
+/// Curves that are continuous between two places, at which they lie in opposite order, meet there.
+fn meeting(field: &Field, [a, b]: [Member; 2], ends: [Number; 2]) -> MeetingKind {
+    let bounds = field.bounds([&ends[0], &ends[1]]);
+    let enclosed = |of: Member| -> Option<Ball> {
+        let own = bounds[of.class].as_ref()?;
+        Some(hull((*own.lower.get(of.index)?)?, (*own.upper.get(of.index)?)?))
+    };
+    match (enclosed(a), enclosed(b)) {
+        (Some(frequency), Some(_)) => MeetingKind::Crossing { frequency, proof: Proved(()) },
+        _ => MeetingKind::Undecided { distance: None },
+    }
+}

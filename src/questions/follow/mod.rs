@@ -1,0 +1,195 @@
+//! Modes that are followed along a parameter: each is a curve with an identity, not a number in an order. In: a study over one
+//! parameter. Out: the curves, what is proved of the steps between their points, and where they veer or cross. See
+//! docs/method/studies.md#curves.
+
+mod meetings;
+mod places;
+mod steps;
+
+use super::answer::{Case, Column, Entry, Holds, Proved};
+use super::cases::{Study, Varied};
+use super::followed::{Curve, Followed, Meeting, MeetingKind};
+use crate::kernel::cores;
+use crate::model::Swept;
+use places::{Field, Place};
+use steps::{Limits, Step};
+
+/// The most points of a followed study.
+pub const MOST_POINTS: u64 = 10_000;
+/// The most coordinates.
+pub const MOST_COORDINATES: usize = 60;
+/// The most curves.
+pub const MOST_CURVES: usize = 60;
+
+/// A mode of a class: their indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Member {
+    pub class: usize,
+    pub index: usize,
+}
+
+/// Why modes cannot be followed.
+pub enum Unfollowed {
+    NotInOrder,
+    TooManyPoints(u64),
+    TooManyCoordinates(usize),
+    /// The model determines parameters for each case.
+    Determined,
+    NoModes,
+}
+
+/// The modes whose distance to the next of their class matters: those of the curves, and the ones below.
+fn pairs_of(curves: &[Member], classes: &[Vec<u32>]) -> Vec<Member> {
+    let own = curves.iter().filter(|own| own.index + 1 < classes[own.class].len()).copied();
+    let below = curves.iter().filter_map(|own| Some(Member { index: own.index.checked_sub(1)?, ..*own }));
+    let mut pairs: Vec<Member> = own.chain(below).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+/// Follows the modes of a study over one parameter.
+pub fn follow(study: &Study) -> Result<Followed, Unfollowed> {
+    let Varied::Over(swept) = &study.varied else { return Err(Unfollowed::NotInOrder) };
+    let [swept] = &swept[..] else { return Err(Unfollowed::NotInOrder) };
+    let n = fitting(study, swept)?;
+    let count = study.count();
+    let values: Vec<_> = (0..count).map(|i| swept.points.value(i)).collect();
+    let (Some(first), Some(last)) = (values.first(), values.last()) else { return Err(Unfollowed::NoModes) };
+    let classes = places::classes(study, [first, last], n);
+    let field = Field { study, classes: &classes };
+    let points = cores::in_pieces(&values, 1, 1, |some| some.iter().map(|at| field.place(at, false)).collect());
+    let curves = chosen(&points, study.frequencies_asked().min(MOST_CURVES))?;
+    let limits = Limits { stretches: stretches(values.len(), n) };
+    let pairs: Vec<&[Place]> = points.windows(2).collect();
+    let steps = cores::in_pieces(&pairs, 1, 1, |some| {
+        some.iter().map(|ends| steps::step(&field, &curves, limits, [&ends[0], &ends[1]])).collect()
+    });
+    let mut meetings = meetings_of(&field, &curves, &points, &steps);
+    let rises = values.len() < 2 || first.to_f64() <= last.to_f64();
+    let key = |meeting: &Meeting| if rises { meeting.place[0] } else { -meeting.place[0] };
+    meetings.sort_by(|a, b| key(a).total_cmp(&key(b)));
+    Ok(Followed {
+        curves: curves.iter().map(|own| curve(*own, &classes, &points, &steps)).collect(),
+        meetings,
+        parameter: (swept.parameter.name.clone(), swept.parameter.unit.clone()),
+        places: values.iter().map(|value| value.to_f64()).collect(),
+        classes: classes.len(),
+    })
+}
+
+/// The number of coordinates, if the study is of a kind that is followed.
+fn fitting(study: &Study, swept: &Swept) -> Result<usize, Unfollowed> {
+    let count = study.count();
+    if count > MOST_POINTS {
+        return Err(Unfollowed::TooManyPoints(count));
+    }
+    if study.columns.iter().any(|column| column.holds == Holds::Determined) {
+        return Err(Unfollowed::Determined);
+    }
+    let values: Vec<f64> = (0..count).map(|i| swept.points.value(i).to_f64()).collect();
+    let is_in_order = values.windows(2).all(|two| two[0] < two[1]) || values.windows(2).all(|two| two[0] > two[1]);
+    if !is_in_order {
+        return Err(Unfollowed::NotInOrder);
+    }
+    let n = (0..count).find_map(|i| Some(study.undamped(i, swept.points.value(i))?.n())).ok_or(Unfollowed::NoModes)?;
+    if n > MOST_COORDINATES { Err(Unfollowed::TooManyCoordinates(n)) } else { Ok(n) }
+}
+
+/// Stretches of a step: some ten seconds in all, for the modes of n coordinates take about n^2 times as long as one.
+fn stretches(points: usize, n: usize) -> usize {
+    let in_all = 40_000 / (1 + n * n / 50);
+    (in_all / points.max(1)).clamp(8, 128)
+}
+
+/// The lowest modes at the first place that has any.
+fn chosen(points: &[Place], count: usize) -> Result<Vec<Member>, Unfollowed> {
+    let first = points.iter().find(|place| place.classes.iter().flatten().any(Option::is_some));
+    let mut list: Vec<(f64, Member)> = Vec::new();
+    for (class, frequencies) in first.ok_or(Unfollowed::NoModes)?.classes.iter().enumerate() {
+        let own = |(index, frequency): (usize, &Option<_>)| {
+            Some((frequency.map(|frequency: crate::base::Ball| frequency.to_f64())?, Member { class, index }))
+        };
+        list.extend(frequencies.iter().enumerate().filter_map(own));
+    }
+    list.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(list.into_iter().take(count).map(|(_, member)| member).collect())
+}
+
+fn curve(own: Member, classes: &[Vec<u32>], points: &[Place], steps: &[Step]) -> Curve {
+    let neighbours = pairs_of(&[own], classes);
+    let is_proved = |step: &Step| neighbours.iter().all(|pair| !step.doubtful.contains(pair));
+    let link = |step: &Step| is_proved(step).then_some(Proved(()));
+    Curve {
+        class: own.class + 1,
+        points: points.iter().map(|place| place.frequency(own.class, own.index)).collect(),
+        links: std::iter::once(None).chain(steps.iter().map(link)).collect(),
+    }
+}
+
+/// Everything that is told of pairs of curves.
+fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step]) -> Vec<Meeting> {
+    let mut places: Vec<Place> = Vec::new();
+    for (i, point) in points.iter().enumerate() {
+        places.push(point.clone());
+        places.extend(steps.get(i).into_iter().flat_map(|step| step.inner.iter().cloned()));
+    }
+    let pairs: Vec<[usize; 2]> = (0..curves.len()).flat_map(|i| (i + 1..curves.len()).map(move |j| [i, j])).collect();
+    let of_pair = |pair: &[usize; 2]| {
+        let [a, b] = pair.map(|i| curves[i]);
+        let doubtful = |step: &Step| match a.class == b.class {
+            true => step.doubtful.contains(&a.min(b)),
+            false => step.near.contains(pair),
+        };
+        let mut list = match (a.class == b.class, a.index.abs_diff(b.index)) {
+            (false, _) => meetings::crossings(field, &places, [a, b], *pair),
+            (true, 1) => meetings::veerings(field, &places, a.min(b), *pair),
+            _ => return Vec::new(),
+        };
+        let open: Vec<usize> = (0..steps.len()).filter(|&i| doubtful(&steps[i])).collect();
+        for run in open.chunk_by(|a, b| a + 1 == *b) {
+            let ends = [&points[run[0]], &points[run[run.len() - 1] + 1]];
+            if !list.iter().any(|known| lies_in(known, ends)) {
+                list.push(meetings::undecided(*pair, ends));
+            }
+        }
+        list
+    };
+    cores::in_pieces(&pairs, 1, 1, |some| some.iter().map(of_pair).collect()).concat()
+}
+
+fn lies_in(meeting: &Meeting, ends: [&Place; 2]) -> bool {
+    let [low, high] = ends.map(|place| place.at.to_f64());
+    meeting.place.iter().all(|x| (low.min(high)..=low.max(high)).contains(x))
+}
+
+impl Followed {
+    /// Puts curves in place of the numbered frequencies, each with a column that tells whether its links are proved.
+    pub(super) fn columns(&self, columns: &[Column], asked: usize) -> Vec<Column> {
+        let curve = |i: usize| {
+            let column = |name: String, unit: &str, holds| Column { name, unit: unit.into(), holds };
+            [column(format!("curve_{i}"), "Hz", Holds::Curve), column(format!("curve_{i}_linked"), "", Holds::Link)]
+        };
+        let own: Vec<Column> = (1..=self.curves.len()).flat_map(curve).collect();
+        [&columns[..1], &own, &columns[1 + asked..]].concat()
+    }
+
+    /// The same for a row.
+    pub(super) fn row(&self, mut case: Case, asked: usize) -> Case {
+        let number = case.number as usize;
+        let own = self.curves.iter().flat_map(|curve| {
+            let value = curve.points[number].map_or(Entry::None(None), Entry::Enclosed);
+            let link = curve.has_link(number).then(|| Entry::Verdict(curve.links[number].is_some()));
+            [value, link.unwrap_or(Entry::None(None))]
+        });
+        let own: Vec<Entry> = own.collect();
+        case.entries.splice(1..1 + asked, own);
+        case
+    }
+}
+
+impl MeetingKind {
+    pub fn is_decided(&self) -> bool {
+        !matches!(self, MeetingKind::Undecided { .. })
+    }
+}

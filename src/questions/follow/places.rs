@@ -1,0 +1,167 @@
+//! The undamped frequencies of a study at a value of its parameter, and their enclosures between two values, by classes: blocks of
+//! coordinates that no value of the parameter couples. In: values, SI. Out: frequencies in Hz, ascending in each class.
+
+use crate::analysis::range::outer;
+use crate::analysis::{self, ModeKind, Modes, Request, joined_by, undamped_block};
+use crate::base::number::jet;
+use crate::base::{Ball, Jet, Number, Rational};
+use crate::questions::cases::Study;
+use crate::questions::tolerated::hull;
+use crate::system::{Form, LinearSystem};
+
+/// Where a mode oscillates or is rigid, its frequency.
+pub type Frequencies = Vec<Option<Ball>>;
+
+/// The frequencies at a value of the parameter.
+#[derive(Clone, Debug)]
+pub struct Place {
+    /// SI
+    pub at: Number,
+    /// For each class; empty if they are not known.
+    pub classes: Vec<Frequencies>,
+}
+
+/// Bounds of the frequencies of a class for all values between two: the i-th lies between the i-th numbers. A lower one is `None` if
+/// the mode may not oscillate.
+#[derive(Clone, Debug)]
+pub struct Bounds {
+    pub lower: Frequencies,
+    pub upper: Frequencies,
+}
+
+/// The classes of a study, and the means to look at them.
+#[derive(Clone, Copy, Debug)]
+pub struct Field<'a> {
+    pub study: &'a Study<'a>,
+    /// The coordinates of each class.
+    pub classes: &'a [Vec<u32>],
+}
+
+impl Place {
+    pub fn frequency(&self, class: usize, index: usize) -> Option<Ball> {
+        *self.classes.get(class)?.get(index)?
+    }
+
+    /// How far the mode above this one in its class lies from it.
+    pub fn distance(&self, class: usize, index: usize) -> Option<Ball> {
+        Some(self.frequency(class, index + 1)? - self.frequency(class, index)?)
+    }
+}
+
+impl Bounds {
+    /// A lower bound of the distance between a mode and the next.
+    pub fn distance(&self, index: usize) -> Option<Ball> {
+        Some((*self.lower.get(index + 1)?)? - (*self.upper.get(index)?)?)
+    }
+
+    /// Whether the i-th mode and the next are certainly two curves: apart, or both rigid for every value.
+    pub fn are_apart(&self, index: usize) -> bool {
+        let is_rigid = |index: usize| {
+            let rigid = |list: &Frequencies| matches!(list.get(index), Some(Some(frequency)) if frequency.is_zero());
+            rigid(&self.lower) && rigid(&self.upper)
+        };
+        self.distance(index).is_some_and(|least| least.is_positive()) || is_rigid(index) && is_rigid(index + 1)
+    }
+}
+
+/// Pieces of the range, each of which has one form, that are looked at.
+const MOST_PIECES: usize = 64;
+
+/// The classes over the whole range of the parameter: all coordinates are one if it is not proved that the model has the same form
+/// for every value. Pieces with a common end have the form of the model there.
+pub fn classes(study: &Study, [low, high]: [&Number; 2], n: usize) -> Vec<Vec<u32>> {
+    let (mut left, mut systems) = (vec![[low.clone(), high.clone()]], Vec::new());
+    while let Some([low, high]) = left.pop() {
+        match over(study, [&low, &high]).filter(|system| system.n() == n) {
+            Some(system) => systems.push(system),
+            None if left.len() + systems.len() < MOST_PIECES => {
+                let middle = &(&low + &high) * &Number::from(Rational::new(1, 2));
+                left.extend([[middle.clone(), high], [low, middle]]);
+            }
+            None => return vec![(0..n as u32).collect()],
+        }
+    }
+    let forms: Vec<&Form> = systems.iter().flat_map(|system| [&system.m, &system.k]).collect();
+    joined_by(n, &forms).into_iter().map(|part| part.coordinates).collect()
+}
+
+/// The system for every value between two, if the way to it is the same for all of them.
+fn over(study: &Study, [low, high]: [&Number; 2]) -> Option<LinearSystem> {
+    let range = hull(low.to_ball(), high.to_ball());
+    // Ends that are not binary64 were rounded, and so was the middle.
+    let range = range.widen(4.0 * f64::EPSILON * range.rad);
+    jet::undivided(|| study.undamped(0, Jet::of_parameter(range)))?.filter(|system| !system.is_chained())
+}
+
+impl Field<'_> {
+    /// The frequencies at a value; `precisely` for as many digits as there are.
+    pub fn place(&self, at: &Number, precisely: bool) -> Place {
+        let request = if precisely { Request::default().to_digits(28) } else { Request::default() };
+        let system = self.study.undamped(0, at.clone()).filter(|system| !system.is_chained());
+        let of_class = |coordinates: &Vec<u32>| {
+            let modes = system.as_ref().and_then(|system| all_modes(system, coordinates, &request));
+            modes.map_or(Vec::new(), |modes| separate(&modes, |modes, i| frequency(modes, i)))
+        };
+        Place { at: at.clone(), classes: self.classes.iter().map(of_class).collect() }
+    }
+
+    /// Bounds for all values between two (Weyl, as `outer` has it), for each class; `None` where nothing is proved.
+    pub fn bounds(&self, ends: [&Number; 2]) -> Vec<Option<Bounds>> {
+        let sides = over(self.study, ends).and_then(|system| outer(&system));
+        let of_class = |coordinates: &Vec<u32>| {
+            let [low, high] =
+                sides.as_ref()?.each_ref().map(|system| all_modes(system, coordinates, &Request::default()));
+            let lower = separate(&low?, |modes, i| frequency(modes, i));
+            Some(Bounds { lower, upper: separate(&high?, |modes, i| Some(from_above(modes, i))) })
+        };
+        self.classes.iter().map(of_class).collect()
+    }
+}
+
+/// The nearest binary64 number, exactly.
+pub fn binary(x: f64) -> Option<Number> {
+    Rational::from_f64(x).map(Number::from)
+}
+
+/// The modes of a class, if there is one for each coordinate: M is then positive definite.
+fn all_modes(system: &LinearSystem, coordinates: &[u32], request: &Request) -> Option<Modes> {
+    let block = undamped_block(system, coordinates)?;
+    let modes = analysis::modes_as(&block, request).ok()?;
+    (modes.infinite == 0 && modes.is_complete() && modes.list.len() == coordinates.len()).then_some(modes)
+}
+
+fn frequency(modes: &Modes, i: usize) -> Option<Ball> {
+    let mode = &modes.list[i];
+    match mode.kind {
+        ModeKind::Rigid => Some(Ball::ZERO),
+        _ => mode.frequency().filter(|frequency| frequency.is_finite()),
+    }
+}
+
+/// The square root of what omega^2 is at most, in Hz: zero for a divergence.
+fn from_above(modes: &Modes, i: usize) -> Ball {
+    let mode = &modes.list[i];
+    match mode.kind {
+        ModeKind::Divergence | ModeKind::Rigid => Ball::ZERO,
+        _ => analysis::derived::hertz(mode.omega),
+    }
+}
+
+/// The i-th in the order of the true values: modes whose enclosures overlap may stand in another order, so each has the hull of theirs.
+fn separate(modes: &Modes, of: impl Fn(&Modes, usize) -> Option<Ball>) -> Frequencies {
+    let mut list: Frequencies = (0..modes.list.len()).map(|i| of(modes, i)).collect();
+    let mut first = 0;
+    while first < list.len() {
+        let (mut last, mut whole) = (first, list[first]);
+        while let (Some(known), Some(Some(next))) = (whole, list.get(last + 1))
+            && !(*next - known).is_positive()
+            && !(next.is_zero() && known.is_zero())
+        {
+            whole = Some(hull(known, *next));
+            last += 1;
+        }
+        list[first..=last].fill(whole);
+        first = last + 1;
+    }
+    list
+}

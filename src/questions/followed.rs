@@ -1,0 +1,76 @@
+//! What following the modes of a study gives: the curves, and where they come near each other.
+
+use super::answer::{Proved, shown};
+use super::tolerated::hull;
+use crate::base::{Ball, Number};
+use crate::model::scene::Written;
+
+/// The curves of a study over one parameter.
+#[derive(Clone, Debug)]
+pub struct Followed {
+    /// In the order of their frequencies at the first point where they have any.
+    pub curves: Vec<Curve>,
+    /// In the order of the parameter.
+    pub meetings: Vec<Meeting>,
+    /// Name and unit of the parameter.
+    pub parameter: (String, Written),
+    /// Its values, SI.
+    pub places: Vec<f64>,
+    /// The number of classes: blocks of coordinates that nothing couples for any value of the parameter.
+    pub classes: usize,
+}
+
+/// A frequency that keeps its identity.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// Counted from 1.
+    pub class: usize,
+    /// In Hz, for each case.
+    pub points: Vec<Option<Ball>>,
+    /// Whether it is proved that the point of each case lies on the same curve as that of the case before.
+    pub links: Vec<Option<Proved>>,
+}
+
+/// Two curves, counted from 0, near each other.
+#[derive(Clone, Debug)]
+pub struct Meeting {
+    pub curves: [usize; 2],
+    /// The parameter lies between these, SI.
+    pub place: [f64; 2],
+    pub kind: MeetingKind,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum MeetingKind {
+    /// They come near and part again without touching: their distance, Hz, has a least value in that place, which is this.
+    Veering { distance: Ball, proof: Proved },
+    /// They cross there, at this frequency, Hz: they belong to blocks that nothing couples.
+    Crossing { frequency: Ball, proof: Proved },
+    /// It is not proved what they do there; they come at least as near as this, Hz.
+    Undecided { distance: Option<Ball> },
+}
+
+impl Followed {
+    /// Where two curves meet, in the unit of the parameter.
+    pub fn place(&self, meeting: &Meeting) -> Ball {
+        let [low, high] = meeting.place.map(Ball::from);
+        shown(&Number::Ball(hull(low, high)), &self.parameter.1, false).number
+    }
+
+    /// A value of the parameter in its unit.
+    pub fn in_unit(&self, si: f64) -> Ball {
+        shown(&Number::Ball(Ball::from(si)), &self.parameter.1, false).number
+    }
+}
+
+impl Curve {
+    /// The cases whose link to the case before is not proved.
+    pub fn open_links(&self) -> impl Iterator<Item = usize> {
+        (1..self.points.len()).filter(|&i| self.has_link(i) && self.links[i].is_none())
+    }
+
+    /// Whether there is a point of this case and of the one before.
+    pub fn has_link(&self, case: usize) -> bool {
+        case > 0 && self.points[case].is_some() && self.points[case - 1].is_some()
+    }
+}

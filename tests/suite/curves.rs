@@ -1,0 +1,181 @@
+//! Modes that `sweep --follow` follows, beside closed forms: veerings, crossings, what is not proved. See docs/method/studies.md#curves.
+
+use serde_json::Value;
+use std::f64::consts::PI;
+use std::fs;
+use std::process::{Command, Output};
+
+/// Unit masses on springs k1 and k2, and one of kc between them.
+const TWO: &str = "model two\nparam k1 = 1 N/m\nparam k2 = 1 N/m\nparam kc = 0.1 N/m\nbody a { mass = 1 kg, moves x }\n\
+                   body b { mass = 1 kg, moves x }\nspring s1: ground -- a { k = k1 }\nspring s2: ground -- b { k = k2 }\n\
+                   spring sc: a -- b { k = kc }\n";
+
+/// The same without a spring between them, and another oscillator.
+fn apart(k1: &str, k2: &str) -> String {
+    format!(
+        "model apart\nparam p = 1 N/m\nbody a {{ mass = 1 kg, moves x }}\nbody b {{ mass = 1 kg, moves x }}\n\
+         spring s1: ground -- a {{ k = {k1} }}\nspring s2: ground -- b {{ k = {k2} }}\n"
+    )
+}
+
+fn ran(model: &str, arguments: &[&str]) -> Output {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("m.vib"), model).expect("a file");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+    command.args(["sweep", "m.vib"]).args(arguments).current_dir(folder.path()).output().expect("the program starts")
+}
+
+fn study(model: &str, arguments: &[&str]) -> Value {
+    let output = ran(model, &[arguments, &["--follow", "--format", "json"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// What is told of pairs of curves: its kind, the numbers of the curves, and the object.
+fn meetings(study: &Value) -> Vec<(&str, [usize; 2], &Value)> {
+    let number = |name: &Value| name.as_str()?.strip_prefix("curve_")?.parse().ok();
+    let list = study["following"]["meetings"].as_array().expect("meetings");
+    let told = |one: &'_ Value| [0, 1].map(|i| number(&one["curves"][i]).expect("a curve"));
+    list.iter().map(|one| (one["kind"].as_str().expect("a kind"), told(one), one)).collect()
+}
+
+/// The truth lies within the bound of what is told, up to its own rounding, and the bound is small.
+fn meets(told: &Value, truth: f64, accuracy: f64) {
+    let [value, bound] = [0, 1].map(|i| told[i].as_f64().expect("a number"));
+    let allowed = bound + 8.0 * f64::EPSILON * truth.abs();
+    assert!((value - truth).abs() <= allowed, "{value} ± {bound:e}, not {truth}");
+    assert!(bound <= accuracy * truth.abs(), "{value} ± {bound:e}");
+}
+
+fn open_links(study: &Value) -> usize {
+    let curves = study["following"]["curves"].as_array().expect("curves");
+    curves.iter().map(|curve| curve["open_links"].as_array().expect("a list").len()).sum()
+}
+
+/// The curves in Hz, case by case.
+fn curve(study: &Value, number: usize) -> Vec<f64> {
+    let cases = study["cases"].as_array().expect("cases");
+    cases.iter().map(|case| case["values"][2 * number - 1].as_f64().expect("a frequency")).collect()
+}
+
+/// The smallest distance of the *frequencies*, kc / sqrt(k2 + kc), at k1 = k2 + kc^2 / (k2 + kc); with the weakest springs and three or
+/// two points, these show nothing of it.
+#[test]
+fn two_masses_veer_where_their_closed_form_does() {
+    for (k2, kc, points) in [(1.0, 0.1, 11), (3.0, 0.5, 50), (1.0, 1e-4, 3), (0.7, 1e-6, 2)] {
+        let set =
+            [format!("k2={k2}N/m"), format!("kc={kc}N/m"), format!("k1={}N/m..{}N/m:{points}", 0.5 * k2, 2.0 * k2)];
+        let study = study(TWO, &["--set", &set[0], "--set", &set[1], "--over", &set[2], "--modes", "2"]);
+        assert_eq!(open_links(&study), 0, "{k2} {kc}");
+        let [("veering", [1, 2], told)] = meetings(&study)[..] else { panic!("{study}") };
+        // Half of the digits of a place where a distance is least are lost beside those of the distance.
+        meets(&told["parameter"], k2 + kc * kc / (k2 + kc), 1e-7);
+        meets(&told["distance_hz"], kc / f64::sqrt(k2 + kc) / (2.0 * PI), 1e-6);
+    }
+}
+
+/// Falling values are the same curves from the other end.
+#[test]
+fn curves_are_followed_downwards_too() {
+    let study = study(TWO, &["--over", "k1=2N/m,1.5N/m,1.2N/m,0.8N/m,0.5N/m"]);
+    let [("veering", _, told)] = meetings(&study)[..] else { panic!("{study}") };
+    meets(&told["parameter"], 1.0 + 0.01 / 1.1, 1e-7);
+    assert_eq!(open_links(&study), 0);
+}
+
+/// Uncoupled oscillators cross where their stiffnesses are equal, also at one of the points, and keep their identity.
+#[test]
+fn uncoupled_oscillators_cross() {
+    for points in [10, 11, 2] {
+        let over = format!("p=0.5N/m..1.5N/m:{points}");
+        let study = study(&apart("p", "1 N/m"), &["--over", &over]);
+        let [("crossing", [1, 2], told)] = meetings(&study)[..] else { panic!("{study}") };
+        meets(&told["parameter"], 1.0, 1e-12);
+        meets(&told["frequency_hz"], 1.0 / (2.0 * PI), 1e-12);
+        assert_eq!(open_links(&study), 0);
+        for (i, (moved, still)) in curve(&study, 1).into_iter().zip(curve(&study, 2)).enumerate() {
+            let k = 0.5 + i as f64 / f64::from(points - 1);
+            assert!((moved - k.sqrt() / (2.0 * PI)).abs() < 1e-15, "{moved} {k}");
+            assert!((still - 1.0 / (2.0 * PI)).abs() < 1e-15, "{still}");
+        }
+    }
+}
+
+/// p = p^2 / (1 N/m) + 0.2 N/m twice between two points; p + 1e-3 N/m never is p.
+#[test]
+fn crossings_between_two_points_are_found() {
+    let first = study(&apart("p", "p * p / (1 N/m) + 0.2 N/m"), &["--over", "p=0.1N/m..1N/m:2"]);
+    let [("crossing", _, low), ("crossing", _, high)] = meetings(&first)[..] else { panic!("{first}") };
+    meets(&low["parameter"], (1.0 - f64::sqrt(0.2)) / 2.0, 1e-12);
+    meets(&high["parameter"], (1.0 + f64::sqrt(0.2)) / 2.0, 1e-12);
+    let near = study(&apart("p", "p + 1e-3 N/m"), &["--over", "p=0.1N/m..1N/m:20"]);
+    assert_eq!(meetings(&near), []);
+}
+
+/// Equal oscillators cannot be told apart: nothing is claimed.
+#[test]
+fn equal_curves_are_not_decided() {
+    let study = study(&apart("p", "p"), &["--over", "p=0.5N/m..1.5N/m:5"]);
+    let [("undecided", [1, 2], _)] = meetings(&study)[..] else { panic!("{study}") };
+}
+
+/// A third oscillator that nothing couples to the other two crosses the upper of their curves, where its 1.5 is an eigenvalue of
+/// [[k1 + 0.1, -0.1], [-0.1, 1.1]].
+#[test]
+fn a_block_crosses_the_veering_curves_of_another() {
+    let model = format!("{TWO}body c {{ mass = 1 kg, moves x }}\nspring s3: ground -- c {{ k = 1.5 N/m }}\n");
+    let study = study(&model, &["--over", "k1=0.5N/m..2N/m:11"]);
+    let [("veering", [1, 2], near), ("crossing", [2, 3], told)] = meetings(&study)[..] else { panic!("{study}") };
+    meets(&near["distance_hz"], 0.1 / f64::sqrt(1.1) / (2.0 * PI), 1e-6);
+    // (k1 + 0.1 - 1.5) (1.1 - 1.5) = 0.01
+    meets(&told["parameter"], 1.4 - 0.01 / 0.4, 1e-12);
+    meets(&told["frequency_hz"], f64::sqrt(1.5) / (2.0 * PI), 1e-12);
+    assert_eq!(study["following"]["curves"][2]["block"], 2);
+}
+
+/// Outer masses with equal springs: their motion against each other has 2 + 2 kc, which is 2 + sqrt(2) of the others at
+/// kc = 1 / sqrt(2). That is a crossing, but one of a symmetry: it is neither called a crossing nor a veering, and the links of the
+/// step are not proved.
+#[test]
+fn a_crossing_within_a_block_is_not_proved() {
+    let model = "model mirror\nparam kc = 1 N/m\nbody a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\n\
+                 body c { mass = 1 kg, moves x }\nspring s1: ground -- a { k = 1 N/m }\nspring s2: ground -- c { k = 1 N/m }\n\
+                 spring s3: a -- b { k = 1 N/m }\nspring s4: b -- c { k = 1 N/m }\nspring s5: a -- c { k = kc }\n";
+    let study = study(model, &["--over", "kc=0.5N/m..2N/m:11"]);
+    let [("undecided", [2, 3], told)] = meetings(&study)[..] else { panic!("{study}") };
+    meets(&told["parameter"], f64::sqrt(0.5), 1e-12);
+    assert_eq!(open_links(&study), 2);
+    let cases = study["cases"].as_array().expect("cases");
+    let linked = |column: usize| cases.iter().map(|case| case["values"][column].clone()).collect::<Vec<Value>>();
+    assert_eq!(linked(2)[..3], [Value::Null, true.into(), true.into()]);
+    assert_eq!(linked(4)[..4], [Value::Null, true.into(), false.into(), true.into()]);
+}
+
+#[test]
+fn what_is_not_followed_is_refused_with_one_message() {
+    let solved = format!("{TWO}solve kc in 0.01 N/m .. 1 N/m: frequency(1) = 0.15 Hz\n");
+    let random = TWO.replace("param k1 = 1 N/m", "param k1 = 1 N/m within 5 %");
+    let over = "k1=1N/m..2N/m:3";
+    let cases: [(&str, &[&str], &str); 6] = [
+        (&random, &["--samples", "10"], "`--samples` are random"),
+        (TWO, &["--over", over, "--over", "k2=1N/m,2N/m"], "give one `--over`"),
+        (TWO, &["--over", over, "--shard", "0/2", "-o", "part", "--format", "csv"], "leave `--shard` out"),
+        (TWO, &["--over", "k1=1N/m,3N/m,2N/m"], "in ascending or descending order"),
+        (TWO, &["--over", "k1=1N/m..2N/m:10001"], "at most 10000 values"),
+        (&solved, &["--over", over], "add `--hold-solved`"),
+    ];
+    for (model, arguments, message) in cases {
+        let output = ran(model, &[arguments, &["--follow"]].concat());
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(message) && text.matches("error").count() == 1, "{text}");
+        assert!(output.stdout.is_empty());
+    }
+}
+
+#[test]
+fn the_text_tells_links_veerings_and_crossings() {
+    let model = format!("{TWO}body c {{ mass = 1 kg, moves x }}\nspring s3: ground -- c {{ k = 1.5 N/m }}\n");
+    let output = ran(&model, &["--over", "k1=0.5N/m..2N/m:11", "--follow"]);
+    insta::assert_snapshot!(String::from_utf8(output.stdout).expect("UTF-8"));
+}
