@@ -247,3 +247,68 @@ fn shares_of_modes_under_white_noise_that_comes_again() {
         assert!((share.0 - truth).abs() < 1e-6, "{mode}: {share:?} {truth}");
     }
 }
+
+/// The same masses under a force and under the acceleration of a base in bands, each again later: shares of displacements, and of the
+/// motion relative to the base, whose own part belongs to no mode, beside quadrature of re H_i conj H.
+#[test]
+fn shares_of_modes_in_bands_that_come_again() {
+    type C = (f64, f64);
+    let times = |a: C, b: C| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+    let bodies = "body a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nspring u: a -- b { k = 8 N/m }\n";
+    let forces = format!(
+        "{bodies}spring s: ground -- a {{ k = 9 N/m }}\nspring t: ground -- b {{ k = 9 N/m }}\n\
+         damper d: ground -- a {{ c = 0.5 N*s/m }}\ndamper e: ground -- b {{ c = 0.5 N*s/m }}\n\
+         force F: a along x = noise((0.3 Hz, 2 N^2/Hz), (1.1 Hz, 7 N^2/Hz))\nforce G: b along x = delayed(F, 0.4 s)\n\
+         output x = a.x\noutput acc = b.ax\n"
+    );
+    let bases = format!(
+        "{bodies}base g {{ moves x }} = noise(2 m^2/Hz, 0.3 Hz .. 1.1 Hz)\nbase h {{ moves x }} = delayed(g, 0.4 s)\n\
+         spring s: g -- a {{ k = 9 N/m }}\nspring t: h -- b {{ k = 9 N/m }}\ndamper d: g -- a {{ c = 0.5 N*s/m }}\n\
+         damper e: h -- b {{ c = 0.5 N*s/m }}\noutput x = a.x\noutput z = a.x - g.x\n"
+    );
+    let density = |w: f64, is_flat: bool| {
+        let slope = 3.5f64.ln() / (1.1f64 / 0.3).ln();
+        if is_flat { 2.0 } else { 2.0 * (w / (0.3 * TAU)).powf(slope) }
+    };
+    for (text, is_base) in [(forces, false), (bases, true)] {
+        for (place, noisy) in answer(&text).noisy.iter().enumerate() {
+            // The part of each mode in the output, a.x or b.x'', and the whole.
+            let parts = |w: f64| {
+                let load = if is_base { (9.0, 0.5 * w) } else { (1.0, 0.0) };
+                let turn = ((0.4 * w).cos(), -(0.4 * w).sin());
+                let of = |mode: usize| {
+                    let bottom = ([9.0, 25.0][mode] - w * w, 0.5 * w);
+                    let size = bottom.0 * bottom.0 + bottom.1 * bottom.1;
+                    let sign = if mode == 0 { 1.0 } else { -1.0 };
+                    let both = times(load, (1.0 + sign * turn.0, sign * turn.1));
+                    let x = times(both, (0.5 * bottom.0 / size, -0.5 * bottom.1 / size));
+                    // In b the second mode is the other way round, and what a force accelerates at once is no mode's.
+                    match !is_base && place == 1 {
+                        true => (sign * (-w * w * x.0 - 0.5 * both.0), sign * (-w * w * x.1 - 0.5 * both.1)),
+                        false => x,
+                    }
+                };
+                let direct = match (is_base, place) {
+                    (true, 1) => (-1.0, 0.0),
+                    (false, 1) => turn,
+                    _ => (0.0, 0.0),
+                };
+                let modes = [of(0), of(1)];
+                (modes, (modes[0].0 + modes[1].0 + direct.0, modes[0].1 + modes[1].1 + direct.1))
+            };
+            let over = |of: &dyn Fn(f64) -> f64| simpson(|w| of(w) * density(w, is_base), 0.3 * TAU, 1.1 * TAU);
+            let whole = over(&|w| {
+                let (_, all) = parts(w);
+                all.0 * all.0 + all.1 * all.1
+            });
+            assert_eq!(noisy.shares.len(), 2, "{noisy:?}");
+            for (mode, share) in &noisy.shares {
+                let truth = over(&|w| {
+                    let (modes, all) = parts(w);
+                    modes[mode - 1].0 * all.0 + modes[mode - 1].1 * all.1
+                }) / whole;
+                assert!((share.0 - truth).abs() < 1e-6, "{is_base} {place} {mode}: {share:?} {truth}");
+            }
+        }
+    }
+}

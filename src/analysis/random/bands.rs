@@ -100,15 +100,7 @@ impl Bands {
     /// The contribution of each mode to the mean square: the integral of re H_i conj H S, in binary64. Noise that
     /// reaches the output directly belongs to no mode.
     pub fn contributions(&self, resolvent: &Resolvent, lines: &[Line], direct: &[Ball; 5]) -> Option<Vec<f64>> {
-        // In the order of the lines: a conjugate before its pole.
-        let mut integrals = Vec::with_capacity(lines.len());
-        for (b, [own, mirrored]) in self.of_poles.iter().enumerate() {
-            let (Value::One(own), Value::One(mirrored)) = (own, mirrored) else { return None };
-            if !resolvent.is_real(b) {
-                integrals.push(mirrored.to_f64());
-            }
-            integrals.push(own.to_f64());
-        }
+        let integrals = of_lines(&self.of_poles, resolvent)?;
         let direct = direct.map(|factor| factor.to_f64());
         // H_i conj H by partial fractions: H(-s) at the poles of H_i, and H_i(-s) at those of H.
         let weight = |at: &Line, integral: Complex<f64>| {
@@ -131,8 +123,21 @@ impl Bands {
     }
 }
 
+/// Integrals over poles in binary64, in the order of the lines: a conjugate before its pole.
+pub fn of_lines(of_poles: &[[Value; 2]], resolvent: &Resolvent) -> Option<Vec<Complex<f64>>> {
+    let mut integrals = Vec::with_capacity(2 * of_poles.len());
+    for (b, [own, mirrored]) in of_poles.iter().enumerate() {
+        let (Value::One(own), Value::One(mirrored)) = (own, mirrored) else { return None };
+        if !resolvent.is_real(b) {
+            integrals.push(mirrored.to_f64());
+        }
+        integrals.push(own.to_f64());
+    }
+    Some(integrals)
+}
+
 /// The sum of factors of s^-2 .. s^2 at -s.
-fn laurent(factors: &[f64; 5], s: Complex<f64>) -> Complex<f64> {
+pub fn laurent(factors: &[f64; 5], s: Complex<f64>) -> Complex<f64> {
     let [a, b, c, d, e] = factors.map(Complex::real);
     let inverse = s.recip();
     (a * inverse - b) * inverse + c - (d - e * s) * s

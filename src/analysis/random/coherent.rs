@@ -2,7 +2,7 @@
 //! functions as residues at poles, a delay, a density. Out: enclosures. See docs/method/random.md#delays.
 
 use super::argument::{Argument, Point, Two};
-use super::bands::{Bands, over, pieces, settled};
+use super::bands::{Bands, laurent as direct_part, of_lines, over, pieces, settled};
 use super::resolvent::{Line, Parts, Resolvent, Value, across};
 use super::weight::{Panels, Piece};
 use crate::base::density::Density;
@@ -179,6 +179,57 @@ pub fn shared(one: &[Line], other: &[Line], later: f64) -> Vec<f64> {
         }
     }
     sum
+}
+
+/// The same in bands, of both orders of each pair: the integral of re H_i conj H over what one input adds to the mode and another to
+/// the output. `direct`: what reaches the output at once by each.
+pub fn shared_in_bands(pairs: &[Pair], resolvent: &Resolvent, arms: &[(Vec<Line>, [f64; 5])]) -> Option<Vec<f64>> {
+    let modes = arms.first()?.0.first()?.of_modes.len();
+    let mut sum = vec![0.0; modes];
+    for Pair { first, second, turned: [ahead, behind] } in pairs {
+        for (turned, opposite, one, other) in [(ahead, behind, first, second), (behind, ahead, second, first)] {
+            let ((one, _), (other, direct)) = (&arms[*one], &arms[*other]);
+            let part = turned.shared(opposite, resolvent, one, (other, direct))?;
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part / (2.0 * std::f64::consts::PI));
+        }
+    }
+    Some(sum)
+}
+
+impl Turned {
+    /// What each mode adds by the first of two inputs with all that the second one adds. `opposite`: the same integrals with the
+    /// opposite delay.
+    fn shared(
+        &self,
+        opposite: &Turned,
+        resolvent: &Resolvent,
+        one: &[Line],
+        (other, direct): (&[Line], &[f64; 5]),
+    ) -> Option<Vec<f64>> {
+        let own = of_lines(&self.of_poles, resolvent)?;
+        let mirrored = of_lines(&opposite.of_poles, resolvent)?;
+        let power = |power: i32| Some(self.power(power)?.to_f64());
+        let [a, b, _, d, e] = direct.map(Complex::real);
+        // 1 / ((i w - s) (-i w - z)) by partial fractions, and what is left of powers of i w over i w - s.
+        let weight = |line: &Line, integral: Complex<f64>| -> Option<Complex<f64>> {
+            let pairs = other.iter().zip(&mirrored).fold(Complex::ZERO, |sum: Complex<f64>, (other, back)| {
+                sum - other.p * other.q * (integral + *back) * (line.s + other.s).recip()
+            });
+            let mut weight = pairs + direct_part(direct, line.s) * integral;
+            let inverse = line.s.recip();
+            if direct[3] != 0.0 || direct[4] != 0.0 {
+                weight = weight - d * power(0)? + e * (power(1)? + line.s * power(0)?);
+            }
+            if direct[0] != 0.0 || direct[1] != 0.0 {
+                weight = weight + b * inverse * power(-1)? - a * inverse * (power(-2)? + inverse * power(-1)?);
+            }
+            Some(weight * line.q)
+        };
+        let weights: Vec<Complex<f64>> =
+            one.iter().zip(&own).map(|(line, i)| weight(line, *i)).collect::<Option<_>>()?;
+        let of_mode = |i: usize| one.iter().zip(&weights).map(|(line, weight)| (line.of_modes[i] * *weight).re).sum();
+        Some((0..one.first()?.of_modes.len()).map(of_mode).collect())
+    }
 }
 
 /// e^(D t) q

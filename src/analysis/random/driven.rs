@@ -408,12 +408,25 @@ impl<'a> Driven<'a> {
         for source in banded {
             let resolvent = self.resolvent.get()?.as_ref()?;
             let arms = self.arms(source, output).ok()?;
-            let [Arm { channel, .. }] = arms[..] else { return None };
-            let direct = channel.feed(output).map(|part| part.to_ball());
             let bands = source.bands[0].get()?.as_ref()?;
-            let parts = resolvent.parts(space, &space.drive(channel, Ball::ONE), &row, direct, bands.near())?;
-            let list = bands.contributions(resolvent, &resolvent.lines(space, &parts, &row)?, &direct)?;
-            sum.iter_mut().zip(list).for_each(|(sum, part)| *sum += part);
+            let of = |arm: &&Arm| {
+                let direct = arm.channel.feed(output).map(|part| part.to_ball());
+                let drive = space.drive(&arm.channel, Ball::ONE);
+                let parts = resolvent.parts(space, &drive, &row, direct, bands.near())?;
+                Some((resolvent.lines(space, &parts, &row)?, direct))
+            };
+            let lines: Vec<(Vec<Line>, [Ball; 5])> = arms.iter().map(of).collect::<Option<_>>()?;
+            let mut lists = Vec::with_capacity(lines.len() + 1);
+            for (lines, direct) in &lines {
+                lists.push(bands.contributions(resolvent, lines, direct)?);
+            }
+            if arms.len() > 1 {
+                let delays: Vec<&Number> = arms.iter().map(|arm| &arm.delay).collect();
+                let pairs = coherent::pairs(&source.noise.density, None, -2 * source.left, &delays, resolvent)?;
+                let short: Vec<_> = lines.into_iter().map(|(lines, feed)| (lines, feed.map(|x| x.to_f64()))).collect();
+                lists.push(coherent::shared_in_bands(&pairs, resolvent, &short)?);
+            }
+            lists.into_iter().for_each(|list| sum.iter_mut().zip(list).for_each(|(sum, part)| *sum += part));
         }
         Some(sum)
     }
