@@ -69,6 +69,17 @@ fn a_realisation_does_not_depend_on_the_step() {
     assert_eq!(coarse, samples(&simulated(&text, "8s", "0.5s", "7"), 0));
 }
 
+/// Lines are turned from sample to sample, here by an eighth of a turn and less: bounds do not grow with the turns.
+#[test]
+fn bounds_do_not_grow_from_sample_to_sample() {
+    let text = format!("{OSCILLATOR}force F: b along x = noise(6 N^2/Hz, 1 Hz .. 13 Hz)\noutput x = b.x\n");
+    let found = samples(&simulated(&text, "4s", "0.01s", "7"), 0);
+    let largest = found.iter().map(|(value, _)| value.abs()).fold(0.0, f64::max);
+    for (index, (_, bound)) in found.iter().enumerate() {
+        assert!(*bound <= 1e-15 * largest, "{index}: {bound}");
+    }
+}
+
 /// The mean square over the period of the lines is that under the noise, but for what the lines leave out between them.
 #[test]
 fn its_mean_square_is_that_of_the_noise() {

@@ -8,6 +8,7 @@ use crate::analysis::transfer::{Frequency, Gain, Transfer};
 use crate::base::density::{Band, Density};
 use crate::base::{Ball, Number, Rational};
 use crate::kernel::complex::Complex;
+use crate::kernel::disc::Disc;
 use crate::kernel::philox::philox;
 use crate::system::{LinearSystem, Noise};
 
@@ -191,15 +192,17 @@ impl Line {
             let (sine, cosine) = turned(&self.frequency, time).ok_or(RANGE)?;
             Ok::<Point, &'static str>(Complex::new(cosine, sine))
         };
-        let by = steps.step.as_ref().map(point).transpose()?;
-        let mut phase = Complex::ZERO;
+        let by = steps.step.as_ref().map(point).transpose()?.map(Disc::of);
+        // A rectangle would grow with each turn.
+        let mut phase = Disc::ZERO;
         for ((time, is_next), row) in steps.times.iter().zip(&steps.is_next).zip(values) {
             phase = match by {
                 Some(by) if *is_next => phase * by,
-                _ => point(time)?,
+                _ => Disc::of(point(time)?),
             };
+            let [re, im] = [phase.value.re, phase.value.im].map(|part| Ball::new(part, phase.radius));
             for (value, amplitude) in row.iter_mut().zip(&self.amplitudes) {
-                *value = *value + amplitude.re * phase.re - amplitude.im * phase.im;
+                *value = *value + amplitude.re * re - amplitude.im * im;
             }
         }
         Ok(())
