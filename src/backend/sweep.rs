@@ -3,7 +3,7 @@
 use super::SCHEMA;
 use super::json_number::JsonNumber;
 use crate::questions::answer::{Case, Column, Entry, Holds};
-use crate::questions::answer::{Curve, Followed, Meeting, MeetingKind};
+use crate::questions::answer::{Curve, Followed, Grows, Meeting, MeetingKind, Onset};
 
 /// Whether a column is followed by one with bounds.
 pub(super) fn has_bound(column: &Column) -> bool {
@@ -116,6 +116,17 @@ struct JsonHeading<'a> {
 struct JsonFollowing {
     curves: Vec<JsonCurve>,
     meetings: Vec<JsonMeeting>,
+    onsets: Vec<JsonOnset>,
+    /// Cases for which it is not known how many motions grow.
+    undecided_growth: usize,
+}
+
+#[derive(serde::Serialize)]
+struct JsonOnset {
+    of: &'static str,
+    growing: [usize; 2],
+    parameter: [JsonNumber; 2],
+    proved: bool,
 }
 
 #[derive(serde::Serialize)]
@@ -147,7 +158,7 @@ fn following(followed: &Followed) -> JsonFollowing {
     };
     let bounded = |value| [JsonNumber::enclosed(value), JsonNumber::absolute_bound(value)];
     let meeting = |meeting: &Meeting| {
-        let place = followed.place(meeting);
+        let place = followed.place(meeting.place);
         let (kind, distance, frequency) = match meeting.kind {
             MeetingKind::Veering { distance, .. } => ("veering", Some(distance), None),
             MeetingKind::Crossing { frequency, .. } => ("crossing", None, Some(frequency)),
@@ -161,9 +172,21 @@ fn following(followed: &Followed) -> JsonFollowing {
             frequency_hz: frequency.map(bounded),
         }
     };
+    let of = match followed.onsets.of {
+        Grows::Modes => "modes",
+        Grows::Poles => "poles",
+    };
+    let onset = |onset: &Onset| JsonOnset {
+        of,
+        growing: onset.growing,
+        parameter: bounded(followed.place(onset.place)),
+        proved: onset.proof.is_some(),
+    };
     JsonFollowing {
         curves: followed.curves.iter().enumerate().map(curve).collect(),
         meetings: followed.meetings.iter().map(meeting).collect(),
+        onsets: followed.onsets.list.iter().map(onset).collect(),
+        undecided_growth: followed.onsets.undecided,
     }
 }
 

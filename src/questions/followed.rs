@@ -12,6 +12,7 @@ pub struct Followed {
     pub curves: Vec<Curve>,
     /// In the order of the parameter.
     pub meetings: Vec<Meeting>,
+    pub onsets: Onsets,
     /// Name and unit of the parameter.
     pub parameter: (String, Written),
     /// Its values, SI.
@@ -50,10 +51,40 @@ pub enum MeetingKind {
     Undecided { distance: Option<Ball> },
 }
 
+/// Where the number of growing motions changes.
+#[derive(Clone, Debug)]
+pub struct Onsets {
+    pub of: Grows,
+    /// In the order of the cases.
+    pub list: Vec<Onset>,
+    /// The number of cases for which it is not known how many grow.
+    pub undecided: usize,
+}
+
+/// What may grow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grows {
+    /// Undamped modes: as many as K has negative eigenvalues.
+    Modes,
+    /// Poles with a positive real part.
+    Poles,
+}
+
+/// A change of the number of growing motions.
+#[derive(Clone, Copy, Debug)]
+pub struct Onset {
+    /// The parameter lies between these, SI; the first is on the side of earlier cases.
+    pub place: [f64; 2],
+    /// The numbers of growing motions at both.
+    pub growing: [usize; 2],
+    /// Whether it is proved that an eigenvalue of K, or a real part of a pole, is zero in the place.
+    pub proof: Option<Proved>,
+}
+
 impl Followed {
-    /// Where two curves meet, in the unit of the parameter.
-    pub fn place(&self, meeting: &Meeting) -> Ball {
-        let [low, high] = meeting.place.map(Ball::from);
+    /// An enclosed place in the unit of the parameter.
+    pub fn place(&self, ends: [f64; 2]) -> Ball {
+        let [low, high] = ends.map(Ball::from);
         shown(&Number::Ball(hull(low, high)), &self.parameter.1, false).number
     }
 

@@ -62,15 +62,21 @@ impl Study<'_> {
         Some(list)
     }
 
-    /// The system without damping of a case, with another value of its last parameter.
+    /// The system of a case without the damping that is declared for all of it, with another value of its last parameter.
     pub(super) fn undamped(&self, case: u64, si: Number) -> Option<LinearSystem> {
+        self.system(case, si, false)
+    }
+
+    /// The same with or without that damping.
+    pub(super) fn system(&self, case: u64, si: Number, is_damped: bool) -> Option<LinearSystem> {
         let mut values = [&self.held[..], &self.values(case)].concat();
         values.last_mut()?.1.si = si;
         let scene = model::check_with(self.sources, &self.tree, self.overrides, &values).scene?;
         if matches!(scene.scene().damping, Some(Damping::Modal { .. })) {
             return None;
         }
-        let lowered = dynamics::lower_written_out(&scene.without_damping(), &mut Diagnostics::new())?.lowered;
+        let scene = if is_damped { scene } else { scene.without_damping() };
+        let lowered = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?.lowered;
         lowered.rest.is_proven().then_some(lowered.system)
     }
 

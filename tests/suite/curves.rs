@@ -151,6 +151,48 @@ fn a_crossing_within_a_block_is_not_proved() {
     assert_eq!(linked(4)[..4], [Value::Null, true.into(), false.into(), true.into()]);
 }
 
+/// Two masses whose dampers feed energy in and take it: by Routh's criterion both poles of a pair pass the imaginary axis where
+/// p c K = kc^2, K = k + kc being the diagonal of the stiffness matrix.
+#[test]
+fn a_flutter_begins_where_routh_has_it() {
+    let model = format!(
+        "{TWO}param p = 0.01 N*s/m\ndamper d1: ground -- a {{ c = -p }}\ndamper d2: ground -- b {{ c = 0.5 N*s/m }}\n"
+    );
+    let study = study(&model, &["--over", "p=0.001N*s/m..0.1N*s/m:10", "--poles"]);
+    let onsets = study["following"]["onsets"].as_array().expect("onsets");
+    let [onset] = &onsets[..] else { panic!("{onsets:?}") };
+    assert_eq!((&onset["of"], &onset["proved"]), (&"poles".into(), &true.into()));
+    assert_eq!(onset["growing"], serde_json::json!([0, 2]));
+    meets(&onset["parameter"], 0.01 / (0.5 * 1.1), 1e-12);
+}
+
+/// det K = 0 at k1 = -k2 kc / (k2 + kc), for modes and for poles; one of two values may be the place itself.
+#[test]
+fn a_divergence_ends_where_the_determinant_is_zero() {
+    for (over, poles) in [("k1=-1N/m..1N/m:8", false), ("k1=-1N/m..1N/m:8", true), ("k1=-0.9N/m,-0.05N/m", false)] {
+        let damped = format!("{TWO}damper d: ground -- b {{ c = 0.5 N*s/m }}\n");
+        let arguments = if poles { vec!["--over", over, "--poles"] } else { vec!["--over", over] };
+        let study = study(&damped, &arguments);
+        let onsets = study["following"]["onsets"].as_array().expect("onsets");
+        let [onset] = &onsets[..] else { panic!("{onsets:?}") };
+        assert_eq!(onset["growing"], serde_json::json!([1, 0]), "{onset}");
+        assert_eq!(onset["proved"], true);
+        meets(&onset["parameter"], -0.1 / 1.1, 1e-12);
+        // The lowest curve has no frequency before.
+        assert!(study["cases"][0]["values"][1].is_null());
+    }
+}
+
+/// Both modes of two uncoupled masses diverge, one after the other, between two values: p < 0 and p < 1 N/m.
+#[test]
+fn two_onsets_between_two_values_are_two() {
+    let study = study(&apart("p", "p - 1 N/m"), &["--over", "p=-1N/m,3N/m"]);
+    let onsets = study["following"]["onsets"].as_array().expect("onsets");
+    let growing: Vec<&Value> = onsets.iter().map(|onset| &onset["growing"]).collect();
+    assert_eq!(growing, [&serde_json::json!([2, 1]), &serde_json::json!([1, 0])]);
+    meets(&onsets[1]["parameter"], 1.0, 1e-12);
+}
+
 #[test]
 fn what_is_not_followed_is_refused_with_one_message() {
     let solved = format!("{TWO}solve kc in 0.01 N/m .. 1 N/m: frequency(1) = 0.15 Hz\n");

@@ -3,8 +3,7 @@
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Section, line};
 use crate::base::Bound;
-use crate::questions::answer::few_digits;
-use crate::questions::answer::{Followed, Meeting, MeetingKind};
+use crate::questions::answer::{Followed, Grows, Meeting, MeetingKind, few_digits};
 
 const DIGITS: usize = 6;
 /// Number of veerings, crossings and doubts each that are shown.
@@ -23,8 +22,47 @@ pub fn section(followed: &Followed) -> Section {
     let mut doubts: Vec<Block> =
         open.iter().take(MOST_ROWS).map(|meeting| Block::Item(doubt(followed, meeting))).collect();
     doubts.extend(more(open.len()));
-    let blocks = [intro, vec![links(followed).into()], veerings, crossings, doubts];
+    let blocks = [intro, vec![links(followed).into()], veerings, crossings, doubts, onsets(followed)];
     Section::new("Curves", blocks.concat())
+}
+
+/// Where the number of growing motions changes.
+fn onsets(followed: &Followed) -> Vec<Block> {
+    let (found, what) = (&followed.onsets, growing(followed.onsets.of));
+    let mut table = Table::new()
+        .column(what, "", Align::Left)
+        .column(at(followed), "", Align::Point)
+        .column("error ≤", "", Align::Right)
+        .column("", "", Align::Left);
+    for onset in found.list.iter().take(MOST_ROWS) {
+        let [before, after] = onset.growing;
+        let place = followed.place(onset.place);
+        table.row(vec![
+            line![before, "\u{a0}to\u{a0}", after].into(),
+            Figure::ball(place, DIGITS).into(),
+            Figure::bound(Bound::relative(place)).into(),
+            if onset.proof.is_some() { Cell::default() } else { "not proved".into() },
+        ]);
+    }
+    let mut blocks = if found.list.is_empty() { Vec::new() } else { vec![Block::from(table)] };
+    blocks.extend(more(found.list.len()));
+    let undecided =
+        line!["it is not known how many grow in ", found.undecided, " of ", followed.places.len(), " cases"];
+    blocks.extend((found.undecided > 0).then_some(Block::Item(undecided)));
+    blocks
+}
+
+fn growing(of: Grows) -> &'static str {
+    match of {
+        Grows::Modes => "number of growing modes",
+        Grows::Poles => "number of growing poles",
+    }
+}
+
+/// `at k [N/m]`
+fn at(followed: &Followed) -> String {
+    let (name, unit) = (&followed.parameter.0, &followed.parameter.1.text);
+    if unit.is_empty() { format!("at {name}") } else { format!("at {name} [{unit}]") }
 }
 
 fn links(followed: &Followed) -> Table {
@@ -57,13 +95,11 @@ fn links(followed: &Followed) -> Table {
 
 /// Those of one kind; nothing if there are none.
 fn table(followed: &Followed, [curves, value]: [&'static str; 2], is_one: impl Fn(&MeetingKind) -> bool) -> Vec<Block> {
-    let (name, unit) = (followed.parameter.0.clone(), &followed.parameter.1.text);
-    let bracketed = if unit.is_empty() { String::new() } else { format!("[{unit}]") };
     let mut table = Table::new()
         .column(curves, "", Align::Left)
         .column(value, "[Hz]", Align::Point)
         .column("error ≤", "", Align::Right)
-        .column(format!("at {name} {bracketed}").trim_end().to_string(), "", Align::Point)
+        .column(at(followed), "", Align::Point)
         .column("error ≤", "", Align::Right);
     let list: Vec<&Meeting> = followed.meetings.iter().filter(|meeting| is_one(&meeting.kind)).collect();
     for meeting in list.iter().take(MOST_ROWS) {
@@ -72,7 +108,7 @@ fn table(followed: &Followed, [curves, value]: [&'static str; 2], is_one: impl F
         else {
             continue;
         };
-        let place = followed.place(meeting);
+        let place = followed.place(meeting.place);
         let number = |value| [Cell::from(Figure::ball(value, DIGITS)), Figure::bound(Bound::relative(value)).into()];
         table.row([vec![pair(meeting).into()], number(value).to_vec(), number(place).to_vec()].concat());
     }

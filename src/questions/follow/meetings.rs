@@ -119,7 +119,7 @@ fn crossing(
     field: &Field,
     of: [Member; 2],
     curves: [usize; 2],
-    [mut first, mut last]: [f64; 2],
+    [first, last]: [f64; 2],
     above: bool,
 ) -> Option<Meeting> {
     let at = |x: f64| side(&field.place(&binary(x)?, true), of)?;
@@ -127,23 +127,7 @@ fn crossing(
         let kind = MeetingKind::Undecided { distance: None };
         return Some(Meeting { curves, place: [first, last], kind });
     }
-    for _ in 0..MOST_STEPS {
-        let (old_first, old_last) = (first, last);
-        // The middle may be the crossing itself, where nothing is certain.
-        for part in [0.5, 0.25, 0.75] {
-            let x = old_first + part * (old_last - old_first);
-            match at(x) {
-                _ if x == first || x == last => {}
-                Some(found) if found == above => first = x,
-                Some(_) => last = x,
-                None => continue,
-            }
-            break;
-        }
-        if (first, last) == (old_first, old_last) {
-            break;
-        }
-    }
+    let [first, last] = super::narrowed([first, last], |x| Some(at(x)? == above));
     let kind = meeting(field, of, [binary(first)?, binary(last)?]);
     Some(Meeting { curves, place: [first, last], kind })
 }

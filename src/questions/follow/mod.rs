@@ -3,12 +3,14 @@
 //! docs/method/studies.md#curves.
 
 mod meetings;
+mod onsets;
 mod places;
 mod steps;
 
 use super::answer::{Case, Column, Entry, Holds, Proved};
 use super::cases::{Study, Varied};
-use super::followed::{Curve, Followed, Meeting, MeetingKind};
+use super::followed::{Curve, Followed, Grows, Meeting, MeetingKind};
+use crate::base::Ball;
 use crate::kernel::cores;
 use crate::model::Swept;
 use places::{Field, Place};
@@ -66,12 +68,14 @@ pub fn follow(study: &Study) -> Result<Followed, Unfollowed> {
         some.iter().map(|ends| steps::step(&field, &curves, limits, [&ends[0], &ends[1]])).collect()
     });
     let mut meetings = meetings_of(&field, &curves, &points, &steps);
+    let grows = if study.asked.poles { Grows::Poles } else { Grows::Modes };
     let rises = values.len() < 2 || first.to_f64() <= last.to_f64();
     let key = |meeting: &Meeting| if rises { meeting.place[0] } else { -meeting.place[0] };
     meetings.sort_by(|a, b| key(a).total_cmp(&key(b)));
     Ok(Followed {
         curves: curves.iter().map(|own| curve(*own, &classes, &points, &steps)).collect(),
         meetings,
+        onsets: onsets::onsets(&field, &values, grows),
         parameter: (swept.parameter.name.clone(), swept.parameter.unit.clone()),
         places: values.iter().map(|value| value.to_f64()).collect(),
         classes: classes.len(),
@@ -102,15 +106,14 @@ fn stretches(points: usize, n: usize) -> usize {
     (in_all / points.max(1)).clamp(8, 128)
 }
 
-/// The lowest modes at the first place that has any.
+/// The lowest modes at the first place whose modes are known; those that do not oscillate there are the lowest.
 fn chosen(points: &[Place], count: usize) -> Result<Vec<Member>, Unfollowed> {
-    let first = points.iter().find(|place| place.classes.iter().flatten().any(Option::is_some));
+    let first = points.iter().find(|place| place.classes.iter().all(|class| !class.is_empty()));
     let mut list: Vec<(f64, Member)> = Vec::new();
     for (class, frequencies) in first.ok_or(Unfollowed::NoModes)?.classes.iter().enumerate() {
-        let own = |(index, frequency): (usize, &Option<_>)| {
-            Some((frequency.map(|frequency: crate::base::Ball| frequency.to_f64())?, Member { class, index }))
-        };
-        list.extend(frequencies.iter().enumerate().filter_map(own));
+        let key = |frequency: &Option<Ball>| frequency.map_or(f64::NEG_INFINITY, |frequency| frequency.to_f64());
+        let own = frequencies.iter().enumerate().map(|(index, frequency)| (key(frequency), Member { class, index }));
+        list.extend(own);
     }
     list.sort_by(|a, b| a.0.total_cmp(&b.0));
     Ok(list.into_iter().take(count).map(|(_, member)| member).collect())
@@ -161,6 +164,31 @@ fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step
 fn lies_in(meeting: &Meeting, ends: [&Place; 2]) -> bool {
     let [low, high] = ends.map(|place| place.at.to_f64());
     meeting.place.iter().all(|x| (low.min(high)..=low.max(high)).contains(x))
+}
+
+/// Halvings of one interval: as many as binary64 numbers far from zero have digits, and as many again where they are near zero.
+const MOST_HALVINGS: usize = 200;
+
+/// Makes an interval shorter whose first end is certainly alike (`Some(true)`) and whose last is not, as far as that is certain.
+fn narrowed([mut first, mut last]: [f64; 2], is_alike: impl Fn(f64) -> Option<bool>) -> [f64; 2] {
+    for _ in 0..MOST_HALVINGS {
+        let old = [first, last];
+        // In the middle nothing may be certain, because it is what is looked for.
+        for part in [0.5, 0.25, 0.75] {
+            let x = old[0] + part * (old[1] - old[0]);
+            match is_alike(x) {
+                _ if old.contains(&x) => {}
+                Some(true) => first = x,
+                Some(false) => last = x,
+                None => continue,
+            }
+            break;
+        }
+        if [first, last] == old {
+            break;
+        }
+    }
+    [first, last]
 }
 
 impl Followed {

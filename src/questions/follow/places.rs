@@ -72,7 +72,7 @@ const MOST_PIECES: usize = 64;
 pub fn classes(study: &Study, [low, high]: [&Number; 2], n: usize) -> Vec<Vec<u32>> {
     let (mut left, mut systems) = (vec![[low.clone(), high.clone()]], Vec::new());
     while let Some([low, high]) = left.pop() {
-        match over(study, [&low, &high]).filter(|system| system.n() == n) {
+        match over(study, [&low, &high], false).filter(|system| system.n() == n) {
             Some(system) => systems.push(system),
             None if left.len() + systems.len() < MOST_PIECES => {
                 let middle = &(&low + &high) * &Number::from(Rational::new(1, 2));
@@ -86,11 +86,11 @@ pub fn classes(study: &Study, [low, high]: [&Number; 2], n: usize) -> Vec<Vec<u3
 }
 
 /// The system for every value between two, if the way to it is the same for all of them.
-fn over(study: &Study, [low, high]: [&Number; 2]) -> Option<LinearSystem> {
+fn over(study: &Study, [low, high]: [&Number; 2], is_damped: bool) -> Option<LinearSystem> {
     let range = hull(low.to_ball(), high.to_ball());
     // Ends that are not binary64 were rounded, and so was the middle.
     let range = range.widen(4.0 * f64::EPSILON * range.rad);
-    jet::undivided(|| study.undamped(0, Jet::of_parameter(range)))?.filter(|system| !system.is_chained())
+    jet::undivided(|| study.system(0, Jet::of_parameter(range), is_damped))?.filter(|system| !system.is_chained())
 }
 
 impl Field<'_> {
@@ -100,18 +100,23 @@ impl Field<'_> {
         let system = self.study.undamped(0, at.clone()).filter(|system| !system.is_chained());
         let of_class = |coordinates: &Vec<u32>| {
             let modes = system.as_ref().and_then(|system| all_modes(system, coordinates, &request));
-            modes.map_or(Vec::new(), |modes| separate(&modes, |modes, i| frequency(modes, i)))
+            modes.map_or(Vec::new(), |modes| separate(&modes, frequency))
         };
         Place { at: at.clone(), classes: self.classes.iter().map(of_class).collect() }
     }
 
+    /// Whether the model certainly has one form for all values between two, so that its matrices depend continuously on the parameter.
+    pub fn has_one_form(&self, ends: [&Number; 2], is_damped: bool) -> bool {
+        over(self.study, ends, is_damped).is_some()
+    }
+
     /// Bounds for all values between two (Weyl, as `outer` has it), for each class; `None` where nothing is proved.
     pub fn bounds(&self, ends: [&Number; 2]) -> Vec<Option<Bounds>> {
-        let sides = over(self.study, ends).and_then(|system| outer(&system));
+        let sides = over(self.study, ends, false).and_then(|system| outer(&system));
         let of_class = |coordinates: &Vec<u32>| {
             let [low, high] =
                 sides.as_ref()?.each_ref().map(|system| all_modes(system, coordinates, &Request::default()));
-            let lower = separate(&low?, |modes, i| frequency(modes, i));
+            let lower = separate(&low?, frequency);
             Some(Bounds { lower, upper: separate(&high?, |modes, i| Some(from_above(modes, i))) })
         };
         self.classes.iter().map(of_class).collect()
