@@ -38,6 +38,11 @@ pub enum Course {
 }
 
 impl Density {
+    /// The number of bands; white noise has none.
+    pub fn bands(&self) -> usize {
+        if let Density::Bands(bands) = self { bands.len() } else { 0 }
+    }
+
     /// The density at a frequency in Hz. At a jump it is the larger of the two one-sided values.
     ///
     /// `None` if the number leaves its range.

@@ -312,3 +312,14 @@ fn shares_of_modes_in_bands_that_come_again() {
         }
     }
 }
+
+/// Limits say what they are.
+#[test]
+fn a_noise_that_drives_too_many_inputs_is_not_integrated() {
+    let mut text = format!("{OSCILLATOR}force F0: b along x = noise(2 N^2/Hz, 1 Hz .. 30 Hz)\noutput x = b.x\n");
+    for i in 1..100 {
+        text += &format!("force F{i}: b along x = delayed(F0, {i} ms)\n");
+    }
+    let found = &answer(&text).noisy[0].rms;
+    assert!(matches!(found, Spread::Unknown(why) if why.contains("more than 64 inputs")), "{found:?}");
+}

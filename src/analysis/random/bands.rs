@@ -9,6 +9,8 @@ use crate::base::{Ball, Dd, Number, up};
 use crate::kernel::complex::Complex;
 
 const UP: f64 = up::THOUSANDS;
+/// Bands whose series are in memory at a time.
+const TOGETHER: usize = 256;
 
 /// A density times a power of the angular frequency, integrated over every pole of a system.
 pub struct Bands {
@@ -28,8 +30,6 @@ impl Bands {
     pub fn of(density: &Density, within: Option<[&Number; 2]>, more: i32, resolvent: &Resolvent) -> Option<Bands> {
         let pieces = pieces(density, within)?;
         let starts_at_zero = pieces.iter().any(|piece| !piece.from.is_positive());
-        let panels: Vec<Panels> = pieces.iter().map(|piece| piece.panels(more, Ball::ZERO)).collect::<Option<_>>()?;
-        let of_poles = resolvent.values(|s| over(&panels, s), |s| over(&panels, s)).collect();
         let even = [-4, -2, 0, 2, 4].map(|power| {
             if power < 0 && starts_at_zero {
                 return None;
@@ -41,9 +41,16 @@ impl Bands {
         let whole = even[2]?.magnitude() * UP;
         let ranges: Vec<[Ball; 2]> = pieces.iter().map(|piece| [piece.from, piece.to]).collect();
         let near = resolvent.within(&ranges)?;
-        let divided = |pair: Two, corner: Ball| over(&panels, pair).0[0][1].scale(Ball::ONE / corner);
-        let pairs = resolvent.close_pairs(&near).into_iter();
-        let of_close = pairs.map(|(pair, corner)| [pair, pair.conj()].map(|pair| divided(pair, corner))).collect();
+        let close = resolvent.close_pairs(&near);
+        let mut of_poles: Vec<[Value; 2]> = Vec::new();
+        let mut of_close = vec![[Complex::ZERO; 2]; close.len()];
+        in_parts(&pieces, more, Ball::ZERO, |panels| {
+            add_values(&mut of_poles, panels, resolvent);
+            for (sum, (pair, corner)) in of_close.iter_mut().zip(&close) {
+                let divided = |pair: Two| over(panels, pair).0[0][1].scale(Ball::ONE / *corner);
+                *sum = [sum[0] + divided(*pair), sum[1] + divided(pair.conj())];
+            }
+        })?;
         Some(Bands { of_poles, even, whole, near, of_close })
     }
 
@@ -141,6 +148,26 @@ pub fn laurent(factors: &[f64; 5], s: Complex<f64>) -> Complex<f64> {
     let [a, b, c, d, e] = factors.map(Complex::real);
     let inverse = s.recip();
     (a * inverse - b) * inverse + c - (d - e * s) * s
+}
+
+/// Cuts power laws times w^more and the phase of a delay into panels, a few of them at a time, so that a long table does not take much
+/// memory; `None` where numbers leave their range.
+pub fn in_parts(pieces: &[Piece], more: i32, delay: Ball, mut each: impl FnMut(&[Panels])) -> Option<()> {
+    pieces.chunks(TOGETHER).try_for_each(|some| {
+        let panels: Vec<Panels> = some.iter().map(|piece| piece.panels(more, delay)).collect::<Option<_>>()?;
+        each(&panels);
+        Some(())
+    })
+}
+
+/// Adds the integrals over i w - D of each block and of its conjugate.
+pub fn add_values(sums: &mut Vec<[Value; 2]>, panels: &[Panels], resolvent: &Resolvent) {
+    for (place, part) in resolvent.values(|s| over(panels, s), |s| over(panels, s)).enumerate() {
+        match sums.get_mut(place) {
+            Some(sum) => *sum = [0, 1].map(|i| sum[i].plus(part[i])),
+            None => sums.push(part),
+        }
+    }
 }
 
 /// The integral of power laws over i w - D.

@@ -2,9 +2,9 @@
 //! functions as residues at poles, a delay, a density. Out: enclosures. See docs/method/random.md#delays.
 
 use super::argument::{Argument, Point, Two};
-use super::bands::{Bands, laurent as direct_part, of_lines, over, pieces, settled};
+use super::bands::{Bands, add_values, in_parts, laurent as direct_part, of_lines, pieces, settled};
 use super::resolvent::{Line, Parts, Resolvent, Value, across};
-use super::weight::{Panels, Piece};
+use super::weight::Piece;
 use crate::base::density::Density;
 use crate::base::{Ball, Number, up};
 use crate::kernel::complex::Complex;
@@ -24,8 +24,8 @@ struct Turned {
 
 impl Turned {
     fn of(pieces: &[Piece], more: i32, delay: Ball, resolvent: &Resolvent) -> Option<Turned> {
-        let panels: Vec<Panels> = pieces.iter().map(|piece| piece.panels(more, delay)).collect::<Option<_>>()?;
-        let of_poles = resolvent.values(|s| over(&panels, s), |s| over(&panels, s)).collect();
+        let mut of_poles = Vec::new();
+        in_parts(pieces, more, delay, |panels| add_values(&mut of_poles, panels, resolvent))?;
         Some(Turned { of_poles, pieces: pieces.to_vec(), more, delay, powers: Default::default() })
     }
 

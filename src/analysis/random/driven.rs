@@ -29,6 +29,15 @@ const OPEN_DIGITS: &str = "the bound leaves no digit";
 const OPEN_UNDAMPED: &str = "whether the noise has power where it excites an undamped motion is not decided";
 const OPEN_LATER: &str = "a motion is not damped, which is not computed under noises with delays";
 
+const OPEN_INPUTS: &str = "the noise drives more than 64 inputs: that many are not integrated in bands";
+const OPEN_LONG: &str =
+    "the density has more than 200,000 bands over the number of coordinates: give fewer rows or points";
+
+/// Limit on the inputs that one noise in bands drives: each two of them at different times are a term, some seconds in all.
+const MOST_INPUTS: usize = 64;
+/// Limit on bands times coordinates: some ten seconds.
+const MOST_BANDS: usize = 200_000;
+
 /// A system under noise.
 pub struct Driven<'a> {
     system: Cow<'a, LinearSystem>,
@@ -218,6 +227,12 @@ impl<'a> Driven<'a> {
 
     /// The mean square under a noise in bands, or within a band.
     fn under_bands(&self, source: &Source, output: &Output, part: Part) -> Spread {
+        if source.noise.inputs.len() > MOST_INPUTS {
+            return Spread::Unknown(OPEN_INPUTS);
+        }
+        if source.noise.density.bands() * self.system.n() > MOST_BANDS {
+            return Spread::Unknown(OPEN_LONG);
+        }
         self.or_exactly(self.by_poles(source, output, part), &[source], output, part)
     }
 

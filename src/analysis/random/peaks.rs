@@ -47,7 +47,7 @@ pub fn peaks(
     let at_once = |inputs: &[(usize, Number)]| inputs.iter().all(|(_, delay)| (delay - &inputs[0].1).is_zero());
     let list = match &reaching[..] {
         [(noise, inputs)] if inputs.len() == 1 => under_one(transfer, noise, inputs[0].0, output)?,
-        _ if bands(&reaching) > MOST_BANDS => return Err(MANY),
+        _ if reaching.iter().map(|(noise, _)| noise.density.bands()).sum::<usize>() > MOST_BANDS => return Err(MANY),
         _ if reaching.iter().all(|(_, inputs)| at_once(inputs)) => {
             under_several(system, &reaching, reached).or_else(|_| maxima(transfer, &reaching, output))?
         }
@@ -96,12 +96,6 @@ fn under_one(transfer: &Transfer, noise: &Noise, input: usize, output: usize) ->
         list.extend(between(&weighed, radians(&band.from), radians(&band.to))?);
     }
     Ok(list)
-}
-
-/// The bands of all densities.
-fn bands(reaching: &[(&Noise, Vec<(usize, Number)>)]) -> usize {
-    let bands = |noise: &Noise| if let Density::Bands(bands) = &noise.density { bands.len() } else { 0 };
-    reaching.iter().map(|(noise, _)| bands(noise)).sum()
 }
 
 /// Of noises that drive their inputs at one time.

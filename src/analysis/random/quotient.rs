@@ -3,9 +3,9 @@
 //! In: a small system of rational numbers, a noise. Out: an enclosure, a proof that the mean square is infinite, or nothing. See
 //! docs/method/random.md#cancellations.
 
-use super::bands::{over, pieces, settled, starts_at_zero};
+use super::bands::{in_parts, over, pieces, settled, starts_at_zero};
 use super::source::intensity;
-use super::weight::{Panels, Piece};
+use super::weight::Piece;
 use super::{Reach, Spread, finite};
 use crate::analysis::transfer::extrema::{Coefficients, Place, Quotient, near_and_far};
 use crate::base::{Ball, Density, Number, Rational};
@@ -121,11 +121,10 @@ impl Reduced {
 
     /// The mean square under noise in bands: |H|^2 by partial fractions at simple poles, all on the left.
     fn banded(&self, pieces: &[Piece]) -> Option<Ball> {
-        let panels = |more: i32| pieces.iter().map(|piece| piece.panels(more, Ball::ZERO)).collect::<Option<Vec<_>>>();
-        let own: Vec<Panels> = panels(2 * self.zeros)?;
         let [above, below] = [&self.above, &self.below].map(balls);
         let slope = balls(&self.below.derivative());
-        let mut sum = Ball::ZERO;
+        // Poles with the residues there, and their conjugates.
+        let mut poles: Vec<(Point, Point)> = Vec::new();
         for root in near_and_far(&Coefficients::exact(self.below.clone()))?.list {
             if root.multiplicity > 1 || !matches!(root.place, Place::Real | Place::Pair) {
                 return None;
@@ -136,16 +135,20 @@ impl Reduced {
             let s: Point = Complex::new(re, im);
             let mirrored = Complex::new(-re, -im);
             let residue = at(&above, s) * at(&above, mirrored) / (at(&slope, s) * at(&below, mirrored));
-            let mut part = (residue * over(&own, s)).re;
-            if root.place == Place::Pair {
-                part = part + (residue.conj() * over(&own, s.conj())).re;
-            }
-            sum = sum + part * Ball::from(2.0);
+            poles.push((s, residue));
+            poles.extend((root.place == Place::Pair).then(|| (s.conj(), residue.conj())));
         }
+        let mut sum = Ball::ZERO;
+        in_parts(pieces, 2 * self.zeros, Ball::ZERO, |panels| {
+            for (s, residue) in &poles {
+                sum = sum + (*residue * over(panels, *s)).re * Ball::from(2.0);
+            }
+        })?;
         for (power, factor) in self.left_over()?.into_iter().enumerate().filter(|(_, factor)| !factor.is_zero()) {
-            let integral =
-                panels(2 * (self.zeros + power as i32))?.iter().fold(Ball::ZERO, |sum, one| sum + one.integral().re);
-            sum = sum + factor.to_ball() * integral;
+            in_parts(pieces, 2 * (self.zeros + power as i32), Ball::ZERO, |panels| {
+                let integral = panels.iter().fold(Ball::ZERO, |sum, one| sum + one.integral().re);
+                sum = sum + factor.to_ball() * integral;
+            })?;
         }
         settled(sum * self.factor.to_ball().square(), 0.0)
     }

@@ -88,6 +88,16 @@ pub enum Value {
 }
 
 impl Value {
+    /// The sum of two values at one block.
+    pub fn plus(self, other: Value) -> Value {
+        match (self, other) {
+            (Value::One(a), Value::One(b)) => Value::One(a + b),
+            (Value::Two(a), Value::Two(b)) => Value::Two(a.plus(b)),
+            // Of different blocks.
+            (Value::One(_), _) | (_, Value::One(_)) => Value::One(Complex::ZERO.widen(f64::INFINITY)),
+        }
+    }
+
     /// p f(D) g
     pub fn between(self, p: &[Point], g: &[Point]) -> Point {
         match self {
