@@ -20,6 +20,8 @@ pub fn run(text: &str) {
     diagnostics.extend(checked.diagnostics);
     let Some(scene) = checked.scene.filter(|_| !diagnostics.has_errors()) else {
         assert!(diagnostics.has_errors(), "no scene and no error");
+        // The expressions of a text are read beside its numbers.
+        assert!(vibc::equations(&sources, file, &Overrides::default()).answer.is_none(), "equations of no scene");
         return assert_findings(&sources, diagnostics);
     };
     let outcome = vibc::lower::lower(&scene);

@@ -36,7 +36,7 @@ pub(crate) fn read_and_check(
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<(Tree, Option<CheckedScene>)> {
-    let check = |tree: &mut Tree| (model::check(sources, tree, overrides), ());
+    let check = |tree: &mut Tree, _| (model::check(sources, tree, overrides), ());
     check_with(sources, model, overrides, diagnostics, check).map(|(tree, scene, ())| (tree, scene))
 }
 
@@ -48,16 +48,16 @@ pub(crate) fn read_and_check_swept(
     diagnostics: &mut Diagnostics,
     check: impl FnOnce(&mut Tree) -> (Checked, Vec<Swept>),
 ) -> Option<(Tree, Option<CheckedScene>, Vec<Swept>)> {
-    check_with(sources, model, overrides, diagnostics, check)
+    check_with(sources, model, overrides, diagnostics, |tree, _| check(tree))
 }
 
-/// Like [`read_and_check`], with a check that returns something in addition.
+/// Like [`read_and_check`], with a check that returns something in addition; it is told whether the text has errors of syntax.
 fn check_with<T>(
     sources: &Sources,
     model: FileId,
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
-    check: impl FnOnce(&mut Tree) -> (Checked, T),
+    check: impl FnOnce(&mut Tree, bool) -> (Checked, T),
 ) -> Option<(Tree, Option<CheckedScene>, T)> {
     let files = [Some(model), overrides.settings, overrides.arguments];
     diagnostics.extend(files.into_iter().flatten().filter_map(|file| not_utf8(sources, file)));
@@ -68,7 +68,7 @@ fn check_with<T>(
     let broken = parsed.errors.has_errors();
     diagnostics.extend(parsed.errors);
     // A broken declaration does not hide the errors of the others.
-    let (checked, more) = check(&mut parsed.tree);
+    let (checked, more) = check(&mut parsed.tree, broken);
     diagnostics.extend(checked.diagnostics);
     Some((parsed.tree, checked.scene.filter(|_| !broken), more))
 }
@@ -80,7 +80,11 @@ pub(crate) fn read_written(
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<(CheckedScene, Written)> {
-    let check = |tree: &mut Tree| model::check_written(sources, tree, overrides, &[]);
+    // A declaration that is not read is in the tree, but not in the scene.
+    let check = |tree: &mut Tree, broken| match broken {
+        true => (model::check(sources, tree, overrides), None),
+        false => model::check_written(sources, tree, overrides, &[]),
+    };
     let (tree, scene, written) = check_with(sources, model, overrides, diagnostics, check)?;
     let scene = scene?;
     if !scene.scene().determines_parameters() {
