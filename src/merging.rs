@@ -118,7 +118,7 @@ fn part(path: &Path) -> Result<Part, Refused> {
         return Err(Refused::wrong(path, "is no part of a sweep; parts are written with `--shard`"));
     };
     if !finished {
-        return Err(Refused::wrong(path, "ends in the middle: compute this part again"));
+        return Err(Refused::wrong(path, "is cut off or damaged: compute this part again"));
     }
     let offset = header.to_string().len() as u64;
     Ok(Part { path: path.to_path_buf(), header, offset, piece: Vec::new(), at: 0 })
@@ -177,7 +177,7 @@ fn joined(mut parts: Vec<Part>, out: &mut dyn Write) -> Result<(), Failed> {
         out.write_all(row).map_err(Failed::Write)?;
     }
     for part in &mut parts {
-        if part.line().map_err(Failed::Part)? != END.as_bytes() {
+        if !part.line().map_err(Failed::Part)?.starts_with(END.as_bytes()) {
             return Err(part.ends_early());
         }
     }

@@ -19,8 +19,10 @@ pub struct Header {
     pub study: String,
 }
 
-/// The last line of a part, without which it was cut off.
-pub const END: &str = "# end\n";
+/// The beginning of the last line of a part, without which it was cut off; the SHA-256 of all before it follows.
+pub const END: &str = "# end ";
+/// Bytes of the last line.
+const END_LENGTH: u64 = END.len() as u64 + 65;
 
 const OPENING: &str = "# vibc sweep part ";
 
@@ -72,20 +74,37 @@ pub fn fingerprint(sources: &Sources, options: &str, heading: &str) -> String {
     for file in sources.files() {
         add(&file.text);
     }
+    hexadecimal(hash)
+}
+
+fn hexadecimal(hash: Sha256) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Whether a file ends as a finished part does.
+/// The last line of a part of which everything else is in the first `length` bytes of a file.
+fn last_line(file: &mut File, length: u64) -> io::Result<String> {
+    file.seek(SeekFrom::Start(0))?;
+    let (mut hash, mut buffer, mut left) = (Sha256::new(), vec![0; 1 << 16], length);
+    while left > 0 {
+        let most = left.min(buffer.len() as u64) as usize;
+        file.read_exact(&mut buffer[..most])?;
+        hash.update(&buffer[..most]);
+        left -= most as u64;
+    }
+    Ok(format!("{END}{}\n", hexadecimal(hash)))
+}
+
+/// Whether a file ends as a finished part does, and is as it was written.
 pub fn is_finished(file: &mut File) -> io::Result<bool> {
-    let mut end = [0; END.len()];
     let length = file.metadata()?.len();
-    if length < END.len() as u64 {
+    if length < END_LENGTH {
         return Ok(false);
     }
-    file.seek(SeekFrom::Start(length - END.len() as u64))?;
+    let line = last_line(file, length - END_LENGTH)?;
+    let mut end = [0; END_LENGTH as usize];
     file.read_exact(&mut end)?;
     file.seek(SeekFrom::Start(0))?;
-    Ok(end == END.as_bytes())
+    Ok(end == line.as_bytes())
 }
 
 /// The rows of a part so far, in `FILE.partial`.
@@ -140,7 +159,9 @@ impl Progress {
 
     /// Closes the part and gives it its name.
     pub fn finish_part(mut self, to: &Path) -> io::Result<()> {
-        self.file.write_all(END.as_bytes())?;
+        let length = self.file.stream_position()?;
+        let line = last_line(&mut self.file, length)?;
+        self.file.write_all(line.as_bytes())?;
         self.file.sync_all()?;
         fs::rename(&self.path, to)
     }

@@ -21,7 +21,8 @@ const SHAKEN: &str = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring 
 const RANDOM: &str =
     "param k = 10 N/m spread 3 % within 5 %\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\n";
 /// A finished part of a sweep, for `merge`.
-const PART: &str = "# vibc sweep part 0/1 of 1 cases, study 0\ncase,code\n0,\n# end\n";
+const PART: &str = "# vibc sweep part 0/1 of 1 cases, study 0\ncase,code\n0,\n\
+                    # end 50ed32d4e0357aea2e1ab323dd8e40ce6510afadfecca5a806dc6e2f27088a04\n";
 const SETTINGS: &str = "k = \"12 N/m\"\n";
 
 /// The expected exit status for a right value.

@@ -75,7 +75,9 @@ fn parts_that_are_not_all_of_one_study_are_refused() {
     swept(at, &["--shard", "1/4", "-o", "other"]);
     let whole = text(at, "p1");
     fs::write(at.join("cut"), &whole[..whole.len() / 2]).expect("a file");
-    fs::write(at.join("cut_at_line"), &whole[..whole.len() - "# end\n".len()]).expect("a file");
+    let end = whole.rfind("# end").expect("a last line");
+    fs::write(at.join("cut_at_line"), &whole[..end]).expect("a file");
+    fs::write(at.join("digit"), format!("{}x{}", &whole[..end - 3], &whole[end - 2..])).expect("a file");
     let lines: Vec<&str> = whole.split_inclusive('\n').collect();
     fs::write(at.join("gap"), [&lines[..9], &lines[10..]].concat().concat()).expect("a file");
     fs::write(at.join("longer"), [&lines[..9], &lines[8..]].concat().concat()).expect("a file");
@@ -86,10 +88,11 @@ fn parts_that_are_not_all_of_one_study_are_refused() {
         (&["p0", "third", "p2", "p3"], 2, "`third` belongs to another study"),
         (&["p0", "poles", "p2", "p3"], 2, "`poles` belongs to another study"),
         (&["p0", "other", "p2", "p3"], 2, "`other` belongs to another study"),
-        (&["p0", "cut", "p2", "p3"], 2, "`cut` ends in the middle"),
-        (&["p0", "cut_at_line", "p2", "p3"], 2, "`cut_at_line` ends in the middle"),
-        (&["p0", "gap", "p2", "p3"], 2, "`gap` has missing or changed rows"),
-        (&["p0", "longer", "p2", "p3"], 2, "`longer` has missing or changed rows"),
+        (&["p0", "cut", "p2", "p3"], 2, "`cut` is cut off or damaged"),
+        (&["p0", "cut_at_line", "p2", "p3"], 2, "`cut_at_line` is cut off or damaged"),
+        (&["p0", "gap", "p2", "p3"], 2, "`gap` is cut off or damaged"),
+        (&["p0", "digit", "p2", "p3"], 2, "`digit` is cut off or damaged"),
+        (&["p0", "longer", "p2", "p3"], 2, "`longer` is cut off or damaged"),
         (&["p0", "nothing", "p2", "p3"], 3, "cannot read `nothing`"),
     ] {
         let output = ran(at, &[&["merge", "-o", "all"], files].concat());
@@ -101,6 +104,18 @@ fn parts_that_are_not_all_of_one_study_are_refused() {
         );
         assert!(!at.join("all").exists(), "{files:?}");
     }
+    // Whatever byte of a part is another one, it is not taken; and it is computed again.
+    for place in (0..whole.len()).step_by(37) {
+        let mut bytes = whole.clone().into_bytes();
+        bytes[place] = if bytes[place] == b'7' { b'8' } else { b'7' };
+        fs::write(at.join("damaged"), &bytes).expect("a file");
+        let output = ran(at, &["merge", "-o", "all", "p0", "damaged", "p2", "p3"]);
+        assert!(!output.status.success() && !at.join("all").exists(), "{place}");
+    }
+    fs::write(at.join("m.vib"), MODEL).expect("a file");
+    fs::write(at.join("damaged"), whole.replacen("1,", "1;", 1)).expect("a file");
+    swept(at, &["--shard", "1/4", "-o", "damaged"]);
+    assert_eq!(text(at, "damaged"), whole);
     #[cfg(unix)]
     {
         // It has no end: to open it would block.
@@ -129,11 +144,14 @@ fn an_interrupted_run_goes_on() {
     fs::write(at.join("again.csv.partial"), foreign).expect("a file");
     swept(at, &["-o", "again.csv"]);
     assert_eq!(text(at, "again.csv"), text(at, "one.csv"));
-    // A finished part stays as it is.
-    let changed = part.replacen("\n7,", "\n7,kept,", 1);
-    fs::write(at.join("part"), &changed).expect("a file");
+    // A finished part stays as it is; one that is not what was written is computed again.
+    let written = || fs::metadata(at.join("part")).and_then(|part| part.modified()).expect("a time");
+    let before = written();
     swept(at, &["--shard", "0/1", "-o", "part"]);
-    assert_eq!(text(at, "part"), changed);
+    assert_eq!(before, written());
+    fs::write(at.join("part"), part.replacen("\n7,", "\n7,changed,", 1)).expect("a file");
+    swept(at, &["--shard", "0/1", "-o", "part"]);
+    assert_eq!(text(at, "part"), part);
     // A file of somebody else is not touched.
     fs::write(at.join("mine.csv.partial"), "mine").expect("a file");
     let output = ran(at, &[&["sweep"], &STUDY[..], &["csv", "-o", "mine.csv"]].concat());
