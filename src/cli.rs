@@ -345,6 +345,12 @@ pub struct Sweep {
     /// Follow the modes as curves that keep their identity, and tell where they veer or cross; for one `--over`
     #[arg(long)]
     pub follow: bool,
+    /// With `--follow` over a rate of rotation: where the curves have these multiples of it, as in a Campbell diagram
+    #[arg(long, value_name = "N,N", value_delimiter = ',', allow_hyphen_values = true, value_parser = whole(1..=1000), requires = "follow")]
+    pub orders: Vec<u32>,
+    /// Write a plot of the followed curves to this file too
+    #[arg(long, value_name = "PATH", requires = "follow")]
+    pub svg: Option<PathBuf>,
     /// The damped poles
     #[arg(long)]
     pub poles: bool,
@@ -404,6 +410,9 @@ pub enum ShardOption {
     /// The index is a variable of a job array, and so is the number of parts if it is not given.
     Auto(Option<u64>),
 }
+
+/// The most orders of a rate of rotation that are compared with curves.
+pub const MOST_ORDERS: usize = 20;
 
 /// The most parts of a study.
 pub const MOST_SHARDS: u64 = 10_000;

@@ -27,6 +27,8 @@ pub struct StudyRequest {
     pub modes: Option<u32>,
     /// Modes are curves along the one parameter, not numbers in an order.
     pub follow: bool,
+    /// Orders of the parameter that are compared with the curves.
+    pub orders: Vec<u32>,
     pub poles: bool,
     /// Parameters that the model determines keep the values that it gives them as declared.
     pub hold_solved: bool,
@@ -106,7 +108,7 @@ pub fn study<'a>(
         }
         let mut study = Study::new((sources, reading.tree, overrides), &scene, varied, held, asked);
         if request.follow
-            && let Err(why) = study.follow()
+            && let Err(why) = study.follow(&request.orders)
         {
             return Some(Err(unfollowed(&why)));
         }
@@ -124,6 +126,9 @@ fn unfollowed(why: &Unfollowed) -> String {
         }
         Unfollowed::Determined => {
             "`--follow` follows the modes of one model: add `--hold-solved`, since this one determines parameters itself".into()
+        }
+        Unfollowed::NoRate => {
+            "`--orders` are multiples of a rate of rotation: give values in rpm, rad/s or Hz of such a parameter".into()
         }
         Unfollowed::NoModes => {
             "`--follow` finds no modes: no case has a proven rest and undamped modes (`vibc analyze --set ...` says why)".into()

@@ -10,8 +10,9 @@ use std::time::{Duration, Instant};
 use vibc::answers::ranges::{Drawing, Ranges};
 use vibc::answers::report;
 use vibc::backend::npz::Npz;
+use vibc::backend::plot::curves::plot;
 use vibc::backend::{self, sweep as rows};
-use vibc::cli::{MOST_CASES, MOST_SHARDS, Messages, Shard, ShardOption, Sweep, SweepFormat};
+use vibc::cli::{MOST_CASES, MOST_ORDERS, MOST_SHARDS, Messages, Shard, ShardOption, Sweep, SweepFormat};
 use vibc::questions::answer::REPLICATES;
 use vibc::questions::cases::Study;
 use vibc::sweep::{Draws, StudyRequest, cases, study};
@@ -40,6 +41,7 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
                 "`--follow` needs neighbours, and `--samples` are random: give the values by `--over`"
             }
             () if options.over.len() > 1 => "`--follow` follows modes along one parameter: give one `--over`",
+            () if options.orders.len() > MOST_ORDERS => "`--orders` takes at most 20 of them",
             () if shard.is_some() => "`--follow` needs the neighbours of each case: leave `--shard` out",
             () => "",
         };
@@ -53,7 +55,8 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
         report_error("arrays are written to a file: add `-o FILE.npz`");
         return Status::Usage;
     }
-    let outputs: Vec<_> = options.output.file.iter().flat_map(|path| [path.clone(), partial(path)]).collect();
+    let mut outputs: Vec<_> = options.output.file.iter().flat_map(|path| [path.clone(), partial(path)]).collect();
+    outputs.extend(options.svg.clone());
     let mut input = match open(&options.file, &options.overrides, &outputs, messages) {
         Ok(input) => input,
         Err(status) => return status,
@@ -77,6 +80,9 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
         report_error(&format!("that would be {count} cases; the limit of a run is {MOST_CASES}"));
         return Status::Usage;
     }
+    let picture = study.followed.as_ref().zip(options.svg.as_deref());
+    let drawn = picture.map_or(Status::Done, |(followed, to)| deliver(Some(to), &plot(&model, followed)));
+    let status = status.max(drawn);
     let written = match options.format {
         SweepFormat::Text => {
             let mut ranges = Ranges::new(&study.columns, drawing(options));
@@ -139,6 +145,7 @@ fn request(options: &Sweep, input: &mut Input) -> StudyRequest {
         measures,
         modes: options.modes,
         follow: options.follow,
+        orders: options.orders.clone(),
         poles: options.poles,
         hold_solved: options.hold_solved,
         until: options.measured.until(&options.overrides).cloned(),

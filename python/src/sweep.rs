@@ -45,6 +45,7 @@ pub fn table(model: &Model, asked: &Asked) -> Told<Result<Table, String>> {
     let measures = (!asked.measures.is_empty()).then(|| lines("measures", &asked.measures));
     let request = StudyRequest {
         follow: false,
+        orders: Vec::new(),
         over,
         samples: asked.samples.map(|(count, seed)| Draws { count, seed, sobol: asked.sobol }),
         measures,

@@ -3,7 +3,7 @@
 use super::SCHEMA;
 use super::json_number::JsonNumber;
 use crate::questions::answer::{Case, Column, Entry, Holds};
-use crate::questions::answer::{Curve, Followed, Grows, Meeting, MeetingKind, Onset};
+use crate::questions::answer::{Critical, Curve, Followed, Grows, Meeting, MeetingKind, Onset};
 
 /// Whether a column is followed by one with bounds.
 pub(super) fn has_bound(column: &Column) -> bool {
@@ -117,8 +117,19 @@ struct JsonFollowing {
     curves: Vec<JsonCurve>,
     meetings: Vec<JsonMeeting>,
     onsets: Vec<JsonOnset>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    critical: Option<Vec<JsonCritical>>,
     /// Cases for which it is not known how many motions grow.
     undecided_growth: usize,
+}
+
+/// A rate of rotation at which an order has the frequency of a curve.
+#[derive(serde::Serialize)]
+struct JsonCritical {
+    order: u32,
+    curve: String,
+    parameter: [JsonNumber; 2],
+    frequency_hz: Option<[JsonNumber; 2]>,
 }
 
 #[derive(serde::Serialize)]
@@ -182,10 +193,17 @@ fn following(followed: &Followed) -> JsonFollowing {
         parameter: bounded(followed.place(onset.place)),
         proved: onset.proof.is_some(),
     };
+    let critical = |critical: &Critical| JsonCritical {
+        order: critical.order,
+        curve: name(critical.curve),
+        parameter: bounded(followed.place(critical.place)),
+        frequency_hz: critical.frequency.map(bounded),
+    };
     JsonFollowing {
         curves: followed.curves.iter().enumerate().map(curve).collect(),
         meetings: followed.meetings.iter().map(meeting).collect(),
         onsets: followed.onsets.list.iter().map(onset).collect(),
+        critical: (!followed.orders.list.is_empty()).then(|| followed.orders.critical.iter().map(critical).collect()),
         undecided_growth: followed.onsets.undecided,
     }
 }

@@ -128,9 +128,9 @@ impl<'a> Study<'a> {
         self.varied.count()
     }
 
-    /// Follows the modes: their columns and rows are then those of curves.
-    pub fn follow(&mut self) -> Result<(), Unfollowed> {
-        let followed = follow(self)?;
+    /// Follows the modes: their columns and rows are then those of curves. `orders`: of the parameter, a rate of rotation.
+    pub fn follow(&mut self, orders: &[u32]) -> Result<(), Unfollowed> {
+        let followed = follow(self, orders)?;
         self.columns = followed.columns(&self.columns, self.sizes.0);
         self.followed = Some(followed);
         Ok(())

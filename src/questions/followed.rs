@@ -13,6 +13,7 @@ pub struct Followed {
     /// In the order of the parameter.
     pub meetings: Vec<Meeting>,
     pub onsets: Onsets,
+    pub orders: Orders,
     /// Name and unit of the parameter.
     pub parameter: (String, Written),
     /// Its values, SI.
@@ -43,12 +44,33 @@ pub struct Meeting {
 
 #[derive(Clone, Copy, Debug)]
 pub enum MeetingKind {
-    /// They come near and part again without touching: their distance, Hz, has a least value in that place, which is this.
-    Veering { distance: Ball, proof: Proved },
+    /// They come near and part again without touching: their distance, Hz, has a least value in that place, which is this. Both
+    /// frequencies lie in an enclosure there.
+    Veering { distance: Ball, frequency: Ball, proof: Proved },
     /// They cross there, at this frequency, Hz: they belong to blocks that nothing couples.
     Crossing { frequency: Ball, proof: Proved },
     /// It is not proved what they do there; they come at least as near as this, Hz.
     Undecided { distance: Option<Ball> },
+}
+
+/// Orders of the parameter, which is a rate of rotation, and where curves have their frequencies.
+#[derive(Clone, Debug, Default)]
+pub struct Orders {
+    pub list: Vec<u32>,
+    /// By order, curve and place.
+    pub critical: Vec<Critical>,
+    /// The frequency of the first order in Hz for a rate of one in SI units.
+    pub per_unit: f64,
+}
+
+/// A curve, counted from 0, has the frequency of an order somewhere in the place (SI).
+#[derive(Clone, Copy, Debug)]
+pub struct Critical {
+    pub curve: usize,
+    pub order: u32,
+    pub place: [f64; 2],
+    /// In Hz; `None` if it is not proved that it has.
+    pub frequency: Option<Ball>,
 }
 
 /// Where the number of growing motions changes.

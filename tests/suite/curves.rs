@@ -193,12 +193,51 @@ fn two_onsets_between_two_values_are_two() {
     meets(&onsets[1]["parameter"], 1.0, 1e-12);
 }
 
+/// Springs that grow with the square of the rate, omega^2 = k/m + a Omega^2 (Southwell): the order n has that frequency at
+/// Omega = sqrt(k / (m (n^2 - a))). Two such masses that nothing couples, k = 100 and 400 N/m, never meet.
+#[test]
+fn orders_meet_curves_at_critical_rates() {
+    let blade = |k: &str| format!("{k} + 0.5 kg * w * w");
+    for (unit, per_second) in [("rpm", 30.0 / PI), ("rad/s", 1.0)] {
+        let model = apart(&blade("100 N/m"), &blade("400 N/m")).replace("p = 1 N/m", "w = 60 rpm");
+        let over = format!("w=0{unit}..{}{unit}:31", 40.0 * per_second);
+        let study = study(&model, &["--over", &over, "--orders", "1,3"]);
+        let critical = study["following"]["critical"].as_array().expect("critical rates");
+        let expected = [(1, 1, 100.0), (1, 2, 400.0), (3, 1, 100.0), (3, 2, 400.0)];
+        assert_eq!(critical.len(), expected.len(), "{critical:?}");
+        for (told, (order, curve, k)) in critical.iter().zip(expected) {
+            assert_eq!((&told["order"], &told["curve"]), (&order.into(), &format!("curve_{curve}").into()));
+            let n = f64::from(order);
+            let rate = f64::sqrt(k / (n * n - 0.5));
+            // The parameter's own unit is rpm, whatever the values are written in.
+            meets(&told["parameter"], rate * 30.0 / PI, 1e-12);
+            meets(&told["frequency_hz"], n * rate / (2.0 * PI), 1e-12);
+        }
+        assert_eq!(open_links(&study), 0, "from a rate of zero on");
+        assert!(meetings(&study).is_empty());
+    }
+}
+
+/// The picture has a line for each curve and each order, and the mark of the veering in its place.
+#[test]
+fn the_picture_has_curves_and_marks() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("m.vib"), TWO).expect("a file");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+    let over = ["--over", "k1=0.5N/m..2N/m:21", "--follow", "--svg", "p.svg"];
+    let output = command.args(["sweep", "m.vib"]).args(over).current_dir(folder.path()).output().expect("a run");
+    assert!(output.status.success());
+    let picture = fs::read_to_string(folder.path().join("p.svg")).expect("a picture");
+    insta::assert_snapshot!(picture);
+}
+
 #[test]
 fn what_is_not_followed_is_refused_with_one_message() {
     let solved = format!("{TWO}solve kc in 0.01 N/m .. 1 N/m: frequency(1) = 0.15 Hz\n");
     let random = TWO.replace("param k1 = 1 N/m", "param k1 = 1 N/m within 5 %");
     let over = "k1=1N/m..2N/m:3";
-    let cases: [(&str, &[&str], &str); 6] = [
+    let cases: [(&str, &[&str], &str); 7] = [
+        (TWO, &["--over", over, "--orders", "1"], "multiples of a rate of rotation"),
         (&random, &["--samples", "10"], "`--samples` are random"),
         (TWO, &["--over", over, "--over", "k2=1N/m,2N/m"], "give one `--over`"),
         (TWO, &["--over", over, "--shard", "0/2", "-o", "part", "--format", "csv"], "leave `--shard` out"),

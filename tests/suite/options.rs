@@ -39,7 +39,7 @@ type Values = (&'static str, &'static str, &'static [Good], &'static [&'static s
 
 const TIMES: [&str; 8] = ["", "s", "0s", "-1s", "1", "1kg", "1e400s", "soon"];
 
-const VALUES: [Values; 53] = [
+const VALUES: [Values; 54] = [
     (
         "*",
         "set",
@@ -152,6 +152,13 @@ const VALUES: [Values; 53] = [
     ("sweep", "samples", &[Done("1"), Done("100")], &["0", "-1", "1000000001", "1.5", "x", ""]),
     ("sweep", "seed", &[Done("7"), Done("18446744073709551615")], &["", "-1", "1.5", "x", "18446744073709551616"]),
     ("sweep", "modes", &[Done("1"), Done("1000")], &["0", "-1", "1001", "1.5", "all", ""]),
+    // The parameter is no rate of rotation.
+    (
+        "sweep",
+        "orders",
+        &[Ends("1", 2), Ends("1,2,4", 2), Ends("1000", 2)],
+        &["0", "-1", "", "1.5", "x", "1,,2", "1,", "1001"],
+    ),
     (
         "sweep",
         "shard",
@@ -287,6 +294,7 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
         ("sweep", "shard") => needed.extend(["--over", "k=5N/m,6N/m", "--format", "csv", "--output", "@/out.csv"]),
         // Arrays are written to files alone.
         ("sweep", "format") => needed.extend(["--over", "k=5N/m,6N/m", "--output", "@/out.npz"]),
+        ("sweep", "orders" | "svg") => needed.extend(["--over", "k=5N/m,6N/m", "--follow"]),
         ("sweep", _) => needed.extend(["--over", "k=5N/m,6N/m"]),
         ("shock", "range") => {}
         ("shock", "at") => {}

@@ -150,6 +150,7 @@ fn studies_have_the_published_form() {
         ("isolation_table", &["--over", "zeta=5%..15%:3"]),
         ("cart", &["--over", "k=5N/m..50N/m:4", "--follow"]),
         ("inverted_pendulum", &["--over", "k=1N/m..5N/m:4", "--follow", "--poles"]),
+        ("rotor", &["--over", "speed=600rpm..3000rpm:5", "--follow", "--orders", "1,2"]),
         ("cart", &["--over", "L=0m,1m", "--over", "b=0", "--measure", "peak_gain(F -> x)"]),
     ] {
         let path = root().join("examples").join(format!("{model}.vib"));

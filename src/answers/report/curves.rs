@@ -22,7 +22,8 @@ pub fn section(followed: &Followed) -> Section {
     let mut doubts: Vec<Block> =
         open.iter().take(MOST_ROWS).map(|meeting| Block::Item(doubt(followed, meeting))).collect();
     doubts.extend(more(open.len()));
-    let blocks = [intro, vec![links(followed).into()], veerings, crossings, doubts, onsets(followed)];
+    let blocks =
+        [intro, vec![links(followed).into()], veerings, crossings, doubts, critical(followed), onsets(followed)];
     Section::new("Curves", blocks.concat())
 }
 
@@ -50,6 +51,34 @@ fn onsets(followed: &Followed) -> Vec<Block> {
         line!["it is not known how many grow in ", found.undecided, " of ", followed.places.len(), " cases"];
     blocks.extend((found.undecided > 0).then_some(Block::Item(undecided)));
     blocks
+}
+
+/// Where the curves have the frequencies of the orders.
+fn critical(followed: &Followed) -> Vec<Block> {
+    let mut table = Table::new()
+        .column("order", "", Align::Right)
+        .column("curve", "", Align::Right)
+        .column("frequency", "[Hz]", Align::Point)
+        .column("error ≤", "", Align::Right)
+        .column(at(followed), "", Align::Point)
+        .column("error ≤", "", Align::Right);
+    let list = &followed.orders.critical;
+    for critical in list.iter().take(MOST_ROWS) {
+        let [order, curve] = [critical.order as usize, critical.curve + 1].map(|count| Cell::from(Line::from(count)));
+        let place = followed.place(critical.place);
+        let frequency = match critical.frequency {
+            Some(frequency) => {
+                [Figure::ball(frequency, DIGITS).into(), Figure::bound(Bound::relative(frequency)).into()]
+            }
+            None => ["not proved".into(), Cell::default()],
+        };
+        let place = [Figure::ball(place, DIGITS).into(), Figure::bound(Bound::relative(place)).into()];
+        table.row([vec![order, curve], frequency.to_vec(), place.to_vec()].concat());
+    }
+    let shown = if list.is_empty() { Vec::new() } else { vec![Block::from(table)] };
+    let none = (list.is_empty() && !followed.orders.list.is_empty())
+        .then(|| Block::Line("no curve has the frequency of an order at a place between two values".into()));
+    shown.into_iter().chain(more(list.len())).chain(none).collect()
 }
 
 fn growing(of: Grows) -> &'static str {

@@ -2,6 +2,7 @@
 //! all of which are in a table with their bounds. Out: the file. See docs/draw.md.
 
 pub mod axis;
+pub mod curves;
 pub mod motion;
 mod panel;
 pub mod shock;

@@ -174,6 +174,7 @@ mod tests {
         assert_eq!(undivided(|| from(3).is_positive()), None);
         assert_eq!(undivided(|| from(3).is_negative()), None);
         assert_eq!(undivided(|| from(3).is_zero()), None);
+        assert!(undivided(|| &from(3) * &Number::from(2)).is_some(), "a product has one form");
         assert_eq!(undivided(|| from(3).may_be_zero()), None);
         assert_eq!(undivided(|| x.compare(&Number::from(5))), Some(Some(std::cmp::Ordering::Less)));
         assert_eq!(undivided(|| x.compare(&Number::from(4))), None);

@@ -121,6 +121,15 @@ impl Number {
         }
     }
 
+    /// The same where the answer only saves work: over a range the product encloses all products, whether or not a factor is zero for
+    /// some values, so that nothing is asked about it.
+    fn vanishes(&self) -> bool {
+        match self {
+            Number::Jet(jet) => jet.is_zero(),
+            number => number.is_zero(),
+        }
+    }
+
     #[inline]
     pub fn is_one(&self) -> bool {
         matches!(self, Number::Exact(value) if value.is_one())
@@ -322,7 +331,7 @@ impl Mul for &Number {
                 }
             }
             // An exact zero stays exact whatever it is multiplied with.
-            _ if self.is_zero() || other.is_zero() => Number::ZERO,
+            _ if self.vanishes() || other.vanishes() => Number::ZERO,
             (Number::Jet(_), _) | (_, Number::Jet(_)) => jet::product(self, other),
             (Number::Pi(_), _) | (_, Number::Pi(_)) => pi::product(self, other),
             _ => Number::Ball(self.to_ball() * other.to_ball()),

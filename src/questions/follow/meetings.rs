@@ -1,7 +1,7 @@
 //! Where curves come near each other: veerings, which are least distances of curves of one class, and crossings of curves of
 //! different classes. In: the frequencies at all places in order. Out: each with its place, enclosed. See docs/method/studies.md#curves.
 
-use super::places::{Field, Place, binary};
+use super::places::{Bounds, Field, Place, binary};
 use super::{Meeting, MeetingKind, Member};
 use crate::base::{Ball, Number};
 use crate::questions::answer::Proved;
@@ -60,21 +60,58 @@ fn veering(
     }
     let ends = [binary(first)?, binary(last)?];
     let bounds = field.bounds([&ends[0], &ends[1]]).swap_remove(member.class);
-    let least = bounds.and_then(|bounds| bounds.distance(member.index)).filter(|least| least.is_positive());
-    let kind = match least {
-        Some(least) => MeetingKind::Veering { distance: hull(least, own), proof: Proved(()) },
+    let apart = bounds.and_then(|bounds| {
+        let least = bounds.distance(member.index).filter(|least| least.is_positive())?;
+        Some((least, hull(bounds.lower[member.index]?, bounds.upper[member.index + 1]?)))
+    });
+    let kind = match apart {
+        Some((least, frequency)) => MeetingKind::Veering { distance: hull(least, own), frequency, proof: Proved(()) },
         None => MeetingKind::Undecided { distance: Some(own) },
     };
     Some(Meeting { curves, place: [first, last], kind })
 }
 
+/// A place where one number passes another one, and the value of both there if that is proved.
+#[derive(Clone, Debug)]
+pub struct Passage {
+    pub place: [f64; 2],
+    pub value: Option<Ball>,
+}
+
+/// Two numbers that depend on the parameter.
+pub struct Two<'a> {
+    /// Whether the first is certainly above the second, or below; the outer `None` if one does not exist.
+    pub side: &'a dyn Fn(&Place) -> Option<Option<bool>>,
+    /// An enclosure of the first between two places; `None` if they may not be continuous there.
+    pub value: &'a dyn Fn([&Number; 2]) -> Option<Ball>,
+}
+
 /// The crossings of two curves of different classes, and where they cannot be told apart.
 pub fn crossings(field: &Field, places: &[Place], of: [Member; 2], curves: [usize; 2]) -> Vec<Meeting> {
+    let value = |ends: [&Number; 2]| {
+        let bounds = field.bounds(ends);
+        enclosed(&bounds, of[1]).and(enclosed(&bounds, of[0]))
+    };
+    let meeting = |passage: Passage| Meeting {
+        curves,
+        place: passage.place,
+        kind: match passage.value {
+            Some(frequency) => MeetingKind::Crossing { frequency, proof: Proved(()) },
+            None => MeetingKind::Undecided { distance: None },
+        },
+    };
+    let two = Two { side: &|place| side(place, of), value: &value };
+    passages(field, places, &two).into_iter().map(meeting).collect()
+}
+
+/// Where two numbers pass each other, and where it is not certain which one lies above.
+pub fn passages(field: &Field, places: &[Place], two: &Two) -> Vec<Passage> {
     let mut list = Vec::new();
+    let open = |ends: [usize; 2]| Passage { place: ends.map(|i| places[i].at.to_f64()), value: None };
     // The last place where it is certain which one lies above, and the first after it where it is not.
     let (mut certain, mut doubtful): (Option<(usize, bool)>, Option<usize>) = (None, None);
     for (i, place) in places.iter().enumerate() {
-        let Some(sign) = side(place, of) else {
+        let Some(sign) = (two.side)(place) else {
             (certain, doubtful) = (None, None);
             continue;
         };
@@ -84,17 +121,36 @@ pub fn crossings(field: &Field, places: &[Place], of: [Member; 2], curves: [usiz
         };
         match (certain, doubtful) {
             (Some((last, was)), _) if was != above => {
-                list.extend(crossing(field, of, curves, [last, i].map(|i| places[i].at.to_f64()), was));
+                list.push(passage(field, two, [last, i].map(|i| places[i].at.to_f64()), was));
             }
-            (_, Some(first)) => list.push(undecided(curves, [&places[first], &places[i - 1]])),
+            (_, Some(first)) => list.push(open([first, i - 1])),
             _ => {}
         }
         (certain, doubtful) = (Some((i, above)), None);
     }
-    if let (Some(first), Some(last)) = (doubtful, places.last()) {
-        list.push(undecided(curves, [&places[first], last]));
-    }
+    list.extend(doubtful.map(|first| open([first, places.len() - 1])));
     list
+}
+
+/// Encloses a passage between two places: the first number is certainly above the other at the first of them (`above`), and below at
+/// the second, or the reverse. Numbers that are continuous between them meet there.
+fn passage(field: &Field, two: &Two, ends: [f64; 2], above: bool) -> Passage {
+    let at = |x: f64| (two.side)(&field.place(&binary(x)?, true))?;
+    if at(ends[0]) != Some(above) || at(ends[1]) != Some(!above) {
+        return Passage { place: ends, value: None };
+    }
+    let place = super::narrowed(ends, |x| Some(at(x)? == above));
+    let value = match place.map(binary) {
+        [Some(low), Some(high)] => (two.value)([&low, &high]),
+        _ => None,
+    };
+    Passage { place, value }
+}
+
+/// A curve between two places.
+pub fn enclosed(bounds: &[Option<Bounds>], of: Member) -> Option<Ball> {
+    let own = bounds[of.class].as_ref()?;
+    Some(hull((*own.lower.get(of.index)?)?, (*own.upper.get(of.index)?)?))
 }
 
 pub fn undecided(curves: [usize; 2], ends: [&Place; 2]) -> Meeting {
@@ -110,37 +166,5 @@ fn side(place: &Place, [a, b]: [Member; 2]) -> Option<Option<bool>> {
         _ if a.is_zero() && b.is_zero() => None,
         (false, false) => Some(None),
         (above, _) => Some(Some(above)),
-    }
-}
-
-/// A crossing between two places: the first curve is certainly above the other at the first of them (`above`), and below at the second,
-/// or the reverse.
-fn crossing(
-    field: &Field,
-    of: [Member; 2],
-    curves: [usize; 2],
-    [first, last]: [f64; 2],
-    above: bool,
-) -> Option<Meeting> {
-    let at = |x: f64| side(&field.place(&binary(x)?, true), of)?;
-    if at(first) != Some(above) || at(last) != Some(!above) {
-        let kind = MeetingKind::Undecided { distance: None };
-        return Some(Meeting { curves, place: [first, last], kind });
-    }
-    let [first, last] = super::narrowed([first, last], |x| Some(at(x)? == above));
-    let kind = meeting(field, of, [binary(first)?, binary(last)?]);
-    Some(Meeting { curves, place: [first, last], kind })
-}
-
-/// Curves that are continuous between two places, at which they lie in opposite order, meet there.
-fn meeting(field: &Field, [a, b]: [Member; 2], ends: [Number; 2]) -> MeetingKind {
-    let bounds = field.bounds([&ends[0], &ends[1]]);
-    let enclosed = |of: Member| -> Option<Ball> {
-        let own = bounds[of.class].as_ref()?;
-        Some(hull((*own.lower.get(of.index)?)?, (*own.upper.get(of.index)?)?))
-    };
-    match (enclosed(a), enclosed(b)) {
-        (Some(frequency), Some(_)) => MeetingKind::Crossing { frequency, proof: Proved(()) },
-        _ => MeetingKind::Undecided { distance: None },
     }
 }

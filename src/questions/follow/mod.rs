@@ -4,6 +4,7 @@
 
 mod meetings;
 mod onsets;
+mod orders;
 mod places;
 mod steps;
 
@@ -38,6 +39,8 @@ pub enum Unfollowed {
     /// The model determines parameters for each case.
     Determined,
     NoModes,
+    /// Orders are asked for, but the parameter is no rate of rotation.
+    NoRate,
 }
 
 /// The modes whose distance to the next of their class matters: those of the curves, and the ones below.
@@ -51,10 +54,14 @@ fn pairs_of(curves: &[Member], classes: &[Vec<u32>]) -> Vec<Member> {
 }
 
 /// Follows the modes of a study over one parameter.
-pub fn follow(study: &Study) -> Result<Followed, Unfollowed> {
+pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     let Varied::Over(swept) = &study.varied else { return Err(Unfollowed::NotInOrder) };
     let [swept] = &swept[..] else { return Err(Unfollowed::NotInOrder) };
     let n = fitting(study, swept)?;
+    let rate = &swept.parameter.value;
+    if !orders.is_empty() && !orders::is_rate(rate) {
+        return Err(Unfollowed::NoRate);
+    }
     let count = study.count();
     let values: Vec<_> = (0..count).map(|i| swept.points.value(i)).collect();
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return Err(Unfollowed::NoModes) };
@@ -68,6 +75,7 @@ pub fn follow(study: &Study) -> Result<Followed, Unfollowed> {
         some.iter().map(|ends| steps::step(&field, &curves, limits, [&ends[0], &ends[1]])).collect()
     });
     let mut meetings = meetings_of(&field, &curves, &points, &steps);
+    let orders = orders::orders(&field, &all_places(&points, &steps), &curves, rate, orders);
     let grows = if study.asked.poles { Grows::Poles } else { Grows::Modes };
     let rises = values.len() < 2 || first.to_f64() <= last.to_f64();
     let key = |meeting: &Meeting| if rises { meeting.place[0] } else { -meeting.place[0] };
@@ -76,6 +84,7 @@ pub fn follow(study: &Study) -> Result<Followed, Unfollowed> {
         curves: curves.iter().map(|own| curve(*own, &classes, &points, &steps)).collect(),
         meetings,
         onsets: onsets::onsets(&field, &values, grows),
+        orders,
         parameter: (swept.parameter.name.clone(), swept.parameter.unit.clone()),
         places: values.iter().map(|value| value.to_f64()).collect(),
         classes: classes.len(),
@@ -130,13 +139,19 @@ fn curve(own: Member, classes: &[Vec<u32>], points: &[Place], steps: &[Step]) ->
     }
 }
 
-/// Everything that is told of pairs of curves.
-fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step]) -> Vec<Meeting> {
+/// All places that were looked at, in order.
+fn all_places(points: &[Place], steps: &[Step]) -> Vec<Place> {
     let mut places: Vec<Place> = Vec::new();
     for (i, point) in points.iter().enumerate() {
         places.push(point.clone());
         places.extend(steps.get(i).into_iter().flat_map(|step| step.inner.iter().cloned()));
     }
+    places
+}
+
+/// Everything that is told of pairs of curves.
+fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step]) -> Vec<Meeting> {
+    let places = all_places(points, steps);
     let pairs: Vec<[usize; 2]> = (0..curves.len()).flat_map(|i| (i + 1..curves.len()).map(move |j| [i, j])).collect();
     let of_pair = |pair: &[usize; 2]| {
         let [a, b] = pair.map(|i| curves[i]);
