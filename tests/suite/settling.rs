@@ -187,3 +187,14 @@ fn slow_and_fast_motions_together() {
     meets(&found[0], settled(0.2, 0.96f64.sqrt(), 0.01));
     meets(&found[1], settled(50.0, (1e6 - 2500f64).sqrt(), 0.01));
 }
+
+/// A spring of next to nothing beside a damper: the slow decay takes 1e16 times as long as the fast one, which is said, at once.
+#[test]
+fn a_decay_that_takes_next_to_for_ever_is_refused_at_once() {
+    let model = "body b { mass = 2 kg, moves x }\nspring s: ground -- b { k = 1e-14 N/m }\ndamper d: ground -- b { c = 32 N*s/m }\n\
+                 force F: b along x = step(10 N, 0 s)\noutput x = b.x\nrequire settling(x, 2 %) < 1 s\nrequire overshoot(x) < 1 %\n";
+    let output = crate::program::ran(model, &["check"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(said.matches("vib::require::no_value").count(), 2, "{said}");
+    assert_eq!(said.matches("── the fastest motion has too many cycles").count(), 2, "{said}");
+}

@@ -22,6 +22,8 @@ pub const ROUGH: usize = 18;
 pub const FINE: usize = 29;
 /// A motion with more pieces takes too long.
 pub(super) const MOST_PIECES: f64 = 4e6;
+/// And one that has more need not be begun, even if it may be over early.
+const MOST_COUNTED: f64 = 1e9;
 /// Number of pieces between two states in two words.
 pub(super) const BLOCK: usize = 64;
 /// Maximum number of pieces that are evaluated in two words; beyond it the binary64 values are used.
@@ -93,10 +95,10 @@ pub fn follow(
         let is_free = stretch.is_free(run);
         stretch.follow(run, output, to, &mut |_, block| {
             if is_free && largest.reaches(block.to_come()) {
-                return true;
+                return Next::Stop;
             }
             block.bound(None, largest, &mut fine);
-            false
+            Next::Block
         })?;
         Ok(Outcome::ToTheEnd)
     })
@@ -122,6 +124,13 @@ pub(super) fn stretch(
     Ok(new)
 }
 
+/// Whether the time to `to` has so many pieces that a stretch of them is not worth setting up.
+pub(super) fn is_hopeless(run: &Run, to: &Number) -> bool {
+    let norm = run.space.generator(&run.states_on()).norm;
+    let pieces = (to - &run.now).to_f64() * norm;
+    pieces.is_nan() || pieces > MOST_COUNTED
+}
+
 /// The time between two stops, divided into pieces.
 pub(super) struct Stretch {
     whole: Number,
@@ -138,6 +147,14 @@ pub(super) struct Stretch {
     errors: Vec<f64>,
     /// A bound of |exp(A t)| for t up to h.
     growth: f64,
+}
+
+/// What is needed of the rest of a stretch.
+pub(super) enum Next {
+    Block,
+    /// The state at its end alone.
+    Stop,
+    Nothing,
 }
 
 /// Consecutive pieces of a stretch, and the state at their beginning.
@@ -158,7 +175,7 @@ pub(super) struct Block {
 impl Stretch {
     fn of(run: &Run, output: usize, whole: Number, states: Vec<usize>) -> Option<Stretch> {
         let generator = run.space.generator(&states);
-        let count = (whole.to_f64() * generator.norm).ceil().clamp(1.0, 1e9) as usize;
+        let count = (whole.to_f64() * generator.norm).ceil().clamp(1.0, MOST_COUNTED) as usize;
         let h = &whole / &Number::from(count as i64);
         let n = states.len();
         let length_of_piece = h.to_ball();
@@ -192,13 +209,13 @@ impl Stretch {
         is_steady && is_off && run.source_error == 0.0 && run.space.own_rate * self.whole.to_f64() < 0.5
     }
 
-    /// Takes the run through all blocks up to `to`; `visit` returns true if nothing of the rest is needed.
+    /// Takes the run through all blocks up to `to`; `visit` says what is needed of the rest.
     pub(super) fn follow(
         self: &Rc<Stretch>,
         run: &mut Run,
         output: usize,
         to: &Number,
-        visit: &mut dyn FnMut(&Run, &Block) -> bool,
+        visit: &mut dyn FnMut(&Run, &Block) -> Next,
     ) -> Result<(), AnalysisError> {
         let start = run.now.clone();
         let times = |pieces: usize| &self.h * &Number::from(pieces as i64);
@@ -216,8 +233,10 @@ impl Stretch {
                 approximations: run.approximation_errors() * self.h.to_f64() * self.growth * UP,
                 fed: run.feed_through_error(output),
             };
-            if visit(run, &block) {
-                return run.advance(to);
+            match visit(run, &block) {
+                Next::Block => {}
+                Next::Stop => return run.advance(to),
+                Next::Nothing => return Ok(()),
             }
             done += pieces;
             match &whole_block {

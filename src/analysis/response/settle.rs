@@ -6,7 +6,7 @@
 //! that is still to come by |c| G |z - z_end|. The course is followed until that is small enough.
 
 use super::Run;
-use super::course::{Block, MOST_PIECES, Outcome, stretch, stretches};
+use super::course::{Block, MOST_PIECES, Next, Outcome, is_hopeless, stretch, stretches};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::largest::{About, Largest};
 use crate::base::{Ball, Dd, Number, Power, up};
@@ -90,17 +90,18 @@ impl Approach<'_> {
         let outcome = stretches(self.system, self.drives, self.output, self.until, &mut |run, to| {
             let ahead = if to == self.until { Ahead::of(run, self.output) } else { None };
             is_open |= to == self.until && ahead.is_none();
-            if is_open {
+            if is_open || is_hopeless(run, to) {
                 return Ok(Outcome::TooLong);
             }
             let stretch = stretch(&mut known, run, self.output, to)?;
             stretch.follow(run, self.output, to, &mut |run, block| {
                 is_done = ahead.as_ref().is_some_and(|ahead| visit(Step::ToCome(ahead.most(run))));
                 pieces += block.pieces() as f64;
-                is_done || pieces > MOST_PIECES || {
-                    visit(Step::Block(block));
-                    false
+                if is_done || pieces > MOST_PIECES {
+                    return Next::Nothing;
                 }
+                visit(Step::Block(block));
+                Next::Block
             })?;
             let is_short = is_done || pieces <= MOST_PIECES;
             is_done = is_done || ahead.is_some_and(|ahead| visit(Step::ToCome(ahead.most(run))));
