@@ -3,7 +3,7 @@
 use super::SCHEMA;
 use super::json_number::JsonNumber;
 use crate::questions::answer::{Case, Column, Entry, Holds};
-use crate::questions::answer::{Critical, Curve, Followed, Grows, Meeting, MeetingKind, Onset};
+use crate::questions::answer::{Critical, Curve, Followed, Grows, Locus, Meeting, MeetingKind, Onset};
 
 /// Whether a column is followed by one with bounds.
 pub(super) fn has_bound(column: &Column) -> bool {
@@ -116,6 +116,9 @@ struct JsonHeading<'a> {
 struct JsonFollowing {
     curves: Vec<JsonCurve>,
     meetings: Vec<JsonMeeting>,
+    /// The poles as curves.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    loci: Vec<JsonLocus>,
     onsets: Vec<JsonOnset>,
     #[serde(skip_serializing_if = "Option::is_none")]
     critical: Option<Vec<JsonCritical>>,
@@ -144,6 +147,12 @@ struct JsonOnset {
 struct JsonCurve {
     name: String,
     block: usize,
+    open_links: Vec<usize>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonLocus {
+    name: String,
     open_links: Vec<usize>,
 }
 
@@ -199,7 +208,12 @@ fn following(followed: &Followed) -> JsonFollowing {
         parameter: bounded(followed.place(critical.place)),
         frequency_hz: critical.frequency.map(bounded),
     };
+    let locus = |(i, locus): (usize, &Locus)| JsonLocus {
+        name: format!("pole_{}", i + 1),
+        open_links: locus.open_links().collect(),
+    };
     JsonFollowing {
+        loci: followed.loci.iter().enumerate().map(locus).collect(),
         curves: followed.curves.iter().enumerate().map(curve).collect(),
         meetings: followed.meetings.iter().map(meeting).collect(),
         onsets: followed.onsets.list.iter().map(onset).collect(),

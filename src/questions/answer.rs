@@ -1,7 +1,7 @@
 //! Answers to the lines `solve` and `require`: plain data for reports.
 
 use super::cover::Proof;
-pub use super::followed::{Critical, Curve, Followed, Grows, Meeting, MeetingKind, Onset, Onsets, Orders};
+pub use super::followed::{Critical, Curve, Followed, Grows, Locus, Meeting, MeetingKind, Onset, Onsets, Orders};
 use crate::base::{Ball, Bound, Number, Span, Unproven};
 use crate::model::scene::Written;
 use std::borrow::Cow;

@@ -12,6 +12,8 @@ pub struct Followed {
     pub curves: Vec<Curve>,
     /// In the order of the parameter.
     pub meetings: Vec<Meeting>,
+    /// The poles as curves, in the order of the first case; empty if they are not asked for, or not all of them are known.
+    pub loci: Vec<Locus>,
     pub onsets: Onsets,
     pub orders: Orders,
     /// Name and unit of the parameter.
@@ -29,6 +31,15 @@ pub struct Curve {
     pub class: usize,
     /// In Hz, for each case.
     pub points: Vec<Option<Ball>>,
+    /// Whether it is proved that the point of each case lies on the same curve as that of the case before.
+    pub links: Vec<Option<Proved>>,
+}
+
+/// A pole that keeps its identity.
+#[derive(Clone, Debug)]
+pub struct Locus {
+    /// Real part, 1/s, and imaginary part, rad/s, for each case.
+    pub points: Vec<[Ball; 2]>,
     /// Whether it is proved that the point of each case lies on the same curve as that of the case before.
     pub links: Vec<Option<Proved>>,
 }
@@ -113,6 +124,13 @@ impl Followed {
     /// A value of the parameter in its unit.
     pub fn in_unit(&self, si: f64) -> Ball {
         shown(&Number::Ball(Ball::from(si)), &self.parameter.1, false).number
+    }
+}
+
+impl Locus {
+    /// The cases whose link to the case before is not proved.
+    pub fn open_links(&self) -> impl Iterator<Item = usize> {
+        (1..self.links.len()).filter(|&i| self.links[i].is_none())
     }
 }
 

@@ -102,22 +102,20 @@ fn links(followed: &Followed) -> Table {
         ("proved", Align::Right),
         ("not proved", Align::Left),
     ]);
+    let open = |cases: Vec<usize>| match cases.first() {
+        Some(&case) => line!["the first ", between(followed, [followed.places[case - 1], followed.places[case]])],
+        None => Line::default(),
+    };
+    let mut row = |name: String, block: Line, count: usize, cases: Vec<usize>| {
+        let proved = Line::from(count - cases.len());
+        table.row(vec![name.into(), block.into(), Line::from(count).into(), proved.into(), open(cases).into()]);
+    };
     for (i, curve) in followed.curves.iter().enumerate() {
         let count = (0..curve.points.len()).filter(|&case| curve.has_link(case)).count();
-        let open: Vec<usize> = curve.open_links().collect();
-        let first = match open.first() {
-            Some(&case) => {
-                line!["the first ", between(followed, [followed.places[case - 1], followed.places[case]])]
-            }
-            None => Line::default(),
-        };
-        table.row(vec![
-            format!("curve_{}", i + 1).into(),
-            Line::from(curve.class).into(),
-            Line::from(count).into(),
-            Line::from(count - open.len()).into(),
-            first.into(),
-        ]);
+        row(format!("curve_{}", i + 1), curve.class.into(), count, curve.open_links().collect());
+    }
+    for (i, locus) in followed.loci.iter().enumerate() {
+        row(format!("pole_{}", i + 1), Line::default(), locus.links.len() - 1, locus.open_links().collect());
     }
     table
 }

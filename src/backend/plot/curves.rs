@@ -3,7 +3,7 @@
 
 use super::{Axis, Curve, Entry, Mark, Panel, Plot, Sample, Scale, Shape, Style, svg};
 use crate::base::Ball;
-use crate::questions::answer::{Critical, Followed, Grows, Meeting, MeetingKind, Onset, few_digits};
+use crate::questions::answer::{Critical, Followed, Grows, Locus, Meeting, MeetingKind, Onset, few_digits};
 
 const HEIGHT: f64 = 380.0;
 /// Marks of each kind that are drawn; the JSON has all.
@@ -14,7 +14,11 @@ const ROOM: f64 = 1.08;
 /// The whole file.
 pub fn plot(model: &str, followed: &Followed) -> String {
     let (name, unit) = (&followed.parameter.0, &followed.parameter.1.text);
-    svg(&Plot { title: format!("{model}: modes over {name}"), rows: vec![vec![panel(followed, name, unit)]] })
+    let mut rows = vec![vec![panel(followed, name, unit)]];
+    if !followed.loci.is_empty() {
+        rows.push(vec![root_locus(followed)]);
+    }
+    svg(&Plot { title: format!("{model}: modes over {name}"), rows })
 }
 
 fn panel(followed: &Followed, name: &str, unit: &str) -> Panel {
@@ -42,6 +46,39 @@ fn panel(followed: &Followed, name: &str, unit: &str) -> Panel {
         curves,
         marks: marks(followed),
         legend,
+    }
+}
+
+/// The poles in the complex plane, each from a ring at the first value on.
+fn root_locus(followed: &Followed) -> Panel {
+    let point = |[re, im]: &[Ball; 2]| (re.to_f64(), im.to_f64());
+    let curve = |(number, locus): (usize, &Locus)| {
+        let mut points = Vec::with_capacity(locus.points.len());
+        for (i, ends) in locus.points.iter().enumerate() {
+            if i > 0 && locus.links[i].is_none() {
+                points.push((f64::NAN, f64::NAN));
+            }
+            points.push(point(ends));
+        }
+        Curve { points, style: Style::Curve(number) }
+    };
+    let curves: Vec<Curve> = followed.loci.iter().enumerate().map(curve).collect();
+    let first = |(number, locus): (usize, &Locus)| {
+        let at = locus.points.first().map(point)?;
+        Some(Mark { at, shape: Shape::Ring, label: String::new(), style: Style::Curve(number) })
+    };
+    let values = |part: fn(&(f64, f64)) -> f64| curves.iter().flat_map(move |curve| curve.points.iter().map(part));
+    let (from, to) = (followed.places.first(), followed.places.last());
+    let [from, to] = [from, to].map(|end| few_digits(end.map_or(0.0, |si| followed.in_unit(*si).to_f64())));
+    let (name, unit) = (&followed.parameter.0, &followed.parameter.1.text);
+    Panel {
+        heading: format!("poles from {name} = {from} (rings) to {to} {unit}").trim_end().to_string(),
+        x: Axis::holding("real part [1/s]", Scale::Linear, values(|point| point.0).chain([0.0])),
+        y: Axis::holding("imaginary part [rad/s]", Scale::Linear, values(|point| point.1)),
+        height: HEIGHT,
+        marks: followed.loci.iter().enumerate().filter_map(first).collect(),
+        curves,
+        legend: Vec::new(),
     }
 }
 

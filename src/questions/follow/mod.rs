@@ -2,6 +2,7 @@
 //! parameter. Out: the curves, what is proved of the steps between their points, and where they veer or cross. See
 //! docs/method/studies.md#curves.
 
+mod loci;
 mod meetings;
 mod onsets;
 mod orders;
@@ -83,6 +84,7 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     Ok(Followed {
         curves: curves.iter().map(|own| curve(*own, &classes, &points, &steps)).collect(),
         meetings,
+        loci: if study.asked.poles { loci::loci(&field, &values) } else { Vec::new() },
         onsets: onsets::onsets(&field, &values, grows),
         orders,
         parameter: (swept.parameter.name.clone(), swept.parameter.unit.clone()),
@@ -207,26 +209,40 @@ fn narrowed([mut first, mut last]: [f64; 2], is_alike: impl Fn(f64) -> Option<bo
 }
 
 impl Followed {
-    /// Puts curves in place of the numbered frequencies, each with a column that tells whether its links are proved.
-    pub(super) fn columns(&self, columns: &[Column], asked: usize) -> Vec<Column> {
+    /// Puts curves in place of the `modes` numbered frequencies and of the poles behind them, each with a column that tells whether
+    /// its links are proved.
+    pub(super) fn columns(&self, columns: &[Column], modes: usize) -> Vec<Column> {
+        let link = |name: String| Column { name: format!("{name}_linked"), unit: String::new(), holds: Holds::Link };
         let curve = |i: usize| {
-            let column = |name: String, unit: &str, holds| Column { name, unit: unit.into(), holds };
-            [column(format!("curve_{i}"), "Hz", Holds::Curve), column(format!("curve_{i}_linked"), "", Holds::Link)]
+            let name = format!("curve_{i}");
+            [Column { name: name.clone(), unit: "Hz".into(), holds: Holds::Curve }, link(name)]
         };
-        let own: Vec<Column> = (1..=self.curves.len()).flat_map(curve).collect();
-        [&columns[..1], &own, &columns[1 + asked..]].concat()
+        let mut list = columns[..1].to_vec();
+        list.extend((1..=self.curves.len()).flat_map(curve));
+        let poles = &columns[1 + modes..];
+        let parts = poles.chunks(2).take(self.loci.len()).enumerate();
+        list.extend(parts.flat_map(|(i, parts)| [parts, &[link(format!("pole_{}", i + 1))]].concat()));
+        list.extend_from_slice(&poles[2 * self.loci.len()..]);
+        list
     }
 
     /// The same for a row.
-    pub(super) fn row(&self, mut case: Case, asked: usize) -> Case {
+    pub(super) fn row(&self, mut case: Case, modes: usize) -> Case {
         let number = case.number as usize;
-        let own = self.curves.iter().flat_map(|curve| {
+        let link = |is_one: bool, proof: &Option<Proved>| match is_one {
+            true => Entry::Verdict(proof.is_some()),
+            false => Entry::None(None),
+        };
+        let curves = self.curves.iter().flat_map(|curve| {
             let value = curve.points[number].map_or(Entry::None(None), Entry::Enclosed);
-            let link = curve.has_link(number).then(|| Entry::Verdict(curve.links[number].is_some()));
-            [value, link.unwrap_or(Entry::None(None))]
+            [value, link(curve.has_link(number), &curve.links[number])]
         });
-        let own: Vec<Entry> = own.collect();
-        case.entries.splice(1..1 + asked, own);
+        let loci = self.loci.iter().flat_map(|locus| {
+            let [re, im] = locus.points[number].map(Entry::Enclosed);
+            [re, im, link(number > 0, &locus.links[number])]
+        });
+        let own: Vec<Entry> = curves.chain(loci).collect();
+        case.entries.splice(1..1 + modes + 2 * self.loci.len(), own);
         case
     }
 }

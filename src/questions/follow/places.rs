@@ -105,6 +105,11 @@ impl Field<'_> {
         Place { at: at.clone(), classes: self.classes.iter().map(of_class).collect() }
     }
 
+    /// The system for every value between two, if the model certainly has one form there.
+    pub fn system_over(&self, ends: [&Number; 2], is_damped: bool) -> Option<LinearSystem> {
+        over(self.study, ends, is_damped)
+    }
+
     /// Whether the model certainly has one form for all values between two, so that its matrices depend continuously on the parameter.
     pub fn has_one_form(&self, ends: [&Number; 2], is_damped: bool) -> bool {
         over(self.study, ends, is_damped).is_some()

@@ -1,0 +1,154 @@
+//! Poles that are followed along the parameter: the root locus as curves. In: the poles at each value. Out: which pole of one value is
+//! which of the next, and whether this is proved. See docs/method/studies.md#loci.
+
+use super::places::{Field, binary};
+use crate::analysis::range::Family;
+use crate::analysis::{self, Request};
+use crate::base::{Ball, Number};
+use crate::kernel::complex::Complex;
+use crate::kernel::cores;
+use crate::questions::answer::Proved;
+use crate::questions::followed::Locus;
+use crate::system::LinearSystem;
+
+/// The most coordinates of a model whose links are proved: each takes the solution of dense equations in balls.
+const MOST_COORDINATES: usize = 12;
+/// A step is halved so many times at most.
+const DEEPEST: u32 = 6;
+/// What a box around two ends has beyond them, beside their distance, and beside their size.
+const BEYOND: [f64; 2] = [0.25, 1e-9];
+
+/// The poles at a value of the parameter.
+struct Spot {
+    at: Number,
+    poles: Vec<Complex<Ball>>,
+}
+
+/// For each pole the one at the next value, and whether that is proved.
+type Links = Vec<(usize, bool)>;
+
+/// The poles as curves; none if not all poles are known at each value.
+pub fn loci(field: &Field, values: &[Number]) -> Vec<Locus> {
+    let found = cores::in_pieces(values, 1, 1, |some| some.iter().map(|at| spot(field, at)).collect());
+    let Some(spots) = found.into_iter().collect::<Option<Vec<Spot>>>() else { return Vec::new() };
+    let count = spots.first().map_or(0, |spot| spot.poles.len());
+    if spots.iter().any(|spot| spot.poles.len() != count) {
+        return Vec::new();
+    }
+    let steps: Vec<&[Spot]> = spots.windows(2).collect();
+    let links: Vec<Links> =
+        cores::in_pieces(&steps, 1, 1, |some| some.iter().map(|ends| linked(field, [&ends[0], &ends[1]], 0)).collect());
+    (0..count).map(|first| locus(&spots, &links, first)).collect()
+}
+
+fn locus(spots: &[Spot], links: &[Links], first: usize) -> Locus {
+    let (mut own, mut locus) = (first, Locus { points: Vec::new(), links: vec![None] });
+    for (i, spot) in spots.iter().enumerate() {
+        let pole = spot.poles[own];
+        locus.points.push([pole.re, pole.im]);
+        if let Some(links) = links.get(i) {
+            let (next, is_proved) = links[own];
+            locus.links.push(is_proved.then_some(Proved(())));
+            own = next;
+        }
+    }
+    locus
+}
+
+/// All poles at a value; `None` if it is not proved that they are all.
+fn spot(field: &Field, at: &Number) -> Option<Spot> {
+    let system = field.study.system(0, at.clone(), true).filter(|system| !system.is_chained())?;
+    let poles = analysis::modal(&system, &Request::default()).ok()?.poles;
+    let is_known = poles.is_complete() && poles.list.len() == 2 * system.n();
+    let list = poles.list.iter().map(|pole| Complex::new(pole.re, pole.im));
+    is_known.then(|| Spot { at: at.clone(), poles: list.collect() })
+}
+
+/// The links of a step, which is halved where one is not proved.
+fn linked(field: &Field, ends: [&Spot; 2], depth: u32) -> Links {
+    let system = field.system_over([&ends[0].at, &ends[1].at], true).filter(|system| system.n() <= MOST_COORDINATES);
+    let proved: Vec<Option<usize>> = match &system {
+        Some(system) => (0..ends[0].poles.len()).map(|i| proved(system, ends, i)).collect(),
+        None => vec![None; ends[0].poles.len()],
+    };
+    let is_open = proved.iter().any(Option::is_none);
+    // Without one form of the model over the step a few cuts are worth it.
+    let deepest = if system.is_some() { DEEPEST } else { 2 };
+    if is_open
+        && depth < deepest
+        && let Some(middle) = between(field, ends)
+    {
+        let [first, second] = [[ends[0], &middle], [&middle, ends[1]]].map(|ends| linked(field, ends, depth + 1));
+        return first.iter().map(|&(i, known)| (second[i].0, known && second[i].1)).collect();
+    }
+    nearest(ends, &proved)
+}
+
+fn between(field: &Field, ends: [&Spot; 2]) -> Option<Spot> {
+    let [low, high] = ends.map(|spot| spot.at.to_f64());
+    let middle = low + (high - low) / 2.0;
+    let is_inside = middle > low.min(high) && middle < low.max(high);
+    let spot = spot(field, &binary(middle).filter(|_| is_inside)?)?;
+    (spot.poles.len() == ends[0].poles.len()).then_some(spot)
+}
+
+/// The pole at the end of a step that a pole at its beginning certainly becomes. A simple pole moves with the velocity that
+/// `pole_slope` encloses for all poles in a box and all values of the step; if that cannot take it out of the box before the end, it
+/// is there where the velocity takes it, and one pole alone may be that.
+fn proved(system: &LinearSystem, [from, to]: [&Spot; 2], i: usize) -> Option<usize> {
+    let start = from.poles[i];
+    let (_, goal) = to.poles.iter().map(|end| (distance(start, *end), *end)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let family = Family::of(system, false)?;
+    let whole = around(start, goal);
+    let slope = family.pole_slope(whole, &family.motion_at(whole)?)?;
+    let length = to.at.to_ball() - from.at.to_ball();
+    let half = length * Ball::from(0.5);
+    let part = half.widen(half.magnitude());
+    let moved = |by: Ball| Complex::new(start.re + slope.re * by, start.im + slope.im * by);
+    let inside = |ball: Ball, within: Ball| (ball - Ball::exact(within.mid)).magnitude() < within.rad;
+    let on_the_way = moved(part);
+    if !(inside(on_the_way.re, whole.re) && inside(on_the_way.im, whole.im)) {
+        return None;
+    }
+    let end = moved(length);
+    let may_be = |pole: &Complex<Ball>| (pole.re - end.re).contains_zero() && (pole.im - end.im).contains_zero();
+    let mut fitting = (0..to.poles.len()).filter(|&j| may_be(&to.poles[j]));
+    let found = fitting.next()?;
+    fitting.next().is_none().then_some(found)
+}
+
+fn distance(a: Complex<Ball>, b: Complex<Ball>) -> f64 {
+    let [x, y] = [a.re.to_f64() - b.re.to_f64(), a.im.to_f64() - b.im.to_f64()];
+    x.abs().max(y.abs())
+}
+
+/// A box that holds both poles, and more.
+fn around(a: Complex<Ball>, b: Complex<Ball>) -> Complex<Ball> {
+    let size = a.re.to_f64().abs().max(a.im.to_f64().abs());
+    let beyond = BEYOND[0] * distance(a, b) + BEYOND[1] * size;
+    let part = |a: Ball, b: Ball| {
+        let reach = (b.to_f64() - a.to_f64()).abs() / 2.0 + a.rad + b.rad + beyond;
+        Ball::exact(((a + b) * Ball::from(0.5)).mid).widen(reach)
+    };
+    Complex::new(part(a.re, b.re), part(a.im, b.im))
+}
+
+/// What is proved, and for the others the nearest poles that are left, the nearest pair first.
+fn nearest([from, to]: [&Spot; 2], proved: &[Option<usize>]) -> Links {
+    let mut links: Vec<Option<(usize, bool)>> = proved.iter().map(|link| Some(((*link)?, true))).collect();
+    let mut is_taken = vec![false; to.poles.len()];
+    proved.iter().flatten().for_each(|&j| is_taken[j] = true);
+    let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+    for i in (0..links.len()).filter(|&i| links[i].is_none()) {
+        let free = (0..is_taken.len()).filter(|&j| !is_taken[j]);
+        pairs.extend(free.map(|j| (distance(from.poles[i], to.poles[j]), i, j)));
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, i, j) in pairs {
+        if links[i].is_none() && !is_taken[j] {
+            links[i] = Some((j, false));
+            is_taken[j] = true;
+        }
+    }
+    links.into_iter().enumerate().map(|(i, link)| link.unwrap_or((i, false))).collect()
+}
