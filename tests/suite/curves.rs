@@ -249,14 +249,41 @@ fn poles_keep_their_identity() {
         "{}damper d1: ground -- a {{ c = 0.2 N*s/m }}\ndamper d2: ground -- b {{ c = 0.4 N*s/m }}\n",
         apart("p", "1 N/m")
     );
-    let study = study(&model, &["--over", "p=0.5N/m..2N/m:10", "--poles"]);
-    let loci = study["following"]["loci"].as_array().expect("loci");
-    assert_eq!(loci.len(), 4);
-    for (name, c, side) in [("pole_1", 0.2, -1.0), ("pole_2", 0.2, 1.0), ("pole_3", 0.4, -1.0), ("pole_4", 0.4, 1.0)] {
+    // With two values the nearest pole of the next case is that of the other mass.
+    for points in [10, 3, 2] {
+        let study = study(&model, &["--over", &format!("p=0.5N/m..2N/m:{points}"), "--poles"]);
+        assert_eq!(study["following"]["loci"].as_array().map(Vec::len), Some(4));
+        for (name, c, side) in
+            [("pole_1", 0.2, -1.0), ("pole_2", 0.2, 1.0), ("pole_3", 0.4, -1.0), ("pole_4", 0.4, 1.0)]
+        {
+            for (i, (re, im, linked)) in locus(&study, name).into_iter().enumerate() {
+                let k = if c == 0.2 { 0.5 + 1.5 * i as f64 / f64::from(points - 1) } else { 1.0 };
+                let truth = (-c / 2.0, side * f64::sqrt(k - c * c / 4.0));
+                assert!(
+                    (re - truth.0).abs() < 1e-14 && (im - truth.1).abs() < 1e-14,
+                    "{name} {i}: {re} {im} {truth:?}"
+                );
+                assert_eq!(linked, if i == 0 { Value::Null } else { true.into() }, "{name} {i}");
+            }
+        }
+    }
+}
+
+/// Masses on p and p + 1 N/m with steps of 1 N/m: each pole of the first arrives where one of the second began, in whose small
+/// surroundings there is never more than one pole.
+#[test]
+fn a_pole_is_not_taken_for_one_that_arrives_in_its_place() {
+    let model = format!(
+        "{}damper d1: ground -- a {{ c = 0.2 N*s/m }}\ndamper d2: ground -- b {{ c = 0.2 N*s/m }}\n",
+        apart("p", "p + 1 N/m")
+    );
+    let study = study(&model, &["--over", "p=1N/m..5N/m:5", "--poles"]);
+    for (name, added, side) in
+        [("pole_1", 0.0, -1.0), ("pole_2", 0.0, 1.0), ("pole_3", 1.0, -1.0), ("pole_4", 1.0, 1.0)]
+    {
         for (i, (re, im, linked)) in locus(&study, name).into_iter().enumerate() {
-            let k = if c == 0.2 { 0.5 + 1.5 * i as f64 / 9.0 } else { 1.0 };
-            let truth = (-c / 2.0, side * f64::sqrt(k - c * c / 4.0));
-            assert!((re - truth.0).abs() < 1e-14 && (im - truth.1).abs() < 1e-14, "{name} {i}: {re} {im} {truth:?}");
+            let truth = side * f64::sqrt(1.0 + i as f64 + added - 0.01);
+            assert!((re + 0.1).abs() < 1e-14 && (im - truth).abs() < 1e-14, "{name} {i}: {re} {im} {truth}");
             assert_eq!(linked, if i == 0 { Value::Null } else { true.into() }, "{name} {i}");
         }
     }
