@@ -110,11 +110,8 @@ impl<'a> Check<'a> {
             let whole = span.to(self.tree.expr(other).span);
             let difference = self.joined(Arithmetic::Subtract, left, right, whole, environment)?;
             let dimension = difference.dimension.unwrap_or(Dimension::NONE);
-            let mut unit = Written { text: dimension.usual_unit(), factor: Some(Number::ONE) };
-            if dimension == Dimension::FREQUENCY {
-                unit.text = "Hz".to_string();
-            }
             let measure = Measure::Combined(Box::new(difference.combined));
+            let unit = unit_of(&measure, dimension);
             return Ok(Question { measure, span: whole, value: Number::ZERO, radians: None, unit });
         }
         let dimension = left.dimension.unwrap_or(Dimension::NONE);
@@ -134,12 +131,7 @@ impl<'a> Check<'a> {
         if matches!(measure, Measure::Stable) {
             return self.fail(environment, QuestionError::MeasureAsValue { span });
         }
-        let mut unit = Written { text: dimension.usual_unit(), factor: Some(Number::ONE) };
-        if matches!(measure, Measure::Phase { .. }) {
-            unit.text = "rad".to_string();
-        } else if dimension == Dimension::FREQUENCY {
-            unit.text = "Hz".to_string();
-        }
+        let unit = unit_of(&measure, dimension);
         Ok(Question { measure, span, value: Number::ZERO, radians: None, unit })
     }
 
@@ -256,6 +248,28 @@ impl<'a> Check<'a> {
         };
         let (left, right) = (Box::new(left.combined), Box::new(right.combined));
         Ok(Term { combined: Combined::Binary { operator, left, right }, dimension })
+    }
+}
+
+/// The unit of a value that is not compared with one of a unit of its own. Frequencies are in Hz, also in products.
+fn unit_of(measure: &Measure, dimension: Dimension) -> Written {
+    let text = match measure {
+        Measure::Phase { .. } => "rad".to_string(),
+        _ if dimension == Dimension::FREQUENCY => "Hz".to_string(),
+        Measure::Combined(combined) if dimension == Dimension::ANGULAR_ACCELERATION && has_frequency(combined) => {
+            "Hz^2".to_string()
+        }
+        _ => dimension.usual_unit(),
+    };
+    Written { text, factor: Some(Number::ONE) }
+}
+
+fn has_frequency(combined: &Combined<Measure>) -> bool {
+    match combined {
+        Combined::Number(_) => false,
+        Combined::Measure(measure) => matches!(measure, Measure::Frequency { .. }),
+        Combined::Negated(operand) => has_frequency(operand),
+        Combined::Binary { left, right, .. } => has_frequency(left) || has_frequency(right),
     }
 }
 

@@ -275,3 +275,18 @@ fn the_division_of_the_cases_changes_no_byte() {
         assert_eq!(fields(row)[0], i.to_string());
     }
 }
+
+/// Products of frequencies are of frequencies in Hz, and their headings say so; other products have the units of SI.
+#[test]
+fn products_of_measures_have_their_units() {
+    let model = "param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring s: ground -- b { k = k }\nforce F: b along x\noutput x = b.x\n";
+    let asked = ["frequency(1)*frequency(1)", "frequency(1)*2", "gain(F -> x, 0 Hz)*gain(F -> x, 0 Hz)"];
+    let arguments: Vec<&str> =
+        ["--over", "k=10N/m,40N/m"].into_iter().chain(asked.iter().flat_map(|one| ["--measure", one])).collect();
+    let (heading, rows) = table(model, &arguments);
+    for (name, unit) in asked.iter().zip(["Hz^2", "Hz", "s^4/kg^2"]) {
+        assert!(heading.contains(&format!("{name} [{unit}]")), "{heading:?}");
+    }
+    let column = heading.iter().position(|name| name.starts_with(asked[0])).expect("a column");
+    meets(&rows[0], column, 10.0 / std::f64::consts::TAU.powi(2));
+}
