@@ -420,6 +420,9 @@ impl<'a> Place<'a> {
 
     fn units(&self) -> Vec<Item> {
         let item = |text: &&str| item(text, ItemKind::Unit, pages::unit(text).unwrap_or_default());
+        if let Some(units) = self.units_of_density() {
+            return units;
+        }
         let wanted = self.dimensions();
         let Some((first, others)) = wanted.split_first() else { return pages::units(None).iter().map(item).collect() };
         let mut units = pages::units(Some(*first));
@@ -431,6 +434,25 @@ impl<'a> Place<'a> {
             units.extend(all.iter().filter(|unit| !any || per_angle(unit)));
         }
         units.iter().map(item).collect()
+    }
+
+    /// The units of a density in `noise(`: those of the examples, of which a base has one for each derivative.
+    fn units_of_density(&self) -> Option<Vec<Item>> {
+        let (function, place) = self.argument()?;
+        if functions::function(function)?.1.arguments.get(place) != Some(&Argument::Densities) {
+            return None;
+        }
+        let own = self.declared()?.signal()?;
+        let signals = match *own == functions::DISPLACEMENT_SIGNAL {
+            true if self.has("turns") => &functions::ROTATION_SIGNALS[..],
+            true => &functions::TRANSLATION_SIGNALS,
+            false => std::slice::from_ref(own),
+        };
+        let unit = |signal: &functions::SignalKind| {
+            let (_, unit) = signal.density.example.split_once(' ')?;
+            Some(item(unit, ItemKind::Unit, signal.density.noun))
+        };
+        Some(signals.iter().filter_map(unit).collect())
     }
 
     fn motions(&self) -> Vec<Item> {
@@ -570,6 +592,9 @@ impl<'a> Place<'a> {
                 is_input == asks_input
             });
         }
+        if asked == Some(&Argument::Densities) && self.last(1) == "(" {
+            items.extend(densities());
+        }
         let outside = self.open.is_empty();
         let contents =
             |content| self.declared().is_some_and(|declaration| declaration.contents().any(|c| c == content));
@@ -638,6 +663,15 @@ fn joint(keyword: &str) -> Option<kinds::JointId> {
         kinds::Shape::Joint(joint) => Some(joint),
         _ => None,
     }
+}
+
+/// What `noise(` may begin with, apart from a density.
+fn densities() -> Vec<Item> {
+    let form = |label: &str, insert: &str| {
+        let meaning = pages::word(label).unwrap_or_default();
+        Item { insert: Some(insert.into()), ..item(label, ItemKind::Keyword, meaning) }
+    };
+    vec![form("white", "white "), form("table", "table("), form("road", "road(")]
 }
 
 fn functions(kind: FunctionKind) -> Vec<Item> {
