@@ -43,7 +43,8 @@ pub fn cut(from: f64, to: f64) -> Option<f64> {
 /// The coefficients of 2^n P(x) of x^n, x^(n-2) .., n the number of nodes: (-1)^k (n over k) (2 n - 2 k over n).
 fn coefficients() -> Vec<BigInt> {
     let binomial = |n: usize, k: usize| (0..k).fold(BigInt::from(1), |product, i| product * (n - i) / (i + 1));
-    let of = |k: usize| binomial(NODES, k) * binomial(2 * NODES - 2 * k, NODES) * if k % 2 == 0 { 1 } else { -1 };
+    let of =
+        |k: usize| binomial(NODES, k) * binomial(2 * NODES - 2 * k, NODES) * if k.is_multiple_of(2) { 1 } else { -1 };
     (0..=NODES / 2).map(of).collect()
 }
 
@@ -71,7 +72,7 @@ fn node(i: usize) -> (Ball, Ball) {
     let mut x = Dd::from(libm::cos(std::f64::consts::PI * (i as f64 + 0.75) / (NODES as f64 + 0.5)));
     for _ in 0..5 {
         let [value, slope] = legendre(x);
-        x = x - value.mid / slope.mid;
+        x -= value.mid / slope.mid;
     }
     let [value, slope] = legendre(x);
     // Between two places at which the signs differ; there are as many zeros as starts.
