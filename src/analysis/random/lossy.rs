@@ -18,9 +18,11 @@ use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::solve;
 use crate::system::{LinearSystem, Losses, Noise, Output};
+use std::collections::VecDeque;
 
 const OPEN: &str = "with loss factors its integral takes too long, or the bound leaves no digit";
-const OPEN_LOSS: &str = "whether a loss factor lets the output drift with the base is not decided, or it does";
+const OPEN_LOSS: &str =
+    "whether a loss factor passes the noise on at once, or lets the output drift with the base, is not decided";
 const OPEN_LATER: &str = "white noise that comes again later is not computed with loss factors";
 const GROWS: &str = "a loss factor or a damper feeds a motion";
 
@@ -137,7 +139,12 @@ impl<'a> Lossy<'a> {
                 return Err(Spread::Unknown(OPEN_LOSS));
             }
             let later = &arm.delay - &arms[0].delay;
-            drives.push(self.drive(space, &arm.channel, seen, fed, later.to_ball()).ok_or(Spread::Unknown(OPEN_BASE))?);
+            let drive =
+                self.drive(space, &arm.channel, seen, fed, later.to_ball()).ok_or(Spread::Unknown(OPEN_BASE))?;
+            if is_white && !drive.feed[2].im.is_zero() {
+                return Err(Spread::Unknown(OPEN_LOSS));
+            }
+            drives.push(drive);
         }
         let mut integral = Integral { lossy: self, space, row, drives, left: source.left, spent: 0, sum: Ball::ZERO };
         let done = match &source.noise.density {
@@ -228,11 +235,12 @@ impl Integral<'_, '_> {
         self.over(&Range::Periods(density), [Ball::ZERO, Ball::ONE / Ball::from(cut)])
     }
 
-    /// Adds the integral between two ends; `None` if the limit is exceeded.
-    fn over(&mut self, range: &Range, [from, to]: [Ball; 2]) -> Option<()> {
+    /// Adds the integral between two ends; `None` if the limit is exceeded. What is cut waits for all others: where the integrand is
+    /// next to nothing, a panel is fine enough once there is an integral beside which it is.
+    fn over(&mut self, range: &Range, ends: [Ball; 2]) -> Option<()> {
         let rule = gauss::rule();
-        let mut left = vec![[from, to]];
-        while let Some([a, b]) = left.pop() {
+        let mut waiting = VecDeque::from([ends]);
+        while let Some([a, b]) = waiting.pop_front() {
             let half = (b - a) * Ball::from(0.5);
             let middle = (a + b) * Ball::from(0.5);
             match self.panel(rule, range, middle, half) {
@@ -240,7 +248,7 @@ impl Integral<'_, '_> {
                 None if self.spent > MOST_WORK => return None,
                 None => {
                     let cut = Ball::from(gauss::cut(a.to_f64(), b.to_f64())?);
-                    left.extend([[cut, b], [a, cut]]);
+                    waiting.extend([[a, cut], [cut, b]]);
                 }
             }
         }
