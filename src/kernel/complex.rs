@@ -2,7 +2,7 @@
 //! `Complex<Ball>` (an enclosing rectangle) proves them. They only use + - * / and the square root, which are the same
 //! on every machine.
 
-use crate::base::{Ball, Dd, larger};
+use crate::base::{Ball, Dd, larger, up};
 use crate::kernel::real::{Real, Scalar};
 use crate::kernel::simd::simd;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -178,6 +178,15 @@ impl Complex<Ball> {
     }
 }
 
+/// A rectangle that holds the arc of a circle between two angles, of at most a quarter turn.
+pub fn arc(centre: Complex<Ball>, radius: f64, [from, to]: [f64; 2]) -> Complex<Ball> {
+    let middle = 0.5 * (from + to);
+    // No point of the arc is farther from its middle than half of the arc is long.
+    let reach = (0.5 * (to - from) + 1e-14) * radius * up::FEW;
+    let part = |x: f64| Ball::new(Dd::from(x * radius), reach);
+    Complex::new(centre.re + part(libm::cos(middle)), centre.im + part(libm::sin(middle)))
+}
+
 impl Scalar for Complex<f64> {
     const ZERO: Complex<f64> = Complex { re: 0.0, im: 0.0 };
     const ONE: Complex<f64> = Complex { re: 1.0, im: 0.0 };
@@ -235,6 +244,21 @@ simd! {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_arc_lies_in_its_rectangle() {
+        let centre = Complex::new(Ball::from(-3.0), Ball::from(5.0));
+        for (from, to) in [(0.0f64, 0.4f64), (1.5, 1.6), (3.0, 4.5), (6.0, 6.3)] {
+            let rectangle = arc(centre, 2.0, [from, to]);
+            for part in 0..=10 {
+                let angle = from + (to - from) * f64::from(part) / 10.0;
+                let point = [2.0 * angle.cos() - 3.0, 2.0 * angle.sin() + 5.0].map(Ball::from);
+                let is_in = |ball: Ball, x: Ball| (ball - x).contains_zero();
+                assert!(is_in(rectangle.re, point[0]) && is_in(rectangle.im, point[1]), "{from} {to} {part}");
+            }
+            assert!(rectangle.re.rad <= to - from + 1e-12, "{rectangle:?}");
+        }
+    }
 
     #[test]
     fn the_square_of_a_root_is_the_number() {

@@ -10,6 +10,8 @@ pub mod several;
 use crate::base::{Ball, Dd, Jet, Number, larger, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
+use crate::kernel::dense::enclosure::{self, product};
+use crate::kernel::dense::lu::inverse;
 use crate::system::{CoordinateId, Form, LinearSystem};
 use linear::{JetMatrix, bordered, solve};
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -152,6 +154,22 @@ impl<'a> Family<'a> {
         let sizes = self.sizes((s.re.magnitude() + s.im.magnitude()) * 0.75);
         let x = bordered(&matrix, &[sizes.clone(), sizes].concat(), 2)?.x.value;
         Some((0..n).map(|i| Complex::new(x[(i, 0)], x[(n + i, 0)])).collect())
+    }
+
+    /// Whether there is certainly no pole in a rectangle, for any value of the range: s^2 M + s C + K is regular, which elimination
+    /// shows after the inverse of its middle has been taken to the left.
+    pub fn has_no_pole_at(&self, s: Complex<Ball>) -> bool {
+        let n = self.system.n();
+        let q = Matrix::from_fn(n, n, |i, j| self.quadratic(s, i, j, |jet| jet.value));
+        let entry = |i: usize, j: usize| match (i < n, j < n) {
+            (true, true) | (false, false) => q[(i % n, j % n)].re,
+            (true, false) => -q[(i, j - n)].im,
+            (false, true) => q[(i - n, j)].im,
+        };
+        let q = Matrix::from_fn(2 * n, 2 * n, entry);
+        let Some(inverse) = inverse(q.mid()) else { return false };
+        let nearly_one = product(&inverse.map(Ball::exact), &q);
+        enclosure::solve(&nearly_one, &Matrix::none(2 * n, 1)).is_some()
     }
 
     /// The derivative of a simple pole that lies in a rectangle: -x^T (s^2 M' + s C' + K') x / x^T (2 s M + C) x.
@@ -402,6 +420,25 @@ mod tests {
             }
         }
         system
+    }
+
+    /// Poles at +- 2i and +- i sqrt p, p from 8.41 to 9.61: 2.9 to 3.1.
+    #[test]
+    fn a_rectangle_that_a_pole_may_reach_is_not_free_of_poles() {
+        let p = Jet::of_parameter(Ball::from(9.01).widen(0.6));
+        let system = side_by_side(&[Number::ONE, Number::ONE], &[Number::from(4), p]);
+        let family = Family::of(&system, false).expect("a family");
+        let has_none = |re: f64, im: f64, reach: f64| {
+            family.has_no_pole_at(Complex::new(Ball::from(re).widen(reach), Ball::from(im).widen(reach)))
+        };
+        for (re, im, reach) in
+            [(0.0, 2.0, 0.0), (0.05, 2.0, 0.06), (0.0, 2.95, 0.0), (0.0, -3.09, 0.0), (0.1, 3.0, 0.11)]
+        {
+            assert!(!has_none(re, im, reach), "{re} {im} {reach}");
+        }
+        for (re, im, reach) in [(0.0, 2.5, 0.1), (0.3, 2.0, 0.1), (0.3, 3.0, 0.05), (0.0, 0.0, 0.5), (-4.0, 7.0, 0.4)] {
+            assert!(has_none(re, im, reach), "{re} {im} {reach}");
+        }
     }
 
     #[test]

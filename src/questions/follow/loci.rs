@@ -5,18 +5,21 @@ use super::places::{Field, binary};
 use crate::analysis::range::Family;
 use crate::analysis::{self, Request};
 use crate::base::{Ball, Number};
-use crate::kernel::complex::Complex;
+use crate::kernel::complex::{Complex, arc};
 use crate::kernel::cores;
 use crate::questions::answer::Proved;
 use crate::questions::followed::Locus;
-use crate::system::LinearSystem;
+use std::f64::consts::TAU;
 
 /// The most coordinates of a model whose links are proved: each takes the solution of dense equations in balls.
 const MOST_COORDINATES: usize = 12;
 /// A step is halved so many times at most.
 const DEEPEST: u32 = 6;
-/// What a box around two ends has beyond them, beside their distance, and beside their size.
-const BEYOND: [f64; 2] = [0.25, 1e-9];
+/// Arcs of a circle at first, and how often each is halved at most.
+const ARCS: usize = 16;
+const MOST_HALVINGS: u32 = 4;
+/// Covers the rounding of a few numbers of binary64.
+const MARGIN: f64 = 1e-12;
 
 /// The poles at a value of the parameter.
 struct Spot {
@@ -67,8 +70,8 @@ fn spot(field: &Field, at: &Number) -> Option<Spot> {
 /// The links of a step, which is halved where one is not proved.
 fn linked(field: &Field, ends: [&Spot; 2], depth: u32) -> Links {
     let system = field.system_over([&ends[0].at, &ends[1].at], true).filter(|system| system.n() <= MOST_COORDINATES);
-    let proved: Vec<Option<usize>> = match &system {
-        Some(system) => (0..ends[0].poles.len()).map(|i| proved(system, ends, i)).collect(),
+    let proved: Vec<Option<usize>> = match system.as_ref().and_then(|system| Family::of(system, false)) {
+        Some(family) => (0..ends[0].poles.len()).map(|i| proved(&family, ends, i)).collect(),
         None => vec![None; ends[0].poles.len()],
     };
     let is_open = proved.iter().any(Option::is_none);
@@ -92,45 +95,51 @@ fn between(field: &Field, ends: [&Spot; 2]) -> Option<Spot> {
     (spot.poles.len() == ends[0].poles.len()).then_some(spot)
 }
 
-/// The pole at the end of a step that a pole at its beginning certainly becomes. A simple pole moves with the velocity that
-/// `pole_slope` encloses for all poles in a box and all values of the step; if that cannot take it out of the box before the end, it
-/// is there where the velocity takes it, and one pole alone may be that.
-fn proved(system: &LinearSystem, [from, to]: [&Spot; 2], i: usize) -> Option<usize> {
+/// The pole at the end of a step that a pole at its beginning certainly becomes: a circle has one pole inside at both ends, and none on
+/// it for any value of the step, so that the number inside does not change.
+fn proved(family: &Family, [from, to]: [&Spot; 2], i: usize) -> Option<usize> {
     let start = from.poles[i];
-    let (_, goal) = to.poles.iter().map(|end| (distance(start, *end), *end)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let family = Family::of(system, false)?;
-    let whole = around(start, goal);
-    let slope = family.pole_slope(whole, &family.motion_at(whole)?)?;
-    let length = to.at.to_ball() - from.at.to_ball();
-    let half = length * Ball::from(0.5);
-    let part = half.widen(half.magnitude());
-    let moved = |by: Ball| Complex::new(start.re + slope.re * by, start.im + slope.im * by);
-    let inside = |ball: Ball, within: Ball| (ball - Ball::exact(within.mid)).magnitude() < within.rad;
-    let on_the_way = moved(part);
-    if !(inside(on_the_way.re, whole.re) && inside(on_the_way.im, whole.im)) {
-        return None;
+    let nearest = |a: &usize, b: &usize| distance(start, to.poles[*a]).total_cmp(&distance(start, to.poles[*b]));
+    let j = (0..to.poles.len()).min_by(nearest)?;
+    let half = |a: Ball, b: Ball| Ball::exact(((a + b) * Ball::from(0.5)).mid);
+    let centre = Complex::new(half(start.re, to.poles[j].re), half(start.im, to.poles[j].im));
+    let others = |spot: &Spot, own: usize| {
+        let list = spot.poles.iter().enumerate().filter(move |(at, _)| *at != own);
+        list.map(|(_, pole)| *pole - centre).map(distance_bounds).fold(f64::INFINITY, |least, [low, _]| least.min(low))
+    };
+    let outer = others(from, i).min(others(to, j));
+    let inner = [start, to.poles[j]].map(|pole| distance_bounds(pole - centre)[1]).into_iter().fold(0.0, f64::max);
+    let radius = 0.5 * (inner + outer);
+    let is_between = inner < radius * (1.0 - MARGIN) && radius * (1.0 + MARGIN) < outer;
+    (is_between && has_no_pole_on(family, centre, radius)).then_some(j)
+}
+
+/// Whether there is certainly no pole on a circle, for any value of the step.
+fn has_no_pole_on(family: &Family, centre: Complex<Ball>, radius: f64) -> bool {
+    let mut left: Vec<([f64; 2], u32)> =
+        (0..ARCS).map(|i| ([i, i + 1].map(|i| TAU * i as f64 / ARCS as f64), 0)).collect();
+    while let Some((ends, depth)) = left.pop() {
+        if family.has_no_pole_at(arc(centre, radius, ends)) {
+            continue;
+        }
+        if depth == MOST_HALVINGS {
+            return false;
+        }
+        let middle = 0.5 * (ends[0] + ends[1]);
+        left.extend([[ends[0], middle], [middle, ends[1]]].map(|half| (half, depth + 1)));
     }
-    let end = moved(length);
-    let may_be = |pole: &Complex<Ball>| (pole.re - end.re).contains_zero() && (pole.im - end.im).contains_zero();
-    let mut fitting = (0..to.poles.len()).filter(|&j| may_be(&to.poles[j]));
-    let found = fitting.next()?;
-    fitting.next().is_none().then_some(found)
+    true
+}
+
+/// Bounds of a modulus.
+fn distance_bounds(z: Complex<Ball>) -> [f64; 2] {
+    let least = Complex::new(z.re.mignitude(), z.im.mignitude()).abs();
+    [least * (1.0 - MARGIN), z.magnitude()]
 }
 
 fn distance(a: Complex<Ball>, b: Complex<Ball>) -> f64 {
     let [x, y] = [a.re.to_f64() - b.re.to_f64(), a.im.to_f64() - b.im.to_f64()];
     x.abs().max(y.abs())
-}
-
-/// A box that holds both poles, and more.
-fn around(a: Complex<Ball>, b: Complex<Ball>) -> Complex<Ball> {
-    let size = a.re.to_f64().abs().max(a.im.to_f64().abs());
-    let beyond = BEYOND[0] * distance(a, b) + BEYOND[1] * size;
-    let part = |a: Ball, b: Ball| {
-        let reach = (b.to_f64() - a.to_f64()).abs() / 2.0 + a.rad + b.rad + beyond;
-        Ball::exact(((a + b) * Ball::from(0.5)).mid).widen(reach)
-    };
-    Complex::new(part(a.re, b.re), part(a.im, b.im))
 }
 
 /// What is proved, and for the others the nearest poles that are left, the nearest pair first.

@@ -8,7 +8,7 @@ use crate::analysis::answer::Poles;
 use crate::analysis::derived::hertz;
 use crate::analysis::transfer::{Disc, Gain, Transfer};
 use crate::base::{Ball, Dd, down, up};
-use crate::kernel::complex::Complex;
+use crate::kernel::complex::{Complex, arc};
 
 /// The most steps towards one extremum, and the most doublings of its enclosure.
 const MOST_STEPS: usize = 100;
@@ -205,18 +205,12 @@ impl Pair<'_> {
             return false;
         }
         let mut most = 0.0f64;
-        let mut direction = Complex::new(1.0f64, 0.0);
-        // A rotation by a little less than 2 pi / ARCS, of length one up to rounding.
-        let turn = Complex::new(0.980_785_280_403_230_4, 0.195_090_322_016_128_27);
-        for _ in 0..ARCS {
-            let offset = direction.scale(radius);
-            let arc = |x: f64| Ball::new(Dd::from(x), 0.1 * radius);
-            let s = Complex::new(centre.re + arc(offset.re), centre.im + arc(offset.im));
+        for i in 0..ARCS {
+            let s = arc(centre, radius, [i, i + 1].map(|i| std::f64::consts::TAU * i as f64 / ARCS as f64));
             match Jet::at(self.transfer, s, self.input, self.output) {
                 Some(jet) => most = most.max(jet.value().magnitude()),
                 None => return false,
             }
-            direction = direction * turn;
         }
         let inside = self.jet(Ball::from(pole.to_f64() * (1.0 - BESIDE_POLE))).map(|jet| jet.value());
         inside.is_some_and(|h| h.re.mignitude().max(h.im.mignitude()) > most)
