@@ -241,7 +241,7 @@ pub fn power(a: &Value, b: &Value) -> Result<Value, Fault> {
     if exponent.is_negative() && a.si.may_be_zero() {
         return Err(Fault::DivisionByZero);
     }
-    let raised = a.si.pow(exponent).ok_or(power_fault(&a.si))?;
+    let raised = a.si.pow(exponent).ok_or_else(|| power_fault(&a.si))?;
     Ok(Value::Scalar(scalar(raised, dimension, Angle::Plain)?.of_cycles(cycles * exponent.to_f64())))
 }
 

@@ -197,8 +197,8 @@ fn two_onsets_between_two_values_are_two() {
 /// Omega = sqrt(k / (m (n^2 - a))). Two such masses that nothing couples, k = 100 and 400 N/m, never meet.
 #[test]
 fn orders_meet_curves_at_critical_rates() {
-    let blade = |k: &str| format!("{k} + 0.5 kg * w * w");
-    for (unit, per_second) in [("rpm", 30.0 / PI), ("rad/s", 1.0)] {
+    for (unit, per_second, square) in [("rpm", 30.0 / PI, "w * w"), ("rad/s", 1.0, "w^2")] {
+        let blade = |k: &str| format!("{k} + 0.5 kg * {square}");
         let model = apart(&blade("100 N/m"), &blade("400 N/m")).replace("p = 1 N/m", "w = 60 rpm");
         let over = format!("w=0{unit}..{}{unit}:31", 40.0 * per_second);
         let study = study(&model, &["--over", &over, "--orders", "1,3"]);
