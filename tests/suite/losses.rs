@@ -183,3 +183,18 @@ fn what_a_loss_factor_passes_on_at_once_is_not_forgotten() {
     assert!(rows[0]["rms"].is_null() && rows[0]["rms_reason"].is_string(), "{}", rows[0]);
     assert!(rows[1]["rms"].is_f64(), "{}", rows[1]);
 }
+
+/// What moves apart is told apart: an oscillator with loss beside one that nothing damps, in whose band the noise excites it without
+/// end. Of their difference no bound is found.
+#[test]
+fn parts_with_and_without_losses() {
+    let rows = noisy(
+        "body b { mass = 2 kg, moves x }\nbody c { mass = 1 kg, moves x }\nspring s: ground -- b { k = 200 N/m, loss = 0.1 }\n\
+         spring t: ground -- c { k = 300 N/m }\nforce F: b along x = noise(white 3 N^2/Hz)\n\
+         force G: c along x = noise(5 N^2/Hz, 1 Hz .. 5 Hz)\noutput x = b.x\noutput z = c.x\noutput d = b.x - c.x\n",
+    );
+    let size = 100.0f64.hypot(10.0);
+    near(&rows[0], "rms", (3.0 * ((size + 100.0) / 2.0).sqrt() / (16.0 * 10.0 * size)).sqrt());
+    assert!(rows[1]["rms_reason"].as_str().is_some_and(|why| why.contains("nothing damps mode 2")), "{}", rows[1]);
+    assert!(rows[2]["rms_reason"].as_str().is_some_and(|why| why.contains("no bound")), "{}", rows[2]);
+}

@@ -3,7 +3,7 @@
 //! docs/method/random.md#undamped-motions.
 
 use crate::base::{Number, Rational};
-use crate::system::{CoordinateId, Form, Input, LinearSystem, Output};
+use crate::system::{CoordinateId, Form, Input, LinearSystem, Losses, Output};
 
 type Row = Vec<(CoordinateId, Number)>;
 
@@ -65,8 +65,23 @@ impl Basis {
             inputs: system.inputs.iter().map(input).collect(),
             outputs: system.outputs.iter().map(|output| self.output(output)).collect(),
             initial: Vec::new(),
-            losses: None,
+            losses: system.losses.as_deref().and_then(|losses| self.losses(losses)).map(Box::new),
         }
+    }
+
+    /// `None` where no spring on these motions has a loss factor.
+    fn losses(&self, losses: &Losses) -> Option<Losses> {
+        let mut h = Form::new();
+        for term in losses.h.terms() {
+            let row = self.row(losses.h.row(term));
+            if !row.is_empty() {
+                let source = h.source(losses.h.source_of(term.source));
+                h.push(source, term.nature, term.weight.clone(), row);
+            }
+        }
+        let rows = |rows: &[Row]| rows.iter().map(|row| self.row(row)).collect();
+        let is_there = !h.terms().is_empty();
+        is_there.then(|| Losses { h, b: rows(&losses.b), p: rows(&losses.p), d: losses.d.clone() })
     }
 
     fn form(&self, form: &Form) -> Form {

@@ -31,7 +31,7 @@ const OPEN_LATER: &str = "a motion is not damped, which is not computed under no
 
 const OPEN_INPUTS: &str = "the noise drives more than 64 inputs: that many are not integrated in bands";
 const OPEN_LONG: &str =
-    "the density has more than 200,000 bands over the number of coordinates: give fewer rows or points";
+    "the density has too many bands (the limit is 200,000 over the number of coordinates): give fewer rows or points";
 
 /// Limit on the inputs that one noise in bands drives: each two of them at different times are a term, some seconds in all.
 const MOST_INPUTS: usize = 64;

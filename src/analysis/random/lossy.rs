@@ -17,14 +17,15 @@ use crate::base::{Ball, Density, Number, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::solve;
-use crate::system::{LinearSystem, Losses, Noise, Output};
+use crate::system::{LinearSystem, Noise, Output};
+use std::borrow::Cow;
 use std::collections::VecDeque;
 
-const OPEN: &str = "with loss factors its integral takes too long, or the bound leaves no digit";
+const OPEN: &str = "with loss factors no bound of its integral is found: a motion may have next to no damping";
 const OPEN_LOSS: &str =
     "whether a loss factor passes the noise on at once, or lets the output drift with the base, is not decided";
 const OPEN_LATER: &str = "white noise that comes again later is not computed with loss factors";
-const GROWS: &str = "a loss factor or a damper feeds a motion";
+const GROWS: &str = "a loss factor or a damper is negative: a motion may grow";
 
 /// Limit on the multiplications of all eliminations of one integral: some seconds.
 const MOST_WORK: usize = 300_000_000;
@@ -39,8 +40,8 @@ const I: Point = Complex { re: Ball::ZERO, im: Ball::ONE };
 
 /// A system with loss factors under noise.
 pub struct Lossy<'a> {
-    system: &'a LinearSystem,
-    losses: &'a Losses,
+    system: Cow<'a, LinearSystem>,
+    reach: Reach,
     sources: Vec<Source<'a>>,
     space: Result<Space, &'static str>,
     /// X^T H X
@@ -55,14 +56,6 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// `None` if the output is none of the system's.
-    pub fn of(system: &LinearSystem, losses: &Losses, output: &Output) -> Option<Seen> {
-        let place = system.outputs.iter().position(|known| std::ptr::eq(known, output))?;
-        let (p, d) = (losses.p[place].clone(), losses.d[place].clone());
-        let lossy = Output { p: [p, Vec::new(), Vec::new()], d: [d, Vec::new(), Vec::new()], ..output.clone() };
-        Some(Seen { plain: output.clone(), lossy })
-    }
-
     /// Its rate; `None` where that takes the third derivative.
     pub fn rate(&self) -> Option<Seen> {
         Some(Seen { plain: rate_of(&self.plain)?, lossy: rate_of(&self.lossy)? })
@@ -89,8 +82,10 @@ struct Row {
 }
 
 impl<'a> Lossy<'a> {
-    pub fn of(system: &'a LinearSystem, losses: &'a Losses, modes: &Modes, noises: &'a [Noise]) -> Lossy<'a> {
-        let space = Space::of(system, modes, None).map_err(why);
+    /// `None` without loss factors.
+    pub fn of(system: Cow<'a, LinearSystem>, modes: &Modes, noises: &'a [Noise]) -> Option<Lossy<'a>> {
+        let losses = system.losses.as_deref()?;
+        let space = Space::of(&system, modes, None).map_err(why);
         let is_fed = losses.h.terms().iter().any(|term| !term.weight.is_positive());
         let (space, h) = match space {
             Ok(space) if is_fed || !space.is_passive => (Err(GROWS), Matrix::none(0, 0)),
@@ -100,27 +95,33 @@ impl<'a> Lossy<'a> {
             }
             Err(why) => (Err(why), Matrix::none(0, 0)),
         };
-        let sources = noises.iter().map(|noise| Source::of(system, noise)).collect();
-        Lossy { system, losses, sources, space, h }
+        let sources = noises.iter().map(|noise| Source::of(&system, noise)).collect();
+        let reach = Reach::of(&system);
+        Some(Lossy { system, reach, sources, space, h })
+    }
+
+    /// An output by its number.
+    pub fn seen(&self, output: usize) -> Seen {
+        let plain = self.system.outputs[output].clone();
+        let of_losses =
+            self.system.losses.as_deref().map(|losses| (losses.p[output].clone(), losses.d[output].clone()));
+        let (p, d) = of_losses.unwrap_or_default();
+        let lossy = Output { p: [p, Vec::new(), Vec::new()], d: [d, Vec::new(), Vec::new()], ..plain.clone() };
+        Seen { plain, lossy }
     }
 
     /// The mean square of an output, or of the part of it between two frequencies, Hz.
-    pub fn mean_square(&self, reach: &Reach, seen: &Seen, within: Option<[&Number; 2]>) -> Spread {
-        let reaching = self.sources.iter().filter(|source| reach.from_noise(self.system, source.noise, &seen.plain));
-        let of = |source| self.under(reach, source, seen, within).unwrap_or_else(|open| open);
+    pub fn mean_square(&self, seen: &Seen, within: Option<[&Number; 2]>) -> Spread {
+        let reaches = |source: &&Source| self.reach.from_noise(&self.system, source.noise, &seen.plain);
+        let reaching = self.sources.iter().filter(reaches);
+        let of = |source| self.under(source, seen, within).unwrap_or_else(|open| open);
         reaching.map(of).fold(Spread::Finite(Ball::ZERO), Spread::plus)
     }
 
-    fn under(
-        &self,
-        reach: &Reach,
-        source: &Source,
-        seen: &Seen,
-        within: Option<[&Number; 2]>,
-    ) -> Result<Spread, Spread> {
+    fn under(&self, source: &Source, seen: &Seen, within: Option<[&Number; 2]>) -> Result<Spread, Spread> {
         let space = self.space.as_ref().map_err(|why| Spread::Unknown(why))?;
         let all = source.arms.as_ref().map_err(|why| Spread::Unknown(why))?;
-        let reaches = |input: &usize| reach.from_input(self.system, *input, &seen.plain);
+        let reaches = |input: &usize| self.reach.from_input(&self.system, *input, &seen.plain);
         let arms: Vec<&Arm> = all.iter().filter(|arm| arm.channel.inputs.iter().any(reaches)).collect();
         let is_white = source.is_white() && within.is_none();
         if is_white {
@@ -184,7 +185,7 @@ impl<'a> Lossy<'a> {
         later: Ball,
     ) -> Option<Drive> {
         let n = space.n;
-        let lost: Vec<Number> = channel.lost(self.losses)?;
+        let lost: Vec<Number> = channel.lost(self.system.losses.as_deref()?)?;
         let drive = space.drive(channel, Ball::ONE);
         let jump: Vec<Ball> = drive.jump.iter().zip(&space.s).map(|(x, s)| *x / Ball::from(*s)).collect();
         // X^T M X is 1 and X^T K X diagonal but for small entries.

@@ -32,7 +32,7 @@ use crate::system::{CoordinateId, LinearSystem, Noise, Output};
 use basis::Basis;
 use driven::Driven;
 use gramian::Obstacle;
-use lossy::{Lossy, Seen};
+use lossy::Lossy;
 use std::borrow::Cow;
 use std::cell::OnceCell;
 
@@ -67,8 +67,8 @@ pub struct Random<'a> {
     driven: Vec<bool>,
     whole: OnceCell<Driven<'a>>,
     some: Vec<Subset<'a>>,
-    /// Of systems with loss factors alone, in place of all others.
-    lossy: OnceCell<Lossy<'a>>,
+    /// Of a system with loss factors, in place of the other one.
+    lossy: OnceCell<Option<Lossy<'a>>>,
 }
 
 /// Parts of the system, but not all of them.
@@ -77,6 +77,8 @@ struct Subset<'a> {
     basis: Basis,
     /// `None` where a mode moves others too.
     driven: OnceCell<Option<Driven<'a>>>,
+    /// `None` without loss factors.
+    lossy: OnceCell<Option<Lossy<'a>>>,
 }
 
 /// Which coordinates move together.
@@ -152,7 +154,9 @@ impl<'a> Random<'a> {
                 parts.contains(&true) && parts.contains(&false) && some.iter().all(|known| known.parts != parts);
             if is_new {
                 let kept: Vec<usize> = (0..system.n()).filter(|&i| parts[reach.part[i]]).collect();
-                some.push(Subset { parts, basis: Basis::of_coordinates(system.n(), &kept), driven: OnceCell::new() });
+                let (basis, driven, lossy) =
+                    (Basis::of_coordinates(system.n(), &kept), OnceCell::new(), OnceCell::new());
+                some.push(Subset { parts, basis, driven, lossy });
             }
         }
         let (whole, lossy) = Default::default();
@@ -216,13 +220,26 @@ impl<'a> Random<'a> {
         self.noises.iter().any(|noise| self.reach.from_noise(self.system, noise, output))
     }
 
-    /// The mean square with loss factors of an output, or of its rate; `None` in a system without them.
+    /// The mean square with loss factors of an output, or of its rate; `None` where no spring that matters has one.
     fn lossy(&self, output: &Output, is_rate: bool, within: Option<[&Number; 2]>) -> Option<Spread> {
-        let losses = self.system.losses.as_deref()?;
-        let lossy = self.lossy.get_or_init(|| Lossy::of(self.system, losses, self.modes, self.noises));
-        let seen = Seen::of(self.system, losses, output);
-        let seen = if is_rate { seen.and_then(|seen| seen.rate()) } else { seen };
-        Some(seen.map_or(Spread::Unknown(OPEN_RATE), |seen| lossy.mean_square(&self.reach, &seen, within)))
+        self.system.losses.as_deref()?;
+        let index = self.system.outputs.iter().position(|known| std::ptr::eq(known, output));
+        let lossy = self.lossy_place(output)?;
+        let Some(seen) = index.map(|index| lossy.seen(index)) else { return Some(Spread::Unknown(OPEN_DIGITS)) };
+        let seen = if is_rate { seen.rate() } else { Some(seen) };
+        Some(seen.map_or(Spread::Unknown(OPEN_RATE), |seen| lossy.mean_square(&seen, within)))
+    }
+
+    /// The parts that an output shows, or the whole system where they cannot be taken by themselves.
+    fn lossy_place(&self, output: &Output) -> Option<&Lossy<'a>> {
+        let parts = self.reach.shown(output, &self.driven);
+        let found = self.some.iter().find(|some| some.parts == parts);
+        if let Some((some, (_, modes))) = found.and_then(|some| Some((some, self.modes_of(&some.parts)?))) {
+            let of = || Lossy::of(Cow::Owned(some.basis.system(self.system)), &modes, self.noises);
+            return some.lossy.get_or_init(of).as_ref();
+        }
+        let of = || Lossy::of(Cow::Borrowed(self.system), self.modes, self.noises);
+        self.lossy.get_or_init(of).as_ref()
     }
 
     /// The root mean square, in the SI unit of the output.
