@@ -198,3 +198,13 @@ fn parts_with_and_without_losses() {
     assert!(rows[1]["rms_reason"].as_str().is_some_and(|why| why.contains("nothing damps mode 2")), "{}", rows[1]);
     assert!(rows[2]["rms_reason"].as_str().is_some_and(|why| why.contains("no bound")), "{}", rows[2]);
 }
+
+/// A delay that turns the phase more often than can be integrated is refused before it is.
+#[test]
+fn a_delay_that_is_too_long_is_refused_at_once() {
+    let rows = noisy(
+        "body b { mass = 2 kg, moves x }\nspring s: ground -- b { k = 200 N/m, loss = 0.1 }\n\
+         force F: b along x = noise(3 N^2/Hz, 1 Hz .. 10 kHz)\nforce G: b along x = delayed(F, 1000 s)\noutput x = b.x\n",
+    );
+    assert!(rows[0]["rms_reason"].as_str().is_some_and(|why| why.contains("phase turns too often")), "{}", rows[0]);
+}

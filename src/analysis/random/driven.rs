@@ -24,7 +24,7 @@ const RIGID: &str = "infinite: nothing brings back a motion that noise drives on
 const UNDAMPED: &str = "infinite: nothing damps what noise excites";
 
 const OPEN_POLES: &str = "the poles are too close to each other for a bound";
-const OPEN_TURNS: &str = "the delay is too long for this band: the phase turns too often";
+pub const OPEN_TURNS: &str = "the delay is too long for this band: the phase turns too often";
 const OPEN_DIGITS: &str = "the bound leaves no digit";
 const OPEN_UNDAMPED: &str = "whether the noise has power where it excites an undamped motion is not decided";
 const OPEN_LATER: &str = "a motion is not damped, which is not computed under noises with delays";

@@ -7,7 +7,7 @@ use num_bigint::BigInt;
 use std::sync::OnceLock;
 
 /// The number of nodes.
-const NODES: usize = 24;
+pub const NODES: usize = 24;
 /// The ellipse about -1 and 1 through 2 has these half-axes, the second one sqrt 3, and rho = 2 + sqrt 3.
 pub const ACROSS: f64 = 2.0;
 pub const UP_AND_DOWN: f64 = 1.732_050_807_568_877_4;

@@ -6,7 +6,7 @@
 use super::argument::Point;
 use super::bands;
 use super::channel::Channel;
-use super::driven::rate_of;
+use super::driven::{OPEN_TURNS, rate_of};
 use super::gauss::{self, Rule};
 use super::gramian::Space;
 use super::source::{Arm, OPEN_BASE, Source, Springs, direct};
@@ -28,7 +28,7 @@ const OPEN_LATER: &str = "white noise that comes again later is not computed wit
 const GROWS: &str = "a loss factor or a damper is negative: a motion may grow";
 
 /// Limit on the multiplications of all eliminations of one integral: some seconds.
-const MOST_WORK: usize = 300_000_000;
+const MOST_WORK: usize = 100_000_000;
 /// A panel is fine enough if its error is below this part of the integral.
 const FINE: f64 = 1e-20;
 /// The most that a phase turns in half a panel, rad.
@@ -148,10 +148,14 @@ impl<'a> Lossy<'a> {
             drives.push(drive);
         }
         let mut integral = Integral { lossy: self, space, row, drives, left: source.left, spent: 0, sum: Ball::ZERO };
+        let pieces = bands::pieces(&source.noise.density, within);
+        if integral.turns_too_often(pieces.iter().flatten()) {
+            return Err(Spread::Unknown(OPEN_TURNS));
+        }
         let done = match &source.noise.density {
             Density::White(_) if is_white && arms.len() > 1 => return Err(Spread::Unknown(OPEN_LATER)),
             Density::White(density) if is_white => integral.over_all(density.to_ball()),
-            density => bands::pieces(density, within).and_then(|pieces| {
+            _ => pieces.and_then(|pieces| {
                 pieces.iter().try_for_each(|piece| integral.over(&Range::Law(piece), [piece.from, piece.to]))
             }),
         };
@@ -228,6 +232,18 @@ struct Integral<'a, 'l> {
 }
 
 impl Integral<'_, '_> {
+    /// Whether the panels that delays take alone are too many.
+    fn turns_too_often<'p>(&self, pieces: impl Iterator<Item = &'p Piece>) -> bool {
+        let longest = self.drives.iter().map(|drive| drive.later.magnitude()).fold(0.0, f64::max);
+        let panels = pieces.map(|piece| (piece.to - piece.from).magnitude()).sum::<f64>() * longest / (2.0 * TURN);
+        panels * (gauss::NODES + 1) as f64 * self.work() as f64 > MOST_WORK as f64
+    }
+
+    /// Multiplications of an elimination.
+    fn work(&self) -> usize {
+        (2 * self.space.n).pow(3)
+    }
+
     /// White noise of a density over all frequencies.
     fn over_all(&mut self, density: Ball) -> Option<()> {
         let highest = self.space.s.iter().copied().fold(0.0, f64::max);
@@ -277,7 +293,7 @@ impl Integral<'_, '_> {
 
     /// The density of the output at an angular frequency or a period; over a neighbourhood of it, at most so much.
     fn square(&mut self, range: &Range, at: Point) -> Option<Ball> {
-        self.spent += (2 * self.space.n).pow(3);
+        self.spent += self.work();
         let h = match range {
             Range::Periods(_) => self.by_period(at)?,
             _ => self.by_frequency(at)?,
