@@ -264,7 +264,7 @@ fn shares_of_modes_in_bands_that_come_again() {
     let bases = format!(
         "{bodies}base g {{ moves x }} = noise(2 m^2/Hz, 0.3 Hz .. 1.1 Hz)\nbase h {{ moves x }} = delayed(g, 0.4 s)\n\
          spring s: g -- a {{ k = 9 N/m }}\nspring t: h -- b {{ k = 9 N/m }}\ndamper d: g -- a {{ c = 0.5 N*s/m }}\n\
-         damper e: h -- b {{ c = 0.5 N*s/m }}\noutput x = a.x\noutput z = a.x - g.x\n"
+         damper e: h -- b {{ c = 0.5 N*s/m }}\noutput x = a.x\noutput z = a.x - g.x\noutput r = a.vx - g.vx\n"
     );
     let density = |w: f64, is_flat: bool| {
         let slope = 3.5f64.ln() / (1.1f64 / 0.3).ln();
@@ -282,15 +282,19 @@ fn shares_of_modes_in_bands_that_come_again() {
                     let sign = if mode == 0 { 1.0 } else { -1.0 };
                     let both = times(load, (1.0 + sign * turn.0, sign * turn.1));
                     let x = times(both, (0.5 * bottom.0 / size, -0.5 * bottom.1 / size));
-                    // In b the second mode is the other way round, and what a force accelerates at once is no mode's.
-                    match !is_base && place == 1 {
-                        true => (sign * (-w * w * x.0 - 0.5 * both.0), sign * (-w * w * x.1 - 0.5 * both.1)),
-                        false => x,
+                    // In b the second mode is the other way round. What a force accelerates at once is no mode's, nor is the jump of
+                    // a rate by the rate of a base.
+                    match (is_base, place) {
+                        (false, 1) => (sign * (-w * w * x.0 - 0.5 * both.0), sign * (-w * w * x.1 - 0.5 * both.1)),
+                        (true, 2) => (-w * x.1 - 0.25 * (1.0 + sign * turn.0), w * x.0 - 0.25 * sign * turn.1),
+                        _ => x,
                     }
                 };
                 let direct = match (is_base, place) {
                     (true, 1) => (-1.0, 0.0),
                     (false, 1) => turn,
+                    // Both halves of the jump of `a`, and the base itself.
+                    (true, 2) => (0.5, -w),
                     _ => (0.0, 0.0),
                 };
                 let modes = [of(0), of(1)];
@@ -322,4 +326,55 @@ fn a_noise_that_drives_too_many_inputs_is_not_integrated() {
     }
     let found = &answer(&text).noisy[0].rms;
     assert!(matches!(found, Spread::Unknown(why) if why.contains("more than 64 inputs")), "{found:?}");
+}
+
+/// The same bases by their accelerations: what the masses follow of a base at once, H(0) + s H'(0) of each mode over s^2, and the jump of
+/// the rates that this leaves, belong to no mode.
+#[test]
+fn shares_of_modes_under_accelerations_that_come_again() {
+    type C = (f64, f64);
+    let plus = |a: C, b: C| (a.0 + b.0, a.1 + b.1);
+    let times = |a: C, b: C| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+    let over = |a: C, b: C| {
+        let size = b.0 * b.0 + b.1 * b.1;
+        times(a, (b.0 / size, -b.1 / size))
+    };
+    let text = "body a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nspring u: a -- b { k = 8 N/m }\n\
+                base g { moves x } = noise(2 m^2/s^4/Hz, 0.3 Hz .. 1.1 Hz)\nbase h { moves x } = delayed(g, 0.4 s)\n\
+                spring s: g -- a { k = 9 N/m }\nspring t: h -- b { k = 9 N/m }\ndamper d: g -- a { c = 0.5 N*s/m }\n\
+                damper e: h -- b { c = 0.5 N*s/m }\noutput x = a.x\noutput v = a.vx\n";
+    for (power, noisy) in answer(text).noisy.iter().enumerate() {
+        let parts = |w: f64| {
+            let s = (0.0, w);
+            let square = (-w * w, 0.0);
+            let turn = ((0.4 * w).cos(), -(0.4 * w).sin());
+            let of = |mode: usize| {
+                let (k, sign) = ([9.0, 25.0][mode], [1.0, -1.0][mode]);
+                let both = plus((1.0, 0.0), (sign * turn.0, sign * turn.1));
+                let h = over((4.5, 0.25 * w), (k - w * w, 0.5 * w));
+                let (at_once, rate) = (4.5 / k, (0.25 * k - 4.5 * 0.5) / (k * k));
+                let apart = over(plus(h, (-at_once, -rate * w)), square);
+                let (own, all) = match power {
+                    0 => (apart, over(h, square)),
+                    _ => (plus(times(s, apart), (rate, 0.0)), over(times(s, h), square)),
+                };
+                (times(own, both), times(all, both))
+            };
+            let [first, second] = [of(0), of(1)];
+            ([first.0, second.0], plus(first.1, second.1))
+        };
+        let integral = |of: &dyn Fn(f64) -> f64| simpson(of, 0.3 * TAU, 1.1 * TAU);
+        let whole = integral(&|w| {
+            let (_, all) = parts(w);
+            all.0 * all.0 + all.1 * all.1
+        });
+        assert_eq!(noisy.shares.len(), 2, "{noisy:?}");
+        for (mode, share) in &noisy.shares {
+            let truth = integral(&|w| {
+                let (modes, all) = parts(w);
+                modes[mode - 1].0 * all.0 + modes[mode - 1].1 * all.1
+            }) / whole;
+            assert!((share.0 - truth).abs() < 1e-6, "{power} {mode}: {share:?} {truth}");
+        }
+    }
 }
