@@ -21,7 +21,8 @@ use crate::system::{LinearSystem, Noise, Output};
 use std::borrow::Cow;
 use std::collections::VecDeque;
 
-const OPEN: &str = "with loss factors no bound of its integral is found: a motion may have next to no damping";
+const OPEN: &str =
+    "with loss factors its integral takes too long: coordinates are many, or a motion has next to no damping";
 const OPEN_LOSS: &str =
     "whether a loss factor passes the noise on at once, or lets the output drift with the base, is not decided";
 const OPEN_LATER: &str = "white noise that comes again later is not computed with loss factors";
