@@ -260,3 +260,88 @@ fn a_force_that_comes_again_makes_many_peaks() {
         }
     }
 }
+
+/// With a loss factor and a damper S / ((k - m w^2)^2 + (k loss + c w)^2), with the slope 2 in w for the rate; with the loss factor of a
+/// spring between two masses beside the derivative of its quotient.
+#[test]
+fn loss_factors_beside_the_closed_form() {
+    let (m, c, k) = (2.0f64, 3.0f64, 50.0f64);
+    let outputs = "output x = b.x\noutput v = b.vx\noutput a = b.ax\n";
+    for loss in [0.1, 1.5] {
+        let own = |w: f64| {
+            let (re, im) = (k - m * w * w, k * loss + c * w);
+            (4.0 * m * w * re - 2.0 * c * im) / (re * re + im * im)
+        };
+        for (noise, slope, range) in [
+            ("noise(white 6 N^2/Hz)", 0.0, [1e-4, 20.0]),
+            ("noise(6 N^2/Hz, 0 Hz .. 3 Hz)", 0.0, [1e-4, 3.0]),
+            ("noise((0.2 Hz, 6 N^2/Hz), (2 Hz, 0.1 N^2/Hz))", (0.1f64 / 6.0).log10(), [0.2, 2.0]),
+        ] {
+            let scene = oscillator(noise, outputs).replace("50 N/m", &format!("50 N/m, loss = {loss}"));
+            // White noise reaches the acceleration itself.
+            let is_white = noise.contains("white");
+            for (index, found) in peaks(&scene).iter().enumerate().filter(|(index, _)| !(is_white && *index == 2)) {
+                same(found, &maxima(|w| own(w) + (slope + 2.0 * index as f64) / w, range));
+            }
+        }
+        let later = format!("force G: b along x = delayed(F, 3.3 s)\n{outputs}");
+        let scene =
+            oscillator("noise(6 N^2/Hz, 0 Hz .. 3 Hz)", &later).replace("50 N/m", &format!("50 N/m, loss = {loss}"));
+        same(&peaks(&scene)[0], &maxima(|w| own(w) - 3.3 * (0.5 * 3.3 * w).tan(), [1e-4, 3.0]));
+    }
+}
+
+/// A force on the first of 14 equal masses in a row, which are no fractions: as white noise, and under a slope that is no whole number.
+/// Of the last mass, which moves only through thirteen springs, white noise takes too long.
+#[test]
+fn a_long_row_of_masses_beside_elimination_by_hand() {
+    let n = 14;
+    let bodies: String = (0..n).map(|i| format!("body b{i} {{ mass = 1 kg, moves x }}\n")).collect();
+    let tie = |i: usize| {
+        let ends = if i == 0 { "ground -- b0".to_owned() } else { format!("b{} -- b{i}", i - 1) };
+        format!("spring s{i}: {ends} {{ k = sqrt(2) * 1 kN/m }}\ndamper d{i}: {ends} {{ c = 2 N*s/m }}\n")
+    };
+    let ties: String = (0..n).map(tie).collect();
+    // (K + i w C - w^2 M) q = f and its derivative, from the free end on: q_(i - 1) follows from q_i and q_(i + 1).
+    let density = |w: f64, seen: usize| {
+        let tie = [2f64.sqrt() * 1000.0, 2.0 * w];
+        let times = |a: [f64; 2], b: [f64; 2]| [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]];
+        let over = |a: [f64; 2], b: [f64; 2]| {
+            let size = b[0] * b[0] + b[1] * b[1];
+            [(a[0] * b[0] + a[1] * b[1]) / size, (a[1] * b[0] - a[0] * b[1]) / size]
+        };
+        // With the end moving by one; each beside its derivative.
+        let (mut q, mut q1) = (vec![[1.0, 0.0]], vec![[0.0, 0.0]]);
+        let (mut pull, mut pull1) = ([0.0, 0.0], [0.0, 0.0]);
+        for i in 0..n {
+            let (x, x1) = (q[i], q1[i]);
+            pull = [pull[0] - w * w * x[0], pull[1] - w * w * x[1]];
+            pull1 = [pull1[0] - 2.0 * w * x[0] - w * w * x1[0], pull1[1] - 2.0 * w * x[1] - w * w * x1[1]];
+            let stretch = over(pull, tie);
+            let stretch1 = over([pull1[0] + 2.0 * stretch[1], pull1[1] - 2.0 * stretch[0]], tie);
+            q.push([x[0] + stretch[0], x[1] + stretch[1]]);
+            q1.push([x1[0] + stretch1[0], x1[1] + stretch1[1]]);
+        }
+        // The force on the first mass holds the ground: f = (K x - ..), the support at rest.
+        let force = times(tie, q[n]);
+        let force1 = times(tie, q1[n]);
+        let force1 = [force1[0] - 2.0 * q[n][1], force1[1] + 2.0 * q[n][0]];
+        let (x, x1) = (q[n - 1 - seen], q1[n - 1 - seen]);
+        let size = |a: [f64; 2], b: [f64; 2]| 2.0 * (a[0] * b[0] + a[1] * b[1]) / (a[0] * a[0] + a[1] * a[1]);
+        size(x, x1) - size(force, force1)
+    };
+    let scene =
+        |noise: &str, seen: usize| format!("{bodies}{ties}force F: b0 along x = {noise}\noutput x = b{seen}.x\n");
+    let white = "noise(white 1 N^2/Hz)";
+    assert!(matches!(&peaks(&scene(white, n - 1))[0], Err(why) if why.contains("takes too long")));
+    for (noise, seen, range, slope) in [
+        (white, 1, [0.05, 20.0], 0.0),
+        ("noise((0.5 Hz, 2 N^2/Hz), (12 Hz, 0.3 N^2/Hz))", 3, [0.5, 12.0], (0.3f64 / 2.0).ln() / 24f64.ln()),
+    ] {
+        let found = peaks(&scene(noise, seen));
+        let Ok(list) = &found[0] else { panic!("{found:?}") };
+        let truth = maxima(|w| slope / w + density(w, seen), range);
+        let agree = list.iter().zip(&truth).all(|((frequency, _), truth)| (frequency / truth - 1.0).abs() < 1e-11);
+        assert!(list.len() == truth.len() && truth.len() > 5 && agree, "{list:?} {truth:?}");
+    }
+}

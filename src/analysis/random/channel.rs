@@ -161,6 +161,6 @@ fn near_solution(system: &LinearSystem, b: &[Number]) -> Option<Vec<Number>> {
 }
 
 /// M^-1 x, exact if possible; zero in the coordinates that inertia does not couple with those of x.
-fn mass_solution(system: &LinearSystem, x: &[Number]) -> Option<Vec<Number>> {
+pub fn mass_solution(system: &LinearSystem, x: &[Number]) -> Option<Vec<Number>> {
     solution_on(&system.m, &(0..x.len()).collect::<Vec<_>>(), x)
 }

@@ -9,15 +9,17 @@ use super::channel::Channel;
 use super::driven::{OPEN_TURNS, rate_of};
 use super::gauss::{self, Rule};
 use super::gramian::Space;
+use super::harmonic::{Drive, Response, Row};
+use super::maxima::Share;
 use super::source::{Arm, OPEN_BASE, Source, Springs, direct};
+use super::tail::Tail;
 use super::weight::Piece;
 use super::{Reach, Spread, finite, why};
 use crate::analysis::answer::Modes;
 use crate::base::{Ball, Density, Number, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
-use crate::kernel::dense::enclosure::solve;
-use crate::system::{LinearSystem, Noise, Output};
+use crate::system::{LinearSystem, Losses, Noise, Output};
 use std::borrow::Cow;
 use std::collections::VecDeque;
 
@@ -36,8 +38,6 @@ const FINE: f64 = 1e-20;
 const TURN: f64 = 2.0;
 /// White noise above so many times the highest natural frequency is integrated over the period.
 const BEYOND: f64 = 4.0;
-
-const I: Point = Complex { re: Ball::ZERO, im: Ball::ONE };
 
 /// A system with loss factors under noise.
 pub struct Lossy<'a> {
@@ -61,31 +61,33 @@ impl Seen {
     pub fn rate(&self) -> Option<Seen> {
         Some(Seen { plain: rate_of(&self.plain)?, lossy: rate_of(&self.lossy)? })
     }
-}
 
-/// How an arm drives the modes: M q'' + C q' + (K + i H) q = force w, the rate jumping by h w; and what reaches the output at once, the
-/// factors of s^-2 .. s^2.
-struct Drive {
-    force: Vec<Point>,
-    jump: Vec<Ball>,
-    /// M h
-    impulse: Vec<Ball>,
-    /// K h
-    held: Vec<Ball>,
-    feed: [Point; 5],
-    later: Ball,
-}
+    /// That of which it is a derivative, of this order: what a system shows at 0 Hz of an acceleration is then exactly zero.
+    fn integrated(&self) -> (Cow<'_, Seen>, i32) {
+        let Output { p, d, .. } = &self.plain;
+        let is_rate = p[0].is_empty() && d[0].is_empty() && self.lossy.p[0].is_empty() && self.lossy.d[0].is_empty();
+        let is_seen = p.iter().any(|p| !p.is_empty()) || d.iter().any(|d| !d.is_empty());
+        if !(is_rate && is_seen) {
+            return (Cow::Borrowed(self), 0);
+        }
+        let [_, p1, p2] = p.clone();
+        let [_, d1, d2] = d.clone();
+        let plain = Output { p: [p1, p2, Vec::new()], d: [d1, d2, Vec::new()], ..self.plain.clone() };
+        let seen = Seen { plain, lossy: self.lossy.clone() };
+        let (found, order) = seen.integrated();
+        (Cow::Owned(found.into_owned()), order + 1)
+    }
 
-/// Rows over the places and the rates of the modes.
-struct Row {
-    place: Vec<Point>,
-    rate: Vec<Point>,
+    /// What is real, and what the loss factors add times i.
+    pub fn rows(&self) -> [&Output; 2] {
+        [&self.plain, &self.lossy]
+    }
 }
 
 impl<'a> Lossy<'a> {
-    /// `None` without loss factors.
-    pub fn of(system: Cow<'a, LinearSystem>, modes: &Modes, noises: &'a [Noise]) -> Option<Lossy<'a>> {
-        let losses = system.losses.as_deref()?;
+    pub fn of(system: Cow<'a, LinearSystem>, modes: &Modes, noises: &'a [Noise]) -> Lossy<'a> {
+        let none = Losses::default();
+        let losses = system.losses.as_deref().unwrap_or(&none);
         let space = Space::of(&system, modes, None).map_err(why);
         let is_fed = losses.h.terms().iter().any(|term| !term.weight.is_positive());
         let (space, h) = match space {
@@ -98,7 +100,11 @@ impl<'a> Lossy<'a> {
         };
         let sources = noises.iter().map(|noise| Source::of(&system, noise)).collect();
         let reach = Reach::of(&system);
-        Some(Lossy { system, reach, sources, space, h })
+        Lossy { system, reach, sources, space, h }
+    }
+
+    pub fn has_losses(&self) -> bool {
+        self.system.losses.is_some()
     }
 
     /// An output by its number.
@@ -119,7 +125,29 @@ impl<'a> Lossy<'a> {
         reaching.map(of).fold(Spread::Finite(Ball::ZERO), Spread::plus)
     }
 
-    fn under(&self, source: &Source, seen: &Seen, within: Option<[&Number; 2]>) -> Result<Spread, Spread> {
+    /// How each noise that reaches an output whose mean square is finite does.
+    pub fn shares<'s>(&'s self, seen: &Seen) -> Result<Vec<Share<'s>>, Spread> {
+        let reaches = |source: &&Source| self.reach.from_noise(&self.system, source.noise, &seen.plain);
+        let of = |source: &'s Source, (seen, rates): (&Seen, i32)| {
+            let response = self.response(source, seen, None)?;
+            let tail = self.tail(source, seen);
+            Ok(Share::by_modes(source.noise, Response { tail, ..response }, source.left - rates))
+        };
+        let (integrated, rates) = seen.integrated();
+        // What is integrated may drift with a base.
+        let share = |source| of(source, (&*integrated, rates)).or_else(|_: Spread| of(source, (seen, 0)));
+        self.sources.iter().filter(reaches).map(share).collect()
+    }
+
+    fn tail(&self, source: &Source, seen: &Seen) -> Option<Tail> {
+        match (&source.noise.density, source.arms.as_deref()) {
+            (Density::White(_), Ok([arm])) => Tail::of(&self.system, self.space.as_ref().ok()?, &arm.channel, seen),
+            _ => None,
+        }
+    }
+
+    /// H between a noise and an output, where it leaves the mean square finite.
+    fn response(&self, source: &Source, seen: &Seen, within: Option<[&Number; 2]>) -> Result<Response<'_>, Spread> {
         let space = self.space.as_ref().map_err(|why| Spread::Unknown(why))?;
         let all = source.arms.as_ref().map_err(|why| Spread::Unknown(why))?;
         let reaches = |input: &usize| self.reach.from_input(&self.system, *input, &seen.plain);
@@ -148,13 +176,20 @@ impl<'a> Lossy<'a> {
             }
             drives.push(drive);
         }
-        let mut integral = Integral { lossy: self, space, row, drives, left: source.left, spent: 0, sum: Ball::ZERO };
+        Ok(Response { space, h: &self.h, row, drives, tail: None })
+    }
+
+    fn under(&self, source: &Source, seen: &Seen, within: Option<[&Number; 2]>) -> Result<Spread, Spread> {
+        let is_white = source.is_white() && within.is_none();
+        let response = self.response(source, seen, within)?;
+        let is_late = response.drives.len() > 1;
+        let mut integral = Integral { response, left: source.left, spent: 0, sum: Ball::ZERO };
         let pieces = bands::pieces(&source.noise.density, within);
         if integral.turns_too_often(pieces.iter().flatten()) {
             return Err(Spread::Unknown(OPEN_TURNS));
         }
         let done = match &source.noise.density {
-            Density::White(_) if is_white && arms.len() > 1 => return Err(Spread::Unknown(OPEN_LATER)),
+            Density::White(_) if is_white && is_late => return Err(Spread::Unknown(OPEN_LATER)),
             Density::White(density) if is_white => integral.over_all(density.to_ball()),
             _ => pieces.and_then(|pieces| {
                 pieces.iter().try_for_each(|piece| integral.over(&Range::Law(piece), [piece.from, piece.to]))
@@ -190,7 +225,10 @@ impl<'a> Lossy<'a> {
         later: Ball,
     ) -> Option<Drive> {
         let n = space.n;
-        let lost: Vec<Number> = channel.lost(self.system.losses.as_deref()?)?;
+        let lost = match self.system.losses.as_deref() {
+            Some(losses) => channel.lost(losses)?,
+            None => vec![Number::ZERO; n],
+        };
         let drive = space.drive(channel, Ball::ONE);
         let jump: Vec<Ball> = drive.jump.iter().zip(&space.s).map(|(x, s)| *x / Ball::from(*s)).collect();
         // X^T M X is 1 and X^T K X diagonal but for small entries.
@@ -221,33 +259,25 @@ enum Range<'p> {
 }
 
 /// The integral of |H|^2 S, as far as it is.
-struct Integral<'a, 'l> {
-    lossy: &'a Lossy<'l>,
-    space: &'a Space,
-    row: Row,
-    drives: Vec<Drive>,
+struct Integral<'a> {
+    response: Response<'a>,
     /// The power of 1 / w^2 beside.
     left: i32,
     spent: usize,
     sum: Ball,
 }
 
-impl Integral<'_, '_> {
+impl Integral<'_> {
     /// Whether the panels that delays take alone are too many.
     fn turns_too_often<'p>(&self, pieces: impl Iterator<Item = &'p Piece>) -> bool {
-        let longest = self.drives.iter().map(|drive| drive.later.magnitude()).fold(0.0, f64::max);
+        let longest = self.response.drives.iter().map(|drive| drive.later.magnitude()).fold(0.0, f64::max);
         let panels = pieces.map(|piece| (piece.to - piece.from).magnitude()).sum::<f64>() * longest / (2.0 * TURN);
-        panels * (gauss::NODES + 1) as f64 * self.work() as f64 > MOST_WORK as f64
-    }
-
-    /// Multiplications of an elimination.
-    fn work(&self) -> usize {
-        (2 * self.space.n).pow(3)
+        panels * (gauss::NODES + 1) as f64 * self.response.work() as f64 > MOST_WORK as f64
     }
 
     /// White noise of a density over all frequencies.
     fn over_all(&mut self, density: Ball) -> Option<()> {
-        let highest = self.space.s.iter().copied().fold(0.0, f64::max);
+        let highest = self.response.space.s.iter().copied().fold(0.0, f64::max);
         let cut = BEYOND * highest;
         self.over(&Range::Flat(density), [Ball::ZERO, Ball::from(cut)])?;
         self.over(&Range::Periods(density), [Ball::ZERO, Ball::ONE / Ball::from(cut)])
@@ -275,7 +305,7 @@ impl Integral<'_, '_> {
 
     /// The integral over a panel; `None` if it is too wide.
     fn panel(&mut self, rule: &Rule, range: &Range, middle: Ball, half: Ball) -> Option<Ball> {
-        let turns = self.drives.iter().any(|drive| (drive.later * half).magnitude() > TURN);
+        let turns = self.response.drives.iter().any(|drive| (drive.later * half).magnitude() > TURN);
         if turns {
             return None;
         }
@@ -294,10 +324,10 @@ impl Integral<'_, '_> {
 
     /// The density of the output at an angular frequency or a period; over a neighbourhood of it, at most so much.
     fn square(&mut self, range: &Range, at: Point) -> Option<Ball> {
-        self.spent += self.work();
+        self.spent += self.response.work();
         let h = match range {
-            Range::Periods(_) => self.by_period(at)?,
-            _ => self.by_frequency(at)?,
+            Range::Periods(_) => self.response.by_period(at)?,
+            _ => self.response.by_frequency(at)?,
         };
         let size =
             if at.im.is_zero() { h.re.square() + h.im.square() } else { Ball::ZERO.widen(h.magnitude()).square() };
@@ -309,107 +339,10 @@ impl Integral<'_, '_> {
         let rates = (0..self.left).fold(Ball::ONE, |product, _| product * modulus(at).square());
         Some(size * density / rates).filter(Ball::is_finite)
     }
-
-    /// H at an angular frequency: Q q = f + (C + s M) h, and q' = s q - h.
-    fn by_frequency(&self, omega: Point) -> Option<Point> {
-        let (space, s) = (self.space, omega * I);
-        let square = omega * omega;
-        let slack = square.magnitude() * space.of_m * UP;
-        let entry = |i: usize, j: usize| {
-            let own = if i == j { Complex::real(space.k[i]) - square } else { Complex::ZERO };
-            let value = own + s.scale(space.c[(i, j)]) + I.scale(self.lossy.h[(i, j)]);
-            let of_k = space.of_k * space.s[i] * space.s[j] * UP;
-            Complex::new(value.re.widen(slack + of_k), value.im.widen(slack))
-        };
-        let loads = |drive: &Drive| -> Vec<Point> {
-            let damped = self.damped(drive);
-            (0..space.n).map(|i| drive.force[i] + Complex::real(damped[i]) + s.scale(drive.impulse[i])).collect()
-        };
-        let places = self.solved(entry, &self.drives.iter().map(loads).collect::<Vec<_>>())?;
-        let mut total = Complex::ZERO;
-        for (drive, place) in self.drives.iter().zip(&places) {
-            let seen = (0..space.n).fold(Complex::ZERO, |sum: Point, i| {
-                sum + self.row.place[i] * place[i] + self.row.rate[i] * (s * place[i] - Complex::real(drive.jump[i]))
-            });
-            total = total + (seen + fed(&drive.feed, s)?) * delayed(omega, drive.later)?;
-        }
-        Some(total)
-    }
-
-    /// w H at a period 1 / w, without what reaches the output at once: (M - i C t - (K + i H) t^2) q / t = - t (f + C h) - i M h, and
-    /// the same of q' / t for - i f + t (K + i H) h.
-    fn by_period(&self, period: Point) -> Option<Point> {
-        let space = self.space;
-        let square = period * period;
-        let small = square.magnitude() * UP;
-        let entry = |i: usize, j: usize| {
-            let held = if i == j { space.k[i] } else { Ball::ZERO };
-            let own = if i == j { Complex::real(Ball::ONE) } else { Complex::ZERO };
-            let value = own - (period * I).scale(space.c[(i, j)]) - square * Complex::new(held, self.lossy.h[(i, j)]);
-            let of_k = small * space.of_k * space.s[i] * space.s[j] * UP;
-            Complex::new(value.re.widen(space.of_m + of_k), value.im.widen(of_k))
-        };
-        let [drive] = &self.drives[..] else { return None };
-        let damped = self.damped(drive);
-        let lost = |i: usize| (0..space.n).fold(Ball::ZERO, |sum, j| sum + self.lossy.h[(i, j)] * drive.jump[j]);
-        let places =
-            (0..space.n).map(|i| -(period * (drive.force[i] + Complex::real(damped[i]))) - I.scale(drive.impulse[i]));
-        let rates = (0..space.n).map(|i| period * Complex::new(drive.held[i], lost(i)) - drive.force[i] * I);
-        let found = self.solved(entry, &[places.collect(), rates.collect()])?;
-        let [place, rate] = &found[..] else { return None };
-        let of = |sum: Point, i: usize| sum + self.row.place[i] * place[i] + self.row.rate[i] * rate[i];
-        Some((0..space.n).fold(Complex::ZERO, of))
-    }
-
-    /// C h
-    fn damped(&self, drive: &Drive) -> Vec<Ball> {
-        let of = |i: usize| (0..self.space.n).fold(Ball::ZERO, |sum, j| sum + self.space.c[(i, j)] * drive.jump[j]);
-        (0..self.space.n).map(of).collect()
-    }
-
-    /// The solutions of a complex system, as one of twice the size.
-    fn solved(&self, entry: impl Fn(usize, usize) -> Point, loads: &[Vec<Point>]) -> Option<Vec<Vec<Point>>> {
-        let n = self.space.n;
-        let entries = Matrix::from_fn(n, n, entry);
-        let of = |i: usize, j: usize| {
-            let z = entries[(i % n, j % n)];
-            match (i < n, j < n) {
-                (true, true) | (false, false) => z.re,
-                (true, false) => -z.im,
-                (false, true) => z.im,
-            }
-        };
-        let right = |i: usize, j: usize| if i < n { loads[j][i].re } else { loads[j][i - n].im };
-        let x = solve(&Matrix::from_fn(2 * n, 2 * n, of), &Matrix::from_fn(2 * n, loads.len(), right))?;
-        let column = |j: usize| (0..n).map(|i| Complex::new(x[(i, j)], x[(n + i, j)])).collect();
-        let list: Vec<Vec<Point>> = (0..loads.len()).map(column).collect();
-        list.iter().flatten().all(|z| z.magnitude().is_finite()).then_some(list)
-    }
 }
 
 /// |w| over a neighbourhood.
 fn modulus(at: Point) -> Ball {
     let (low, high) = (at.re.mignitude(), at.magnitude());
     Ball::from(0.5 * (low + high)).widen(0.5 * (high - low) + f64::EPSILON * high)
-}
-
-/// The sum of factors of s^-2 .. s^2.
-fn fed(feed: &[Point; 5], s: Point) -> Option<Point> {
-    let is_zero = |z: &Point| z.re.is_zero() && z.im.is_zero();
-    let mut sum = Complex::ZERO;
-    for (place, factor) in feed.iter().enumerate().filter(|(_, factor)| !is_zero(factor)) {
-        let power = (0..place.abs_diff(2)).fold(Complex::real(Ball::ONE), |product: Point, _| product * s);
-        sum = sum + if place < 2 { *factor / power } else { *factor * power };
-    }
-    sum.magnitude().is_finite().then_some(sum)
-}
-
-/// e^(-i w t)
-fn delayed(omega: Point, later: Ball) -> Option<Point> {
-    if later.is_zero() {
-        return Some(Complex::real(Ball::ONE));
-    }
-    let (sine, cosine) = Number::Ball(omega.re * later).sin_cos()?;
-    let size = Number::Ball(omega.im * later).exp()?.to_ball();
-    Some(Complex::new(cosine.to_ball(), -sine.to_ball()).scale(size))
 }

@@ -2,6 +2,7 @@
 //! density is smooth, intervals of frequency are cut until in each either its slope or its second derivative has one sign. In: zeros
 //! and poles of each path, noises. Out: the maxima between two frequencies. See docs/method/random.md#peaks.
 
+use super::harmonic::Response;
 use super::several::{band_between, edges};
 use crate::analysis::transfer::Transfer;
 use crate::analysis::transfer::extrema::{Exactly, Over, product};
@@ -9,15 +10,17 @@ use crate::base::density::{Band, Course, Density};
 use crate::base::{Ball, Dd, Number};
 use crate::kernel::complex::Complex;
 use crate::system::Noise;
+use std::cell::Cell;
 
 const UNPROVED: &str = "it is not proved that no peak is missing";
+const LONG: &str = "the search for them takes too long";
 const ENDLESS: &str = "white noise that comes again later, or at several inputs, makes peaks without end";
-const LARGE: &str = "peaks under noise at different times, or under densities of different slopes, are found where zeros and poles are: \
-                     in up to nine coordinates, or more if numbers are fractions";
 const EDGES: &str = "peaks under several noises are found where the ends of their bands are fractions";
 
 /// Limit on zeros and poles that are looked at, over all intervals: some seconds.
-const MOST_TERMS: usize = 3_000_000;
+pub const MOST_TERMS: usize = 3_000_000;
+/// Multiplications of an elimination that take as long as a zero or a pole.
+const WORK_OF_ROOT: usize = 10;
 /// Where an interval is cut: not in the middle, where round numbers have their maxima.
 const CUT: f64 = 0.4871;
 /// Intervals are not cut finer, relative to the frequency.
@@ -25,33 +28,58 @@ const FINEST: f64 = 1e-13;
 /// Above so many times the largest zero or pole, sums that decay have no peak.
 const BEYOND: f64 = 1000.0;
 
-/// A noise with its paths to the output, each with the delay at its input, s.
-struct Share<'a> {
+/// A noise with its way to the output.
+pub struct Share<'a> {
     noise: &'a Noise,
-    paths: Vec<(&'a Exactly, Ball)>,
+    way: Way<'a>,
+}
+
+enum Way<'a> {
+    /// Paths by their zeros and poles, each with the delay at its input, s.
+    Roots(Vec<(&'a Exactly, Ball)>),
+    /// By elimination in modal coordinates, and how often the noise is to be integrated beside.
+    Modes(Response<'a>, i32),
 }
 
 /// A function of the angular frequency with its first two derivatives, over an interval.
 type Jet = [Ball; 3];
 
-/// The frequencies in Hz of the maxima, not at the ends of bands, ascending. `reaching`: noises with the inputs that they drive.
-pub fn maxima(
-    transfer: &Transfer,
-    reaching: &[(&Noise, Vec<(usize, Number)>)],
-    output: usize,
-) -> Result<Vec<Ball>, &'static str> {
-    let mut shares = Vec::with_capacity(reaching.len());
-    for (noise, inputs) in reaching {
-        let path = |(input, delay): &(usize, Number)| Some((transfer.zero_pole_form(*input, output)?, delay.to_ball()));
-        let paths: Option<Vec<_>> = inputs.iter().map(path).collect();
-        shares.push(Share { noise, paths: paths.ok_or(LARGE)? });
+/// A noise with the inputs that it drives, each with its delay, s.
+pub type Reaching<'a> = (&'a Noise, Vec<(usize, Number)>);
+
+impl<'a> Share<'a> {
+    pub fn by_modes(noise: &'a Noise, response: Response<'a>, left: i32) -> Share<'a> {
+        Share { noise, way: Way::Modes(response, left) }
     }
-    let edges = edges(reaching.iter().map(|(noise, _)| *noise)).ok_or(EDGES)?;
+
+    /// `None` where exact arithmetic does not find zeros and poles.
+    pub fn all_by_roots(transfer: &'a Transfer, reaching: &[Reaching<'a>], output: usize) -> Option<Vec<Share<'a>>> {
+        let of = |(noise, inputs): &Reaching<'a>| {
+            let path =
+                |(input, delay): &(usize, Number)| Some((transfer.zero_pole_form(*input, output)?, delay.to_ball()));
+            Some(Share { noise, way: Way::Roots(inputs.iter().map(path).collect::<Option<_>>()?) })
+        };
+        reaching.iter().map(of).collect()
+    }
+
+    /// What a look at it costs, in zeros and poles.
+    fn terms(&self) -> usize {
+        match &self.way {
+            Way::Roots(paths) => paths.iter().map(|(path, _)| path.roots()).sum(),
+            Way::Modes(response, _) => 1 + response.work() / WORK_OF_ROOT,
+        }
+    }
+}
+
+/// The frequencies in Hz of the maxima, not at the ends of bands, ascending.
+/// `effort`: what may still be looked at; without it that of its own for each range.
+pub fn maxima(shares: &[Share], effort: Option<&Cell<usize>>) -> Result<Vec<Ball>, &'static str> {
+    let edges = edges(shares.iter().map(|share| share.noise)).ok_or(EDGES)?;
     let mut list = Vec::new();
     for (i, from) in edges.iter().enumerate() {
         let to = edges.get(i + 1);
-        let mut sum = Sum { parts: Vec::new(), terms: 0, left: MOST_TERMS };
-        for share in &shares {
+        let mut sum = Sum { parts: Vec::new(), terms: 0, left: effort.map_or(MOST_TERMS, Cell::get) };
+        for share in shares {
             let band = match (&share.noise.density, to) {
                 (Density::White(_), _) => None,
                 (Density::Bands(bands), Some(to)) => match band_between(bands, from, to) {
@@ -60,12 +88,14 @@ pub fn maxima(
                 },
                 (Density::Bands(_), None) => continue,
             };
-            sum.terms += share.paths.iter().map(|(path, _)| path.roots()).sum::<usize>();
+            sum.terms += share.terms();
             sum.parts.push((share, band));
         }
         if !sum.parts.is_empty() {
             let low = radians(from);
-            list.extend(sum.maxima(low, to.map_or_else(|| sum.top(low), |to| Ok(radians(to)))?)?);
+            let found = to.map_or_else(|| sum.top(low), |to| Ok(radians(to))).and_then(|high| sum.maxima(low, high));
+            effort.inspect(|effort| effort.set(sum.left));
+            list.extend(found?);
         }
     }
     let hertz = Ball::PI * Ball::from(2.0);
@@ -90,7 +120,17 @@ impl Sum<'_> {
     fn top(&self, low: Ball) -> Result<Ball, &'static str> {
         let mut largest = 0.0f64;
         for (share, _) in &self.parts {
-            let [(path, _)] = share.paths[..] else { return Err(ENDLESS) };
+            let path = match &share.way {
+                Way::Roots(paths) => {
+                    let [(path, _)] = paths[..] else { return Err(ENDLESS) };
+                    path
+                }
+                Way::Modes(response, _) if response.drives.len() > 1 => return Err(ENDLESS),
+                Way::Modes(response, left) => {
+                    largest = largest.max(response.falls_above(*left).ok_or(UNPROVED)? / BEYOND);
+                    continue;
+                }
+            };
             let excess = path.excess().ok_or(UNPROVED)? as f64 - f64::from(share.noise.derivative);
             if !(excess < 0.0 && 4.0 * path.roots() as f64 <= BEYOND * -excess) {
                 return Err(UNPROVED);
@@ -102,7 +142,14 @@ impl Sum<'_> {
 
     /// Whether the density is an even function of the frequency, so that its slope at zero is zero.
     fn is_even(&self) -> bool {
-        self.parts.iter().all(|(_, band)| band.is_none_or(|band| matches!(band.course, Course::Flat(_))))
+        let is_flat = |band: &Option<&Band>| band.is_none_or(|band| matches!(band.course, Course::Flat(_)));
+        self.parts.iter().all(|(share, band)| {
+            is_flat(band)
+                && match &share.way {
+                    Way::Roots(_) => true,
+                    Way::Modes(response, _) => response.is_even(),
+                }
+        })
     }
 
     fn maxima(&mut self, low: Ball, high: Ball) -> Result<Vec<Ball>, &'static str> {
@@ -131,6 +178,10 @@ impl Sum<'_> {
                     }
                     continue;
                 }
+            }
+            let rises = || self.parts.iter().all(|(share, band)| share.rises(*band, middle.widen(half)) == Some(true));
+            if a == 0.0 && rises() {
+                continue;
             }
             let cut = a + CUT * (b - a);
             if b - a <= FINEST * b || !(a < cut && cut < b) {
@@ -174,7 +225,10 @@ impl Sum<'_> {
 
     /// The density over an interval.
     fn over(&mut self, omega: Ball) -> Result<Jet, &'static str> {
-        self.left = self.left.checked_sub(self.terms).ok_or(UNPROVED)?;
+        self.left = self.left.checked_sub(self.terms).ok_or_else(|| {
+            self.left = 0;
+            LONG
+        })?;
         let unknown = [Ball::new(Dd::ZERO, f64::INFINITY); 3];
         let zero = [Ball::ZERO; 3];
         let sum = self.parts.iter().try_fold(zero, |sum, (share, band)| {
@@ -189,30 +243,53 @@ impl Share<'_> {
     /// The density times |sum H e^(-i w t)|^2 / w^(2 derivative); `None` where an interval is too wide to know anything.
     fn over(&self, band: Option<&Band>, omega: Ball) -> Option<Jet> {
         let by_course = course(&self.noise.density, band, omega)?;
+        let (square, exponent) = self.square(omega)?;
+        Some(product(product(square, power(omega, exponent)), by_course))
+    }
+
+    /// The same without the density, as a function times a power of the frequency.
+    fn square(&self, omega: Ball) -> Option<(Jet, i32)> {
         let rate = i32::from(self.noise.derivative);
-        let square = match self.paths[..] {
-            [(path, _)] => {
-                let over = path.over(omega)?;
+        Some(match &self.way {
+            Way::Modes(response, left) => (square_of(response.over(omega)?), -2 * left),
+            Way::Roots(paths) if paths.len() == 1 => {
+                let over = paths[0].0.over(omega)?;
                 let size = Ball::ONE / (over.below.re.square() + over.below.im.square());
                 let [g, rise] = over.slopes.map(|z| z.re * Ball::from(-2.0));
                 let poles = [size, size * g, size * (g.square() + rise)];
-                product(product(over.square_above, poles), power(omega, 2 * (over.at_zero - rate)))
+                (product(over.square_above, poles), 2 * (over.at_zero - rate))
             }
-            _ => {
+            Way::Roots(paths) => {
                 let mut sum = [Complex::<Ball>::ZERO; 3];
-                for (path, delay) in &self.paths {
+                for (path, delay) in paths {
                     let part = delayed(path, *delay, rate, omega)?;
                     sum = std::array::from_fn(|i| sum[i] + part[i]);
                 }
-                let [g, g1, g2] = sum;
-                let two = Ball::from(2.0);
-                let inner = |a: Complex<Ball>, b: Complex<Ball>| a.re * b.re + a.im * b.im;
-                let size = |a: Complex<Ball>| a.re.square() + a.im.square();
-                [size(g), two * inner(g, g1), two * (size(g1) + inner(g, g2))]
+                (square_of(sum), 0)
             }
-        };
-        Some(product(square, by_course))
+        })
     }
+
+    /// Whether it rises from zero at 0 Hz, over an interval that begins there: as w^p f with w |f'| < p f.
+    fn rises(&self, band: Option<&Band>, omega: Ball) -> Option<bool> {
+        let (square, exponent) = self.square(omega)?;
+        let exponent = Ball::from(f64::from(exponent));
+        let (regular, exponent) = match band.map(|band| &band.course) {
+            None | Some(Course::Flat(_)) => (square, exponent),
+            Some(Course::Power { .. }) => (square, exponent + band?.slope()?.to_ball()),
+            Some(Course::Line { .. }) => (product(square, course(&self.noise.density, band, omega)?), exponent),
+        };
+        let margin = exponent * regular[0] - omega * Ball::from(regular[1].magnitude());
+        Some(exponent.is_positive() && regular[0].is_positive() && margin.is_positive())
+    }
+}
+
+/// |g|^2 with its derivatives.
+fn square_of([g, g1, g2]: [Complex<Ball>; 3]) -> Jet {
+    let two = Ball::from(2.0);
+    let inner = |a: Complex<Ball>, b: Complex<Ball>| a.re * b.re + a.im * b.im;
+    let size = |a: Complex<Ball>| a.re.square() + a.im.square();
+    [size(g), two * inner(g, g1), two * (size(g1) + inner(g, g2))]
 }
 
 /// H e^(-i w t) / (i w)^rate with its derivatives.
@@ -220,13 +297,7 @@ fn delayed(path: &Exactly, delay: Ball, rate: i32, omega: Ball) -> Option<[Compl
     let Over { at_zero, above, below, slopes: [first, second], .. } = path.over(omega)?;
     let (sine, cosine) = Number::Ball(omega * delay).sin_cos()?;
     // The factor i of each root at zero, and -i t of each derivative of the delay.
-    let turn = |z: Complex<Ball>, times: i32| match times.rem_euclid(4) {
-        0 => z,
-        1 => Complex::new(-z.im, z.re),
-        2 => -z,
-        _ => Complex::new(z.im, -z.re),
-    };
-    let value = turn(Complex::new(cosine.to_ball(), -sine.to_ball()) / below, at_zero - rate);
+    let value = quarters(Complex::new(cosine.to_ball(), -sine.to_ball()) / below, at_zero - rate);
     let slope = -first + Complex::new(Ball::ZERO, -delay);
     let two = Ball::from(2.0);
     let [z, z1, z2] = above;
@@ -260,8 +331,18 @@ fn course(density: &Density, band: Option<&Band>, omega: Ball) -> Option<Jet> {
     })
 }
 
+/// z i^times
+pub fn quarters(z: Complex<Ball>, times: i32) -> Complex<Ball> {
+    match times.rem_euclid(4) {
+        0 => z,
+        1 => Complex::new(-z.im, z.re),
+        2 => -z,
+        _ => Complex::new(z.im, -z.re),
+    }
+}
+
 /// omega^exponent
-fn power(omega: Ball, exponent: i32) -> Jet {
+pub fn power(omega: Ball, exponent: i32) -> Jet {
     let of = |exponent: i32| {
         let size = (0..exponent.unsigned_abs()).fold(Ball::ONE, |product, _| product * omega);
         if exponent < 0 { Ball::ONE / size } else { size }

@@ -12,6 +12,7 @@ mod density;
 mod driven;
 mod gauss;
 mod gramian;
+mod harmonic;
 mod lossy;
 mod maxima;
 mod peaks;
@@ -20,6 +21,7 @@ mod realisation;
 mod resolvent;
 mod several;
 mod source;
+mod tail;
 mod undamped;
 mod weight;
 
@@ -34,7 +36,7 @@ use driven::Driven;
 use gramian::Obstacle;
 use lossy::Lossy;
 use std::borrow::Cow;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 
 pub use density::density;
 pub use peaks::Peak;
@@ -52,7 +54,6 @@ pub enum Spread {
 
 const OPEN_DIGITS: &str = "the bound leaves no digit";
 const OPEN_RATE: &str = "the zero crossings of an acceleration need its derivative, which is not computed";
-const OPEN_PEAKS: &str = "they are not looked for where springs have loss factors";
 /// The relative bound of a mean square beyond which there is no number.
 const LEAST: f64 = 0.1;
 
@@ -67,8 +68,10 @@ pub struct Random<'a> {
     driven: Vec<bool>,
     whole: OnceCell<Driven<'a>>,
     some: Vec<Subset<'a>>,
-    /// Of a system with loss factors, in place of the other one.
-    lossy: OnceCell<Option<Lossy<'a>>>,
+    /// With loss factors in place of the other one, and for peaks where zeros and poles are not known.
+    lossy: OnceCell<Lossy<'a>>,
+    /// What the searches for peaks by elimination may still look at, of all outputs together.
+    effort: Cell<usize>,
 }
 
 /// Parts of the system, but not all of them.
@@ -77,8 +80,7 @@ struct Subset<'a> {
     basis: Basis,
     /// `None` where a mode moves others too.
     driven: OnceCell<Option<Driven<'a>>>,
-    /// `None` without loss factors.
-    lossy: OnceCell<Option<Lossy<'a>>>,
+    lossy: OnceCell<Lossy<'a>>,
 }
 
 /// Which coordinates move together.
@@ -160,7 +162,8 @@ impl<'a> Random<'a> {
             }
         }
         let (whole, lossy) = Default::default();
-        Random { system, modes, noises, known: None, reach, driven, whole, some, lossy }
+        let effort = Cell::new(maxima::MOST_TERMS);
+        Random { system, modes, noises, known: None, reach, driven, whole, some, lossy, effort }
     }
 
     /// With what the search for these poles of the system has found.
@@ -223,23 +226,39 @@ impl<'a> Random<'a> {
     /// The mean square with loss factors of an output, or of its rate; `None` where no spring that matters has one.
     fn lossy(&self, output: &Output, is_rate: bool, within: Option<[&Number; 2]>) -> Option<Spread> {
         self.system.losses.as_deref()?;
-        let index = self.system.outputs.iter().position(|known| std::ptr::eq(known, output));
-        let lossy = self.lossy_place(output)?;
-        let Some(seen) = index.map(|index| lossy.seen(index)) else { return Some(Spread::Unknown(OPEN_DIGITS)) };
+        let lossy = self.modal(output);
+        if !lossy.has_losses() {
+            return None;
+        }
+        let Some(index) = self.index(output) else { return Some(Spread::Unknown(OPEN_DIGITS)) };
+        let seen = lossy.seen(index);
         let seen = if is_rate { seen.rate() } else { Some(seen) };
         Some(seen.map_or(Spread::Unknown(OPEN_RATE), |seen| lossy.mean_square(&seen, within)))
     }
 
+    fn index(&self, output: &Output) -> Option<usize> {
+        self.system.outputs.iter().position(|known| std::ptr::eq(known, output))
+    }
+
     /// The parts that an output shows, or the whole system where they cannot be taken by themselves.
-    fn lossy_place(&self, output: &Output) -> Option<&Lossy<'a>> {
+    fn modal(&self, output: &Output) -> &Lossy<'a> {
         let parts = self.reach.shown(output, &self.driven);
         let found = self.some.iter().find(|some| some.parts == parts);
         if let Some((some, (_, modes))) = found.and_then(|some| Some((some, self.modes_of(&some.parts)?))) {
             let of = || Lossy::of(Cow::Owned(some.basis.system(self.system)), &modes, self.noises);
-            return some.lossy.get_or_init(of).as_ref();
+            return some.lossy.get_or_init(of);
         }
-        let of = || Lossy::of(Cow::Borrowed(self.system), self.modes, self.noises);
-        self.lossy.get_or_init(of).as_ref()
+        self.lossy.get_or_init(|| Lossy::of(Cow::Borrowed(self.system), self.modes, self.noises))
+    }
+
+    /// The frequencies in Hz of the maxima of the density of an output, by elimination in modal coordinates.
+    fn maxima(&self, output: usize) -> Result<Vec<Ball>, &'static str> {
+        let modal = self.modal(&self.system.outputs[output]);
+        match modal.shares(&modal.seen(output)) {
+            Ok(shares) => maxima::maxima(&shares, Some(&self.effort)),
+            Err(Spread::Unknown(why)) => Err(why),
+            Err(Spread::Finite(_) | Spread::Infinite(_)) => Err(OPEN_DIGITS),
+        }
     }
 
     /// The root mean square, in the SI unit of the output.
@@ -348,8 +367,10 @@ pub fn outputs(system: &LinearSystem, modes: &Modes, poles: &Poles, noises: &[No
     let of = |(index, output): (usize, &Output)| {
         let ([rms, crossings], shares) = random.measures(output);
         let peaks = match &rms {
-            Spread::Finite(_) if system.losses.is_some() => Err(OPEN_PEAKS.into()),
-            Spread::Finite(_) => peaks::peaks(&transfer, system, noises, &random.reach, index).map_err(Cow::from),
+            Spread::Finite(_) => {
+                let by_modes = || random.maxima(index);
+                peaks::peaks(&transfer, system, noises, &random.reach, index, by_modes).map_err(Cow::from)
+            }
             Spread::Infinite(why) => Err(why.clone()),
             Spread::Unknown(why) => Err((*why).into()),
         };

@@ -2,7 +2,7 @@
 //! densities as enclosures, or why it is not proved that none is missing. See docs/method/random.md#peaks.
 
 use super::density::density;
-use super::maxima::maxima;
+use super::maxima::{Reaching, Share, maxima};
 use super::several::{Range, ranges};
 use super::{Reach, Spread};
 use crate::analysis::transfer::Transfer;
@@ -34,9 +34,10 @@ pub fn peaks(
     noises: &[Noise],
     reach: &Reach,
     output: usize,
+    by_modes: impl Fn() -> Result<Vec<Ball>, &'static str>,
 ) -> Result<Vec<Peak>, &'static str> {
     let reached = &system.outputs[output];
-    let mut reaching: Vec<(&Noise, Vec<(usize, Number)>)> = Vec::new();
+    let mut reaching: Vec<Reaching> = Vec::new();
     for noise in noises {
         let own = noise.inputs.iter().filter(|(input, _)| reach.from_input(system, *input, reached));
         let inputs: Vec<(usize, Number)> = own.cloned().collect();
@@ -45,13 +46,24 @@ pub fn peaks(
         }
     }
     let at_once = |inputs: &[(usize, Number)]| inputs.iter().all(|(_, delay)| (delay - &inputs[0].1).is_zero());
+    if reaching.iter().map(|(noise, _)| noise.density.bands()).sum::<usize>() > MOST_BANDS {
+        return Err(MANY);
+    }
+    let shares = || Share::all_by_roots(transfer, &reaching, output);
     let list = match &reaching[..] {
-        [(noise, inputs)] if inputs.len() == 1 => under_one(transfer, noise, inputs[0].0, output)?,
-        _ if reaching.iter().map(|(noise, _)| noise.density.bands()).sum::<usize>() > MOST_BANDS => return Err(MANY),
-        _ if reaching.iter().all(|(_, inputs)| at_once(inputs)) => {
-            under_several(system, &reaching, reached).or_else(|_| maxima(transfer, &reaching, output))?
+        _ if system.losses.is_some() => by_modes()?,
+        [(noise, inputs)] if inputs.len() == 1 && transfer.zero_pole_form(inputs[0].0, output).is_some() => {
+            under_one(transfer, noise, inputs[0].0, output)?
         }
-        _ => maxima(transfer, &reaching, output)?,
+        _ => {
+            let is_at_once = reaching.iter().all(|(_, inputs)| at_once(inputs));
+            let at_once = is_at_once.then(|| under_several(system, &reaching, reached).ok()).flatten();
+            match (at_once, shares()) {
+                (Some(list), _) => list,
+                (None, Some(shares)) => maxima(&shares, None)?,
+                (None, None) => by_modes()?,
+            }
+        }
     };
     let peak = |frequency: Ball| match density(transfer, system, noises, output, &Number::Ball(frequency)) {
         Spread::Finite(density) => Ok(Peak { frequency, density }),
@@ -65,9 +77,6 @@ fn under_one(transfer: &Transfer, noise: &Noise, input: usize, output: usize) ->
     let exactly = transfer.zero_pole_form(input, output).ok_or(UNPROVED)?;
     let integrals = Ball::from(-f64::from(noise.derivative));
     let Density::Bands(bands) = &noise.density else { return above(exactly, integrals, Ball::ZERO) };
-    if bands.len() > MOST_BANDS {
-        return Err(MANY);
-    }
     let mut list: Vec<Ball> = Vec::new();
     for band in bands {
         let whole = exactly.with_power(integrals);
@@ -81,7 +90,8 @@ fn under_one(transfer: &Transfer, noise: &Noise, input: usize, output: usize) ->
                     // At an end of the band the slope of the logarithm is infinite, that of the density is not.
                     false if low.is_zero() || high.is_zero() => {
                         let own = Noise { density: Density::Bands(vec![band.clone()]), ..noise.clone() };
-                        list.extend(maxima(transfer, &[(&own, vec![(input, Number::ZERO)])], output)?);
+                        let own = [(&own, vec![(input, Number::ZERO)])];
+                        list.extend(maxima(&Share::all_by_roots(transfer, &own, output).ok_or(UNPROVED)?, None)?);
                         continue;
                     }
                     false => whole.with_factor(radians(&root), half),

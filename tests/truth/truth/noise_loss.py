@@ -1,4 +1,4 @@
-"""Root mean squares and crossings under noise where springs have loss factors: certified integrals of |H|^2 S, H as
+"""Root mean squares, crossings and peaks under noise where springs have loss factors: certified integrals and slopes of |H|^2 S, H as
 a quotient of polynomials with complex fractions."""
 
 import copy
@@ -6,7 +6,7 @@ import re
 
 from flint import acb, acb_poly, arb, ctx, fmpq, fmpq_poly
 
-from . import noise
+from . import noise, noise_maxima
 from .exact import I, pi, roots
 from .tally import decimal
 
@@ -106,6 +106,23 @@ class Gain:
         return value(self.above[0]) / value(self.below) * x ** (self.excess() - 1)
 
 
+class Part(noise_maxima.Part):
+    """A noise with its paths, for [`noise_maxima.peaks`]."""
+
+    def __init__(self, net, i, name):
+        gain = Gain(net, stiffer(net), i, name, 0)
+        ways = zip(gain.above, [fmpq(0)] + [decimal(word) for source, word in net.delays.values() if source == name])
+        self.paths = [(split(above), split(gain.below), time) for above, time in ways if above.degree() >= 0]
+        self.roots = [root for root, _ in roots(noise.denominator(net), 60)]
+        self.derivative = 0
+
+
+def split(poly):
+    """At i w, as a real and an imaginary polynomial in w."""
+    (a, b), (c, d) = noise_maxima.split(poly.re), noise_maxima.split(poly.im)
+    return [a - d, b + c]
+
+
 def determinant(rows):
     """By the first row."""
     if not rows:
@@ -163,6 +180,7 @@ def check(net, program, tally, rng):
         if row["rms"] is None:
             tally.refuse(row["rms_reason"])
             continue
+        noise_maxima.compare(net, row, tally, Part)
         i = int(row["output"][1:])
         mean = square(net, i, 0)
         if mean is None:

@@ -68,10 +68,10 @@ def of(poly, x):
     return total
 
 
-def peaks(net, i, fine):
+def peaks(net, i, fine, part=Part):
     """Frequencies and densities; None where there is white noise that comes again."""
     ctx.prec = BITS
-    parts = {name: Part(net, i, name) for name in net.noises}
+    parts = {name: part(net, i, name) for name in net.noises}
     edges = sorted({fmpq(0)} | {edge for own in net.noises.values() for piece in own.pieces or () for edge in piece[:2]})
     found = []
     for low, high in zip(edges, edges[1:] + [None]):
@@ -148,14 +148,19 @@ def check(net, program, tally, rng):
     if told is None:
         return
     for row in told.get("noise") or []:
-        i = int(row["output"][1:])
-        if row["peaks"] is None:
-            tally.refuse(row["peaks_reason"])
-            continue
-        truth = peaks(net, i, 1)
-        if truth is None or len(truth) != len(row["peaks"]):
-            truth = peaks(net, i, 8)
-        tally.verdict("number of peaks", len(row["peaks"]), None if truth is None else len(truth))
-        for own, (frequency, density) in zip(row["peaks"], truth) if truth is not None and len(row["peaks"]) == len(truth) else ():
-            tally.relative("frequency of a peak", own["frequency_hz"], own["frequency_error_bound"], frequency)
-            tally.relative("density of a peak", own["density"], own["density_error_bound"], density)
+        compare(net, row, tally)
+
+
+def compare(net, row, tally, part=Part):
+    """The peaks of an output."""
+    if row["peaks"] is None:
+        tally.refuse(row["peaks_reason"])
+        return
+    i, told = int(row["output"][1:]), row["peaks"]
+    truth = peaks(net, i, 1, part)
+    if truth is None or len(truth) != len(told):
+        truth = peaks(net, i, 8, part)
+    tally.verdict("number of peaks", len(told), None if truth is None else len(truth))
+    for own, (frequency, density) in zip(told, truth) if truth is not None and len(told) == len(truth) else ():
+        tally.relative("frequency of a peak", own["frequency_hz"], own["frequency_error_bound"], frequency)
+        tally.relative("density of a peak", own["density"], own["density_error_bound"], density)
