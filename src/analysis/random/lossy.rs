@@ -7,6 +7,7 @@ use super::argument::Point;
 use super::bands;
 use super::channel::Channel;
 use super::driven::{OPEN_TURNS, rate_of};
+use super::effort::Effort;
 use super::gauss::{self, Rule};
 use super::gramian::Space;
 use super::harmonic::{Drive, Response, Row};
@@ -47,6 +48,8 @@ pub struct Lossy<'a> {
     space: Result<Space, &'static str>,
     /// X^T H X
     h: Matrix<Ball>,
+    /// Of integrals.
+    effort: Effort,
 }
 
 /// An output, or its rate: what is real as with every output, and what the loss factors add times i.
@@ -100,7 +103,7 @@ impl<'a> Lossy<'a> {
         };
         let sources = noises.iter().map(|noise| Source::of(&system, noise)).collect();
         let reach = Reach::of(&system);
-        Lossy { system, reach, sources, space, h }
+        Lossy { system, reach, sources, space, h, effort: Effort::of(MOST_WORK) }
     }
 
     pub fn has_losses(&self) -> bool {
@@ -183,7 +186,8 @@ impl<'a> Lossy<'a> {
         let is_white = source.is_white() && within.is_none();
         let response = self.response(source, seen, within)?;
         let is_late = response.drives.len() > 1;
-        let mut integral = Integral { response, left: source.left, spent: 0, sum: Ball::ZERO };
+        let most = self.effort.limit();
+        let mut integral = Integral { response, left: source.left, spent: 0, most, sum: Ball::ZERO };
         let pieces = bands::pieces(&source.noise.density, within);
         if integral.turns_too_often(pieces.iter().flatten()) {
             return Err(Spread::Unknown(OPEN_TURNS));
@@ -195,7 +199,10 @@ impl<'a> Lossy<'a> {
                 pieces.iter().try_for_each(|piece| integral.over(&Range::Law(piece), [piece.from, piece.to]))
             }),
         };
-        done.ok_or(Spread::Unknown(OPEN))?;
+        if done.is_none() {
+            self.effort.failed(integral.spent);
+            return Err(Spread::Unknown(OPEN));
+        }
         Ok(match finite(bands::settled(integral.sum, 0.0)) {
             Spread::Unknown(_) => Spread::Unknown(OPEN),
             found => found,
@@ -264,6 +271,7 @@ struct Integral<'a> {
     /// The power of 1 / w^2 beside.
     left: i32,
     spent: usize,
+    most: usize,
     sum: Ball,
 }
 
@@ -293,7 +301,7 @@ impl Integral<'_> {
             let middle = (a + b) * Ball::from(0.5);
             match self.panel(rule, range, middle, half) {
                 Some(part) => self.sum = self.sum + part,
-                None if self.spent > MOST_WORK => return None,
+                None if self.spent > self.most => return None,
                 None => {
                     let cut = Ball::from(gauss::cut(a.to_f64(), b.to_f64())?);
                     waiting.extend([[a, cut], [cut, b]]);

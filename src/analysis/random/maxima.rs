@@ -2,6 +2,7 @@
 //! density is smooth, intervals of frequency are cut until in each either its slope or its second derivative has one sign. In: zeros
 //! and poles of each path, noises. Out: the maxima between two frequencies. See docs/method/random.md#peaks.
 
+use super::effort::Effort;
 use super::harmonic::Response;
 use super::several::{band_between, edges};
 use crate::analysis::transfer::Transfer;
@@ -10,7 +11,6 @@ use crate::base::density::{Band, Course, Density};
 use crate::base::{Ball, Dd, Number};
 use crate::kernel::complex::Complex;
 use crate::system::Noise;
-use std::cell::Cell;
 
 const UNPROVED: &str = "it is not proved that no peak is missing";
 const LONG: &str = "the search for them takes too long";
@@ -72,13 +72,14 @@ impl<'a> Share<'a> {
 }
 
 /// The frequencies in Hz of the maxima, not at the ends of bands, ascending.
-/// `effort`: what may still be looked at; without it that of its own for each range.
-pub fn maxima(shares: &[Share], effort: Option<&Cell<usize>>) -> Result<Vec<Ball>, &'static str> {
+/// `effort`: of all ranges together; without it each has its own.
+pub fn maxima(shares: &[Share], effort: Option<&Effort>) -> Result<Vec<Ball>, &'static str> {
     let edges = edges(shares.iter().map(|share| share.noise)).ok_or(EDGES)?;
+    let mut left = effort.map(Effort::limit);
     let mut list = Vec::new();
     for (i, from) in edges.iter().enumerate() {
         let to = edges.get(i + 1);
-        let mut sum = Sum { parts: Vec::new(), terms: 0, left: effort.map_or(MOST_TERMS, Cell::get) };
+        let mut sum = Sum { parts: Vec::new(), terms: 0, left: left.unwrap_or(MOST_TERMS) };
         for share in shares {
             let band = match (&share.noise.density, to) {
                 (Density::White(_), _) => None,
@@ -94,7 +95,10 @@ pub fn maxima(shares: &[Share], effort: Option<&Cell<usize>>) -> Result<Vec<Ball
         if !sum.parts.is_empty() {
             let low = radians(from);
             let found = to.map_or_else(|| sum.top(low), |to| Ok(radians(to))).and_then(|high| sum.maxima(low, high));
-            effort.inspect(|effort| effort.set(sum.left));
+            left = left.map(|_| sum.left);
+            if let (Err(LONG), Some(effort)) = (&found, effort) {
+                effort.failed(effort.limit());
+            }
             list.extend(found?);
         }
     }
@@ -225,10 +229,7 @@ impl Sum<'_> {
 
     /// The density over an interval.
     fn over(&mut self, omega: Ball) -> Result<Jet, &'static str> {
-        self.left = self.left.checked_sub(self.terms).ok_or_else(|| {
-            self.left = 0;
-            LONG
-        })?;
+        self.left = self.left.checked_sub(self.terms).ok_or(LONG)?;
         let unknown = [Ball::new(Dd::ZERO, f64::INFINITY); 3];
         let zero = [Ball::ZERO; 3];
         let sum = self.parts.iter().try_fold(zero, |sum, (share, band)| {

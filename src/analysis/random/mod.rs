@@ -10,6 +10,7 @@ mod channel;
 mod coherent;
 mod density;
 mod driven;
+mod effort;
 mod gauss;
 mod gramian;
 mod harmonic;
@@ -33,10 +34,11 @@ use crate::base::{Ball, Number, Unproven};
 use crate::system::{CoordinateId, LinearSystem, Noise, Output};
 use basis::Basis;
 use driven::Driven;
+use effort::Effort;
 use gramian::Obstacle;
 use lossy::Lossy;
 use std::borrow::Cow;
-use std::cell::{Cell, OnceCell};
+use std::cell::OnceCell;
 
 pub use density::density;
 pub use peaks::Peak;
@@ -70,8 +72,8 @@ pub struct Random<'a> {
     some: Vec<Subset<'a>>,
     /// With loss factors in place of the other one, and for peaks where zeros and poles are not known.
     lossy: OnceCell<Lossy<'a>>,
-    /// What the searches for peaks by elimination may still look at, of all outputs together.
-    effort: Cell<usize>,
+    /// Of the searches for peaks by elimination.
+    effort: Effort,
 }
 
 /// Parts of the system, but not all of them.
@@ -162,7 +164,7 @@ impl<'a> Random<'a> {
             }
         }
         let (whole, lossy) = Default::default();
-        let effort = Cell::new(maxima::MOST_TERMS);
+        let effort = Effort::of(maxima::MOST_TERMS);
         Random { system, modes, noises, known: None, reach, driven, whole, some, lossy, effort }
     }
 
