@@ -186,6 +186,50 @@ fn what_a_loss_factor_passes_on_at_once_is_not_forgotten() {
     assert!(rows[1]["rms"].is_f64(), "{}", rows[1]);
 }
 
+/// Two equal masses between three equal springs of one loss factor: the modes are those without it, H_i = 1/2 / (w_i^2 (1 + i loss) - w^2),
+/// and a mode's share is the integral of re H_i conj H over that of |H|^2, here by Simpson's rule.
+#[test]
+fn shares_of_modes_under_loss_factors() {
+    let loss = 0.2;
+    let model = format!(
+        "body a {{ mass = 1 kg, moves x }}\nbody b {{ mass = 1 kg, moves x }}\n\
+         spring r: ground -- a {{ k = 100 N/m, loss = {loss} }}\nspring s: a -- b {{ k = 100 N/m, loss = {loss} }}\n\
+         spring t: b -- ground {{ k = 100 N/m, loss = {loss} }}\nforce F: a along x = NOISE\noutput x = a.x\noutput v = a.vx\n"
+    );
+    let integrals = |[from, to]: [f64; 2], power: i32| {
+        let (count, mut sums) = (400_000, [0.0; 2]);
+        let step = (to - from) / f64::from(count);
+        for i in 0..=count {
+            let w = from + step * f64::from(i);
+            let weight = if i == 0 || i == count { 1.0 } else { f64::from(2 + 2 * (i % 2)) } * w.powi(power);
+            let of = |square: f64| {
+                let (re, im) = (square - w * w, square * loss);
+                [0.5 * re / (re * re + im * im), -0.5 * im / (re * re + im * im)]
+            };
+            let (one, two) = (of(100.0), of(300.0));
+            for (sum, own) in sums.iter_mut().zip([one, two]) {
+                *sum += weight * (own[0] * (one[0] + two[0]) + own[1] * (one[1] + two[1]));
+            }
+        }
+        sums.map(|sum| sum / (sums[0] + sums[1]))
+    };
+    let whole = [1e-9, 2000.0];
+    let band = [2.0 * PI, 6.0 * PI];
+    for (noise, range, outputs) in [("noise(white 1 N^2/Hz)", whole, 1), ("noise(1 N^2/Hz, 1 Hz .. 3 Hz)", band, 2)] {
+        let rows = noisy(&model.replace("NOISE", noise));
+        for (index, row) in rows.iter().enumerate().take(outputs) {
+            let truth = integrals(range, 2 * index as i32);
+            let told = row["modes"].as_array().expect("modes");
+            assert_eq!(told.len(), 2, "{row}");
+            for share in told {
+                let number = share["mode"].as_u64().expect("a number") as usize;
+                let off = share["share"].as_f64().expect("a share") - truth[number - 1];
+                assert!(off.abs() < 1e-8, "{row} {truth:?}");
+            }
+        }
+    }
+}
+
 /// What moves apart is told apart: an oscillator with loss beside one that nothing damps, in whose band the noise excites it without
 /// end. Of their difference nothing is told.
 #[test]

@@ -470,11 +470,16 @@ impl<'a> Driven<'a> {
     /// noise reaches the output directly.
     pub fn shares(&self, output: &Output, whole: Ball) -> Vec<(usize, Unproven)> {
         let Some(parts) = self.contributions(output) else { return Vec::new() };
-        let shares = parts.into_iter().map(|part| if whole.is_zero() { 0.0 } else { part / whole.to_f64() });
-        let mut list: Vec<(usize, Unproven)> = self.numbers.iter().copied().zip(shares.map(Unproven)).collect();
-        list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
-        list
+        shares(self.numbers.iter().copied().zip(parts), whole)
     }
+}
+
+/// The modes that contribute to a mean square, the largest parts first.
+pub fn shares(parts: impl Iterator<Item = (usize, f64)>, whole: Ball) -> Vec<(usize, Unproven)> {
+    let share = |(mode, part)| (mode, Unproven(if whole.is_zero() { 0.0 } else { part / whole.to_f64() }));
+    let mut list: Vec<(usize, Unproven)> = parts.map(share).collect();
+    list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
+    list
 }
 
 /// Whether K is regular, if exact arithmetic finds that out.

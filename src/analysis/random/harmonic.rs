@@ -53,24 +53,27 @@ impl Response<'_> {
         (2 * self.space.n).pow(3)
     }
 
-    /// H at an angular frequency: Q q = f + (C + s M) h, and q' = s q - h.
-    pub fn by_frequency(&self, omega: Point) -> Option<Point> {
+    /// H at an angular frequency: Q q = f + (C + s M) h, and q' = s q - h. What each mode adds to it, and last what reaches the output
+    /// at once.
+    pub fn by_frequency(&self, omega: Point) -> Option<Vec<Point>> {
         let (space, s) = (self.space, omega * I);
         let loads: Vec<Vec<Point>> = self.drives.iter().map(|drive| self.load(drive, s)).collect();
         let places = solved(&self.stiffness(omega), &loads)?;
-        let mut total = Complex::ZERO;
+        let mut parts = vec![Complex::ZERO; space.n + 1];
         for (drive, place) in self.drives.iter().zip(&places) {
-            let seen = (0..space.n).fold(Complex::ZERO, |sum: Point, i| {
-                sum + self.row.place[i] * place[i] + self.row.rate[i] * (s * place[i] - Complex::real(drive.jump[i]))
-            });
-            total = total + (seen + fed(&drive.feed, s)?) * delayed(omega, drive.later)?;
+            let turn = delayed(omega, drive.later)?;
+            for i in 0..space.n {
+                let rate = s * place[i] - Complex::real(drive.jump[i]);
+                parts[i] = parts[i] + (self.row.place[i] * place[i] + self.row.rate[i] * rate) * turn;
+            }
+            parts[space.n] = parts[space.n] + fed(&drive.feed, s)? * turn;
         }
-        Some(total)
+        Some(parts)
     }
 
     /// w H at a period 1 / w, without what reaches the output at once: (M - i C t - (K + i H) t^2) q / t = - t (f + C h) - i M h, and
     /// the same of q' / t for - i f + t (K + i H) h.
-    pub fn by_period(&self, period: Point) -> Option<Point> {
+    pub fn by_period(&self, period: Point) -> Option<Vec<Point>> {
         let [drive] = &self.drives[..] else { return None };
         let n = self.space.n;
         let damped = self.damped(drive);
@@ -80,8 +83,7 @@ impl Response<'_> {
         let rates = (0..n).map(|i| period * Complex::new(drive.held[i], lost(i)) - drive.force[i] * I);
         let found = solved(&self.inertia(period), &[places.collect(), rates.collect()])?;
         let [place, rate] = &found[..] else { return None };
-        let of = |sum: Point, i: usize| sum + self.row.place[i] * place[i] + self.row.rate[i] * rate[i];
-        Some((0..n).fold(Complex::ZERO, of))
+        Some((0..n).map(|i| self.row.place[i] * place[i] + self.row.rate[i] * rate[i]).collect())
     }
 
     /// An angular frequency above which |H| times w^-left decreases; `None` where none is found.

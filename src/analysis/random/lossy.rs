@@ -48,6 +48,7 @@ pub struct Lossy<'a> {
     space: Result<Space, &'static str>,
     /// X^T H X
     h: Matrix<Ball>,
+    numbers: Vec<usize>,
     /// Of integrals.
     effort: Effort,
 }
@@ -88,7 +89,8 @@ impl Seen {
 }
 
 impl<'a> Lossy<'a> {
-    pub fn of(system: Cow<'a, LinearSystem>, modes: &Modes, noises: &'a [Noise]) -> Lossy<'a> {
+    /// `numbers`: of the modes, from 1.
+    pub fn of(system: Cow<'a, LinearSystem>, modes: &Modes, noises: &'a [Noise], numbers: Vec<usize>) -> Lossy<'a> {
         let none = Losses::default();
         let losses = system.losses.as_deref().unwrap_or(&none);
         let space = Space::of(&system, modes, None).map_err(why);
@@ -103,7 +105,7 @@ impl<'a> Lossy<'a> {
         };
         let sources = noises.iter().map(|noise| Source::of(&system, noise)).collect();
         let reach = Reach::of(&system);
-        Lossy { system, reach, sources, space, h, effort: Effort::of(MOST_WORK) }
+        Lossy { system, reach, sources, space, h, numbers, effort: Effort::of(MOST_WORK) }
     }
 
     pub fn has_losses(&self) -> bool {
@@ -120,12 +122,20 @@ impl<'a> Lossy<'a> {
         Seen { plain, lossy }
     }
 
-    /// The mean square of an output, or of the part of it between two frequencies, Hz.
-    pub fn mean_square(&self, seen: &Seen, within: Option<[&Number; 2]>) -> Spread {
+    /// The mean square of an output, or of the part of it between two frequencies, Hz; and what each mode contributes to it, with its
+    /// number.
+    pub fn mean_square(&self, seen: &Seen, within: Option<[&Number; 2]>) -> (Spread, Vec<(usize, f64)>) {
         let reaches = |source: &&Source| self.reach.from_noise(&self.system, source.noise, &seen.plain);
-        let reaching = self.sources.iter().filter(reaches);
-        let of = |source| self.under(source, seen, within).unwrap_or_else(|open| open);
-        reaching.map(of).fold(Spread::Finite(Ball::ZERO), Spread::plus)
+        let mut by_modes: Vec<(usize, f64)> = self.numbers.iter().map(|number| (*number, 0.0)).collect();
+        let of = |source| match self.under(source, seen, within) {
+            Ok((square, own)) => {
+                by_modes.iter_mut().zip(own).for_each(|((_, sum), own)| *sum += own);
+                square
+            }
+            Err(open) => open,
+        };
+        let square = self.sources.iter().filter(reaches).map(of).fold(Spread::Finite(Ball::ZERO), Spread::plus);
+        (square, by_modes)
     }
 
     /// How each noise that reaches an output whose mean square is finite does.
@@ -182,12 +192,13 @@ impl<'a> Lossy<'a> {
         Ok(Response { space, h: &self.h, row, drives, tail: None })
     }
 
-    fn under(&self, source: &Source, seen: &Seen, within: Option<[&Number; 2]>) -> Result<Spread, Spread> {
+    fn under(&self, source: &Source, seen: &Seen, within: Option<[&Number; 2]>) -> Result<(Spread, Vec<f64>), Spread> {
         let is_white = source.is_white() && within.is_none();
         let response = self.response(source, seen, within)?;
         let is_late = response.drives.len() > 1;
         let most = self.effort.limit();
-        let mut integral = Integral { response, left: source.left, spent: 0, most, sum: Ball::ZERO };
+        let by_modes = vec![0.0; response.space.n];
+        let mut integral = Integral { response, left: source.left, spent: 0, most, sum: Ball::ZERO, by_modes };
         let pieces = bands::pieces(&source.noise.density, within);
         if integral.turns_too_often(pieces.iter().flatten()) {
             return Err(Spread::Unknown(OPEN_TURNS));
@@ -203,10 +214,11 @@ impl<'a> Lossy<'a> {
             self.effort.failed(integral.spent);
             return Err(Spread::Unknown(OPEN));
         }
-        Ok(match finite(bands::settled(integral.sum, 0.0)) {
-            Spread::Unknown(_) => Spread::Unknown(OPEN),
-            found => found,
-        })
+        let by_modes = integral.by_modes.iter().map(|part| part / (2.0 * std::f64::consts::PI)).collect();
+        match finite(bands::settled(integral.sum, 0.0)) {
+            Spread::Unknown(_) => Err(Spread::Unknown(OPEN)),
+            found => Ok((found, by_modes)),
+        }
     }
 
     /// An output over the places and rates of the modes; its accelerations by what moves them: M q'' = f w - C q' - (K + i H) q.
@@ -273,6 +285,8 @@ struct Integral<'a> {
     spent: usize,
     most: usize,
     sum: Ball,
+    /// What each mode adds to the sum.
+    by_modes: Vec<f64>,
 }
 
 impl Integral<'_> {
@@ -319,34 +333,50 @@ impl Integral<'_> {
         }
         let reach = half.magnitude() * UP;
         let around = Complex::new(middle.widen(gauss::ACROSS * reach), Ball::ZERO.widen(gauss::UP_AND_DOWN * reach));
-        let largest = self.square(range, around)?.magnitude();
-        let mut part = Ball::ZERO;
+        let size = Ball::from(total(&self.parts(range, around)?).magnitude());
+        let largest = (size.square() * self.density(range, modulus(around))?).magnitude();
+        let (mut part, mut by_modes) = (Ball::ZERO, vec![0.0; self.by_modes.len()]);
         for (x, weight) in &rule.nodes {
-            part = part + self.square(range, Complex::real(middle + half * *x))? * *weight;
+            let parts = self.parts(range, Complex::real(middle + half * *x))?;
+            let scale = self.density(range, middle + half * *x)? * *weight;
+            let h = total(&parts);
+            part = part + (h.re.square() + h.im.square()) * scale;
+            let (h, scale) = (h.to_f64(), scale.to_f64() * half.to_f64());
+            by_modes.iter_mut().zip(&parts).for_each(|(sum, own)| *sum += (own.to_f64() * h.conj()).re * scale);
         }
         let part = part * half;
         let error = rule.error(largest) * reach;
         let is_fine = error <= FINE * part.magnitude().max(self.sum.magnitude());
-        (is_fine && part.is_finite()).then(|| part.widen(error))
+        if !(is_fine && part.is_finite()) {
+            return None;
+        }
+        self.by_modes.iter_mut().zip(by_modes).for_each(|(sum, own)| *sum += own);
+        Some(part.widen(error))
     }
 
-    /// The density of the output at an angular frequency or a period; over a neighbourhood of it, at most so much.
-    fn square(&mut self, range: &Range, at: Point) -> Option<Ball> {
+    /// What the modes add to H at an angular frequency or a period.
+    fn parts(&mut self, range: &Range, at: Point) -> Option<Vec<Point>> {
         self.spent += self.response.work();
-        let h = match range {
-            Range::Periods(_) => self.response.by_period(at)?,
-            _ => self.response.by_frequency(at)?,
-        };
-        let size =
-            if at.im.is_zero() { h.re.square() + h.im.square() } else { Ball::ZERO.widen(h.magnitude()).square() };
+        match range {
+            Range::Periods(_) => self.response.by_period(at),
+            _ => self.response.by_frequency(at),
+        }
+    }
+
+    /// What |H|^2 is multiplied by, at an angular frequency or a period, or where that is the size of a complex one.
+    fn density(&self, range: &Range, size: Ball) -> Option<Ball> {
         let density = match range {
             Range::Flat(density) | Range::Periods(density) => *density,
             // |w^slope| = |w|^slope
-            Range::Law(piece) => piece.at(if at.im.is_zero() { at.re } else { modulus(at) })?,
+            Range::Law(piece) => piece.at(size)?,
         };
-        let rates = (0..self.left).fold(Ball::ONE, |product, _| product * modulus(at).square());
-        Some(size * density / rates).filter(Ball::is_finite)
+        let rates = (0..self.left).fold(Ball::ONE, |product, _| product * size.square());
+        Some(density / rates).filter(Ball::is_finite)
     }
+}
+
+fn total(parts: &[Point]) -> Point {
+    parts.iter().fold(Complex::ZERO, |sum, part| sum + *part)
 }
 
 /// |w| over a neighbourhood.

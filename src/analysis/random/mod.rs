@@ -18,6 +18,7 @@ mod lossy;
 mod maxima;
 mod peaks;
 mod quotient;
+mod reach;
 mod realisation;
 mod resolvent;
 mod several;
@@ -27,11 +28,10 @@ mod undamped;
 mod weight;
 
 use crate::analysis::answer::{Modes, Poles};
-use crate::analysis::modes::parts::independent;
 use crate::analysis::poles::companion::StateForm;
 use crate::analysis::transfer::Transfer;
 use crate::base::{Ball, Number, Unproven};
-use crate::system::{CoordinateId, LinearSystem, Noise, Output};
+use crate::system::{LinearSystem, Noise, Output};
 use basis::Basis;
 use driven::Driven;
 use effort::Effort;
@@ -42,6 +42,7 @@ use std::cell::OnceCell;
 
 pub use density::density;
 pub use peaks::Peak;
+pub use reach::Reach;
 pub use realisation::realisation;
 
 /// A mean square, or a number derived from it.
@@ -83,67 +84,6 @@ struct Subset<'a> {
     /// `None` where a mode moves others too.
     driven: OnceCell<Option<Driven<'a>>>,
     lossy: OnceCell<Lossy<'a>>,
-}
-
-/// Which coordinates move together.
-pub struct Reach {
-    part: Vec<usize>,
-    count: usize,
-}
-
-impl Reach {
-    pub fn of(system: &LinearSystem) -> Reach {
-        let (mut part, parts) = (vec![0; system.n()], independent(system));
-        for (number, found) in parts.iter().enumerate() {
-            found.coordinates.iter().for_each(|&i| part[i as usize] = number);
-        }
-        Reach { part, count: parts.len() }
-    }
-
-    /// Whether terms or a direct path lead from an input that a noise drives to an output.
-    pub fn from_noise(&self, system: &LinearSystem, noise: &Noise, output: &Output) -> bool {
-        noise.inputs.iter().any(|(input, _)| self.from_input(system, *input, output))
-    }
-
-    /// Whether terms or a direct path lead from an input to an output.
-    pub fn from_input(&self, system: &LinearSystem, input: usize, output: &Output) -> bool {
-        let is_fed = output.d.iter().flatten().any(|(fed, factor)| *fed as usize == input && !factor.is_zero());
-        is_fed || self.from_coordinates(system.inputs[input].b.iter().flatten(), output)
-    }
-
-    pub fn from_coordinates<'r>(
-        &self,
-        row: impl Iterator<Item = &'r (CoordinateId, Number)> + Clone,
-        output: &Output,
-    ) -> bool {
-        let mut seen = output.p.iter().flatten().filter(|(_, factor)| !factor.is_zero());
-        seen.any(|(i, _)| row.clone().any(|(j, _)| self.part[i.index()] == self.part[j.index()]))
-    }
-
-    /// The parts that inputs with noise move.
-    fn driven(&self, system: &LinearSystem, noises: &[Noise]) -> Vec<bool> {
-        let mut is_driven = vec![false; self.count];
-        let inputs = noises.iter().flat_map(|noise| &noise.inputs);
-        let moved = inputs.flat_map(|(input, _)| system.inputs[*input].b.iter().flatten());
-        moved.for_each(|(i, _)| is_driven[self.part[i.index()]] = true);
-        is_driven
-    }
-
-    /// Those of some parts that an output shows.
-    fn shown(&self, output: &Output, parts: &[bool]) -> Vec<bool> {
-        let mut is_shown = vec![false; self.count];
-        for (i, _) in output.p.iter().flatten().filter(|(_, factor)| !factor.is_zero()) {
-            let part = self.part[i.index()];
-            is_shown[part] = parts[part];
-        }
-        is_shown
-    }
-
-    /// Whether the initial state moves an output.
-    pub fn from_start(&self, system: &LinearSystem, output: &Output) -> bool {
-        let mut seen = output.p.iter().flatten();
-        seen.any(|(i, _)| system.initial.iter().any(|(j, ..)| self.part[i.index()] == self.part[j.index()]))
-    }
 }
 
 impl<'a> Random<'a> {
@@ -227,15 +167,27 @@ impl<'a> Random<'a> {
 
     /// The mean square with loss factors of an output, or of its rate; `None` where no spring that matters has one.
     fn lossy(&self, output: &Output, is_rate: bool, within: Option<[&Number; 2]>) -> Option<Spread> {
+        Some(self.lossy_with_modes(output, is_rate, within)?.0)
+    }
+
+    /// The same, and what each mode contributes to it.
+    fn lossy_with_modes(
+        &self,
+        output: &Output,
+        is_rate: bool,
+        within: Option<[&Number; 2]>,
+    ) -> Option<(Spread, Vec<(usize, f64)>)> {
         self.system.losses.as_deref()?;
         let lossy = self.modal(output);
         if !lossy.has_losses() {
             return None;
         }
-        let Some(index) = self.index(output) else { return Some(Spread::Unknown(OPEN_DIGITS)) };
-        let seen = lossy.seen(index);
-        let seen = if is_rate { seen.rate() } else { Some(seen) };
-        Some(seen.map_or(Spread::Unknown(OPEN_RATE), |seen| lossy.mean_square(&seen, within)))
+        let seen = self.index(output).map(|index| lossy.seen(index)).ok_or(OPEN_DIGITS);
+        let seen = seen.and_then(|seen| if is_rate { seen.rate().ok_or(OPEN_RATE) } else { Ok(seen) });
+        Some(match seen {
+            Ok(seen) => lossy.mean_square(&seen, within),
+            Err(why) => (Spread::Unknown(why), Vec::new()),
+        })
     }
 
     fn index(&self, output: &Output) -> Option<usize> {
@@ -246,11 +198,12 @@ impl<'a> Random<'a> {
     fn modal(&self, output: &Output) -> &Lossy<'a> {
         let parts = self.reach.shown(output, &self.driven);
         let found = self.some.iter().find(|some| some.parts == parts);
-        if let Some((some, (_, modes))) = found.and_then(|some| Some((some, self.modes_of(&some.parts)?))) {
-            let of = || Lossy::of(Cow::Owned(some.basis.system(self.system)), &modes, self.noises);
+        if let Some((some, (numbers, modes))) = found.and_then(|some| Some((some, self.modes_of(&some.parts)?))) {
+            let of = || Lossy::of(Cow::Owned(some.basis.system(self.system)), &modes, self.noises, numbers);
             return some.lossy.get_or_init(of);
         }
-        self.lossy.get_or_init(|| Lossy::of(Cow::Borrowed(self.system), self.modes, self.noises))
+        let numbers = || (1..=self.modes.list.len()).collect();
+        self.lossy.get_or_init(|| Lossy::of(Cow::Borrowed(self.system), self.modes, self.noises, numbers()))
     }
 
     /// The frequencies in Hz of the maxima of the density of an output, by elimination in modal coordinates.
@@ -292,8 +245,14 @@ impl<'a> Random<'a> {
 
     /// The root mean square, the crossings, and the contribution of each mode to the mean square, with modes numbered from 1.
     fn measures(&self, output: &Output) -> ([Spread; 2], Vec<(usize, Unproven)>) {
-        if let (Some(square), Some(rate)) = (self.lossy(output, false, None), self.lossy(output, true, None)) {
-            return ([square.clone().root(), rate.crossings(square)], Vec::new());
+        if let (Some((square, by_modes)), Some(rate)) =
+            (self.lossy_with_modes(output, false, None), self.lossy(output, true, None))
+        {
+            let shares = match square {
+                Spread::Finite(whole) => driven::shares(by_modes.into_iter(), whole),
+                _ => Vec::new(),
+            };
+            return ([square.clone().root(), rate.crossings(square)], shares);
         }
         let (driven, output) = self.place(output);
         let mean_square = driven.mean_square(&output);
