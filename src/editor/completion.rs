@@ -388,6 +388,11 @@ impl<'a> Place<'a> {
     /// possible.
     fn dimensions(&self) -> Vec<Dimension> {
         let Some(declaration) = self.declared() else { return Vec::new() };
+        match self.corner() {
+            Some((_, 0)) => return vec![Dimension::FREQUENCY],
+            Some((_, _)) => return vec![Dimension::ACCELERATION, Dimension::VELOCITY, Dimension::LENGTH],
+            None => {}
+        }
         if let Some((function, argument)) = self.argument() {
             return of_argument(declaration, function, argument).into_iter().collect();
         }
@@ -418,6 +423,15 @@ impl<'a> Place<'a> {
         Some((self.text(function), commas))
     }
 
+    /// The function whose corner point is being typed, and whether it is its frequency (0) or its value.
+    fn corner(&self) -> Option<(&'a str, usize)> {
+        let [.., ("(", Some(function)), ("(", Some(before))] = self.open[..] else { return None };
+        let function = (self.before[function].kind == TokenKind::Word).then(|| self.text(function))?;
+        let has_corners = matches!(function, "noise" | "spectrum") && self.before[before].kind != TokenKind::Word;
+        let commas = (before + 1..self.before.len()).filter(|token| self.text(*token) == ",").count();
+        has_corners.then_some((function, commas))
+    }
+
     fn units(&self) -> Vec<Item> {
         let item = |text: &&str| item(text, ItemKind::Unit, pages::unit(text).unwrap_or_default());
         if let Some(units) = self.units_of_density() {
@@ -438,8 +452,16 @@ impl<'a> Place<'a> {
 
     /// The units of a density in `noise(`: those of the examples, of which a base has one for each derivative.
     fn units_of_density(&self) -> Option<Vec<Item>> {
-        let (function, place) = self.argument()?;
-        if functions::function(function)?.1.arguments.get(place) != Some(&Argument::Densities) {
+        let is_density = |function: &str, place: usize| {
+            let arguments = functions::function(function).map(|(_, function)| function.arguments);
+            arguments.and_then(|arguments| arguments.get(place)) == Some(&Argument::Densities)
+        };
+        let is_meant = match (self.corner(), self.argument()) {
+            (Some((function, place)), _) => place > 0 && is_density(function, 0),
+            (None, Some((function, place))) => is_density(function, place),
+            (None, None) => false,
+        };
+        if !is_meant {
             return None;
         }
         let own = self.declared()?.signal()?;

@@ -844,3 +844,23 @@ fn conditions_leave_out_no_change_of_the_rest() {
         pivot p: ground@(0, 0) -- rod\nspring s: ground@(0, 1 m) -- rod@(1 m, 0) { k = 100 N/m }";
     assert_eq!(conditions(held), [None]);
 }
+
+/// Two wheels that roll, held by springs of which the drawing has tension: at rest nothing pulls but what is smaller than rounding.
+#[test]
+fn a_rest_without_forces_is_measured_by_those_of_the_drawing() {
+    let model = "body cart { mass = 2 kg, at = (0, 1 m), moves x }\n\
+                 body w { mass = 1 kg, at = (0, 0.3 m), shape = disk(0.3 m), moves x, turns }\n\
+                 body q { mass = 3 kg, at = (2 m, 0.5 m), shape = ring(0.2 m), moves x, turns }\n\
+                 spring s: ground@(-2 m, 1 m) -- cart { k = 50 N/m, preload = 4 N }\n\
+                 spring t: cart -- w { k = 30 N/m, along = x }\n\
+                 spring u: w@(0, 0.6 m) -- q@(2 m, 0.6 m) { k = 20 N/m }\n\
+                 couple r: w.x = -0.3 m * w.angle\ncouple r2: q.x = -0.2 m * q.angle\noutput x = cart.x\n";
+    let answer = ask(model);
+    assert!(
+        answer.lowered.rest.is_proven() && answer.lowered.rest.residual < 1e-20,
+        "{:e}",
+        answer.lowered.rest.residual
+    );
+    let moved = answer.lowered.rest.displacement[0].to_f64();
+    assert!((moved + 0.08).abs() < 1e-15, "{moved}");
+}

@@ -31,6 +31,7 @@ impl Balance<'_> {
     /// Refines the state, starting from these values in binary64, and encloses the rest.
     pub fn run(mut self, values: &[f64]) -> Refined {
         let n = values.len();
+        let drawn = self.sizes();
         let mut middle: Vec<Dd> = values.iter().copied().map(Dd::from).collect();
         middle.resize(n + self.equations.len(), Dd::ZERO);
         self.place(&middle, &|_| 0.0);
@@ -38,7 +39,7 @@ impl Balance<'_> {
             *at = Dd::from(multiplier);
         }
         let proven = self.refine_and_prove(&mut middle);
-        Refined { residual: self.residual(), proven }
+        Refined { residual: self.residual(&drawn), proven }
     }
 
     fn refine_and_prove(&mut self, middle: &mut [Dd]) -> Option<Proven> {
@@ -121,11 +122,15 @@ impl Balance<'_> {
         self.equations.iter().map(of).collect()
     }
 
-    /// The largest unbalanced force, relative to the largest that acts, including reactions.
-    fn residual(&self) -> f64 {
+    /// Sizes of the forces that act.
+    fn sizes(&self) -> Vec<f64> {
+        self.potential.at(self.kinematics, self.state, self.local, self.coordinates.len(), Detail::Sizes).forces
+    }
+
+    /// The largest unbalanced force, relative to the largest that acts, as drawn or at rest, including reactions.
+    fn residual(&self, drawn: &[f64]) -> f64 {
         let n = self.coordinates.len();
-        let energy = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Sizes);
-        let mut sizes = energy.forces;
+        let mut sizes: Vec<f64> = self.sizes().iter().zip(drawn).map(|(now, drawn)| now.max(*drawn)).collect();
         if sizes.iter().all(|size| *size == 0.0) {
             // Nothing acts: the reactions are rounding errors of zero.
             return 0.0;
