@@ -207,6 +207,7 @@ fn growth(system: &LinearSystem, clock: &mut Clock) -> Option<Growth> {
 mod tests {
     use super::*;
     use crate::analysis::test_systems::oscillator;
+    use crate::base::Number;
 
     /// A clock that ticks once at each reading: all methods take the same time, so only the error matters.
     #[test]
@@ -250,6 +251,22 @@ mod tests {
             let ratio = error(&format!("{method}, 20")) / error(&format!("{method}, 80"));
             assert!((ratio / order - 1.0).abs() < 0.25, "{method}: {ratio}");
         }
+    }
+
+    /// Signals that move nothing give errors no size: the first coordinate is released instead.
+    #[test]
+    fn where_nothing_moves_there_are_errors_too() {
+        let system = oscillator("1", "0.1", "4");
+        let reference = Reference::of(&system).expect("modes");
+        let still = vec![vec![Signal::Step { value: Number::ZERO, at: Number::ZERO }]];
+        let mut ticks = 0.0;
+        let mut clock = || {
+            ticks += 0.01;
+            ticks
+        };
+        let (problem, entries) = motion::motion(&system, &still, &reference, &mut clock).expect("a motion");
+        assert!(!problem.own && entries.len() > 4, "{problem:?}");
+        assert!(entries.iter().all(|entry| entry.error.is_some_and(f64::is_finite)), "{entries:?}");
     }
 
     #[test]
