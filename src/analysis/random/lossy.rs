@@ -15,7 +15,7 @@ use super::maxima::Share;
 use super::source::{Arm, OPEN_BASE, Source, Springs, direct};
 use super::tail::Tail;
 use super::weight::Piece;
-use super::{Reach, Spread, finite, why};
+use super::{OPEN_RATE, Reach, Spread, finite, why};
 use crate::analysis::answer::Modes;
 use crate::base::{Ball, Density, Number, up};
 use crate::kernel::complex::Complex;
@@ -122,12 +122,14 @@ impl<'a> Lossy<'a> {
         Seen { plain, lossy }
     }
 
-    /// The mean square of an output, or of the part of it between two frequencies, Hz; and what each mode contributes to it, with its
-    /// number.
-    pub fn mean_square(&self, seen: &Seen, within: Option<[&Number; 2]>) -> (Spread, Vec<(usize, f64)>) {
+    /// The mean square of an output, or of its rate, or of the part of it between two frequencies, Hz; and what each mode contributes to
+    /// it, with its number.
+    pub fn mean_square(&self, seen: &Seen, is_rate: bool, within: Option<[&Number; 2]>) -> (Spread, Vec<(usize, f64)>) {
+        let rate = if is_rate { seen.rate() } else { None };
+        let (seen, more) = rate.as_ref().map_or((seen, i32::from(is_rate)), |rate| (rate, 0));
         let reaches = |source: &&Source| self.reach.from_noise(&self.system, source.noise, &seen.plain);
         let mut by_modes: Vec<(usize, f64)> = self.numbers.iter().map(|number| (*number, 0.0)).collect();
-        let of = |source| match self.under(source, seen, within) {
+        let of = |source| match self.under(source, seen, more, within) {
             Ok((square, own)) => {
                 by_modes.iter_mut().zip(own).for_each(|((_, sum), own)| *sum += own);
                 square
@@ -192,13 +194,23 @@ impl<'a> Lossy<'a> {
         Ok(Response { space, h: &self.h, row, drives, tail: None })
     }
 
-    fn under(&self, source: &Source, seen: &Seen, within: Option<[&Number; 2]>) -> Result<(Spread, Vec<f64>), Spread> {
+    /// `more`: the power of w^2 beside.
+    fn under(
+        &self,
+        source: &Source,
+        seen: &Seen,
+        more: i32,
+        within: Option<[&Number; 2]>,
+    ) -> Result<(Spread, Vec<f64>), Spread> {
         let is_white = source.is_white() && within.is_none();
+        if is_white && more > 0 {
+            return Err(Spread::Unknown(OPEN_RATE));
+        }
         let response = self.response(source, seen, within)?;
         let is_late = response.drives.len() > 1;
         let most = self.effort.limit();
         let by_modes = vec![0.0; response.space.n];
-        let mut integral = Integral { response, left: source.left, spent: 0, most, sum: Ball::ZERO, by_modes };
+        let mut integral = Integral { response, left: source.left - more, spent: 0, most, sum: Ball::ZERO, by_modes };
         let pieces = bands::pieces(&source.noise.density, within);
         if integral.turns_too_often(pieces.iter().flatten()) {
             return Err(Spread::Unknown(OPEN_TURNS));
@@ -370,8 +382,8 @@ impl Integral<'_> {
             // |w^slope| = |w|^slope
             Range::Law(piece) => piece.at(size)?,
         };
-        let rates = (0..self.left).fold(Ball::ONE, |product, _| product * size.square());
-        Some(density / rates).filter(Ball::is_finite)
+        let rates = (0..self.left.abs()).fold(Ball::ONE, |product, _| product * size.square());
+        Some(if self.left < 0 { density * rates } else { density / rates }).filter(Ball::is_finite)
     }
 }
 

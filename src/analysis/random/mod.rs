@@ -182,12 +182,8 @@ impl<'a> Random<'a> {
         if !lossy.has_losses() {
             return None;
         }
-        let seen = self.index(output).map(|index| lossy.seen(index)).ok_or(OPEN_DIGITS);
-        let seen = seen.and_then(|seen| if is_rate { seen.rate().ok_or(OPEN_RATE) } else { Ok(seen) });
-        Some(match seen {
-            Ok(seen) => lossy.mean_square(&seen, within),
-            Err(why) => (Spread::Unknown(why), Vec::new()),
-        })
+        let Some(index) = self.index(output) else { return Some((Spread::Unknown(OPEN_DIGITS), Vec::new())) };
+        Some(lossy.mean_square(&lossy.seen(index), is_rate, within))
     }
 
     fn index(&self, output: &Output) -> Option<usize> {
