@@ -225,6 +225,48 @@ fn eight_masses_of_code_aster() {
     assert!((found - 0.1059e-5).abs() <= 0.5e-9, "{found}");
 }
 
+/// ANSYS VM68: two masses on a base that shakes with 0.1 g^2/Hz from 10 to 100 Hz, 2 % in each mode. Its standard deviations, 9.059 and
+/// 10.63 g by a sum over the frequencies 0.001 Hz apart, are those of the accelerations relative to the base.
+#[test]
+fn two_masses_of_ansys() {
+    let found = answer(
+        "damping modal 2 %\nbase g { moves x } = noise(0.1 g0^2/Hz, 10 Hz .. 100 Hz)\n\
+         body a { mass = 0.5 lbf*s^2/inch, moves x }\nbody b { mass = 1 lbf*s^2/inch, moves x }\n\
+         spring s: g -- a { k = 42832 lbf/inch }\nspring t: a -- b { k = 32416 lbf/inch }\n\
+         output u in g0 = a.ax - g.ax\noutput v in g0 = b.ax - g.ax\nrequire rms(u) < 99 g0\nrequire rms(v) < 99 g0\n",
+    );
+    // Half a unit of the last printed digit.
+    for (row, (printed, half)) in [(9.059, 0.0005), (10.63, 0.005)].into_iter().enumerate() {
+        let rms = found.requirements[row].shown_value().expect("a number").number.to_f64();
+        assert!((rms - printed).abs() <= half, "{rms} {printed}");
+    }
+}
+
+/// Code_Aster V2.01.101: 100 kg on 1e6 N/m with 5 %, on a base that shakes with one density from 0 to 100 Hz: the densities of the
+/// absolute and of the relative acceleration by its closed forms.
+#[test]
+fn a_mass_on_a_shaken_base_of_code_aster() {
+    for frequency in [0.0f64, 5.0, 10.0, 15.0, 20.0] {
+        let found = answer(&format!(
+            "damping modal 5 %\nbase g {{ moves x }} = noise(1 m^2/s^4/Hz, 0 Hz .. 100 Hz)\nbody m {{ mass = 100 kg, moves x }}\n\
+             spring s: g -- m {{ k = 1e6 N/m }}\noutput u = m.ax\noutput v = m.ax - g.ax\n\
+             require psd(u, {frequency} Hz) < 999 m^2/s^4/Hz\nrequire psd(v, {frequency} Hz) < 999 m^2/s^4/Hz\n"
+        ));
+        let (w, w0, zeta) = (frequency * std::f64::consts::TAU, 100.0f64, 0.05);
+        let below = (w0 * w0 - w * w).powi(2) + (2.0 * zeta * w0 * w).powi(2);
+        let truth = [(w0.powi(4) + (2.0 * zeta * w0 * w).powi(2)) / below, w.powi(4) / below];
+        for (row, truth) in truth.into_iter().enumerate() {
+            // At 0 Hz the density of what a base integrates is not told.
+            let Some(shown) = found.requirements[row].shown_value() else {
+                assert!(frequency == 0.0, "{frequency} {row}");
+                continue;
+            };
+            let density = shown.number.to_f64();
+            assert!((density - truth).abs() <= 1e-13 * truth.max(1e-3), "{frequency} Hz: {density} {truth}");
+        }
+    }
+}
+
 /// The density of noise in bands, between its corner points and outside of them.
 #[test]
 fn densities_of_bands() {
