@@ -194,7 +194,7 @@ pub struct Transfer {
     pub file: PathBuf,
     #[command(flatten)]
     pub overrides: OverrideOptions,
-    /// The input, by its name in the model [default: every input]
+    /// The input, by its name in the model; `quake.vx` and `quake.ax` are the velocity and the acceleration of a base [default: every input]
     #[arg(long, value_name = "INPUT")]
     pub from: Vec<String>,
     /// The output, by its name in the model [default: every output]

@@ -44,6 +44,7 @@
 // Tests compare with the platform's functions to a few digits only.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+mod driven;
 mod inspection;
 mod library;
 mod overview;
@@ -193,8 +194,9 @@ pub use analysis::shock::{Grid as ShockGrid, Quantity as ShockQuantity, Request 
 // Transfer functions and motions.
 pub use analysis::{
     Disc, Extrema, Extremum, FeatureKind, Frequency, Gain, History, MOST_SAMPLES, Methods, Row, Steady, Sweep, Table,
-    Transfer, grid as times, table as transfer_table,
+    Transfer, grid as times, rates::Rate, table as transfer_table,
 };
+pub use driven::NotDriven;
 
 // The model at many values of its parameters.
 pub use questions::answer::{Entry, Holds};
@@ -440,6 +442,8 @@ pub struct Dynamics {
     /// `None` if there are too many coordinates to compute modes or poles; a table works without them if its range is
     /// given.
     pub spectrum: Option<(Modes, Poles)>,
+    /// Each input that moves a base, and the motion: `x`, `y`, `along` or `angle`.
+    bases: Vec<(usize, &'static str)>,
 }
 
 /// The basis of a model's transfer functions: its linear system, modes and poles.
@@ -461,17 +465,14 @@ pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outc
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         let (system, modes) = dynamics::for_transfer(&reading.scene, diagnostics)?.into_parts();
-        let spectrum = modes.map_or_else(|| analysis::modes(&system), Ok).and_then(|modes| {
-            let poles = analysis::poles_for_table(&system, &modes)?;
-            Ok((modes, poles))
-        });
-        let spectrum = match spectrum {
-            Ok(_) if system.losses.is_some() => None,
-            Ok(spectrum) => Some(spectrum),
-            Err(AnalysisError::TooManyCoordinates { .. } | AnalysisError::MasslessPoles { .. }) => None,
+        let spectrum = match driven::spectrum(&system, modes) {
+            Ok(spectrum) => spectrum,
             Err(error) => return push_error(&error, diagnostics),
         };
-        Some(Dynamics { model: reading.name(), system, spectrum })
+        let scene = reading.scene.scene();
+        let motions = scene.inputs.iter().map(|input| scene.motion_of_base(&input.kind));
+        let bases = (0..).zip(motions).filter_map(|(input, motion)| Some((input, motion?))).collect();
+        Some(Dynamics { model: reading.name(), system, spectrum, bases })
     })
 }
 

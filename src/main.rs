@@ -29,6 +29,7 @@ use vibc::cli::{
 };
 use vibc::editor;
 use vibc::editor::server::{self, Leave, Named};
+use vibc::{NotDriven, Rate};
 
 /// The exit status of the process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -154,7 +155,20 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     let outcome = vibc::dynamics(&input.sources, input.model, &input.overrides);
     let status = failure(outcome.failure());
     show(&input.sources, outcome.diagnostics, messages);
-    let Some(dynamics) = &outcome.answer else { return status };
+    let Some(dynamics) = outcome.answer else { return status };
+    let wanted = |name: &String| options.from.contains(name);
+    let rates: Vec<Rate> = dynamics.rates().filter(|(name, _)| wanted(name)).map(|(_, rate)| rate).collect();
+    let dynamics = match dynamics.with_rates(&rates) {
+        Ok(dynamics) => dynamics,
+        Err(NotDriven::Because(why)) => {
+            report_error(&format!("no transfer function from {}: {why}", listed(&options.from)));
+            return Status::Limit;
+        }
+        Err(NotDriven::Failed(error)) => {
+            show(&input.sources, vec![*error], messages);
+            return Status::Limit;
+        }
+    };
     let system = &dynamics.system;
     let inputs: Vec<String> = system.inputs.iter().map(|input| system.display(input.name)).collect();
     let outputs: Vec<String> = system.outputs.iter().map(|output| system.display(output.name)).collect();

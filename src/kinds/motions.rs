@@ -45,6 +45,26 @@ pub const BODY_MOTIONS: [Motion; 9] = [
     motion("alpha", Direction::Turn, 2, Dimension::ANGULAR_ACCELERATION, "Angular acceleration, rad/s^2."),
 ];
 
+/// The words for the velocity and the acceleration of a base along its own direction, which has no axis.
+const ALONG_RATES: [&str; 2] = ["v", "a"];
+
+/// The word for the velocity (1) or the acceleration (2) of a motion of a base: `ax` of `x`.
+pub fn rate_of(motion: &str, derivative: u8) -> Option<&'static str> {
+    if motion == "along" {
+        return ALONG_RATES.get(usize::from(derivative).checked_sub(1)?).copied();
+    }
+    let direction = BODY_MOTIONS.iter().find(|known| known.name == motion)?.direction;
+    let is_rate = |known: &&Motion| known.direction == direction && known.derivative == derivative;
+    BODY_MOTIONS.iter().find(is_rate).map(|rate| rate.name)
+}
+
+/// The motion of a base of which a word is the velocity or the acceleration, and which of the two: `ax` is 2 of `x`.
+pub fn motion_of_rate(word: &str) -> Option<(&'static str, u8)> {
+    let motions = ["x", "y", "angle", "along"];
+    let all = motions.into_iter().flat_map(|motion| [(motion, 1), (motion, 2)]);
+    all.into_iter().find(|(motion, derivative)| rate_of(motion, *derivative) == Some(word))
+}
+
 /// A quantity of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementMotion {

@@ -8,7 +8,7 @@ use super::expect::Expected;
 use super::motions::Combination;
 use super::overrides::{ANY_NUMBER, KindMismatch, coerce_to};
 use super::scene::{
-    Cause, InputId, InputKind, Measure, MotionTerm, Optimum, Parameter, Signal, Solve, Varied, Written,
+    Cause, Drive, InputId, InputKind, Measure, MotionTerm, Optimum, Parameter, Signal, Solve, Varied, Written,
 };
 use super::scope::{self, Definition, DefinitionId, DefinitionKind, Environment, Instance, Role, State};
 use super::suggestion::nearest;
@@ -16,6 +16,7 @@ use super::value::{Scalar, Value};
 use crate::base::unit::Scale;
 use crate::base::{Angle, Dimension, Name, Number, Quantity, Span, Vec3};
 use crate::kinds::functions::{self, MEASURES, Named};
+use crate::kinds::motions::motion_of_rate;
 use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, ExprList, FormalKind, Path, Rare};
 
 const RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE, "2 %");
@@ -34,7 +35,7 @@ pub struct Measured {
 
 /// The path from an input to an output.
 struct Pair {
-    input: InputId,
+    input: Drive,
     output: Vec<MotionTerm>,
     /// The dimension of the gain.
     dimension: Dimension,
@@ -521,7 +522,7 @@ impl<'a> Check<'a> {
         let ExprKind::Binary { operator: Binary::Arrow, left, right } = node.kind else {
             return self.fail(environment, QuestionError::ArrowMissing { span: node.span });
         };
-        let input = self.measured_input(left, environment);
+        let input = self.measured_drive(left, environment);
         let output = self.measured_output(right, environment);
         let (input, per) = input?;
         let Combination { terms: output, dimension, .. } = output?;
@@ -572,6 +573,20 @@ impl<'a> Check<'a> {
 
     /// A force, a torque, or a motion of a base: `floor`, `front.road`, or `floor.y` if it has several.
     pub fn measured_input(&mut self, expr: ExprId, environment: Environment) -> Evaluated<(InputId, Dimension)> {
+        self.input_or_rate(expr, false, environment).map(|(Drive { input, .. }, dimension)| (input, dimension))
+    }
+
+    /// An input, or the velocity or acceleration of a base: `quake.ax`.
+    fn measured_drive(&mut self, expr: ExprId, environment: Environment) -> Evaluated<(Drive, Dimension)> {
+        self.input_or_rate(expr, true, environment)
+    }
+
+    fn input_or_rate(
+        &mut self,
+        expr: ExprId,
+        takes_rates: bool,
+        environment: Environment,
+    ) -> Evaluated<(Drive, Dimension)> {
         let node = *self.tree.expr(expr);
         let (owner, motion) = match node.kind {
             ExprKind::Member { base, member_len, indices } if !self.is_value_of_place(base, environment) => {
@@ -589,12 +604,21 @@ impl<'a> Check<'a> {
             return Err(Stop::Reported);
         }
         let name = self.input_name(part)?;
+        let rate = motion.filter(|_| takes_rates && matches!(part, scope::Part::Base(_)));
+        let rate = rate.and_then(|word| motion_of_rate(self.sources.slice(word)));
+        let derivative = rate.map_or(0, |(_, derivative)| derivative);
         let motion = match motion {
-            Some(word) => Some(self.motion_in_scene(part, word, environment)?),
+            Some(word) => {
+                let text: &'a str = rate.map_or(self.sources.slice(word), |(motion, _)| motion);
+                Some(self.motion_in_scene(part, (word, text), environment)?)
+            }
             None => None,
         };
         match name.and_then(|name| self.input_of(name, motion)) {
-            Some(input) => Ok(input),
+            Some((input, _)) => {
+                let dimension = dimension_of_drive(&self.scene.inputs[input.index()].kind, derivative);
+                Ok((Drive { input, derivative }, dimension))
+            }
             None => {
                 let inputs = name.map_or_else(Vec::new, |name| self.motions_of(name, owner));
                 let error = match motion {
@@ -620,8 +644,12 @@ impl<'a> Check<'a> {
 
     /// The name in the scene of a base's motion: `x` or `y` in a rotated component may be the other one, if the base
     /// has several motions.
-    fn motion_in_scene(&mut self, part: scope::Part, word: Span, environment: Environment) -> Evaluated<&'a str> {
-        let text: &'a str = self.sources.slice(word);
+    fn motion_in_scene(
+        &mut self,
+        part: scope::Part,
+        (word, text): (Span, &'a str),
+        environment: Environment,
+    ) -> Evaluated<&'a str> {
         let Some(placed) = self.placed(environment)? else { return Ok(text) };
         let scope::Part::Base(base) = part else { return Ok(text) };
         let several = self.scene.bases.get(base as usize).is_some_and(|base| base.translations.len() > 1);
@@ -656,15 +684,11 @@ impl<'a> Check<'a> {
         inputs.map(|input| format!("{owner}.{}", self.motion_of(&input.kind))).collect()
     }
 
-    /// `x`, `y`, `along` or `angle` of a base.
+    /// `x`, `y`, `along` or `angle` of a base, the axis of an unbalance.
     fn motion_of(&self, kind: &InputKind) -> &'static str {
         match kind {
-            InputKind::Base { base, translation: Some(index) } => {
-                self.scene.bases[base.index()].translations[*index].motion
-            }
-            InputKind::Base { translation: None, .. } => "angle",
             InputKind::Unbalance { axis, .. } => axis.name(),
-            _ => "",
+            kind => self.scene.motion_of_base(kind).unwrap_or_default(),
         }
     }
 
@@ -700,7 +724,7 @@ impl<'a> Check<'a> {
                 return self.frequency(expr, environment);
             }
             Measure::Gain { input, .. } | Measure::PeakGain { input, .. } if !measured.dimension.is_none() => {
-                let input = dimension_of(&self.scene.inputs[input.index()].kind);
+                let input = dimension_of_drive(&self.scene.inputs[input.input.index()].kind, input.derivative);
                 let output = measured.dimension.times(input).unwrap_or(measured.dimension);
                 Expected::gain(measured.dimension, input, output)
             }
@@ -724,6 +748,12 @@ pub fn dimension_of(kind: &InputKind) -> Dimension {
         InputKind::Base { translation: Some(_), .. } => Dimension::LENGTH,
         InputKind::Base { translation: None, .. } => Dimension::NONE,
     }
+}
+
+/// The dimension of an input, or of the velocity or acceleration of a base.
+fn dimension_of_drive(kind: &InputKind, derivative: u8) -> Dimension {
+    let per_time = |dimension: Dimension| dimension.per(Dimension::TIME).unwrap_or(dimension);
+    (0..derivative).fold(dimension_of(kind), |dimension, _| per_time(dimension))
 }
 
 /// A value of a dimension. One in 1/s or 1/s^2 is of an angle if it is that of a motion; a combination of measures may

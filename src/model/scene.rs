@@ -649,6 +649,14 @@ pub enum Comparison {
     GreaterEqual,
 }
 
+/// What drives an output in a transfer function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Drive {
+    pub input: InputId,
+    /// 0 for the input itself; 1 for the velocity and 2 for the acceleration of a base.
+    pub derivative: u8,
+}
+
 /// A number that an analysis computes. Frequencies in Hz.
 #[derive(Clone, Debug)]
 pub enum Measure {
@@ -659,12 +667,12 @@ pub enum Measure {
         mode: u32,
     },
     Gain {
-        input: InputId,
+        input: Drive,
         output: Vec<MotionTerm>,
         frequency: Number,
     },
     Phase {
-        input: InputId,
+        input: Drive,
         output: Vec<MotionTerm>,
         frequency: Number,
     },
@@ -705,7 +713,7 @@ pub enum Measure {
     },
     /// The largest gain over all frequencies, or from one to another one.
     PeakGain {
-        input: InputId,
+        input: Drive,
         output: Vec<MotionTerm>,
         range: Option<[Number; 2]>,
     },
@@ -778,6 +786,17 @@ impl<M> Combined<M> {
 }
 
 impl Scene {
+    /// The motion of an input that moves a base: `x`, `y`, `along` or `angle`.
+    pub fn motion_of_base(&self, kind: &InputKind) -> Option<&'static str> {
+        match *kind {
+            InputKind::Base { base, translation: Some(index) } => {
+                Some(self.bases[base.index()].translations[index].motion)
+            }
+            InputKind::Base { translation: None, .. } => Some("angle"),
+            _ => None,
+        }
+    }
+
     /// Whether the values of some parameters follow from `solve`, `minimise` or `maximise`.
     pub fn determines_parameters(&self) -> bool {
         !self.solves.is_empty() || !self.optima.is_empty()

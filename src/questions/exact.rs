@@ -4,6 +4,7 @@
 //! docs/method/measures.md.
 
 use super::probe::{Measured, Probe};
+use crate::analysis::rates::{Rate, from_rate};
 use crate::base::{Number, Rational};
 use crate::kernel::dense::echelon::{is_singular, solution};
 use crate::model::scene::Question;
@@ -25,6 +26,15 @@ pub fn compare(measured: &Measured, probe: &Probe, question: &Question) -> Optio
             let load = [(*input, Number::ONE)];
             static_value(system, *output, &load)?.abs().compare(&question.value)
         }
+        Probe::ByRate(derivative, probe) => match &**probe {
+            Probe::Gain(input, output, frequency) if frequency.is_zero() => {
+                let rate = Rate { input: *input, derivative: *derivative, word: "" };
+                let driven = from_rate(system, rate, *output).ok()?;
+                let load = [(driven.inputs.len() - 1, Number::ONE)];
+                static_value(&driven, 0, &load)?.abs().compare(&question.value)
+            }
+            _ => None,
+        },
         Probe::Frequency(mode) => is_frequency(measured, *mode, question.radians.as_ref()?).then_some(Ordering::Equal),
         Probe::Rest(terms, span) => {
             let lowered = measured.lowered;

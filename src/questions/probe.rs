@@ -5,11 +5,12 @@ use super::combined::value_of;
 use super::trial::Context;
 use crate::analysis::measures::{self, Loads};
 use crate::analysis::random::{self, Random, Reach, Spread};
+use crate::analysis::rates::{Rate, from_rate};
 use crate::analysis::settling::Settling;
 use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, is_passive, peak, stability};
 use crate::base::{Ball, Number, Span};
 use crate::lower::{Lowered, Readout};
-use crate::model::scene::{Cause, Combined, Measure, MotionTerm, Question, Scene, Signal};
+use crate::model::scene::{Cause, Combined, Drive, Measure, MotionTerm, Question, Scene, Signal};
 use crate::system::{LinearSystem, Signal as DrivenBy};
 
 /// The measure to be computed from the system.
@@ -34,6 +35,8 @@ pub enum Probe {
     Rest(Vec<MotionTerm>, Span),
     LoadFactor,
     Combined(Box<Combined<Probe>>),
+    /// A gain or a phase whose input is the velocity (1) or the acceleration (2) of a base, not its displacement.
+    ByRate(u8, Box<Probe>),
     Stable,
     /// omega^2 of a mode, for a target frequency of zero: it changes sign there.
     Square(usize),
@@ -101,8 +104,14 @@ impl Outputs {
         match measure {
             Measure::Frequency { mode } => Probe::Frequency(*mode as usize),
             Measure::DampingRatio { mode } => Probe::Damping(*mode as usize),
-            Measure::Gain { input, output, frequency } => Probe::Gain(input.index(), add(output), frequency.clone()),
-            Measure::Phase { input, output, frequency } => Probe::Phase(input.index(), add(output), frequency.clone()),
+            Measure::Gain { input, output, frequency } => {
+                let output = add(output);
+                by_rate(*input, |input| Probe::Gain(input, output, frequency.clone()))
+            }
+            Measure::Phase { input, output, frequency } => {
+                let output = add(output);
+                by_rate(*input, |input| Probe::Phase(input, output, frequency.clone()))
+            }
             Measure::Amplitude { output } => Probe::Amplitude(add(output)),
             Measure::Static { output } => Probe::Static(add(output)),
             Measure::Peak { output } => Probe::Peak(add(output)),
@@ -112,7 +121,10 @@ impl Outputs {
             Measure::RmsWithin { output, range } => Probe::RmsWithin(add(output), range.clone()),
             Measure::Psd { output, frequency } => Probe::Psd(add(output), frequency.clone()),
             Measure::Crossings { output } => Probe::Crossings(add(output)),
-            Measure::PeakGain { input, output, range } => Probe::PeakGain(input.index(), add(output), range.clone()),
+            Measure::PeakGain { input, output, range } => {
+                let output = add(output);
+                by_rate(*input, |input| Probe::PeakGain(input, output, range.clone()))
+            }
             Measure::EffectiveMass { input, mode } => Probe::EffectiveMass(input.index(), *mode as usize),
             Measure::Rest { terms } => Probe::Rest(terms.clone(), span),
             Measure::LoadFactor => Probe::LoadFactor,
@@ -127,12 +139,27 @@ impl Outputs {
     }
 }
 
+/// A probe of an input, or of its velocity or acceleration.
+fn by_rate(Drive { input, derivative }: Drive, probe: impl Fn(usize) -> Probe) -> Probe {
+    let probe = probe(input.index());
+    if derivative == 0 { probe } else { Probe::ByRate(derivative, Box::new(probe)) }
+}
+
 impl Probe {
     /// Whether the probe, or a part of one that combines several, satisfies a condition.
     fn any(&self, of: fn(&Probe) -> bool) -> bool {
         match self {
             Probe::Combined(combined) => combined.any(&|part| part.any(of)),
+            Probe::ByRate(_, probe) => probe.any(of),
             probe => of(probe),
+        }
+    }
+
+    /// The probe, and of which derivative of its input it is.
+    pub fn and_derivative(&self) -> (&Probe, u8) {
+        match self {
+            Probe::ByRate(derivative, probe) => (probe, *derivative),
+            probe => (probe, 0),
         }
     }
 
@@ -210,6 +237,7 @@ impl Probe {
         matches!(
             self,
             Probe::Combined(_)
+                | Probe::ByRate(..)
                 | Probe::Gain(..)
                 | Probe::Phase(..)
                 | Probe::Amplitude(_)
@@ -292,6 +320,7 @@ impl Measured<'_> {
                 let range = range.as_ref().map(|[low, high]| (low, high));
                 transfer.map_or(NONE, |transfer| measures::peak_gain(transfer, self.poles, *input, *output, range))
             }
+            Probe::ByRate(derivative, probe) => self.by_rate(system, *derivative, probe),
             Probe::EffectiveMass(input, mode) => {
                 self.modes.map_or(NONE, |modes| measures::effective_mass(system, modes, *input, *mode))
             }
@@ -369,6 +398,30 @@ impl Measured<'_> {
                 Some(until) => peak::rms(system, drives, *output, until),
                 None => NO_TIME,
             },
+        }
+    }
+
+    /// A gain or a phase from the velocity or the acceleration of a base, in the system that has it as its last input.
+    fn by_rate(&self, system: &LinearSystem, derivative: u8, probe: &Probe) -> Measurement {
+        let (Probe::Gain(input, output, _) | Probe::Phase(input, output, _) | Probe::PeakGain(input, output, _)) =
+            probe
+        else {
+            return self.one(system, None, probe);
+        };
+        let driven = match from_rate(system, Rate { input: *input, derivative, word: "" }, *output) {
+            Ok(driven) => driven,
+            Err(why) => return Measurement::None(why),
+        };
+        let (transfer, last) = (Transfer::of(&driven), driven.inputs.len() - 1);
+        match probe {
+            Probe::Gain(.., at) => measures::gain(&transfer, last, 0, at),
+            Probe::Phase(.., at) => measures::phase(&transfer, last, 0, at),
+            Probe::PeakGain(.., range) => {
+                // With a coordinate more, the poles are others.
+                let poles = self.poles.filter(|_| driven.n() == system.n());
+                measures::peak_gain(&transfer, poles, last, 0, range.as_ref().map(|[low, high]| (low, high)))
+            }
+            other => self.one(system, None, other),
         }
     }
 

@@ -140,7 +140,7 @@ impl QuestionOverRange<'_> {
             |test: Option<Jet>| RangeEnclosure { test, course: None, apart: false, hopeless: self.family.is_none() };
         let jet = |number: Option<Number>| self.family.and_then(|family| Some(family.jet_of(&number?)));
         let target = &self.question.value;
-        match self.probe {
+        match self.probe.and_derivative().0 {
             Probe::Frequency(_) | Probe::Square(_) => {
                 let square = (target * &two_pi()).square();
                 let course = self.course.filter(|_| !matches!(target, Number::Jet(_)));
@@ -192,6 +192,7 @@ impl QuestionOverRange<'_> {
             | Probe::Rest(..)
             | Probe::LoadFactor
             | Probe::Combined(_)
+            | Probe::ByRate(..)
             | Probe::Stable => RangeEnclosure { hopeless: true, ..test(None) },
         }
     }
@@ -199,9 +200,11 @@ impl QuestionOverRange<'_> {
     /// The complex number whose magnitude or phase is the measure.
     fn phasor(&self) -> Option<Phasor> {
         let family = self.family?;
-        match self.probe {
+        let (probe, derivative) = self.probe.and_derivative();
+        match probe {
             Probe::Gain(input, output, at) | Probe::Phase(input, output, at) => {
-                family.response(*input, *output, &(at * &two_pi()))
+                let omega = at * &two_pi();
+                family.response(*input, *output, &omega)?.times_power(&omega, -i32::from(derivative))
             }
             Probe::Static(output) => {
                 lasting_response(family, self.drive.loads, *output).map(|re| Phasor { re, im: Number::ZERO })
@@ -214,9 +217,12 @@ impl QuestionOverRange<'_> {
     /// The reciprocal of the response behind the measure, and the force, if a single force causes the motion.
     fn inverse(&self) -> Option<(Phasor, Number)> {
         let family = self.family?;
-        match self.probe {
+        let (probe, derivative) = self.probe.and_derivative();
+        match probe {
             Probe::Gain(input, output, at) | Probe::Phase(input, output, at) => {
-                Some((family.inverse_response(*input, *output, &(at * &two_pi()))?, Number::ONE))
+                let omega = at * &two_pi();
+                let inverse = family.inverse_response(*input, *output, &omega)?;
+                Some((inverse.times_power(&omega, i32::from(derivative))?, Number::ONE))
             }
             Probe::Static(output) => {
                 let mut loads = self.drive.loads.iter().filter(|(_, load)| !load.is_zero());
@@ -268,7 +274,7 @@ impl QuestionOverRange<'_> {
                 let z = self.phasor()?;
                 let (re, im) = (jet(z.re)?, jet(z.im)?);
                 let square = re.value.square() + im.value.square();
-                match self.probe {
+                match self.probe.and_derivative().0 {
                     Probe::Static(_) => re.slope,
                     Probe::Gain(..) | Probe::Amplitude(_) => {
                         (re.value * re.slope + im.value * im.slope) / square.sqrt()

@@ -82,6 +82,7 @@ mod random_drift;
 mod random_peaks;
 mod random_seeds;
 mod random_undamped;
+mod rates;
 mod readme;
 mod reports;
 mod requirement_reports;

@@ -3,14 +3,10 @@
 //! and what is fed through, exact wherever the numbers are: a variance is infinite or not by a zero. See
 //! docs/method/random.md#direct-paths.
 
+use crate::analysis::following::{Following, Known, less};
 use crate::analysis::forms::{applied, dense, dot, solution_on};
-use crate::base::{Number, Rational};
-use crate::kernel::dense::lu::Lu;
-use crate::kernel::dense::{Matrix, echelon};
+use crate::base::Number;
 use crate::system::{LinearSystem, Losses, Output};
-
-/// Maximum number of coordinates for which the static response is solved in fractions.
-const MOST_STATIC: usize = 24;
 
 /// The action of the noise of some inputs on the coordinates.
 pub struct Channel {
@@ -37,30 +33,14 @@ impl Channel {
             let all = inputs.iter().flat_map(|&input| &system.inputs[input].b[power]);
             dense(n, all)
         });
-        // The force of w times s^-2 .. s^1, in this order, once v is measured from what follows the base.
-        let mut forces: [Vec<Number>; 5] = std::array::from_fn(|_| vec![Number::ZERO; n]);
-        for (power, b) in b.iter().enumerate() {
-            forces[2 + power - derivative].clone_from(b);
-        }
-        let mut followed = [vec![Number::ZERO; n], vec![Number::ZERO; n]];
-        for (order, followed) in followed.iter_mut().enumerate().take(derivative) {
-            let place = 2 + order - derivative;
-            *followed = static_solution(system, &forces[place])?;
-            for (power, form) in [&system.k, &system.c, &system.m].into_iter().enumerate() {
-                let taken = applied(form, followed);
-                for (force, taken) in forces[place + power].iter_mut().zip(&taken) {
-                    *force = &*force - taken;
-                }
-            }
-            if forces[place].iter().any(|force| !force.is_zero()) {
-                return None;
-            }
-        }
-        let [_, _, f0, f1, f2] = forces;
+        let Following { followed, forces } = Following::of(system, b, derivative, Known::Exactly)?;
+        // Only forces by w and its first two derivatives are left; a base whose displacement is given has no more of them.
+        let mut left = forces.into_iter().skip(derivative).chain(std::iter::repeat_with(|| vec![Number::ZERO; n]));
+        let [f0, f1, f2] = std::array::from_fn(|_| left.next().unwrap_or_default());
         let g = mass_solution(system, &f2)?;
-        let jump = less(f1, applied(&system.c, &g));
+        let jump = less(&f1, &applied(&system.c, &g));
         let h = mass_solution(system, &jump)?;
-        let force = less(less(f0, applied(&system.k, &g)), applied(&system.c, &h));
+        let force = less(&less(&f0, &applied(&system.k, &g)), &applied(&system.c, &h));
         let a = mass_solution(system, &force)?;
         Some(Channel { jump, force, direct: [g, h, a], followed, derivative, inputs: inputs.to_vec() })
     }
@@ -94,9 +74,9 @@ impl Channel {
         let b = dense(follows.len(), self.inputs.iter().flat_map(|&input| &losses.b[input]));
         let at_once = applied(&losses.h, &self.direct[0]);
         if self.derivative == 0 {
-            return Some(less(b, at_once));
+            return Some(less(&b, &at_once));
         }
-        let moved = less(b, applied(&losses.h, follows)).into_iter().chain(applied(&losses.h, changes));
+        let moved = less(&b, &applied(&losses.h, follows)).into_iter().chain(applied(&losses.h, changes));
         let is_at_rest = moved.into_iter().all(|force| force.is_zero());
         is_at_rest.then(|| at_once.iter().map(|force| -force).collect())
     }
@@ -116,48 +96,6 @@ impl Channel {
     pub fn jumps(&self) -> bool {
         self.jump.iter().any(|jump| !jump.is_zero())
     }
-}
-
-fn less(a: Vec<Number>, b: Vec<Number>) -> Vec<Number> {
-    a.iter().zip(&b).map(|(a, b)| a - b).collect()
-}
-
-/// r with K r = b exactly, if one is found. In most scenes it is a motion carried along by a base, of zeros and ones.
-fn static_solution(system: &LinearSystem, b: &[Number]) -> Option<Vec<Number>> {
-    let n = b.len();
-    if b.iter().all(Number::is_zero) {
-        return Some(vec![Number::ZERO; n]);
-    }
-    let is_solution = |r: &[Number]| applied(&system.k, r).iter().zip(b).all(|(force, b)| (force - b).is_zero());
-    if let Some(r) = near_solution(system, b).filter(|r| is_solution(r)) {
-        return Some(r);
-    }
-    if n > MOST_STATIC {
-        return None;
-    }
-    let b: Option<Vec<Rational>> = b.iter().map(|b| b.exact().cloned()).collect();
-    let (r, _) = echelon::solution(&system.k.rational_entries(n)?, &b?)?;
-    Some(r.into_iter().map(Number::from).collect())
-}
-
-/// The solution in binary64, each number rounded to a simple fraction.
-fn near_solution(system: &LinearSystem, b: &[Number]) -> Option<Vec<Number>> {
-    const LARGEST_DENOMINATOR: i64 = 64;
-    const NEAR: f64 = 1e-6;
-    let n = b.len();
-    let k = system.k.assemble(n);
-    let lu = Lu::of(Matrix::from_fn(n, n, |i, j| k[i][j].to_f64()))?;
-    let mut x: Vec<f64> = b.iter().map(Number::to_f64).collect();
-    lu.solve(&mut x);
-    let simple = |x: &f64| {
-        (1..=LARGEST_DENOMINATOR).find_map(|denominator| {
-            let numerator = x * denominator as f64;
-            let whole = numerator.round();
-            let is_near = (numerator - whole).abs() < NEAR && whole.abs() < 1e9;
-            is_near.then(|| Number::from(Rational::new(whole as i64, denominator)))
-        })
-    };
-    x.iter().map(simple).collect()
 }
 
 /// M^-1 x, exact if possible; zero in the coordinates that inertia does not couple with those of x.

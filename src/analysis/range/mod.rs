@@ -303,6 +303,16 @@ impl Phasor {
         Some(Phasor { re: &re * size, im: &im * size })
     }
 
+    /// z (i omega)^power; `None` if that divides by a frequency that may be zero.
+    pub fn times_power(&self, omega: &Number, power: i32) -> Option<Phasor> {
+        let factor = if power < 0 { Number::ONE.checked_div(omega)? } else { omega.clone() };
+        let turned = |z: Phasor| match power < 0 {
+            true => Phasor { re: &z.im * &factor, im: -&(&z.re * &factor) },
+            false => Phasor { re: -&(&z.im * &factor), im: &z.re * &factor },
+        };
+        Some((0..power.abs()).fold(self.clone(), |z, _| turned(z)))
+    }
+
     /// |z|^2
     pub fn squared(&self) -> Number {
         &self.re.square() + &self.im.square()

@@ -1,0 +1,109 @@
+//! What follows a moving base as if the motion were slow: q = v + r u + r' u', where K r = b0 and K r' = b1 - C r, so that
+//! only the velocity or the acceleration of the base drives v. In: a system, the action of u, and how many of its derivatives
+//! are given. Out: r, r', and the forces that are left. See docs/method/transfer.md#velocities-and-accelerations-of-bases.
+
+use super::forms::{applied, solution_on};
+use crate::base::{Number, Rational};
+use crate::kernel::dense::lu::Lu;
+use crate::kernel::dense::{Matrix, echelon};
+use crate::system::LinearSystem;
+
+/// Maximum number of coordinates for which the static response is solved in fractions.
+const MOST_STATIC: usize = 24;
+/// Maximum number of coordinates for which it is computed at all: one elimination of a full matrix.
+const MOST_COORDINATES: usize = 2000;
+
+/// What follows u, and what is left.
+pub struct Following {
+    /// r and r'; zero where they are not needed.
+    pub followed: [Vec<Number>; 2],
+    /// The forces on v by u, u', u'' and u'''; those by u, and by u' if the acceleration is given, are zero.
+    pub forces: [Vec<Number>; 4],
+}
+
+/// Which static responses are good enough.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Known {
+    /// Those known exactly, for verdicts that rest on a zero.
+    Exactly,
+    /// Enclosures as well.
+    Enclosed,
+}
+
+impl Following {
+    /// `b`: the forces by u, u' and u''. `None` if a static response is not found.
+    pub fn of(system: &LinearSystem, b: [Vec<Number>; 3], derivative: usize, known: Known) -> Option<Following> {
+        let zero = || vec![Number::ZERO; system.n()];
+        let [b0, b1, b2] = b;
+        let mut forces = [b0, b1, b2, zero()];
+        let mut followed = [zero(), zero()];
+        for (order, followed) in followed.iter_mut().enumerate().take(derivative) {
+            let (response, is_exact) = static_response(system, &forces[order], known)?;
+            *followed = response;
+            for (power, form) in [&system.k, &system.c, &system.m].into_iter().enumerate() {
+                let Some(force) = forces.get_mut(order + power) else { continue };
+                match power == 0 && !is_exact {
+                    true => *force = zero(),
+                    false => *force = less(force, &applied(form, followed)),
+                }
+            }
+            if forces[order].iter().any(|force| !force.is_zero()) {
+                return None;
+            }
+        }
+        Some(Following { followed, forces })
+    }
+}
+
+pub fn less(a: &[Number], b: &[Number]) -> Vec<Number> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// r with K r = b, and whether every number of it is exact. In most scenes it is a motion carried along by a base, of zeros and ones.
+fn static_response(system: &LinearSystem, b: &[Number], known: Known) -> Option<(Vec<Number>, bool)> {
+    let n = b.len();
+    if b.iter().all(Number::is_zero) {
+        return Some((vec![Number::ZERO; n], true));
+    }
+    if n > MOST_COORDINATES {
+        return None;
+    }
+    let is_solution = |r: &[Number]| less(&applied(&system.k, r), b).iter().all(Number::is_zero);
+    if let Some(r) = near_solution(system, b).filter(|r| is_solution(r)) {
+        return Some((r, true));
+    }
+    let in_fractions = || {
+        let b: Option<Vec<Rational>> = b.iter().map(|b| b.exact().cloned()).collect();
+        let (r, _) = echelon::solution(&system.k.rational_entries(n)?, &b?)?;
+        Some(r.into_iter().map(Number::from).collect())
+    };
+    if n <= MOST_STATIC
+        && let Some(r) = in_fractions()
+    {
+        return Some((r, true));
+    }
+    match known {
+        Known::Exactly => None,
+        Known::Enclosed => Some((solution_on(&system.k, &(0..n).collect::<Vec<_>>(), b)?, false)),
+    }
+}
+
+/// The solution in binary64, each number rounded to a simple fraction.
+fn near_solution(system: &LinearSystem, b: &[Number]) -> Option<Vec<Number>> {
+    const LARGEST_DENOMINATOR: i64 = 64;
+    const NEAR: f64 = 1e-6;
+    let n = b.len();
+    let k = system.k.assemble(n);
+    let lu = Lu::of(Matrix::from_fn(n, n, |i, j| k[i][j].to_f64()))?;
+    let mut x: Vec<f64> = b.iter().map(Number::to_f64).collect();
+    lu.solve(&mut x);
+    let simple = |x: &f64| {
+        (1..=LARGEST_DENOMINATOR).find_map(|denominator| {
+            let numerator = x * denominator as f64;
+            let whole = numerator.round();
+            let is_near = (numerator - whole).abs() < NEAR && whole.abs() < 1e9;
+            is_near.then(|| Number::from(Rational::new(whole as i64, denominator)))
+        })
+    };
+    x.iter().map(simple).collect()
+}

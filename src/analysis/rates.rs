@@ -1,0 +1,131 @@
+//! The velocity or the acceleration of a base as an input of its own. In: a linear system whose input u is the displacement of
+//! a base. Out: the system with one input more, u' or u''. See docs/method/transfer.md#velocities-and-accelerations-of-bases.
+//!
+//! The motion is measured from what follows the base, so that an output which sees only the rest of it (a stretch, an absolute
+//! acceleration) is finite at 0 Hz as it should be: nothing is divided by the frequency. An output that sees the displacement
+//! of the base itself gets it from one more coordinate, a free mass under the force u'' or a damper under u', which nothing
+//! else touches.
+
+use super::following::{Following, Known, less};
+use super::forms::{applied, dense, dot};
+use crate::base::{FileId, Number, Span};
+use crate::system::{Coordinate, CoordinateId, CoordinateKind, Input, Label, LinearSystem, Losses, Nature, Output};
+
+/// The static response to the base is not found.
+pub const NOT_FOLLOWED: &str =
+    "what follows the base when it moves slowly is not determined: some motion has no stiffness, or it takes too long";
+/// A spring with a loss factor would lose energy in what follows the base.
+pub const LOST: &str =
+    "a spring with a loss factor does not follow the base, so there is no response to its slow motion";
+
+/// The rate of an input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rate {
+    /// Index of the input that is the displacement.
+    pub input: usize,
+    /// 1 for the velocity, 2 for the acceleration.
+    pub derivative: u8,
+    /// `ax` of `quake.ax`.
+    pub word: &'static str,
+}
+
+/// The system with the rate as its last input, or the reason why there is none.
+pub fn with_rate(system: &LinearSystem, rate: Rate) -> Result<LinearSystem, &'static str> {
+    if !system.chain.is_empty() {
+        return Err(NOT_FOLLOWED);
+    }
+    let derivative = usize::from(rate.derivative);
+    let of = &system.inputs[rate.input];
+    let b = of.b.each_ref().map(|b| dense(system.n(), b));
+    let following = Following::of(system, b, derivative, Known::Enclosed).ok_or(NOT_FOLLOWED)?;
+    let mut driven = system.clone();
+    if let Some(losses) = &mut driven.losses {
+        if loses(losses, rate, &following) {
+            return Err(LOST);
+        }
+        losses.b.push(Vec::new());
+    }
+    let mut left = following.forces.iter().skip(derivative).map(|force| sparse(force));
+    let b = std::array::from_fn(|_| left.next().unwrap_or_default());
+    let unit = unit_of(of.unit, rate.derivative);
+    driven.inputs.push(Input { name: Label { name: of.name.name, motion: rate.word }, unit, b });
+    see(&mut driven, rate, &following);
+    Ok(driven)
+}
+
+/// The system with one output alone, and the rate as its last input: a coordinate is added only if this output needs it.
+pub fn from_rate(system: &LinearSystem, rate: Rate, output: usize) -> Result<LinearSystem, &'static str> {
+    let mut alone = system.clone();
+    alone.outputs = vec![system.outputs[output].clone()];
+    if let Some(losses) = &mut alone.losses {
+        losses.p = vec![losses.p[output].clone()];
+        losses.d = vec![losses.d[output].clone()];
+    }
+    with_rate(&alone, rate)
+}
+
+/// Gives every output what it sees of the base: s^k e_k u for k = 0 .. 3, as multiples of the rate where k is large enough.
+fn see(driven: &mut LinearSystem, rate: Rate, following: &Following) {
+    let (derivative, new) = (usize::from(rate.derivative), driven.inputs.len() as u32 - 1);
+    let mut base = None;
+    for index in 0..driven.outputs.len() {
+        let seen: [Number; 4] = std::array::from_fn(|k| seen(&driven.outputs[index], k, rate.input, following));
+        for (k, value) in seen.into_iter().enumerate().filter(|(_, value)| !value.is_zero()) {
+            if k < derivative {
+                let base = *base.get_or_insert_with(|| base_itself(driven, rate.derivative));
+                driven.outputs[index].p[k].push((base, value));
+            } else {
+                driven.outputs[index].d[k - derivative].push((new, value));
+            }
+        }
+    }
+}
+
+/// e_k = d_k + p_k r + p_(k-1) r'
+fn seen(output: &Output, k: usize, input: usize, following: &Following) -> Number {
+    let [follows, late] = &following.followed;
+    let own = output.d.get(k).into_iter().flatten().filter(|(of, _)| *of as usize == input);
+    let through = |power: usize, followed: &[Number]| output.p.get(power).map_or(Number::ZERO, |p| dot(p, followed));
+    let at_once = own.fold(through(k, follows), |sum, (_, value)| &sum + value);
+    k.checked_sub(1).map_or(at_once.clone(), |before| &at_once + &through(before, late))
+}
+
+/// Adds a coordinate that moves as the base does.
+fn base_itself(driven: &mut LinearSystem, derivative: u8) -> CoordinateId {
+    let base = CoordinateId(driven.coordinates.len() as u32);
+    let Some(Input { name, unit, b }) = driven.inputs.last_mut() else { return base };
+    b[0].push((base, Number::ONE));
+    let kind = if unit.starts_with("rad") { CoordinateKind::Rotation } else { CoordinateKind::Translation };
+    driven.coordinates.push(Coordinate { name: *name, kind, span: Span::new(FileId(0), 0, 0) });
+    let form = if derivative == 1 { &mut driven.c } else { &mut driven.m };
+    let source = form.source(*name);
+    form.push(source, Nature::Property, Number::ONE, [(base, Number::ONE)]);
+    base
+}
+
+/// Whether loss factors do, or may do, more than on the motion that is measured from what follows the base.
+fn loses(losses: &Losses, rate: Rate, following: &Following) -> bool {
+    let [follows, late] = &following.followed;
+    let b = dense(follows.len(), &losses.b[rate.input]);
+    let lost = less(&b, &applied(&losses.h, follows)).into_iter().chain(applied(&losses.h, late));
+    let seen = losses.p.iter().zip(&losses.d).flat_map(|(p, d)| {
+        let fed = d.iter().filter(|(input, _)| *input as usize == rate.input);
+        [fed.fold(dot(p, follows), |sum, (_, value)| &sum + value), dot(p, late)]
+    });
+    lost.chain(seen).any(|number| !number.is_zero())
+}
+
+fn sparse(dense: &[Number]) -> Vec<(CoordinateId, Number)> {
+    let entries = dense.iter().enumerate().filter(|(_, value)| !value.is_zero());
+    entries.map(|(i, value)| (CoordinateId(i as u32), value.clone())).collect()
+}
+
+/// `m/s^2` of `m`.
+fn unit_of(displacement: &str, derivative: u8) -> &'static str {
+    match (displacement, derivative) {
+        ("rad", 1) => "rad/s",
+        ("rad", _) => "rad/s^2",
+        (_, 1) => "m/s",
+        _ => "m/s^2",
+    }
+}

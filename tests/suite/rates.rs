@@ -1,0 +1,135 @@
+//! Transfer functions from the velocity or the acceleration of a base: closed forms, limits at 0 Hz, refusals. See
+//! docs/method/transfer.md#velocities-and-accelerations-of-bases.
+
+use crate::program::{json, ran};
+use serde_json::Value;
+use std::f64::consts::PI;
+
+/// 2 kg on 200 N/m and 4 N s/m from the base, and 3 N s/m to the ground.
+const MODEL: &str = "base quake { moves x }\nbody block { mass = 2 kg, moves x }\n\
+                     spring s: quake -- block { k = 200 N/m }\ndamper d: quake -- block { c = 4 N*s/m }\n\
+                     damper g: ground -- block { c = 3 N*s/m }\noutput drift = block.x - quake.x\n\
+                     output roof = block.x\noutput speed = block.vx\noutput push = block.ax\n";
+
+type Complex = (f64, f64);
+
+fn times(a: Complex, b: Complex) -> Complex {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
+}
+
+fn over(a: Complex, b: Complex) -> Complex {
+    let size = b.0 * b.0 + b.1 * b.1;
+    times(a, (b.0 / size, -b.1 / size))
+}
+
+fn row(model: &str, from: &str, to: &str, at: &str) -> Value {
+    json(model, &["transfer", "--from", from, "--to", to, "--at", at])["pairs"][0]["values"][0].clone()
+}
+
+/// x / u = (k + 4 s) / (2 s^2 + 7 s + k) and (x - u) / u = -(2 s^2 + 3 s) / (2 s^2 + 7 s + k), over s or s^2.
+#[test]
+fn one_mass_has_the_closed_form() {
+    for hertz in [1e-6, 0.3, 1.6, 40.0, 1e5] {
+        let s: Complex = (0.0, 2.0 * PI * hertz);
+        let squared = times(s, s);
+        let bottom = (2.0 * squared.0 + 200.0, 7.0 * s.1);
+        let roof = over((200.0, 4.0 * s.1), bottom);
+        let drift = over((-2.0 * squared.0, -3.0 * s.1), bottom);
+        for (to, of_displacement) in
+            [("drift", drift), ("roof", roof), ("speed", times(s, roof)), ("push", times(squared, roof))]
+        {
+            for (from, truth) in [("quake.vx", over(of_displacement, s)), ("quake.ax", over(of_displacement, squared))]
+            {
+                let row = row(MODEL, from, to, &format!("{hertz}Hz"));
+                let number = |name: &str| row[name].as_f64().expect(name);
+                let off = (number("re") - truth.0).hypot(number("im") - truth.1);
+                let size = truth.0.hypot(truth.1);
+                // The closed form itself is rounded a few times.
+                assert!(off <= 1e-14 * size && number("error_bound") < 1e-15, "{hertz} {from} {to}: {row} {truth:?}");
+            }
+        }
+    }
+}
+
+/// The first terms of the same quotients: -3/200 s and 1 for the drift over s, then infinite ones.
+#[test]
+fn at_rest_they_are_limits() {
+    let value = |from: &str, to: &str| row(MODEL, from, to, "0Hz");
+    for (from, to, truth) in [("quake.vx", "drift", -0.015), ("quake.vx", "speed", 1.0), ("quake.ax", "push", 1.0)] {
+        let row = value(from, to);
+        assert_eq!((row["re"].as_f64(), row["im"].as_f64()), (Some(truth), Some(0.0)), "{from} {to} {row}");
+    }
+    for (from, to) in [("quake.ax", "drift"), ("quake.vx", "roof"), ("quake.ax", "speed")] {
+        assert_eq!(value(from, to)["infinite"], true, "{from} {to}");
+    }
+    // Without the damper to the ground the drift follows the acceleration: -m/k.
+    let model = MODEL.replace("damper g: ground -- block { c = 3 N*s/m }\n", "");
+    assert_eq!(row(&model, "quake.ax", "drift", "0Hz")["re"], -0.01);
+    let question = "require gain(quake.ax -> drift, 0 Hz) <= 0.01 s^2\n";
+    assert!(ran(&(model.clone() + question), &["analyze"]).status.success());
+    let narrower = question.replace("0.01", "0.009999999999999999");
+    assert!(!ran(&(model + &narrower), &["analyze"]).status.success());
+}
+
+/// The peak of |m / (m s^2 + c s + k)| is 1/(2 zeta sqrt(1 - zeta^2) omega^2), zeta = 0.1, omega = 10 rad/s.
+#[test]
+fn the_largest_drift_by_acceleration_is_that_of_the_textbook() {
+    let model = MODEL.replace("damper g: ground -- block { c = 3 N*s/m }\n", "");
+    let peak = 0.01 / (0.2 * 0.99f64.sqrt());
+    let asks = |limit: f64| {
+        let require = format!("require peak_gain(quake.ax -> drift) < {limit:.17} s^2\n");
+        ran(&(model.clone() + &require), &["analyze"]).status.success()
+    };
+    assert!(asks(peak * (1.0 + 1e-13)) && !asks(peak * (1.0 - 1e-13)));
+}
+
+/// A stiffness for which the drift under an acceleration of 2 Hz has a given size, from the closed form.
+#[test]
+fn it_is_solved_for() {
+    let model = "param k = 100 N/m\nbase quake { moves x }\nbody block { mass = 2 kg, moves x }\n\
+                 spring s: quake -- block { k = k }\ndamper d: quake -- block { c = 4 N*s/m }\n\
+                 output drift = block.x - quake.x\nsolve k in 320 N/m .. 2 kN/m: gain(quake.ax -> drift, 2 Hz) = 0.003 s^2\n";
+    let solved = json(model, &["analyze"])["solved"][0]["value"].as_f64().expect("a value");
+    let omega = 4.0 * PI;
+    let truth = 2.0 * omega * omega + ((2.0f64 / 0.003).powi(2) - (4.0 * omega).powi(2)).sqrt();
+    assert!((solved / truth - 1.0).abs() < 1e-13, "{solved} {truth}");
+}
+
+/// A base that turns, one with two motions, and one along a direction have their own words; others are told.
+#[test]
+fn every_motion_has_its_words() {
+    let model = "base floor { at = (-1 m, 0), moves x y }\nbase shaft { at = (2 m, 0), turns }\nbase ramp { moves along (3, 4) }\n\
+                 body block { mass = 1 kg, at = (0, 0), moves x y }\nbody disc { inertia = 1 kg*m^2, turns }\n\
+                 body sledge { mass = 1 kg, moves along (3, 4) }\n\
+                 spring a: floor -- block { k = 9 N/m }\nspring b: floor@(0, 1 m) -- block { k = 4 N/m }\n\
+                 spring t: shaft -- disc { k = 5 N*m/rad }\nspring r: ramp -- sledge { k = 8 N/m }\n\
+                 output x = block.x - floor.x\noutput y = block.y - floor.y\noutput turn = disc.angle - shaft.angle\noutput slide = r.stretch\n";
+    for (from, to, truth) in [
+        ("floor.ax", "x", -1.0 / 9.0),
+        ("floor.ay", "y", -0.25),
+        ("shaft.alpha", "turn", -0.2),
+        ("ramp.a", "slide", -0.125),
+        ("floor.vx", "x", 0.0),
+        ("shaft.omega", "turn", 0.0),
+        ("ramp.v", "slide", 0.0),
+    ] {
+        assert_eq!(row(model, from, to, "0Hz")["re"].as_f64(), Some(truth), "{from} {to}");
+    }
+    let told = ran(model, &["transfer", "--from", "floor.alpha", "--at", "1Hz"]);
+    assert!(String::from_utf8_lossy(&told.stderr).contains("`floor.alpha` is not an input"), "{told:?}");
+}
+
+/// What a damper alone joins to the base does not follow it, however slowly it moves; nor does what a lossy spring holds on both sides.
+#[test]
+fn what_does_not_follow_the_base_is_refused() {
+    let loose = "base quake { moves x }\nbody block { mass = 2 kg, moves x }\ndamper d: quake -- block { c = 4 N*s/m }\n\
+                 output drift = block.x - quake.x\n";
+    let held = "base quake { moves x }\nbody block { mass = 2 kg, moves x }\nspring s: quake -- block { k = 2 N/m, loss = 0.1 }\n\
+                spring g: ground -- block { k = 2 N/m }\noutput drift = block.x - quake.x\n";
+    for (model, why) in [(loose, "some motion has no stiffness"), (held, "loss factor")] {
+        let told = ran(model, &["transfer", "--from", "quake.ax", "--at", "1Hz"]);
+        let text = String::from_utf8_lossy(&told.stderr).into_owned();
+        assert!(!told.status.success() && text.contains(why), "{text}");
+    }
+    assert_eq!(row(loose, "quake.vx", "drift", "0Hz")["re"].as_f64(), Some(-0.5));
+}
