@@ -4,7 +4,9 @@
 use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::derived::hertz;
 use crate::analysis::excitation::{Excitations, Excited};
+use crate::analysis::forms::is_certain;
 use crate::analysis::modes::buckling::least_load_factor;
+use crate::analysis::rates::{Rate, from_rate};
 use crate::analysis::steady::steady;
 use crate::analysis::transfer::extrema::{Supremum, supremum};
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
@@ -203,8 +205,8 @@ pub fn amplitude(transfer: &Transfer, drives: &[Vec<Signal>], output: usize) -> 
 /// A steady load: the input, and its value.
 pub type Loads = Vec<(usize, Number)>;
 
-/// The reason for a missing final value under the signal of a base that gives its velocity or acceleration. What such a
-/// signal ends at is not computed, although an output relative to the base may settle under it.
+/// The reason for a missing final value under the signal of a base that gives its velocity or acceleration: that of a chirp,
+/// and every one where settling is asked for.
 pub const MOVES_BY_RATE: &str =
     "a base is moved by its velocity or acceleration: no final value is computed under such a signal";
 
@@ -233,6 +235,37 @@ pub fn static_value(transfer: &Transfer, loads: &[(usize, Number)], output: usiz
             }
             Gain::Infinite => return Measurement::Infinite,
             Gain::Unknown => return Measurement::None("the system has a rigid motion, or nearly one"),
+        }
+    }
+    Measurement::Value(sum)
+}
+
+/// The final value of an output under inputs that become c0 + c1 t + c2 t^2 / 2 in the end: what follows a base that keeps its
+/// velocity or acceleration, seen relative to it, comes to rest. `ends`: (input, c).
+pub fn final_value(transfer: &Transfer, ends: &[(usize, [Number; 3])], output: usize) -> Measurement {
+    let (steady, moving): (Vec<_>, Vec<_>) = ends.iter().partition(|(_, [_, c1, c2])| c1.is_zero() && c2.is_zero());
+    let loads: Loads = steady.into_iter().map(|(input, [value, ..])| (*input, value.clone())).collect();
+    let mut sum = match static_value(transfer, &loads, output) {
+        Measurement::Value(value) => value,
+        other => return other,
+    };
+    for (input, [_, velocity, acceleration]) in &moving {
+        let (derivative, rate) = if acceleration.is_zero() { (1, velocity) } else { (2, acceleration) };
+        if !is_certain(rate) {
+            return Measurement::None("it is not certain whether the base keeps moving");
+        }
+        let rate_of = Rate { input: *input, derivative, word: "" };
+        let driven = match from_rate(transfer.system(), rate_of, output) {
+            Ok(driven) => driven,
+            Err(why) => return Measurement::None(why),
+        };
+        match at(&Transfer::of(&driven), driven.inputs.len() - 1, 0, &Number::ZERO) {
+            Gain::Finite(disc) => sum = sum + rate.to_ball() * Ball::exact(disc.value.re).widen(disc.radius),
+            Gain::Infinite if moving.len() == 1 => return Measurement::Infinite,
+            Gain::Infinite => {
+                return Measurement::None("several bases keep moving: whether that cancels is not computed");
+            }
+            Gain::Unknown => return Measurement::None("it is not certain whether the output follows the base"),
         }
     }
     Measurement::Value(sum)

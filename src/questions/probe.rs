@@ -345,8 +345,11 @@ impl Measured<'_> {
             Probe::Amplitude(output) => {
                 transfer.map_or(NONE, |transfer| measures::amplitude(transfer, drives, *output))
             }
-            Probe::Static(_) if drives.iter().any(|signals| measures::lasting_value(signals).is_none()) => {
-                Measurement::None(measures::MOVES_BY_RATE)
+            Probe::Static(output) if drives.iter().any(|signals| measures::lasting_value(signals).is_none()) => {
+                match (transfer, self.ends()) {
+                    (Some(transfer), Some(ends)) => measures::final_value(transfer, &ends, *output),
+                    _ => Measurement::None(measures::MOVES_BY_RATE),
+                }
             }
             Probe::Static(_) if self.loads().iter().all(|(_, load)| load.is_zero()) => {
                 Measurement::None("no input has a lasting signal: nothing moves")
@@ -473,21 +476,37 @@ impl Measured<'_> {
         }
     }
 
-    /// The lasting part of each input's signals: constants, which are part of the rest, and the final values of the
-    /// other signals.
-    pub fn loads(&self) -> Loads {
-        let constants = self.scene.inputs.iter().map(|input| {
+    /// What each input becomes in the end, c0 + c1 t + c2 t^2 / 2; `None` if that is not computed for one of them.
+    fn ends(&self) -> Option<Vec<(usize, [Number; 3])>> {
+        let constants = self.constants().chain(std::iter::repeat(Number::ZERO));
+        let of_input = |(signals, constant): (&Vec<DrivenBy>, Number)| {
+            let start = [constant, Number::ZERO, Number::ZERO];
+            let add = |sum: [Number; 3], end: [Number; 3]| std::array::from_fn(|k| &sum[k] + &end[k]);
+            signals.iter().try_fold(start, |sum, signal| Some(add(sum, signal.in_the_end()?)))
+        };
+        let ends: Option<Vec<_>> = self.context.drives.iter().zip(constants).map(of_input).collect();
+        Some(ends?.into_iter().enumerate().collect())
+    }
+
+    /// The constant signals of each input, which are part of the rest.
+    fn constants(&self) -> impl Iterator<Item = Number> + '_ {
+        self.scene.inputs.iter().map(|input| {
             input.signal.iter().fold(Number::ZERO, |sum, signal| match signal {
                 Signal::Constant { value } => &sum + value,
                 _ => sum,
             })
-        });
+        })
+    }
+
+    /// The lasting part of each input's signals: constants, which are part of the rest, and the final values of the
+    /// other signals.
+    pub fn loads(&self) -> Loads {
         // The final value of a signal that does not settle is unknown.
         let unknown = || Number::Ball(Ball::ZERO.widen(f64::INFINITY));
         let lasting =
             self.context.drives.iter().map(|signals| measures::lasting_value(signals).unwrap_or_else(unknown));
         let lasting = lasting.chain(std::iter::repeat(Number::ZERO));
-        constants.zip(lasting).map(|(constant, lasting)| &constant + &lasting).enumerate().collect()
+        self.constants().zip(lasting).map(|(constant, lasting)| &constant + &lasting).enumerate().collect()
     }
 }
 

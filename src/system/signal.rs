@@ -1,7 +1,7 @@
 //! Functions of time that drive inputs, as plain data in SI units, independent of how the model writes them. See
 //! docs/method/response.md.
 
-use crate::base::Number;
+use crate::base::{Number, Rational};
 
 /// A function of time; SI units, angles in radians, frequencies in Hz. Zero before t = 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,9 +75,56 @@ pub enum Course {
     LinesToZero,
 }
 
+impl Table {
+    /// The ends of a table that is zero after its last row, of its integral and of that one's integral: its area A and A t less
+    /// its first moment.
+    fn integrals(&self) -> Option<[[Number; 3]; 3]> {
+        if self.course != Course::LinesToZero {
+            return None;
+        }
+        let sixth = Number::from(Rational::new(1, 6));
+        let (mut area, mut moment) = (Number::ZERO, Number::ZERO);
+        // The first value holds from t = 0 on.
+        let first = self.times.first().zip(self.values.first()).map(|(time, value)| (Number::ZERO, value, time, value));
+        let rows = self.times.windows(2).zip(self.values.windows(2));
+        let pieces = rows.map(|(t, v)| (t[0].clone(), &v[0], &t[1], &v[1]));
+        for (from, left, to, right) in first.into_iter().chain(pieces) {
+            let width = to - &from;
+            let sum = left + right;
+            area = &area + &(&(&width * &sum) * &(&sixth * &Number::from(3)));
+            // from (left + right) / 2 + width (left + 2 right) / 6, times the width
+            let mean = &(&(&from * &sum) * &Number::from(3)) + &(&width * &(&sum + right));
+            moment = &moment + &(&(&width * &mean) * &sixth);
+        }
+        let twice = [-&moment, area.clone(), Number::ZERO];
+        Some([constant(Number::ZERO), constant(area), twice])
+    }
+}
+
+fn constant(value: Number) -> [Number; 3] {
+    [value, Number::ZERO, Number::ZERO]
+}
+
+fn sum(a: &[Number; 3], b: &[Number; 3]) -> [Number; 3] {
+    std::array::from_fn(|k| &a[k] + &b[k])
+}
+
+/// c(t - by)
+fn later([c0, c1, c2]: &[Number; 3], by: &Number) -> [Number; 3] {
+    let half = &by.square() * &Number::from(Rational::new(1, 2));
+    [&(c0 - &(c1 * by)) + &(c2 * &half), c1 - &(c2 * by), c2.clone()]
+}
+
+/// 1, t - at, (t - at)^2 / 2, times a value.
+fn integrals_of_step(value: &Number, at: &Number) -> [[Number; 3]; 3] {
+    let zero = || Number::ZERO;
+    let powers = [[value.clone(), zero(), zero()], [zero(), value.clone(), zero()], [zero(), zero(), value.clone()]];
+    powers.map(|course| later(&course, at))
+}
+
 impl Signal {
     /// The constant value that remains in the end; zero for a harmonic. `None` for an integral, which may grow without
-    /// limit; where it ends is not computed.
+    /// limit: see [`Signal::in_the_end`].
     pub fn lasting(&self) -> Option<Number> {
         match self {
             Signal::Step { value, .. } | Signal::Ramp { value, .. } => Some(value.clone()),
@@ -85,6 +132,45 @@ impl Signal {
             Signal::Delayed { of, .. } => of.lasting(),
             Signal::Integral { .. } => None,
             _ => Some(Number::ZERO),
+        }
+    }
+
+    /// What the signal becomes in the end, but for what swings about it: c0 + c1 t + c2 t^2 / 2. `None` under the integral of
+    /// a chirp, whose end is no quotient of its numbers.
+    pub fn in_the_end(&self) -> Option<[Number; 3]> {
+        match self {
+            Signal::Integral { of, times } => {
+                let [at_once, once, twice] = of.integrals()?;
+                match times {
+                    0 => Some(at_once),
+                    1 => Some(once),
+                    _ => Some(twice),
+                }
+            }
+            Signal::Delayed { of, by } => of.in_the_end().map(|course| later(&course, by)),
+            signal => signal.lasting().map(constant),
+        }
+    }
+
+    /// The ends of a signal, of its integral and of that one's integral.
+    fn integrals(&self) -> Option<[[Number; 3]; 3]> {
+        let half = Number::from(Rational::new(1, 2));
+        match self {
+            Signal::Step { value, at } => Some(integrals_of_step(value, at)),
+            Signal::Pulse { value, from, to } => {
+                let (on, off) = (integrals_of_step(value, from), integrals_of_step(&-value, to));
+                Some([sum(&on[0], &off[0]), sum(&on[1], &off[1]), sum(&on[2], &off[2])])
+            }
+            Signal::Ramp { value, from, to } => {
+                let (width, middle) = (to - from, &(from + to) * &half);
+                // Its integral is that of a step in the middle; the next one is larger by value width^2 / 24.
+                let [at_once, once, mut twice] = integrals_of_step(value, &middle);
+                twice[0] = &twice[0] + &(&(value * &width.square()) * &Number::from(Rational::new(1, 24)));
+                Some([at_once, once, twice])
+            }
+            Signal::Table(table) => table.integrals(),
+            Signal::Delayed { of, by } => of.integrals().map(|ends| ends.map(|course| later(&course, by))),
+            _ => None,
         }
     }
 

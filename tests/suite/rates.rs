@@ -133,3 +133,47 @@ fn what_does_not_follow_the_base_is_refused() {
     }
     assert_eq!(row(loose, "quake.vx", "drift", "0Hz")["re"].as_f64(), Some(-0.5));
 }
+
+/// What follows a base that moves by its acceleration, in the end: -c v / k beside a damper c to the ground, -m a / k, and the
+/// displacement of the base where it comes to rest.
+#[test]
+fn a_final_value_under_a_moving_base_is_that_of_the_textbook() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Kept at 2 m/s^2 from 0 to 1 s, then a line to 6 m/s^2 at 3 s: 10 m/s.
+    std::fs::write(folder.path().join("push.csv"), "time [s], acc [m/s^2]\n1,2\n3,6\n").expect("a table");
+    let scene = |signal: &str, damper: &str| {
+        format!(
+            "base quake {{ moves x }} = {signal}\nbody block {{ mass = 2 kg, moves x }}\n\
+             spring s: quake -- block {{ k = 200 N/m }}\ndamper d: {damper} -- block {{ c = 4 N*s/m }}\n\
+             output drift = block.x - quake.x\noutput roof = block.x\n"
+        )
+    };
+    let rest = "pulse(1 m/s^2, 1 s, 2 s) + pulse(-1 m/s^2, 2 s, 3 s)";
+    let ramps = "ramp(1 m/s^2, 0 s, 2 s) + ramp(-1 m/s^2, 2 s, 6 s) + pulse(-1 m/s^2, 0 s, 3 s)";
+    for (signal, damper, output, truth) in [
+        ("step(3 m/s^2, 1 s)", "quake", "drift", Some(-0.03)),
+        ("step(3 m/s, 1 s)", "ground", "drift", Some(-0.06)),
+        ("step(3 m/s, 1 s)", "quake", "drift", Some(0.0)),
+        ("pulse(1 m/s^2, 1 s, 3 s)", "ground", "drift", Some(-0.04)),
+        ("table(\"push.csv\")", "ground", "drift", Some(-0.2)),
+        (rest, "ground", "roof", Some(1.0)),
+        // 0.5 + 4/24 - (8 + 16/24) + 4.5
+        (ramps, "quake", "roof", Some(-3.5)),
+        ("step(3 m/s, 1 s)", "quake", "roof", None),
+    ] {
+        let path = folder.path().join("scene.vib");
+        let text = scene(signal, damper) + &format!("require static({output}) < 1 km\n");
+        std::fs::write(&path, text).expect("a scene");
+        let run = std::process::Command::new(env!("CARGO_BIN_EXE_vibc"))
+            .args(["analyze", "--format", "json"])
+            .arg(&path)
+            .output()
+            .expect("runs");
+        let told: Value = serde_json::from_slice(&run.stdout).expect("JSON");
+        let row = &told["requirements"][0];
+        match (row["value"].as_f64(), truth) {
+            (Some(value), Some(truth)) => assert!((value - truth).abs() < 1e-15, "{signal} {damper}: {row}"),
+            (value, truth) => assert!(value == truth && row["value_text"] == "infinite", "{signal}: {row}"),
+        }
+    }
+}
