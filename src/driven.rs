@@ -41,14 +41,15 @@ impl Dynamics {
     }
 }
 
-/// The modes and poles that a table needs; `None` if there are too many coordinates, or with loss factors.
+/// The modes and poles that a table needs; `None` if there are too many coordinates, or the poles with
+/// loss factors are not found.
 pub(crate) fn spectrum(system: &LinearSystem, modes: Option<Modes>) -> Result<Option<(Modes, Poles)>, AnalysisError> {
     let both = modes.map_or_else(|| analysis::modes(system), Ok).and_then(|modes| {
         let poles = analysis::poles_for_table(system, &modes)?;
         Ok((modes, poles))
     });
     match both {
-        Ok(_) if system.losses.is_some() => Ok(None),
+        Ok((_, poles)) if system.losses.is_some() && !poles.is_complete() => Ok(None),
         Ok(spectrum) => Ok(Some(spectrum)),
         Err(AnalysisError::TooManyCoordinates { .. } | AnalysisError::MasslessPoles { .. }) => Ok(None),
         Err(error) => Err(error),

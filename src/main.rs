@@ -195,9 +195,8 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     };
     if dynamics.spectrum.is_none() && sweep.at.is_empty() && sweep.range.is_none() {
         report_error(&match system.losses.is_some() {
-            true => {
-                "poles are not computed with loss factors: give the frequencies with `--range` or `--at`".to_string()
-            }
+            true => "the poles with these loss factors are not found: give the frequencies with `--range` or `--at`"
+                .to_string(),
             false => {
                 format!("the poles of {} coordinates are not computed: give the frequencies with `--range`", system.n())
             }

@@ -5,12 +5,12 @@
 use crate::analysis::answer::{Pole, Poles};
 use crate::analysis::modes::shape::{first_largest, translates};
 use crate::analysis::transfer::Disc;
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, Number};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::solve;
 use crate::kernel::dense::lu::Lu;
-use crate::system::{LinearSystem, Output};
+use crate::system::{CoordinateId, LinearSystem, Output};
 
 /// Number of motions whose shapes are computed, as many as a report lists.
 const MOST_MOTIONS: usize = 20;
@@ -51,23 +51,30 @@ pub fn damped_shapes(system: &LinearSystem, poles: &Poles) -> Vec<DampedShape> {
     motions.map(|(number, pole)| DampedShape { number, found: shape(pole) }).collect()
 }
 
-/// M, C and K as matrices of balls.
+/// M, C, K and H as matrices of balls.
 struct Dense {
     m: Vec<Vec<Ball>>,
     c: Vec<Vec<Ball>>,
     k: Vec<Vec<Ball>>,
+    /// Of the loss factors, which act above the real axis; `None` if there are none.
+    h: Option<Vec<Vec<Ball>>>,
 }
 
 impl Dense {
     fn of(system: &LinearSystem) -> Dense {
         let [m, c, k] = [&system.m, &system.c, &system.k].map(|form| form.assemble(system.n()));
-        Dense { m, c, k }
+        Dense { m, c, k, h: system.losses.as_ref().map(|losses| losses.h.assemble(system.n())) }
     }
 
-    /// M s^2 + C s + K
+    /// M s^2 + C s + K, and i H above the real axis.
     fn at(&self, s: Complex<Ball>) -> Matrix<Complex<Ball>> {
         let (n, square) = (self.m.len(), s * s);
-        Matrix::from_fn(n, n, |i, j| square.scale(self.m[i][j]) + s.scale(self.c[i][j]) + Complex::real(self.k[i][j]))
+        let lost = |i: usize, j: usize| match &self.h {
+            Some(h) if s.im.is_positive() => h[i][j],
+            _ => Ball::ZERO,
+        };
+        let stiffness = |i: usize, j: usize| Complex::new(self.k[i][j], lost(i, j));
+        Matrix::from_fn(n, n, |i, j| square.scale(self.m[i][j]) + s.scale(self.c[i][j]) + stiffness(i, j))
     }
 
     fn shape(&self, system: &LinearSystem, pole: &Pole) -> Result<ShapeEntries, &'static str> {
@@ -79,7 +86,12 @@ impl Dense {
         let q = self.at(s);
         let leading = self.leading(system, &q).ok_or(OPEN)?;
         let x = with_entry_one(&q, leading).ok_or(OPEN)?;
-        let outputs = system.outputs.iter().map(|output| Disc::of(seen(output, s, &x))).collect();
+        let lost = |output: usize| match &system.losses {
+            Some(losses) if s.im.is_positive() => &losses.p[output][..],
+            _ => &[],
+        };
+        let seen = |(number, output): (usize, &Output)| Disc::of(seen(output, lost(number), s, &x));
+        let outputs = system.outputs.iter().enumerate().map(seen).collect();
         Ok(ShapeEntries { coordinates: x.into_iter().map(Disc::of).collect(), outputs })
     }
 
@@ -149,12 +161,14 @@ fn with_entry_one(q: &Matrix<Complex<Ball>>, p: usize) -> Option<Vec<Complex<Bal
     x.iter().all(|x| x.re.is_finite() && x.im.is_finite()).then_some(x)
 }
 
-/// sum_k s^k p_k x
-fn seen(output: &Output, s: Complex<Ball>, x: &[Complex<Ball>]) -> Complex<Ball> {
-    output.p.iter().rev().fold(Complex::ZERO, |sum, row| {
-        let own = row.iter().fold(Complex::ZERO, |own, (i, factor)| own + x[i.index()].scale(factor.to_ball()));
-        sum * s + own
-    })
+/// sum_k s^k p_k x, and i times what loss factors add.
+fn seen(output: &Output, lost: &[(CoordinateId, Number)], s: Complex<Ball>, x: &[Complex<Ball>]) -> Complex<Ball> {
+    let along = |row: &[(CoordinateId, Number)]| {
+        row.iter().fold(Complex::ZERO, |own, (i, factor)| own + x[i.index()].scale(factor.to_ball()))
+    };
+    let lost = along(lost);
+    let kept = output.p.iter().rev().fold(Complex::ZERO, |sum, row| sum * s + along(row));
+    kept + Complex::new(-lost.im, lost.re)
 }
 
 #[cfg(test)]

@@ -47,7 +47,8 @@ pub fn modal_from(system: &LinearSystem, known: Option<&Modes>, request: &Reques
         return of_chained(system, request);
     }
     if system.losses.is_some() {
-        let (modes, poles) = (modes_as(system, request)?, Poles::default());
+        let modes = modes_as(system, request)?;
+        let poles = poles(system, &modes)?;
         let stability = stability(system, &modes, &poles);
         return Ok(Modal { modes, poles, stability });
     }

@@ -2,7 +2,7 @@
 //! left; stable if it is proved that nothing grows; undetermined otherwise. In: the system, its certified modes and
 //! poles. Out: a verdict that only a proof makes. See docs/method/poles.md#kinds-and-stability.
 
-use crate::analysis::answer::{ModeKind, Modes, PoleKind, Poles};
+use crate::analysis::answer::{ModeKind, Modes, Pole, PoleKind, Poles};
 use crate::analysis::modes::parts::{Part, independent};
 use crate::analysis::poles::exact::half_planes_of;
 use crate::analysis::poles::passive::{is_semidefinite, takes_energy};
@@ -112,7 +112,7 @@ pub fn is_passive(system: &LinearSystem) -> bool {
 /// `fed`: whether something other than the terms of C may feed energy in.
 fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles, fed: bool) -> Verdict {
     if system.losses.is_some() {
-        return Verdict { kind: Stability::Undetermined, reason: Reason::Loss };
+        return with_losses(system, poles);
     }
     let pole = |is: fn(PoleKind) -> bool| poles.list.iter().any(|pole| is(pole.kind));
     let mode = |kind: ModeKind| modes.before.contains_kind(kind) || modes.list.iter().any(|mode| mode.kind == kind);
@@ -143,6 +143,26 @@ fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles, fed: bool) -> Ve
         _ => Stability::Undetermined,
     };
     Verdict { kind, reason }
+}
+
+/// The verdict with loss factors, by the poles above the real axis and their mirror images.
+fn with_losses(system: &LinearSystem, poles: &Poles) -> Verdict {
+    let pole = |is: fn(&Pole) -> bool| poles.list.iter().any(is);
+    let undetermined = |reason: Reason| Verdict { kind: Stability::Undetermined, reason };
+    if !poles.is_complete() {
+        return undetermined(Reason::Loss);
+    }
+    if pole(|pole| matches!(pole.kind, PoleKind::Divergence | PoleKind::Flutter)) {
+        return Verdict { kind: Stability::Unstable, reason: Reason::Growth };
+    }
+    let decays = |pole: &Pole| pole.kind == PoleKind::Rigid || pole.re.is_negative();
+    let reason = match is_passive(system) {
+        true => Reason::Energy,
+        false if poles.list.iter().all(decays) => Reason::Poles,
+        false => return undetermined(Reason::Sign),
+    };
+    let is_neutral = pole(|pole| pole.kind == PoleKind::Rigid);
+    Verdict { kind: if is_neutral { Stability::Neutral } else { Stability::Stable }, reason }
 }
 
 /// The reason if no known pole grows: whether the poles are complete, and whether Routh's count, which uses only C,
@@ -204,7 +224,7 @@ impl Reason {
                 "the poles contradict Routh's count of them: report this model as a defect of vibc"
             }
             Reason::Rest => "it is not proven that the scene rests here",
-            Reason::Loss => "a spring has a loss factor, with which poles are not computed",
+            Reason::Loss => "a spring has a loss factor, and the poles are not found with it",
             Reason::Tangent => {
                 "a law has no tangent here: it may hold the motions without stiffness, or drive them away"
             }

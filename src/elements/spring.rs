@@ -21,7 +21,7 @@ pub const KIND: Kind = Kind {
                 line on which both parts can move.\n\n\
                 `free_length` or `preload` (the tension as drawn, pull positive) may be given, not both. With neither the \
                 spring is unstretched as drawn. A negative stiffness is allowed and noted.\n\n\
-                `loss` is its loss factor: in harmonic motion its stiffness is k (1 + i loss). Other motions and poles are not \
+                `loss` is its loss factor: in harmonic motion its stiffness is k (1 + i loss). Motions in time are not \
                 computed with it.\n\n\
                 `law` gives the tension over the `stretch` in place of `k` and `preload`; motions about the rest use its tangent.",
         heading: "Springs and dampers",

@@ -36,9 +36,13 @@ impl Polynomial {
         self.coefficients.len().saturating_sub(1)
     }
 
-    /// The polynomial through the integer values at 0, 1, ..., d, up to a positive factor: Newton's divided
-    /// differences, all multiplied by d!.
+    /// The polynomial through the integer values at 0, 1, ..., d, up to a positive factor.
     pub fn through(values: &[BigInt]) -> Polynomial {
+        Polynomial::of_values(values).primitive()
+    }
+
+    /// d! times the polynomial through the integer values at 0, 1, ..., d: Newton's divided differences, all multiplied by d!.
+    pub fn of_values(values: &[BigInt]) -> Polynomial {
         let d = values.len().saturating_sub(1);
         let mut differences = values.to_vec();
         let mut newton: Vec<BigInt> = Vec::with_capacity(values.len());
@@ -60,7 +64,7 @@ impl Polynomial {
                 *first = value - &*first * k;
             }
         }
-        Polynomial::new(sum).primitive()
+        Polynomial::new(sum)
     }
 
     /// The polynomial divided by the greatest common divisor of its coefficients, with a positive leading coefficient.

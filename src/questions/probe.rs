@@ -245,6 +245,8 @@ impl Probe {
                 | Probe::Frequency(_)
                 | Probe::Square(_)
                 | Probe::EffectiveMass(..)
+                | Probe::Damping(_)
+                | Probe::Stable
                 | Probe::Rest(..)
                 | Probe::LoadFactor
                 | Probe::Rms(_, Cause::Noise | Cause::Either)
@@ -304,6 +306,9 @@ impl Measured<'_> {
             Probe::Square(mode) => self.modes.map_or(NONE, |modes| measures::square(modes, *mode)),
             Probe::Critical(1) if system.n() == 1 => measures::discriminant(system),
             Probe::Critical(motion) => self.poles.map_or(NONE, |poles| measures::critical(poles, *motion)),
+            Probe::Damping(_) if system.losses.is_some() && !self.poles.is_some_and(Poles::is_complete) => {
+                Measurement::None("the poles with these loss factors are not found")
+            }
             Probe::Damping(motion) => self.poles.map_or(NONE, |poles| measures::damping_ratio(poles, *motion)),
             Probe::Stable => match (self.modes, self.poles) {
                 (Some(modes), Some(poles)) => {
@@ -479,7 +484,12 @@ impl Measured<'_> {
     /// What each input becomes in the end, c0 + c1 t + c2 t^2 / 2; `None` if that is not computed for one of them.
     fn ends(&self) -> Option<Vec<(usize, [Number; 3])>> {
         let constants = self.constants().chain(std::iter::repeat(Number::ZERO));
+        let swings = |signal: &DrivenBy| matches!(signal, DrivenBy::Harmonic { .. });
         let of_input = |(signals, constant): (&Vec<DrivenBy>, Number)| {
+            // A base that swings by its acceleration drifts as it started, which is nothing to settle at.
+            if signals.iter().any(swings) && signals.iter().any(|signal| signal.lasting().is_none()) {
+                return None;
+            }
             let start = [constant, Number::ZERO, Number::ZERO];
             let add = |sum: [Number; 3], end: [Number; 3]| std::array::from_fn(|k| &sum[k] + &end[k]);
             signals.iter().try_fold(start, |sum, signal| Some(add(sum, signal.in_the_end()?)))

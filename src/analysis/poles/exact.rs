@@ -19,9 +19,9 @@ use std::cmp::Ordering;
 /// For more coordinates than this, exact arithmetic on the polynomial takes longer than a user would wait.
 pub const MOST_COORDINATES: usize = 12;
 /// Initial working precision for roots, in bits; it is doubled until their discs are disjoint.
-const FIRST_BITS: u64 = 160;
+pub(super) const FIRST_BITS: u64 = 160;
 /// Largest working precision. It separates roots down to a distance of 2^-1000; no polynomial here has closer roots.
-const MOST_BITS: u64 = 2560;
+pub(super) const MOST_BITS: u64 = 2560;
 
 /// All finite poles of a part: as many as the degree of det Q. Made only by [`exact_poles`].
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ pub struct ExactPoles {
 
 impl ExactPoles {
     /// `None` if the number of roots and zeros is not the degree.
-    fn counted(zeros: usize, roots: Vec<ExactRoot>, degree: usize) -> Option<ExactPoles> {
+    pub(super) fn counted(zeros: usize, roots: Vec<ExactRoot>, degree: usize) -> Option<ExactPoles> {
         let sides = |root: &ExactRoot| if root.real { root.multiplicity } else { 2 * root.multiplicity };
         let count = zeros + roots.iter().map(sides).sum::<usize>();
         (count == degree).then_some(ExactPoles { zeros, roots, degree })
@@ -113,7 +113,7 @@ fn with_multiplicity(factor: &Polynomial, multiplicity: usize, matrices: &Matric
     Some(roots)
 }
 
-fn roots_of_factor(factor: &Polynomial, multiplicity: usize, defective: bool) -> Option<Vec<ExactRoot>> {
+pub(super) fn roots_of_factor(factor: &Polynomial, multiplicity: usize, defective: bool) -> Option<Vec<ExactRoot>> {
     let root = |(s, real)| ExactRoot { s, multiplicity, real, defective };
     Some(roots(factor)?.into_iter().map(root).collect())
 }
@@ -161,7 +161,7 @@ impl Matrices {
 }
 
 /// sum w a a^T of the chosen terms.
-fn assembled(form: &Form, terms: &[u32], local: &[u32], n: usize) -> Option<Vec<Vec<Rational>>> {
+pub(super) fn assembled(form: &Form, terms: &[u32], local: &[u32], n: usize) -> Option<Vec<Vec<Rational>>> {
     let mut matrix = vec![vec![Rational::ZERO; n]; n];
     for &index in terms {
         let term = &form.terms()[index as usize];
@@ -234,7 +234,12 @@ fn upper_hull(f: &Polynomial) -> Vec<(usize, i64)> {
 }
 
 /// The Ehrlich-Aberth iteration until no value moves by more than half of its bits, for a limited number of sweeps.
-pub(in crate::analysis) fn iterate(f: &Polynomial, slope: &Polynomial, values: &mut [ComplexFloat], bits: u64) {
+pub(in crate::analysis) fn iterate(
+    f: &dyn Holomorphic,
+    slope: &dyn Holomorphic,
+    values: &mut [ComplexFloat],
+    bits: u64,
+) {
     for _ in 0..100 {
         let mut settled = true;
         for i in 0..values.len() {
@@ -259,14 +264,14 @@ fn is_small(step: &ComplexFloat, z: &ComplexFloat, places: i64) -> bool {
 
 /// f / (f' - f sum 1 / (z_i - z_j)); zero if f or the divisor vanishes.
 fn correction(
-    f: &Polynomial,
-    slope: &Polynomial,
+    f: &dyn Holomorphic,
+    slope: &dyn Holomorphic,
     values: &[ComplexFloat],
     i: usize,
     bits: u64,
 ) -> Option<ComplexFloat> {
     let z = &values[i];
-    let (p, q) = (value(f, z, Some(bits)), value(slope, z, Some(bits)));
+    let (p, q) = (f.at(z, Some(bits)), slope.at(z, Some(bits)));
     let mut others = ComplexFloat::zero();
     for (_, other) in values.iter().enumerate().filter(|(j, _)| *j != i) {
         let difference = z - other;
@@ -276,6 +281,18 @@ fn correction(
     }
     let divisor = (&q - &(&p * &others)).cut(bits);
     (!p.is_zero() && !divisor.is_zero()).then(|| (&p * &divisor.recip(bits)).cut(bits))
+}
+
+/// A function whose zeros are looked for.
+pub(in crate::analysis) trait Holomorphic {
+    /// Its value, cut to so many bits; exact if `bits` is `None`.
+    fn at(&self, z: &ComplexFloat, bits: Option<u64>) -> ComplexFloat;
+}
+
+impl Holomorphic for Polynomial {
+    fn at(&self, z: &ComplexFloat, bits: Option<u64>) -> ComplexFloat {
+        value(self, z, bits)
+    }
 }
 
 /// f(z) by Horner's scheme; exact if `bits` is `None`.
@@ -293,21 +310,21 @@ pub(in crate::analysis) fn value(f: &Polynomial, z: &ComplexFloat, bits: Option<
 }
 
 /// A disc that contains a root.
-struct Rooted {
-    z: ComplexFloat,
-    radius: Float,
+pub(super) struct Rooted {
+    pub z: ComplexFloat,
+    pub radius: Float,
 }
 
 impl Rooted {
     /// The disc around z; if that meets the real axis, the disc around the real part of z instead: a disc around a real
     /// centre that contains one root contains a real one.
     fn around(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<Rooted> {
-        let disc = Rooted { z: z.clone(), radius: radius(f, slope, z)? };
+        let disc = Rooted { z: z.clone(), radius: radius(f, slope, z, f.degree())? };
         if disc.is_clear_of_the_axis() {
             return Some(disc);
         }
         let z = ComplexFloat::new(z.re.clone(), Float::zero());
-        let radius = radius(f, slope, &z)?;
+        let radius = radius(f, slope, &z, f.degree())?;
         Some(Rooted { z, radius })
     }
 
@@ -315,17 +332,24 @@ impl Rooted {
         self.z.im.is_zero()
     }
 
-    fn is_clear_of_the_axis(&self) -> bool {
+    pub fn is_clear_of_the_axis(&self) -> bool {
         is_less(&self.radius, &self.z.im.abs())
     }
 
-    fn is_apart_from(&self, other: &Rooted) -> bool {
+    pub fn is_apart_from(&self, other: &Rooted) -> bool {
         let reach = &self.radius + &other.radius;
         is_less(&(&reach * &reach), &(&self.z - &other.z).norm())
     }
 
+    /// The disc as balls; a real centre is that of a real root.
+    pub fn enclosure(&self) -> Complex<Ball> {
+        let radius = self.radius.to_f64_above();
+        let im = if self.is_real() { Ball::ZERO } else { self.z.im.to_ball(radius) };
+        Complex::new(self.z.re.to_ball(radius), im)
+    }
+
     /// Whether the disc determines all digits that double-double can represent.
-    fn is_sharp(&self) -> bool {
+    pub fn is_sharp(&self) -> bool {
         let wide = self.radius.clone().times_power_of_two(110);
         is_less(&(&wide * &wide), &self.z.norm())
     }
@@ -355,18 +379,13 @@ fn disjoint_discs(f: &Polynomial, slope: &Polynomial, values: &[ComplexFloat]) -
     }
     let mut list: Vec<&Rooted> = discs.iter().filter(|disc| disc.is_real()).chain(upper).collect();
     list.sort_by(|a, b| (&a.z.norm() - &b.z.norm()).sign());
-    let enclosed = |disc: &Rooted| {
-        let radius = disc.radius.to_f64_above();
-        let im = if disc.is_real() { Ball::ZERO } else { disc.z.im.to_ball(radius) };
-        (Complex::new(disc.z.re.to_ball(radius), im), disc.is_real())
-    };
-    Some(list.into_iter().map(enclosed).collect())
+    Some(list.into_iter().map(|disc| (disc.enclosure(), disc.is_real())).collect())
 }
 
 /// d |f(z) / f'(z)|, exact except for one rounding upwards.
-fn radius(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<Float> {
-    let (p, q) = (value(f, z, None).norm(), value(slope, z, None).norm());
-    (!q.is_zero()).then(|| &p.root_of_quotient_above(&q) * &Float::from(BigInt::from(f.degree())))
+pub(super) fn radius(f: &dyn Holomorphic, slope: &dyn Holomorphic, z: &ComplexFloat, d: usize) -> Option<Float> {
+    let (p, q) = (f.at(z, None).norm(), slope.at(z, None).norm());
+    (!q.is_zero()).then(|| &p.root_of_quotient_above(&q) * &Float::from(BigInt::from(d)))
 }
 
 #[cfg(test)]
@@ -451,7 +470,7 @@ mod tests {
     #[test]
     fn a_radius_reaches_the_nearest_root() {
         let f = polynomial(&[1, 3, 3, 1]);
-        let radius = radius(&f, &f.derivative(), &value(-0.5, 0.0)).expect("a slope");
+        let radius = radius(&f, &f.derivative(), &value(-0.5, 0.0), f.degree()).expect("a slope");
         assert!(!is_less(&radius, &Float::from(0.5)), "{radius:?}");
     }
 

@@ -15,6 +15,7 @@ pub(in crate::analysis) mod disc_columns;
 pub(in crate::analysis) mod discs;
 pub(in crate::analysis) mod exact;
 pub(in crate::analysis) mod list;
+mod lossy;
 pub(in crate::analysis) mod passive;
 pub(in crate::analysis) mod pencil;
 pub(in crate::analysis) mod proportional;
@@ -42,7 +43,7 @@ use crate::analysis::poles::coordinates::PoleCoordinates;
 use crate::analysis::poles::discs::{PoleEnclosure, discs};
 use crate::analysis::poles::exact::{Exact, ExactPoles, exact_poles};
 use crate::analysis::poles::list::PoleList;
-use crate::analysis::poles::passive::{Passive, takes_energy};
+use crate::analysis::poles::passive::{Passive, is_semidefinite, takes_energy};
 use crate::analysis::poles::pencil::Pencil;
 use crate::analysis::poles::proportional::{Proportional, proportional};
 use crate::analysis::poles::quadratic::{Roots, real_root, roots};
@@ -54,7 +55,7 @@ use crate::analysis::poles::targeted::targeted;
 use crate::analysis::poles::together::refine_together;
 use crate::base::{Number, runs};
 use crate::kernel::complex::Complex;
-use crate::system::{Form, LinearSystem};
+use crate::system::{Form, LinearSystem, Losses};
 use std::sync::Arc;
 
 /// Up to this many coupled coordinates, all poles are computed if all modes are requested; without a request, up to
@@ -69,7 +70,7 @@ const TOGETHER: usize = 24;
 pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
     runs::begins("poles");
     if system.losses.is_some() {
-        return Ok(Poles::default());
+        return in_range(system, unscaled(system, modes, Also::Nothing)?);
     }
     if system.c.is_empty() {
         let mut found = PoleList::default();
@@ -149,9 +150,17 @@ fn unscaled(system: &LinearSystem, modes: &Modes, also: Also) -> Result<Poles, A
     for part in &parts {
         part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
     }
-    for coordinates in &parts {
+    let losses = system.losses.as_deref();
+    let lossy = losses.map(|losses| (losses, lossy::terms_by_part(losses, &parts, system.n())));
+    for (number, coordinates) in parts.iter().enumerate() {
         let part = Portion { system, part: coordinates, local: &local, also };
-        if coordinates.coordinates.len() == 1 {
+        let own = lossy.as_ref().map(|(losses, terms)| (*losses, &terms[number][..]));
+        if let Some(lossy) = own.filter(|(_, terms)| !terms.is_empty()) {
+            match lossy::lossy_poles(system, lossy, coordinates, &local) {
+                Some(poles) => part.take_lossy(&poles, lossy, &mut found),
+                None => return Ok(Poles::default()),
+            }
+        } else if coordinates.coordinates.len() == 1 {
             part.single(&mut found)?;
         } else if parts.len() == 1 {
             part.solve(modes, &mut found)?;
@@ -305,6 +314,15 @@ impl Portion<'_> {
             self.general(modes, found)?;
         }
         Ok(())
+    }
+
+    /// Takes the poles of a part with loss factors. A pole s with Re s > 0 and Im s > 0 would need more energy than M, C, K and H,
+    /// none of them negative, leave to it.
+    fn take_lossy(&self, poles: &ExactPoles, (losses, terms): (&Losses, &[u32]), found: &mut PoleList) {
+        let passive = Passive::of_springs(self.system, self.part);
+        let grows_nowhere = passive.nothing_grows() && is_semidefinite(&losses.h, terms);
+        found.exact(poles, Passive { damped: grows_nowhere, held: grows_nowhere });
+        found.infinite((2 * self.part.coordinates.len()).saturating_sub(poles.degree()));
     }
 
     /// Error: some motion has neither inertia nor a force against it.

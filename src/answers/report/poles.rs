@@ -14,12 +14,14 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
 }
 
 fn blocks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
-    if answer.system.losses.is_some() {
+    let is_lossy = answer.system.losses.is_some();
+    if is_lossy && answer.poles.list.is_empty() {
         return vec![Block::Line(
-            "damped motion: poles are not computed with loss factors, which C and K do not contain".into(),
+            "damped motion: poles with loss factors are found for up to 12 coupled coordinates of rational numbers"
+                .into(),
         )];
     }
-    let undamped = answer.system.c.is_empty();
+    let undamped = answer.system.c.is_empty() && !is_lossy;
     if answer.poles.list.is_empty() && !undamped {
         return left_out(answer).map(Block::from).into_iter().collect();
     }
@@ -35,6 +37,9 @@ fn blocks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
     let more = (left > 0).then(|| line!["... and ", left, " more (--format json has all)"]);
     let remarks = more.into_iter().chain(clusters(&shown)).chain(infinite(answer)).chain(not_proved(answer));
     blocks.extend(remarks.chain(left_out(answer)).map(Block::from));
+    if is_lossy {
+        blocks.push(Block::Line("loss factors act with the sign of im s; C and K do not contain them".into()));
+    }
     blocks
 }
 
