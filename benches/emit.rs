@@ -39,7 +39,7 @@ fn chain(n: usize) -> LinearSystem {
         m,
         c,
         k,
-        inputs: vec![Input { name, unit: "N", b: [at(0), Vec::new(), Vec::new()] }],
+        inputs: vec![Input { name, unit: "N", b: [at(0), Vec::new(), Vec::new()], undamped: None }],
         outputs: vec![Output {
             name,
             unit: "m".into(),

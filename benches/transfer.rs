@@ -50,7 +50,7 @@ fn chain_of(n: usize, mass: impl Fn(usize) -> Number) -> LinearSystem {
         c,
         k,
         chain: Vec::new(),
-        inputs: vec![Input { name, unit: "N", b: [at(0), Vec::new(), Vec::new()] }],
+        inputs: vec![Input { name, unit: "N", b: [at(0), Vec::new(), Vec::new()], undamped: None }],
         outputs: vec![Output {
             name,
             unit: "m".into(),

@@ -89,7 +89,9 @@ pub fn relative_to(system: &mut LinearSystem, first: usize, input: usize) -> Opt
             *entry = *entry + rate * a;
         });
     }
-    let column = &mut system.inputs[input].b[1];
+    let of = &mut system.inputs[input];
+    of.undamped = Some(of.b[1].clone());
+    let column = &mut of.b[1];
     for (i, value) in force.into_iter().filter(|(_, value)| !value.is_zero()) {
         let value = Number::Ball(value);
         match column.iter_mut().find(|(at, _)| *at == i) {

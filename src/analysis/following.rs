@@ -2,11 +2,11 @@
 //! only the velocity or the acceleration of the base drives v. In: a system, the action of u, and how many of its derivatives
 //! are given. Out: r, r', and the forces that are left. See docs/method/transfer.md#velocities-and-accelerations-of-bases.
 
-use super::forms::{applied, solution_on};
+use super::forms::{applied, dense, solution_on};
 use crate::base::{Number, Rational};
 use crate::kernel::dense::lu::Lu;
 use crate::kernel::dense::{Matrix, echelon};
-use crate::system::LinearSystem;
+use crate::system::{Form, LinearSystem, Origin, Term};
 
 /// Maximum number of coordinates for which the static response is solved in fractions.
 const MOST_STATIC: usize = 24;
@@ -31,10 +31,17 @@ pub enum Known {
 }
 
 impl Following {
-    /// `b`: the forces by u, u' and u''. `None` if a static response is not found.
-    pub fn of(system: &LinearSystem, b: [Vec<Number>; 3], derivative: usize, known: Known) -> Option<Following> {
+    /// `inputs` are those that move together as u. `None` if a static response is not found.
+    pub fn of(system: &LinearSystem, inputs: &[usize], derivative: usize, known: Known) -> Option<Following> {
         let zero = || vec![Number::ZERO; system.n()];
-        let [b0, b1, b2] = b;
+        let own = || inputs.iter().map(|&input| &system.inputs[input]);
+        let [b0, mut b1, b2] = [0, 1, 2].map(|power| dense(system.n(), own().flat_map(|input| &input.b[power])));
+        // Damping that is relative to what follows u does nothing there, exactly, whatever the digits of b1.
+        let undamped: Option<Vec<&[_]>> = own().map(|input| input.undamped.as_deref()).collect();
+        let is_relative = undamped.is_some();
+        if let Some(undamped) = undamped {
+            b1 = dense(system.n(), undamped.into_iter().flatten());
+        }
         let mut forces = [b0, b1, b2, zero()];
         let mut followed = [zero(), zero()];
         for (order, followed) in followed.iter_mut().enumerate().take(derivative) {
@@ -42,10 +49,11 @@ impl Following {
             *followed = response;
             for (power, form) in [&system.k, &system.c, &system.m].into_iter().enumerate() {
                 let Some(force) = forces.get_mut(order + power) else { continue };
-                match power == 0 && !is_exact {
-                    true => *force = zero(),
-                    false => *force = less(force, &applied(form, followed)),
-                }
+                *force = match (order, power) {
+                    (_, 0) if !is_exact => zero(),
+                    (0, 1) if is_relative => less(force, &applied(&dampers(form), followed)),
+                    _ => less(force, &applied(form, followed)),
+                };
             }
             if forces[order].iter().any(|force| !force.is_zero()) {
                 return None;
@@ -53,6 +61,17 @@ impl Following {
         }
         Some(Following { followed, forces })
     }
+}
+
+/// C without the damping that is declared for the whole system.
+fn dampers(c: &Form) -> Form {
+    let is_damping = |term: &Term| c.source_of(term.source).origin == Origin::Damping;
+    let mut own = Form::new();
+    for term in c.terms().iter().filter(|term| !is_damping(term)) {
+        let source = own.source(c.source_of(term.source));
+        own.push(source, term.nature, term.weight.clone(), c.row(term).iter().cloned());
+    }
+    own
 }
 
 pub fn less(a: &[Number], b: &[Number]) -> Vec<Number> {

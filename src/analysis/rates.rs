@@ -36,8 +36,7 @@ pub fn with_rate(system: &LinearSystem, rate: Rate) -> Result<LinearSystem, &'st
     }
     let derivative = usize::from(rate.derivative);
     let of = &system.inputs[rate.input];
-    let b = of.b.each_ref().map(|b| dense(system.n(), b));
-    let following = Following::of(system, b, derivative, Known::Enclosed).ok_or(NOT_FOLLOWED)?;
+    let following = Following::of(system, &[rate.input], derivative, Known::Enclosed).ok_or(NOT_FOLLOWED)?;
     let mut driven = system.clone();
     if let Some(losses) = &mut driven.losses {
         if loses(losses, rate, &following) {
@@ -48,7 +47,7 @@ pub fn with_rate(system: &LinearSystem, rate: Rate) -> Result<LinearSystem, &'st
     let mut left = following.forces.iter().skip(derivative).map(|force| sparse(force));
     let b = std::array::from_fn(|_| left.next().unwrap_or_default());
     let unit = unit_of(of.unit, rate.derivative);
-    driven.inputs.push(Input { name: Label { name: of.name.name, motion: rate.word }, unit, b });
+    driven.inputs.push(Input { name: Label { name: of.name.name, motion: rate.word }, unit, b, undamped: None });
     see(&mut driven, rate, &following);
     Ok(driven)
 }
@@ -93,7 +92,7 @@ fn seen(output: &Output, k: usize, input: usize, following: &Following) -> Numbe
 /// Adds a coordinate that moves as the base does.
 fn base_itself(driven: &mut LinearSystem, derivative: u8) -> CoordinateId {
     let base = CoordinateId(driven.coordinates.len() as u32);
-    let Some(Input { name, unit, b }) = driven.inputs.last_mut() else { return base };
+    let Some(Input { name, unit, b, .. }) = driven.inputs.last_mut() else { return base };
     b[0].push((base, Number::ONE));
     let kind = if unit.starts_with("rad") { CoordinateKind::Rotation } else { CoordinateKind::Translation };
     driven.coordinates.push(Coordinate { name: *name, kind, span: Span::new(FileId(0), 0, 0) });

@@ -14,7 +14,8 @@ pub fn blank(n: usize) -> LinearSystem {
         kind: CoordinateKind::Translation,
         span: Span::new(FileId(0), 0, 0),
     });
-    let inputs = (0..n).map(|i| Input { name: names[i], unit: "N", b: [at(i), Vec::new(), Vec::new()] });
+    let inputs =
+        (0..n).map(|i| Input { name: names[i], unit: "N", b: [at(i), Vec::new(), Vec::new()], undamped: None });
     let outputs = (0..n).map(|i| Output {
         name: names[i],
         unit: "m".into(),

@@ -26,6 +26,9 @@ pub struct Ranges {
     pub codes: Vec<(&'static str, u64, Case)>,
 }
 
+/// The values of more cases than this are not kept for quantiles.
+pub const MOST_KEPT: u64 = 1_000_000;
+
 /// The range of a column.
 #[derive(Clone, Debug, Default)]
 pub struct Range {
@@ -34,6 +37,8 @@ pub struct Range {
     /// The largest absolute error bound.
     pub bound: Option<Bound>,
     pub moments: Moments,
+    /// The values of an independent drawing, in the order of the cases; of at most [`MOST_KEPT`] cases.
+    pub values: Vec<f64>,
     /// The same for each sequence of a replicated drawing, and the numbers of cases that hold and that fail.
     pub replicates: Vec<(Moments, [u64; 2])>,
     pub infinite: u64,
@@ -94,8 +99,13 @@ impl Ranges {
     /// Adds a case.
     pub fn add(&mut self, case: &Case) {
         self.cases += 1;
+        let is_kept = self.drawing == Drawing::Independent && self.cases <= MOST_KEPT;
         for (range, entry) in self.columns.iter_mut().zip(&case.entries) {
             range.add(*entry, case);
+            match entry {
+                Entry::Enclosed(value) if is_kept => range.values.push(value.to_f64()),
+                _ => {}
+            }
         }
         if let Some(code) = case.code {
             match self.codes.iter_mut().find(|(known, ..)| *known == code) {

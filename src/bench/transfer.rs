@@ -58,7 +58,7 @@ fn driving_point(system: &LinearSystem) -> LinearSystem {
     let mut system = system.clone();
     let at = || vec![(CoordinateId(0), Number::ONE)];
     let name = system.coordinates[0].name;
-    system.inputs = vec![Input { name, unit: "N", b: [at(), Vec::new(), Vec::new()] }];
+    system.inputs = vec![Input { name, unit: "N", b: [at(), Vec::new(), Vec::new()], undamped: None }];
     let nothing = || [Vec::new(), Vec::new(), Vec::new()];
     system.outputs = vec![Output { name, unit: "m".into(), p: [at(), Vec::new(), Vec::new()], d: nothing() }];
     system

@@ -23,6 +23,26 @@ pub fn least_probability(seen: u64, number: u64) -> f64 {
     }
 }
 
+/// The ranks, from 1, of those of `number` independent values, in ascending order, between which the p-quantile of their
+/// distribution lies in at least 95 % of all studies, whatever the distribution (H. A. David, H. N. Nagaraja, *Order Statistics*, 3rd
+/// edition, Wiley 2003, section 7.1). `None` for an end beyond all values.
+pub fn ranks_of_quantile(p: f64, number: u64) -> [Option<u64>; 2] {
+    // The lower one is at most the quantile if so many values or more are: a binomial variable with this p.
+    let below = |p: f64| {
+        let is_sure = |rank: u64| beta_share(rank as f64, (number - rank) as f64 + 1.0, p) >= 0.975;
+        let (mut sure, mut unsure) = (0, number + 1);
+        while unsure - sure > 1 {
+            let middle = sure + (unsure - sure) / 2;
+            match is_sure(middle) {
+                true => sure = middle,
+                false => unsure = middle,
+            }
+        }
+        (sure > 0).then_some(sure)
+    };
+    [below(p), below(1.0 - p).map(|rank| number + 1 - rank)]
+}
+
 /// The regularised incomplete beta function I_x(a, b), 0 < x < 1: the probability of `a` events or more in a + b - 1 cases.
 fn beta_share(a: f64, b: f64, x: f64) -> f64 {
     // The fraction converges fast on this side of the mean.
@@ -58,7 +78,7 @@ fn fraction(a: f64, b: f64, x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::least_probability;
+    use super::{least_probability, ranks_of_quantile};
 
     /// The sum of the chances of `seen` or more events.
     fn chance(seen: u64, number: u64, p: f64) -> f64 {
@@ -81,6 +101,22 @@ mod tests {
         assert_eq!(least_probability(0, 17), 0.0);
         let all = least_probability(20, 20);
         assert!((all - libm::pow(0.025, 0.05)).abs() < 1e-12, "{all}");
+    }
+
+    /// Ranks about the median as published (W. J. Conover, *Practical Nonparametric Statistics*, table A3), and by sums of chances: one
+    /// rank further inwards is not sure enough.
+    #[test]
+    fn ranks_are_those_of_the_tables() {
+        assert_eq!(ranks_of_quantile(0.5, 5), [None, None]);
+        for (number, low, high) in [(6, 1, 6), (8, 1, 8), (10, 2, 9), (15, 4, 12), (20, 6, 15), (1000, 469, 532)] {
+            assert_eq!(ranks_of_quantile(0.5, number), [Some(low), Some(high)], "{number}");
+        }
+        for (p, number) in [(0.05, 100), (0.05, 1000), (0.95, 100), (0.3, 57)] {
+            let [low, high] = ranks_of_quantile(p, number).map(|rank| rank.expect("enough values"));
+            let at_least = |rank: u64| chance(rank, number, p);
+            assert!(at_least(low) >= 0.975 && at_least(low + 1) < 0.975, "{p} {number} {low}");
+            assert!(at_least(high) <= 0.025 && at_least(high - 1) > 0.025, "{p} {number} {high}");
+        }
     }
 
     /// Far more cases than a sum could take: near the normal distribution there.

@@ -161,6 +161,7 @@ impl<'a> Assembly<'a> {
             name: input_label(self.scene, input),
             unit: input_unit(input),
             b: columns.map(merge_column),
+            undamped: None,
         });
         LinearSystem {
             words: self.words,

@@ -27,6 +27,7 @@ impl LinearSystem {
             system.c.push(source, term.nature, &term.weight * &factor, losses.h.row(term).iter().cloned());
         }
         for (input, b) in system.inputs.iter_mut().zip(&losses.b) {
+            input.undamped = None;
             add(&mut input.b[1], b, &factor);
         }
         for (output, (p, d)) in system.outputs.iter_mut().zip(losses.p.iter().zip(&losses.d)) {

@@ -151,7 +151,7 @@ impl LinearSystem {
     pub fn with_sum_of_inputs(&self, parts: &[(usize, Number)]) -> LinearSystem {
         let mut system = self.clone();
         let Some((first, _)) = parts.first() else { return system };
-        let mut sum = Input { b: Default::default(), ..self.inputs[*first].clone() };
+        let mut sum = Input { b: Default::default(), undamped: None, ..self.inputs[*first].clone() };
         let new = self.inputs.len() as u32;
         for (input, factor) in parts {
             for (sum, b) in sum.b.iter_mut().zip(&self.inputs[*input].b) {
@@ -302,6 +302,9 @@ pub struct Input {
     pub name: Label,
     pub unit: &'static str,
     pub b: [Vec<(CoordinateId, Number)>; 3],
+    /// b1 without the damping that is declared for the whole system, if that acts on motion relative to what follows this input
+    /// at rest: the rest of b1 is then D r with K r = b0, D being the terms of C from [`Origin::Damping`], whatever digits b1 has.
+    pub undamped: Option<Vec<(CoordinateId, Number)>>,
 }
 
 /// A scalar output y = sum_i s^i (p_i q + d_i u). Sparse rows, SI.

@@ -95,6 +95,27 @@ fn it_is_solved_for() {
     assert!((solved / truth - 1.0).abs() < 1e-13, "{solved} {truth}");
 }
 
+/// Damping by modes acts on motion relative to what follows the base: exactly nothing of it is left at 0 Hz, although its matrix has
+/// only so many digits. Two masses in a row: under an acceleration a the springs carry 5 kg a and 3 kg a.
+#[test]
+fn damping_by_modes_leaves_the_limits_as_they_are() {
+    let model = "base quake { moves x }\nbody a { mass = 2 kg, moves x }\nbody b { mass = 3 kg, moves x }\n\
+                 spring s: quake -- a { k = 200 N/m }\nspring t: a -- b { k = 70 N/m }\ndamping modal 3 %\n\
+                 output drift = b.x - quake.x\noutput push = b.ax\noutput roof = b.x\n";
+    for (from, to, truth) in
+        [("quake.ax", "drift", -(5.0 / 200.0 + 3.0 / 70.0)), ("quake.ax", "push", 1.0), ("quake.vx", "drift", 0.0)]
+    {
+        let row = row(model, from, to, "0Hz");
+        let found = row["re"].as_f64().expect("finite");
+        assert!(
+            (found - truth).abs() < 1e-16 && row["error_bound"].as_f64().is_none_or(|bound| bound < 1e-16),
+            "{row}"
+        );
+    }
+    // Without exact numbers it is not proved that this is infinite.
+    assert!(row(model, "quake.ax", "roof", "0Hz")["re"].is_null());
+}
+
 /// A base that turns, one with two motions, and one along a direction have their own words; others are told.
 #[test]
 fn every_motion_has_its_words() {

@@ -208,3 +208,46 @@ fn studies_leave_the_range_of_a_tolerance() {
     let codes: Vec<&str> = csv.lines().skip(1).map(|line| line.rsplit(',').next().expect("a code")).collect();
     assert_eq!(codes, ["", "", "", ""], "{csv}");
 }
+
+/// The two ends of the interval of each quantile in the report: of 5 %, of the median, of 95 %.
+fn quantiles(report: &str, name: &str) -> Vec<f64> {
+    let table = report.split("median").nth(1).expect("a table of quantiles");
+    let line = table.lines().find(|line| line.trim_start().starts_with(name)).expect("a row");
+    line.replace("..", " ").split_whitespace().filter_map(|word| word.parse().ok()).collect()
+}
+
+/// Between which values the quantiles lie: those with the ranks 37 and 65, 469 and 532, 936 and 964 of a thousand (by sums of
+/// binomial chances in another program).
+#[test]
+fn quantiles_lie_between_values_of_known_rank() {
+    let asked = ["--samples", "1000", "--seed", "3"];
+    let report = text(MODEL, &asked);
+    for (column, name) in columns(MODEL, 5, &asked).iter_mut().zip(["k ", "m ", "l ", "t ", "u "]) {
+        column.sort_by(f64::total_cmp);
+        let told = quantiles(&report, name);
+        assert_eq!(told.len(), 6, "{name} {told:?}");
+        for (told, rank) in told.iter().zip([37, 65, 469, 532, 936, 964]) {
+            // The report has six digits.
+            assert!((told - column[rank - 1]).abs() <= 5e-6 * told.abs(), "{name} {rank}: {told}");
+        }
+    }
+    assert!(!text(MODEL, &["--samples", "1024", "--sobol"]).contains("median"));
+}
+
+/// Of 120 intervals about known quantiles at least 114 hold on average, with a deviation of 2.4: fewer than 104 would be four
+/// deviations off.
+#[test]
+fn intervals_of_quantiles_hold_as_often_as_they_say() {
+    let deviation = 1.644_853_626_951_472_2;
+    let mut held = 0;
+    for seed in 0..20 {
+        let report = text(MODEL, &["--samples", "200", "--seed", &seed.to_string()]);
+        for (name, truth) in
+            [("k ", [100.0 - 3.0 * deviation, 100.0, 100.0 + 3.0 * deviation]), ("m ", [1.575, 2.25, 2.925])]
+        {
+            let ends = quantiles(&report, name);
+            held += ends.chunks(2).zip(truth).filter(|(ends, truth)| ends[0] < *truth && *truth < ends[1]).count();
+        }
+    }
+    assert!(held >= 104, "{held} of 120");
+}

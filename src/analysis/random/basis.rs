@@ -54,7 +54,8 @@ impl Basis {
     }
 
     pub fn system(&self, system: &LinearSystem) -> LinearSystem {
-        let input = |input: &Input| Input { b: input.b.each_ref().map(|row| self.row(row)), ..input.clone() };
+        let input =
+            |input: &Input| Input { b: input.b.each_ref().map(|row| self.row(row)), undamped: None, ..input.clone() };
         LinearSystem {
             words: system.words.clone(),
             coordinates: self.leading.iter().map(|&i| system.coordinates[i].clone()).collect(),

@@ -29,11 +29,7 @@ impl Channel {
     /// `None` if the static response to a base is not found, or if numbers do not decide.
     pub fn of(system: &LinearSystem, inputs: &[usize], derivative: u8) -> Option<Channel> {
         let (n, derivative) = (system.n(), usize::from(derivative));
-        let b = [0, 1, 2].map(|power| {
-            let all = inputs.iter().flat_map(|&input| &system.inputs[input].b[power]);
-            dense(n, all)
-        });
-        let Following { followed, forces } = Following::of(system, b, derivative, Known::Exactly)?;
+        let Following { followed, forces } = Following::of(system, inputs, derivative, Known::Exactly)?;
         // Only forces by w and its first two derivatives are left; a base whose displacement is given has no more of them.
         let mut left = forces.into_iter().skip(derivative).chain(std::iter::repeat_with(|| vec![Number::ZERO; n]));
         let [f0, f1, f2] = std::array::from_fn(|_| left.next().unwrap_or_default());

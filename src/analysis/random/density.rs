@@ -2,6 +2,7 @@
 //! docs/method/random.md#measures.
 
 use super::{Reach, Spread};
+use crate::analysis::rates::{Rate, from_rate};
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Number};
 use crate::kernel::complex::Complex;
@@ -26,18 +27,47 @@ pub fn density(
         if density.is_zero() {
             continue;
         }
-        if noise.derivative > 0 && frequency.may_be_zero() {
-            return Spread::Unknown("the density of what a base integrates is not finite at 0 Hz");
-        }
-        let by_rate = (0..2 * noise.derivative).fold(Ball::ONE, |product, _| product / at.omega);
         let inputs: Vec<&(usize, Number)> =
             noise.inputs.iter().filter(|(input, _)| reach.from_input(system, *input, reached)).collect();
+        if noise.derivative > 0 && frequency.may_be_zero() {
+            let gain =
+                if frequency.is_zero() { at_rest(system, &inputs, noise.derivative, output) } else { Err(NEAR_ZERO) };
+            match gain {
+                Ok(gain) => sum = sum + gain.square() * density.to_ball(),
+                Err(why) => return why,
+            }
+            continue;
+        }
+        let by_rate = (0..2 * noise.derivative).fold(Ball::ONE, |product, _| product / at.omega);
         match gain(transfer, &at, &inputs, output) {
             Ok(gain) => sum = sum + gain.square() * density.to_ball() * by_rate,
             Err(why) => return why,
         }
     }
     Spread::Finite(sum)
+}
+
+const NEAR_ZERO: Spread = Spread::Unknown("the density of what a base integrates is not known at 0 Hz");
+
+/// |sum H_j| at 0 Hz, from the velocities or accelerations of bases; delays have no phase there.
+fn at_rest(system: &LinearSystem, inputs: &[&(usize, Number)], derivative: u8, output: usize) -> Result<Ball, Spread> {
+    let mut sum = Complex::ZERO;
+    for (input, _) in inputs {
+        let rate = Rate { input: *input, derivative, word: "" };
+        let driven = from_rate(system, rate, output).map_err(Spread::Unknown)?;
+        match Transfer::of(&driven).between(&Frequency::hertz(&Number::ZERO), &[driven.inputs.len() - 1], &[0])[0][0] {
+            Gain::Finite(disc) => {
+                let value = disc.value.to_ball();
+                sum = sum + Complex::new(value.re.widen(disc.radius), value.im.widen(disc.radius));
+            }
+            // Two that are infinite may cancel.
+            Gain::Infinite if inputs.len() == 1 => {
+                return Err(Spread::Infinite("infinite at 0 Hz: the output drifts with the base".into()));
+            }
+            Gain::Infinite | Gain::Unknown => return Err(NEAR_ZERO),
+        }
+    }
+    Ok((sum.re.square() + sum.im.square()).sqrt())
 }
 
 /// |sum H_j e^(-i w t_j)| over inputs with delays, s.

@@ -23,6 +23,7 @@ pub fn scaled(system: &LinearSystem, frequency: &Frequency) -> Option<(LinearSys
     moved.c = times(&system.c, time + force)?;
     moved.m = times(&system.m, 2 * time + force)?;
     for input in &mut moved.inputs {
+        input.undamped = None;
         for (b, order) in input.b.iter_mut().zip(0..) {
             rows(b, order * time + force)?;
         }

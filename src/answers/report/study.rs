@@ -2,7 +2,7 @@
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Report, Section, line};
-use crate::answers::ranges::{Moments, Range, Ranges};
+use crate::answers::ranges::{Drawing, MOST_KEPT, Moments, Range, Ranges};
 use crate::kernel::binomial;
 use crate::questions::answer::Followed;
 use crate::questions::answer::{Case, Column, Entry, Holds, REPLICATES, few_digits};
@@ -73,6 +73,7 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges, followed: Option<
         ]);
     }
     let estimated = if statistics.rows.is_empty() { Vec::new() } else { vec![Block::from(statistics)] };
+    let estimated: Vec<Block> = estimated.into_iter().chain(quantiles(columns, ranges)).collect();
     // Without random cases the last column stays empty.
     let probability_heading = if ranges.is_random() { "probability, 95 %" } else { "" };
     let mut verdicts = Table::of([
@@ -102,6 +103,42 @@ pub fn study(model: &str, columns: &[Column], ranges: &Ranges, followed: Option<
             Section::new("Stopped", codes),
         ],
     )
+}
+
+/// Between which values quantiles lie, in at least 95 % of all studies whatever the distribution.
+fn quantiles(columns: &[Column], ranges: &Ranges) -> Vec<Block> {
+    if ranges.drawing != Drawing::Independent || ranges.cases < 2 {
+        return Vec::new();
+    }
+    if ranges.cases > MOST_KEPT {
+        return vec![Block::Line(format!("quantiles are told of at most {MOST_KEPT} cases").into())];
+    }
+    let wanted = [0.05, 0.5, 0.95].map(|p| binomial::ranks_of_quantile(p, ranges.cases));
+    let mut table = Table::of([
+        ("", Align::Left),
+        ("unit", Align::Left),
+        ("5 % quantile, 95 %", Align::Right),
+        ("median, 95 %", Align::Right),
+        ("95 % quantile, 95 %", Align::Right),
+    ]);
+    for (column, range) in columns.iter().zip(&ranges.columns).filter(|(column, _)| has_values(column)) {
+        let mut sorted = range.values.clone();
+        sorted.sort_by(f64::total_cmp);
+        let is_whole = sorted.len() as u64 == ranges.cases;
+        let at = |rank: Option<u64>| match rank.filter(|_| is_whole) {
+            Some(rank) => few_digits(sorted[rank as usize - 1]),
+            None => "?".into(),
+        };
+        let names = [Cell::from(column.name.clone()), column.unit.clone().into()];
+        let intervals = wanted.map(|[low, high]| Cell::from(format!("{} .. {}", at(low), at(high))));
+        table.row([&names[..], &intervals].concat());
+    }
+    vec![table.into()]
+}
+
+/// Whether a column holds numbers of a distribution.
+fn has_values(column: &Column) -> bool {
+    !matches!(column.holds, Holds::Verdict | Holds::Link)
 }
 
 /// Half of the 95 % confidence interval of a mean.
