@@ -122,8 +122,9 @@ def by_vibc(program, what, path, network, grid):
         frequencies = [argument for f in grid for argument in ("--at", f"{float(f)!r}Hz")]
         text, seconds = vibc(program, ["transfer", "--format", "csv", *frequencies, path])
         rows = list(csv.DictReader(io.StringIO(text)))
-        values = numpy.array([complex(float(row["re"]), float(row["im"])) for row in rows])
-        return values, largest(float(row["error_bound"]) for row in rows), seconds
+        # An empty field: next to a resonance without damping vibc may say that a value, or its bound, is not known.
+        values = numpy.array([complex(float(row["re"] or "nan"), float(row["im"] or "nan")) for row in rows])
+        return values, largest(float(row["error_bound"] or "nan") for row in rows), seconds
     arguments = ["simulate", "--until", f"{STEPS * STEP:g}s", "--step", f"{STEP:g}s", "--format", "csv", "--bounds", path]
     text, seconds = vibc(program, arguments)
     last = list(csv.reader(io.StringIO(text)))[-1]
@@ -258,7 +259,7 @@ def error(what, found, reference):
         return float(numpy.max(numpy.abs(found - nearest) / numpy.abs(nearest)))
     if what == "modes":
         return float(numpy.max(numpy.abs(numpy.sort(found) - numpy.sort(reference)) / numpy.sort(reference)))
-    return float(numpy.max(numpy.abs(found - reference)) / numpy.max(numpy.abs(reference)))
+    return float(numpy.nanmax(numpy.abs(found - reference)) / numpy.nanmax(numpy.abs(reference)))
 
 
 # ---- The picture
@@ -268,15 +269,20 @@ COLOURS = ["#1b6ca8", "#c8553d", "#588157", "#8a5a83", "#7f7f7f"]
 
 
 def picture(results):
-    """Processor time over size, a panel for each quantity of generally damped networks, both axes logarithmic."""
+    """Processor time over size, a panel for each quantity, both axes logarithmic; in the key the largest error of each tool.
+
+    The networks are generally damped, those of the modes undamped."""
     width, height, left, top = 250, 190, 46, 26
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {2 * (width + left) + 20} {2 * (height + top + 34)}" '
            'font-family="sans-serif" font-size="10">', '<rect width="100%" height="100%" fill="white"/>']
     x_of = lambda n: width * math.log(n / 2) / math.log(1000)
     y_of = lambda seconds: height * (1 - (math.log10(min(max(seconds, 1e-5), 1e2)) + 5) / 7)
     for number, what in enumerate(PEERS):
+        damping = "undamped" if what == "modes" else "general"
         dx, dy = left + number % 2 * (width + left), top + number // 2 * (height + top + 34)
-        out.append(f'<g transform="translate({dx} {dy})"><text x="0" y="-8" font-weight="bold">{what}</text>')
+        out.append(f'<g transform="translate({dx} {dy})"><text x="0" y="-8" font-weight="bold">{what}</text>'
+                   f'<text x="{width}" y="-8" text-anchor="end">{"no damping" if what == "modes" else "general damping"}</text>'
+                   f'<text x="{width}" y="{height + 26}" text-anchor="end">masses</text>')
         for power in range(-5, 3, 1):
             y = y_of(10.0**power)
             out.append(f'<path d="M0 {y:.1f}H{width}" stroke="#ddd"/><text x="-4" y="{y + 3:.1f}" text-anchor="end">1e{power} s</text>')
@@ -285,13 +291,16 @@ def picture(results):
                 out.append(f'<text x="{x_of(n):.1f}" y="{height + 14}" text-anchor="middle">{n}</text>')
         names = ["vibc"] + [name for name, _, _ in PEERS[what]]
         for index, name in enumerate(names):
-            points = [(n, seconds) for (w, kind, n, tool), (seconds, _) in results.items()
-                      if w == what and tool == name and kind == "general"]
+            own = [(n, *found) for (w, kind, n, tool), found in results.items()
+                   if w == what and tool == name and kind == damping]
+            points = [(n, seconds) for n, seconds, _ in own]
+            errors = [error for *_, error in own if not math.isnan(error)]
+            off = f", error {'≤ ' if name == 'vibc' else ''}{max(errors):.0e}" if errors else ""
             path = " ".join(f"{'ML'[i > 0]}{x_of(n):.1f} {y_of(s):.1f}" for i, (n, s) in enumerate(sorted(points)))
             wide = 2.4 if name == "vibc" else 1.2
             if path:
                 out.append(f'<path d="{path}" fill="none" stroke="{COLOURS[index]}" stroke-width="{wide}"/>')
-            out.append(f'<text x="6" y="{12 + 12 * index}" fill="{COLOURS[index]}">{name}</text>')
+            out.append(f'<text x="6" y="{12 + 12 * index}" fill="{COLOURS[index]}">{name}{off}</text>')
         out.append("</g>")
     return "\n".join([*out, "</svg>", ""])
 
