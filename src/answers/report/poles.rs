@@ -17,7 +17,8 @@ fn blocks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
     let is_lossy = answer.system.losses.is_some();
     if is_lossy && answer.poles.list.is_empty() {
         return vec![Block::Line(
-            "damped motion: poles with loss factors are found for up to 12 coupled coordinates of rational numbers"
+            "damped motion: the poles with these loss factors are not found; they are for up to 12 coupled coordinates of rational \
+             numbers, if none is double and every motion has inertia"
                 .into(),
         )];
     }
