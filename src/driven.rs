@@ -11,7 +11,8 @@ use crate::system::LinearSystem;
 /// A rate that cannot be an input, and why.
 #[derive(Clone, Debug)]
 pub enum NotDriven {
-    Because(&'static str),
+    /// The name of the rate, and the reason.
+    Because(String, &'static str),
     Failed(Box<Diagnostic>),
 }
 
@@ -28,10 +29,10 @@ impl Dynamics {
     }
 
     /// The model with these rates as inputs behind its own.
-    pub fn with_rates(mut self, rates: &[Rate]) -> Result<Dynamics, NotDriven> {
+    pub fn with_rates(mut self, rates: &[(String, Rate)]) -> Result<Dynamics, NotDriven> {
         let n = self.system.n();
-        for rate in rates {
-            self.system = with_rate(&self.system, *rate).map_err(NotDriven::Because)?;
+        for (name, rate) in rates {
+            self.system = with_rate(&self.system, *rate).map_err(|why| NotDriven::Because(name.clone(), why))?;
         }
         if self.system.n() > n && self.spectrum.is_some() {
             self.spectrum =

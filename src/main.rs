@@ -16,6 +16,7 @@ use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
+use vibc::NotDriven;
 use vibc::analysis::discrete::Hold;
 use vibc::analysis::{self, Methods, Sweep};
 use vibc::answers::report;
@@ -29,7 +30,6 @@ use vibc::cli::{
 };
 use vibc::editor;
 use vibc::editor::server::{self, Leave, Named};
-use vibc::{NotDriven, Rate};
 
 /// The exit status of the process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -156,12 +156,11 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     let status = failure(outcome.failure());
     show(&input.sources, outcome.diagnostics, messages);
     let Some(dynamics) = outcome.answer else { return status };
-    let wanted = |name: &String| options.from.contains(name);
-    let rates: Vec<Rate> = dynamics.rates().filter(|(name, _)| wanted(name)).map(|(_, rate)| rate).collect();
-    let dynamics = match dynamics.with_rates(&rates) {
+    let (wanted, others): (Vec<_>, Vec<_>) = dynamics.rates().partition(|(name, _)| options.from.contains(name));
+    let dynamics = match dynamics.with_rates(&wanted) {
         Ok(dynamics) => dynamics,
-        Err(NotDriven::Because(why)) => {
-            report_error(&format!("no transfer function from {}: {why}", listed(&options.from)));
+        Err(NotDriven::Because(name, why)) => {
+            report_error(&format!("no transfer function from `{name}`: {why}"));
             return Status::Limit;
         }
         Err(NotDriven::Failed(error)) => {
@@ -172,8 +171,9 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     let system = &dynamics.system;
     let inputs: Vec<String> = system.inputs.iter().map(|input| system.display(input.name)).collect();
     let outputs: Vec<String> = system.outputs.iter().map(|output| system.display(output.name)).collect();
-    let chosen =
-        indices_of("input", &options.from, &inputs).and_then(|i| Ok((i, indices_of("output", &options.to, &outputs)?)));
+    let others: Vec<String> = others.into_iter().map(|(name, _)| name).collect();
+    let chosen = indices_of("input", &options.from, &inputs, &others)
+        .and_then(|i| Ok((i, indices_of("output", &options.to, &outputs, &[])?)));
     let (inputs, outputs) = match chosen {
         Ok(chosen) => chosen,
         Err(text) => {
@@ -220,7 +220,8 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
 }
 
 /// The indices of the requested names, or of all names.
-fn indices_of(what: &str, wanted: &[String], names: &[String]) -> Result<Vec<usize>, String> {
+/// `others`: names that could be asked for as well.
+fn indices_of(what: &str, wanted: &[String], names: &[String], others: &[String]) -> Result<Vec<usize>, String> {
     if names.is_empty() {
         return Err(format!("the model declares no {what}"));
     }
@@ -230,7 +231,8 @@ fn indices_of(what: &str, wanted: &[String], names: &[String]) -> Result<Vec<usi
     let place = |name: &String| {
         let found = names.iter().position(|known| known == name);
         found.ok_or_else(|| {
-            format!("`{}` is not an {what} of the model; it has {}", diagnostics::readable(name), listed(names))
+            let known = listed(&[names, others].concat());
+            format!("`{}` is not an {what} of the model; it has {known}", diagnostics::readable(name))
         })
     };
     wanted.iter().map(place).collect()

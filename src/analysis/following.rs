@@ -36,7 +36,7 @@ impl Following {
         let zero = || vec![Number::ZERO; system.n()];
         let own = || inputs.iter().map(|&input| &system.inputs[input]);
         let [b0, mut b1, b2] = [0, 1, 2].map(|power| dense(system.n(), own().flat_map(|input| &input.b[power])));
-        // Damping that is relative to what follows u does nothing there, exactly, whatever the digits of b1.
+        // Damping relative to what follows u has no force on it: exactly zero, whatever digits b1 has.
         let undamped: Option<Vec<&[_]>> = own().map(|input| input.undamped.as_deref()).collect();
         let is_relative = undamped.is_some();
         if let Some(undamped) = undamped {

@@ -1,8 +1,8 @@
 //! The velocity or the acceleration of a base as an input of its own. In: a linear system whose input u is the displacement of
 //! a base. Out: the system with one input more, u' or u''. See docs/method/transfer.md#velocities-and-accelerations-of-bases.
 //!
-//! The motion is measured from what follows the base, so that an output which sees only the rest of it (a stretch, an absolute
-//! acceleration) is finite at 0 Hz as it should be: nothing is divided by the frequency. An output that sees the displacement
+//! The motion is measured from what follows the base, and nothing is divided by the frequency: an output that sees only the rest of
+//! it (a stretch, an absolute acceleration) is finite at 0 Hz. An output that sees the displacement
 //! of the base itself gets it from one more coordinate, a free mass under the force u'' or a damper under u', which nothing
 //! else touches.
 
@@ -12,11 +12,10 @@ use crate::base::{FileId, Number, Span};
 use crate::system::{Coordinate, CoordinateId, CoordinateKind, Input, Label, LinearSystem, Losses, Nature, Output};
 
 /// The static response to the base is not found.
-pub const NOT_FOLLOWED: &str =
-    "what follows the base when it moves slowly is not determined: some motion has no stiffness, or it takes too long";
-/// A spring with a loss factor would lose energy in what follows the base.
+pub const NOT_FOLLOWED: &str = "it is not known what follows the base when it moves slowly: no spring holds some motion, or the scene is too large";
+/// The force of a loss factor would not vanish in what follows the base.
 pub const LOST: &str =
-    "a spring with a loss factor does not follow the base, so there is no response to its slow motion";
+    "a spring with a loss factor is stretched however slowly the base moves, so its loss has no limit at 0 Hz";
 
 /// The rate of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,7 +101,7 @@ fn base_itself(driven: &mut LinearSystem, derivative: u8) -> CoordinateId {
     base
 }
 
-/// Whether loss factors do, or may do, more than on the motion that is measured from what follows the base.
+/// Whether loss factors act, or may act, on what follows the base, or an output sees them there.
 fn loses(losses: &Losses, rate: Rate, following: &Following) -> bool {
     let [follows, late] = &following.followed;
     let b = dense(follows.len(), &losses.b[rate.input]);

@@ -16,7 +16,7 @@ use super::value::{Scalar, Value};
 use crate::base::unit::Scale;
 use crate::base::{Angle, Dimension, Name, Number, Quantity, Span, Vec3};
 use crate::kinds::functions::{self, MEASURES, Named};
-use crate::kinds::motions::motion_of_rate;
+use crate::kinds::motions::{motion_of_rate, rate_of};
 use crate::syntax::tree::{Binary, DeclKind, ExprId, ExprKind, ExprList, FormalKind, Path, Rare};
 
 const RATIO: Expected = Expected::new("a damping ratio", Dimension::NONE, "2 %");
@@ -607,10 +607,11 @@ impl<'a> Check<'a> {
         let rate = motion.filter(|_| takes_rates && matches!(part, scope::Part::Base(_)));
         let rate = rate.and_then(|word| motion_of_rate(self.sources.slice(word)));
         let derivative = rate.map_or(0, |(_, derivative)| derivative);
+        let word = motion;
         let motion = match motion {
             Some(word) => {
                 let text: &'a str = rate.map_or(self.sources.slice(word), |(motion, _)| motion);
-                Some(self.motion_in_scene(part, (word, text), environment)?)
+                Some(self.motion_in_scene(part, (word, text, rate.is_some()), environment)?)
             }
             None => None,
         };
@@ -621,7 +622,12 @@ impl<'a> Check<'a> {
             }
             None => {
                 let inputs = name.map_or_else(Vec::new, |name| self.motions_of(name, owner));
-                let error = match motion {
+                let error = match word {
+                    Some(word) if matches!(part, scope::Part::Base(_)) && !inputs.is_empty() => {
+                        let (text, rates) = (self.sources.slice(word).to_string(), takes_rates);
+                        let inputs = name.map_or_else(Vec::new, |name| self.inputs_of_base(name, owner, rates));
+                        QuestionError::NoMotionOfBase { span: word, word: text, inputs }
+                    }
                     None if inputs.len() > 1 => QuestionError::SeveralInputs { span: node.span, inputs },
                     _ => QuestionError::NotAnInput { span: node.span, found: self.noun_of(part) },
                 };
@@ -643,28 +649,29 @@ impl<'a> Check<'a> {
     }
 
     /// The name in the scene of a base's motion: `x` or `y` in a rotated component may be the other one, if the base
-    /// has several motions.
+    /// has several motions, or its velocity or acceleration is meant.
     fn motion_in_scene(
         &mut self,
         part: scope::Part,
-        (word, text): (Span, &'a str),
+        (word, text, is_rate): (Span, &'a str, bool),
         environment: Environment,
     ) -> Evaluated<&'a str> {
         let Some(placed) = self.placed(environment)? else { return Ok(text) };
         let scope::Part::Base(base) = part else { return Ok(text) };
-        let several = self.scene.bases.get(base as usize).is_some_and(|base| base.translations.len() > 1);
+        let Some(base) = self.scene.bases.get(base as usize) else { return Ok(text) };
+        let is_named = is_rate || base.translations.len() > 1;
         let axis = match text {
-            "x" if several => placed.scene.direction(&Vec3::X),
-            "y" if several => placed.scene.direction(&Vec3::Y),
+            "x" if is_named => placed.scene.direction(&Vec3::X),
+            "y" if is_named => placed.scene.direction(&Vec3::Y),
             "angle" if placed.scene.reverses() => Vec3::ZERO,
             _ => return Ok(text),
         };
-        if axis == Vec3::X {
-            Ok("x")
-        } else if axis == Vec3::Y {
-            Ok("y")
-        } else {
-            self.fail(environment, PlaceError::TurnedMotion { span: word, word: text.to_string() })
+        let along = |axis: &Vec3| base.translations.iter().find(|own| own.direction == *axis).map(|own| own.motion);
+        match along(&axis) {
+            Some(motion) => Ok(motion),
+            // The only motion is another one.
+            None if is_rate && axis != Vec3::ZERO && along(&axis.scale(&Number::from(-1))).is_none() => Ok(""),
+            None => self.fail(environment, PlaceError::TurnedMotion { span: word, word: text.to_string() }),
         }
     }
 
@@ -682,6 +689,17 @@ impl<'a> Check<'a> {
         let owner = self.sources.slice(self.tree.expr(owner).span);
         let inputs = self.scene.inputs.iter().filter(|input| input.name == name);
         inputs.map(|input| format!("{owner}.{}", self.motion_of(&input.kind))).collect()
+    }
+
+    /// The inputs of a base as `owner` would write them, with their velocities and accelerations if these are wanted.
+    fn inputs_of_base(&self, name: Name, owner: ExprId, with_rates: bool) -> Vec<String> {
+        let text = self.sources.slice(self.tree.expr(owner).span);
+        let inputs = self.scene.inputs.iter().filter(|input| input.name == name);
+        let motions: Vec<&'static str> = inputs.map(|input| self.motion_of(&input.kind)).collect();
+        let rates = motions.iter().flat_map(|motion| [rate_of(motion, 1), rate_of(motion, 2)]).flatten();
+        let rates: Vec<String> = rates.filter(|_| with_rates).map(|rate| format!("{text}.{rate}")).collect();
+        let own = if motions.len() > 1 { self.motions_of(name, owner) } else { vec![text.to_string()] };
+        [own, rates].concat()
     }
 
     /// `x`, `y`, `along` or `angle` of a base, the axis of an unbalance.

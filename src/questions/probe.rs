@@ -155,8 +155,8 @@ impl Probe {
         }
     }
 
-    /// The probe, and of which derivative of its input it is.
-    pub fn and_derivative(&self) -> (&Probe, u8) {
+    /// The probe as one of the input itself, and which derivative of that it is of.
+    pub fn without_rate(&self) -> (&Probe, u8) {
         match self {
             Probe::ByRate(derivative, probe) => (probe, *derivative),
             probe => (probe, 0),

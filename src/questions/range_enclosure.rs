@@ -140,7 +140,7 @@ impl QuestionOverRange<'_> {
             |test: Option<Jet>| RangeEnclosure { test, course: None, apart: false, hopeless: self.family.is_none() };
         let jet = |number: Option<Number>| self.family.and_then(|family| Some(family.jet_of(&number?)));
         let target = &self.question.value;
-        match self.probe.and_derivative().0 {
+        match self.probe.without_rate().0 {
             Probe::Frequency(_) | Probe::Square(_) => {
                 let square = (target * &two_pi()).square();
                 let course = self.course.filter(|_| !matches!(target, Number::Jet(_)));
@@ -200,7 +200,7 @@ impl QuestionOverRange<'_> {
     /// The complex number whose magnitude or phase is the measure.
     fn phasor(&self) -> Option<Phasor> {
         let family = self.family?;
-        let (probe, derivative) = self.probe.and_derivative();
+        let (probe, derivative) = self.probe.without_rate();
         match probe {
             Probe::Gain(input, output, at) | Probe::Phase(input, output, at) => {
                 let omega = at * &two_pi();
@@ -217,7 +217,7 @@ impl QuestionOverRange<'_> {
     /// The reciprocal of the response behind the measure, and the force, if a single force causes the motion.
     fn inverse(&self) -> Option<(Phasor, Number)> {
         let family = self.family?;
-        let (probe, derivative) = self.probe.and_derivative();
+        let (probe, derivative) = self.probe.without_rate();
         match probe {
             Probe::Gain(input, output, at) | Probe::Phase(input, output, at) => {
                 let omega = at * &two_pi();
@@ -274,7 +274,7 @@ impl QuestionOverRange<'_> {
                 let z = self.phasor()?;
                 let (re, im) = (jet(z.re)?, jet(z.im)?);
                 let square = re.value.square() + im.value.square();
-                match self.probe.and_derivative().0 {
+                match self.probe.without_rate().0 {
                     Probe::Static(_) => re.slope,
                     Probe::Gain(..) | Probe::Amplitude(_) => {
                         (re.value * re.slope + im.value * im.slope) / square.sqrt()

@@ -116,6 +116,20 @@ fn damping_by_modes_leaves_the_limits_as_they_are() {
     assert!(row(model, "quake.ax", "roof", "0Hz")["re"].is_null());
 }
 
+/// The density of a displacement by the acceleration of its base grows without limit towards 0 Hz; relative to the base it is
+/// S (m/k)^2 there.
+#[test]
+fn densities_at_rest_are_limits_too() {
+    let model = MODEL
+        .replace("damper g: ground -- block { c = 3 N*s/m }\n", "")
+        .replace("moves x }\nbody", "moves x } = noise(3 m^2/s^4/Hz, 0 Hz .. 9 Hz)\nbody")
+        + "require psd(drift, 0 Hz) < 1 m^2/Hz\nrequire psd(roof, 0 Hz) < 1 m^2/Hz\n";
+    let run = ran(&model, &["analyze", "--format", "json"]);
+    let rows = serde_json::from_slice::<Value>(&run.stdout).expect("JSON")["requirements"].clone();
+    assert!((rows[0]["value"].as_f64().expect("finite") - 3e-4).abs() < 1e-18, "{rows}");
+    assert_eq!(rows[1]["value_text"], "infinite", "{rows}");
+}
+
 /// A base that turns, one with two motions, and one along a direction have their own words; others are told.
 #[test]
 fn every_motion_has_its_words() {
@@ -137,7 +151,27 @@ fn every_motion_has_its_words() {
         assert_eq!(row(model, from, to, "0Hz")["re"].as_f64(), Some(truth), "{from} {to}");
     }
     let told = ran(model, &["transfer", "--from", "floor.alpha", "--at", "1Hz"]);
-    assert!(String::from_utf8_lossy(&told.stderr).contains("`floor.alpha` is not an input"), "{told:?}");
+    let text = String::from_utf8_lossy(&told.stderr).into_owned();
+    assert!(text.contains("`floor.alpha` is not an input") && text.contains("`floor.vx`"), "{text}");
+}
+
+/// In a component the words are those of its own directions, however it is placed: the drift is -m/k of the acceleration along y,
+/// which has the angle 180 degrees.
+#[test]
+fn a_turned_component_keeps_its_own_directions() {
+    let model = "component axle(k: N/m) {\n  base road { moves y }\n  body hub { mass = 1 kg, moves y }\n\
+                 spring s: road -- hub { k = k }\n  require gain(road.ay -> hub.y - road.y, 0 Hz) <= 0.1 s^2\n\
+                 require phase(road.ay -> hub.y - road.y, 0 Hz) > 179 deg\n}\n\
+                 place front = axle(k = 10 N/m) at (0, 0)\nplace side = axle(k = 10 N/m) at (3 m, 0) turned 90 deg\n\
+                 place skew = axle(k = 10 N/m) at (5 m, 0) turned 30 deg\nplace back = axle(k = 10 N/m) at (7 m, 0) turned 180 deg\n\
+                 place other = axle(k = 10 N/m) at (9 m, 0) mirrored y\n";
+    let run = ran(model, &["analyze", "--format", "json"]);
+    let rows = serde_json::from_slice::<Value>(&run.stdout).expect("JSON")["requirements"].clone();
+    let rows = rows.as_array().expect("requirements");
+    assert!(rows.len() == 10 && rows.iter().all(|row| row["holds"] == true), "{rows:?}");
+    let wrong = ran(&model.replace("gain(road.ay", "gain(road.ax"), &["check"]);
+    let told = String::from_utf8_lossy(&wrong.stderr).into_owned();
+    assert!(told.contains("`ax` is no motion of this base") && told.contains("`road.ay`"), "{told}");
 }
 
 /// What a damper alone joins to the base does not follow it, however slowly it moves; nor does what a lossy spring holds on both sides.
@@ -147,7 +181,7 @@ fn what_does_not_follow_the_base_is_refused() {
                  output drift = block.x - quake.x\n";
     let held = "base quake { moves x }\nbody block { mass = 2 kg, moves x }\nspring s: quake -- block { k = 2 N/m, loss = 0.1 }\n\
                 spring g: ground -- block { k = 2 N/m }\noutput drift = block.x - quake.x\n";
-    for (model, why) in [(loose, "some motion has no stiffness"), (held, "loss factor")] {
+    for (model, why) in [(loose, "no spring holds some motion"), (held, "loss factor")] {
         let told = ran(model, &["transfer", "--from", "quake.ax", "--at", "1Hz"]);
         let text = String::from_utf8_lossy(&told.stderr).into_owned();
         assert!(!told.status.success() && text.contains(why), "{text}");

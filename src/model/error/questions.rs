@@ -31,6 +31,7 @@ pub enum QuestionError {
     BandOutOfRange { span: Span },
     ArrowMissing { span: Span },
     NotAnInput { span: Span, found: &'static str },
+    NoMotionOfBase { span: Span, word: String, inputs: Vec<String> },
     SeveralInputs { span: Span, inputs: Vec<String> },
     NotABase { span: Span },
     NotAnOutput { span: Span, word: String, found: &'static str, declared: Span },
@@ -134,7 +135,12 @@ impl QuestionError {
             }
             NotAnInput { span, found } => {
                 error("vib::measure::input", span, format!("one input is expected here, this is {found}"))
-                    .help("name a force, a torque or a base, or one motion of a base, as in `floor.y`")
+                    .help("name a force, a torque or a base, or one motion of a base, as in `floor.y` or `floor.ay`")
+            }
+            NoMotionOfBase { span, word, inputs } => {
+                let names: Vec<String> = inputs.iter().map(|name| format!("`{name}`")).collect();
+                error("vib::measure::input", span, format!("`{word}` is no motion of this base"))
+                    .help(format!("write {}", names.join(" or ")))
             }
             SeveralInputs { span, inputs } => {
                 let names: Vec<String> = inputs.iter().map(|name| format!("`{name}`")).collect();
