@@ -295,7 +295,7 @@ def picture(results):
                    if w == what and tool == name and kind == damping]
             points = [(n, seconds) for n, seconds, _ in own]
             errors = [error for *_, error in own if not math.isnan(error)]
-            off = f", error {'≤ ' if name == 'vibc' else ''}{max(errors):.0e}" if errors else ""
+            off = f", error {'≤ ' if name == 'vibc' else ''}{f'{max(errors):.0e}' if max(errors) else 0}" if errors else ""
             path = " ".join(f"{'ML'[i > 0]}{x_of(n):.1f} {y_of(s):.1f}" for i, (n, s) in enumerate(sorted(points)))
             wide = 2.4 if name == "vibc" else 1.2
             if path:

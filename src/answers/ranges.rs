@@ -26,8 +26,8 @@ pub struct Ranges {
     pub codes: Vec<(&'static str, u64, Case)>,
 }
 
-/// The values of more cases than this are not kept for quantiles.
-pub const MOST_KEPT: u64 = 1_000_000;
+/// The values of all columns that are kept for quantiles, at most: 80 MB.
+pub const MOST_KEPT: u64 = 10_000_000;
 
 /// The range of a column.
 #[derive(Clone, Debug, Default)]
@@ -37,7 +37,7 @@ pub struct Range {
     /// The largest absolute error bound.
     pub bound: Option<Bound>,
     pub moments: Moments,
-    /// The values of an independent drawing, in the order of the cases; of at most [`MOST_KEPT`] cases.
+    /// The values of an independent drawing in the order of the cases, while [`Ranges::keeps_values`].
     pub values: Vec<f64>,
     /// The same for each sequence of a replicated drawing, and the numbers of cases that hold and that fail.
     pub replicates: Vec<(Moments, [u64; 2])>,
@@ -96,10 +96,16 @@ impl Ranges {
         self.drawing != Drawing::Given
     }
 
+    /// Whether every value is kept: not those of other drawings, or of more cases and columns than there is room for.
+    pub fn keeps_values(&self) -> bool {
+        let values = self.cases.saturating_mul(self.columns.len() as u64);
+        self.drawing == Drawing::Independent && values <= MOST_KEPT
+    }
+
     /// Adds a case.
     pub fn add(&mut self, case: &Case) {
         self.cases += 1;
-        let is_kept = self.drawing == Drawing::Independent && self.cases <= MOST_KEPT;
+        let is_kept = self.keeps_values();
         for (range, entry) in self.columns.iter_mut().zip(&case.entries) {
             range.add(*entry, case);
             match entry {

@@ -110,6 +110,46 @@ fn poles_are_those_above_the_axis() {
     assert!((found / 100.0 - ratio).abs() < 1e-15 || (found - ratio).abs() < 1e-15, "{found} {ratio}");
 }
 
+/// The shape at a pole has the loss factor too: (m s^2 + k (1 + i loss)) x_b = k (1 + i loss) x_a of the outer mass, and the force of the
+/// spring between them is k (1 + i loss) (x_b - x_a).
+#[test]
+fn shapes_of_damped_motions_have_it() {
+    let model = "body a { mass = 2 kg, moves x }\nbody b { mass = 1 kg, moves x }\nspring s: ground -- a { k = 200 N/m, loss = 0.1 }\n\
+                 spring t: a -- b { k = 100 N/m, loss = 0.3 }\nforce F: b along x\noutput pull = t.force\n";
+    let answer = json(model, &["analyze", "--shapes", "damped"]);
+    let number = |value: &serde_json::Value, name: &str| value[name].as_f64().expect(name);
+    let times = |a: (f64, f64), b: (f64, f64)| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+    let poles: Vec<_> =
+        answer["poles"].as_array().expect("poles").iter().filter(|pole| number(pole, "im") > 0.0).collect();
+    let shapes = answer["damped_shapes"].as_array().expect("shapes");
+    assert_eq!((poles.len(), shapes.len()), (2, 2));
+    for (pole, shape) in poles.into_iter().zip(shapes) {
+        let s = (number(pole, "re"), number(pole, "im"));
+        let entry = |name: &str| (number(&shape["shape"][name], "re"), number(&shape["shape"][name], "im"));
+        let (a, b, pull) = (entry("a.x"), entry("b.x"), &shape["outputs"]["pull"]);
+        let lossy = (100.0, 30.0);
+        let square = times(s, s);
+        let left = times((square.0 + lossy.0, square.1 + lossy.1), b);
+        let right = times(lossy, a);
+        assert!((left.0 - right.0).hypot(left.1 - right.1) < 1e-12, "{shape}");
+        let force = times(lossy, (b.0 - a.0, b.1 - a.1));
+        assert!((number(pull, "re") - force.0).hypot(number(pull, "im") - force.1) < 1e-12, "{shape} {force:?}");
+    }
+}
+
+/// A damper that feeds energy in makes a pole above the axis grow: the mirror image is none, but this is a finding.
+#[test]
+fn a_motion_that_grows_in_spite_of_its_loss_is_found() {
+    let model = MODEL.replace("c = 3 N*s/m", "c = -30 N*s/m");
+    assert_eq!(json(&model, &["analyze"])["rest"]["kind"], "unstable");
+    // Less of it than the loss takes: m s^2 + c s + k (1 + i loss) has its upper root on the left.
+    let model = MODEL.replace("c = 3 N*s/m", "c = -1 N*s/m");
+    assert_eq!(json(&model, &["analyze"])["rest"]["kind"], "stable");
+    // Beside it an oscillation that only ever goes on: energy proves nothing here, and no pole is on the left for certain.
+    let model = model + "body other { mass = 1 kg, moves x }\nspring o: ground -- other { k = 3 N/m }\n";
+    assert_eq!(json(&model, &["analyze"])["rest"]["kind"], "undetermined");
+}
+
 /// A table without a range takes it from the poles.
 #[test]
 fn a_table_has_a_range_of_its_own() {
@@ -127,7 +167,20 @@ fn poles_that_are_not_found_are_told() {
             &format!("body m[{i}] {{ mass = 1 kg, moves x }}\nspring t[{i}]: m[{}] -- m[{i}] {{ k = 5 N/m }}\n", i - 1);
     }
     let root = MODEL.replace("200 N/m", "200 N/m * sqrt(2)");
-    for model in [chain, root] {
+    // A massless joint between a damper and a spring with losses has its only root below the axis.
+    let joint = MODEL.to_string()
+        + "body j { mass = 0 kg, moves x }\nspring u: block -- j { k = 9 N/m, loss = 0.2 }\n\
+           damper v: j -- ground { c = 1 N*s/m }\n";
+    // Of three equal masses about a fourth, two motions have the same pole.
+    let star = "body hub { mass = 1 kg, moves x }\nspring s: ground -- hub { k = 5 N/m }\n".to_string()
+        + &["a", "b", "c"]
+            .map(|m| {
+                format!("body {m} {{ mass = 1 kg, moves x }}\nspring s{m}: hub -- {m} {{ k = 7 N/m, loss = 0.1 }}\n")
+            })
+            .concat();
+    // What holds no loss factor is no obstacle, and has poles of its own; where one part has none, there are none.
+    let beside = chain.clone() + "body other { mass = 1 kg, moves x }\nspring o: ground -- other { k = 1 N/m }\n";
+    for model in [chain, root, joint, star, beside] {
         let answer = json(&model, &["analyze"]);
         assert_eq!(answer["poles"].as_array().map(Vec::len), Some(0));
         assert_eq!(answer["rest"]["kind"], "undetermined");

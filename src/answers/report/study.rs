@@ -110,8 +110,10 @@ fn quantiles(columns: &[Column], ranges: &Ranges) -> Vec<Block> {
     if ranges.drawing != Drawing::Independent || ranges.cases < 2 {
         return Vec::new();
     }
-    if ranges.cases > MOST_KEPT {
-        return vec![Block::Line(format!("quantiles are told of at most {MOST_KEPT} cases").into())];
+    if !ranges.keeps_values() {
+        return vec![Block::Line(
+            format!("no quantiles: they need every value, and {MOST_KEPT} are kept at most").into(),
+        )];
     }
     let wanted = [0.05, 0.5, 0.95].map(|p| binomial::ranks_of_quantile(p, ranges.cases));
     let mut table = Table::of([
