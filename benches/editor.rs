@@ -164,7 +164,9 @@ fn measured(text: impl Fn(usize) -> String) -> Vec<f64> {
     times.iter_mut().map(|times| median(times)).collect()
 }
 
+/// Arguments that are no options choose the models whose names contain one of them.
 fn main() {
+    let chosen: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     let mut out = std::io::stdout().lock();
     writeln!(out, "milliseconds on the wall, medians of {ROUNDS}").expect("standard output");
     let head = ["findings", "page", "hints", "hover", "completion", "colours", "fixes", "rename"];
@@ -180,9 +182,12 @@ fn main() {
         (1000, false, true),
         (1000, true, true),
     ] {
-        let times = measured(|round| chain(n, damped, written_out, round));
         let form = if written_out { "written out" } else { "by repeat" };
         let name = format!("{n} masses{}, {form}", if damped { " and dampers" } else { "" });
+        if !chosen.is_empty() && !chosen.iter().any(|part| name.contains(part.as_str())) {
+            continue;
+        }
+        let times = measured(|round| chain(n, damped, written_out, round));
         let cells: String = times.iter().map(|time| format!("{time:>12.2}")).collect();
         writeln!(out, "{name:<32}{cells}").expect("standard output");
     }

@@ -830,7 +830,7 @@ pub fn draw(
         }
         let Lowered { system, mechanism, rest } = dynamics::lowered(&reading.scene, diagnostics)?;
         let Some(wanted) = drawn.mode else {
-            return Some(figure(picture::Shown::AtRest(&mechanism.poses(None))));
+            return Some(figure(picture::Shown::AtRest(&mechanism.poses())));
         };
         let request = Request { which: Which::Lowest(wanted as usize), ..Request::default() };
         let modes =
@@ -840,7 +840,8 @@ pub fn draw(
         };
         let shape = analysis::normalise(mode, analysis::Normalise::Translation);
         let shape: Vec<f64> = shape.iter().map(|displacement| displacement.0).collect();
-        let poses = mechanism.poses(Some(&shape));
+        let at_rest = mechanism.poses();
+        let poses = at_rest.displaced(&mechanism.displacements(&at_rest, &shape));
         let caption = backend::draw::mode_caption(wanted, mode, rest.is_proven());
         let does = |name| backend::draw::energy_of(mode, name);
         Some(figure(picture::Shown::Mode(picture::ModeShown { poses: &poses, caption, does: &does })))

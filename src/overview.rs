@@ -12,7 +12,7 @@ use crate::backend::{draw, equations};
 use crate::base::{Diagnostic, Diagnostics, FileId, Number, Sources, Span};
 use crate::dynamics::{self, WrittenOut};
 use crate::kernel::complex::Complex;
-use crate::lower::{Mechanism, Poses};
+use crate::lower::{Displacement, Mechanism};
 use crate::model::Overrides;
 use crate::model::scene::Scene;
 use crate::picture::{self, Figure, Item, Moving};
@@ -123,13 +123,13 @@ impl Overview {
     /// The answer with its figure, and how that moves.
     fn of(scene: &Scene, answer: ModalAnswer, mechanism: &Mechanism) -> Overview {
         let digits = |number: &Number| certain_whole(number, FIGURE_DIGITS);
-        let figure = picture::animated(scene, &mechanism.poses(None), &digits).map_err(|refusal| refusal.to_string());
+        let figure = picture::animated(scene, mechanism.poses(), &digits).map_err(|refusal| refusal.to_string());
         let n = answer.system.n();
         let mut movements = Movements::default();
         let mut poles = Vec::new();
         if let (Ok((_, moving)), true) = (&figure, n <= MOST_MOVING) {
-            movements.basis = (0..n).map(|i| mechanism.poses(Some(&unit(n, i)))).collect();
-            movements.bends = bends(mechanism, &movements.basis);
+            movements.basis = (0..n).map(|i| mechanism.displacements(&moving.poses, &unit(n, i))).collect();
+            movements.bends = bends(mechanism, moving, &movements.basis);
             let modes = answer.modes.numbered().take(MOST_MOTIONS);
             movements.list =
                 modes.map(|(number, mode)| of_mode(number, mode, answer.rest.is_proven(), mechanism, moving)).collect();
@@ -207,7 +207,7 @@ impl Overview {
             largest.iter_mut().zip(&state).for_each(|(largest, x)| *largest = largest.max(x.abs()));
             states.push(state);
         }
-        let amount = moving.amount(&mechanism.poses(Some(&largest)));
+        let amount = moving.amount(&mechanism.displacements(&moving.poses, &largest));
         let harmonics = crate::has_harmonics(&drives);
         let all: Vec<usize> = (0..outputs).collect();
         let steady = if harmonics { analysis::steady(&analysis::Transfer::of(own), &drives, &all) } else { Vec::new() };
@@ -285,20 +285,20 @@ fn unit(n: usize, i: usize) -> Vec<f64> {
 
 /// The second-order motion of loops for each product of two coordinates: the bend of both together, minus those of each
 /// alone.
-fn bends(mechanism: &Mechanism, basis: &[Poses]) -> Vec<Bend> {
+fn bends(mechanism: &Mechanism, moving: &Moving, basis: &[Vec<Displacement>]) -> Vec<Bend> {
     let n = basis.len();
     if n > MOST_BENT || !mechanism.closes_loops() {
         return Vec::new();
     }
-    let alone = |i: usize| basis[i].values().map(|value| value.bend);
+    let alone = |i: usize| basis[i].iter().map(|by| by.bend);
     let mut list = Vec::new();
     for i in 0..n {
         list.push(Bend { by: [i, i], values: alone(i).collect() });
         for j in 0..i {
             let mut both = unit(n, i);
             both[j] = 1.0;
-            let both = mechanism.poses(Some(&both));
-            let values = both.values().zip(alone(i).zip(alone(j))).map(|(both, (one, other))| both.bend - one - other);
+            let both = mechanism.displacements(&moving.poses, &both);
+            let values = both.iter().zip(alone(i).zip(alone(j))).map(|(both, (one, other))| both.bend - one - other);
             list.push(Bend { by: [i, j], values: values.collect() });
         }
     }
@@ -327,7 +327,7 @@ fn of_mode(number: usize, mode: &Mode, proven: bool, mechanism: &Mechanism, movi
         caption: draw::mode_caption(number as u32, mode, proven),
         s,
         energy: energy.collect(),
-        amount: moving.amount(&mechanism.poses(Some(&shape))),
+        amount: moving.amount(&mechanism.displacements(&moving.poses, &shape)),
         shape: shape.into_iter().map(|x| Complex::new(x, 0.0)).collect(),
     }
 }
@@ -351,7 +351,7 @@ fn damped_motions(
         let shape = pencil.as_ref().and_then(|pencil| pencil.shape(s));
         let movement = shape.map(|shape| {
             let sizes: Vec<f64> = shape.iter().map(|x| libm::hypot(x.re, x.im)).collect();
-            let amount = moving.amount(&mechanism.poses(Some(&sizes)));
+            let amount = moving.amount(&mechanism.displacements(&moving.poses, &sizes));
             list.push(Movement { caption: caption.clone(), s, shape, amount, energy: Vec::new() });
             list.len() - 1
         });

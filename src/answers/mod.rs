@@ -49,8 +49,15 @@ pub struct ModalAnswer {
     pub damped_shapes: Vec<DampedShape>,
 }
 
-/// Shares with one entry for each name: a belt is one part of the model, and two spans in the system. Largest first.
+/// Shares with one entry for each name: a belt is one part of the model, and two spans in the system. Largest first; where no
+/// name comes twice the list stays as it is, so that equal shares keep their order, which is not that of their last bits.
 pub fn by_name(list: &[Share<Source>]) -> Vec<Share<Source>> {
+    let of_elements = list.iter().filter(|share| matches!(share.of.origin, Origin::Element(_)));
+    let mut names: Vec<Name> = of_elements.map(|share| share.of.name.name).collect();
+    names.sort_unstable();
+    if names.windows(2).all(|pair| pair[0] != pair[1]) {
+        return list.to_vec();
+    }
     let mut named: Vec<Share<Source>> = Vec::with_capacity(list.len());
     let mut places: HashMap<Name, usize> = HashMap::new();
     for share in list {
@@ -63,10 +70,7 @@ pub fn by_name(list: &[Share<Source>]) -> Vec<Share<Source>> {
             _ => named.push(*share),
         }
     }
-    // Equal shares keep their order, which is not that of their last bits.
-    if named.len() < list.len() {
-        named.sort_by(|a, b| b.part.0.total_cmp(&a.part.0));
-    }
+    named.sort_by(|a, b| b.part.0.total_cmp(&a.part.0));
     named
 }
 

@@ -111,8 +111,13 @@ pub fn certain(value: &Ball, most: usize) -> String {
 
 /// Like [`certain`], for a number that may be exact: all its digits are then certain.
 pub fn certain_number(value: &Number, most: usize) -> String {
+    // An integer with so few digits is its own decimal.
+    let is_short = |integer: &i64| integer.unsigned_abs() < 10u64.pow(most.min(PLAIN as usize) as u32);
     match value {
-        Number::Exact(value) => Decimal::round_rational(value, most).trimmed().text(),
+        Number::Exact(value) => match value.to_i64().filter(is_short) {
+            Some(integer) => integer.to_string(),
+            None => Decimal::round_rational(value, most).trimmed().text(),
+        },
         Number::Surd(_) | Number::Pi(_) | Number::Ball(_) | Number::Jet(_) => certain(&value.to_ball(), most),
     }
 }

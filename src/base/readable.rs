@@ -28,12 +28,24 @@ pub fn visible(c: char) -> char {
     }
 }
 
+/// Whether some character of a text is hidden. Most texts are plain ASCII, which bytes tell faster than characters.
+fn contains(text: &str, hidden: impl Fn(char) -> bool) -> bool {
+    let mut rest = text;
+    while let Some(at) = rest.bytes().position(|byte| !(b' '..0x7f).contains(&byte)) {
+        let mut from_there = rest[at..].chars();
+        if from_there.next().is_some_and(&hidden) {
+            return true;
+        }
+        rest = from_there.as_str();
+    }
+    false
+}
+
 /// JSON with each character that [`readable`] replaces written as its escape, so that it reads back as the same text.
 /// Line feeds between values stay.
 pub fn escaped(json: String) -> String {
     let hidden = |c: char| c != '\n' && visible(c) != c;
-    let is_printed = |byte: u8| byte == b'\n' || (b' '..0x7f).contains(&byte);
-    if json.bytes().all(is_printed) || !json.contains(hidden) {
+    if !contains(&json, hidden) {
         return json;
     }
     let mut escaped = String::with_capacity(json.len() + 64);
@@ -64,6 +76,9 @@ mod tests {
         assert_eq!(json, "[\"a\\u202eb\\u009b1m\\udb40\\udc41\\u007fω\\u200b\",\n1]");
         let value: serde_json::Value = serde_json::from_str(&json).expect("JSON");
         assert_eq!(value[0], text);
+        // A visible letter that is not ASCII hides nothing behind it.
+        assert_eq!(escaped("[\"ωζ\u{202e}\"]".into()), "[\"ωζ\\u202e\"]");
+        assert_eq!(escaped("[\"ωζ\"]".into()), "[\"ωζ\"]");
     }
 
     #[test]

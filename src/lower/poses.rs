@@ -45,6 +45,8 @@ pub struct Poses {
     pub pieces: Vec<Carried>,
     bodies: Vec<u32>,
     bases: Vec<u32>,
+    /// The coordinate behind each value.
+    coordinates: Vec<Option<Index>>,
 }
 
 impl Poses {
@@ -63,14 +65,56 @@ impl Poses {
             .iter()
             .flat_map(|piece| std::iter::once(&piece.angle).chain(piece.slides.iter().map(|(_, value)| value)))
     }
+
+    /// The same poses, displaced: one displacement for each of [`Poses::values`].
+    pub fn displaced(&self, by: &[Displacement]) -> Poses {
+        let mut poses = self.clone();
+        let values = poses
+            .pieces
+            .iter_mut()
+            .flat_map(|piece| std::iter::once(&mut piece.angle).chain(piece.slides.iter_mut().map(|(_, value)| value)));
+        for (value, by) in values.zip(by) {
+            (value.shape, value.bend) = (by.shape, by.bend);
+        }
+        poses
+    }
+}
+
+/// The part of a value that a shape adds; see [`RestAndShape`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Displacement {
+    pub shape: f64,
+    pub bend: f64,
 }
 
 impl Mechanism {
-    /// The poses at rest and, if given, in a shape of the system's coordinates (m, rad).
-    pub fn poses(&self, shape: Option<&[f64]>) -> Poses {
-        let Mechanism { kinematics, reduction, state, .. } = self;
+    /// The poses at rest.
+    pub fn poses(&self) -> Poses {
+        let Mechanism { kinematics, state, .. } = self;
+        let at_rest = |i: Index| RestAndShape { rest: state.value(i).to_f64(), ..RestAndShape::default() };
+        let carried = |(piece, of): (u32, &Piece)| Carried {
+            carrier: of.carrier,
+            anchor: of.anchor.as_deref().map(planar),
+            angle: kinematics.angle(piece).map_or(RestAndShape::default(), at_rest),
+            slides: kinematics.slides_of(piece).map(|(i, direction)| (planar(direction), at_rest(i))).collect(),
+        };
+        let tree = &kinematics.tree;
+        let of_piece = |(piece, _)| {
+            std::iter::once(kinematics.angle(piece)).chain(kinematics.slides_of(piece).map(|(i, _)| Some(i)))
+        };
+        Poses {
+            pieces: (0..).zip(&tree.pieces).map(carried).collect(),
+            bodies: tree.bodies.clone(),
+            bases: tree.bases.clone(),
+            coordinates: (0..).zip(&tree.pieces).flat_map(of_piece).collect(),
+        }
+    }
+
+    /// What a shape of the system's coordinates (m, rad) adds to each of [`Poses::values`] of this mechanism.
+    pub fn displacements(&self, poses: &Poses, shape: &[f64]) -> Vec<Displacement> {
+        let Mechanism { kinematics, reduction, .. } = self;
         let mut moved = vec![0.0; kinematics.total()];
-        for (place, value) in shape.unwrap_or_default().iter().enumerate().take(reduction.n()) {
+        for (place, value) in shape.iter().enumerate().take(reduction.n()) {
             let coordinate = reduction.at(place);
             moved[coordinate as usize] = value / unit(kinematics, coordinate);
         }
@@ -80,23 +124,13 @@ impl Mechanism {
             moved[dependent as usize] = -sum;
         }
         let bends = self.bends(&moved);
-        let both = |i: Index| RestAndShape {
-            rest: state.value(i).to_f64(),
-            shape: moved[i as usize],
-            bend: bends.get(&i).copied().unwrap_or_default(),
+        let of = |coordinate: &Option<Index>| {
+            coordinate.map_or(Displacement::default(), |i| Displacement {
+                shape: moved[i as usize],
+                bend: bends.get(&i).copied().unwrap_or_default(),
+            })
         };
-        let carried = |(piece, of): (u32, &Piece)| Carried {
-            carrier: of.carrier,
-            anchor: of.anchor.as_deref().map(planar),
-            angle: kinematics.angle(piece).map_or(RestAndShape::default(), both),
-            slides: kinematics.slides_of(piece).map(|(i, direction)| (planar(direction), both(i))).collect(),
-        };
-        let tree = &kinematics.tree;
-        Poses {
-            pieces: (0..).zip(&tree.pieces).map(carried).collect(),
-            bodies: tree.bodies.clone(),
-            bases: tree.bases.clone(),
-        }
+        poses.coordinates.iter().map(of).collect()
     }
 
     /// Whether some joint or coupling relates coordinates nonlinearly, as joints that close loops of turning parts do.

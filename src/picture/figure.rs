@@ -39,7 +39,7 @@ pub struct Glyph {
 }
 
 /// A body or an element, by its place in the scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Item {
     Body(usize),
     Element(usize),

@@ -134,8 +134,8 @@ pub fn figure(scene: &Scene, request: &Request) -> Result<Figure, Refusal> {
 }
 
 /// The figure at rest, and the data that move it.
-pub fn animated(scene: &Scene, poses: &Poses, digits: &dyn Fn(&Number) -> String) -> Result<(Figure, Moving), Refusal> {
-    let request = Request { digits, values: false, shown: Shown::AtRest(poses) };
+pub fn animated(scene: &Scene, poses: Poses, digits: &dyn Fn(&Number) -> String) -> Result<(Figure, Moving), Refusal> {
+    let request = Request { digits, values: false, shown: Shown::AtRest(&poses) };
     let says = Says { scene, request: &request };
     let layout = layout::layout(scene, Detail::of(scene), &says)?;
     let figure = of_layout(scene, &layout, &request);

@@ -5,7 +5,7 @@
 use super::geometry::Point;
 use super::layout::{Layout, Parts};
 use super::stage;
-use crate::lower::Poses;
+use crate::lower::{Displacement, Poses};
 
 /// A scene at rest that may be moved.
 #[derive(Clone, Debug)]
@@ -28,19 +28,19 @@ pub struct MovingPart {
 }
 
 impl Moving {
-    pub(super) fn of(numbers: Parts, layout: Layout, poses: &Poses, shift: Point) -> Moving {
+    pub(super) fn of(numbers: Parts, layout: Layout, poses: Poses, shift: Point) -> Moving {
         let part = |number: usize| {
             let (piece, placed) = (poses.piece(numbers.part(number)), &layout.parts[number]);
             let from = poses.pieces[piece].anchor.map_or(placed.at, |anchor| placed.point(anchor));
             MovingPart { piece, from: from.plus(shift), axes: placed.axes }
         };
         let parts = (0..numbers.count()).map(part).collect();
-        Moving { layout, numbers, parts, poses: poses.clone() }
+        Moving { layout, numbers, parts, poses }
     }
 
     /// The factor by which a shape is multiplied so that it is clearly visible.
-    pub fn amount(&self, shape: &Poses) -> f64 {
-        stage::amount(self.numbers, &self.layout, shape)
+    pub fn amount(&self, shape: &[Displacement]) -> f64 {
+        stage::amount(self.numbers, &self.layout, &self.poses.displaced(shape))
     }
 
     /// Displacements are drawn to scale.

@@ -20,13 +20,11 @@ pub struct Occupied {
     taken: Vec<Cell>,
 }
 
-/// The content of a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cell {
-    Free,
-    Glyph,
-    Name,
-}
+/// The content of a cell: a byte, so that an empty map is memory full of zeros.
+type Cell = u8;
+const FREE: Cell = 0;
+const GLYPH: Cell = 1;
+const NAME: Cell = 2;
 
 impl Occupied {
     pub fn of<'a>(glyphs: impl Iterator<Item = &'a Glyph> + Clone) -> Occupied {
@@ -35,7 +33,7 @@ impl Occupied {
         let cell = CELL.max(bounds.width().max(bounds.height()) / MOST as f64);
         let side = |length: f64| (length / cell).ceil() as usize + 1;
         let (columns, rows) = (side(bounds.width()), side(bounds.height()));
-        let mut room = Occupied { low: bounds.low, cell, columns, rows, taken: vec![Cell::Free; columns * rows] };
+        let mut room = Occupied { low: bounds.low, cell, columns, rows, taken: vec![FREE; columns * rows] };
         for glyph in glyphs {
             room.take(glyph);
         }
@@ -74,7 +72,7 @@ impl Occupied {
         let (x0, x1) = (self.column(bounds.low.x), self.column(bounds.high.x));
         let (y0, y1) = (self.row(bounds.low.y), self.row(bounds.high.y));
         let is_free =
-            |y: usize| self.taken[y * self.columns + x0..=y * self.columns + x1].iter().all(|cell| *cell == Cell::Free);
+            |y: usize| self.taken[y * self.columns + x0..=y * self.columns + x1].iter().all(|cell| *cell == FREE);
         (y0..=y1).all(is_free)
     }
 
@@ -85,16 +83,20 @@ impl Occupied {
         for y in 0..self.rows {
             for x in 0..self.columns {
                 if x <= x0 || x >= x1 || y <= y0 || y >= y1 {
-                    self.taken[y * self.columns + x] = Cell::Glyph;
+                    self.taken[y * self.columns + x] = GLYPH;
                 }
             }
         }
     }
 
     pub fn take_name(&mut self, bounds: &Bounds) {
+        self.take_cells(bounds, NAME);
+    }
+
+    fn take_cells(&mut self, bounds: &Bounds, content: Cell) {
         let (x0, x1) = (self.column(bounds.low.x), self.column(bounds.high.x));
         for y in self.row(bounds.low.y)..=self.row(bounds.high.y) {
-            self.taken[y * self.columns + x0..=y * self.columns + x1].fill(Cell::Name);
+            self.taken[y * self.columns + x0..=y * self.columns + x1].fill(content);
         }
     }
 
@@ -107,9 +109,9 @@ impl Occupied {
             let way = (k as f64 * self.cell * 0.5).min(length);
             let at = from.towards(direction, way);
             match self.taken[self.row(at.y) * self.columns + self.column(at.x)] {
-                Cell::Free => true,
-                Cell::Glyph => !of_glyphs || way < skip,
-                Cell::Name => false,
+                FREE => true,
+                GLYPH => !of_glyphs || way < skip,
+                _ => false,
             }
         })
     }
@@ -123,11 +125,15 @@ impl Occupied {
     }
 
     fn take_segment(&mut self, from: Point, to: Point) {
+        // Most lines of a figure run along x or y.
+        if from.y == to.y || from.x == to.x {
+            return self.take_cells(&Bounds::of(&[from, to]), GLYPH);
+        }
         let steps = (from.distance(to) / (self.cell * 0.5)).ceil().max(1.0) as usize;
         for k in 0..=steps {
             let at = from.plus(to.minus(from).times(k as f64 / steps as f64));
             let place = self.row(at.y) * self.columns + self.column(at.x);
-            self.taken[place] = Cell::Glyph;
+            self.taken[place] = GLYPH;
         }
     }
 
@@ -138,7 +144,7 @@ impl Occupied {
                 radius * radius - (middle.abs() - self.cell * 0.5).max(0.0) * (middle.abs() - self.cell * 0.5).max(0.0);
             let half = rest.max(0.0).sqrt();
             let (x0, x1) = (self.column(centre.x - half), self.column(centre.x + half));
-            self.taken[y * self.columns + x0..=y * self.columns + x1].fill(Cell::Glyph);
+            self.taken[y * self.columns + x0..=y * self.columns + x1].fill(GLYPH);
         }
     }
 
@@ -157,7 +163,7 @@ impl Occupied {
             crossings.sort_by(f64::total_cmp);
             for pair in crossings.chunks_exact(2) {
                 let (x0, x1) = (self.column(pair[0]), self.column(pair[1]));
-                self.taken[y * self.columns + x0..=y * self.columns + x1].fill(Cell::Glyph);
+                self.taken[y * self.columns + x0..=y * self.columns + x1].fill(GLYPH);
             }
         }
     }

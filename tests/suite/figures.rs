@@ -453,7 +453,8 @@ fn loops_stay_together_to_second_order() {
     let tree = vibc::syntax::parse(&sources, model).tree;
     let checked = vibc::model::check(&sources, &tree, &Overrides::default()).scene.expect("a sound model");
     let lowered = vibc::lower::lower(&checked).lowered.expect("a sound scene");
-    let poses = lowered.mechanism.poses(Some(&[1.0]));
+    let at_rest = lowered.mechanism.poses();
+    let poses = at_rest.displaced(&lowered.mechanism.displacements(&at_rest, &[1.0]));
     let piece = |body: u32| &poses.pieces[poses.piece(Part::Body(BodyId(body)))];
     let (crank, rod, piston) = (&piece(0).angle, &piece(1).angle, &piece(2).slides[0].1);
     let (r, l) = (0.5f64, 0.65f64.sqrt());

@@ -10,8 +10,8 @@ use crate::base::{FileId, LineIndex, Name, Sources, Span};
 use crate::picture::figure::Hold;
 use crate::picture::{Figure, Glyph, Item, Label, Pen, Ride, Stroke};
 use crate::system::Source;
-use path::{Tenths, path};
-use std::fmt::Write;
+use path::{Tenths, path, put_pair};
+use std::fmt::{self, Write};
 
 /// Colours follow the page (`currentColor`) or, in a standalone figure, the preference of the viewer.
 const STYLE: &str = "\
@@ -57,7 +57,7 @@ pub fn svg(figure: &Figure, sources: &Sources, model: FileId) -> String {
         glyph(&mut text, shown, &lines);
     }
     for shown in &figure.labels {
-        label(&mut text, shown, &lines.attribute(shown.span), "");
+        label(&mut text, shown, lines.attribute(shown.span), &Ride::Still);
     }
     for note in &figure.notes {
         let (x, y) = (Tenths::of(note.at.x), Tenths::of(note.at.y + BASELINE));
@@ -81,7 +81,7 @@ pub fn element(figure: &Figure, line: impl Fn(Option<Span>) -> Option<usize>) ->
         ),
     );
     for shown in &figure.glyphs {
-        let (class, line, title) = (shown.kind.class(), data_line(line(shown.span)), escaped(&shown.title));
+        let (class, line, title) = (shown.kind.class(), DataLine(line(shown.span)), escaped(&shown.title));
         let item = match shown.item {
             Some(Item::Body(body)) => format!(" data-item=\"b{body}\""),
             Some(Item::Element(element)) => format!(" data-item=\"e{element}\""),
@@ -92,29 +92,45 @@ pub fn element(figure: &Figure, line: impl Fn(Option<Span>) -> Option<usize>) ->
         let still = shown.rides.first().map_or(shown.strokes.len(), |(start, _)| *start);
         strokes(&mut text, &shown.strokes[..still]);
         for ((start, ride), end) in shown.rides.iter().zip(ends) {
-            put(&mut text, format_args!("<g{}>", rides(ride)));
+            text.push_str("<g");
+            rides(&mut text, ride);
+            text.push('>');
             strokes(&mut text, &shown.strokes[*start..end]);
             text.push_str("</g>");
         }
         text.push_str("</g>\n");
     }
     for shown in &figure.labels {
-        label(&mut text, shown, &data_line(line(shown.span)), &rides(&shown.ride));
+        label(&mut text, shown, DataLine(line(shown.span)), &shown.ride);
     }
     text.push_str("</svg>\n");
     text
 }
 
-fn rides(ride: &Ride) -> String {
-    let hold = |hold: &Hold| {
-        let [of, at] = [hold.of, hold.at].map(|point| format!("{} {}", Tenths::of(point.x), Tenths::of(point.y)));
-        format!("{} {of} {at}", hold.part)
-    };
+/// The attribute that says what a stroke moves with; nothing for one that stands still.
+fn rides(text: &mut String, ride: &Ride) {
     match ride {
-        Ride::Still => String::new(),
-        Ride::With(part) => format!(" data-with=\"{part}\""),
-        Ride::At(at) => format!(" data-at=\"{}\"", hold(at)),
-        Ride::Between([a, b]) => format!(" data-between=\"{};{}\"", hold(a), hold(b)),
+        Ride::Still => {}
+        Ride::With(part) => put(text, format_args!(" data-with=\"{part}\"")),
+        Ride::At(at) => {
+            text.push_str(" data-at=\"");
+            hold(text, at);
+            text.push('"');
+        }
+        Ride::Between([a, b]) => {
+            text.push_str(" data-between=\"");
+            hold(text, a);
+            text.push(';');
+            hold(text, b);
+            text.push('"');
+        }
+    }
+}
+
+fn hold(text: &mut String, hold: &Hold) {
+    put(text, format_args!("{}", hold.part));
+    for point in [hold.of, hold.at] {
+        put_pair(text, ' ', Tenths::of(point.x), Tenths::of(point.y));
     }
 }
 
@@ -155,14 +171,19 @@ struct Lines {
 }
 
 impl Lines {
-    /// ` data-line="17"`, counted from 1; empty for an object from another file.
-    fn attribute(&self, span: Option<Span>) -> String {
-        data_line(span.filter(|span| span.file() == self.model).map(|span| self.index.line(span.start()) + 1))
+    /// The line of an object; none for one from another file.
+    fn attribute(&self, span: Option<Span>) -> DataLine {
+        DataLine(span.filter(|span| span.file() == self.model).map(|span| self.index.line(span.start()) + 1))
     }
 }
 
-fn data_line(line: Option<usize>) -> String {
-    line.map_or(String::new(), |line| format!(" data-line=\"{line}\""))
+/// ` data-line="17"`, counted from 1; empty without a line.
+struct DataLine(Option<usize>);
+
+impl fmt::Display for DataLine {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.0.map_or(Ok(()), |line| write!(f, " data-line=\"{line}\""))
+    }
 }
 
 fn glyph(text: &mut String, glyph: &Glyph, lines: &Lines) {
@@ -203,12 +224,14 @@ fn close<T>(text: &mut String, open: &mut Option<T>) {
     }
 }
 
-fn label(text: &mut String, label: &Label, line: &str, rides: &str) {
+fn label(text: &mut String, label: &Label, line: DataLine, ride: &Ride) {
+    put(text, format_args!("<text class=\"label\"{line}"));
+    rides(text, ride);
     let (x, y, width) = (Tenths::of(label.at.x), Tenths::of(label.at.y + BASELINE), Tenths::of(label.width()));
     put(
         text,
         format_args!(
-            "<text class=\"label\"{line}{rides} x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" textLength=\"{width}\" \
+            " x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" textLength=\"{width}\" \
              lengthAdjust=\"spacingAndGlyphs\">{}</text>\n",
             escaped(&label.text)
         ),
@@ -217,6 +240,10 @@ fn label(text: &mut String, label: &Label, line: &str, rides: &str) {
 
 /// Escapes text of a user's file for XML: it cannot act as markup or change the direction of text.
 pub fn escaped(text: &str) -> String {
+    let is_plain = |byte: u8| (b' '..0x7f).contains(&byte) && !matches!(byte, b'&' | b'<' | b'>' | b'"' | b'\'');
+    if text.bytes().all(is_plain) {
+        return text.to_string();
+    }
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -233,7 +260,7 @@ pub fn escaped(text: &str) -> String {
     safe
 }
 
-fn put(text: &mut String, arguments: std::fmt::Arguments) {
+fn put(text: &mut String, arguments: fmt::Arguments) {
     // Writing to a string cannot fail.
     let _ = text.write_fmt(arguments);
 }

@@ -17,13 +17,13 @@ impl Tenths {
     }
 }
 
-impl fmt::Display for Tenths {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        // Digits from the last to the first; written by hand, since a figure has thousands of numbers.
-        let (mut text, mut at) = ([0; 24], 24);
+impl Tenths {
+    /// Its digits. They are made by hand, from the last to the first, since a figure has thousands of numbers.
+    fn written(self, digits: &mut [u8; 24]) -> &str {
+        let mut at = digits.len();
         let mut put = |byte: u8| {
             at -= 1;
-            text[at] = byte;
+            digits[at] = byte;
         };
         let size = self.0.unsigned_abs();
         let (mut whole, tenths) = (size / 10, (size % 10) as u8);
@@ -41,30 +41,52 @@ impl fmt::Display for Tenths {
         if self.0 < 0 {
             put(b'-');
         }
-        f.write_str(std::str::from_utf8(&text[at..]).unwrap_or_default())
+        std::str::from_utf8(&digits[at..]).unwrap_or_default()
+    }
+
+    /// Writes the number without the formatter's machinery.
+    fn put(self, text: &mut String) {
+        text.push_str(self.written(&mut [0; 24]));
+    }
+}
+
+impl fmt::Display for Tenths {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.written(&mut [0; 24]))
     }
 }
 
 /// A line in the syntax of `<path d="...">`: its start, then relative steps.
 pub fn path(text: &mut String, points: &[Point], closed: bool) {
-    use std::fmt::Write;
     let mut rounded = points.iter().map(|point| (Tenths::of(point.x), Tenths::of(point.y)));
     let Some((mut x, mut y)) = rounded.next() else { return };
-    // Writing to a string cannot fail.
-    let _ = write!(text, "M{x} {y}");
+    put_pair(text, 'M', x, y);
     for (next_x, next_y) in rounded {
-        let (dx, dy) = (next_x.minus(x), next_y.minus(y));
-        let _ = match (dx, dy) {
-            (Tenths(0), Tenths(0)) => Ok(()),
-            (Tenths(0), dy) => write!(text, "v{dy}"),
-            (dx, Tenths(0)) => write!(text, "h{dx}"),
-            (dx, dy) => write!(text, "l{dx} {dy}"),
-        };
+        match (next_x.minus(x), next_y.minus(y)) {
+            (Tenths(0), Tenths(0)) => {}
+            (Tenths(0), dy) => {
+                text.push('v');
+                dy.put(text);
+            }
+            (dx, Tenths(0)) => {
+                text.push('h');
+                dx.put(text);
+            }
+            (dx, dy) => put_pair(text, 'l', dx, dy),
+        }
         (x, y) = (next_x, next_y);
     }
     if closed {
         text.push('z');
     }
+}
+
+/// `before`, then two numbers.
+pub fn put_pair(text: &mut String, before: char, x: Tenths, y: Tenths) {
+    text.push(before);
+    x.put(text);
+    text.push(' ');
+    y.put(text);
 }
 
 #[cfg(test)]

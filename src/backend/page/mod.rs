@@ -15,7 +15,7 @@ use crate::analysis::{History, Table};
 use crate::answers::report::Report;
 use crate::base::{Diagnostic, FileId, Sources, Span};
 use crate::kernel::complex::Complex;
-use crate::lower::Poses;
+use crate::lower::Displacement;
 use crate::picture::{Figure, Item, Moving};
 use crate::questions::answer::Sensitivity;
 use crate::system::LinearSystem;
@@ -63,14 +63,15 @@ pub struct Answers<'a> {
 /// The possible motions of a figure.
 #[derive(Clone, Debug, Default)]
 pub struct Movements {
-    /// For each coordinate, the motion of the pieces per metre or radian of it.
-    pub basis: Vec<Poses>,
+    /// For each coordinate, the motion of the pieces per metre or radian of it, in the order of
+    /// [`Poses::values`](crate::lower::Poses::values).
+    pub basis: Vec<Vec<Displacement>>,
     /// The second-order motion due to joints that close loops.
     pub bends: Vec<Bend>,
     pub list: Vec<Movement>,
 }
 
-/// The contribution of the product of two coordinates to the values of pieces, in the order of [`Poses::values`].
+/// The contribution of the product of two coordinates to the values of pieces, in the same order.
 #[derive(Clone, Debug)]
 pub struct Bend {
     pub by: [usize; 2],

@@ -6,7 +6,6 @@ use crate::analysis::fractions::{Curve, Share};
 use crate::analysis::{Extremum, FeatureKind, Gain};
 use crate::backend::decimal::certain;
 use crate::kernel::complex::Complex;
-use crate::lower::Poses;
 use crate::picture::{Item, Moving};
 use crate::questions::answer::{Sensitivity, Slope};
 use serde_json::{Map, Value, json};
@@ -92,7 +91,7 @@ fn list(values: impl IntoIterator<Item = f64>) -> Value {
     values.into_iter().map(plain).collect()
 }
 
-/// The nonzero values, in the order of [`Poses::values`], with their indices.
+/// The nonzero values, in the order of [`Poses::values`](crate::lower::Poses::values), with their indices.
 fn slots(values: impl Iterator<Item = f64>) -> Value {
     values
         .enumerate()
@@ -115,7 +114,7 @@ fn figure(moving: &Moving, movements: &Movements) -> Value {
             ("slides", piece.slides.iter().map(|([x, y], value)| list([*x, *y, value.rest])).collect()),
         ])
     });
-    let basis = movements.basis.iter().map(|poses: &Poses| slots(poses.values().map(|value| value.shape)));
+    let basis = movements.basis.iter().map(|by| slots(by.iter().map(|by| by.shape)));
     let bend = |bend: &Bend| json!([bend.by[0], bend.by[1], slots(bend.values.iter().copied())]);
     object([
         ("parts", moving.parts.iter().map(part).collect()),
@@ -126,17 +125,12 @@ fn figure(moving: &Moving, movements: &Movements) -> Value {
     ])
 }
 
-/// Every body and element that has a share of some motion's energy; of the first motion in its order.
+/// Every body and element that has a share of some motion's energy, in order.
 fn items(of: &Answers) -> Vec<Item> {
-    let mut items = Vec::new();
-    for movement in &of.movements.list {
-        for (place, (item, _)) in movement.energy.iter().enumerate() {
-            // Motions have the same parts, mostly in the same order.
-            if items.get(place) != Some(item) && !items.contains(item) {
-                items.push(*item);
-            }
-        }
-    }
+    let mut items: Vec<Item> =
+        of.movements.list.iter().flat_map(|movement| movement.energy.iter().map(|(item, _)| *item)).collect();
+    items.sort_unstable();
+    items.dedup();
     items
 }
 
@@ -173,11 +167,13 @@ fn movement(of: &Movement, items: &[Item]) -> Value {
 
 /// The shares of the items, in their order.
 fn shares(energy: &[(Item, f64)], items: &[Item]) -> Vec<Value> {
-    let share = |(place, item): (usize, &Item)| {
-        let own = energy.get(place).filter(|(known, _)| known == item);
-        own.or_else(|| energy.iter().find(|(known, _)| known == item)).map_or(Value::from(0), |(_, part)| plain(*part))
-    };
-    items.iter().enumerate().map(share).collect()
+    let mut shares = vec![Value::from(0); items.len()];
+    for (item, part) in energy {
+        if let Ok(place) = items.binary_search(item) {
+            shares[place] = plain(*part);
+        }
+    }
+    shares
 }
 
 fn pole(of: &super::PoleShown) -> Value {
