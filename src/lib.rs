@@ -549,7 +549,7 @@ pub fn simulate_with_noise(
             }
         }
         diagnostics.extend(analysis::response::findings(&system, &drives, &history, &places));
-        let steady = if has_harmonics(&drives) {
+        let steady = if is_harmonic(&drives) {
             let outputs: Vec<usize> = (0..system.outputs.len()).collect();
             analysis::steady(&analysis::Transfer::of(&system), &drives, &outputs)
         } else {
@@ -638,8 +638,11 @@ fn no_base(name: &str, bases: &[(String, &model::scene::Input)]) -> String {
     }
 }
 
-fn has_harmonics(drives: &[Vec<system::Signal>]) -> bool {
-    drives.iter().flatten().any(|signal| matches!(signal, system::Signal::Harmonic { .. }))
+/// Whether the steady motion is that of harmonic signals alone.
+fn is_harmonic(drives: &[Vec<system::Signal>]) -> bool {
+    let mut signals = drives.iter().flatten();
+    signals.clone().any(|signal| matches!(signal, system::Signal::Harmonic { .. }))
+        && !signals.any(system::Signal::comes_again)
 }
 
 /// A model as simulation code computes it.

@@ -208,7 +208,7 @@ impl Overview {
             states.push(state);
         }
         let amount = moving.amount(&mechanism.displacements(&moving.poses, &largest));
-        let harmonics = crate::has_harmonics(&drives);
+        let harmonics = crate::is_harmonic(&drives);
         let all: Vec<usize> = (0..outputs).collect();
         let steady = if harmonics { analysis::steady(&analysis::Transfer::of(own), &drives, &all) } else { Vec::new() };
         let report = report::motion(&self.answer.model, own, &history, &steady);

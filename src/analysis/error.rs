@@ -8,37 +8,87 @@ use crate::system::{CoordinateId, LinearSystem};
 #[non_exhaustive]
 pub enum AnalysisError {
     /// There are more coordinates than the methods for general matrices take.
-    TooManyCoordinates { count: usize, limit: usize, at: Span },
+    TooManyCoordinates {
+        count: usize,
+        limit: usize,
+        at: Span,
+    },
     /// Some modes of a system of this many coordinates were requested, and no sparse method suits it.
-    NotSparse { count: usize, limit: usize, at: Span },
+    NotSparse {
+        count: usize,
+        limit: usize,
+        at: Span,
+    },
     /// Nothing holds some motions without inertia: the coordinates concerned, by name, and the place where the first is
     /// declared.
-    SingularMass { coordinates: Vec<String>, at: Span },
+    SingularMass {
+        coordinates: Vec<String>,
+        at: Span,
+    },
     /// Some motions without inertia are in a part with dampers whose poles are not computed exactly: the coordinates
     /// without inertia, by name, the number of coordinates of their part, and the place where the first is declared.
-    MasslessPoles { coordinates: Vec<String>, count: usize, limit: usize, at: Span },
+    MasslessPoles {
+        coordinates: Vec<String>,
+        count: usize,
+        limit: usize,
+        at: Span,
+    },
     /// Some bodies have no mass, and their elimination would leave more than `limit` terms.
-    MasslessNet { coordinate: String, limit: usize, at: Span },
+    MasslessNet {
+        coordinate: String,
+        limit: usize,
+        at: Span,
+    },
     /// A mass or a moment of inertia is negative in some motion of this coordinate.
-    IndefiniteMass { coordinate: String, at: Span },
+    IndefiniteMass {
+        coordinate: String,
+        at: Span,
+    },
     /// There are too many states for a dense matrix exponential.
-    TooManyStates { count: usize, limit: usize, at: Span },
+    TooManyStates {
+        count: usize,
+        limit: usize,
+        at: Span,
+    },
     /// A signal needs too many pieces: the input's name.
-    SignalTooLong { input: String, at: Span },
+    SignalTooLong {
+        input: String,
+        at: Span,
+    },
+    NeverRepeats {
+        input: String,
+        at: Span,
+    },
     /// A prescribed motion has an impulse: the base's name.
-    ImpulseOnBase { input: String, at: Span },
+    ImpulseOnBase {
+        input: String,
+        at: Span,
+    },
     /// A motion grows, or a time is long, beyond the range of binary64.
-    MotionOutOfRange { at: Span },
+    MotionOutOfRange {
+        at: Span,
+    },
     /// Simulation code needs numbers outside the range of its precision.
-    CodeOutOfRange { precision: &'static str, at: Span },
+    CodeOutOfRange {
+        precision: &'static str,
+        at: Span,
+    },
     /// A step is so long relative to a motion or a signal that too few digits are left for its phase.
-    StepTooLong { at: Span },
+    StepTooLong {
+        at: Span,
+    },
     /// A number became too large or too small for binary64.
-    OutOfRange { at: Span },
+    OutOfRange {
+        at: Span,
+    },
     /// `damping modal` for a part whose modes are not known well enough to bound the damping that it adds.
-    UncertainModes { at: Span },
+    UncertainModes {
+        at: Span,
+    },
     /// Springs with a loss factor, in an analysis that does not take it.
-    Loss { at: Span },
+    Loss {
+        at: Span,
+    },
 }
 
 impl AnalysisError {
@@ -97,6 +147,10 @@ impl AnalysisError {
         AnalysisError::StepTooLong { at: place(system, 0) }
     }
 
+    pub(in crate::analysis) fn never_repeats(system: &LinearSystem, input: usize) -> AnalysisError {
+        AnalysisError::NeverRepeats { input: system.display(system.inputs[input].name), at: place(system, 0) }
+    }
+
     pub(in crate::analysis) fn signal_too_long(system: &LinearSystem, input: usize) -> AnalysisError {
         AnalysisError::SignalTooLong { input: system.display(system.inputs[input].name), at: place(system, 0) }
     }
@@ -116,7 +170,9 @@ impl AnalysisError {
             }
             AnalysisError::IndefiniteMass { .. } => Code::model("vib::mass::indefinite"),
             AnalysisError::TooManyStates { .. } => Code::limit("vib::limit::states"),
-            AnalysisError::SignalTooLong { .. } => Code::limit("vib::limit::signal"),
+            AnalysisError::SignalTooLong { .. } | AnalysisError::NeverRepeats { .. } => {
+                Code::limit("vib::limit::signal")
+            }
             AnalysisError::ImpulseOnBase { .. } => Code::model("vib::signal::base_impulse"),
             AnalysisError::MotionOutOfRange { .. }
             | AnalysisError::CodeOutOfRange { .. }
@@ -142,6 +198,7 @@ impl AnalysisError {
             | AnalysisError::IndefiniteMass { at, .. }
             | AnalysisError::TooManyStates { at, .. }
             | AnalysisError::SignalTooLong { at, .. }
+            | AnalysisError::NeverRepeats { at, .. }
             | AnalysisError::ImpulseOnBase { at, .. }
             | AnalysisError::MotionOutOfRange { at }
             | AnalysisError::CodeOutOfRange { at, .. }
@@ -190,8 +247,8 @@ impl AnalysisError {
                 "make the model smaller, or give signals to fewer inputs",
             ),
             AnalysisError::SignalTooLong { input, .. } => (
-                format!("the chirp of `{input}` has too many cycles to compute"),
-                "shorten its duration or lower its frequencies",
+                format!("the signal of `{input}` has too many cycles to compute"),
+                "shorten its duration, lower its frequencies, or ask for a shorter time",
             ),
             AnalysisError::ImpulseOnBase { input, .. } => (
                 format!("`{input}` is a prescribed motion, and an impulse of it would need infinite forces"),
@@ -200,6 +257,11 @@ impl AnalysisError {
             AnalysisError::CodeOutOfRange { precision, .. } => (
                 format!("the code would have numbers outside the range of {precision} precision"),
                 "check the units and the step; `--precision f64` has a larger range than f32",
+            ),
+            AnalysisError::NeverRepeats { input, .. } => (
+                format!("the signal of `{input}` comes again, but not after whole steps, so no code can repeat it"),
+                "choose a step of which the period is a multiple, and a motion without drift; or leave the signal out: the code \
+                 then takes this input in each step",
             ),
             AnalysisError::StepTooLong { .. } => (
                 "in one step a motion or a signal turns by more than 1e9 rad".to_string(),

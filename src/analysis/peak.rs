@@ -8,7 +8,7 @@ use crate::analysis::measures::Measurement;
 use crate::analysis::response::course::{Outcome, follow};
 use crate::analysis::response::square::mean_square;
 use crate::base::{Ball, Number, Rational};
-use crate::system::{LinearSystem, Signal};
+use crate::system::{LinearSystem, Signal, Table};
 
 const TOO_LONG: Measurement =
     Measurement::None("the fastest motion has too many cycles in that time: choose a shorter one with `--until`");
@@ -84,6 +84,7 @@ fn times_of(signal: &Signal) -> (f64, f64) {
         }
         Signal::Harmonic { at, .. } => (at.to_f64(), 0.0),
         Signal::Chirp { duration, at, .. } => ((at + duration).to_f64(), 0.0),
+        Signal::Table(Table { period: Some(period), .. }) => (0.0, period.to_f64()),
         Signal::Table(table) => (table.times.last().map_or(0.0, Number::to_f64), 0.0),
         Signal::Integral { of, .. } => times_of(of),
         Signal::Delayed { of, by } => {

@@ -72,7 +72,7 @@ impl Settling<'_> {
         let mut last: f64 = 0.0;
         for signal in self.drives.iter().flatten() {
             if has_no_end(signal) {
-                return Err("a harmonic signal goes on forever: nothing settles");
+                return Err(GOES_ON);
             }
             last = last.max(last_event(signal));
         }
@@ -97,11 +97,14 @@ impl Settling<'_> {
 /// The motion has then decayed to 1e-26, also beside double poles and energies that differ a lot.
 const TIME_CONSTANTS: f64 = 120.0;
 
+/// Why nothing settles under a signal without an end.
+const GOES_ON: &str = "a signal goes on forever: nothing settles";
+
 fn has_no_end(signal: &Signal) -> bool {
     match signal {
         Signal::Harmonic { value, .. } => !value.is_zero(),
         Signal::Delayed { of, .. } | Signal::Integral { of, .. } => has_no_end(of),
-        _ => false,
+        signal => signal.comes_again(),
     }
 }
 

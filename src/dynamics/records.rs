@@ -8,7 +8,7 @@ use crate::model::scene::{InputKind, Signal, TableRows};
 
 const DRIFT: Code = Code::model("vib::table::drift");
 
-/// A note for each record of an acceleration after which its base moves on.
+/// A note for each record after which its base moves on, and for each that comes again and lets its base drift away.
 pub fn drifts(scene: &CheckedScene) -> Vec<Diagnostic> {
     let scene = scene.scene();
     let mut notes = Vec::new();
@@ -16,25 +16,90 @@ pub fn drifts(scene: &CheckedScene) -> Vec<Diagnostic> {
         let InputKind::Base { base, translation } = &input.kind else { continue };
         let (length, rate) = if translation.is_some() { ("m", "m/s") } else { ("rad", "rad/s") };
         for signal in &input.signal {
-            let Signal::Table { span, rows: Some(rows), .. } = signal else { continue };
-            if input.derivative != 2 {
-                continue;
-            }
-            let [place, speed] = end(rows).map(Ball::abs);
-            if !speed.contains_zero() {
-                let name = scene.words.display(scene.bases[base.index()].name);
-                let message = format!(
-                    "after this record the base `{name}` moves on at about {} {rate}, {} {length} from where it began",
-                    short(speed.to_f64()),
-                    short(place.to_f64()),
-                );
-                let help =
-                    "motions relative to the base do not feel it; for others, use a record that is corrected for drift";
-                notes.push(Diagnostic::note(DRIFT, *span, message).help(help));
-            }
+            let Signal::Table { span, rows: Some(rows), period, .. } = signal else { continue };
+            let name = scene.words.display(scene.bases[base.index()].name);
+            let found = match (period, input.derivative) {
+                (Some(period), 1 | 2) => drift(rows, period, input.derivative, &name, rate),
+                (None, 2) => {
+                    let [place, speed] = end(rows).map(Ball::abs);
+                    (!speed.contains_zero()).then(|| {
+                        let message = format!(
+                            "after this record the base `{name}` moves on at about {} {rate}, {} {length} from where it began",
+                            short(speed.to_f64()),
+                            short(place.to_f64()),
+                        );
+                        let help = "motions relative to the base do not feel it; for others, use a record that is corrected for drift";
+                        (message, help)
+                    })
+                }
+                _ => None,
+            };
+            notes.extend(found.map(|(message, help)| Diagnostic::note(DRIFT, *span, message).help(help)));
         }
     }
     notes
+}
+
+/// What a velocity or an acceleration that comes again lets its base do, and what helps; `None` if the base comes back.
+fn drift(rows: &TableRows, period: &Number, derivative: u8, name: &str, rate: &str) -> Option<(String, &'static str)> {
+    let [mean, moment] = moments(rows, period);
+    if !mean.contains_zero() {
+        let (quantity, per) = if derivative == 1 { ("velocity", "") } else { ("acceleration", "^2") };
+        let message = format!(
+            "this {quantity} has the mean {} {rate}{per} over a period: the base `{name}` moves away",
+            short(mean.to_f64())
+        );
+        return Some((
+            message,
+            "subtract the mean from the values; motions relative to the base feel none of a constant velocity",
+        ));
+    }
+    // From rest the velocity is the integral of the acceleration, whose mean over a period is -moment / period.
+    if derivative == 1 || moment.contains_zero() {
+        return None;
+    }
+    let message = format!(
+        "the base `{name}` starts at rest, so that under this acceleration it moves away at about {} {rate}",
+        short((moment / period.to_ball()).abs().to_f64())
+    );
+    Some((
+        message,
+        "motions relative to the base do not feel it; for others, let the table begin where the velocity is zero",
+    ))
+}
+
+/// The mean of a table over a period that begins at t = 0, and its integral times t.
+fn moments(rows: &TableRows, period: &Number) -> [Ball; 2] {
+    let n = rows.times.len();
+    let third = Ball::ONE / Ball::from(3.0);
+    let (mut area, mut moment) = (Ball::ZERO, Ball::ZERO);
+    let first = rows.times.first().map_or(0.0, |first| (first / period).to_f64());
+    // The periods that begin before t = 0, and those that begin before its end.
+    let start = (-first).floor() as i64 - 1;
+    for k in start..=start + 3 {
+        let shift = period * &Number::from(k);
+        for i in 0..n {
+            let from = &rows.times[i] + &shift;
+            let (to, j) = match rows.times.get(i + 1) {
+                Some(next) => (next + &shift, i + 1),
+                None => (&(&rows.times[0] + &shift) + period, 0),
+            };
+            let width = &to - &from;
+            let begin = if from.is_negative() { Number::ZERO } else { from.clone() };
+            let finish = if (&to - period).is_positive() { period.clone() } else { to };
+            if !width.is_positive() || !(&finish - &begin).is_positive() {
+                continue;
+            }
+            let [left, right] = [i, j].map(|row| rows.values[row].to_ball());
+            let value = |t: &Number| left + (right - left) * (t - &from).to_ball() / width.to_ball();
+            let (a, b, t) = (value(&begin), value(&finish), begin.to_ball());
+            let h = (&finish - &begin).to_ball();
+            let own = h * (a + b) * Ball::from(0.5);
+            area = area + own;
+            moment = moment + t * own + h.square() * (a + b + b) * third * Ball::from(0.5);
+        }
+    }
+    [area / period.to_ball(), moment]
 }
 
 /// Displacement and velocity after the last row, with an acceleration that is linear between the rows and has its first value

@@ -614,6 +614,9 @@ impl<'a> Place<'a> {
                 is_input == asks_input
             });
         }
+        if asked == Some(&Argument::Table) && self.last(1) == "(" {
+            return functions(FunctionKind::Signal).into_iter().filter(|item| item.label == "table").collect();
+        }
         if asked == Some(&Argument::Densities) && self.last(1) == "(" {
             items.extend(densities());
         }
@@ -728,6 +731,7 @@ fn of_argument(declaration: &Declaration, function: &str, argument: usize) -> Op
         Argument::Any
         | Argument::Cause
         | Argument::File
+        | Argument::Table
         | Argument::Mode
         | Argument::Output
         | Argument::Path

@@ -43,6 +43,8 @@ pub enum Argument {
     LaterTime,
     /// The name of a file in quotes.
     File,
+    /// A call of `table`.
+    Table,
     /// An input with a signal.
     Input,
     /// The number of a mode, from 1.
@@ -197,6 +199,7 @@ pub enum Signal {
     Sawtooth,
     Trapezoid,
     Table,
+    Periodic,
     Delayed,
     Noise,
     Spectrum,
@@ -292,6 +295,12 @@ pub const SIGNALS: &[Named<Signal>] = &[
             }],
         },
     },
+    entry(
+        Signal::Periodic,
+        ["periodic", "periodic(table(\"file.csv\", unit), T)", "periodic(table(\"file.csv\", 1 kN), 0.5 s)"],
+        "A table that comes again after each period T, from t = 0 on.",
+        &[Argument::Table, Argument::Time],
+    ),
     entry(
         Signal::Delayed,
         ["delayed", "delayed(input, time)", "delayed(front, 0.1 s)"],

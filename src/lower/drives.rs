@@ -100,8 +100,11 @@ fn of_signal(signal: &scene::Signal, course: Course) -> Result<Option<Signal>, L
         | scene::Signal::Noise(_)
         | scene::Signal::Spectrum(_) => return Ok(None),
         scene::Signal::Function(function) => function,
-        scene::Signal::Table { span, rows, .. } => match rows {
-            Some(rows) => Signal::Table(Table { times: rows.times.clone(), values: rows.values.clone(), course }),
+        scene::Signal::Table { span, rows, period, .. } => match rows {
+            Some(rows) => {
+                let (times, values) = (rows.times.clone(), rows.values.clone());
+                Signal::Table(Table { times, values, course, period })
+            }
             None => return Err(LowerError::TableUnread { span }),
         },
     }))

@@ -417,6 +417,8 @@ pub enum Signal {
         span: Span,
         /// `None` if the file was not given to the check.
         rows: Option<Arc<TableRows>>,
+        /// s: after this time the rows come again.
+        period: Option<Number>,
     },
     /// The signals of another input, so much later, and the index of that input.
     Delayed { by: Number, of: usize, signals: Arc<[Signal]> },

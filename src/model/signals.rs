@@ -3,7 +3,7 @@
 
 use super::Check;
 use super::error::{PartError, ValueError};
-use super::evaluate::Evaluated;
+use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::scene::Signal;
 use super::scope::Environment;
@@ -159,6 +159,10 @@ impl<'a> Check<'a> {
         }
         let found = match called.signal {
             Word::Table => self.table_dimension(&called.given, environment)?,
+            Word::Periodic => {
+                let table = self.repeated_table(called, environment)?;
+                self.table_dimension(&table.given, environment)?
+            }
             _ => match self.evaluate(called.given[0], environment)? {
                 Value::Scalar(scalar) => scalar.dimension(),
                 Value::Vector(_) => None,
@@ -179,9 +183,15 @@ impl<'a> Check<'a> {
         use functions::Signal as Word;
         let given = &called.given;
         if called.signal == Word::Table {
-            let speed = called.named.first().copied().flatten();
-            let table = self.table(given, speed, &kind.amplitude, environment)?;
+            let table = self.table(called, &kind.amplitude, environment)?;
             list.push(table);
+            return Ok(());
+        }
+        if called.signal == Word::Periodic {
+            let table = self.repeated_table(called, environment)?;
+            let table = self.table(&table, &kind.amplitude, environment)?;
+            let moves = [functions::DISPLACEMENT_SIGNAL, functions::ANGLE_SIGNAL].contains(kind);
+            list.push(self.periodic(table, given[1], moves, environment)?);
             return Ok(());
         }
         let expected = if called.signal == Word::Impulse { &kind.impulse } else { &kind.amplitude };
@@ -212,7 +222,7 @@ impl<'a> Check<'a> {
                 let (phase, at) = (phase.unwrap_or(Number::ZERO), Number::ZERO);
                 list.push(Function::Harmonic { value: value?, frequency, phase, at }.into());
             }
-            Word::Chirp | Word::Table | Word::Delayed | Word::Noise | Word::Spectrum => {
+            Word::Chirp | Word::Table | Word::Periodic | Word::Delayed | Word::Noise | Word::Spectrum => {
                 let (from, to) = (self.frequency(given[1], environment)?, self.frequency(given[2], environment)?);
                 let duration = self.number(given[3], environment, &TIME)?;
                 self.require_later(&Number::ZERO, &duration, given[3], environment)?;
@@ -246,13 +256,48 @@ impl<'a> Check<'a> {
         Ok(self.heading(table).and_then(|heading| heading.values.unit.map(|unit| unit.dimension)))
     }
 
-    fn table(
-        &mut self,
-        given: &[ExprId],
-        speed: Option<ExprId>,
-        read: &Expected,
-        environment: Environment,
-    ) -> Evaluated<Signal> {
+    /// The call of `table` that `periodic` repeats.
+    fn repeated_table(&mut self, called: &Called, environment: Environment) -> Evaluated<Called> {
+        let node = *self.tree.expr(called.given[0]);
+        if matches!(node.kind, ExprKind::Call { .. }) {
+            let inner = self.called_signal(called.given[0], environment)?;
+            if inner.signal == functions::Signal::Table {
+                return Ok(inner);
+            }
+        }
+        self.fail(environment, PartError::PeriodicOf { span: node.span })
+    }
+
+    /// A table whose rows come again after a period. `moves`: it is the displacement of a base.
+    fn periodic(&mut self, table: Signal, period: ExprId, moves: bool, environment: Environment) -> Evaluated<Signal> {
+        let Signal::Table { file, span: named, rows, .. } = table else { return Err(Stop::Reported) };
+        let value = self.number(period, environment, &TIME)?;
+        let span = self.tree.expr(period).span;
+        if !value.is_positive() {
+            return self.fail(environment, PartError::PeriodNotPositive { span });
+        }
+        if let Some(rows) = &rows
+            && let Some((first, last)) = rows.times.first().zip(rows.times.last())
+        {
+            let covered = last - first;
+            let rest = &value - &covered;
+            let longest = rows.times.windows(2).map(|pair| (&pair[1] - &pair[0]).to_f64()).fold(0.0, f64::max);
+            if !(rest.is_zero() || rest.is_positive()) {
+                return self.fail(environment, PartError::PeriodShort { span, named, covered: covered.to_f64() });
+            }
+            // The next row of a signal that is sampled is one step later; a longer gap has no course that the table says.
+            if rest.to_f64() > longest * (1.0 + f64::EPSILON) {
+                return self.fail(environment, PartError::PeriodLong { span, named, rest: rest.to_f64(), longest });
+            }
+            if moves && rest.is_zero() && rows.values.first() != rows.values.last() {
+                return self.fail(environment, PartError::PeriodOpen { span, named });
+            }
+        }
+        Ok(Signal::Table { file, span: named, rows, period: Some(value) })
+    }
+
+    fn table(&mut self, called: &Called, read: &Expected, environment: Environment) -> Evaluated<Signal> {
+        let (given, speed) = (&called.given, called.named.first().copied().flatten());
         let node = *self.tree.expr(given[0]);
         if !matches!(node.kind, ExprKind::Text) {
             let error = ValueError::Kind { span: node.span, needed: "a file name in quotes", found: "a number" };
@@ -289,7 +334,7 @@ impl<'a> Check<'a> {
             }
             None => None,
         };
-        Ok(Signal::Table { file, span: node.span, rows })
+        Ok(Signal::Table { file, span: node.span, rows, period: None })
     }
 }
 

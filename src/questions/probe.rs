@@ -347,6 +347,9 @@ impl Measured<'_> {
             Probe::Amplitude(_) if !drives.iter().flatten().any(|s| matches!(s, DrivenBy::Harmonic { .. })) => {
                 Measurement::None("no input has a harmonic signal: there is no steady motion")
             }
+            Probe::Amplitude(_) if drives.iter().flatten().any(DrivenBy::comes_again) => {
+                Measurement::None("a table that comes again has many harmonics: `peak` and `rms` take it as it is")
+            }
             Probe::Amplitude(output) => {
                 transfer.map_or(NONE, |transfer| measures::amplitude(transfer, drives, *output))
             }

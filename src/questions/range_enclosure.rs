@@ -209,6 +209,7 @@ impl QuestionOverRange<'_> {
             Probe::Static(output) => {
                 lasting_response(family, self.drive.loads, *output).map(|re| Phasor { re, im: Number::ZERO })
             }
+            Probe::Amplitude(_) if self.drive.signals.iter().flatten().any(Signal::comes_again) => None,
             Probe::Amplitude(output) => harmonic_response(family, self.drive.signals, *output),
             _ => None,
         }
@@ -229,6 +230,7 @@ impl QuestionOverRange<'_> {
                 let (input, load) = loads.next().filter(|_| loads.next().is_none())?;
                 Some((family.inverse_response(*input, *output, &Number::ZERO)?, load.clone()))
             }
+            Probe::Amplitude(_) if self.drive.signals.iter().flatten().any(Signal::comes_again) => None,
             Probe::Amplitude(output) => {
                 let signals = self.drive.signals.iter().enumerate();
                 let mut harmonic = signals.flat_map(|(input, signals)| {

@@ -10,6 +10,7 @@ pub mod chain;
 pub mod losses;
 pub mod noise;
 pub mod signal;
+pub mod spline;
 
 pub use losses::Losses;
 pub use noise::Noise;

@@ -1,6 +1,7 @@
 //! Functions of time that drive inputs, as plain data in SI units, independent of how the model writes them. See
 //! docs/method/response.md.
 
+use super::spline;
 use crate::base::{Number, Rational};
 
 /// A function of time; SI units, angles in radians, frequencies in Hz. Zero before t = 0.
@@ -62,6 +63,9 @@ pub struct Table {
     pub times: Vec<Number>,
     pub values: Vec<Number>,
     pub course: Course,
+    /// After this time the rows come again, and have come before: there is no first and no last one. It is not shorter than
+    /// the table; where it is longer, the course leads on to the first row of the next period.
+    pub period: Option<Number>,
 }
 
 /// The values of a table between its rows and after the last one.
@@ -69,17 +73,59 @@ pub struct Table {
 pub enum Course {
     /// A line; the last value is kept.
     Lines,
-    /// A natural cubic spline; the last value is kept.
+    /// A natural cubic spline, or a closed one where the rows come again; the last value is kept.
     Spline,
     /// A line; zero after the last row.
     LinesToZero,
 }
 
 impl Table {
+    /// The time from each row to the next one; that from the last row to the first one of the next period comes last, if it is
+    /// not zero.
+    pub fn steps(&self) -> Vec<Number> {
+        let mut steps: Vec<Number> = self.times.windows(2).map(|pair| &pair[1] - &pair[0]).collect();
+        if let (Some(period), Some(first), Some(last)) = (&self.period, self.times.first(), self.times.last()) {
+            let rest = period - &(last - first);
+            steps.extend((!rest.is_zero()).then_some(rest));
+        }
+        steps
+    }
+
+    /// Second derivatives at the rows of a spline.
+    pub fn bends(&self) -> Vec<Number> {
+        match self.period {
+            None => spline::natural(&self.times, &self.values),
+            Some(_) => {
+                let steps = self.steps();
+                let mut bends = spline::closed(&steps, &self.values[..steps.len()]);
+                // Where the last row is the first one of the next period.
+                bends.extend((bends.len() < self.values.len()).then(|| bends[0].clone()));
+                bends
+            }
+        }
+    }
+
+    /// The mean of a table that comes again, over a period.
+    pub fn mean(&self) -> Option<Number> {
+        let period = self.period.as_ref()?;
+        let bends = if self.course == Course::Spline { self.bends() } else { Vec::new() };
+        let (half, part) = (Number::from(Rational::new(1, 2)), Number::from(Rational::new(1, 24)));
+        let next = |list: &[Number], i: usize| list[if i + 1 < list.len() { i + 1 } else { 0 }].clone();
+        let area = self.steps().iter().enumerate().fold(Number::ZERO, |sum, (i, h)| {
+            let mut mean = &(&self.values[i] + &next(&self.values, i)) * &half;
+            if !bends.is_empty() {
+                let bend = &bends[i] + &next(&bends, i);
+                mean = &mean - &(&(&h.square() * &bend) * &part);
+            }
+            &sum + &(h * &mean)
+        });
+        area.checked_div(period)
+    }
+
     /// The ends of a table that is zero after its last row, of its integral and of that one's integral: its area A and A t less
     /// its first moment.
     fn integrals(&self) -> Option<[[Number; 3]; 3]> {
-        if self.course != Course::LinesToZero {
+        if self.course != Course::LinesToZero || self.period.is_some() {
             return None;
         }
         let sixth = Number::from(Rational::new(1, 6));
@@ -123,11 +169,12 @@ fn integrals_of_step(value: &Number, at: &Number) -> [[Number; 3]; 3] {
 }
 
 impl Signal {
-    /// The constant value that remains in the end; zero for a harmonic. `None` for an integral, which may grow without
-    /// limit: see [`Signal::in_the_end`].
+    /// The constant value that remains in the end, about which a table that comes again swings; zero for a harmonic. `None`
+    /// for an integral, which may grow without limit: see [`Signal::in_the_end`].
     pub fn lasting(&self) -> Option<Number> {
         match self {
             Signal::Step { value, .. } | Signal::Ramp { value, .. } => Some(value.clone()),
+            Signal::Table(table @ Table { period: Some(_), .. }) => table.mean(),
             Signal::Table(Table { values, course: Course::Lines | Course::Spline, .. }) => values.last().cloned(),
             Signal::Delayed { of, .. } => of.lasting(),
             Signal::Integral { .. } => None,
@@ -171,6 +218,15 @@ impl Signal {
             Signal::Table(table) => table.integrals(),
             Signal::Delayed { of, by } => of.integrals().map(|ends| ends.map(|course| later(&course, by))),
             _ => None,
+        }
+    }
+
+    /// Whether the signal is a table that comes again: it never ends, and is no harmonic.
+    pub fn comes_again(&self) -> bool {
+        match self {
+            Signal::Table(table) => table.period.is_some() && self.is_felt(),
+            Signal::Integral { of, .. } | Signal::Delayed { of, .. } => of.comes_again(),
+            _ => false,
         }
     }
 

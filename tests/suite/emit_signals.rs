@@ -184,7 +184,8 @@ fn tables_are_exact_whatever_the_step() {
     let system = oscillators(&list, false);
     let row = |i: i64| (&Number::from(i * i % 17 - 8) / &Number::from(5), &Number::from(i) / &number("33.7"));
     let (values, times): (Vec<Number>, Vec<Number>) = (0..70).map(row).unzip();
-    let table = |course| vec![Signal::Table(Table { times: times.clone(), values: values.clone(), course })];
+    let table =
+        |course| vec![Signal::Table(Table { times: times.clone(), values: values.clone(), course, period: None })];
     let late = |signal| vec![Signal::Delayed { of: Box::new(signal), by: number("0.31") }];
     let wave = vec![Signal::Harmonic {
         value: number("1"),
@@ -294,6 +295,7 @@ fn inputs_between_samples_are_lines_or_steps() {
                     times: (0..count).map(time).collect(),
                     values,
                     course: Course::Lines,
+                    period: None,
                 })];
             }
             let before = |i: usize| if i == 0 { 0.0 } else { sample(i - 1, salt) };

@@ -67,6 +67,7 @@ mod options;
 mod output_units;
 mod pages;
 mod pencils;
+mod periodic;
 mod plots;
 mod pole_counts;
 mod poles;

@@ -293,7 +293,8 @@ fn a_table_interpolates_its_rows() {
     let ramp = Signal::Ramp { value: n("6"), from: Number::ZERO, to: n("2") };
     let numbers = |list: &[&str]| list.iter().map(|text| n(text)).collect::<Vec<_>>();
     let table = |course| {
-        Signal::Table(Table { times: numbers(&["0", "0.7", "2"]), values: numbers(&["0", "2.1", "6"]), course })
+        let (times, values) = (numbers(&["0", "0.7", "2"]), numbers(&["0", "2.1", "6"]));
+        Signal::Table(Table { times, values, course, period: None })
     };
     let times = ["0.3", "1.9", "5"];
     let expected = motion(&system, vec![ramp], &times);

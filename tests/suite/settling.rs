@@ -133,7 +133,7 @@ fn what_has_no_end_has_no_value() {
         (model("", "step(1 N, 0 s)"), "an oscillation has no damping"),
         (model("damper d: ground -- b { c = -1 N*s/m }\n", "step(1 N, 0 s)"), "a free motion grows"),
         (model(damper, "pulse(1 N, 0 s, 1 s)"), "the final value is zero"),
-        (model(damper, "step(1 N, 0 s) + harmonic(1 N, 1 Hz)"), "a harmonic signal goes on forever"),
+        (model(damper, "step(1 N, 0 s) + harmonic(1 N, 1 Hz)"), "a signal goes on forever"),
         (model(damper, "step(1 N, 0 s) + noise(white 3 N^2/Hz)"), "noise reaches it"),
         // The end of a chirp's integral is no quotient of its numbers.
         (

@@ -7,14 +7,14 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// The samples of a model, one row a time; tables stand beside it.
-fn simulated(model: &str, tables: &[(&str, &str)], more: &[&str]) -> Vec<Vec<f64>> {
+pub fn simulated(model: &str, tables: &[(&str, &str)], more: &[&str]) -> Vec<Vec<f64>> {
     let output = ran(model, tables, &[&["simulate"], more].concat());
     assert!(output.status.success(), "{model}\n{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8_lossy(&output.stdout);
     text.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().expect("a number")).collect()).collect()
 }
 
-fn ran(model: &str, tables: &[(&str, &str)], arguments: &[&str]) -> Output {
+pub fn ran(model: &str, tables: &[(&str, &str)], arguments: &[&str]) -> Output {
     let folder = tempfile::tempdir().expect("a temporary folder");
     put(&folder, "m.vib", model);
     for (name, text) in tables {
@@ -30,7 +30,7 @@ fn put(folder: &TempDir, name: &str, text: &str) {
 }
 
 /// The first finding of a model, as its code.
-fn code(model: &str, tables: &[(&str, &str)]) -> String {
+pub fn code(model: &str, tables: &[(&str, &str)]) -> String {
     let output = ran(model, tables, &["check", "--message-format", "json"]);
     let text = String::from_utf8_lossy(&output.stderr);
     let Some(line) = text.lines().next() else { return String::new() };
@@ -43,11 +43,11 @@ const K: f64 = 50.0;
 const W: f64 = 5.0;
 
 /// x of the undamped oscillator, from rest, under a force that starts at 0 as a step, a ramp or a harmonic.
-fn step(t: f64) -> f64 {
+pub fn step(t: f64) -> f64 {
     if t < 0.0 { 0.0 } else { (1.0 - (W * t).cos()) / K }
 }
 
-fn ramp(t: f64) -> f64 {
+pub fn ramp(t: f64) -> f64 {
     if t < 0.0 { 0.0 } else { (t - (W * t).sin() / W) / K }
 }
 
@@ -59,7 +59,7 @@ fn cosine(rate: f64, t: f64) -> f64 {
     if t < 0.0 { 0.0 } else { ((rate * t).cos() - (W * t).cos()) / (M * (W * W - rate * rate)) }
 }
 
-fn meets(rows: &[Vec<f64>], column: usize, truth: impl Fn(f64) -> f64) {
+pub fn meets(rows: &[Vec<f64>], column: usize, truth: impl Fn(f64) -> f64) {
     let scale = rows.iter().map(|row| row[column].abs()).fold(0.0, f64::max);
     assert!(scale > 0.0);
     for row in rows {

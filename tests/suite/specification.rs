@@ -12,7 +12,7 @@ use vibc::syntax;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
 /// model gives): their pages describe the example in words.
-const IN_WORDS: [&str; 34] = [
+const IN_WORDS: [&str; 35] = [
     "vib::equations::defect",
     "vib::equations::no_form",
     "vib::equations::too_large",
@@ -33,6 +33,7 @@ const IN_WORDS: [&str; 34] = [
     "vib::spectrum::left_out",
     "vib::syntax::character",
     "vib::syntax::more_errors",
+    "vib::signal::period",
     "vib::table::drift",
     "vib::table::first_column",
     "vib::table::heading",

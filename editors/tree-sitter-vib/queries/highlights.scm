@@ -22,9 +22,9 @@
 ((call function: (word) @function.builtin)
   (#any-of? @function.builtin
     "rod" "disk" "ring" "box" "constant" "step" "impulse" "ramp" "pulse" "harmonic" "chirp" "half_sine" "haversine"
-    "sawtooth" "trapezoid" "table" "delayed" "noise" "spectrum" "frequency" "damping" "gain" "phase" "amplitude"
-    "static" "peak" "settling" "overshoot" "rms" "psd" "crossings" "peak_gain" "effective_mass" "rest" "sqrt" "abs"
-    "min" "max" "sin" "cos" "tan" "asin" "acos" "atan" "atan2" "exp" "ln"))
+    "sawtooth" "trapezoid" "table" "periodic" "delayed" "noise" "spectrum" "frequency" "damping" "gain" "phase"
+    "amplitude" "static" "peak" "settling" "overshoot" "rms" "psd" "crossings" "peak_gain" "effective_mass" "rest"
+    "sqrt" "abs" "min" "max" "sin" "cos" "tan" "asin" "acos" "atan" "atan2" "exp" "ln"))
 
 ((name (word) @constant.builtin) (#any-of? @constant.builtin "ground" "pi" "stable"))
 (white (word) @constant.builtin)

@@ -115,7 +115,7 @@ impl<'a> Run<'a> {
             }
         }
         (self.states, self.true_states) = (next, truth);
-        self.tick += 1;
+        self.tick = self.tick.wrapping_add(1);
         if let Some(event) = self.system.events.get(self.event).filter(|event| event.tick == self.tick) {
             for (i, change) in self.exact.events[self.event].iter().enumerate() {
                 if self.system.set[i] {
@@ -126,6 +126,10 @@ impl<'a> Run<'a> {
                 }
             }
             self.event += 1;
+            if let Some(again) = self.system.repeat.filter(|_| self.event == self.system.events.len()) {
+                self.event = again.first;
+                self.tick = self.tick.wrapping_sub(again.ticks);
+            }
         }
         self.record_extremes();
     }

@@ -33,7 +33,7 @@ pub use lift::{Decay, Lift};
 pub use precision::Precision;
 pub use reduce::{DroppedBlock, Why};
 pub use rounding::Rounding;
-pub use signals::Signals;
+pub use signals::{Repeat, Signals};
 
 use crate::analysis::answer::{Modes, PRECISE};
 use crate::analysis::discrete::block::{Direct, Split};
@@ -93,6 +93,13 @@ pub struct Event {
     pub change: Vec<f64>,
 }
 
+/// After the last event, those from number `first` on come again, each so many samples later.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Again {
+    pub first: usize,
+    pub ticks: u64,
+}
+
 /// The discrete system.
 #[derive(Clone, Debug)]
 pub struct DiscreteSystem {
@@ -121,6 +128,8 @@ pub struct DiscreteSystem {
     pub signals: usize,
     /// Changes of all states at certain samples, ascending.
     pub events: Vec<Event>,
+    /// What follows the last event, if it is not the end of all.
+    pub repeat: Option<Again>,
     /// For each state, whether events set it instead of adding to it.
     pub set: Vec<bool>,
     /// Outputs that would follow the derivative of an input; an input that is held has none.
@@ -198,8 +207,11 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     check_size(system)?;
     let mut split = split(system, modes)?;
     let start = start(system);
-    let signals = Signals::of(&options.internal, &options.step, options.until.as_ref())
-        .map_err(|long| AnalysisError::signal_too_long(system, long.input))?;
+    let signals =
+        Signals::of(&options.internal, &options.step, options.until.as_ref()).map_err(|fault| match fault {
+            signals::Fault::TooLong { input } => AnalysisError::signal_too_long(system, input),
+            signals::Fault::NeverRepeats { input } => AnalysisError::never_repeats(system, input),
+        })?;
     if let Some(input) = signals.base_with_impulse(system) {
         return Err(AnalysisError::impulse_on_base(system, input));
     }
@@ -261,7 +273,13 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
     let signal_cells = cells.len();
     cells.extend(made.into_iter().map(|made| made.cell));
     set.resize(cells.iter().map(Cell::size).sum(), false);
-    let (events, exact_events) = events::after_start(changes, &set, &mut start, options.precision);
+    let repeat = signals.repeat;
+    let changes = changes.into_iter().take_while(|(tick, _)| repeat.is_none_or(|all| *tick <= all.from + all.ticks));
+    let (events, exact_events) = events::after_start(changes.collect(), &set, &mut start, options.precision);
+    let repeat = repeat.and_then(|Repeat { from, ticks }| {
+        let first = events.iter().position(|event| event.tick > from)?;
+        Some(Again { first, ticks })
+    });
     let places = cells.iter_mut().flat_map(|cell| &mut cell.start);
     places.zip(&start).for_each(|(place, &state)| *place = options.precision.round(state));
     let exact = Exact { cells: exact_cells, start, events: exact_events };
@@ -294,6 +312,7 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
         tabled,
         signals: signal_cells,
         events,
+        repeat,
         set,
         left,
         rounding: None,

@@ -171,6 +171,17 @@ impl Chain {
         }
     }
 
+    /// Whether the states at a sample are there again so many samples later: a motion that drifts away is not. They differ by
+    /// the rounding of their times alone, which is some 1e-31 of their sizes.
+    pub fn comes_again(&self, tick: u64, ticks: u64) -> bool {
+        let (now, later) = (self.at(tick), self.at(tick + ticks));
+        let sizes = self.knots.iter().map(|knot| &knot.states).chain([&now, &later]);
+        let sizes = sizes.fold(vec![0.0; self.size()], |sizes: Vec<f64>, states| {
+            sizes.iter().zip(states).map(|(size, x)| size.max(x.hi.abs())).collect()
+        });
+        now.iter().zip(&later).zip(sizes).all(|((a, b), size)| (*a - *b).hi.abs() <= 1e-25 * size)
+    }
+
     /// Whether the piece at a sample ends before the next one, and would be huge there.
     fn is_cut(&self, tick: u64) -> bool {
         let beyond: f64 = self.at(tick).iter().skip(1).map(|x| x.hi.abs()).sum();

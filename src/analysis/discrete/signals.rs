@@ -4,11 +4,13 @@
 //!
 //! The states of a chain are u, h u', h^2 u''/2!, ...: one step adds binomial multiples of each other, for any h.
 
-use crate::analysis::discrete::pieces::{self, Chain, Knot, When, scales};
+use crate::analysis::discrete::pieces::{self, Chain, Knot, MOST_EVENTS, When, scales};
+use crate::analysis::peak::last_event;
 use crate::analysis::response::signal::Source;
 use crate::base::{Dd, Number, Rational};
 use crate::kernel::dense::Matrix;
 use crate::system::{LinearSystem, Signal};
+use num_integer::Integer;
 
 /// An impulse on an input.
 #[derive(Clone, Debug)]
@@ -24,23 +26,37 @@ pub struct Signals {
     pub chains: Vec<Chain>,
     /// Ascending.
     pub impulses: Vec<Impulse>,
+    pub repeat: Option<Repeat>,
 }
 
-/// Error: the signal of this input needs too many pieces for emitted code.
+/// After the sample `from` everything comes again, every so many samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TooLong {
-    pub input: usize,
+pub struct Repeat {
+    pub from: u64,
+    pub ticks: u64,
+}
+
+/// Error: the signal of this input has no form for emitted code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// It needs too many pieces.
+    TooLong { input: usize },
+    /// It comes again, but not after whole steps, or not with the same motion.
+    NeverRepeats { input: usize },
 }
 
 impl Signals {
     /// The signals of each input until `until` (without it, all of them), for steps of `step`.
-    pub fn of(drives: &[Vec<Signal>], step: &Number, until: Option<&Number>) -> Result<Signals, TooLong> {
-        let mut signals = Signals::default();
+    pub fn of(drives: &[Vec<Signal>], step: &Number, until: Option<&Number>) -> Result<Signals, Fault> {
+        let repeat = if until.is_none() { repeat(drives, step)? } else { None };
+        let end = repeat.map(|repeat| step * &Number::from((repeat.from + repeat.ticks) as i64 + AFTER));
+        let until = until.or(end.as_ref());
+        let mut signals = Signals { repeat, ..Signals::default() };
         let felt = |at: &Number| until.is_none_or(|until| !(until - at).is_negative());
         for (input, list) in drives.iter().enumerate() {
-            let too_long = TooLong { input };
+            let too_long = Fault::TooLong { input };
             let list: Vec<Signal> = list.iter().flat_map(from_zero).collect();
-            let sources: Result<Vec<Source>, _> = list.iter().map(|signal| Source::of(signal, None)).collect();
+            let sources: Result<Vec<Source>, _> = list.iter().map(|signal| Source::of(signal, None, until)).collect();
             let sources = sources.map_err(|_| too_long)?;
             let polynomials = pieces::knots(&sources, step, felt).ok_or(too_long)?;
             signals.chains.extend(polynomials.map(|(start, knots)| polynomial(input, start, knots, step)));
@@ -58,6 +74,12 @@ impl Signals {
             }
         }
         signals.impulses.sort_by_key(|impulse| impulse.when.tick);
+        if let Some(repeat) = repeat {
+            let open = |chain: &&Chain| chain.angle.is_none() && !chain.comes_again(repeat.from, repeat.ticks);
+            if let Some(chain) = signals.chains.iter().find(open) {
+                return Err(Fault::NeverRepeats { input: chain.input });
+            }
+        }
         Ok(signals)
     }
 
@@ -83,6 +105,55 @@ impl Signals {
         self.impulses.retain(|impulse| felt(impulse.input));
         self
     }
+}
+
+/// Samples after the last one that comes again, whose pieces decide how the last step is taken.
+const AFTER: i64 = 3;
+
+/// When everything comes again, if some signal does.
+fn repeat(drives: &[Vec<Signal>], step: &Number) -> Result<Option<Repeat>, Fault> {
+    let mut ticks: Option<u64> = None;
+    let mut from: u64 = 0;
+    for (input, list) in drives.iter().enumerate() {
+        let never = Fault::NeverRepeats { input };
+        for signal in list {
+            let begin = match period(signal) {
+                None => last_event(signal) / step.to_f64(),
+                Some((period, delay)) => {
+                    let own = steps_of(period, step).ok_or(never)?;
+                    let all = ticks.map_or(own, |ticks| ticks.lcm(&own));
+                    ticks = Some(all).filter(|all| *all < MOST_TICKS).map(Some).ok_or(never)?;
+                    delay / step.to_f64()
+                }
+            };
+            if !(0.0..MOST_TICKS as f64).contains(&begin.ceil()) {
+                return Err(Fault::TooLong { input });
+            }
+            from = from.max(begin.ceil() as u64 + 1);
+        }
+    }
+    Ok(ticks.map(|ticks| Repeat { from, ticks }))
+}
+
+/// Beyond this the counter of samples would overflow.
+const MOST_TICKS: u64 = 1_000_000_000;
+
+/// The period of a signal that comes again, and the time at which it begins, s.
+fn period(signal: &Signal) -> Option<(&Number, f64)> {
+    match signal {
+        Signal::Table(table) => table.period.as_ref().map(|period| (period, 0.0)),
+        Signal::Integral { of, .. } => period(of),
+        Signal::Delayed { of, by } => period(of).map(|(period, begin)| (period, begin + by.to_f64())),
+        _ => None,
+    }
+}
+
+/// The steps after which a period and a sample begin together.
+fn steps_of(period: &Number, step: &Number) -> Option<u64> {
+    let steps = period / step;
+    let steps = steps.exact()?;
+    let whole = |periods: usize| (steps * &Rational::from(periods as i64)).to_i64();
+    (1..=MOST_EVENTS).find_map(whole).and_then(|ticks| u64::try_from(ticks).ok()).filter(|ticks| *ticks > 0)
 }
 
 /// A harmonic that begins later as one from t = 0 on, less its polynomials until then.

@@ -96,15 +96,23 @@ impl Channel {
     }
 }
 
+/// The channels of all inputs for a motion that stops at these times.
 pub fn channels(
     system: &LinearSystem,
     drives: &[Vec<Signal>],
-    step: Option<&Number>,
+    times: &[Number],
 ) -> Result<Vec<Channel>, AnalysisError> {
+    let step = match times {
+        [first, second, ..] => Some(second - first).filter(Number::is_positive),
+        _ => None,
+    };
+    let until = times.iter().max_by(|a, b| a.to_f64().total_cmp(&b.to_f64()));
     let mut channels = Vec::new();
     let mut first = 0;
     for (input, signals) in drives.iter().enumerate().take(system.inputs.len()) {
-        for (source, omega) in sources(signals, step).map_err(|_| AnalysisError::signal_too_long(system, input))? {
+        for (source, omega) in
+            sources(signals, step.as_ref(), until).map_err(|_| AnalysisError::signal_too_long(system, input))?
+        {
             let states = source.order();
             channels.push(Channel { input, source, omega, first, active: None });
             first += states;
@@ -114,10 +122,14 @@ pub fn channels(
 }
 
 /// The signals of an input, combined into few sources; harmonics with their circular frequencies.
-fn sources(signals: &[Signal], step: Option<&Number>) -> Result<Vec<(Source, Number)>, TooManyPieces> {
+fn sources(
+    signals: &[Signal],
+    step: Option<&Number>,
+    until: Option<&Number>,
+) -> Result<Vec<(Source, Number)>, TooManyPieces> {
     let (mut list, mut jumps) = (Vec::new(), Vec::new());
     for signal in signals {
-        let source = Source::of(signal, step)?;
+        let source = Source::of(signal, step, until)?;
         let omega = match signal {
             Signal::Harmonic { frequency, .. } => &(&Number::pi() * &Number::from(2)) * frequency,
             _ => Number::ZERO,

@@ -33,7 +33,11 @@ struct Jump {
 pub fn verdict(system: &LinearSystem, drives: &[Vec<Signal>], output: usize, until: &Number) -> Verdict {
     let mut jumps = Vec::new();
     for (input, signals) in drives.iter().enumerate().take(system.inputs.len()) {
-        for (at, parts) in signals.iter().flat_map(jumps_of).filter(|(at, _)| order(at, until) != Ordering::Greater) {
+        for (at, parts) in signals
+            .iter()
+            .flat_map(|signal| jumps_of(signal, until))
+            .filter(|(at, _)| order(at, until) != Ordering::Greater)
+        {
             jumps.push(Jump { at, input, parts });
         }
     }
@@ -50,8 +54,8 @@ pub fn verdict(system: &LinearSystem, drives: &[Vec<Signal>], output: usize, unt
     verdict
 }
 
-/// Impulses, jumps and jumps of the rate of a signal, each with its time.
-fn jumps_of(signal: &Signal) -> Vec<(Number, [Number; 3])> {
+/// Impulses, jumps and jumps of the rate of a signal up to a time, each with its own.
+fn jumps_of(signal: &Signal, until: &Number) -> Vec<(Number, [Number; 3])> {
     let zero = || Number::ZERO;
     let wave = |value: &Number, omega: &Number, angle: &Number| {
         let unknown = || (Number::Ball(Ball::ZERO.widen(1.0)), Number::Ball(Ball::ZERO.widen(1.0)));
@@ -72,12 +76,12 @@ fn jumps_of(signal: &Signal) -> Vec<(Number, [Number; 3])> {
         }
         Signal::Integral { of, times } => {
             let integrated = |[impulse, jump, _]: [Number; 3]| [Number::ZERO, impulse, jump];
-            let jumps = jumps_of(of).into_iter();
+            let jumps = jumps_of(of, until).into_iter();
             jumps.map(|(at, parts)| (at, (0..*times).fold(parts, |parts, _| integrated(parts)))).collect()
         }
-        Signal::Delayed { of, by } => jumps_of(of).into_iter().map(|(at, parts)| (&at + by, parts)).collect(),
+        Signal::Delayed { of, by } => jumps_of(of, until).into_iter().map(|(at, parts)| (&at + by, parts)).collect(),
         Signal::Step { .. } | Signal::Ramp { .. } | Signal::Pulse { .. } | Signal::Table(_) | Signal::Chirp { .. } => {
-            match Source::of(signal, None) {
+            match Source::of(signal, None, Some(until)) {
                 Ok(Source::Pieces { pieces, .. }) => between(&pieces),
                 _ => Vec::new(),
             }

@@ -170,11 +170,7 @@ pub fn grid(until: &Number, step: &Number) -> Vec<Number> {
 
 impl<'a> Run<'a> {
     fn of(system: &'a LinearSystem, drives: &[Vec<Signal>], times: &[Number]) -> Result<Run<'a>, AnalysisError> {
-        let step = match times {
-            [first, second, ..] => Some(second - first).filter(Number::is_positive),
-            _ => None,
-        };
-        let channels = channels(system, drives, step.as_ref())?;
+        let channels = channels(system, drives, times)?;
         let sources = exogenous(system, &channels, times);
         let horizon = times.iter().map(Number::to_f64).fold(0.0, f64::max);
         let space = StateSpace::of(system, &sources, if horizon > 0.0 { horizon } else { 1.0 })?;

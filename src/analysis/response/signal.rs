@@ -38,10 +38,13 @@ const CHIRP_DEGREE: usize = 15;
 /// Phase that one polynomial of a chirp covers, rad.
 const CHIRP_PHASE: f64 = 0.25;
 const MOST_PIECES: usize = 1_000_000;
+/// Limit on the rows of a table that comes again, all periods together: some ten seconds of work, and a slip of the hand beyond.
+const MOST_REPEATED: f64 = 200_000.0;
 
 impl Source {
-    /// A signal as a source; a chirp is cut so that `step`, if given, is a multiple of its pieces.
-    pub fn of(signal: &Signal, step: Option<&Number>) -> Result<Source, TooManyPieces> {
+    /// A signal as a source; a chirp is cut so that `step`, if given, is a multiple of its pieces. What comes again is written
+    /// out up to `until`, without which it has no end.
+    pub fn of(signal: &Signal, step: Option<&Number>, until: Option<&Number>) -> Result<Source, TooManyPieces> {
         Ok(match signal {
             Signal::Step { value, at } => polynomial(vec![jump(at, &[value])]),
             Signal::Impulse { value, at } => Source::Impulse { value: value.to_ball(), at: at.clone() },
@@ -51,9 +54,14 @@ impl Source {
             Signal::Chirp { value, from, to, duration, at, phase } => {
                 chirp(&Wave { value, from, to, duration, at, phase }, step)?
             }
-            Signal::Table(rows) => polynomial(table(rows)),
-            Signal::Integral { of, times } => (0..*times).fold(Source::of(of, step)?, |source, _| source.integral()),
-            Signal::Delayed { of, by } => Source::of(of, step)?.delayed(by),
+            Signal::Table(rows) => match &rows.period {
+                None => polynomial(table(rows)),
+                Some(period) => polynomial(repeated(rows, period, until.ok_or(TooManyPieces)?)?),
+            },
+            Signal::Integral { of, times } => {
+                (0..*times).fold(Source::of(of, step, until)?, |source, _| source.integral())
+            }
+            Signal::Delayed { of, by } => Source::of(of, step, until)?.delayed(by),
         })
     }
 }
@@ -236,29 +244,65 @@ fn chirp_derivatives(value: Ball, phase: &Number, rate: Ball, sweep: Ball) -> Ve
 }
 
 /// Lines or cubics between the rows of a table.
-fn table(Table { times, values, course }: &Table) -> Vec<Piece> {
+fn table(rows: &Table) -> Vec<Piece> {
+    let Table { times, values, course, .. } = rows;
     let n = times.len();
     let Some((first, last)) = values.first().zip(values.last()) else { return Vec::new() };
-    let is_spline = *course == Course::Spline;
-    let bends = if is_spline { spline_bends(times, values) } else { vec![Number::ZERO; n] };
     let mut pieces = Vec::with_capacity(n + 1);
     pieces.push(jump(&Number::ZERO, &[first]));
-    for i in 0..n.saturating_sub(1) {
-        let h = &times[i + 1] - &times[i];
-        let slope = &(&values[i + 1] - &values[i]) / &h;
+    pieces.extend(between_rows(rows, &rows.steps()));
+    if let Some(piece) = pieces.get_mut(1) {
+        piece.jump = true;
+    }
+    let end: &[&Number] = if *course == Course::LinesToZero { &[] } else { &[last] };
+    pieces.push(jump(&times[n - 1], end));
+    pieces
+}
+
+/// The pieces of a table that comes again, up to a time.
+fn repeated(rows: &Table, period: &Number, until: &Number) -> Result<Vec<Piece>, TooManyPieces> {
+    let Some(first) = rows.times.first() else { return Ok(Vec::new()) };
+    let once = between_rows(rows, &rows.steps());
+    // The last period that certainly begins before t = 0.
+    let start = (-&(first / period)).to_f64().floor() - 1.0;
+    let count = (&(until - first) / period).to_f64().ceil() - start;
+    if !(start.abs() < 1e15 && count * (once.len() as f64) < MOST_REPEATED) {
+        return Err(TooManyPieces);
+    }
+    let mut pieces = Vec::with_capacity(once.len() * (count.max(0.0) as usize + 1));
+    for k in start as i64..=(start + count) as i64 {
+        let shift = period * &Number::from(k);
+        pieces.extend(once.iter().map(|piece| Piece { at: &piece.at + &shift, ..piece.clone() }));
+    }
+    // The one that is on at t = 0 comes first: the signal jumps to it there.
+    let on = pieces.iter().rposition(|piece| !piece.at.is_positive()).unwrap_or(0);
+    pieces.drain(..on);
+    if let Some(piece) = pieces.first_mut() {
+        piece.jump = true;
+    }
+    Ok(pieces)
+}
+
+/// A piece from each row to the next one.
+fn between_rows(rows: &Table, steps: &[Number]) -> Vec<Piece> {
+    let Table { times, values, course, .. } = rows;
+    let is_spline = *course == Course::Spline;
+    let bends = if is_spline { rows.bends() } else { Vec::new() };
+    let mut pieces = Vec::with_capacity(steps.len());
+    for (i, h) in steps.iter().enumerate() {
+        let next = if i + 1 < times.len() { i + 1 } else { 0 };
+        let slope = &(&values[next] - &values[i]) / h;
         if !is_spline {
             pieces.push(jump(&times[i], &[&values[i], &slope]));
             continue;
         }
-        let bend = &(&bends[i] + &bends[i]) + &bends[i + 1];
-        let start = &slope - &(&(&h * &bend) / &Number::from(6));
-        let third = &(&bends[i + 1] - &bends[i]) / &h;
+        let bend = &(&bends[i] + &bends[i]) + &bends[next];
+        let start = &slope - &(&(h * &bend) / &Number::from(6));
+        let third = &(&bends[next] - &bends[i]) / h;
         let mut piece = jump(&times[i], &[&values[i], &start, &bends[i], &third]);
-        piece.jump = i == 0;
+        piece.jump = false;
         pieces.push(piece);
     }
-    let end: &[&Number] = if *course == Course::LinesToZero { &[] } else { &[last] };
-    pieces.push(jump(&times[n - 1], end));
     pieces
 }
 
@@ -306,31 +350,6 @@ impl Source {
     }
 }
 
-/// Second derivatives of the natural cubic spline (zero at both ends): a diagonally dominant tridiagonal system
-/// (de Boor, *A Practical Guide to Splines*, chapter IV).
-fn spline_bends(times: &[Number], values: &[Number]) -> Vec<Number> {
-    let n = times.len();
-    let mut bends = vec![Number::ZERO; n];
-    if n < 3 {
-        return bends;
-    }
-    let h: Vec<Ball> = (1..n).map(|i| (&times[i] - &times[i - 1]).to_ball()).collect();
-    let slope: Vec<Ball> = (1..n).map(|i| (&values[i] - &values[i - 1]).to_ball() / h[i - 1]).collect();
-    let six = Ball::from(6.0);
-    let (mut upper, mut right) = (vec![Ball::ZERO; n], vec![Ball::ZERO; n]);
-    for i in 1..n - 1 {
-        let pivot = Ball::from(2.0) * (h[i - 1] + h[i]) - h[i - 1] * upper[i - 1];
-        upper[i] = h[i] / pivot;
-        right[i] = (six * (slope[i] - slope[i - 1]) - h[i - 1] * right[i - 1]) / pivot;
-    }
-    let mut next = Ball::ZERO;
-    for i in (1..n - 1).rev() {
-        next = right[i] - upper[i] * next;
-        bends[i] = Number::Ball(next);
-    }
-    bends
-}
-
 /// Compares a and b; equal if it is not certain which is smaller.
 pub fn order(a: &Number, b: &Number) -> Ordering {
     a.compare(b).unwrap_or(Ordering::Equal)
@@ -365,7 +384,7 @@ mod tests {
             at: Number::ZERO,
             phase: Number::ZERO,
         };
-        Source::of(&chirp, None).expect("few pieces")
+        Source::of(&chirp, None, None).expect("few pieces")
     }
 
     #[test]
@@ -410,8 +429,9 @@ mod tests {
             times: numbers(&["0", "1", "3"]),
             values: numbers(&["0", "2", "6"]),
             course: Course::Spline,
+            period: None,
         });
-        let source = Source::of(&line, None).expect("three pieces");
+        let source = Source::of(&line, None, None).expect("three pieces");
         assert!((value(&source, "2.5") - 5.0).abs() < 1e-15);
         assert!((value(&source, "9") - 6.0).abs() < 1e-15);
     }
@@ -420,7 +440,7 @@ mod tests {
     fn a_ramp_rises_and_stays() {
         let n = |text: &str| Number::from(text);
         let ramp = Signal::Ramp { value: n("4"), from: n("1"), to: n("3") };
-        let ramp = Source::of(&ramp, None).expect("two pieces");
+        let ramp = Source::of(&ramp, None, None).expect("two pieces");
         assert_eq!([value(&ramp, "0.5"), value(&ramp, "1.5"), value(&ramp, "7")], [0.0, 1.0, 4.0]);
     }
 }

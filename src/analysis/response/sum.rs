@@ -78,11 +78,13 @@ mod tests {
                 times: numbers(&["0.1", "1", "1.2"]),
                 values: numbers(&["0", "2", "7"]),
                 course: Course::Lines,
+                period: None,
             }),
             Signal::Step { value: n("0.1"), at: n("2.5") },
             Signal::Step { value: -&n("0.1"), at: n("3") },
         ];
-        let parts: Vec<Source> = signals.iter().map(|signal| Source::of(signal, None).expect("few pieces")).collect();
+        let parts: Vec<Source> =
+            signals.iter().map(|signal| Source::of(signal, None, None).expect("few pieces")).collect();
         assert!(parts.iter().all(Source::is_sum_of_jumps));
         let whole = sum(&parts);
         let value = |source: &Source, t: &Number| {

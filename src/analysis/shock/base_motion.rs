@@ -53,7 +53,10 @@ impl BaseMotion {
         }
         let mut sources = Vec::new();
         for signal in felt {
-            match Source::of(signal, None).map_err(|_| Refusal::TooLong { steps: f64::INFINITY })? {
+            if signal.comes_again() {
+                return Err(Refusal::Endless);
+            }
+            match Source::of(signal, None, None).map_err(|_| Refusal::TooLong { steps: f64::INFINITY })? {
                 Source::Harmonic { .. } => return Err(Refusal::Endless),
                 Source::Impulse { .. } if derivative == 0 => return Err(Refusal::Impulse),
                 // Signals are zero before t = 0.

@@ -100,7 +100,7 @@ pub struct Request {
 pub enum Refusal {
     /// The input has no signal that moves it.
     NoSignal,
-    /// A harmonic signal has no last event.
+    /// A harmonic signal, or one that comes again, has no last event.
     Endless,
     /// An impulse of displacement has no finite acceleration to integrate.
     Impulse,
@@ -128,7 +128,7 @@ impl std::fmt::Display for Refusal {
         match self {
             Refusal::NoSignal => f.write_str("it has no signal that moves it"),
             Refusal::Endless => f.write_str(
-                "its harmonic signal never ends, so that there is no residual motion and no proof that a maximum is the largest: \
+                "its signal never ends, so that there is no residual motion and no proof that a maximum is the largest: \
                  end it, as `chirp`, `half_sine` and tables do",
             ),
             Refusal::Impulse => f.write_str("an impulse of its displacement makes the relative motion infinite"),

@@ -12,7 +12,7 @@ fn number(x: f64) -> Number {
 
 fn row(values: &[Number], frequency: f64, damping: f64) -> ShockRow {
     let times = (0..values.len()).map(|i| Number::from(i as i64)).collect();
-    let table = Table { times, values: values.to_vec(), course: Course::LinesToZero };
+    let table = Table { times, values: values.to_vec(), course: Course::LinesToZero, period: None };
     let request = Request {
         quantity: Quantity::RelativeDisplacement,
         damping: number(damping),

@@ -3,7 +3,7 @@
 use super::plan::{Plan, Start, Style, Table};
 use super::text::{Words, decimal, line, numbers, statements};
 use super::{File, NO_STATE};
-use crate::analysis::discrete::Precision;
+use crate::analysis::discrete::{Again, Precision};
 use crate::backend::diagnostics::readable;
 
 /// The two files.
@@ -85,14 +85,22 @@ impl Words for C<'_> {
         ]
     }
 
-    fn due(&self, count: usize) -> [Vec<String>; 2] {
+    fn due(&self, count: usize, again: Option<Again>) -> [Vec<String>; 2] {
+        let mut after = vec!["    state->next = event + 1u;".to_string()];
+        if let Some(Again { first, ticks }) = again {
+            after.push(format!("    if (state->next == {count}u) {{"));
+            after.push(format!("        state->next = {first}u;"));
+            after.push(format!("        state->tick = state->tick - {ticks}u;"));
+            after.push("    }".to_string());
+        }
+        after.push("}".to_string());
         [
             vec![
                 "state->tick = state->tick + 1u;".to_string(),
                 format!("if (state->next < {count}u && EVENTS[state->next] == state->tick) {{"),
                 "    const uint32_t event = state->next;".to_string(),
             ],
-            vec!["    state->next = event + 1u;".to_string(), "}".to_string()],
+            after,
         ]
     }
 

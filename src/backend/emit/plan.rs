@@ -2,7 +2,7 @@
 //! order in which the operations happen, so that every target computes the same bits. In: a discrete system. Out: a
 //! plan that is independent of the language. See docs/method/emit.md.
 
-use crate::analysis::discrete::Precision;
+use crate::analysis::discrete::{Again, Precision};
 use std::collections::BTreeSet;
 use std::fmt;
 
@@ -102,8 +102,9 @@ pub enum Statement {
         width: usize,
         body: Vec<Statement>,
     },
-    /// Counts the step, and runs the body if the next of this many events is due.
-    WhenDue(usize, Vec<Statement>),
+    /// Counts the step, and runs the body if the next of this many events is due; what follows the last one, if they come
+    /// again.
+    WhenDue(usize, Option<Again>, Vec<Statement>),
     /// Runs the body this many times.
     Repeat(usize, Vec<Statement>),
     /// Runs the body for `i` (or another name) from 0 up to the count (exclusive).
@@ -326,7 +327,7 @@ impl Statement {
             Statement::Blocks { body, .. }
             | Statement::Loop(_, _, body)
             | Statement::Repeat(_, body)
-            | Statement::WhenDue(_, body) => body.iter().for_each(|statement| statement.numbers(list)),
+            | Statement::WhenDue(_, _, body) => body.iter().for_each(|statement| statement.numbers(list)),
             Statement::Note(_) | Statement::Lanes(..) | Statement::Matrix(..) => {}
         }
     }
@@ -340,7 +341,7 @@ impl Statement {
             Statement::Blocks { body, .. }
             | Statement::Loop(_, _, body)
             | Statement::Repeat(_, body)
-            | Statement::WhenDue(_, body) => {
+            | Statement::WhenDue(_, _, body) => {
                 body.iter().for_each(|statement| statement.changed(names));
             }
             _ => {}
@@ -365,7 +366,7 @@ impl Statement {
             Statement::Blocks { body, .. }
             | Statement::Loop(_, _, body)
             | Statement::Repeat(_, body)
-            | Statement::WhenDue(_, body) => {
+            | Statement::WhenDue(_, _, body) => {
                 body.iter().for_each(|statement| statement.locals(read));
             }
             Statement::Note(_) | Statement::Lanes(..) | Statement::Matrix(..) => {}

@@ -436,7 +436,8 @@ impl<'a> Planner<'a> {
         // After the step that ends at the event's sample, so that the state that is read there includes it.
         let outputs =
             self.step.iter().position(|statement| matches!(statement, Statement::Assign(Target::Output(_), _)));
-        self.step.insert(outputs.unwrap_or(self.step.len()), Statement::WhenDue(events.len(), body));
+        self.step
+            .insert(outputs.unwrap_or(self.step.len()), Statement::WhenDue(events.len(), self.system.repeat, body));
         events.iter().map(|event| event.tick).collect()
     }
 

@@ -3,7 +3,7 @@
 use super::File;
 use super::plan::{Field, Plan, Start, Statement, Style, Table, Target};
 use super::text::{Words, decimal, line, numbers, statements, value};
-use crate::analysis::discrete::Precision;
+use crate::analysis::discrete::{Again, Precision};
 use crate::backend::diagnostics::readable;
 
 /// The file.
@@ -82,14 +82,22 @@ impl Words for Rust<'_> {
         [format!("for block in 0..{} {{", count / width), format!("for lane in 0..{width} {{")]
     }
 
-    fn due(&self, count: usize) -> [Vec<String>; 2] {
+    fn due(&self, count: usize, again: Option<Again>) -> [Vec<String>; 2] {
+        let mut after = vec!["    self.next += 1;".to_string()];
+        if let Some(Again { first, ticks }) = again {
+            after.push(format!("    if self.next == {count} {{"));
+            after.push(format!("        self.next = {first};"));
+            after.push(format!("        self.tick = self.tick.wrapping_sub({ticks});"));
+            after.push("    }".to_string());
+        }
+        after.push("}".to_string());
         [
             vec![
                 "self.tick = self.tick.wrapping_add(1);".to_string(),
                 "let event = self.next as usize;".to_string(),
                 format!("if event < {count} && EVENTS[event] == self.tick {{"),
             ],
-            vec!["    self.next += 1;".to_string(), "}".to_string()],
+            after,
         ]
     }
 

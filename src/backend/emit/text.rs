@@ -3,7 +3,7 @@
 //! of them. See docs/method/emit.md.
 
 use super::plan::{Expression, Index, Statement, Target};
-use crate::analysis::discrete::Precision;
+use crate::analysis::discrete::{Again, Precision};
 
 /// The syntax that differs between languages.
 pub trait Words {
@@ -27,8 +27,8 @@ pub trait Words {
     fn repeat_head(&self, count: usize) -> String;
     /// The heads of the loops over `count / width` blocks and over the lanes of one.
     fn block_heads(&self, count: usize, width: usize) -> [String; 2];
-    /// The lines before and after the body that runs when the next of `count` events is due.
-    fn due(&self, count: usize) -> [Vec<String>; 2];
+    /// The lines before and after the body that runs when the next of `count` events is due, and what comes after the last.
+    fn due(&self, count: usize, again: Option<Again>) -> [Vec<String>; 2];
     /// The index in blocks of this width.
     fn lane(&self, width: usize) -> String;
 }
@@ -52,8 +52,8 @@ fn written(words: &impl Words, statement: &Statement, depth: usize) -> String {
         Statement::Repeat(count, body) => {
             line(depth, &words.repeat_head(*count)) + &statements(words, body, depth + 1) + &line(depth, "}")
         }
-        Statement::WhenDue(count, body) => {
-            let [before, after] = words.due(*count);
+        Statement::WhenDue(count, again, body) => {
+            let [before, after] = words.due(*count, *again);
             let [before, after] = [before, after].map(|lines| lines.iter().map(|l| line(depth, l)).collect::<String>());
             before + &statements(words, body, depth + 1) + &after
         }

@@ -65,7 +65,7 @@ pub const PAGES: &[Page] = pages! {
     scene: empty more_findings;
     setting: duplicate form not_a_parameter solved toml unknown;
     shape: size unknown;
-    signal: arguments base_impulse constant_rate cycle delayed differ many_motions times unknown;
+    signal: arguments base_impulse constant_rate cycle delayed differ many_motions period times unknown;
     solve: independent no_root no_value range several_roots singular twice unsettled unstable;
     spectrum: damping emit input left_out points;
     spring: free_length_and_preload negative no_length;

@@ -160,6 +160,27 @@ pub enum PartError {
     TimesReversed {
         span: Span,
     },
+    PeriodicOf {
+        span: Span,
+    },
+    PeriodNotPositive {
+        span: Span,
+    },
+    PeriodShort {
+        span: Span,
+        named: Span,
+        covered: f64,
+    },
+    PeriodLong {
+        span: Span,
+        named: Span,
+        rest: f64,
+        longest: f64,
+    },
+    PeriodOpen {
+        span: Span,
+        named: Span,
+    },
     TableUnread {
         span: Span,
         reason: String,
@@ -473,6 +494,29 @@ impl PartError {
             }
             TimesReversed { span } => {
                 error("vib::signal::times", span, "this time is not later than the one before it")
+            }
+            PeriodicOf { span } => error("vib::signal::arguments", span, "`periodic` repeats a table")
+                .help("write `periodic(table(\"file.csv\", 1 kN), 0.5 s)`"),
+            PeriodNotPositive { span } => error("vib::signal::period", span, "a period must be longer than 0 s")
+                .help("write the time after which the rows of the table come again, such as `0.5 s`"),
+            PeriodShort { span, named, covered } => {
+                let message = format!("this period is shorter than its table, whose rows cover {} s", short(covered));
+                error("vib::signal::period", span, message)
+                    .related(named, "the table is named here")
+                    .help("give the whole period, or remove the rows after it")
+            }
+            PeriodLong { span, named, rest, longest } => {
+                let (rest, longest) = (short(rest), short(longest));
+                let message = format!("this period ends {rest} s after the last row of its table");
+                error("vib::signal::period", span, message)
+                    .label(format!("no two rows are more than {longest} s apart"))
+                    .related(named, "the table is named here")
+                    .help("write rows up to the end of the period; the last one may have the time of the next period's first row")
+            }
+            PeriodOpen { span, named } => {
+                error("vib::signal::period", span, "this motion would jump at the end of each period")
+                    .related(named, "the last row of this table has another value than its first row")
+                    .help("end the table with the value of its first row; a steep flank takes rows of its own")
             }
             TableUnread { span, reason } => Diagnostic::error(TABLE_UNREADABLE, span, "this table cannot be read")
                 .label(reason)

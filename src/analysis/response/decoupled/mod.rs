@@ -183,11 +183,7 @@ impl<'a> Run<'a> {
         drives: &[Vec<Signal>],
         times: &[Number],
     ) -> Option<Run<'a>> {
-        let step = match times {
-            [first, second, ..] => Some(second - first).filter(Number::is_positive),
-            _ => None,
-        };
-        let channels = channels(system, drives, step.as_ref()).ok()?;
+        let channels = channels(system, drives, times).ok()?;
         let (coordinates, blocks): (Box<dyn Coordinates>, Blocks) = match modes {
             Some(modes) => coordinates(system, modes, &channels, times)?,
             None => coordinates(system, &all_modes(system)?, &channels, times)?,
@@ -575,7 +571,8 @@ mod tests {
     fn all_signals() -> Vec<Vec<Signal>> {
         let numbers = |list: &[&str]| list.iter().map(|&text| n(text)).collect::<Vec<_>>();
         let (times, values) = (numbers(&["0", "0.7", "2", "2.05"]), numbers(&["0.1", "2.1", "6", "1"]));
-        let table = |course| Signal::Table(Table { times: times.clone(), values: values.clone(), course });
+        let table =
+            |course| Signal::Table(Table { times: times.clone(), values: values.clone(), course, period: None });
         let integral = |of, times| Signal::Integral { of: Box::new(of), times };
         let by = n("0.21");
         vec![
