@@ -4,19 +4,71 @@
 
 use crate::analysis::AnalysisError;
 use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
+use crate::analysis::following::static_solution;
+use crate::analysis::forms::applied;
 use crate::analysis::modes::condense::condense;
 use crate::analysis::modes::form::{ModalForm, gram, kinds, shapes};
 use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
 use crate::analysis::modes::structure;
-use crate::base::{Ball, Dd, Name, Number, Rational, up};
+use crate::base::{Ball, Dd, Name, Number, up};
 use crate::kernel::dense::Matrix;
-use crate::kernel::dense::enclosure::solve;
 use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature, Origin, Source};
 use std::collections::BTreeMap;
 
 /// Sums of magnitudes are rounded upwards.
 const UP: f64 = up::MILLIONS;
+
+/// What is known of the damping of motion relative to a base.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relative {
+    /// It acts on motion relative to what follows the base.
+    Known,
+    /// So it does, but for motions that K does not restrain: it acts on these relative to the ground.
+    RigidAgainstGround,
+    /// What follows the base is not known: it acts against the ground, or its part alpha M does.
+    Unknown,
+}
+
+/// Lets the damping alpha M + beta K act on motion relative to an input that moves a base: beta on the rates of the strains, which
+/// the base has its part in, alpha on q' - r u', K r = b0, where r has no part in motions that K does not restrain.
+pub fn rayleigh_relative_to(system: &mut LinearSystem, alpha: &Number, beta: &Number, input: usize) -> Relative {
+    let mut column: BTreeMap<CoordinateId, Number> = BTreeMap::new();
+    let mut add = |i: CoordinateId, value: Number| {
+        let entry = column.entry(i).or_insert(Number::ZERO);
+        *entry = &*entry + &value;
+    };
+    system.inputs[input].b[0].iter().for_each(|(i, b)| add(*i, beta * b));
+    let mut found = Relative::Known;
+    if !alpha.is_zero() {
+        match carried(system, input) {
+            None => found = Relative::Unknown,
+            Some(Carried { follows, is_unique }) => {
+                for (i, momentum) in applied(&system.m, &follows).into_iter().enumerate() {
+                    add(CoordinateId(i as u32), alpha * &momentum);
+                }
+                if !is_unique {
+                    found = Relative::RigidAgainstGround;
+                }
+            }
+        }
+    }
+    let of = &mut system.inputs[input];
+    // Of any other r than the one above, something is left where motions are not restrained.
+    of.undamped = (found == Relative::Known).then(|| of.b[1].clone());
+    add_to(&mut of.b[1], column);
+    found
+}
+
+/// Adds entries to a column; zeros are left out.
+fn add_to(column: &mut Vec<(CoordinateId, Number)>, entries: BTreeMap<CoordinateId, Number>) {
+    for (i, value) in entries.into_iter().filter(|(_, value)| !value.is_zero()) {
+        match column.iter_mut().find(|(at, _)| *at == i) {
+            Some((_, known)) => *known = &*known + &value,
+            None => column.push((i, value)),
+        }
+    }
+}
 
 /// Adds alpha M + beta K, term by term; exact if the terms are.
 pub fn rayleigh(system: &mut LinearSystem, alpha: &Number, beta: &Number) {
@@ -78,7 +130,7 @@ pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Re
 ///
 /// Motions that K does not restrain get no damping by modes, so r is taken without them.
 pub fn relative_to(system: &mut LinearSystem, first: usize, input: usize) -> Option<()> {
-    let follows = carried(system, input)?;
+    let follows: Vec<Ball> = carried(system, input)?.follows.iter().map(Number::to_ball).collect();
     let mut force: BTreeMap<CoordinateId, Ball> = BTreeMap::new();
     for term in &system.c.terms()[first..] {
         let row = || system.c.row(term).iter().map(|(i, a)| (*i, a.to_ball()));
@@ -91,21 +143,25 @@ pub fn relative_to(system: &mut LinearSystem, first: usize, input: usize) -> Opt
     }
     let of = &mut system.inputs[input];
     of.undamped = Some(of.b[1].clone());
-    let column = &mut of.b[1];
-    for (i, value) in force.into_iter().filter(|(_, value)| !value.is_zero()) {
-        let value = Number::Ball(value);
-        match column.iter_mut().find(|(at, _)| *at == i) {
-            Some((_, known)) => *known = &*known + &value,
-            None => column.push((i, value)),
-        }
-    }
+    add_to(&mut of.b[1], force.into_iter().map(|(i, value)| (i, Number::Ball(value))).collect());
     Some(())
 }
 
-/// What each coordinate follows of an input statically, orthogonal to the motions that K does not restrain.
-fn carried(system: &LinearSystem, input: usize) -> Option<Vec<Ball>> {
+/// What follows an input statically.
+struct Carried {
+    /// K r = b0, without a part in motions that K does not restrain: v^T M r = 0.
+    follows: Vec<Number>,
+    /// Whether K restrains every motion of the parts that the input pushes.
+    is_unique: bool,
+}
+
+/// Limit on the coordinates of one part: one elimination of a full matrix.
+const MOST_CARRIED: usize = 2000;
+
+/// What each coordinate follows of an input statically, exactly where that is found.
+fn carried(system: &LinearSystem, input: usize) -> Option<Carried> {
     let pushed = &system.inputs[input].b[0];
-    let mut follows = vec![Ball::ZERO; system.n()];
+    let mut found = Carried { follows: vec![Number::ZERO; system.n()], is_unique: true };
     let mut place = vec![0u32; system.n()];
     for part in independent_undamped(system) {
         part.coordinates.iter().zip(0..).for_each(|(&c, i)| place[c as usize] = i);
@@ -118,29 +174,49 @@ fn carried(system: &LinearSystem, input: usize) -> Option<Vec<Ball>> {
         if force.iter().all(Number::is_zero) {
             continue;
         }
+        if n > MOST_CARRIED {
+            return None;
+        }
         let k = chosen(&system.k, &part.k, &place);
         let free = structure::null_space(&k, n);
         // With K r + sum v (v . r) = b0 and K v = 0, v . b0 = 0 it follows that v . r = 0.
-        let along = |v: &Vec<Rational>| {
-            v.iter().zip(&force).fold(Number::ZERO, |sum, (v, f)| &sum + &(&Number::from(v.clone()) * f))
-        };
-        if !free.exact || free.vectors.len() != free.dimension || !free.vectors.iter().all(|v| along(v).is_zero()) {
+        if !free.exact || free.vectors.len() != free.dimension {
+            return None;
+        }
+        let free: Vec<Vec<Number>> =
+            free.vectors.iter().map(|v| v.iter().cloned().map(Number::from).collect()).collect();
+        if !free.iter().all(|v| product(v, &force).is_zero()) {
             return None;
         }
         let mut matrix = k.entries(n);
-        for v in &free.vectors {
-            let v: Vec<Number> = v.iter().cloned().map(Number::from).collect();
+        for v in &free {
             for (i, row) in matrix.iter_mut().enumerate().filter(|(i, _)| !v[*i].is_zero()) {
-                row.iter_mut().zip(&v).for_each(|(entry, a)| *entry = &*entry + &(&v[i] * a));
+                row.iter_mut().zip(v).for_each(|(entry, a)| *entry = &*entry + &(&v[i] * a));
             }
         }
-        let found = solve(
-            &Matrix::from_fn(n, n, |i, j| matrix[i][j].to_ball()),
-            &Matrix::from_fn(n, 1, |i, _| force[i].to_ball()),
-        )?;
-        part.coordinates.iter().enumerate().for_each(|(i, &c)| follows[c as usize] = found[(i, 0)]);
+        let mut own = static_solution(&matrix, &force)?;
+        if !free.is_empty() {
+            found.is_unique = false;
+            own = without(&chosen(&system.m, &part.m, &place), &free, own)?;
+        }
+        part.coordinates.iter().zip(own).for_each(|(&c, value)| found.follows[c as usize] = value);
     }
-    Some(follows)
+    Some(found)
+}
+
+fn product(a: &[Number], b: &[Number]) -> Number {
+    a.iter().zip(b).fold(Number::ZERO, |sum, (a, b)| &sum + &(a * b))
+}
+
+/// r less its part in some motions, so that v^T M r = 0; `None` if these have no inertia.
+fn without(m: &Form, motions: &[Vec<Number>], mut r: Vec<Number>) -> Option<Vec<Number>> {
+    let momenta: Vec<Vec<Number>> = motions.iter().map(|v| applied(m, v)).collect();
+    let matrix: Vec<Vec<Number>> = motions.iter().map(|v| momenta.iter().map(|p| product(p, v)).collect()).collect();
+    let shares = static_solution(&matrix, &momenta.iter().map(|p| product(p, &r)).collect::<Vec<_>>())?;
+    for (v, share) in motions.iter().zip(shares) {
+        r.iter_mut().zip(v).for_each(|(r, v)| *r = &*r - &(&share * v));
+    }
+    Some(r)
 }
 
 /// 2 zeta omega (M x)(M x)^T for a mode, without the factor zeta.

@@ -4,6 +4,7 @@
 
 use super::forms::{applied, dense, solution_on};
 use crate::base::{Number, Rational};
+use crate::kernel::dense::enclosure::solve;
 use crate::kernel::dense::lu::Lu;
 use crate::kernel::dense::{Matrix, echelon};
 use crate::system::{Form, LinearSystem, Origin, Term};
@@ -88,7 +89,8 @@ fn static_response(system: &LinearSystem, b: &[Number], known: Known) -> Option<
         return None;
     }
     let is_solution = |r: &[Number]| less(&applied(&system.k, r), b).iter().all(Number::is_zero);
-    if let Some(r) = near_solution(system, b).filter(|r| is_solution(r)) {
+    let k = system.k.assemble(n);
+    if let Some(r) = near_solution(|i, j| k[i][j].to_f64(), b).filter(|r| is_solution(r)) {
         return Some((r, true));
     }
     let in_fractions = || {
@@ -107,13 +109,38 @@ fn static_response(system: &LinearSystem, b: &[Number], known: Known) -> Option<
     }
 }
 
+/// x with A x = b for a full matrix, of exact numbers if they are simple or few; `None` if A is or may be singular.
+pub fn static_solution(a: &[Vec<Number>], b: &[Number]) -> Option<Vec<Number>> {
+    let n = b.len();
+    let is_solution = |x: &Vec<Number>| {
+        a.iter()
+            .zip(b)
+            .all(|(row, b)| (&row.iter().zip(x).fold(Number::ZERO, |sum, (a, x)| &sum + &(a * x)) - b).is_zero())
+    };
+    let near = near_solution(|i, j| a[i][j].to_f64(), b).filter(is_solution);
+    // A simple solution is the only one if A is regular, which the enclosure proves.
+    let enclosed =
+        solve(&Matrix::from_fn(n, n, |i, j| a[i][j].to_ball()), &Matrix::from_fn(n, 1, |i, _| b[i].to_ball()))?;
+    if let Some(x) = near {
+        return Some(x);
+    }
+    let rational = |row: &[Number]| row.iter().map(|x| x.exact().cloned()).collect::<Option<Vec<Rational>>>();
+    if n <= MOST_STATIC
+        && let Some(matrix) = a.iter().map(|row| rational(row)).collect::<Option<Vec<_>>>()
+        && let Some(right) = rational(b)
+        && let Some((x, true)) = echelon::solution(&matrix, &right)
+    {
+        return Some(x.into_iter().map(Number::from).collect());
+    }
+    Some((0..n).map(|i| Number::Ball(enclosed[(i, 0)])).collect())
+}
+
 /// The solution in binary64, each number rounded to a simple fraction.
-fn near_solution(system: &LinearSystem, b: &[Number]) -> Option<Vec<Number>> {
+fn near_solution(a: impl Fn(usize, usize) -> f64, b: &[Number]) -> Option<Vec<Number>> {
     const LARGEST_DENOMINATOR: i64 = 64;
     const NEAR: f64 = 1e-6;
     let n = b.len();
-    let k = system.k.assemble(n);
-    let lu = Lu::of(Matrix::from_fn(n, n, |i, j| k[i][j].to_f64()))?;
+    let lu = Lu::of(Matrix::from_fn(n, n, a))?;
     let mut x: Vec<f64> = b.iter().map(Number::to_f64).collect();
     lu.solve(&mut x);
     let simple = |x: &f64| {

@@ -8,7 +8,8 @@ mod records;
 pub use laws::{beyond_tangents, laws_in_code, laws_under_noise, names_of_laws};
 pub use records::drifts;
 
-use crate::analysis::{self, damping};
+use crate::analysis;
+use crate::analysis::damping::{self, Relative};
 use crate::analysis::{AnalysisError, Modal, Modes, Request, modal, modal_by_ratio, modal_from, modes, takes_chained};
 use crate::base::{Ball, Code, Diagnostic, Diagnostics, Number, ResponseSpectrum, Span};
 use crate::lower::{self, Lowered, Rest};
@@ -131,7 +132,13 @@ pub fn with_damping(
     let mut by_modes = None;
     match &scene.scene().damping {
         None => {}
-        Some(Damping::Rayleigh { alpha, beta, .. }) => damping::rayleigh(&mut lowered.system, alpha, beta),
+        Some(Damping::Rayleigh { alpha, beta, span }) => {
+            if moves_bases(scene) && flatten(&mut lowered, diagnostics).is_none() {
+                return Err(Box::new(lowered));
+            }
+            diagnostics.extend(rayleigh_relative_to_bases(scene, &mut lowered.system, (alpha, beta), *span));
+            damping::rayleigh(&mut lowered.system, alpha, beta);
+        }
         Some(Damping::Modal { ratio, span }) => {
             // Modal damping couples all coordinates, so its rows are not short.
             if flatten(&mut lowered, diagnostics).is_none() {
@@ -188,6 +195,45 @@ fn relative_to_bases(
     Some(found.related(base.span, "it moves relative to the ground").help(
         "springs that hold every motion make it known; or write dampers: `damper d: base -- body { c = 1 N*s/m }`",
     ))
+}
+
+fn moves_bases(scene: &CheckedScene) -> bool {
+    scene.scene().inputs.iter().any(|input| input.kind.base().is_some())
+}
+
+/// Lets Rayleigh damping act on motion relative to the bases; a note where some motions are damped against the ground all the same,
+/// a warning where it is not known what follows a base.
+fn rayleigh_relative_to_bases(
+    scene: &CheckedScene,
+    system: &mut LinearSystem,
+    (alpha, beta): (&Number, &Number),
+    span: Span,
+) -> Option<Diagnostic> {
+    let scene = scene.scene();
+    let bases = scene.inputs.iter().enumerate().filter_map(|(input, of)| Some((input, of.kind.base()?)));
+    let found: Vec<_> = bases
+        .map(|(input, base)| (damping::rayleigh_relative_to(system, alpha, beta, input), base))
+        .filter(|(found, _)| *found != Relative::Known)
+        .collect();
+    let unknown = found.iter().find(|(found, _)| *found == Relative::Unknown);
+    let (kind, base) = unknown.or(found.first())?;
+    let base = &scene.bases[base.index()];
+    let (name, code) = (scene.words.display(base.name), Code::model("vib::damping::base"));
+    let finding = match kind {
+        Relative::Unknown => Diagnostic::warning(
+            code,
+            span,
+            format!("the part of this damping by masses acts against the ground, since it is not known what follows the base `{name}` statically"),
+        )
+        .help("springs that hold every motion make it known; or write dampers: `damper d: base -- body { c = 1 N*s/m }`"),
+        _ => Diagnostic::note(
+            code,
+            span,
+            format!("motions that no spring restrains are damped against the ground, all others relative to the base `{name}`"),
+        )
+        .help("springs that hold every motion make it relative to the base; or write dampers"),
+    };
+    Some(finding.related(base.span, "it moves relative to the ground"))
 }
 
 fn flatten(lowered: &mut Lowered, diagnostics: &mut Diagnostics) -> Option<()> {

@@ -8,8 +8,12 @@ use super::roles::{Role, Space};
 use super::shown;
 use super::tokens::TokenKind;
 use crate::backend;
+use crate::base::{Dimension, Number};
+use crate::kinds::motions::{COUPLE_REACTIONS, JOINT_REACTIONS, ReactionComponent};
 use crate::lower::SpringAtRest;
-use crate::model::scene::{Body, Element, Freedom, Geometry, Law, Scene};
+use crate::model::scene::{
+    Body, Element, Freedom, Geometry, Holder, JointId, Law, Motion, MotionTerm, Reaction, Scene,
+};
 use crate::model::{Overrides, Scalar, Value};
 use crate::system::Origin;
 use std::ops::Range;
@@ -230,6 +234,7 @@ fn part(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Op
         let bodies = scene.bodies.iter().filter(|body| named(body.name)).map(|body| scene.words.display(body.name));
         markdown += &equations(document, known, &bodies.take(MANY).collect::<Vec<String>>());
         markdown += &elements(known, named);
+        markdown += &carried(known, named);
     }
     (!markdown.is_empty()).then_some(markdown)
 }
@@ -340,6 +345,42 @@ fn elements(known: &Results, named: impl Fn(crate::base::Name) -> bool) -> Strin
             text += &shares(motions, "strain energy", |mode| {
                 mode.strain.iter().filter(|share| share.of.origin == own).map(|share| share.part.0).sum()
             });
+        }
+    }
+    text
+}
+
+/// `at rest: fx = 1.2 kN, fy = 0 N`: what joints and couplings carry, and the words for it in outputs. What redundant joints leave open is
+/// left out.
+fn carried(known: &Results, named: impl Fn(crate::base::Name) -> bool) -> String {
+    let scene = known.scene.scene();
+    let Some(motions) = &known.motions else { return String::new() };
+    let joints = (0..).map(JointId).zip(&scene.joints).map(|(id, joint)| {
+        let own = JOINT_REACTIONS
+            .iter()
+            .filter(|(component, ..)| *component != ReactionComponent::Moment || !joint.kind.turns);
+        (joint.name, Holder::Joint(id), own.map(|(component, name, _)| (*component, *name)).collect::<Vec<_>>(), None)
+    });
+    let couples = (0..).zip(&scene.couples).map(|(id, couple)| {
+        let own = COUPLE_REACTIONS.iter().map(|(component, name, _)| (*component, *name)).collect();
+        (couple.name, Holder::Couple(id), own, Dimension::TORQUE.per(couple.dimension))
+    });
+    let mut text = String::new();
+    for (name, holder, components, dimension) in joints.chain(couples).filter(|(name, ..)| named(*name)).take(MANY) {
+        let value = |(component, word): (ReactionComponent, &str)| {
+            let reaction = Reaction { holder, component };
+            let term = MotionTerm { coefficient: Number::ONE, motion: Motion::Reaction(reaction) };
+            let value = motions.mechanism.at_rest(scene, &motions.rest, &[term], holder.span(scene)).ok()?;
+            let dimension = dimension.unwrap_or(match component {
+                ReactionComponent::Moment => Dimension::TORQUE,
+                _ => Dimension::FORCE,
+            });
+            Some(format!("`{word}` = {}", shown::with_unit(&value, &dimension.usual_unit())))
+        };
+        let values: Vec<String> = components.into_iter().filter_map(value).collect();
+        if !values.is_empty() {
+            let name = scene.words.display(name);
+            text += &format!("`{name}` carries at rest: {}\n\n", values.join(", "));
         }
     }
     text

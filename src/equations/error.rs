@@ -36,6 +36,10 @@ pub enum EquationsError {
         span: Span,
         most: u32,
     },
+    /// What follows a base statically has no form in symbols, or is not determined.
+    Carried {
+        span: Span,
+    },
     /// Something in the scene has no form in symbols.
     NoForm {
         span: Span,
@@ -81,6 +85,12 @@ impl EquationsError {
                 );
                 Diagnostic::error(NO_FORM, *span, message)
                     .help("give it the tangent at rest as its coefficient, which `vibc analyze` shows, for the linear equations")
+            }
+            EquationsError::Carried { span } => {
+                let message =
+                    "damping by masses acts relative to what follows the bases, which has no form in symbols here";
+                Diagnostic::error(NO_FORM, *span, message)
+                    .help("write dampers, or `damping rayleigh(0 /s, ...)`; `vibc analyze --matrices` has the numbers")
             }
             EquationsError::NoForm { span } => {
                 Diagnostic::error(NO_FORM, *span, "a direction or place of this scene has no form in symbols")

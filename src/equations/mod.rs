@@ -13,6 +13,7 @@
 //! Nothing is taken from the lowering but the values of rest and which coordinates are independent; what is found is compared with it.
 
 pub mod belts;
+mod carried;
 pub mod closed;
 pub mod constraint;
 pub mod coordinate;
@@ -86,6 +87,8 @@ pub struct Linearised {
     pub damping: Vec<Vec<Entry>>,
     pub stiffness: Vec<Vec<Entry>>,
     pub inputs: Vec<Column>,
+    /// Where damping acts relative to bases: what follows each input statically.
+    pub carried: Vec<(usize, Vec<Sum>)>,
     /// The dependent coordinates in terms of the independent ones and the prescribed motions, to first order.
     pub dependent: Vec<(usize, Sum)>,
     /// Velocity ratios that have a name, each with its value in symbols.
@@ -168,6 +171,14 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     let rayleigh = written.rayleigh.clone();
     if let Some((alpha, beta)) = &rayleigh {
         linear.add_rayleigh(alpha, beta, &names)?;
+        let is_base = |input: usize| scene.inputs.get(input).is_some_and(|input| input.kind.base().is_some());
+        if !linear.relative_to_bases(alpha, beta, &names, is_base) {
+            let span = match &scene.damping {
+                Some(Damping::Rayleigh { span, .. }) => *span,
+                _ => no_span(),
+            };
+            return Err(EquationsError::Carried { span });
+        }
     }
     let modal_damping = match &scene.damping {
         Some(Damping::Modal { ratio, .. }) => Some(ratio.clone()),
@@ -324,6 +335,30 @@ impl Linearised {
             entry.value = names.value_of(&entry.sum).ok_or_else(|| EquationsError::NoForm { span: no_span() })?;
         }
         Ok(())
+    }
+}
+
+impl Linearised {
+    /// Lets the damping alpha M + beta K act on motion relative to what follows the bases; false if that has no form.
+    fn relative_to_bases(&mut self, alpha: &Sum, beta: &Sum, names: &Names, is_base: impl Fn(usize) -> bool) -> bool {
+        let mut found = Vec::new();
+        for column in self.inputs.iter_mut().filter(|column| is_base(column.input) && column.parts.len() > 1) {
+            let pushed = column.parts[0].clone();
+            for (entry, pushed) in column.parts[1].iter_mut().zip(&pushed) {
+                *entry = &*entry + &(beta * pushed);
+            }
+            if alpha.is_zero() || pushed.iter().all(Sum::is_zero) {
+                continue;
+            }
+            let Some(follows) = carried::follows(&self.stiffness, &pushed, names) else { return false };
+            for (entry, masses) in column.parts[1].iter_mut().zip(&self.mass) {
+                let momentum = masses.iter().zip(&follows).fold(Sum::ZERO, |sum, (mass, r)| &sum + &(&mass.sum * r));
+                *entry = (&*entry + &(alpha * &momentum)).simplified();
+            }
+            found.push((column.input, follows));
+        }
+        self.carried = found;
+        true
     }
 }
 

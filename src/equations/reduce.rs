@@ -90,6 +90,7 @@ pub fn reduced(
         stiffness: valued(whole_stiffness)?,
         coordinates,
         inputs,
+        carried: Vec::new(),
         dependent,
         ratios,
         lengths: full.lengths.clone(),

@@ -22,8 +22,8 @@ mod solutions;
 
 /// Compares everything; the first difference is the error.
 pub fn verify(equations: &Equations, scene: &Scene, lowered: &Lowered) -> Result<(), EquationsError> {
-    let system = &lowered.system;
-    let whole = solutions::Matrices::new(scene, system);
+    let whole = solutions::Matrices::new(scene, &lowered.system);
+    let system = &solutions::damped(equations, scene, &lowered.system)?;
     matrices(equations, system, &whole)?;
     inputs(equations, system)?;
     rests(equations)?;

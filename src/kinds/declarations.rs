@@ -455,8 +455,8 @@ const LAST: [Declaration; 17] = [
             Manual {
                 forms: "damping modal 2 %\ndamping rayleigh(0.1 /s, 1e-4 s)",
                 summary: "Damping of the whole scene, added to the dampers.",
-                rules: "`modal` gives every mode the same damping ratio; `rayleigh(a, b)` adds a M + b K. Both act against the \
-                 ground. At most one per model.",
+                rules: "`modal` gives every mode the same damping ratio; `rayleigh(a, b)` adds a M + b K. Both act on motion \
+                 relative to what moving bases carry along. At most one per model.",
                 heading: "Damping of the whole scene",
             },
             &[

@@ -336,6 +336,12 @@ fn reaction_error(name: &str, holder: Span, span: Span, why: &Open) -> Diagnosti
                 .label("asked for here")
                 .help("write a damper in place of `loss`; `rest(...)` of the reaction needs no damping")
         }
+        Open::DampedRelative => error(
+            REACTION_DAMPED,
+            format!("damping by masses relative to a base does not say which part of its forces `{name}` carries"),
+        )
+        .label("asked for here")
+        .help("declare dampers, or `damping rayleigh(0 /s, ...)`; `rest(...)` of the reaction needs no damping"),
         Open::DampedByModes => {
             error(REACTION_DAMPED, format!("`damping modal` does not say which part of its forces `{name}` carries"))
                 .label("asked for here")

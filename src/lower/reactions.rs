@@ -27,6 +27,8 @@ pub enum Open {
     Unreleased(Unreleased),
     /// Modal damping does not say where its forces act.
     DampedByModes,
+    /// Damping by masses is relative to what follows a base, which is found for the whole scene alone.
+    DampedRelative,
     /// Reactions to forces of springs with a loss factor are not computed.
     Lossy,
 }
@@ -99,7 +101,11 @@ impl Lowered {
                     return Err(open(scene, &reactions.asked[0], Open::DampedByModes, output.span));
                 }
                 Some(Damping::Rayleigh { alpha, beta, .. }) => {
-                    reactions.carried.iter_mut().for_each(|carried| carried.damp(alpha, beta));
+                    let is_base = |input: u32| scene.inputs[input as usize].kind.base().is_some();
+                    if !alpha.is_zero() && (0..scene.inputs.len() as u32).any(is_base) && !reactions.asked.is_empty() {
+                        return Err(open(scene, &reactions.asked[0], Open::DampedRelative, output.span));
+                    }
+                    reactions.carried.iter_mut().for_each(|carried| carried.damp(alpha, beta, is_base));
                 }
                 Some(Damping::Modal { .. }) | None => {}
             }

@@ -8,7 +8,7 @@
 use super::Check;
 use super::error::{PartError, QuestionError};
 use super::freedoms::Line;
-use super::scene::{BaseId, Body, BodyId, Damping, Freedom, Motion, Part, Signal};
+use super::scene::{Body, BodyId, Freedom, Part};
 use super::scope::{DefinitionKind, Environment};
 use crate::base::{Number, Place, Span, Vec3};
 use crate::syntax::tree::{DeclKind, Field};
@@ -139,34 +139,6 @@ impl<'a> Check<'a> {
         }
         self.unused_definitions();
         self.idle_gravity();
-        self.damping_beside_a_base();
-    }
-
-    /// Warns that Rayleigh damping acts against the ground, if a base moves the bodies it is attached to: the coordinates are
-    /// motions relative to the ground.
-    fn damping_beside_a_base(&mut self) {
-        let span = match &self.scene.damping {
-            Some(Damping::Rayleigh { alpha, beta, span }) if !(alpha.is_zero() && beta.is_zero()) => *span,
-            _ => return,
-        };
-        let base_of = |part: Part| if let Part::Base(base) = part { Some(base) } else { None };
-        let ends = self.scene.elements.iter().flat_map(|element| &element.ends);
-        let ends = ends.chain(self.scene.joints.iter().flat_map(|joint| &joint.ends)).map(|end| end.part);
-        let coupled =
-            self.scene.couples.iter().flat_map(|couple| &couple.terms).filter_map(|term| match &term.motion {
-                Motion::Point { part, .. } | Motion::Turn { part, .. } => Some(*part),
-                Motion::Force { .. } | Motion::Stretch { .. } | Motion::Reaction(_) => None,
-            });
-        // Under a response spectrum, damping ratios are those of motions relative to the base.
-        let by_spectrum = |base: &BaseId| {
-            let mut own = self.scene.inputs.iter().filter(|input| input.kind.base() == Some(*base));
-            own.any(|input| input.signal.iter().any(|signal| matches!(signal, Signal::Spectrum(_))))
-        };
-        let mut bases = ends.chain(coupled).filter_map(base_of);
-        let Some(base) = bases.find(|base| !by_spectrum(base)) else { return };
-        let base = &self.scene.bases[base.index()];
-        let (place, name) = (base.span, self.words.display(base.name));
-        self.report(Environment::TOP, PartError::DampingBesideBase { span, base: place, name });
     }
 
     /// Notes that gravity has no effect: no mass can fall, swing or stretch its support.

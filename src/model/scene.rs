@@ -7,7 +7,7 @@
 
 use crate::base::{Bound, Density, Name, Number, Quantity, ResponseSpectrum, Span, Vec3, Words};
 use crate::elements::Curve;
-use crate::kinds::motions::ReactionComponent;
+pub use crate::kinds::motions::ReactionComponent;
 use crate::system::Signal as Function;
 use crate::{elements, joints};
 use std::sync::Arc;

@@ -108,3 +108,19 @@ fn a_belt_runs_round_two_disks() {
     }
     one(&format!("{disk}belt r: a -- «ground» {{ k = 2 kN/m }}\n"), "vib::belt::no_disk");
 }
+
+#[test]
+fn a_period_fits_its_rows() {
+    let force = |signal: &str| {
+        format!(
+            "body b {{ mass = 2 kg, moves x }}\nspring s: ground -- b {{ k = 10 N/m }}\nforce F: b along x = {signal}\n"
+        )
+    };
+    for period in ["«0.5 s»", "«2.5 s»", "«0 s»", "«-1 s»"] {
+        one(&force(&format!("periodic(table(\"plain.csv\", 1 N), {period})")), "vib::signal::period");
+    }
+    one(&force("periodic(«step(1 N, 0 s)», 1 s)"), "vib::signal::arguments");
+    let moved = "body b { mass = 2 kg, moves x }\nspring s: f -- b { k = 10 N/m }\n\
+                 base f { moves x } = periodic(table(\"plain.csv\", 1 mm), «1 s»)\n";
+    one(moved, "vib::signal::period");
+}

@@ -312,6 +312,21 @@ fn glyphs_name_the_line_that_made_them() {
     }
 }
 
+/// What joints and rails exert has an arrow in its positive direction or turn; what a coupling exerts has no place.
+#[test]
+fn reactions_have_arrows() {
+    let figured = Figured::of("slider_crank.vib", &example("slider_crank.vib"), AS_DRAWN).expect("a figure");
+    let titles =
+        |figured: &Figured| figured.of_kind(Kind::Output).map(|glyph| glyph.title.clone()).collect::<BTreeSet<_>>();
+    let wanted = ["angle", "bearing_x", "bearing_y", "side", "wrist_x"].map(|name| format!("output {name}"));
+    assert_eq!(titles(&figured), BTreeSet::from(wanted));
+    let model = "body block { mass = 1 kg, moves x, at = (0, 0) }\nspring s: ground@(-1 m, 0) -- block { k = 10 N/m }\n\
+                 body a { mass = 1 kg, inertia = 1 kg*m^2, turns, at = (0, 3 m) }\nbody b { mass = 1 kg, inertia = 1 kg*m^2, turns, at = (2 m, 3 m) }\n\
+                 couple g: 2 * a.angle = b.angle\noutput rails = block.support_y\noutput guide = block.support_moment\noutput teeth = g.force\n";
+    let figured = Figured::of("rails.vib", model, AS_DRAWN).expect("a figure");
+    assert_eq!(titles(&figured), BTreeSet::from(["guide", "rails"].map(|name| format!("output {name}"))));
+}
+
 /// Checks that elements are closed in their order, and that text contains no markup.
 fn well_formed(svg: &str) -> Result<(), String> {
     let mut open: Vec<&str> = Vec::new();

@@ -2,8 +2,7 @@
 //! See docs/method/response.md#signals.
 
 use super::emit::options;
-use super::emit_exact::check_as;
-use super::emit_exact::observed;
+use super::emit_exact::{check_as, observed};
 use super::signals::{code, meets, ramp, ran, simulated, step};
 use super::systems::{Builder, number};
 use vibc::analysis::Signal;

@@ -10,6 +10,7 @@ use crate::equations::{Equations, EquationsError};
 use crate::model::scene::{self, Damping, Scene};
 use crate::symbols::Sum;
 use crate::system::{CoordinateId, Form, LinearSystem};
+use std::borrow::Cow;
 
 pub fn verify(
     equations: &Equations,
@@ -62,6 +63,36 @@ impl Matrices {
         }
         polynomial::determinant(&matrix)
     }
+}
+
+/// The linear system with the part that bases have in Rayleigh damping, by its definition: beta b0 + alpha M r for r with K r = b0.
+pub fn damped<'a>(
+    equations: &Equations,
+    scene: &Scene,
+    system: &'a LinearSystem,
+) -> Result<Cow<'a, LinearSystem>, EquationsError> {
+    let Some(Damping::Rayleigh { alpha, beta, .. }) = &scene.damping else { return Ok(Cow::Borrowed(system)) };
+    let mut damped = Cow::Borrowed(system);
+    let [m, k] = [&system.m, &system.k].map(|form| form.entries(system.n() + system.chain.len()));
+    let product = |row: &[Number], r: &[Number]| row.iter().zip(r).fold(Number::ZERO, |sum, (a, r)| &sum + &(a * r));
+    for (number, input) in system.inputs.iter().enumerate() {
+        if scene.inputs.get(number).is_none_or(|input| input.kind.base().is_none()) {
+            continue;
+        }
+        let column = &mut damped.to_mut().inputs[number].b[1];
+        column.extend(input.b[0].iter().map(|(i, value)| (*i, beta * value)));
+        let Some((_, follows)) = equations.linear.carried.iter().find(|(of, _)| *of == number) else { continue };
+        let r: Vec<Number> = follows.iter().map(|sum| equations.names.value_of(sum).unwrap_or(Number::ZERO)).collect();
+        for place in 0..system.n() {
+            let (pushed, force) = (entry(&input.b[0], place), product(&k[place], &r));
+            if !agree(&force, &pushed) {
+                let what = format!("K r[{}, {}]", equations.label(place).plain(), equations.inputs[number]);
+                return Err(defect(system.coordinates[place].span, what, &force, &pushed));
+            }
+            column.push((CoordinateId(place as u32), alpha * &product(&m[place], &r)));
+        }
+    }
+    Ok(damped)
 }
 
 /// Every entry of an output.

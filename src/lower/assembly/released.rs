@@ -131,8 +131,11 @@ impl Carried {
         }
     }
 
-    /// Adds the force of the damping alpha M + beta K.
-    pub fn damp(&mut self, alpha: &Number, beta: &Number) {
+    /// Adds the force of the damping alpha M + beta K, of which beta acts on the rates of strains: bases have their part in these.
+    pub fn damp(&mut self, alpha: &Number, beta: &Number, is_base: impl Fn(u32) -> bool) {
+        let of_bases = self.d[0].iter().filter(|(input, _)| is_base(*input));
+        let more: Vec<(u32, Number)> = of_bases.map(|(input, value)| (*input, value * beta)).collect();
+        self.d[1].extend(more.into_iter().filter(|(_, value)| !value.is_zero()));
         for (order, factor) in [(2, alpha), (0, beta)] {
             let more: Sparse = self.p[order].iter().map(|(i, value)| (*i, value * factor)).collect();
             self.p[1].extend(more);

@@ -122,11 +122,6 @@ pub enum PartError {
         span: Span,
         ratio: f64,
     },
-    DampingBesideBase {
-        span: Span,
-        base: Span,
-        name: String,
-    },
     ForceWithoutDirection {
         span: Span,
     },
@@ -444,12 +439,6 @@ impl PartError {
                     format!("a damping ratio of {} is {} %: no mode oscillates", short(ratio), short(100.0 * ratio));
                 Diagnostic::warning(Code::model("vib::damping::large"), span, message)
                     .help("critical damping is 1, or 100 %; write a ratio in percent as `2 %`")
-            }
-            DampingBesideBase { span, base, name } => {
-                let message = format!("this damping acts against the ground, not against the moving base `{name}`");
-                Diagnostic::warning(Code::model("vib::damping::base"), span, message)
-                    .related(base, "it moves relative to the ground")
-                    .help("for damping against the base write dampers: `damper d: base -- body { c = 1 N*s/m }`")
             }
             ForceWithoutDirection { span } => {
                 error("vib::input::direction_unknown", span, "the direction of this force is not known")

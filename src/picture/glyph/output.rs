@@ -3,7 +3,7 @@
 use super::couple::direction;
 use super::{Sheet, Subject, arrow};
 use crate::base::Span;
-use crate::model::scene::{Motion, Part};
+use crate::model::scene::{Holder, Motion, Part, Reaction, ReactionComponent};
 use crate::picture::figure::{Kind, Pen, Stroke};
 use crate::picture::geometry::Point;
 use crate::picture::occupied::Occupied;
@@ -28,6 +28,12 @@ enum Shown {
     /// The change of an element's length or force.
     Element {
         index: usize,
+    },
+    /// A component of what a joint or the rails of a freedom clause exert on a part, at a place; `None` for the moment.
+    Carries {
+        part: usize,
+        at: Point,
+        direction: Option<Point>,
     },
 }
 
@@ -67,6 +73,12 @@ pub fn draw_all(sheet: &mut Sheet, stage: &Stage, room: &mut Occupied) {
                 (tries.collect(), Point::new(0.0, -1.0))
             }
             Shown::Element { index } => (beside_element(stage, index), Point::new(0.0, -1.0)),
+            // Like a force, which pulls at the part in its positive direction.
+            Shown::Carries { at, direction: Some(direction), .. } => (pulling(at, direction), direction),
+            Shown::Carries { at, direction: None, .. } => {
+                let tries = arrow::offsets(12.0).flat_map(|radius| arrow::arcs(at, radius, Pen::Thin, false));
+                (tries.collect(), Point::new(0.0, -1.0))
+            }
         };
         if let Some(bounds) = sheet.choose(Kind::Output, of, tries, room) {
             sheet.label_beside(names, Some(entry.span), bounds, &[best]);
@@ -89,10 +101,44 @@ fn shown(sheet: &Sheet, stage: &Stage, motion: &Motion) -> Option<Shown> {
             Some(Shown::Moves { part, at: stage.point(part, drawn), direction })
         }
         Motion::Turn { part, .. } => Some(Shown::Turns { part: parts.number(*part) }),
-        // The joint is drawn; an arrow for its force would suggest a direction.
-        Motion::Reaction(_) => None,
+        Motion::Reaction(reaction) => carried(sheet, stage, *reaction),
         Motion::Force { element } | Motion::Stretch { element } => Some(Shown::Element { index: element.index() }),
     }
+}
+
+/// What a joint exerts on its second part, or rails on the body that they guide; a coupling has no place.
+fn carried(sheet: &Sheet, stage: &Stage, reaction: Reaction) -> Option<Shown> {
+    let parts = sheet.parts_of();
+    let (part, at) = match reaction.holder {
+        Holder::Couple(_) => return None,
+        Holder::Support(body) => {
+            let part = parts.number(Part::Body(body));
+            (part, stage.place(part))
+        }
+        Holder::Joint(joint) => {
+            let part = parts.number(sheet.scene.joints[joint.index()].ends[1].part);
+            (part, stage.point(part, stage.layout.joints[joint.index()]))
+        }
+    };
+    // Up is negative on the page.
+    let direction = match reaction.component {
+        ReactionComponent::X => Some(Point::new(1.0, 0.0)),
+        ReactionComponent::Y => Some(Point::new(0.0, -1.0)),
+        ReactionComponent::Moment | ReactionComponent::Coupling => None,
+    };
+    Some(Shown::Carries { part, at, direction })
+}
+
+/// An arrow of a force that begins or ends near a place.
+fn pulling(at: Point, direction: Point) -> Vec<Vec<Stroke>> {
+    let single = |from: Point| arrow::single(from, from.towards(direction, LENGTH), Pen::Thin);
+    let away = arrow::offsets(8.0).flat_map(|off| {
+        let beside = [0.0, 9.0, -9.0].map(|aside| at.towards(direction.across(), aside));
+        let from = beside.map(|place| single(place.towards(direction, off)));
+        let to = beside.map(|place| single(place.towards(direction, -off - LENGTH)));
+        from.into_iter().chain(to)
+    });
+    away.collect()
 }
 
 /// Beside the body first, then further off.

@@ -69,6 +69,17 @@ fn a_body_shows_its_equations_of_motion() {
     assert!(!hover(&mut client, "rod   {", 0).contains("equations of motion"));
 }
 
+/// The gas pushes with 1200 N: the main bearing takes them along and 5/12 of them across, the cylinder the latter alone; a pivot that
+/// turns has no moment, and the cylinder's passes through its middle.
+#[test]
+fn a_joint_shows_what_it_carries_at_rest() {
+    let mut client = Client::open(&example("slider_crank"));
+    let main = hover(&mut client, "main:", 0);
+    assert!(main.contains("`main` carries at rest: `fx` = 1200 N, `fy` = -500 N\n"), "{main}");
+    let cylinder = hover(&mut client, "cylinder:", 0);
+    assert!(cylinder.contains("`fy` = 500 N, `moment` = 0 N*m"), "{cylinder}");
+}
+
 #[test]
 fn columns_count_in_the_negotiated_encoding() {
     // 𝛼 is two units of UTF-16, four bytes, and in a comment.

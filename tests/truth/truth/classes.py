@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, loss, loss_poles, measures, modal, modes, motions, noise, noise_loss, noise_maxima, noise_peaks, optima, planar, poles, rates, reactions, sensitivities, settle, shock, singular, solving, spectrum, tolerated, transfer
+from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, loss, loss_poles, measures, modal, modes, motions, noise, noise_loss, noise_maxima, noise_peaks, optima, periodic, planar, poles, rates, rayleigh, reactions, sensitivities, settle, shock, singular, solving, spectrum, tolerated, transfer
 
 
 @dataclass(frozen=True)
@@ -24,11 +24,13 @@ ALL = {
     "extremes": Class(extremes.scene, extremes.check, 5000, 50),
     "extrema": Class(extrema.scene, extrema.check, 10000, 100),
     "motions": Class(motions.scene, motions.check, 10000, 100),
+    "periodic": Class(periodic.scene, periodic.check, 5000, 40),
     "transfer": Class(transfer.scene, transfer.check, 10000, 150),
     "singular": Class(singular.scene, singular.check, 10000, 100),
     "loss": Class(loss.scene, loss.check, 10000, 60),
     "loss_poles": Class(loss_poles.scene, loss_poles.check, 10000, 60),
     "rates": Class(rates.scene, rates.check, 10000, 60),
+    "rayleigh": Class(rayleigh.scene, rayleigh.check, 10000, 60),
     "modal": Class(modal.scene, modal.check, 10000, 100),
     "measures": Class(measures.scene, measures.check, 10000, 100),
     "settling": Class(settle.scene, settle.check, 5000, 40),

@@ -469,7 +469,9 @@ ALL = [belt_drive, board_on_shaker, car_on_road, car_over_bump, cart, double_pen
        inerter_table, inverted_pendulum, isolation_table, light_station, long_chain, mortar, optimal_absorber, quarter_car, rotor, shaker_test, shear_building,
        slider_crank, stacked_blocks, stiffening_mount, test_hall, train, tuned_absorber, tuned_mass_damper]
 # An example that is added needs its energies here.
-assert sorted([f"{made.__name__}.vib" for made in ALL]) == sorted(name for name in os.listdir(FOLDER) if name.endswith(".vib"))
+# A loss factor is no law in time, so that `vibc equations` refuses it.
+REFUSED = ["rubber_mounts.vib"]
+assert sorted([f"{made.__name__}.vib" for made in ALL] + REFUSED) == sorted(name for name in os.listdir(FOLDER) if name.endswith(".vib"))
 
 made = iter(())
 

@@ -12,6 +12,20 @@ from .tally import decimal
 GROUND = -1
 
 
+def null_space(matrix):
+    """A basis of the vectors that a matrix takes to zero."""
+    reduced, rank = matrix.rref()
+    pivots = [next(j for j in range(matrix.ncols()) if reduced[i, j] != 0) for i in range(rank)]
+    found = []
+    for column in (j for j in range(matrix.ncols()) if j not in pivots):
+        v = [fmpq(0)] * matrix.ncols()
+        v[column] = fmpq(1)
+        for row, pivot in enumerate(pivots):
+            v[pivot] = -reduced[row, column]
+        found.append(v)
+    return found
+
+
 class Net:
     """Bodies `b0, b1, ...`; ends of elements are numbers of bodies, GROUND, or ("base", i)."""
 
@@ -135,8 +149,28 @@ class Net:
             column[j][0] += k[j, i]
             column[j][1] += c[j, i]
         if self.damping and self.damping[0] == "rayleigh":
-            raise ValueError("Rayleigh damping beside a base has two readings")
+            alpha, beta = (decimal(word) for word in self.damping[1:])
+            momentum = self.mass() * self.carried([k[j, i] for j in range(size)])
+            for j in range(size):
+                column[j][1] += beta * k[j, i] + alpha * momentum[j, 0]
         return column
+
+    def carried(self, pushed):
+        """What follows a base statically, K r = pushed, with no momentum in motions that K does not restrain."""
+        size = self.size()
+        m, (k, _) = self.mass(), self.network(self.springs)
+        unrestrained = null_space(k)
+        count = len(unrestrained)
+        whole, right = fmpq_mat(size + count, size + count), fmpq_mat(size + count, 1)
+        for i in range(size):
+            right[i, 0] = pushed[i]
+            for j in range(size):
+                whole[i, j] = k[i, j]
+        for at, v in enumerate(unrestrained):
+            for i in range(size):
+                whole[size + at, i] = whole[i, size + at] = m[i, i] * v[i]
+        r = whole.solve(right)
+        return fmpq_mat(size, 1, [r[i, 0] for i in range(size)])
 
     def row(self, i, name=None):
         """P(s) of output i: for each coordinate the coefficients of 1, s, s^2; and D(s) from the input `name`."""
