@@ -67,6 +67,8 @@ pub struct Equations {
     /// Names of the inputs and outputs of the scene.
     pub inputs: Vec<String>,
     pub outputs: Vec<transfer::Output>,
+    /// The names of outputs of what joints, couplings and rails carry, which these equations do not contain.
+    pub carried: Vec<String>,
     /// Natural frequencies and poles, and transfer functions.
     pub parts: Vec<closed::Part>,
     pub transfers: Vec<transfer::Transfer>,
@@ -199,6 +201,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
         linear,
         inputs,
         outputs: Vec::new(),
+        carried: transfer::carried(scene),
         parts: Vec::new(),
         transfers: Vec::new(),
         rayleigh,

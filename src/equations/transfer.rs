@@ -11,7 +11,7 @@ use super::polynomial::{self, Polynomial};
 use super::zeros;
 use super::{Equations, Linearised};
 use crate::base::{Number, Span};
-use crate::model::scene::{Element, Geometry, Motion as Moved, Scene};
+use crate::model::scene::{Element, Geometry, Motion as Moved, MotionTerm, Scene};
 use crate::model::written::{Pair, Written, WrittenTerm, dot};
 use crate::symbols::{Factor, Lengths, Product, Sum, Symbol, common_factors};
 
@@ -146,6 +146,13 @@ pub struct Transfer {
     pub reduced: (Vec<Sum>, Vec<Sum>),
     /// The numerator of a larger part.
     pub numbers: Polynomial,
+}
+
+/// The outputs of reactions: only their values at rest, the multipliers of joints, are in the equations.
+pub fn carried(scene: &Scene) -> Vec<String> {
+    let is_reaction = |term: &MotionTerm| matches!(term.motion, Moved::Reaction(_));
+    let outputs = scene.outputs.iter().filter(|output| output.terms.iter().any(is_reaction));
+    outputs.map(|output| scene.words.display(output.name)).collect()
 }
 
 /// The transfer functions within each part, between the inputs and outputs that are declared.

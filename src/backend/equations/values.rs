@@ -20,6 +20,13 @@ impl Writer<'_> {
              compared with the linear system of `vibc analyze`, and the equations of motion with derivatives of the energies at \
              random states.",
         ));
+        if !self.equations.carried.is_empty() {
+            items.push(paragraph(format!(
+                "Left out: {}. The forces of joints are no coordinates of these equations; `vibc transfer` has their numbers, and \
+                 the multipliers in section 4 are what joints carry at rest.",
+                self.equations.carried.join(", ")
+            )));
+        }
         Section { heading: "6 Values", items }
     }
 
