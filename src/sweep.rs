@@ -2,9 +2,10 @@
 //! computed in any order, on all cores. See docs/method/studies.md.
 
 use crate::Outcome;
-use crate::base::{FileId, Number, Sources};
+use crate::base::{Angle, Dimension, FileId, Number, Sources};
 use crate::kernel::cores;
 use crate::kernel::sobol;
+use crate::model::scene::Parameter;
 use crate::model::{self, Overrides};
 use crate::questions::answer::Case;
 use crate::questions::cases::{Asked, Study, Varied};
@@ -36,6 +37,23 @@ pub struct StudyRequest {
     pub until: Option<Number>,
     /// A relative bound that is good enough for a frequency; `None` for the usual one.
     pub tolerance: Option<f64>,
+}
+
+impl StudyRequest {
+    /// The name of each parameter of a model, with a unit whose values are those in SI; empty for a plain number.
+    pub fn units(sources: &Sources, model: FileId, overrides: &Overrides) -> Vec<(String, String)> {
+        let tree = syntax::parse(sources, model).tree;
+        let unit = |parameter: Parameter| {
+            let (of, value) = (&parameter.unit, &parameter.value);
+            let text = match value.angle {
+                _ if of.factor.as_ref().is_some_and(Number::is_one) => of.text.clone(),
+                Angle::Radians if value.dimension == Dimension::FREQUENCY => "rad/s".into(),
+                _ => value.dimension.usual_unit(),
+            };
+            (parameter.name, text)
+        };
+        model::parameters(sources, &tree, overrides, &[]).into_iter().map(unit).collect()
+    }
 }
 
 /// The modes of a study that asks for nothing.

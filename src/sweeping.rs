@@ -4,7 +4,7 @@ use crate::files::{Input, arguments, open, write_by};
 use crate::parts::{Header, Progress, fingerprint, is_finished, partial};
 use crate::{Status, columns, deliver, delivered, failure, report_error, show};
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use vibc::answers::ranges::{Drawing, Ranges};
@@ -86,7 +86,7 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
     let written = match options.format {
         SweepFormat::Text => {
             let mut ranges = Ranges::new(&study.columns, drawing(options));
-            let gathered = in_blocks(0..count, |numbers| {
+            let gathered = in_blocks(0..count, true, |numbers| {
                 cases(&study, numbers, |case| case).iter().for_each(|case| ranges.add(case));
                 Ok(())
             });
@@ -96,7 +96,7 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
             let report = report::study(&model, &study.columns, &ranges, study.followed.as_ref());
             return deliver(path, &backend::report::laid_out(&report, columns(&options.page, path))).max(status);
         }
-        SweepFormat::Json => write_by(path, |out| write_json(&model, &study, out)),
+        SweepFormat::Json => write_by(path, |out| write_json(&model, &study, path.is_some(), out)),
         SweepFormat::Npz => {
             let Some((npz, begun)) = Npz::begin(&study.columns, count) else {
                 report_error("that is too much for one file of arrays: write `--format csv`, or fewer cases");
@@ -112,7 +112,7 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
                 Some(path) => write_file(&study, path, &header, &heading, shard.is_some()),
                 None => write_by(path, |out| {
                     out.write_all(heading.as_bytes())?;
-                    write_rows(&study, &header, 0, out)
+                    write_rows(&study, &header, 0, path.is_some(), out)
                 }),
             }
         }
@@ -205,7 +205,7 @@ fn write_file(study: &Study, path: &Path, header: &Header, heading: &str, is_par
         return Ok(());
     }
     let mut progress = Progress::open(path, header, heading)?;
-    write_rows(study, header, progress.done, &mut progress.file)?;
+    write_rows(study, header, progress.done, true, &mut progress.file)?;
     match is_part {
         true => progress.finish_part(path),
         false => progress.finish_whole(|rows| write_by(Some(path), |out| io::copy(rows, out).map(|_| ()))),
@@ -213,8 +213,8 @@ fn write_file(study: &Study, path: &Path, header: &Header, heading: &str, is_par
 }
 
 /// Writes the rows from the one with index `first` on.
-fn write_rows(study: &Study, header: &Header, first: u64, out: &mut dyn Write) -> io::Result<()> {
-    in_blocks(first..header.rows(), |indices| {
+fn write_rows(study: &Study, header: &Header, first: u64, is_file: bool, out: &mut dyn Write) -> io::Result<()> {
+    in_blocks(first..header.rows(), is_file, |indices| {
         let numbers: Vec<u64> = indices.iter().map(|&index| header.shard.case(index)).collect();
         let text = cases(study, &numbers, |case| rows::csv_row(&study.columns, &case)).concat();
         out.write_all(text.as_bytes())
@@ -223,14 +223,14 @@ fn write_rows(study: &Study, header: &Header, first: u64, out: &mut dyn Write) -
 
 fn write_arrays(mut npz: Npz, begun: &[u8], study: &Study, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(begun)?;
-    in_blocks(0..study.count(), |numbers| out.write_all(&npz.rows(&cases(study, numbers, |case| case))))?;
+    in_blocks(0..study.count(), true, |numbers| out.write_all(&npz.rows(&cases(study, numbers, |case| case))))?;
     out.write_all(&npz.end())
 }
 
-fn write_json(model: &str, study: &Study, out: &mut dyn Write) -> io::Result<()> {
+fn write_json(model: &str, study: &Study, is_file: bool, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(rows::json_heading(model, &study.columns, study.followed.as_ref()).as_bytes())?;
     let mut comma = &b""[..];
-    in_blocks(0..study.count(), |numbers| {
+    in_blocks(0..study.count(), is_file, |numbers| {
         out.write_all(comma)?;
         comma = b",";
         out.write_all(cases(study, numbers, |case| rows::json_row(&case)).join(",").as_bytes())
@@ -239,10 +239,15 @@ fn write_json(model: &str, study: &Study, out: &mut dyn Write) -> io::Result<()>
 }
 
 /// Takes numbers in blocks that take about a second at most, so that little is lost where a run is ended; how they are divided
-/// changes no row.
-fn in_blocks(numbers: std::ops::Range<u64>, mut work: impl FnMut(&[u64]) -> io::Result<()>) -> io::Result<()> {
+/// changes no row. A terminal is told how far the run is, unless rows are written to one meanwhile: `is_quiet` says that none are.
+fn in_blocks(
+    numbers: std::ops::Range<u64>,
+    is_quiet: bool,
+    mut work: impl FnMut(&[u64]) -> io::Result<()>,
+) -> io::Result<()> {
     const SIZES: [u64; 2] = [16, 1 << 16];
     let (mut at, mut size) = (numbers.start, SIZES[0]);
+    let mut bar = Bar::new(numbers.end, is_quiet);
     while at < numbers.end {
         let end = numbers.end.min(at + size);
         let begun = Instant::now();
@@ -254,6 +259,41 @@ fn in_blocks(numbers: std::ops::Range<u64>, mut work: impl FnMut(&[u64]) -> io::
             () => size,
         };
         at = end;
+        bar.show(at);
     }
+    bar.remove();
     Ok(())
+}
+
+/// The share of a run that is done, on a terminal; nothing on a pipe, and for a run of less than a second.
+struct Bar {
+    total: u64,
+    begun: Instant,
+    is_wanted: bool,
+    is_there: bool,
+}
+
+impl Bar {
+    fn new(total: u64, is_quiet: bool) -> Bar {
+        let is_wanted = io::stderr().is_terminal() && (is_quiet || !io::stdout().is_terminal());
+        Bar { total, begun: Instant::now(), is_wanted, is_there: false }
+    }
+
+    fn show(&mut self, done: u64) {
+        const WIDTH: u64 = 40;
+        if self.is_wanted && self.begun.elapsed() > Duration::from_secs(1) {
+            let part = |of: u64| (u128::from(of) * u128::from(done) / u128::from(self.total.max(1))) as usize;
+            let bar = "#".repeat(part(WIDTH));
+            // What cannot be shown is no reason to stop.
+            let _ = write!(io::stderr(), "\r[{bar:<40}] {} %, {done} of {} cases", part(100), self.total);
+            self.is_there = true;
+        }
+    }
+
+    fn remove(&self) {
+        if self.is_there {
+            // To the start of the line, which is erased.
+            let _ = write!(io::stderr(), "\r\x1b[K");
+        }
+    }
 }

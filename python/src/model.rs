@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 use vibc::{
     Ball, CoordinateId, CoordinateKind, Dynamics, FigureOptions, FileId, Form, Frequency, Gain, Input, LinearSystem,
     Literals, Methods, Number, Outcome, Output, Overrides, Rational, Request, SourceFile, SourceKind, Sources, Study,
-    Sweep, Which,
+    StudyRequest, Sweep, Which,
 };
 
 /// The texts of a model and its linear system.
@@ -114,6 +114,11 @@ impl Model {
         let unit = |kind| if kind == CoordinateKind::Rotation { "rad" } else { "m" };
         let kinds = self.system.coordinates.iter().map(|coordinate| unit(coordinate.kind));
         self.system.coordinate_names().into_iter().zip(kinds).collect()
+    }
+
+    /// Names of the parameters, with the units of their values in SI.
+    fn units(&self) -> Vec<(String, String)> {
+        StudyRequest::units(&self.sources, self.file, &self.overrides)
     }
 
     /// Names and units of the inputs.

@@ -178,10 +178,24 @@ def test_arrays_of_a_sweep_are_what_numpy_loads(tmp_path: Path) -> None:
     assert [arrays["codes"][int(code)] for code in arrays["table"][:, -1]] == swept["code"].tolist()
 
 
+def test_numbers_of_a_sweep_are_in_si_units() -> None:
+    model = vibc.parse(
+        "param k = 10 kN/m\nparam m = 1 kg\nparam f = 3 Hz\nparam w = 60 rpm\nparam z = 2\nbody b { mass = m, moves x }\n"
+        "spring s: ground -- b { k = k * z }\nforce F: b along x = harmonic(1 N * (w / (1 rad/s)), f)\noutput x = b.x\n"
+    )
+    asked: dict[str, Any] = {"modes": 1, "measures": ["amplitude(x)"]}
+    plain = model.sweep(k=np.linspace(5000, 5e4, 4), f=[1, 2.5], w=[3.0], z=[0.5, 2], **asked)
+    written = model.sweep(k=["5 kN/m", "20 kN/m", "35 kN/m", "50 kN/m"], f="1Hz,2.5Hz", w="3 rad/s", z="0.5,2", **asked)
+    assert plain.units == written.units
+    for name in plain.table.dtype.names or ():
+        assert (plain.table[name] == written.table[name]).all(), name
+    assert plain.table["k"].tolist()[-1] == 50.0  # kN/m, as the model writes it
+
+
 def test_what_is_no_sweep_is_said() -> None:
     model = vibc.parse(SWEPT)
     with pytest.raises(vibc.ModelError, match="a stiffness is expected here"):
-        model.sweep(k=np.linspace(5, 50, 4))
+        model.sweep(k=["5", "6"])
     with pytest.raises(vibc.ModelError, match="no parameter `q`"):
         model.sweep(q="1m,2m")
     with pytest.raises(vibc.ModelError, match="a measure is expected here"):

@@ -2,13 +2,15 @@
 
 use super::json_number::{Bounds, JsonNumber};
 use crate::base::Number;
-use crate::questions::answer::{Requirement, Throughout, Tolerated, ToleratedParameter};
+use crate::questions::answer::{Range, Requirement, Throughout, Tolerated, ToleratedParameter};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 #[derive(serde::Serialize)]
 pub(super) struct JsonTolerated<'a> {
     parameters: Vec<JsonRange<'a>>,
-    frequencies: Vec<JsonFrequencies>,
+    frequencies: Vec<JsonFrequencies<'a>>,
+    damping_ratios: Vec<JsonRatios<'a>>,
+    poles: Vec<JsonPoles<'a>>,
     least_at: Option<Place<'a>>,
     largest_at: Option<Place<'a>>,
     requirements: Vec<JsonThroughout<'a>>,
@@ -23,7 +25,7 @@ struct JsonRange<'a> {
 }
 
 #[derive(serde::Serialize)]
-struct JsonFrequencies {
+struct JsonFrequencies<'a> {
     mode: usize,
     least_hz: JsonNumber,
     least_error_bound: JsonNumber,
@@ -31,6 +33,33 @@ struct JsonFrequencies {
     largest_error_bound: JsonNumber,
     proved: bool,
     reached_hz: Option<[JsonNumber; 2]>,
+    reached_at: Option<[Place<'a>; 2]>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonRatios<'a> {
+    motion: usize,
+    #[serde(flatten)]
+    range: JsonEnds<'a>,
+}
+
+#[derive(serde::Serialize)]
+struct JsonPoles<'a> {
+    pole: usize,
+    re: JsonEnds<'a>,
+    im: JsonEnds<'a>,
+}
+
+/// The values of a quantity, SI.
+#[derive(serde::Serialize)]
+struct JsonEnds<'a> {
+    least: JsonNumber,
+    least_error_bound: JsonNumber,
+    largest: JsonNumber,
+    largest_error_bound: JsonNumber,
+    proved: bool,
+    reached: Option<[JsonNumber; 2]>,
+    reached_at: Option<[Place<'a>; 2]>,
 }
 
 #[derive(serde::Serialize)]
@@ -38,6 +67,7 @@ struct JsonThroughout<'a> {
     text: &'a str,
     verdict: &'static str,
     at: Option<Place<'a>>,
+    values: Option<JsonEnds<'a>>,
 }
 
 /// A value for each parameter, SI.
@@ -63,33 +93,52 @@ impl<'a> JsonTolerated<'a> {
             let [least, largest] = parameter.ends.each_ref().map(JsonNumber::number);
             JsonRange { parameter: &parameter.name, least, largest }
         };
-        let frequencies = found.frequencies.iter().enumerate().map(|(i, range)| {
+        let ends = |range: &'a Range| {
             let [least, largest] = [0, 1].map(|end| range.ends.map(|ends| ends[end]));
             let bound = |end: Option<_>| end.map_or(JsonNumber::NULL, |end| bounds.relative(end));
-            JsonFrequencies {
-                mode: i + 1,
-                least_hz: JsonNumber::of(least),
+            JsonEnds {
+                least: JsonNumber::of(least),
                 least_error_bound: bound(least),
-                largest_hz: JsonNumber::of(largest),
+                largest: JsonNumber::of(largest),
                 largest_error_bound: bound(largest),
                 proved: range.proof.is_some(),
-                reached_hz: range.reached.map(|ends| ends.map(JsonNumber::enclosed)),
+                reached: range.reached.map(|ends| ends.map(JsonNumber::enclosed)),
+                reached_at: range.at.as_ref().map(|at| at.each_ref().map(place)),
+            }
+        };
+        let frequencies = found.frequencies.iter().enumerate().map(|(i, range)| {
+            let JsonEnds { least, least_error_bound, largest, largest_error_bound, proved, reached, reached_at } =
+                ends(range);
+            JsonFrequencies {
+                mode: i + 1,
+                least_hz: least,
+                least_error_bound,
+                largest_hz: largest,
+                largest_error_bound,
+                proved,
+                reached_hz: reached,
+                reached_at,
             }
         });
-        let everywhere = |(requirement, everywhere): (&'a Requirement, &'a Throughout)| {
+        let ratio = |(i, range): (usize, &'a Range)| JsonRatios { motion: i + 1, range: ends(range) };
+        let pole = |(i, [re, im]): (usize, &'a [Range; 2])| JsonPoles { pole: i + 1, re: ends(re), im: ends(im) };
+        let everywhere = |(index, everywhere): (usize, &'a Throughout)| {
             let (verdict, at) = match everywhere {
                 Throughout::Holds(_) => ("holds", None),
                 Throughout::FailsAt(values) => ("fails", Some(place(values))),
                 Throughout::Undetermined => ("undetermined", None),
             };
-            JsonThroughout { text: &requirement.text, verdict, at }
+            let values = found.measures.get(index).and_then(Option::as_ref).map(ends);
+            JsonThroughout { text: requirements.get(index).map_or("", |own| &own.text), verdict, at, values }
         };
         JsonTolerated {
             parameters: found.parameters.iter().map(range).collect(),
             frequencies: frequencies.collect(),
+            damping_ratios: found.ratios.iter().enumerate().map(ratio).collect(),
+            poles: found.poles.iter().enumerate().map(pole).collect(),
             least_at: found.corners.as_ref().map(|[low, _]| place(low)),
             largest_at: found.corners.as_ref().map(|[_, high]| place(high)),
-            requirements: requirements.iter().zip(&found.requirements).map(everywhere).collect(),
+            requirements: found.requirements.iter().enumerate().map(everywhere).collect(),
             places: found.places,
         }
     }

@@ -336,8 +336,14 @@ pub struct Tolerated {
     pub parameters: Vec<ToleratedParameter>,
     /// Where every frequency is least, and largest. `None` if that is not proved of any.
     pub corners: Option<[Vec<Number>; 2]>,
-    /// For each undamped mode, in ascending order.
-    pub frequencies: Vec<FrequencyRange>,
+    /// Of the frequency of each undamped mode, Hz, in ascending order.
+    pub frequencies: Vec<Range>,
+    /// Of the damping ratio of each damped motion, as `damping(i)` counts them; empty if nothing damps.
+    pub ratios: Vec<Range>,
+    /// Of the real part, 1/s, and the imaginary part, rad/s, of each pole with im s >= 0, ascending in |s|; empty if nothing damps.
+    pub poles: Vec<[Range; 2]>,
+    /// Of the measure of each requirement, SI; `None` where it is a verdict, or has no value somewhere.
+    pub measures: Vec<Option<Range>>,
     /// For each requirement.
     pub requirements: Vec<Throughout>,
     /// The number of places that were looked at.
@@ -353,21 +359,23 @@ pub struct ToleratedParameter {
     pub ends: [Number; 2],
 }
 
-/// The frequencies of a mode, counted from the lowest, Hz.
-#[derive(Clone, Copy, Debug)]
-pub struct FrequencyRange {
-    /// Bounds of all values within the tolerances if that is proved, otherwise what was reached. `None` if the mode does not oscillate
-    /// at one of the places.
+/// The values of a quantity.
+#[derive(Clone, Debug)]
+pub struct Range {
+    /// Bounds of all values within the tolerances if that is proved, otherwise what was reached. `None` if there is no value at one of
+    /// the places, as where a mode does not oscillate.
     pub ends: Option<[Ball; 2]>,
-    /// The least and the largest at the places that were looked at.
+    /// The least and the largest that was reached.
     pub reached: Option<[Ball; 2]>,
+    /// Where these are.
+    pub at: Option<[Vec<Number>; 2]>,
     pub proof: Option<RangeProof>,
 }
 
-/// Why no frequency lies beyond the ends.
+/// Why no value lies beyond the ends.
 #[derive(Clone, Copy, Debug)]
 pub enum RangeProof {
-    /// Every frequency is least and largest at two corners: the ends are reached.
+    /// The ends are reached, at corners.
     Corners(Proved),
     /// Bounds of so many boxes, which together are the whole.
     Boxes(usize, Proved),

@@ -71,6 +71,10 @@ pub struct QuestionOverRange<'a> {
     pub question: &'a Question,
 }
 
+/// How often the enclosure over a box is widened until it holds, and narrowed after that.
+const WIDENED: usize = 6;
+const NARROWED: usize = 2;
+
 /// An eigenvalue or a pole that a measure depends on, enclosed over the family.
 #[derive(Clone, Copy, Debug)]
 pub enum Centre {
@@ -96,6 +100,32 @@ impl Centre {
     pub fn over_box(&self, radius: &[f64], moved: impl Fn(&Centre) -> Option<Vec<Moved>>) -> Option<Centre> {
         let wide = self.widened(&moved(self)?, radius, 4.0);
         wide.holds(self, &moved(&wide)?, radius).then_some(wide)
+    }
+
+    /// Like [`Self::over_box`], tried with wider and wider enclosures, and as narrow as the derivatives allow in the end, with these.
+    pub fn over_box_narrow(
+        &self,
+        radius: &[f64],
+        moved: impl Fn(&Centre) -> Option<Vec<Moved>>,
+    ) -> Option<(Centre, Vec<Moved>)> {
+        let mut slopes = moved(self)?;
+        let mut found = None;
+        for _ in 0..WIDENED {
+            let wide = self.widened(&slopes, radius, 2.0);
+            slopes = moved(&wide)?;
+            if wide.holds(self, &slopes, radius) {
+                found = Some((wide, slopes));
+                break;
+            }
+        }
+        let mut known = found?;
+        for _ in 0..NARROWED {
+            // From the middle it moves by no more than the derivatives in the enclosure allow.
+            let narrow = self.widened(&known.1, radius, up::THOUSANDS);
+            let Some(slopes) = moved(&narrow) else { break };
+            known = (narrow, slopes);
+        }
+        Some(known)
     }
 
     /// The enclosure widened by `times` the change that these derivatives allow over a box of these radii.
@@ -195,6 +225,35 @@ impl QuestionOverRange<'_> {
             | Probe::ByRate(..)
             | Probe::Stable => RangeEnclosure { hopeless: true, ..test(None) },
         }
+    }
+
+    /// The measure of harmonic motion or of a lasting load with its derivative; `None` for other measures, and if it may be infinite.
+    pub fn measure(&self) -> Option<Jet> {
+        let found = match self.probe.without_rate().0 {
+            Probe::Gain(..) => {
+                let direct = || self.phasor()?.size();
+                // Near a resonance the force that makes the motion 1 is better known than the motion.
+                let inverse = || Some(Number::ONE.checked_div(&number(self.inverse()?.0.size()?))?);
+                direct().map(number).or_else(inverse)
+            }
+            Probe::Amplitude(output) => amplitude(self.family?, self.drive.signals, *output),
+            Probe::Phase(..) => {
+                let direct = || self.phasor().and_then(|z| Number::atan2(&z.im, &z.re));
+                let inverse = || self.inverse().and_then(|(z, _)| Number::atan2(&-&z.im, &z.re));
+                direct().or_else(inverse)
+            }
+            Probe::Static(_) => {
+                let direct = || Some(self.phasor()?.re);
+                let inverse = || {
+                    let (z, force) = self.inverse()?;
+                    force.checked_div(&z.re)
+                };
+                direct().or_else(inverse)
+            }
+            _ => None,
+        };
+        let jet = self.family?.jet_of(&found?);
+        jet.value.is_finite().then_some(jet)
     }
 
     /// The complex number whose magnitude or phase is the measure.
@@ -326,6 +385,37 @@ fn harmonic_response(family: &Family, signals: &[Vec<Signal>], output: usize) ->
         }
     }
     known.map(|_| sum)
+}
+
+/// The amplitude under harmonic signals: those of one frequency add as complex numbers, amplitudes of different frequencies add up.
+fn amplitude(family: &Family, signals: &[Vec<Signal>], output: usize) -> Option<Number> {
+    let mut sums: Vec<(&Number, Phasor)> = Vec::new();
+    for (input, signals) in signals.iter().enumerate() {
+        for signal in signals {
+            let (value, frequency, phase) = match signal {
+                Signal::Harmonic { value, frequency, phase, .. } => (value, frequency, phase),
+                // What is delayed may be harmonic.
+                Signal::Delayed { .. } => return None,
+                _ => continue,
+            };
+            let own = family.response(input, output, &(frequency * &two_pi()))?.turned(value, phase)?;
+            if own.squared().is_zero() {
+                continue;
+            }
+            let certain = |(known, _): &(&Number, Phasor)| known.exact().is_some() && frequency.exact().is_some();
+            match sums.iter().position(|(known, _)| (*known - frequency).is_zero()) {
+                Some(place) => sums[place].1 = sums[place].1.plus(&own),
+                // Whether two frequencies are the same has to be certain.
+                None if sums.iter().all(certain) => sums.push((frequency, own)),
+                None => return None,
+            }
+        }
+    }
+    sums.iter().map(|(_, sum)| sum.size()).try_fold(Number::ZERO, |total, size| Some(&total + &number(size?)))
+}
+
+fn number(jet: Jet) -> Number {
+    Number::Jet(Box::new(jet))
 }
 
 pub fn two_pi() -> Number {

@@ -56,6 +56,14 @@ pub fn judged(text: &Text, scene: &CheckedScene, known: Facts) -> Vec<Requiremen
     each.map(|(require, measured)| requirement(text, scene, known, require, measured)).collect()
 }
 
+/// One of them alone.
+pub fn judged_alone(text: &Text, scene: &CheckedScene, known: Facts, index: usize) -> Option<Requirement> {
+    let require = scene.scene().requires.get(index)?;
+    let measured = text.measure_scene(scene, std::slice::from_ref(&require.question), known);
+    let measured = measured.map_or_else(|why| Some(Measurement::Failed(why)), |mut list| list.pop())?;
+    Some(requirement(text, scene, known, require, measured))
+}
+
 fn requirement(
     text: &Text,
     scene: &CheckedScene,

@@ -4,7 +4,7 @@
 use super::exact;
 use super::probe::{Measured, Plan, Probe, prepare, prepare_crossings, prepare_with_growth};
 use super::range_enclosure::{Centre, Drive, QuestionOverRange};
-use crate::analysis::measures;
+use crate::analysis::measures::{self, Loads};
 use crate::analysis::range::Family;
 use crate::analysis::{
     AnalysisError, Measurement, Modal, Modes, Poles, Request, Stability, Which, is_passive, modal_from, modes,
@@ -49,6 +49,18 @@ pub struct Facts<'a> {
     pub system: Option<&'a WrittenOut>,
     /// All modes and poles.
     pub spectrum: Option<(&'a Modes, &'a Poles)>,
+}
+
+/// A scene with some parameters anywhere in ranges, and questions about it.
+pub struct Ranged {
+    pub scene: CheckedScene,
+    pub lowered: Lowered,
+    /// Whether the system has its damping: one by modes cannot be enclosed.
+    pub is_damped: bool,
+    pub questions: Vec<Question>,
+    pub probes: Vec<Probe>,
+    pub context: Context,
+    pub loads: Loads,
 }
 
 /// In larger systems, only the lowest modes are computed if no poles are needed.
@@ -147,6 +159,29 @@ impl Text<'_> {
         let (prepared, lost) = jet::watched(|| self.prepared(values, choose));
         let (_, _, probe, lowered, _) = prepared.filter(|_| !lost)?;
         Some((lowered.system, probe))
+    }
+
+    /// A scene with values that are ranges, its system and the probes of some questions. `None` if a derivative is lost on the way, or
+    /// a question about a number has not one answer for all values.
+    pub fn ranged(&self, values: &[Setting], choose: impl Fn(&Scene) -> Vec<Question>) -> Option<Ranged> {
+        jet::undivided(|| {
+            let scene = self.scene(values).ok()?;
+            let questions = choose(scene.scene());
+            let Plan { probes, readouts } = prepare(scene.scene(), &questions);
+            // The mode shapes that define damping by modes cannot be enclosed over ranges.
+            let is_damped = !matches!(scene.scene().damping, Some(Damping::Modal { .. }));
+            let scene = if is_damped { scene } else { scene.without_damping() };
+            let mut lowered = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?.lowered;
+            if !lowered.rest.is_proven() || lowered.system.losses.is_some() || lowered.system.is_chained() {
+                return None;
+            }
+            lowered.add_readouts(scene.scene(), readouts).ok()?;
+            let context = self.context(&scene, &probes).ok()?;
+            let measured =
+                Measured { scene: scene.scene(), lowered: &lowered, modes: None, poles: None, context: &context };
+            let loads = measured.loads();
+            Some(Ranged { scene, lowered, is_damped, questions, probes, context, loads })
+        })?
     }
 
     /// The least and the largest size of the poles, 1/s, without rigid motions.

@@ -17,7 +17,7 @@ from .results import Energies, Modes, Motion, Poles, Reals, StateSpace, Sweep, T
 
 #: A value as a model writes it, "12 N/m", or a number without a unit.
 Value = str | SupportsFloat
-#: Several values, or a range as on the command line, "5N/m..50N/m:200".
+#: Several values, numbers in SI units, or a range as on the command line, "5N/m..50N/m:200".
 Values = str | Iterable[Value]
 Literals = Literal["decimal", "binary64"]
 
@@ -89,11 +89,13 @@ def _written(name: str, value: Value) -> str:
     return written
 
 
-def _all_written(name: str, values: Values) -> str:
-    """Values as the command line has them: one line."""
+def _all_written(name: str, values: Values, unit: str) -> str:
+    """Values as the command line has them: one line. Numbers are in SI units, of which the parameter has this one."""
     if isinstance(values, str):
         return _written(name, values)
-    written = [_written(name, value) for value in values]
+    written = [
+        _written(name, value) if isinstance(value, str) or not unit else f"{_written(name, value)} {unit}" for value in values
+    ]
     if any("," in value or ".." in value for value in written):
         raise ValueError(f"{name}: an entry of a list is one value")
     return ",".join(written)
@@ -231,7 +233,7 @@ class Model:
         """The model at many values of its parameters: what `vibc sweep` computes, to the last bit, on all cores.
 
         `sweep(k="5N/m..50N/m:200", m1=["1 kg", "2 kg"])` computes every combination, the last one changing fastest; `over`
-        takes names that are no Python names. `samples` draws the parameters that have a tolerance or a spread instead, with
+        takes names that are no Python names. Numbers are in SI units, `sweep(k=np.linspace(5, 50, 200))`. `samples` draws the parameters that have a tolerance or a spread instead, with
         `sobol` so that they fill their ranges evenly.
         Without `modes`, `poles`, `measures` and requirements of the model, six frequencies.
         """
@@ -251,7 +253,8 @@ class Model:
         if any("\n" in measure or "\r" in measure for measure in measures):
             raise ValueError("a measure is one line")
         drawn = None if samples is None else (samples, seed)
-        lines = [f"{name}={_all_written(name, values)}" for name, values in varied]
+        units = dict(self._native.units())
+        lines = [f"{name}={_all_written(name, values, units.get(name, ''))}" for name, values in varied]
         told = self._native.sweep(lines, drawn, sobol, list(measures), modes, poles, hold_solved, tolerance)
         columns, values, bounds, codes = settled(told)
         fields: list[tuple[str, str]] = [("case", "i8")]

@@ -3,6 +3,7 @@
 //! They show that a measure cannot have its target value in a range, or that it is monotone there. See
 //! docs/method/measures.md.
 
+pub mod largest;
 pub mod least;
 pub mod linear;
 pub mod several;
@@ -52,6 +53,10 @@ impl<'a> Family<'a> {
         let n = system.n();
         let few = n > 0 && n <= MOST && !system.is_chained() && system.losses.is_none();
         few.then(|| Family { system, lost, m: system.m.entries(n), c: system.c.entries(n), k: system.k.entries(n) })
+    }
+
+    pub fn coordinates(&self) -> usize {
+        self.system.n()
     }
 
     /// The direction of the eigenvalues of K - sigma M, from the weights of the squares alone: if no weight of K
@@ -156,6 +161,38 @@ impl<'a> Family<'a> {
         Some((0..n).map(|i| Complex::new(x[(i, 0)], x[(n + i, 0)])).collect())
     }
 
+    /// x^H M x, x^H C x and x^H K x of the vector x of a simple pole with im s != 0, from its parts with their derivatives. As these numbers
+    /// m, c, k are real, re s = -c / 2m, |s|^2 = k / m and zeta = c / (2 sqrt(k m)).
+    pub fn energies(&self, re: &Jet, im: &Jet) -> Option<[Number; 3]> {
+        let n = self.system.n();
+        let (a, b) = (number(re.clone()), number(im.clone()));
+        let two = Number::from(2);
+        let (real_square, imaginary_square) = (&a.square() - &b.square(), &two * &(&a * &b));
+        let real = |i: usize, j: usize| &(&(&real_square * &self.m[i][j]) + &(&a * &self.c[i][j])) + &self.k[i][j];
+        let imaginary = |i: usize, j: usize| &(&imaginary_square * &self.m[i][j]) + &(&b * &self.c[i][j]);
+        // The form of `motion_at`.
+        let matrix = JetMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+            (true, true) => real(i, j),
+            (false, false) => -&real(i - n, j - n),
+            _ => -&imaginary(i % n, j % n),
+        });
+        let sizes = self.sizes((re.value.magnitude() + im.value.magnitude()) * 0.75);
+        let x = bordered(&matrix, &[sizes.clone(), sizes].concat(), 2)?.x;
+        let x: Vec<[Number; 2]> = (0..n).map(|i| [number(x.entry(i, 0)), number(x.entry(n + i, 0))]).collect();
+        let of = |form: &[Vec<Number>]| {
+            let mut sum = Number::ZERO;
+            for (i, [re, im]) in x.iter().enumerate() {
+                sum = &sum + &(&form[i][i] * &(&re.square() + &im.square()));
+                for (j, [other_re, other_im]) in x.iter().enumerate().skip(i + 1) {
+                    let product = &(re * other_re) + &(im * other_im);
+                    sum = &sum + &(&two * &(&form[i][j] * &product));
+                }
+            }
+            sum
+        };
+        (!self.lost).then(|| [of(&self.m), of(&self.c), of(&self.k)])
+    }
+
     /// Whether there is certainly no pole in a rectangle, for any value of the range: s^2 M + s C + K is regular, which elimination
     /// shows after the inverse of its middle has been taken to the left.
     pub fn has_no_pole_at(&self, s: Complex<Ball>) -> bool {
@@ -166,10 +203,45 @@ impl<'a> Family<'a> {
             (true, false) => -q[(i, j - n)].im,
             (false, true) => q[(i - n, j)].im,
         };
-        let q = Matrix::from_fn(2 * n, 2 * n, entry);
-        let Some(inverse) = inverse(q.mid()) else { return false };
-        let nearly_one = product(&inverse.map(Ball::exact), &q);
-        enclosure::solve(&nearly_one, &Matrix::none(2 * n, 1)).is_some()
+        is_regular(&Matrix::from_fn(2 * n, 2 * n, entry))
+    }
+
+    /// Whether M is certainly regular for every value of the range.
+    pub fn has_regular_mass(&self) -> bool {
+        let n = self.system.n();
+        is_regular(&Matrix::from_fn(n, n, |i, j| self.m[i][j].enclosure()))
+    }
+
+    /// Whether M and K are certainly regular for every value of the range.
+    pub fn is_held(&self) -> bool {
+        let n = self.system.n();
+        self.has_regular_mass() && is_regular(&Matrix::from_fn(n, n, |i, j| self.k[i][j].enclosure()))
+    }
+
+    /// The effective mass of a mode under the motion of a base, as `measures::effective_mass` defines it, from the mode's omega^2 with
+    /// its derivative; `None` if it may not be simple.
+    pub fn effective_mass(&self, input: usize, omega_squared: &Jet) -> Option<Jet> {
+        let n = self.system.n();
+        let of = &self.system.inputs.get(input)?.b;
+        let column = |entries: &[(CoordinateId, Number)], i: usize| {
+            let own = entries.iter().filter(|(at, _)| at.index() == i);
+            own.fold(Number::ZERO, |sum, (_, value)| &sum + value)
+        };
+        let matrix = |form: &[Vec<Number>]| JetMatrix::from_fn(n, n, |i, j| form[i][j].clone());
+        let carried = solve(&matrix(&self.k), &JetMatrix::from_fn(n, 1, |i, _| column(&of[0], i)))?;
+        let carried: Vec<Number> = (0..n).map(|i| number(carried.entry(i, 0))).collect();
+        let square = number(omega_squared.clone());
+        let shifted = |i: usize, j: usize| &self.k[i][j] - &(&square * &self.m[i][j]);
+        let sizes = self.sizes(omega_squared.value.magnitude().sqrt());
+        // Along the eigenvalue s vanishes, so that x and its derivative are those of the shape.
+        let x = bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.x;
+        let x: Vec<Number> = (0..n).map(|i| number(x.entry(i, 0))).collect();
+        let times = |v: &[Number], i: usize| (0..n).fold(Number::ZERO, |sum, j| &sum + &(&self.m[i][j] * &v[j]));
+        let along = |i: usize| &x[i] * &(&times(&carried, i) - &column(&of[2], i));
+        let product = (0..n).fold(Number::ZERO, |sum, i| &sum + &along(i));
+        let own = (0..n).fold(Number::ZERO, |sum, i| &sum + &(&x[i] * &times(&x, i)));
+        let mass = self.jet_of(&product.square().checked_div(&own)?);
+        mass.value.is_finite().then_some(mass)
     }
 
     /// The derivative of a simple pole that lies in a rectangle: -x^T (s^2 M' + s C' + K') x / x^T (2 s M + C) x.
@@ -317,10 +389,40 @@ impl Phasor {
     pub fn squared(&self) -> Number {
         &self.re.square() + &self.im.square()
     }
+
+    /// |z| with its derivative, which is unknown if z may be zero; `None` if it may be infinite.
+    pub fn size(&self) -> Option<Jet> {
+        let (re, im) = (Jet::of(&self.re), Jet::of(&self.im));
+        // A ball of the square of a wide ball has negative numbers in it, which the sizes of both parts have not.
+        let hypot = |of: fn(&Ball) -> f64| {
+            let (a, b) = (of(&re.value), of(&im.value));
+            (a * a + b * b).sqrt()
+        };
+        let (least, most) = (hypot(Ball::mignitude) * (1.0 - 1e-15), hypot(Ball::magnitude) * (1.0 + 1e-15));
+        if !most.is_finite() {
+            return None;
+        }
+        let middle = 0.5 * (least + most);
+        let wide = Ball::from(middle).widen((most - middle).max(middle - least) * up::FEW);
+        let narrow = self.squared().sqrt().map(|size| Jet::of(&size).value).filter(|size| size.rad < wide.rad);
+        let value = narrow.unwrap_or(wide);
+        if least <= 0.0 {
+            return Some(Jet { value, slope: Ball::new(Dd::ZERO, f64::INFINITY) });
+        }
+        let slope = (re.value * re.slope + im.value * im.slope) / value;
+        Some(Jet { value, slope })
+    }
 }
 
 fn number(jet: Jet) -> Number {
     Number::Jet(Box::new(jet))
+}
+
+/// Whether a matrix is certainly regular: elimination shows it after the inverse of its middle has been taken to the left.
+fn is_regular(a: &Matrix<Ball>) -> bool {
+    let Some(inverse) = inverse(a.mid()) else { return false };
+    let nearly_one = product(&inverse.map(Ball::exact), a);
+    enclosure::solve(&nearly_one, &Matrix::none(a.rows(), 1)).is_some()
 }
 
 /// The path from an input to an output at a frequency.

@@ -1,10 +1,13 @@
-//! What holds for all values within the tolerances: the range of each frequency, and each requirement.
+//! What holds for all values within the tolerances: the range of each frequency, damping ratio, pole and measure, and each
+//! requirement.
 
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Section, line};
 use crate::answers::ModalAnswer;
-use crate::base::{Bound, Number};
-use crate::questions::answer::{RangeProof, Throughout, Tolerated, ToleratedParameter, few_digits, shown};
+use crate::base::{Ball, Bound, Number};
+use crate::questions::answer::{
+    Range, RangeProof, Throughout, Tolerated, ToleratedParameter, few_digits, shown, shown_text,
+};
 
 /// Number of modes and of parameters that are shown.
 const MOST_ROWS: usize = 40;
@@ -21,29 +24,49 @@ pub fn section(answer: &ModalAnswer) -> Section {
     });
     let more = if found.parameters.len() > MOST_ROWS { ", ..." } else { "" };
     let caption = format!("for all values within {}{more}", ranges.collect::<Vec<_>>().join(", "));
-    let frequencies = if found.frequencies.is_empty() { Vec::new() } else { vec![Block::from(frequencies(found))] };
     let corners = found.corners.iter().flat_map(|[low, high]| {
         [("least", low), ("largest", high)]
             .map(|(word, place)| Block::Item(line!["every frequency is ", word, " at ", at(found, place)]))
     });
-    let cut = found.frequencies.len() > MOST_ROWS;
+    let cut = found.frequencies.len().max(found.poles.len()) > MOST_ROWS;
     let more = cut.then(|| Block::Line("... and more (--format json has all)".into()));
+    let numbered =
+        |ranges: &[Range]| (1..).zip(ranges).map(|(i, range)| (Line::from(i), range.clone())).collect::<Vec<_>>();
+    let parts = |part: usize| found.poles.iter().map(|pole| pole[part].clone()).collect::<Vec<_>>();
+    let tables = [
+        table(found, "mode", "f", "[Hz]", numbered(&found.frequencies)),
+        table(found, "motion", "damping ratio", "", numbered(&found.ratios)),
+        table(found, "pole", "re s", "[1/s]", numbered(&parts(0))),
+        table(found, "pole", "im s", "[rad/s]", numbered(&parts(1))),
+    ];
+    let [frequencies, others @ ..] = tables;
+    let others = others.into_iter().flatten().map(Block::from);
     let requirements =
         if found.requirements.is_empty() { Vec::new() } else { vec![Block::from(requirements(answer, found))] };
-    let blocks = std::iter::once(Block::Line(caption.into())).chain(frequencies).chain(more);
-    Section::new(HEADING, blocks.chain(corners).chain(requirements))
+    let blocks = std::iter::once(Block::Line(caption.into())).chain(frequencies.map(Block::from)).chain(corners);
+    Section::new(HEADING, blocks.chain(others).chain(more).chain(requirements))
 }
 
-fn frequencies(found: &Tolerated) -> Table {
+/// Ranges of one kind; `None` if there are none.
+fn table(
+    found: &Tolerated,
+    number: &'static str,
+    name: &str,
+    unit: &'static str,
+    ranges: Vec<(Line, Range)>,
+) -> Option<Table> {
+    if ranges.is_empty() {
+        return None;
+    }
     let mut table = Table::new()
-        .column("mode", "", Align::Right)
-        .column("least f", "[Hz]", Align::Point)
+        .column(number, "", Align::Right)
+        .column(format!("least {name}"), unit, Align::Point)
         .column("error ≤", "", Align::Right)
-        .column("largest f", "[Hz]", Align::Point)
+        .column(format!("largest {name}"), unit, Align::Point)
         .column("error ≤", "", Align::Right)
         .column("", "", Align::Left);
-    for (i, range) in found.frequencies.iter().enumerate().take(MOST_ROWS) {
-        let mut cells: Vec<Cell> = vec![Line::from(i + 1).into()];
+    for (label, range) in ranges.into_iter().take(MOST_ROWS) {
+        let mut cells: Vec<Cell> = vec![label.into()];
         match range.ends {
             Some(ends) => {
                 for end in ends {
@@ -52,26 +75,35 @@ fn frequencies(found: &Tolerated) -> Table {
             }
             None => cells.extend(["?".into(), Cell::default(), "?".into(), Cell::default()]),
         }
-        cells.push(match (&range.proof, &range.ends) {
-            (Some(RangeProof::Corners(_)), _) => Cell::default(),
-            (Some(RangeProof::Boxes(..)), _) => match range.reached {
-                Some([least, largest]) => {
-                    let [least, largest] = [least, largest].map(|f| few_digits(f.to_f64()));
-                    line!["bounds; reached ", least, " .. ", largest].into()
-                }
-                None => Cell::default(),
-            },
-            (None, Some(_)) => line!["reached at ", found.places, " places; others are not excluded"].into(),
-            (None, None) => "it does not oscillate somewhere".into(),
-        });
+        let remark = remark(found, &range, |ball| few_digits(ball.to_f64()));
+        cells.push(remark.map_or(Cell::default(), Cell::from));
         table.row(cells);
     }
-    table
+    Some(table)
+}
+
+/// What the ends of a range are, unless they are reached.
+fn remark(found: &Tolerated, range: &Range, shown: impl Fn(Ball) -> String) -> Option<Line> {
+    match (&range.proof, range.ends) {
+        (Some(RangeProof::Corners(_)), _) => None,
+        (Some(RangeProof::Boxes(..)), _) => {
+            let [least, largest] = range.reached?.map(shown);
+            Some(line!["bounds; reached ", least, " .. ", largest])
+        }
+        (None, Some(_)) => Some(line!["reached at ", found.places, " places; others are not excluded"]),
+        (None, None) => Some("it has no value somewhere".into()),
+    }
 }
 
 fn requirements(answer: &ModalAnswer, found: &Tolerated) -> Table {
-    let mut table = Table::new().column("requirement", "", Align::Left).column("everywhere", "", Align::Left);
-    for (requirement, everywhere) in answer.requirements.iter().zip(&found.requirements) {
+    let mut table = Table::new()
+        .column("requirement", "", Align::Left)
+        .column("least", "", Align::Right)
+        .column("largest", "", Align::Right)
+        .column("", "", Align::Left)
+        .column("everywhere", "", Align::Left);
+    let rows = answer.requirements.iter().zip(&found.measures).zip(&found.requirements);
+    for ((requirement, range), everywhere) in rows {
         let verdict = match everywhere {
             Throughout::Holds(_) => "holds".into(),
             Throughout::FailsAt(place) => line!["fails at ", at(found, place)],
@@ -79,7 +111,21 @@ fn requirements(answer: &ModalAnswer, found: &Tolerated) -> Table {
                 line!["not decided; it does not fail at the ", found.places, " places that were looked at"]
             }
         };
-        table.row(vec![requirement.text.clone().into(), verdict.into()]);
+        let in_unit = |ball: Ball| shown_text(&shown(&Number::Ball(ball), &requirement.unit, requirement.in_radians));
+        let ends = range.as_ref().and_then(|range| range.ends).map(|ends| ends.map(in_unit));
+        let [least, largest] = ends.map_or(["?".to_string(), "?".to_string()], |ends| ends);
+        let remark = match (range, requirement.limit.is_some()) {
+            (Some(range), _) => remark(found, range, in_unit),
+            (None, true) => Some("it has no value somewhere".into()),
+            (None, false) => None,
+        };
+        let ends: [Cell; 2] = match requirement.limit.is_some() {
+            true => [least.into(), largest.into()],
+            false => [Cell::default(), Cell::default()],
+        };
+        let [least, largest] = ends;
+        let remark = remark.map_or(Cell::default(), Cell::from);
+        table.row(vec![requirement.text.clone().into(), least, largest, remark, verdict.into()]);
     }
     table
 }

@@ -58,6 +58,7 @@ ALL = {
     "belts": Class(loaded.belt_scene, loaded.belt_check, 10000, 30),
     "unbalance": Class(loaded.unbalance_scene, loaded.unbalance_check, 5000, 20),
     "tolerances": Class(tolerated.scene, tolerated.check, 3000, 40),
+    "tolerances_damped": Class(tolerated.damped_scene, tolerated.damped_check, 1000, 6),
     "optima": Class(optima.scene, optima.check, 1000, 5),
     "shock": Class(shock.scene, shock.check, 5000, 60),
     "spectrum": Class(spectrum.scene, spectrum.check, 5000, 60),

@@ -2,7 +2,7 @@
 and at places inside, from characteristic polynomials in exact arithmetic, lie in the ranges that are told; where these are proved, their
 ends are those at corners. A requirement that holds everywhere fails at no place, and one that fails does so where it is said."""
 
-from flint import arb, ctx, fmpq, fmpq_mat
+from flint import acb, acb_mat, arb, ctx, fmpq, fmpq_mat
 
 from . import draw
 from .exact import pi, roots
@@ -144,3 +144,108 @@ def check(net, program, tally, rng):
             tally.verdict("holds where it is said to fail", keeps(box.frequencies({name: exact(name, x) for name, x in row["at"].items()})), False)
         else:
             tally.refuse("a requirement is not decided")
+
+
+# Damped nets: damping ratios, poles, a gain, an amplitude and a final value at the same places.
+
+PLACES = 60
+
+
+class DampedBox(Box):
+    """The same with dampers along springs, a force on the first body and the displacement of another one."""
+
+    def __init__(self, rng):
+        super().__init__(rng)
+        self.parameter(rng, "c0", "N*s/m")
+        own = [name for name in self.names if name.startswith("c")]
+        self.dampers = []
+        for i, (a, b, _) in enumerate(self.springs):
+            if i == 0 or rng.random() < 0.6:
+                text, of = rng.choice(FORMS[:3])
+                p, q = rng.choice(own), rng.choice(own)
+                self.dampers.append((a, b, lambda values, of=of, p=p, q=q: of(values[p], values[q])))
+                end = lambda a: "ground" if a < 0 else f"b{a}"
+                self.rows.append(f"damper d{i}: {end(a)} -- {end(b)} {{ c = {text.format(p=p, q=q)} }}")
+        self.out, self.word = rng.randrange(len(self.masses)), draw.decimal_word(rng, -1, 0)
+        self.rows += [f"force F: b0 along x = step(1 N, 0 s)", f"force G: b0 along x = harmonic(1 N, {self.word} Hz)", f"output y = b{self.out}.x"]
+        limits = ("damping(1) < 1e9", f"gain(F -> y, {self.word} Hz) < 1e99 m/N", "amplitude(y) < 1e99 m", "static(y) < 1e99 m", "frequency(1) * damping(1) < 1e99 Hz")
+        self.rows += [f"require {limit}" for limit in limits]
+
+    def exact(self, values):
+        """Fractions M, C and K; `None` where a mass is not positive."""
+        n = len(self.masses)
+        masses = [m[1](values) for m in self.masses]
+        if any(x <= 0 for x in masses):
+            return None
+        forms = []
+        for links in (self.dampers, self.springs):
+            matrix = [[fmpq(0)] * n for _ in range(n)]
+            for a, b, weight in links:
+                x = weight[1](values) if isinstance(weight, tuple) else weight(values)
+                for i, j, sign in ((a, a, 1), (b, b, 1), (a, b, -1), (b, a, -1)):
+                    if i >= 0 and j >= 0:
+                        matrix[i][j] += sign * x
+            forms.append(matrix)
+        return masses, *forms
+
+    def measured(self, values):
+        """Lists of poles above the real axis, ascending in |s|, if all are there, and numbers by name."""
+        found = self.exact(values)
+        if found is None:
+            return None
+        masses, c, k = found
+        n = len(masses)
+        rows = [[fmpq(0)] * n + [fmpq(int(i == j)) for j in range(n)] for i in range(n)]
+        rows += [[-k[i][j] / masses[i] for j in range(n)] + [-c[i][j] / masses[i] for j in range(n)] for i in range(n)]
+        poles = [root for root, count in roots(fmpq_mat(rows).charpoly()) for _ in range(count)]
+        upper = sorted((s for s in poles if s.imag > 0), key=lambda s: float(abs(s).mid()))
+        numbers = {}
+        stable = all(s.real < 0 for s in poles)
+        omega = 2 * pi() * arb(decimal(self.word))
+        z = acb_mat(n, n, [acb(arb(k[i][j]) - (omega**2 * arb(masses[i]) if i == j else 0), omega * arb(c[i][j])) for i in range(n) for j in range(n)])
+        force = acb_mat(n, 1, [acb(int(i == 0)) for i in range(n)])
+        numbers["gain"] = abs(z.solve(force)[self.out, 0])
+        if stable:
+            numbers["amplitude"] = numbers["gain"]
+            still = fmpq_mat([[x for x in row] for row in k])
+            numbers["static"] = arb(still.solve(fmpq_mat([[fmpq(int(i == 0))] for i in range(n)]))[self.out, 0])
+        return upper if len(upper) == n else None, numbers
+
+
+def damped_scene(rng):
+    box = DampedBox(rng)
+    net = Text("\n".join(box.rows) + "\n")
+    net.box = box
+    return net
+
+
+def damped_check(net, program, tally, rng):
+    told = program.ask(tally, "analyze", net.text(), "--tolerances", "--format", "json")
+    if told is None or "tolerances" not in told:
+        return
+    ctx.prec = BITS
+    box, found = net.box, told["tolerances"]
+    corners = box.places(rng)
+    seen = [box.measured(place) for place in corners[: 2 ** len(box.names) + PLACES]]
+    inside = lambda row, x: arb(row["least"]) - abs(x) * arb(10) ** -12 <= x <= arb(row["largest"]) + abs(x) * arb(10) ** -12
+
+    def compare(kind, row, values):
+        if row is None or row["least"] is None:
+            tally.refuse("no value somewhere")
+        elif not row["proved"]:
+            tally.refuse("not proved")
+        else:
+            tally.verdict(f"values outside of a range: {kind}", sum(1 for x in values if not inside(row, x)), 0)
+
+    poles = [entry[0] for entry in seen if entry is not None and entry[0] is not None]
+    # Poles of the same size have no order.
+    apart = lambda upper: all(abs(b) > abs(a) for a, b in zip(upper, upper[1:]))
+    poles = [upper for upper in poles if apart(upper)]
+    for i, row in enumerate(found["poles"]):
+        compare("re", row["re"], [upper[i].real for upper in poles if i < len(upper)])
+        compare("im", row["im"], [upper[i].imag for upper in poles if i < len(upper)])
+    for i, row in enumerate(found["damping_ratios"]):
+        compare("damping ratio", row, [-upper[i].real / abs(upper[i]) for upper in poles if i < len(upper)])
+    for name, place in (("gain", 1), ("amplitude", 2), ("static", 3)):
+        values = [entry[1][name] for entry in seen if entry is not None and name in entry[1]]
+        compare(name, found["requirements"][place]["values"], values)

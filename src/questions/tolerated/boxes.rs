@@ -1,0 +1,628 @@
+//! Quantities of a model over boxes of its parameters. In: a box, as parts of the ranges. Out: an enclosure of a frequency, a pole, a
+//! damping ratio or a measure for all values in the box, with its derivatives by the parameters; and what they are at single places.
+//! See docs/method/studies.md#tolerances.
+//!
+//! An eigenvalue or a pole is followed from the middle of the box: it stays in an enclosure in which it is simple
+//! ([`Centre::over_box`]). Each has its own, so what is the i-th in order is one of those whose sizes do not exclude it.
+
+use super::Corners;
+use crate::analysis::measures;
+use crate::analysis::range::largest::{self, Largest, Way};
+use crate::analysis::range::{Family, MOST};
+use crate::analysis::{Measurement, ModeKind, Modes, Pole, Poles, is_passive};
+use crate::base::number::jet;
+use crate::base::{Ball, Dd, Diagnostics, Jet, Number, Rational};
+use crate::dynamics::{self, WrittenOut};
+use crate::kernel::complex::Complex;
+use crate::model::scene::{Arithmetic, Combined, Question, Scene};
+use crate::model::{CheckedScene, Setting};
+use crate::questions::answer::{Requirement, Value};
+use crate::questions::probe::Probe;
+use crate::questions::range_enclosure::{
+    Centre, Drive, Moved, QuestionOverRange, frequency_slope, ratio_slope, two_pi,
+};
+use crate::questions::require::judged_alone;
+use crate::questions::trial::{Facts, Ranged, spectrum};
+use crate::system::Signal;
+use std::cell::{Cell, OnceCell, RefCell};
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// What is enclosed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sought {
+    /// Of the undamped mode with this index, Hz.
+    Frequency(usize),
+    /// The damping ratio of a damped motion, counted from 1.
+    Ratio(usize),
+    /// Of the pole with this index among those with im s >= 0, ascending in |s|: its real part, 1/s.
+    PoleRe(usize),
+    /// Its imaginary part, rad/s.
+    PoleIm(usize),
+    /// The largest real part of all poles, 1/s.
+    Abscissa,
+    /// The measure of a requirement, SI.
+    Measure(usize),
+    /// The measure less its limit.
+    Margin(usize),
+}
+
+/// A part of the whole box: for each parameter the ends of its part, as multiples of 1 / [`WHOLE`] of its range.
+pub(super) type Part = Vec<[u32; 2]>;
+
+pub(super) const WHOLE: u32 = 1 << 30;
+
+/// Work in units of some thirty nanoseconds: a lowering, and the limit of all together, some seconds. One quantity takes at most a share of
+/// what is left, so that others have their turn.
+const LOWERING: u64 = 6_000;
+const MOST_WORK: u64 = 200_000_000;
+const SHARE: u64 = 4;
+
+/// A number over a box.
+#[derive(Clone, Debug)]
+pub(super) struct Enclosed {
+    pub value: Ball,
+    /// By each parameter that is not a single number in the box, in their order.
+    pub slopes: Vec<Ball>,
+}
+
+/// The model over a box.
+struct Sheet {
+    /// With the derivatives by one parameter each.
+    over: Vec<Ranged>,
+    /// Half the width of each range, SI.
+    radius: Vec<f64>,
+    /// Every eigenvalue, ascending in the middle of the box.
+    squares: OnceCell<Option<Vec<Tube>>>,
+    /// Every pole with im s >= 0.
+    poles: OnceCell<Option<Vec<Tube>>>,
+    /// Largest gains, each over all frequencies or in a band, Hz.
+    largest: RefCell<Vec<(Way, Option<[Number; 2]>, Option<Largest>)>>,
+}
+
+/// Where an eigenvalue or a pole is for all values in a box, with its derivatives there.
+struct Tube {
+    centre: Centre,
+    moved: Vec<Moved>,
+    /// A simple pole that is real stays so, and one that is not stays that.
+    is_real: bool,
+    /// Of a pole that is not real: its energies, with the derivatives by each parameter.
+    energies: Vec<Option<[Number; 3]>>,
+}
+
+/// The model at one place.
+pub(super) struct Point {
+    scene: Option<CheckedScene>,
+    written: Option<WrittenOut>,
+    spectrum: Option<(Modes, Poles)>,
+    /// What is required, each looked at when it is asked for.
+    requirements: RefCell<BTreeMap<usize, Option<Requirement>>>,
+}
+
+pub(super) struct Boxes<'a> {
+    pub corners: &'a Corners<'a>,
+    sheets: RefCell<BTreeMap<Part, Option<Rc<Sheet>>>>,
+    points: RefCell<BTreeMap<Vec<u32>, Rc<Point>>>,
+    done: Cell<u64>,
+    /// Where the quantity at hand has to stop.
+    until: Cell<u64>,
+}
+
+impl<'a> Boxes<'a> {
+    pub fn new(corners: &'a Corners<'a>) -> Boxes<'a> {
+        let (sheets, points) = (RefCell::default(), RefCell::default());
+        Boxes { corners, sheets, points, done: Cell::new(0), until: Cell::new(0) }
+    }
+
+    /// Begins with another quantity.
+    pub fn begin(&self) {
+        let done = self.done.get();
+        self.until.set(done + MOST_WORK.saturating_sub(done) / SHARE);
+    }
+
+    /// Whether there is work left that may be done.
+    pub fn may_go_on(&self) -> bool {
+        self.done.get() < self.until.get()
+    }
+
+    fn work(&self, amount: u64) {
+        self.done.set(self.done.get().saturating_add(amount));
+    }
+
+    /// The value of a parameter at a part of its range.
+    fn value(&self, parameter: usize, at: u32) -> Number {
+        let Some([low, high]) = &self.corners.free[parameter].within else { return Number::ZERO };
+        match at {
+            0 => low.clone(),
+            WHOLE => high.clone(),
+            _ => low + &(&(high - low) * &Number::from(Rational::new(i64::from(at), i64::from(WHOLE)))),
+        }
+    }
+
+    pub fn place(&self, at: &[u32]) -> Vec<Number> {
+        at.iter().enumerate().map(|(i, at)| self.value(i, *at)).collect()
+    }
+
+    pub fn middle(part: &Part) -> Vec<u32> {
+        part.iter().map(|[low, high]| low + (high - low) / 2).collect()
+    }
+
+    /// The model at a place.
+    pub fn point(&self, at: &[u32]) -> Rc<Point> {
+        if let Some(known) = self.points.borrow().get(at) {
+            return known.clone();
+        }
+        let point = Rc::new(self.point_at(&self.place(at)));
+        self.points.borrow_mut().insert(at.to_vec(), point.clone());
+        point
+    }
+
+    /// The model at a place that is given by its values.
+    pub fn point_at(&self, place: &[Number]) -> Point {
+        let scene = self.corners.text.scene(&self.corners.settings(place)).ok();
+        let written = scene.as_ref().and_then(|scene| dynamics::lower_written_out(scene, &mut Diagnostics::new()));
+        let n = written.as_ref().map_or(0, |written| written.lowered.system.n());
+        let spectrum = written.as_ref().filter(|_| n <= MOST).and_then(spectrum);
+        self.work(LOWERING + 100 * cube(n.min(MOST)));
+        Point { scene, written, spectrum, requirements: RefCell::default() }
+    }
+
+    /// A requirement at a point.
+    pub fn required(&self, point: &Point, index: usize) -> Option<Requirement> {
+        if let Some(known) = point.requirements.borrow().get(&index) {
+            return known.clone();
+        }
+        let both = point.spectrum.as_ref().map(|(modes, poles)| (modes, poles));
+        let both = both.filter(|(modes, poles)| modes.is_complete() && poles.left_out == 0);
+        let known = Facts { system: point.written.as_ref(), spectrum: both };
+        let judge = |scene: &CheckedScene| judged_alone(self.corners.text, scene, known, index);
+        let found = point.scene.as_ref().and_then(judge);
+        let n = point.written.as_ref().map_or(0, |written| written.lowered.system.n());
+        self.work(LOWERING + 500 * cube(n.min(MOST)));
+        point.requirements.borrow_mut().insert(index, found.clone());
+        found
+    }
+
+    /// The value of a quantity at a point.
+    pub fn at(&self, point: &Point, quantity: Sought) -> Option<Ball> {
+        let poles = || Some(&point.spectrum.as_ref()?.1);
+        let upper = |i: usize| poles()?.list.iter().filter(|pole| !pole.is_lower_half()).nth(i);
+        let found = match quantity {
+            Sought::Frequency(i) => {
+                let mode = point.spectrum.as_ref()?.0.list.get(i)?;
+                mode.frequency().filter(|_| mode.kind == ModeKind::Oscillation)?
+            }
+            Sought::Ratio(motion) => match measures::damping_ratio(poles()?, motion) {
+                Measurement::Value(value) => value,
+                _ => return None,
+            },
+            Sought::PoleRe(i) => upper(i)?.re,
+            Sought::PoleIm(i) => upper(i)?.im,
+            Sought::Abscissa => {
+                let parts = poles().filter(|poles| poles.is_complete())?.list.iter().map(|pole| pole.re);
+                parts.reduce(|a, b| if (b - a).mid.hi > 0.0 { b } else { a })?
+            }
+            Sought::Measure(i) => match self.required(point, i)?.value {
+                Value::Number(ball) => ball,
+                _ => return None,
+            },
+            Sought::Margin(i) => {
+                self.at(point, Sought::Measure(i))? - self.required(point, i)?.limit.as_ref()?.to_ball()
+            }
+        };
+        found.is_finite().then_some(found)
+    }
+
+    fn sheet(&self, part: &Part) -> Option<Rc<Sheet>> {
+        if let Some(known) = self.sheets.borrow().get(part) {
+            return known.clone();
+        }
+        let sheet = self.lowered(part).map(Rc::new);
+        self.sheets.borrow_mut().insert(part.clone(), sheet.clone());
+        sheet
+    }
+
+    fn lowered(&self, part: &Part) -> Option<Sheet> {
+        let free: Vec<usize> = (0..part.len()).filter(|&i| part[i][0] < part[i][1]).collect();
+        let ends: Vec<[Number; 2]> = (0..part.len()).map(|i| part[i].map(|at| self.value(i, at))).collect();
+        let mut over = Vec::with_capacity(free.len());
+        for &own in &free {
+            let setting = |(i, [low, high]): (usize, &[Number; 2])| {
+                let slope = if i == own { Ball::ONE } else { Ball::ZERO };
+                let range = super::hull(low.enclosure(), high.enclosure());
+                let si = if part[i][0] == part[i][1] {
+                    low.clone()
+                } else {
+                    Number::Jet(Box::new(Jet { value: range, slope }))
+                };
+                self.corners.setting(i, si)
+            };
+            let settings: Vec<Setting> =
+                self.corners.held.iter().cloned().chain(ends.iter().enumerate().map(setting)).collect();
+            self.work(LOWERING);
+            let ask = |scene: &Scene| scene.requires.iter().map(|require| require.question.clone()).collect();
+            over.push(self.corners.text.ranged(&settings, ask)?);
+        }
+        let n = over.first()?.lowered.system.n();
+        if n == 0 || n > MOST || over.iter().any(|ranged| ranged.lowered.system.n() != n) {
+            return None;
+        }
+        let half = |&i: &usize| (&ends[i][1] - &ends[i][0]).to_ball().magnitude() * 0.5 * (1.0 + f64::EPSILON);
+        let radius = free.iter().map(half).collect();
+        Some(Sheet { over, radius, squares: OnceCell::new(), poles: OnceCell::new(), largest: RefCell::default() })
+    }
+
+    /// Whether no term supplies energy and every displacement takes some, whatever the values: nothing grows or stays away.
+    pub fn is_held(&self) -> bool {
+        let whole: Part = vec![[0, WHOLE]; self.corners.free.len()];
+        let Some(sheet) = self.sheet(&whole) else { return false };
+        let ranged = &sheet.over[0];
+        let system = &ranged.lowered.system;
+        ranged.is_damped && is_passive(system) && Family::of(system, false).is_some_and(|family| family.is_held())
+    }
+
+    /// Whether no parameter certainly moves the limit of a requirement.
+    pub fn keeps_limit(&self, requirement: usize) -> bool {
+        let whole: Part = vec![[0, WHOLE]; self.corners.free.len()];
+        let is_fixed = |ranged: &Ranged| {
+            let question = ranged.questions.get(requirement);
+            question.is_some_and(|question| !matches!(question.value, Number::Jet(_)))
+        };
+        self.sheet(&whole).is_some_and(|sheet| sheet.over.iter().all(is_fixed))
+    }
+
+    /// A quantity over a part of the box that is no single place; `None` if it may be infinite, or nothing is known.
+    pub fn over(&self, part: &Part, quantity: Sought) -> Option<Enclosed> {
+        let sheet = self.sheet(part)?;
+        let mut value: Option<Ball> = None;
+        let mut slopes = Vec::with_capacity(sheet.over.len());
+        for own in 0..sheet.over.len() {
+            let jet = self.jet(part, &sheet, own, quantity).filter(|jet| jet.value.is_finite())?;
+            value = Some(value.map_or(jet.value, |known| if jet.value.rad < known.rad { jet.value } else { known }));
+            slopes.push(jet.slope);
+        }
+        Some(Enclosed { value: value?, slopes })
+    }
+
+    /// A quantity with its derivative by one of the parameters.
+    fn jet(&self, part: &Part, sheet: &Sheet, own: usize, quantity: Sought) -> Option<Jet> {
+        match quantity {
+            Sought::Frequency(i) => self.frequency(part, sheet, own, i),
+            Sought::Ratio(motion) => {
+                let tubes = self.poles(part, sheet)?;
+                let counts: Vec<usize> = tubes.iter().map(|tube| if tube.is_real { 1 } else { 2 }).collect();
+                candidates(&sizes(tubes), &counts, |count, of| (2 * motion..2 * motion + of).contains(&count))
+                    .map(|i| tubes[i].ratio(own))
+                    .reduce(either)?
+            }
+            Sought::PoleRe(i) | Sought::PoleIm(i) => {
+                let tubes = self.poles(part, sheet)?;
+                let pick = |tube: &Tube| tube.part(own, quantity == Sought::PoleIm(i));
+                candidates(&sizes(tubes), &vec![1; tubes.len()], |count, _| count == i + 1)
+                    .map(|i| pick(&tubes[i]))
+                    .reduce(either)?
+            }
+            Sought::Abscissa => {
+                let parts: Vec<Jet> =
+                    self.poles(part, sheet)?.iter().map(|tube| tube.part(own, false)).collect::<Option<_>>()?;
+                let ends = parts.iter().map(|jet| jet.value);
+                let low = ends.clone().map(|ball| ball.mid.hi - ball.rad).fold(f64::NEG_INFINITY, f64::max);
+                let reach = |ball: Ball| ball.mid.hi + ball.rad >= low;
+                parts.into_iter().filter(|jet| reach(jet.value)).map(Some).reduce(either)?
+            }
+            Sought::Measure(i) => {
+                let probe = sheet.over[own].probes.get(i)?;
+                self.measure(part, sheet, own, probe, sheet.over[own].questions.get(i)?)
+            }
+            Sought::Margin(i) => {
+                let measured = self.jet(part, sheet, own, Sought::Measure(i))?;
+                let limit = Jet::of(&sheet.over[own].questions.get(i)?.value);
+                Some(Jet { value: measured.value - limit.value, slope: measured.slope - limit.slope })
+            }
+        }
+    }
+
+    fn measure(&self, part: &Part, sheet: &Sheet, own: usize, probe: &Probe, question: &Question) -> Option<Jet> {
+        let ranged = &sheet.over[own];
+        let (system, scene) = (&ranged.lowered.system, ranged.scene.scene());
+        let settles = || {
+            let falls = |tube: &Tube| tube.part(own, false).is_some_and(|re| re.value.is_negative());
+            is_passive(system) || self.poles(part, sheet).is_some_and(|tubes| tubes.iter().all(falls))
+        };
+        let has_harmonics = || {
+            let mut signals = ranged.context.drives.iter().flatten();
+            signals.any(|signal| matches!(signal, Signal::Harmonic { .. }))
+        };
+        match probe {
+            Probe::Frequency(mode) => self.frequency(part, sheet, own, mode.checked_sub(1)?),
+            Probe::Damping(motion) => self.jet(part, sheet, own, Sought::Ratio(*motion)),
+            Probe::Amplitude(_) if !has_harmonics() || !settles() => None,
+            Probe::Static(_)
+                if ranged.context.drives.iter().any(|signals| measures::lasting_value(signals).is_none())
+                    || ranged.loads.iter().all(|(_, load)| load.is_zero())
+                    || !settles() =>
+            {
+                None
+            }
+            Probe::PeakGain(..) => self.largest(part, sheet, own, (probe, 0)),
+            Probe::ByRate(rate, inner) if matches!(**inner, Probe::PeakGain(..)) => {
+                self.largest(part, sheet, own, (inner, *rate))
+            }
+            Probe::Gain(..) | Probe::Phase(..) | Probe::Amplitude(_) | Probe::Static(_) | Probe::ByRate(..) => {
+                if !ranged.is_damped {
+                    return None;
+                }
+                let family = Family::of(system, false)?;
+                let drive = &Drive { signals: &ranged.context.drives, loads: &ranged.loads };
+                self.work(solving(2 * system.n() + 2));
+                QuestionOverRange { family: Some(&family), course: None, drive, probe, question }.measure()
+            }
+            Probe::Rest(terms, span) => {
+                let at_rest = || ranged.lowered.mechanism.at_rest(scene, &ranged.lowered.rest, terms, *span).ok();
+                Some(Jet::of(&jet::undivided(at_rest)??))
+            }
+            Probe::EffectiveMass(input, mode) => {
+                let square = self.square(part, sheet, own, mode.checked_sub(1)?)?;
+                self.work(2 * solving(system.n() + 1));
+                Family::of(system, false)?.effective_mass(*input, &square)
+            }
+            Probe::Combined(combined) => {
+                let parts = combined.map(&mut |probe| self.measure(part, sheet, own, probe, question));
+                Some(Jet::of(&value_of(&parts)?))
+            }
+            _ => None,
+        }
+    }
+
+    /// The largest gain over frequencies.
+    fn largest(&self, part: &Part, sheet: &Sheet, own: usize, (probe, rate): (&Probe, u8)) -> Option<Jet> {
+        let Probe::PeakGain(input, output, range) = probe else { return None };
+        let way = Way { input: *input, output: *output, rate };
+        let band = match range {
+            // All derivatives come from one search, which a band that a parameter moves has not.
+            Some(ends) if ends.iter().any(|end| matches!(end, Number::Jet(_))) => return None,
+            Some([low, high]) => {
+                let radians = |hertz: &Number| (hertz * &two_pi()).to_ball();
+                (radians(low), Some(radians(high)))
+            }
+            None => (Ball::ZERO, None),
+        };
+        let search = || {
+            let families = self.families(sheet).filter(|_| sheet.over.iter().all(|ranged| ranged.is_damped))?;
+            let point = self.point(&Boxes::middle(part));
+            let (_, poles) = point.spectrum.as_ref()?;
+            let sizes = poles.list.iter().map(|pole| pole.modulus().to_f64()).filter(|size| *size > 0.0);
+            let ends = sizes.fold([f64::INFINITY, 0.0f64], |[low, high], size| [low.min(size), high.max(size)]);
+            let modes = match range {
+                None => self.squares(part, sheet).unwrap_or_default(),
+                Some(_) => &[],
+            };
+            let root = |square: Jet| number(square).sqrt();
+            let omega = |tube: &Tube| (0..families.len()).map(|own| root(tube.part(own, false)?)).collect();
+            let references: Vec<Vec<Number>> = modes.iter().filter_map(omega).collect();
+            let found = largest::largest(&families, way, band, (ends, &references));
+            let evaluations = found.as_ref().map_or(2 * largest::MOST_CELLS, |found| found.evaluations);
+            self.work(2 * evaluations as u64 * solving(2 * families[0].coordinates() + 1));
+            found
+        };
+        let mut known = sheet.largest.borrow_mut();
+        let place = known.iter().position(|(other, ends, _)| *other == way && ends == range).unwrap_or_else(|| {
+            known.push((way, range.clone(), search()));
+            known.len() - 1
+        });
+        let found = known[place].2.as_ref()?;
+        Some(Jet { value: found.value, slope: *found.slopes.get(own)? })
+    }
+
+    /// omega^2 of the mode with this index.
+    fn square(&self, part: &Part, sheet: &Sheet, own: usize, index: usize) -> Option<Jet> {
+        let tubes = self.squares(part, sheet)?;
+        candidates(&sizes(tubes), &vec![1; tubes.len()], |count, _| count == index + 1)
+            .map(|i| tubes[i].part(own, false))
+            .reduce(either)?
+    }
+
+    fn frequency(&self, part: &Part, sheet: &Sheet, own: usize, index: usize) -> Option<Jet> {
+        let square = self.square(part, sheet, own, index).filter(|square| square.value.is_positive())?;
+        let value = square.value.sqrt() / two_pi().to_ball();
+        Some(Jet { value, slope: frequency_slope(square.value, square.slope) })
+    }
+
+    fn squares<'s>(&self, part: &Part, sheet: &'s Sheet) -> Option<&'s [Tube]> {
+        let found = sheet.squares.get_or_init(|| {
+            let point = self.point(&Boxes::middle(part));
+            let (modes, _) = point.spectrum.as_ref()?;
+            let families = self.families(sheet)?;
+            if !modes.is_complete() || modes.list.len() != families[0].coordinates() {
+                return None;
+            }
+            let moved = |centre: &Centre| {
+                let Centre::Eigenvalue(square) = *centre else { return None };
+                let slope = |family: &Family| family.eigenvalue_slope(square, &family.modes_at(square, 1)?);
+                families.iter().map(|family| slope(family).map(Moved::Eigenvalue)).collect::<Option<Vec<_>>>()
+            };
+            self.work((6 * families.len() * modes.list.len()) as u64 * solving(families[0].coordinates() + 1));
+            let tube = |square: Ball| sheet.tube(&Centre::Eigenvalue(square), true, moved);
+            modes.list.iter().map(|mode| tube(mode.omega_squared)).collect()
+        });
+        found.as_deref()
+    }
+
+    fn poles<'s>(&self, part: &Part, sheet: &'s Sheet) -> Option<&'s [Tube]> {
+        let found = sheet.poles.get_or_init(|| {
+            let point = self.point(&Boxes::middle(part));
+            let (_, poles) = point.spectrum.as_ref()?;
+            let families = self.families(sheet)?;
+            let n = families[0].coordinates();
+            if !poles.is_complete() || poles.list.len() != 2 * n || sheet.over.iter().any(|ranged| !ranged.is_damped) {
+                return None;
+            }
+            let moved = |centre: &Centre| {
+                let Centre::Pole(re, im) = *centre else { return None };
+                let s = Complex::new(re, im);
+                let slope = |family: &Family| family.pole_slope(s, &family.motion_at(s)?);
+                families.iter().map(|family| slope(family).map(|s| Moved::Pole(s.re, s.im))).collect()
+            };
+            let upper: Vec<&Pole> = poles.list.iter().filter(|pole| !pole.is_lower_half()).collect();
+            self.work((8 * families.len() * upper.len()) as u64 * solving(2 * n + 2));
+            let tube = |pole: &&Pole| sheet.tube(&Centre::Pole(pole.re, pole.im), !pole.is_complex(), moved);
+            let mut tubes = upper.iter().map(tube).collect::<Option<Vec<Tube>>>()?;
+            for tube in tubes.iter_mut().filter(|tube| !tube.is_real) {
+                let of = |own: usize| families[own].energies(&tube.raw(own, false)?, &tube.raw(own, true)?);
+                tube.energies = (0..families.len()).map(of).collect();
+            }
+            Some(tubes)
+        });
+        found.as_deref()
+    }
+
+    /// The systems with their derivatives, if M is regular everywhere, so that there are as many eigenvalues and poles everywhere.
+    fn families<'s>(&self, sheet: &'s Sheet) -> Option<Vec<Family<'s>>> {
+        let families: Option<Vec<Family>> =
+            sheet.over.iter().map(|ranged| Family::of(&ranged.lowered.system, false)).collect();
+        families.filter(|families| families.first().is_some_and(Family::has_regular_mass))
+    }
+}
+
+impl Sheet {
+    /// An eigenvalue or a pole over the box, from its enclosure in the middle.
+    fn tube(&self, start: &Centre, is_real: bool, moved: impl Fn(&Centre) -> Option<Vec<Moved>>) -> Option<Tube> {
+        let (centre, moved) = start.over_box_narrow(&self.radius, moved)?;
+        Some(Tube { moved, centre, is_real, energies: Vec::new() })
+    }
+}
+
+impl Tube {
+    /// The size by which they are in order: omega^2, or |s|^2.
+    fn size(&self) -> Ball {
+        match self.centre {
+            Centre::Eigenvalue(square) => square,
+            Centre::Pole(re, im) => jet::square(re) + jet::square(im),
+            Centre::None => Ball::new(Dd::ZERO, f64::INFINITY),
+        }
+    }
+
+    /// omega^2, or the real or the imaginary part of a pole.
+    fn part(&self, own: usize, imaginary: bool) -> Option<Jet> {
+        let known = self.raw(own, imaginary)?;
+        let better = || {
+            let [m, c, _] = self.energies.get(own)?.as_ref()?;
+            Some(Jet::of(&-&c.checked_div(&(&Number::from(2) * m))?))
+        };
+        Some(if imaginary { known } else { better().map_or(known.clone(), |other| narrower(known, other)) })
+    }
+
+    /// The same as it was followed.
+    fn raw(&self, own: usize, imaginary: bool) -> Option<Jet> {
+        let (value, slope) = match (self.centre, *self.moved.get(own)?) {
+            (Centre::Eigenvalue(square), Moved::Eigenvalue(slope)) => (square, slope),
+            (Centre::Pole(_, im), Moved::Pole(_, slope)) if imaginary => (im, slope),
+            (Centre::Pole(re, _), Moved::Pole(slope, _)) => (re, slope),
+            _ => return None,
+        };
+        Some(Jet { value, slope })
+    }
+
+    fn ratio(&self, own: usize) -> Option<Jet> {
+        let (Centre::Pole(re, im), Moved::Pole(re_slope, im_slope)) = (self.centre, *self.moved.get(own)?) else {
+            return None;
+        };
+        if self.is_real {
+            return re.is_negative().then_some(Jet { value: Ball::ONE, slope: Ball::ZERO });
+        }
+        let value = -re / self.size().sqrt();
+        let known = Jet { value, slope: ratio_slope((re, im), (re_slope, im_slope)) };
+        let better = || {
+            let [m, c, k] = self.energies.get(own)?.as_ref()?;
+            Some(Jet::of(&c.checked_div(&(&Number::from(2) * &(k * m).sqrt()?))?))
+        };
+        Some(better().map_or(known.clone(), |other| narrower(known, other)))
+    }
+}
+
+impl Point {
+    /// The number of undamped modes, and of poles with im s >= 0, if all are known.
+    pub fn counts(&self) -> Option<(usize, usize)> {
+        let (modes, poles) = self.spectrum.as_ref()?;
+        let upper = poles.list.iter().filter(|pole| !pole.is_lower_half()).count();
+        (modes.is_complete() && poles.is_complete()).then_some((modes.list.len(), upper))
+    }
+
+    /// The number of damped motions that oscillate, and whether anything damps.
+    pub fn motions(&self) -> (usize, bool) {
+        let Some((_, poles)) = &self.spectrum else { return (0, false) };
+        let is_damped = poles.list.iter().any(|pole| !pole.re.is_zero());
+        let halves: usize =
+            poles.list.iter().filter(|pole| !pole.is_lower_half()).map(|pole| 1 + usize::from(pole.is_complex())).sum();
+        (halves / 2, is_damped)
+    }
+}
+
+/// Those that may be the ones asked for, of things in ascending order of sizes that are enclosed: `counts` are added up along the order,
+/// and `fits` says of a sum up to and with a thing, and of its own count, whether that is the one.
+fn candidates(sizes: &[Ball], counts: &[usize], fits: impl Fn(usize, usize) -> bool) -> impl Iterator<Item = usize> {
+    let mut list = Vec::new();
+    for (i, (size, own)) in sizes.iter().zip(counts).enumerate() {
+        let others = |before: &dyn Fn(Ball) -> bool| -> usize {
+            let all = (0..sizes.len()).filter(|&j| j != i && before(sizes[j] - *size));
+            all.map(|j| counts[j]).sum()
+        };
+        let (least, most) = (others(&|apart| apart.is_negative()), others(&|apart| !apart.is_positive()));
+        if (least + own..=most + own).any(|sum| fits(sum, *own)) {
+            list.push(i);
+        }
+    }
+    list.into_iter()
+}
+
+fn sizes(tubes: &[Tube]) -> Vec<Ball> {
+    tubes.iter().map(Tube::size).collect()
+}
+
+/// Two enclosures of one number: the better of each part.
+fn narrower(a: Jet, b: Jet) -> Jet {
+    let pick = |a: Ball, b: Ball| if b.is_finite() && !(a.is_finite() && a.rad <= b.rad) { b } else { a };
+    Jet { value: pick(a.value, b.value), slope: pick(a.slope, b.slope) }
+}
+
+/// One number or the other: both values are enclosed, and nothing is said about the derivative.
+fn either(a: Option<Jet>, b: Option<Jet>) -> Option<Jet> {
+    let (a, b) = (a?.value, b?.value);
+    let end = |ball: Ball, sign: f64| Ball::exact(ball.mid) + Ball::from(sign * ball.rad);
+    let pick = |sign: f64| {
+        let (a, b) = (end(a, sign), end(b, sign));
+        if sign * (b - a).mid.hi > 0.0 { b } else { a }
+    };
+    Some(Jet { value: super::hull(pick(-1.0), pick(1.0)), slope: Ball::new(Dd::ZERO, f64::INFINITY) })
+}
+
+/// The value of an expression of numbers with their derivatives.
+fn value_of(combined: &Combined<Option<Jet>>) -> Option<Number> {
+    Some(match combined {
+        Combined::Measure(jet) => number(jet.clone()?),
+        Combined::Number(number) => number.clone(),
+        Combined::Negated(part) => -&value_of(part)?,
+        Combined::Binary { operator, left, right } => {
+            let (left, right) = (value_of(left)?, value_of(right)?);
+            match operator {
+                Arithmetic::Add => &left + &right,
+                Arithmetic::Subtract => &left - &right,
+                Arithmetic::Multiply => &left * &right,
+                Arithmetic::Divide => left.checked_div(&right)?,
+            }
+        }
+    })
+}
+
+fn number(jet: Jet) -> Number {
+    Number::Jet(Box::new(jet))
+}
+
+/// The work of linear equations in balls with their derivatives.
+fn solving(n: usize) -> u64 {
+    10 * cube(n)
+}
+
+fn cube(n: usize) -> u64 {
+    (n as u64).pow(3)
+}
