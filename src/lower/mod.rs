@@ -31,7 +31,7 @@ pub use account::{Account, Remark, account};
 pub use drives::{declared, drives, noises, spectra};
 pub use law::LawAtRest;
 pub use mechanism::{Mechanism, Readout, SpringAtRest};
-pub use poses::{Displacement, Poses};
+pub use poses::{Carried, Displacement, Poses};
 pub use rest::{Dependent, Proven, Rest, Tension};
 
 use crate::base::{Diagnostic, Diagnostics, runs};

@@ -6,42 +6,55 @@ use crate::analysis::fractions::{Curve, Share};
 use crate::analysis::{Extremum, FeatureKind, Gain};
 use crate::backend::decimal::certain;
 use crate::kernel::complex::Complex;
+use crate::lower::Carried;
+use crate::picture::moving::MovingPart;
 use crate::picture::{Item, Moving};
 use crate::questions::answer::{Sensitivity, Slope};
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::{Value, json};
 
 /// The payload as text within an element of a page.
 pub fn payload(page: &Page) -> String {
-    let value = page.answers.as_ref().map_or(json!({}), answers);
+    let value = page.answers.as_ref().map_or(Payload::default(), answers);
     // Nothing in it may end the element that contains it.
     crate::backend::json_text(&value).replace('<', "\\u003c")
 }
 
-fn answers(of: &Answers) -> Value {
-    let mut map = Map::new();
-    if let Ok((_, moving)) = of.figure
-        && of.movements.basis.len() == of.system.n()
-    {
-        map.insert("figure".into(), figure(moving, of.movements));
-    }
+/// The fields in the order of their names, as `json!` has them elsewhere.
+#[derive(Default, Serialize)]
+struct Payload {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    figure: Option<FigureData>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    items: Option<Vec<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    motion: Option<Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    motions: Option<Vec<MotionData>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    poles: Option<Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slopes: Option<Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    transfer: Option<Value>,
+}
+
+fn answers(of: &Answers) -> Payload {
     let items = items(of);
     let name = |item: &Item| match item {
         Item::Body(body) => format!("b{body}"),
         Item::Element(element) => format!("e{element}"),
     };
-    map.insert("items".into(), items.iter().map(name).collect());
-    map.insert("motions".into(), motions(of, &items));
-    map.insert("poles".into(), of.poles.iter().map(pole).collect());
-    if of.transfer.is_some() {
-        map.insert("transfer".into(), transfer(of));
+    let moves = of.movements.basis.len() == of.system.n();
+    Payload {
+        figure: of.figure.ok().filter(|_| moves).map(|(_, moving)| figure(moving, of.movements)),
+        motions: Some(motions(of, &items)),
+        items: Some(items.iter().map(name).collect()),
+        poles: Some(of.poles.iter().map(pole).collect()),
+        transfer: of.transfer.map(|_| transfer(of)),
+        motion: of.motion.map(|_| motion(of)),
+        slopes: (!of.sensitivities.is_empty()).then(|| slopes(of.sensitivities)),
     }
-    if of.motion.is_some() {
-        map.insert("motion".into(), motion(of));
-    }
-    if !of.sensitivities.is_empty() {
-        map.insert("slopes".into(), slopes(of.sensitivities));
-    }
-    Value::Object(map)
 }
 
 /// An object of parts that are moved into it; `json!` would copy each of them, at every level once more.
@@ -49,7 +62,7 @@ fn object<const N: usize>(parts: [(&str, Value); N]) -> Value {
     parts.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
 }
 
-/// A number of a picture, to seven digits.
+/// A number of a picture, to seven digits; `null` if it is not finite.
 fn plain(x: f64) -> Value {
     let x = rounded::<7>(x);
     match x {
@@ -91,38 +104,57 @@ fn list(values: impl IntoIterator<Item = f64>) -> Value {
     values.into_iter().map(plain).collect()
 }
 
-/// The nonzero values, in the order of [`Poses::values`](crate::lower::Poses::values), with their indices.
-fn slots(values: impl Iterator<Item = f64>) -> Value {
-    values
-        .enumerate()
-        .filter(|(_, value)| *value != 0.0)
-        .map(|(slot, value)| Value::Array(vec![slot.into(), plain(value)]))
-        .collect()
+/// How the figure moves, which the page's script computes with.
+#[derive(Serialize)]
+struct FigureData {
+    /// For each coordinate, the values that it moves.
+    basis: Vec<Vec<Slot>>,
+    /// Pairs of coordinates, and the values that their product moves.
+    bends: Vec<(usize, usize, Vec<Slot>)>,
+    /// The number of a piece, where it carries the part, and the part's axes on the page.
+    parts: Vec<[Value; 7]>,
+    pieces: Vec<PieceData>,
+    /// The number of values.
+    slots: usize,
 }
 
-fn figure(moving: &Moving, movements: &Movements) -> Value {
-    let part = |part: &crate::picture::moving::MovingPart| {
+/// The index of a value, in the order of [`Poses::values`](crate::lower::Poses::values), and by how much it moves.
+type Slot = (usize, Value);
+
+#[derive(Serialize)]
+struct PieceData {
+    anchor: Option<[Value; 2]>,
+    angle: Value,
+    /// -1 for the ground, which has none.
+    carrier: i64,
+    /// Direction, and the place at rest.
+    slides: Vec<[Value; 3]>,
+}
+
+/// The values that are not zero.
+fn slots(values: impl Iterator<Item = f64>) -> Vec<Slot> {
+    values.enumerate().filter(|(_, value)| *value != 0.0).map(|(slot, value)| (slot, plain(value))).collect()
+}
+
+fn figure(moving: &Moving, movements: &Movements) -> FigureData {
+    let part = |part: &MovingPart| {
         let [x, y] = part.axes;
-        list([part.piece as f64, part.from.x, part.from.y, x.x, x.y, y.x, y.y])
+        [part.piece as f64, part.from.x, part.from.y, x.x, x.y, y.x, y.y].map(plain)
     };
-    let pieces = moving.poses.pieces.iter().enumerate().map(|(index, piece)| {
-        object([
-            // The ground has no carrier.
-            ("carrier", if index == 0 { -1 } else { i64::from(piece.carrier) }.into()),
-            ("anchor", piece.anchor.filter(|_| index > 0).map(list).into()),
-            ("angle", plain(piece.angle.rest)),
-            ("slides", piece.slides.iter().map(|([x, y], value)| list([*x, *y, value.rest])).collect()),
-        ])
-    });
-    let basis = movements.basis.iter().map(|by| slots(by.iter().map(|by| by.shape)));
-    let bend = |bend: &Bend| json!([bend.by[0], bend.by[1], slots(bend.values.iter().copied())]);
-    object([
-        ("parts", moving.parts.iter().map(part).collect()),
-        ("pieces", pieces.collect()),
-        ("slots", moving.poses.values().count().into()),
-        ("basis", basis.collect()),
-        ("bends", movements.bends.iter().map(bend).collect()),
-    ])
+    let piece = |(index, piece): (usize, &Carried)| PieceData {
+        anchor: piece.anchor.filter(|_| index > 0).map(|anchor| anchor.map(plain)),
+        angle: plain(piece.angle.rest),
+        carrier: if index == 0 { -1 } else { i64::from(piece.carrier) },
+        slides: piece.slides.iter().map(|([x, y], value)| [*x, *y, value.rest].map(plain)).collect(),
+    };
+    let bend = |bend: &Bend| (bend.by[0], bend.by[1], slots(bend.values.iter().copied()));
+    FigureData {
+        basis: movements.basis.iter().map(|by| slots(by.iter().map(|by| by.shape))).collect(),
+        bends: movements.bends.iter().map(bend).collect(),
+        parts: moving.parts.iter().map(part).collect(),
+        pieces: moving.poses.pieces.iter().enumerate().map(piece).collect(),
+        slots: moving.poses.values().count(),
+    }
 }
 
 /// Every body and element that has a share of some motion's energy, in order.
@@ -134,35 +166,50 @@ fn items(of: &Answers) -> Vec<Item> {
     items
 }
 
-fn motions(of: &Answers, items: &[Item]) -> Value {
-    let mut all: Vec<Value> = of.movements.list.iter().map(|of| movement(of, items)).collect();
-    if let Some(motion) = of.motion {
-        all.push(json!({ "kind": "time", "amount": plain(motion.amount), "says": "the motion over time" }));
-    }
-    Value::Array(all)
+/// A motion that the figure can be shown in.
+#[derive(Default, Serialize)]
+struct MotionData {
+    amount: Value,
+    /// The shares of energy of the items; empty if they are not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    energy: Option<Vec<Value>>,
+    kind: &'static str,
+    /// The coordinates, and the part that is a quarter of a period ahead if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    q: Option<Vec<Value>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    qi: Option<Vec<Value>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    s: Option<[Value; 2]>,
+    says: &'static str,
 }
 
-fn movement(of: &Movement, items: &[Item]) -> Value {
-    let energy = match of.energy.is_empty() {
-        true => Vec::new(),
-        false => shares(&of.energy, items),
-    };
+fn motions(of: &Answers, items: &[Item]) -> Vec<MotionData> {
+    let over_time = of.motion.map(|motion| MotionData {
+        kind: "time",
+        amount: plain(motion.amount),
+        says: "the motion over time",
+        ..MotionData::default()
+    });
+    of.movements.list.iter().map(|of| movement(of, items)).chain(over_time).collect()
+}
+
+fn movement(of: &Movement, items: &[Item]) -> MotionData {
+    let energy = if of.energy.is_empty() { Vec::new() } else { shares(&of.energy, items) };
     let says = match energy.is_empty() {
         true => "",
         false => "coloured by share of the energy: springs of the strain energy, bodies of the kinetic energy",
     };
-    let mut value = object([
-        ("kind", "mode".into()),
-        ("s", list([of.s.re, of.s.im])),
-        ("q", list(of.shape.iter().map(|x| x.re))),
-        ("amount", plain(of.amount)),
-        ("energy", energy.into()),
-        ("says", says.into()),
-    ]);
-    if of.shape.iter().any(|x| x.im != 0.0) {
-        value["qi"] = list(of.shape.iter().map(|x| x.im));
+    let turns = of.shape.iter().any(|x| x.im != 0.0);
+    MotionData {
+        kind: "mode",
+        s: Some([of.s.re, of.s.im].map(plain)),
+        q: Some(of.shape.iter().map(|x| plain(x.re)).collect()),
+        qi: turns.then(|| of.shape.iter().map(|x| plain(x.im)).collect()),
+        amount: plain(of.amount),
+        energy: Some(energy),
+        says,
     }
-    value
 }
 
 /// The shares of the items, in their order.
