@@ -73,17 +73,68 @@ static double noise(void) {
 #define COUNT (sizeof(truth_state) / sizeof(double))
 static double used[%(last)s + 1];
 static double sizes[COUNT];
+/* 0 for the states of other blocks than the one that is steered. */
+static double shares[COUNT];
+static int block[COUNT];
+static int blocks;
 static double error(const truth_state *state, const wide_state *wide) {
     const double *a = (const double *)state;
     const long double *b = (const long double *)wide;
     double sum = 0.0;
     for (unsigned i = 0; i < COUNT; i++) {
-        if (sizes[i] > 0.0) {
+        if (sizes[i] > 0.0 && shares[i] > 0.0) {
             const double e = (double)(a[i] - b[i]) / sizes[i];
             sum += e * e;
         }
     }
     return sum;
+}
+/* States that act on each other in a step without inputs are a block. */
+static void find_blocks(void) {
+    static wide_state zero;
+    static long double to[COUNT][COUNT];
+    const wide_inputs none = {0};
+    wide_state still = zero;
+    wide_outputs nothing;
+    wide_step(&still, &none, &nothing);
+    for (unsigned j = 0; j < COUNT; j++) {
+        wide_state trial = zero;
+        wide_outputs ignored;
+        ((long double *)&trial)[j] = 1.0L;
+        wide_step(&trial, &none, &ignored);
+        for (unsigned i = 0; i < COUNT; i++) to[i][j] = ((long double *)&trial)[i] - ((long double *)&still)[i];
+    }
+    for (unsigned i = 0; i < COUNT; i++) block[i] = -1;
+    for (unsigned i = 0; i < COUNT; i++) {
+        if (block[i] >= 0) continue;
+        block[i] = blocks;
+        for (int again = 1; again;) {
+            again = 0;
+            for (unsigned k = 0; k < COUNT; k++) for (unsigned l = 0; l < COUNT; l++) {
+                if (block[k] == blocks && block[l] < 0 && (to[k][l] != 0.0L || to[l][k] != 0.0L)) {
+                    block[l] = blocks;
+                    again = 1;
+                }
+            }
+        }
+        blocks++;
+    }
+}
+/* The sign of the input after which the steered states are larger: as a swing is pushed. */
+static double push(const truth_state *state) {
+    double after[2];
+    for (int k = 0; k < 2; k++) {
+        truth_state trial = *state;
+        truth_outputs ignored;
+        const truth_inputs inputs = { k ? 0x1p20 : -0x1p20 };
+        truth_step(&trial, &inputs, &ignored);
+        after[k] = 0.0;
+        for (unsigned i = 0; i < COUNT; i++) {
+            const double x = sizes[i] > 0.0 ? ((const double *)&trial)[i] / sizes[i] : 0.0;
+            after[k] += shares[i] * x * x;
+        }
+    }
+    return after[1] < after[0] ? -1.0 : 1.0;
 }
 int main(void) {
     static const unsigned long at[] = { %(at)s };
@@ -92,6 +143,8 @@ int main(void) {
     unsigned next = 0;
     truth_init(&state);
     wide_init(&wide);
+    find_blocks();
+    for (unsigned i = 0; i < COUNT; i++) shares[i] = %(steered)s < 0 || block[i] == %(steered)s %% blocks ? 1.0 : 0.0;
     for (unsigned long k = 0; k <= %(last)sul; k++) {
         truth_state chosen = state;
         wide_state beside = wide;
@@ -102,6 +155,8 @@ int main(void) {
             if (x > sizes[i]) sizes[i] = x;
             if (-x > sizes[i]) sizes[i] = -x;
         }
+        const double sign = push(&state);
+        (void)sign;
         for (int choice = 0; choice < %(choices)s; choice++) {
             const double u = %(u)s;
             truth_state trial = state;
@@ -200,7 +255,8 @@ def check(net, program, tally, rng):
     last = rng.choice((1000, 1000, 100000))
     steps = [k for k in CHECKPOINTS if k <= last]
     seen = Seen(bounds)
-    for kind in ("steered", rng.choice(("noise", "burst", "constant"))) if net.hold else ("internal",):
+    kinds = ["steered", *(f"resonant {block}" for block in range(net.size())), "slight", rng.choice(("noise", "burst", "constant"))]
+    for kind in kinds if net.hold else ["internal"]:
         inputs = None
         if net.hold:
             printed, inputs = run_held(net, folder, steps, kind) or (None, None)
@@ -270,9 +326,10 @@ def run(net, folder, steps):
 def run_held(net, folder, steps, kind):
     """The same for inputs that are held, and all inputs."""
     names = [f"y{i}" for i in range(len(net.outputs))]
+    name, block = (kind + " -1").split()[:2]
     source = STEERED % {
-        "at": ", ".join(str(k) for k in steps) + ", 0", "last": steps[-1], "choices": 8 if kind == "steered" else 1,
-        "u": {"steered": "noise() * 0x1p20", "noise": "noise()", "burst": "k < 8 ? noise() : 0.0", "constant": "0.7"}[kind],
+        "at": ", ".join(str(k) for k in steps) + ", 0", "last": steps[-1], "choices": 8 if name in ("steered", "resonant", "slight") else 1, "steered": block,
+        "u": {"steered": "noise() * 0x1p20", "slight": "noise() * 0x1p-10", "resonant": "sign * (1.0 + 0.01 * noise()) * 0x1p20", "noise": "noise()", "burst": "k < 8 ? noise() : 0.0", "constant": "0.7"}[name],
         "format": " ".join("%.17g" for _ in names), "values": ", ".join(f"outputs.{name}" for name in names)}
     lines = compiled(folder, {"main.c": source, "wide.c": WIDE + '#include "truth.c"\n'})
     if lines is None:
