@@ -33,6 +33,12 @@ pub enum AnalysisError {
         limit: usize,
         at: Span,
     },
+    /// Each of these coordinates has inertia, or damping without inertia, but some combination of them has none.
+    DependentMass {
+        coordinates: Vec<String>,
+        damping: bool,
+        at: Span,
+    },
     /// Some bodies have no mass, and their elimination would leave more than `limit` terms.
     MasslessNet {
         coordinate: String,
@@ -96,6 +102,17 @@ impl AnalysisError {
         let at = coordinates.first().map_or_else(|| place(system, 0), |&i| place(system, i));
         let coordinates = coordinates.iter().map(|&i| system.display(system.coordinates[i].name)).collect();
         AnalysisError::SingularMass { coordinates, at }
+    }
+
+    /// `damping`: of coordinates without inertia, of which some combination has no damping either.
+    pub(in crate::analysis) fn dependent_mass(
+        system: &LinearSystem,
+        coordinates: &[usize],
+        damping: bool,
+    ) -> AnalysisError {
+        let at = coordinates.first().map_or_else(|| place(system, 0), |&i| place(system, i));
+        let coordinates = coordinates.iter().map(|&i| system.display(system.coordinates[i].name)).collect();
+        AnalysisError::DependentMass { coordinates, damping, at }
     }
 
     /// `part`: the coordinates of the part, some of which have no inertia.
@@ -164,7 +181,9 @@ impl AnalysisError {
             AnalysisError::TooManyCoordinates { .. } | AnalysisError::NotSparse { .. } => {
                 Code::limit("vib::limit::modes")
             }
-            AnalysisError::SingularMass { .. } => Code::model("vib::mass::singular"),
+            AnalysisError::SingularMass { .. } | AnalysisError::DependentMass { .. } => {
+                Code::model("vib::mass::singular")
+            }
             AnalysisError::MasslessPoles { .. } | AnalysisError::MasslessNet { .. } => {
                 Code::limit("vib::limit::massless")
             }
@@ -193,6 +212,7 @@ impl AnalysisError {
             AnalysisError::TooManyCoordinates { at, .. }
             | AnalysisError::NotSparse { at, .. }
             | AnalysisError::SingularMass { at, .. }
+            | AnalysisError::DependentMass { at, .. }
             | AnalysisError::MasslessPoles { at, .. }
             | AnalysisError::MasslessNet { at, .. }
             | AnalysisError::IndefiniteMass { at, .. }
@@ -229,6 +249,15 @@ impl AnalysisError {
                     coordinates.join(", ")
                 ),
                 "give it a mass (an inertia if it turns), or connect it by springs to a body with mass or to the ground",
+            ),
+            AnalysisError::DependentMass { coordinates, damping, .. } => (
+                format!(
+                    "some combination of {} moves without {}, and springs place it at once: motions in time and code \
+                     are not made for that",
+                    listed(coordinates),
+                    if *damping { "inertia and damping" } else { "inertia" }
+                ),
+                "give each body in it a mass (an inertia if it turns)",
             ),
             AnalysisError::MasslessPoles { coordinates, count, limit, .. } => (
                 massless_poles(coordinates, *count, *limit),
@@ -290,13 +319,19 @@ impl AnalysisError {
 }
 
 /// The text that names these motions, and says why the poles of their part are not computed.
-fn massless_poles(coordinates: &[String], count: usize, limit: usize) -> String {
-    /// The most names that are listed.
+/// The first names and the number of the others.
+fn listed(coordinates: &[String]) -> String {
     const MOST: usize = 6;
-    let who = match coordinates {
-        [] => "some motion".to_string(),
+    match coordinates {
         all if all.len() > MOST => format!("{} and {} more", all[..MOST].join(", "), all.len() - MOST),
         all => all.join(", "),
+    }
+}
+
+fn massless_poles(coordinates: &[String], count: usize, limit: usize) -> String {
+    let who = match coordinates {
+        [] => "some motion".to_string(),
+        all => listed(all),
     };
     let verb = if coordinates.len() > 1 { "move" } else { "moves" };
     let why = if count > limit {

@@ -180,7 +180,8 @@ impl<'a> Assembly<'a> {
     }
 
     /// Which displacements and which velocities of the coordinates are parts of the state: displacements of what has mass or
-    /// damping, velocities of what has mass. Of two coordinates that move one mass together, both count.
+    /// damping, velocities of what has mass. Of two coordinates that move one mass together, both count: motions in time
+    /// refuse them.
     pub fn states(&self) -> [Vec<bool>; 2] {
         // C = alpha M + beta K
         let is_damped = matches!(&self.scene.damping, Some(Damping::Rayleigh { beta, .. }) if !beta.is_zero());

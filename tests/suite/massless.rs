@@ -187,6 +187,35 @@ fn refused(text: &str) -> [Vec<Diagnostic>; 2] {
     [vibc::analyze(&sources, file, &Overrides::default()).diagnostics, simulated.diagnostics]
 }
 
+/// Two springs of 3 N/m in series carry a mass: of a.x and b.x, which both move it, one combination has no inertia. It
+/// is not free to move, and an initial value of it is not lost in silence: motions in time say that they do not take it.
+#[test]
+fn coordinates_that_move_one_mass_together_are_named_by_motions() {
+    for (more, what) in [("", "inertia"), ("damper d: a -- ground { c = 1 N*s/m }\n", "inertia")] {
+        let text = format!(
+            "body a {{ mass = 0 kg, moves x }}\nbody b {{ mass = 0 kg, moves x }}\nbody m {{ mass = 1 kg, moves x }}\n\
+             couple q: m.x = a.x + b.x\nspring t: b -- ground {{ k = 3 N/m }}\nspring u: a -- ground {{ k = 3 N/m }}\n\
+             {more}output x = m.x\ninitial a {{ x = 1 mm, vx = 2 m/s }}\ninitial b {{ x = 0 mm, vx = 0 m/s }}\n"
+        );
+        if more.is_empty() {
+            let answer = ask(&text);
+            assert_eq!((answer.modes.list.len(), answer.modes.infinite), (1, 1));
+            assert!((answer.omegas()[0] - 1.5f64.sqrt()).abs() < 1e-15);
+        }
+        let [_, simulated] = refused(&text);
+        assert_eq!((simulated.len(), &*simulated[0].code.0), (1, "vib::mass::singular"));
+        let said = format!("some combination of a.x, b.x moves without {what}, and springs");
+        assert!(simulated[0].message.starts_with(&said), "{}", simulated[0].message);
+    }
+    // A damper between two points without mass: their common motion has none.
+    let text = "body a { mass = 0 kg, moves x }\nbody b { mass = 0 kg, moves x }\ndamper d: a -- b { c = 1 N*s/m }\n\
+                spring t: b -- ground { k = 3 N/m }\nspring u: a -- ground { k = 3 N/m }\noutput x = a.x\n\
+                initial a { x = 1 mm }\ninitial b { x = 0 mm }\n";
+    let [_, simulated] = refused(text);
+    let said = "some combination of a.x, b.x moves without inertia and damping, and springs";
+    assert!(simulated.len() == 1 && simulated[0].message.starts_with(said), "{simulated:?}");
+}
+
 #[test]
 fn nodes_that_float_are_named_by_every_command() {
     let text = "body m1 { mass = 1 kg, moves x }

@@ -254,7 +254,8 @@ impl Physical {
                 f_states[(low[i], j - nr - na)]
             }
         });
-        let creep = solve(&select(&c, damped, damped), &rhs).ok_or_else(|| singular(damped))?;
+        let creep = solve(&select(&c, damped, damped), &rhs)
+            .ok_or_else(|| AnalysisError::dependent_mass(system, damped, true))?;
         let mut a = Matrix::none(size, size);
         for i in 0..na {
             a[(i, nr + i)] = Ball::ONE;
@@ -276,7 +277,8 @@ impl Physical {
             };
             direct - reaction[(i, j)]
         });
-        let acceleration = solve(&select(&m, heavy, heavy), &rhs).ok_or_else(|| singular(heavy))?;
+        let acceleration = solve(&select(&m, heavy, heavy), &rhs)
+            .ok_or_else(|| AnalysisError::dependent_mass(system, heavy, false))?;
         for j in 0..size {
             for i in 0..na {
                 a[(nr + i, j)] = acceleration[(i, j)];
@@ -311,8 +313,8 @@ impl Shaping {
     fn of(system: &LinearSystem, parts: &Parts, physical: &Physical, horizon: f64) -> Result<Shaping, AnalysisError> {
         let (na, nr) = (parts.heavy.len(), parts.heavy.len() + parts.damped.len());
         let m = select(&physical.m, &parts.heavy, &parts.heavy).mid();
-        let n_factor =
-            cholesky::upper(&m, LEAST_PIVOT).ok_or_else(|| AnalysisError::singular_mass(system, &parts.heavy))?;
+        let n_factor = cholesky::upper(&m, LEAST_PIVOT)
+            .ok_or_else(|| AnalysisError::dependent_mass(system, &parts.heavy, false))?;
         let c = select(&physical.c, &parts.damped, &parts.damped).mid();
         let k = physical.k.mid();
         let shifted = |sigma: f64| {
