@@ -52,8 +52,13 @@ macro_rules! commands {
 
         impl FromArgMatches for Command {
             fn from_arg_matches(matches: &ArgMatches) -> Result<Command, clap::Error> {
-                match matches.subcommand() {
-                    $(Some(($word, given)) => Ok(Command::$name($name::from_arg_matches(given)?)),)*
+                Command::from_arg_matches_mut(&mut matches.clone())
+            }
+
+            fn from_arg_matches_mut(matches: &mut ArgMatches) -> Result<Command, clap::Error> {
+                let (word, mut given) = matches.remove_subcommand().unwrap_or_default();
+                match word.as_str() {
+                    $($word => Ok(Command::$name($name::from_arg_matches_mut(&mut given)?)),)*
                     // clap has refused such command lines already.
                     _ => Err(clap::Error::new(clap::error::ErrorKind::MissingSubcommand)),
                 }

@@ -9,10 +9,11 @@ mod sweeping;
 mod transport;
 mod watch;
 
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches, Parser};
 use files::{Input, open, read, read_all, refuse_overwriting, write_result};
 use std::fs;
 use std::io::{self, IsTerminal, Write};
+use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
@@ -43,7 +44,7 @@ enum Status {
 
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(report_defect));
-    let cli = Cli::try_parse().unwrap_or_else(|error| refuse(&error));
+    let cli = command_line().unwrap_or_else(|error| refuse(&error));
     let status = match &cli.command {
         Command::Analyze(options) => analyze(options, &cli.messages),
         Command::Transfer(options) => transfer(options, &cli.messages),
@@ -65,6 +66,14 @@ fn main() -> ExitCode {
         Command::Bench(options) => bench(options, &cli.messages),
     };
     ExitCode::from(status as u8)
+}
+
+/// The command line of this process.
+fn command_line() -> Result<Cli, clap::Error> {
+    // The description is never taken apart: that would take a fiftieth of a run on a small model.
+    let mut description = ManuallyDrop::new(Cli::command());
+    let mut given = description.try_get_matches_from_mut(std::env::args_os())?;
+    Cli::from_arg_matches_mut(&mut given).map_err(|error| error.format(&mut description))
 }
 
 /// Shows help, or the errors of the command line. clap repeats arguments as they are, so characters that would control

@@ -216,10 +216,11 @@ impl Fraction {
 
     /// The power of ten of the first digit; the value is not zero.
     fn exponent(&self) -> i64 {
-        // 2^bits is the value up to a factor of two, and 0.30103 is log10(2) to 5e-9, so the floor is off by at most
-        // one, even far beyond the range of binary64: two less is a safe start.
+        // The value is more than 2^(bits - 1). 0.30103 is log10(2) to 5e-9, and what is taken off in hundred-thousandths is
+        // more than that for each bit: so the start is never too large, and within the range of binary64 too small by one
+        // at most.
         let bits = self.numerator.bits() as i64 - self.denominator.bits() as i64;
-        let mut exponent = (bits * 30103).div_euclid(100_000) - 2;
+        let mut exponent = ((bits - 1) * 30103 - 1 - bits.abs() / 1000).div_euclid(100_000);
         while self.reaches(exponent + 1) {
             exponent += 1;
         }

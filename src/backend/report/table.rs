@@ -34,8 +34,9 @@ const LEAST: usize = 16;
 pub fn text(table: &report::Table, indent: usize, width: usize) -> String {
     let room = width.saturating_sub(indent);
     let whole = Table::of(table);
-    if whole.width() <= room {
-        return whole.text(indent);
+    let layouts = whole.layouts();
+    if width_of(&layouts) <= room {
+        return whole.lines(indent, &layouts);
     }
     match &table.narrower {
         Some(narrower) => text(narrower, indent, width),
@@ -76,7 +77,7 @@ impl Table {
 
     /// The table's width in characters, without the indent.
     fn width(&self) -> usize {
-        sum(&self.layouts().iter().map(|layout| layout.width).collect::<Vec<_>>())
+        width_of(&self.layouts())
     }
 
     /// The lines, each indented by `indent` spaces; no line ends in spaces.
@@ -214,6 +215,11 @@ impl Table {
         let cells = |i: usize| self.rows.iter().map(move |row| &row[i][0]);
         self.columns.iter().enumerate().map(|(i, column)| Layout::of(column, cells(i))).collect()
     }
+}
+
+/// The width of a table of such columns.
+fn width_of(layouts: &[Layout]) -> usize {
+    sum(&layouts.iter().map(|layout| layout.width).collect::<Vec<_>>())
 }
 
 /// The width of columns with their gaps.
