@@ -1,29 +1,34 @@
 //! Work on all cores. No item depends on its neighbours, so neither the division of a list nor the number of cores changes a bit of
 //! the result.
 
+use std::sync::Mutex;
 use std::thread;
 
-/// Applies `work` to the whole list, split into a piece for each core of at least `least` items, each a multiple of `multiple`;
-/// returns the results in order.
+/// Pieces for each core: one that is late, because other programs run on it, has a smaller share in the end.
+const PIECES: usize = 4;
+
+/// Applies `work` to the whole list, in pieces of at least `least` items, each a multiple of `multiple`; returns the results in
+/// order.
 pub(crate) fn in_pieces<T: Sync, U: Send>(
     items: &[T],
     least: usize,
     multiple: usize,
     work: impl Fn(&[T]) -> Vec<U> + Sync,
 ) -> Vec<U> {
-    let length = piece(items.len(), least).next_multiple_of(multiple);
+    let (cores, length) = division(items.len(), least);
+    let length = length.next_multiple_of(multiple);
     if length >= items.len() {
         return work(items);
     }
-    let (first, others) = items.split_at(length);
-    thread::scope(|scope| {
-        let started: Vec<_> = others.chunks(length).map(|piece| scope.spawn(|| work(piece))).collect();
-        let mut results = work(first);
-        for piece in started {
-            results.extend(piece.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        }
-        results
-    })
+    let pieces = items.chunks(length).enumerate();
+    let found = Mutex::new(Vec::with_capacity(pieces.len()));
+    on_cores(cores, pieces, |(at, piece)| {
+        let results = work(piece);
+        found.lock().expect("nobody panics with the lock").push((at, results));
+    });
+    let mut found = found.into_inner().expect("nobody panics with the lock");
+    found.sort_unstable_by_key(|(at, _)| *at);
+    found.into_iter().flat_map(|(_, results)| results).collect()
 }
 
 /// Applies `work` to the numbers of a slice in pieces of whole columns, `stride` numbers each, of at least `least` columns; with the
@@ -33,31 +38,42 @@ pub(crate) fn in_columns(
     (stride, columns, least): (usize, usize, usize),
     work: impl Fn(&mut [f64], usize, usize) + Sync,
 ) {
-    let length = piece(columns, least);
+    let (cores, length) = division(columns, least);
     if length >= columns {
         return work(numbers, 0, columns);
     }
-    thread::scope(|scope| {
-        let mut pieces = numbers.chunks_mut(stride * length).zip((0..columns).step_by(length));
-        let first = pieces.next();
-        for (piece, at) in pieces {
-            let work = &work;
-            scope.spawn(move || work(piece, at, length.min(columns - at)));
+    let pieces = numbers.chunks_mut(stride * length).zip((0..columns).step_by(length));
+    on_cores(cores, pieces, |(piece, at)| work(piece, at, length.min(columns - at)));
+}
+
+/// Applies `work` to each piece; every core takes the next one when it is done with its last.
+fn on_cores<P: Send>(cores: usize, pieces: impl Iterator<Item = P> + Send, work: impl Fn(P) + Sync) {
+    let pieces = Mutex::new(pieces);
+    let next = || pieces.lock().expect("nobody panics with the lock").next();
+    let some = || {
+        while let Some(piece) = next() {
+            work(piece);
         }
-        if let Some((piece, at)) = first {
-            work(piece, at, length);
+    };
+    thread::scope(|scope| {
+        let others: Vec<_> = (1..cores).map(|_| scope.spawn(some)).collect();
+        some();
+        for other in others {
+            other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         }
     });
 }
 
-/// The length of a piece.
-fn piece(count: usize, least: usize) -> usize {
+/// The number of cores for so many items, and the length of a piece.
+fn division(count: usize, least: usize) -> (usize, usize) {
+    let least = least.max(1);
     // Asking for the number of cores takes some microseconds.
-    if count < 2 * least.max(1) {
-        return count.max(1);
+    if count < least.saturating_mul(2) {
+        return (1, count.max(1));
     }
-    let cores = thread::available_parallelism().map_or(1, |cores| cores.get());
-    count.div_ceil(cores).max(least.max(1))
+    let cores = thread::available_parallelism().map_or(1, |cores| cores.get()).min(count / least);
+    let pieces = if cores == 1 { 1 } else { cores * PIECES };
+    (cores, count.div_ceil(pieces).max(least))
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use crate::analysis::discrete::precision::Precision;
 use crate::analysis::discrete::turn::Turn;
 use crate::base::{Dd, Power};
 use crate::kernel::dense::Matrix;
+use crate::kernel::simd::simd;
 
 /// The step of a pair of states.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,26 +74,28 @@ pub fn lift(turn: &Turn, drive: Option<[Dd; 2]>, precision: Precision) -> Option
     Some(Lifted { lift, s })
 }
 
-/// k and p with k p = product, balanced by p det = k.
-fn factors(product: Dd, det: Dd, precision: Precision) -> (f64, f64) {
-    if product.hi == 0.0 {
-        return (0.0, 1.0);
-    }
-    let root = det.hi.clamp(0.01, 1.0).sqrt();
-    // If k is one unit in the last place larger, p is 0.618 units smaller: so the trials are spread evenly (golden
-    // ratio), while for k = p they would all round alike.
-    let start = product.hi.sqrt() * root * GOLDEN_ROOT;
-    let mut best = (start, f64::INFINITY, 0.0);
-    let mut k = precision.round(Dd::from(start));
-    for _ in 0..TRIALS {
-        let p = precision.round(product / Dd::from(k));
-        let error = (Dd::product(k, p) - product).abs().hi;
-        if error < best.1 {
-            best = (k, error, p);
+simd! {
+    /// k and p with k p = product, balanced by p det = k.
+    fn factors(product: Dd, det: Dd, precision: Precision) -> (f64, f64) {
+        if product.hi == 0.0 {
+            return (0.0, 1.0);
         }
-        k = precision.next(k);
+        let root = det.hi.clamp(0.01, 1.0).sqrt();
+        // If k is one unit in the last place larger, p is 0.618 units smaller: so the trials are spread evenly (golden
+        // ratio), while for k = p they would all round alike.
+        let start = product.hi.sqrt() * root * GOLDEN_ROOT;
+        let mut best = (start, f64::INFINITY, 0.0);
+        let mut k = precision.round(Dd::from(start));
+        for _ in 0..TRIALS {
+            let p = precision.round(product / Dd::from(k));
+            let error = (Dd::product(k, p) - product).abs().hi;
+            if error < best.1 {
+                best = (k, error, p);
+            }
+            k = precision.next(k);
+        }
+        (best.0, best.2)
     }
-    (best.0, best.2)
 }
 
 /// Rows x and v with x' = x + p v', v' = det v - k x: x can be any row that is not a left eigenvector; v = x (1 - F^-1)

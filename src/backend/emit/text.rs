@@ -104,9 +104,11 @@ fn folded(depth: usize, statement: &str) -> String {
     lines + &line(indent, rest)
 }
 
+const INDENT: &str = "    ";
+
 /// A line of text, indented.
 pub fn line(depth: usize, content: &str) -> String {
-    format!("{}{content}\n", "    ".repeat(depth))
+    format!("{}{content}\n", INDENT.repeat(depth))
 }
 
 fn place(words: &impl Words, target: &Target) -> String {
@@ -195,9 +197,14 @@ pub fn decimal(x: f64, precision: Precision) -> String {
 
 /// A list of numbers, a few per line.
 pub fn numbers(values: &[f64], depth: usize, number: impl Fn(f64) -> String) -> String {
-    let lines = values.chunks(4).map(|chunk| {
-        let numbers: Vec<String> = chunk.iter().map(|&x| number(x)).collect();
-        line(depth, &(numbers.join(", ") + ","))
-    });
-    lines.collect()
+    let mut text = String::with_capacity(24 * values.len());
+    for chunk in values.chunks(4) {
+        (0..depth).for_each(|_| text.push_str(INDENT));
+        for (i, &x) in chunk.iter().enumerate() {
+            text.push_str(if i == 0 { "" } else { ", " });
+            text.push_str(&number(x));
+        }
+        text.push_str(",\n");
+    }
+    text
 }
