@@ -35,7 +35,7 @@ pub use reduce::{DroppedBlock, Why};
 pub use rounding::Rounding;
 pub use signals::{Repeat, Signals};
 
-use crate::analysis::answer::{Modes, PRECISE};
+use crate::analysis::answer::Modes;
 use crate::analysis::discrete::block::{Direct, Split};
 use crate::analysis::discrete::cell::{Maker, add_columns, rounded_terms};
 use crate::analysis::discrete::comparison::Exact;
@@ -331,9 +331,7 @@ pub fn discretise(system: &LinearSystem, modes: &Modes, options: &Options) -> Re
 }
 
 fn split(system: &LinearSystem, modes: &Modes) -> Result<Split, AnalysisError> {
-    if system.n() <= PRECISE
-        && let Some(split) = modal::split(system, modes)
-    {
+    if let Some(split) = modal::split(system, modes) {
         return Ok(split);
     }
     let by_poles = || poles::split(system, &*pole_coordinates(system, modes)?);

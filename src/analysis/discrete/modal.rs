@@ -2,7 +2,7 @@
 //! X^T B u. In: the system and its modes. Out: blocks of two states, of one for well separated real rates, or nothing
 //! if damping couples the modes. See docs/method/emit.md.
 
-use crate::analysis::answer::{Mode, ModeKind, Modes};
+use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};
 use crate::analysis::modes::form::{ModalForm, damping_clearly_couples, gram};
 use crate::base::{Ball, Dd, Number, Power};
@@ -22,11 +22,8 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
     if damping_clearly_couples(system, modes) {
         return None;
     }
-    let gram = |form: &Squares, x: &Matrix<Dd>| gram_of_many(form, x).unwrap_or_else(|| gram(form, x));
-    let ModalForm { shapes: mut x, m: masses, k: stiffness } = ModalForm::of(system, modes, gram)?;
-    let (m, c, k) = (Squares::of_form(&system.m), Squares::of_form(&system.c), Squares::of_form(&system.k));
-    let (masses, stiffness) = if without_rounding(&mut x) { (gram(&m, &x), gram(&k, &x)) } else { (masses, stiffness) };
-    let grams = [masses, gram(&c, &x), stiffness];
+    let m = Squares::of_form(&system.m);
+    let (x, grams) = if n > PRECISE { of_many(system, modes)? } else { of_few(system, modes, &m)? };
     if !grams.iter().all(is_diagonal) {
         return None;
     }
@@ -49,6 +46,23 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
         oscillator.blocks(name, &mut found);
     }
     Some(found)
+}
+
+/// The modes X, and X^T M X, X^T C X and X^T K X.
+type Decomposed = (Matrix<Dd>, [Matrix<Ball>; 3]);
+
+fn of_few(system: &LinearSystem, modes: &Modes, m: &Squares) -> Option<Decomposed> {
+    let gram = |form: &Squares, x: &Matrix<Dd>| gram_of_many(form, x).unwrap_or_else(|| gram(form, x));
+    let ModalForm { shapes: mut x, m: masses, k: stiffness } = ModalForm::of(system, modes, gram)?;
+    let (c, k) = (Squares::of_form(&system.c), Squares::of_form(&system.k));
+    let (masses, stiffness) = if without_rounding(&mut x) { (gram(m, &x), gram(&k, &x)) } else { (masses, stiffness) };
+    let grams = [masses, gram(&c, &x), stiffness];
+    Some((x, grams))
+}
+
+fn of_many(system: &LinearSystem, modes: &Modes) -> Option<Decomposed> {
+    let (form, damping) = ModalForm::with_damping(system, modes)?;
+    Some((form.shapes, [form.m, damping, form.k]))
 }
 
 /// X^T A X for an A with far more terms than entries, as for springs between all pairs of bodies: computed from the

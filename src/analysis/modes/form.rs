@@ -4,9 +4,11 @@
 //! docs/method/transfer.md.
 //!
 //! A step X <- X (I + Z) with the Z that makes X^T M X = I and X^T K X diagonal to second order squares the error (Ogita and
-//! Aishima 2018): two steps turn 1e-16 into 1e-31. Shapes that come in double-double need none.
+//! Aishima 2018): two steps turn 1e-16 into 1e-31. Shapes that come in double-double need none. Of many coordinates one step is
+//! taken by products of matrices in binary64 ([`Basis`]).
 
-use crate::analysis::answer::{Mode, ModeKind, Modes};
+use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
+use crate::analysis::modes::dense::basis::Basis;
 use crate::base::{Ball, Dd, larger, up};
 use crate::kernel::dense::{Matrix, add_scaled};
 use crate::kernel::simd::simd;
@@ -30,7 +32,29 @@ const STEPS: usize = 2;
 pub(in crate::analysis) const LEAST_EPSILON: f64 = 1.0 / (1u128 << 96) as f64;
 const UP: f64 = up::THOUSANDS;
 
+/// The most coordinates whose damping is decomposed by modes.
+const MOST: usize = 1_000;
+
 impl ModalForm {
+    /// With X^T C X. `None` if modes are missing; beyond [`PRECISE`] coordinates also where some coordinate has no mass.
+    pub fn with_damping(system: &LinearSystem, modes: &Modes) -> Option<(ModalForm, Matrix<Ball>)> {
+        if system.n() <= PRECISE {
+            let form = ModalForm::of(system, modes, gram)?;
+            let damping = gram(&Squares::of_form(&system.c), &form.shapes);
+            return Some((form, damping));
+        }
+        let is_complete = system.n() <= MOST
+            && modes.list.len() == system.n()
+            && modes.list.iter().all(|mode| mode.shape.len() == system.n());
+        if !is_complete {
+            return None;
+        }
+        let shapes = Matrix::from_fn(system.n(), system.n(), |i, j| modes.list[j].shape[i]);
+        let basis = Basis::of(system, shapes)?;
+        let (k, c) = (basis.form(&system.k), basis.form(&system.c));
+        Some((ModalForm { shapes: basis.shapes(), m: basis.m, k }, c))
+    }
+
     /// `gram` computes X^T A X. `None` if modes are missing.
     pub fn of(
         system: &LinearSystem,
@@ -233,6 +257,18 @@ pub(in crate::analysis) fn off_diagonal(gram: &Matrix<Ball>, sizes: &[f64], unit
         }
     }
     largest * UP
+}
+
+/// The norms of the columns of what a form is beside its diagonal, on which the radius (or, with `unit`, the distance from one)
+/// is taken instead.
+pub(in crate::analysis) fn columns_beside(gram: &Matrix<Ball>, unit: bool) -> Vec<f64> {
+    let size = |i: usize, j: usize| match (i == j, unit) {
+        (false, _) => gram[(i, j)].magnitude(),
+        (true, true) => (gram[(i, j)] - Ball::ONE).magnitude(),
+        (true, false) => gram[(i, j)].rad,
+    };
+    let column = |j: usize| (0..gram.rows()).map(|i| size(i, j) * size(i, j)).sum::<f64>().sqrt() * UP;
+    (0..gram.columns()).map(column).collect()
 }
 
 #[cfg(test)]

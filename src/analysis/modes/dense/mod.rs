@@ -7,6 +7,7 @@
 //!
 //! See docs/method/modes.md#dense-matrices.
 
+pub(in crate::analysis) mod basis;
 mod certificate;
 mod residual;
 mod step;

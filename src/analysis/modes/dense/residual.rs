@@ -28,7 +28,7 @@ const UNIT_SQUARED: f64 = rounding::UNIT_SQUARED;
 const UNDERFLOW: f64 = 1e-320;
 
 /// A form in the layout that the kernels read.
-struct Flat {
+pub(super) struct Flat {
     weights: Vec<[f64; 2]>,
     starts: Vec<u32>,
     indices: Vec<u32>,
@@ -48,10 +48,12 @@ enum Kind {
 
 /// Error bounds of applying a form to vectors.
 #[derive(Clone, Copy, Debug)]
-struct Doubt {
-    kappa: f64,
+pub(super) struct Doubt {
+    pub kappa: f64,
     /// Norm in D^-1 of the error from underflow.
-    floor: f64,
+    pub floor: f64,
+    /// For the [`strain`] of a vector: |x_i^T (error of K x_j)| <= by_strain |D x_i| strain_j, up to the underflow.
+    pub by_strain: f64,
 }
 
 /// Residuals of the columns of X, and the quantities that their bounds need.
@@ -93,12 +95,7 @@ impl Pencil {
         let mut theta = Vec::with_capacity(columns);
         let mut block = Block::new(n);
         for first in (0..columns).step_by(LANES) {
-            let width = LANES.min(columns - first);
-            for lane in 0..LANES {
-                // The last block repeats a column to avoid dividing by zero.
-                let column = x.column(first + lane.min(width - 1));
-                column.iter().enumerate().for_each(|(i, &x)| block.x[i * LANES + lane] = x);
-            }
+            let width = block.load(x, first);
             apply(&self.stiffness, &block.x, &mut block.k);
             apply(&self.masses, &block.x, &mut block.m);
             let [high, low] = quotients(&block.x, &block.k, &block.m);
@@ -154,7 +151,7 @@ impl Residuals {
 }
 
 impl Flat {
-    fn of(terms: &Terms) -> Flat {
+    pub fn of(terms: &Terms) -> Flat {
         let mut flat = Flat {
             weights: Vec::with_capacity(terms.len()),
             starts: vec![0],
@@ -169,19 +166,23 @@ impl Flat {
             flat.indices.extend_from_slice(indices);
             flat.factors.extend(factors.iter().map(|factor| words(factor.to_dd())));
             flat.starts.push(flat.indices.len() as u32);
-            flat.kinds.push(match factors {
-                [Factor::Plus | Factor::Minus] => Kind::Single,
-                [Factor::Plus, Factor::Minus] | [Factor::Minus, Factor::Plus] => Kind::Difference,
-                _ => Kind::Other,
-            });
+            flat.kinds.push(kind(factors));
         }
         flat
     }
 }
 
+fn kind(factors: &[Factor]) -> Kind {
+    match factors {
+        [Factor::Plus | Factor::Minus] => Kind::Single,
+        [Factor::Plus, Factor::Minus] | [Factor::Minus, Factor::Plus] => Kind::Difference,
+        _ => Kind::Other,
+    }
+}
+
 impl Doubt {
     /// See the module.
-    fn of(terms: &Terms, scale: &[f64]) -> Doubt {
+    pub fn of(terms: &Terms, scale: &[f64]) -> Doubt {
         let (mut at, mut length) = (vec![0u32; scale.len()], 0);
         for t in 0..terms.len() {
             let (indices, _) = terms.row(t);
@@ -191,6 +192,7 @@ impl Doubt {
         let most = at.iter().copied().max().unwrap_or(0) as usize;
         let roundings = (10 * (most + length + 3) + 60) as f64 * UNIT_SQUARED;
         let (mut rows, mut floors) = (vec![0.0; scale.len()], vec![0.0; scale.len()]);
+        let (mut sizes, mut worst) = (vec![0.0; scale.len()], 0.0);
         for t in 0..terms.len() {
             let (indices, factors) = terms.row(t);
             let weight = terms.weights[t];
@@ -199,15 +201,37 @@ impl Doubt {
             let beta = (size * (roundings + 2.0 * doubt) + weight.radius) * (1.0 + doubt) * (1.0 + doubt);
             let entry = |factor: &Factor| factor.to_f64().abs() * SLACK;
             let sum: f64 = indices.iter().zip(factors).map(|(&i, a)| entry(a) / scale[i as usize]).sum();
+            worst = larger(worst, if beta == 0.0 { 0.0 } else { beta / weight.value.hi().abs() });
             for (&i, a) in indices.iter().zip(factors) {
                 rows[i as usize] += beta * entry(a) * sum;
+                sizes[i as usize] += size * entry(a) * sum;
                 floors[i as usize] += (1.0 + entry(a)) * (1.0 + size) * (most + length) as f64 * UNDERFLOW;
             }
         }
-        let kappa = rows.iter().zip(scale).map(|(row, scale)| row / scale).fold(0.0, larger);
+        let norm = |rows: &[f64]| rows.iter().zip(scale).map(|(row, scale)| row / scale).fold(0.0, larger) * SLACK;
         let floor: f64 = floors.iter().zip(scale).map(|(floor, scale)| (floor / scale) * (floor / scale)).sum();
-        Doubt { kappa: kappa * SLACK, floor: floor.sqrt() * SLACK + UNDERFLOW }
+        let by_strain = worst * norm(&sizes).sqrt() * SLACK;
+        Doubt { kappa: norm(&rows), floor: floor.sqrt() * SLACK + UNDERFLOW, by_strain }
     }
+}
+
+/// sqrt(sum |w_t| g_t^2), where g_t is the stretch of a term with signs for factors, which two words hold exactly, and the
+/// sum of its parts' magnitudes for others: the error of w_t a_t (a_t . x) is at most beta_t |a_t| g_t (see the module), and by
+/// Cauchy's inequality the sum over the terms at most max (beta_t / |w_t|) sqrt(sum |w_t| (|a_t| . |x_i|)^2) strain_j. For soft
+/// modes of stiff systems that is far less than the bound by the magnitude of x.
+pub(super) fn strain(terms: &Terms, x: &[f64]) -> f64 {
+    let square = |t: usize| {
+        let (indices, factors) = terms.row(t);
+        let parts = || indices.iter().zip(factors).map(|(&i, a)| a.to_f64() * x[i as usize]);
+        let size: f64 = parts().map(f64::abs).sum();
+        let stretch = match kind(factors) {
+            Kind::Other => size * SLACK,
+            // The difference is rounded once.
+            Kind::Single | Kind::Difference => parts().sum::<f64>().abs() + f64::EPSILON * size,
+        };
+        terms.weights[t].value.hi().abs() * stretch * stretch
+    };
+    (0..terms.len()).map(square).sum::<f64>().sqrt() * SLACK
 }
 
 /// Relative radius of a factor.
@@ -220,21 +244,32 @@ fn factor_doubt(factor: Factor) -> f64 {
 }
 
 /// Eight vectors and their images; each coordinate has a row of eight numbers (two rows for numbers of two words).
-struct Block {
-    x: Vec<f64>,
-    k: Vec<f64>,
-    m: Vec<f64>,
+pub(super) struct Block {
+    pub x: Vec<f64>,
+    pub k: Vec<f64>,
+    pub m: Vec<f64>,
 }
 
 impl Block {
-    fn new(n: usize) -> Block {
+    pub fn new(n: usize) -> Block {
         Block { x: vec![0.0; n * LANES], k: vec![0.0; 2 * n * LANES], m: vec![0.0; 2 * n * LANES] }
+    }
+
+    /// Takes eight columns of X from this one on, or as many as there are, and returns their number.
+    pub fn load(&mut self, x: &Matrix<f64>, first: usize) -> usize {
+        let width = LANES.min(x.columns() - first);
+        for lane in 0..LANES {
+            // The last block repeats a column to avoid dividing by zero.
+            let column = x.column(first + lane.min(width - 1));
+            column.iter().enumerate().for_each(|(i, &x)| self.x[i * LANES + lane] = x);
+        }
+        width
     }
 }
 
 simd! {
     /// image = sum w a a^T x
-    fn apply<V: Eight>(form: &Flat, x: &[f64], image: &mut [f64]) {
+    pub(super) fn apply<V: Eight>(form: &Flat, x: &[f64], image: &mut [f64]) {
         apply_as::<V>(form, x, image);
     }
 }
@@ -287,7 +322,7 @@ fn add<V: Eight>(image: &mut [f64], i: u32, force: Double<V>) {
 
 simd! {
     /// x . k / x . m in two words, a row each.
-    fn quotients<V: Eight>(x: &[f64], k: &[f64], m: &[f64]) -> [[f64; LANES]; 2] {
+    pub(super) fn quotients<V: Eight>(x: &[f64], k: &[f64], m: &[f64]) -> [[f64; LANES]; 2] {
         let (mut energy, mut inertia) = (Double::<V>::zero(), Double::<V>::zero());
         for (i, x) in x.chunks_exact(LANES).enumerate() {
             let x = Double { hi: V::load(x), lo: V::splat(0.0) };
@@ -307,7 +342,7 @@ simd! {
 
 simd! {
     /// k <- k - theta m, rounded to the first of its words.
-    fn residuals<V: Eight>(theta: &[[f64; LANES]; 2], k: &mut [f64], m: &[f64]) {
+    pub(super) fn residuals<V: Eight>(theta: &[[f64; LANES]; 2], k: &mut [f64], m: &[f64]) {
         let theta = -Double::<V> { hi: V::load(&theta[0]), lo: V::load(&theta[1]) };
         for (k, m) in k.chunks_exact_mut(2 * LANES).zip(m.chunks_exact(2 * LANES)) {
             Double::load(k).sloppy_plus(theta.sloppy_times(Double::load(m))).store(k);

@@ -6,7 +6,7 @@ use super::{Change, Coordinates, OutputErrors, Row};
 use crate::analysis::answer::Modes;
 use crate::analysis::response::channel::{Channel, derivatives, exogenous, fed_approximations};
 use crate::analysis::response::{UNIT, UP};
-use crate::analysis::transfer::modal::ModalSum;
+use crate::analysis::transfer::modal::{ModalSum, OffDiagonal};
 use crate::base::{Ball, Dd, Number, Power, rounding};
 use crate::kernel::squares::Squares;
 use crate::system::{self, CoordinateId, LinearSystem};
@@ -19,7 +19,8 @@ pub struct Oscillators {
     /// k / s
     back: Vec<Dd>,
     largest_s: f64,
-    /// A bound of |E_C|.
+    /// Bounds of |E_M| and |E_C|.
+    inertia_defect: f64,
     damping_defect: f64,
 }
 
@@ -66,7 +67,7 @@ impl Oscillators {
         }
         let minus = |values: &[Dd]| values.iter().map(|&x| -x).collect::<Vec<Dd>>();
         let a = [vec![Dd::ZERO; n], s.clone(), minus(&back), minus(&modes.c)];
-        let mut all = Oscillators { modes, s, back, largest_s: 0.0, damping_defect: 0.0 };
+        let mut all = Oscillators { modes, s, back, largest_s: 0.0, inertia_defect: 0.0, damping_defect: 0.0 };
         let mut blocks = Blocks::of(a, force, &sources, all.rate());
         all.measure(&mut blocks);
         blocks.is_finite().then_some((all, blocks))
@@ -85,17 +86,19 @@ impl Oscillators {
     fn measure(&mut self, blocks: &mut Blocks) {
         // s and k / s are used as stored: k is taken as their product, and its rounding error counts as a disturbance.
         self.largest_s = self.s.iter().map(|s| s.hi).fold(0.0, f64::max) * UP;
-        let ModalSum { epsilon, k_size, c_size, .. } = &self.modes;
-        let off = epsilon * blocks.count() as f64;
-        let inverse = off / (1.0 - off) * UP;
-        let stiffness: f64 = k_size.iter().sum();
-        let seen: f64 = k_size.iter().zip(&self.s).map(|(k, s)| k / (s.hi * s.hi)).sum();
-        let damping: f64 = c_size.iter().sum();
-        let diagonal = blocks.norm + blocks.norm;
-        self.damping_defect = epsilon * damping * UP;
-        let joined = self.damping_defect + epsilon * (stiffness * seen).sqrt() + 4.0 * UNIT * blocks.norm;
-        blocks.defect = (inverse * diagonal + (1.0 + inverse) * joined) * UP;
-        blocks.force_defect = inverse * blocks.force_norm * UP;
+        let OffDiagonal { m, c, k } = &self.modes.off;
+        // The norm in the sense of Frobenius of a matrix with these norms of columns, each times a number of its mode.
+        let norm = |columns: &[f64], factor: &dyn Fn(usize) -> f64| {
+            columns.iter().enumerate().map(|(i, x)| (x * factor(i)).power(2)).sum::<f64>().sqrt() * UP
+        };
+        self.inertia_defect = norm(m, &|_| 1.0);
+        self.damping_defect = norm(c, &|_| 1.0);
+        let more = 1.0 / (1.0 - self.inertia_defect) * UP;
+        // (1 + E_M)^-1 E_M of what the oscillators say, and (1 + E_M)^-1 of what couples them.
+        let diagonal = norm(m, &|i| self.back[i].hi.abs()) + norm(m, &|i| self.modes.c[i].hi);
+        let joined = self.damping_defect + norm(k, &|i| 1.0 / self.s[i].hi) + 4.0 * UNIT * blocks.norm;
+        blocks.defect = more * (diagonal + joined) * UP;
+        blocks.force_defect = more * self.inertia_defect * blocks.force_norm * UP;
     }
 
     fn participation(&self, a: &[(CoordinateId, Number)]) -> Vec<Ball> {
@@ -112,7 +115,7 @@ impl Oscillators {
 
     /// Error of a change of the state computed as X^T (..), from the magnitudes of its two parts.
     fn defect_of_change(&self, eta: f64, rate: f64) -> f64 {
-        let off = self.modes.epsilon * self.s.len() as f64;
+        let off = self.inertia_defect;
         (off / (1.0 - off) * (self.largest_s * eta + rate + self.damping_defect * eta) + self.damping_defect * eta) * UP
     }
 }
