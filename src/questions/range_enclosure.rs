@@ -233,7 +233,7 @@ impl QuestionOverRange<'_> {
             Probe::Gain(..) => {
                 let direct = || self.phasor()?.size();
                 // Near a resonance the force that makes the motion 1 is better known than the motion.
-                let inverse = || Some(Number::ONE.checked_div(&number(self.inverse()?.0.size()?))?);
+                let inverse = || Number::ONE.checked_div(&number(self.inverse()?.0.size()?));
                 direct().map(number).or_else(inverse)
             }
             Probe::Amplitude(output) => amplitude(self.family?, self.drive.signals, *output),

@@ -77,8 +77,11 @@ struct Sheet {
     /// Every pole with im s >= 0.
     poles: OnceCell<Option<Vec<Tube>>>,
     /// Largest gains, each over all frequencies or in a band, Hz.
-    largest: RefCell<Vec<(Way, Option<[Number; 2]>, Option<Largest>)>>,
+    largest: RefCell<Vec<LargestOf>>,
 }
+
+/// A way, its band, and what was found.
+type LargestOf = (Way, Option<[Number; 2]>, Option<Largest>);
 
 /// Where an eigenvalue or a pole is for all values in a box, with its derivatives there.
 struct Tube {
