@@ -87,7 +87,7 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
         SweepFormat::Text => {
             let mut ranges = Ranges::new(&study.columns, drawing(options));
             let gathered = in_blocks(0..count, true, |numbers| {
-                cases(&study, numbers, |case| case).iter().for_each(|case| ranges.add(case));
+                ranges.add(&cases(&study, numbers, |case| case));
                 Ok(())
             });
             if let Err(error) = gathered {
@@ -216,8 +216,7 @@ fn write_file(study: &Study, path: &Path, header: &Header, heading: &str, is_par
 fn write_rows(study: &Study, header: &Header, first: u64, is_file: bool, out: &mut dyn Write) -> io::Result<()> {
     in_blocks(first..header.rows(), is_file, |indices| {
         let numbers: Vec<u64> = indices.iter().map(|&index| header.shard.case(index)).collect();
-        let text = cases(study, &numbers, |case| rows::csv_row(&study.columns, &case)).concat();
-        out.write_all(text.as_bytes())
+        out.write_all(&cases(study, &numbers, |case| rows::csv_row(&study.columns, &case)).concat())
     })
 }
 

@@ -20,6 +20,7 @@ pub mod modes;
 pub mod nets;
 pub mod peak;
 mod poles;
+pub mod projection;
 pub mod random;
 pub mod range;
 pub mod rates;

@@ -102,18 +102,20 @@ impl Ranges {
         self.drawing == Drawing::Independent && values <= MOST_KEPT
     }
 
-    /// Adds a case.
-    pub fn add(&mut self, case: &Case) {
-        self.cases += 1;
-        let is_kept = self.keeps_values();
-        for (range, entry) in self.columns.iter_mut().zip(&case.entries) {
-            range.add(*entry, case);
-            match entry {
-                Entry::Enclosed(value) if is_kept => range.values.push(value.to_f64()),
-                _ => {}
+    /// Adds cases, which are in the order of their numbers.
+    pub fn add(&mut self, cases: &[Case]) {
+        let kept = match self.drawing {
+            Drawing::Independent => {
+                (MOST_KEPT / (self.columns.len() as u64).max(1)).saturating_sub(self.cases).min(cases.len() as u64)
             }
+            Drawing::Given | Drawing::Replicated => 0,
+        };
+        self.cases += cases.len() as u64;
+        for (column, range) in self.columns.iter_mut().enumerate() {
+            range.add(cases, column, kept as usize);
         }
-        if let Some(code) = case.code {
+        for case in cases {
+            let Some(code) = case.code else { continue };
             match self.codes.iter_mut().find(|(known, ..)| *known == code) {
                 Some((_, count, _)) => *count += 1,
                 None => self.codes.push((code, 1, case.clone())),
@@ -123,8 +125,47 @@ impl Ranges {
 }
 
 impl Range {
-    fn add(&mut self, entry: Entry, case: &Case) {
-        if let Some((moments, verdicts)) = self.replicates.get_mut((case.number % REPLICATES) as usize) {
+    /// Adds the entries of a column; the values of the first `kept` cases are kept.
+    fn add(&mut self, cases: &[Case], column: usize, kept: usize) {
+        let (mut ends, mut found) =
+            (self.ends.as_ref().map(|ends| ends.each_ref().map(|(value, _)| *value)), [None; 2]);
+        for (i, case) in cases.iter().enumerate() {
+            let Some(entry) = case.entries.get(column) else { continue };
+            self.count(*entry, case.number);
+            let Entry::Enclosed(value) = *entry else { continue };
+            if i < kept {
+                self.values.push(value.to_f64());
+            }
+            match &mut ends {
+                None => (ends, found) = (Some([value; 2]), [Some(i); 2]),
+                Some([least, largest]) => {
+                    if value.mid < least.mid {
+                        (*least, found[0]) = (value, Some(i));
+                    }
+                    if value.mid > largest.mid {
+                        (*largest, found[1]) = (value, Some(i));
+                    }
+                }
+            }
+        }
+        // Cases are kept at the end alone: of a curve that rises, each is the last.
+        match (&mut self.ends, ends, found) {
+            (Some(own), Some(ends), found) => {
+                for ((own, value), found) in own.iter_mut().zip(ends).zip(found) {
+                    if let Some(i) = found {
+                        *own = (value, cases[i].clone());
+                    }
+                }
+            }
+            (none, Some(ends), [Some(i), Some(j)]) => {
+                *none = Some([(ends[0], cases[i].clone()), (ends[1], cases[j].clone())]);
+            }
+            _ => {}
+        }
+    }
+
+    fn count(&mut self, entry: Entry, number: u64) {
+        if let Some((moments, verdicts)) = self.replicates.get_mut((number % REPLICATES) as usize) {
             match entry {
                 Entry::Enclosed(value) => moments.add(value.to_f64()),
                 Entry::Verdict(holds) => verdicts[usize::from(!holds)] += 1,
@@ -132,7 +173,7 @@ impl Range {
             }
         }
         match entry {
-            Entry::Enclosed(value) => self.enclose(value, case),
+            Entry::Enclosed(value) => self.enclose(value),
             Entry::Infinite => self.infinite += 1,
             Entry::Unproven(_) => self.unproven += 1,
             Entry::Verdict(true) => self.holds += 1,
@@ -144,22 +185,10 @@ impl Range {
         }
     }
 
-    fn enclose(&mut self, value: Ball, case: &Case) {
+    fn enclose(&mut self, value: Ball) {
         let bound = Bound::of_midpoint(value);
         self.bound =
             Some(self.bound.map_or(bound, |largest| if largest.value() < bound.value() { bound } else { largest }));
         self.moments.add(value.to_f64());
-        match &mut self.ends {
-            None => self.ends = Some([(value, case.clone()), (value, case.clone())]),
-            Some([least, largest]) => {
-                let above = |a: Ball, b: Ball| (a - b).mid.hi > 0.0;
-                if above(least.0, value) {
-                    *least = (value, case.clone());
-                }
-                if above(value, largest.0) {
-                    *largest = (value, case.clone());
-                }
-            }
-        }
     }
 }

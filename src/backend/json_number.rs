@@ -68,6 +68,13 @@ impl JsonNumber {
     pub fn field(self) -> String {
         self.0.map_or(String::new(), |number| serde_json::to_string(&number).expect("a finite number has a JSON form"))
     }
+
+    /// Adds this field to a text.
+    pub fn push_field(self, text: &mut Vec<u8>) {
+        if let Some(number) = self.0 {
+            serde_json::to_writer(text, &number).expect("a finite number has a JSON form");
+        }
+    }
 }
 
 /// The bounds of the modal report, whose numbers refer to the rest. A bound of the linear system there is a bound of

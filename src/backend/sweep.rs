@@ -30,25 +30,32 @@ fn titled(column: &Column) -> String {
     }
 }
 
-/// A row, with its line feed.
-pub fn csv_row(columns: &[Column], case: &Case) -> String {
-    let mut text = case.number.to_string();
+/// A row in UTF-8, with its line feed.
+pub fn csv_row(columns: &[Column], case: &Case) -> Vec<u8> {
+    let mut text = Vec::with_capacity(48 * columns.len() + 32);
+    text.extend(case.number.to_string().as_bytes());
     for (column, entry) in columns.iter().zip(&case.entries) {
-        text.push(',');
-        let (value, bound) = match *entry {
-            Entry::Enclosed(value) => (JsonNumber::enclosed(value).field(), JsonNumber::absolute_bound(value).field()),
-            Entry::Unproven(value) => (JsonNumber::unproven(value).field(), String::new()),
-            Entry::Infinite => ("inf".to_string(), String::new()),
-            Entry::Verdict(holds) => (holds.to_string(), String::new()),
-            Entry::None(_) => (String::new(), String::new()),
+        text.push(b',');
+        let mut bound = JsonNumber::NULL;
+        match *entry {
+            Entry::Enclosed(value) => {
+                JsonNumber::enclosed(value).push_field(&mut text);
+                bound = JsonNumber::absolute_bound(value);
+            }
+            Entry::Unproven(value) => JsonNumber::unproven(value).push_field(&mut text),
+            Entry::Infinite => text.extend(b"inf"),
+            Entry::Verdict(holds) => text.extend(if holds { &b"true"[..] } else { b"false" }),
+            Entry::None(_) => {}
         };
-        text += &value;
         if has_bound(column) {
-            text.push(',');
-            text += &bound;
+            text.push(b',');
+            bound.push_field(&mut text);
         }
     }
-    text + "," + case.code.unwrap_or("") + "\n"
+    text.push(b',');
+    text.extend(case.code.unwrap_or("").as_bytes());
+    text.push(b'\n');
+    text
 }
 
 /// A field of CSV as RFC 4180 has it.

@@ -18,6 +18,7 @@ pub(crate) mod precise;
 pub(crate) mod pseudosymmetric;
 pub mod real;
 pub(crate) mod residues;
+pub mod secular;
 pub(crate) mod simd;
 pub(crate) mod sobol;
 pub mod sparse;

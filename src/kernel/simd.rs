@@ -32,6 +32,8 @@ pub trait Vector:
     fn max(self, b: Self) -> Self;
     /// A bit for each lane in which self is larger than b.
     fn exceeds(self, b: Self) -> u32;
+    /// `yes` in the lanes in which self is larger than b, `no` in the others.
+    fn if_exceeds(self, b: Self, yes: Self, no: Self) -> Self;
 
     /// The smaller one, lane by lane; b if either is NaN.
     #[inline(always)]
@@ -214,6 +216,11 @@ impl Vector for f64 {
     fn exceeds(self, b: f64) -> u32 {
         u32::from(self > b)
     }
+
+    #[inline(always)]
+    fn if_exceeds(self, b: f64, yes: f64, no: f64) -> f64 {
+        if self > b { yes } else { no }
+    }
 }
 
 /// N vectors as one: two registers of four lanes are eight lanes, and the latencies of two registers overlap.
@@ -297,6 +304,11 @@ impl<V: Vector, const N: usize> Vector for Several<V, N> {
         let bits = each::<u32, N>(|i| self.0[i].exceeds(b.0[i]) << (i * V::WIDTH));
         bits.into_iter().fold(0, |all, bit| all | bit)
     }
+
+    #[inline(always)]
+    fn if_exceeds(self, b: Several<V, N>, yes: Several<V, N>, no: Several<V, N>) -> Several<V, N> {
+        Several(each(|i| self.0[i].if_exceeds(b.0[i], yes.0[i], no.0[i])))
+    }
 }
 
 impl Eight for Plain {
@@ -336,7 +348,7 @@ pub mod x86 {
 
     macro_rules! vector {
         ($name:ident, $inner:ty, $width:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
-         $mul:ident, $div:ident, $fused:ident, $sqrt:ident, $max:ident, $abs:expr, $exceeds:expr) => {
+         $mul:ident, $div:ident, $fused:ident, $sqrt:ident, $max:ident, $abs:expr, $exceeds:expr, $choose:expr) => {
             #[derive(Clone, Copy, Debug)]
             pub struct $name($inner);
 
@@ -407,6 +419,12 @@ pub mod x86 {
                     // SAFETY: the processor has the instructions, see the module.
                     unsafe { $exceeds(self.0, b.0) }
                 }
+
+                #[inline(always)]
+                fn if_exceeds(self, b: $name, yes: $name, no: $name) -> $name {
+                    // SAFETY: the processor has the instructions, see the module.
+                    $name(unsafe { $choose(self.0, b.0, yes.0, no.0) })
+                }
             }
         };
     }
@@ -426,7 +444,8 @@ pub mod x86 {
         _mm512_sqrt_pd,
         _mm512_max_pd,
         |x| _mm512_abs_pd(x),
-        |a, b| u32::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, b))
+        |a, b| u32::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, b)),
+        |a, b, yes, no| _mm512_mask_blend_pd(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, b), no, yes)
     );
     vector!(
         Four,
@@ -443,7 +462,8 @@ pub mod x86 {
         _mm256_sqrt_pd,
         _mm256_max_pd,
         |x| _mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
-        |a, b| _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(a, b)) as u32
+        |a, b| _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(a, b)) as u32,
+        |a, b, yes, no| _mm256_blendv_pd(no, yes, _mm256_cmp_pd::<_CMP_GT_OQ>(a, b))
     );
 }
 
@@ -456,7 +476,7 @@ mod tests {
     /// Every operation of V on the numbers, WIDTH at a time, the results one behind the other.
     #[inline(always)]
     fn all<V: Vector>(x: &[f64], y: &[f64]) -> Vec<u64> {
-        let mut results = vec![0.0; 12 * x.len()];
+        let mut results = vec![0.0; 13 * x.len()];
         let (width, n) = (V::WIDTH, x.len());
         for at in (0..n).step_by(width) {
             let (a, b) = (V::load(&x[at..]), V::load(&y[at..]));
@@ -475,6 +495,7 @@ mod tests {
                 a.max(b),
                 (a / b).min(a),
                 V::load(&larger),
+                a.if_exceeds(b, a * b, b),
             ];
             for (k, result) in list.into_iter().enumerate() {
                 result.store(&mut results[k * n + at..k * n + at + width]);

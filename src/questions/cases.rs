@@ -5,6 +5,7 @@ use super::answer::{Case, Column, Entry, Holds, Value, shown};
 use super::error::AskedError;
 use super::follow::{Unfollowed, follow};
 use super::followed::Followed;
+use super::lines::Lines;
 use super::optimum::settle;
 use super::require;
 use super::samples::Samples;
@@ -92,6 +93,8 @@ pub struct Study<'a> {
     width: usize,
     /// The numbers of columns for frequencies and for poles.
     pub(super) sizes: (usize, usize),
+    /// Cases that differ in one parameter alone.
+    pub(super) lines: Lines,
     /// Whether the measure of each requirement has a column, and no other has it already.
     measured: Vec<bool>,
 }
@@ -112,8 +115,20 @@ impl<'a> Study<'a> {
         asked: Asked,
     ) -> Study<'a> {
         let (columns, sizes, measured) = (Vec::new(), (0, 0), Vec::new());
-        let mut study =
-            Study { sources, tree, overrides, varied, asked, held, columns, followed: None, width: 0, sizes, measured };
+        let mut study = Study {
+            sources,
+            tree,
+            overrides,
+            varied,
+            asked,
+            held,
+            columns,
+            followed: None,
+            width: 0,
+            sizes,
+            lines: Lines::default(),
+            measured,
+        };
         let most = [Some(scene.clone()), study.scene_of(0), study.scene_of(study.count().saturating_sub(1))];
         let coordinates = most.iter().flatten().filter_map(|scene| Some(lower::lower(scene).lowered?.system.n()));
         let n = coordinates.max().unwrap_or(0);

@@ -1,15 +1,18 @@
 //! Cases of a study that differ in one parameter alone: where it only weighs terms of M and K, these depend linearly on it, and the
 //! frequencies of many cases are computed side by side. In: numbers of cases. Out: their rows. See docs/method/studies.md#lines.
 
-use super::answer::{Case, Entry};
+use super::answer::{Case, Entry, shown};
 use super::cases::{Study, Varied};
+use super::updates::{Changing, Part, Updates};
 use crate::base::number::jet;
-use crate::base::{Ball, Diagnostics, Jet, Number};
+use crate::base::{Ball, Dd, Diagnostics, Jet, Number};
 use crate::dynamics;
 use crate::kernel::pencils::{self, Eigenvalues};
-use crate::model::scene::Damping;
-use crate::model::{self, Points, Setting};
-use crate::system::{Form, LinearSystem};
+use crate::model::scene::{Damping, Written};
+use crate::model::{self, Points};
+use crate::system::{CoordinateId, Form, LinearSystem};
+use num_integer::Integer;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Fewer values of a parameter are not worth a line.
 const FEW: u64 = 16;
@@ -35,31 +38,61 @@ impl Study<'_> {
 
     /// The rows of cases on the line that begins with the case `first`.
     fn of_line(&self, numbers: &[u64], first: u64) -> Vec<Case> {
-        let Some(line) = self.line(first) else { return numbers.iter().map(|&number| self.case(number)).collect() };
-        let given: Vec<Vec<Setting>> = numbers.iter().map(|&number| self.values(number)).collect();
-        let places: Vec<f64> = given.iter().map(|values| place(values)).collect();
-        let found = line.eigenvalues(&places);
-        let row = |((&number, values), found): ((&u64, &Vec<Setting>), Option<Eigenvalues>)| {
-            let found = found.and_then(|found| self.frequencies(&found));
-            let Some(frequencies) = found else { return self.case(number) };
-            Case { number, entries: [self.given(values), frequencies].concat(), code: None }
+        let line = self.lines.get(first, || self.line(first));
+        let (Some(line), Varied::Over(swept)) = (&*line, &self.varied) else { return self.one_by_one(numbers) };
+        let Some(last) = swept.last() else { return self.one_by_one(numbers) };
+        let found = match &line.way {
+            Way::Pencils(pencils) => {
+                let places: Vec<f64> = numbers.iter().map(|number| place(&last.points.value(number - first))).collect();
+                pencils.eigenvalues(&places).into_iter().flat_map(|found| in_pairs(found, pencils.n)).collect()
+            }
+            Way::Updates(updates) => {
+                let changes: Vec<f64> = numbers.iter().map(|number| line.steps.change(number - first)).collect();
+                updates.lowest(&changes)
+            }
         };
-        numbers.iter().zip(&given).zip(found).map(row).collect()
+        let width = found.len() / numbers.len();
+        let mut given = self.given(&self.values(first));
+        let row = |(&number, found): (&u64, &[f64])| {
+            let mut entries = Vec::with_capacity(self.columns.len());
+            if !self.frequencies(found, given.len(), &mut entries) {
+                return self.case(number);
+            }
+            if let Some(last) = given.last_mut() {
+                *last = Entry::Enclosed(line.steps.shown(number - first));
+            }
+            entries[..given.len()].copy_from_slice(&given);
+            Case { number, entries, code: None }
+        };
+        numbers.iter().zip(found.chunks(width)).map(row).collect()
     }
 
-    /// The lowest frequencies, if all of them are as accurate as is asked for.
-    fn frequencies(&self, found: &Eigenvalues) -> Option<Vec<Entry>> {
-        let frequency = |(square, bound): (&f64, &f64)| {
+    fn one_by_one(&self, numbers: &[u64]) -> Vec<Case> {
+        numbers.iter().map(|&number| self.case(number)).collect()
+    }
+
+    /// Adds the lowest frequencies behind room for so many parameters, if all of them are as accurate as is asked for. Eigenvalues
+    /// alternate with their bounds.
+    fn frequencies(&self, found: &[f64], parameters: usize, entries: &mut Vec<Entry>) -> bool {
+        entries.resize(parameters, Entry::None(None));
+        let tolerance = self.asked.tolerance.min(1e-4);
+        for pair in found.chunks_exact(2).take(self.sizes.0) {
+            let [square, bound] = [pair[0], pair[1]];
+            if square == 0.0 && bound == 0.0 {
+                entries.push(Entry::Enclosed(Ball::ZERO));
+                continue;
+            }
             // sqrt changes by half of a small relative change; three roundings and that of 1 / (2 pi) come on top.
             let relative = 0.51 * (bound / square) + 4.0 * f64::EPSILON;
-            let is_small = *square > 0.0 && relative <= self.asked.tolerance.min(1e-4);
+            // NaN fails too.
+            if !(square > 0.0 && relative <= tolerance) {
+                return false;
+            }
             let hertz = square.sqrt() * PER_TURN;
-            is_small.then(|| Entry::Enclosed(Ball::from(hertz).widen(hertz * relative)))
-        };
-        let lowest = found.list.iter().zip(&found.bounds).take(self.sizes.0);
-        let mut list: Vec<Entry> = lowest.map(frequency).collect::<Option<_>>()?;
-        list.resize(self.sizes.0, Entry::None(None));
-        Some(list)
+            entries.push(Entry::Enclosed(Ball::from(hertz).widen(hertz * relative)));
+        }
+        entries.resize(parameters + self.sizes.0, Entry::None(None));
+        true
     }
 
     /// The system of a case without the damping that is declared for all of it, with another value of its last parameter.
@@ -81,19 +114,34 @@ impl Study<'_> {
     }
 
     /// The line of cases from `first` on, if its matrices are certainly linear in the last parameter.
-    fn line(&self, first: u64) -> Option<pencils::Line> {
+    fn line(&self, first: u64) -> Option<Line> {
         let Varied::Over(swept) = &self.varied else { return None };
         let swept = swept.last()?;
-        let (low, high) = ends(&swept.points);
-        let centre = &(&low + &high) / &Number::from(2);
-        let reach = (&high - &centre).to_ball().magnitude();
+        let ends = ends(&swept.points);
+        let centre = &(&ends[0] + &ends[1]) / &Number::from(2);
+        let reach = (&ends[1] - &centre).to_ball().magnitude();
         let range = centre.to_ball().widen(reach * (1.0 + 4.0 * f64::EPSILON));
-        let at = |si: Number| self.undamped(first, si);
+        let at = |si: &Number| self.undamped(first, si.clone());
         // The check and the lowering take the same way for every value of the range: none of them would stop.
-        let over = jet::undivided(|| at(Jet::of_parameter(range)))??;
-        let centred = at(centre.clone())?;
+        let over = jet::undivided(|| at(&Jet::of_parameter(range)))??;
+        if over.is_chained() {
+            return None;
+        }
+        // From one end, from which eigenvalues rise, if there are cases enough for the modes to be multiplied out.
+        let are_enough = swept.points.count() >= (over.n() / 25).pow(2) as u64;
+        for from in (0..2).take_while(|_| are_enough) {
+            let base = at(&ends[from])?;
+            let width = (&ends[1 - from] - &ends[from]).to_ball();
+            let Some(changing) = changing(&over, &base) else { break };
+            let reach = width.magnitude() * (1.0 + 4.0 * f64::EPSILON) * width.mid.hi.signum();
+            if let Some(updates) = Updates::of(&base, &changing, reach, self.sizes.0) {
+                let steps = Steps::new(&swept.points, &ends[from], &swept.parameter.unit);
+                return Some(Line { way: Way::Updates(updates), steps });
+            }
+        }
+        let centred = at(&centre)?;
         let n = centred.n();
-        let fits = (1..=pencils::MOST).contains(&n) && !centred.is_chained() && !over.is_chained() && over.n() == n;
+        let fits = (1..=pencils::MOST).contains(&n) && !centred.is_chained() && over.n() == n;
         let slopes = |form: fn(&LinearSystem) -> &Form| slopes(form(&over), form(&centred), n);
         let (k, m) = if fits { (slopes(|system| &system.k)?, slopes(|system| &system.m)?) } else { return None };
         // Mean value theorem: K at p is K at the centre, and p less the centre times a derivative in the range.
@@ -103,14 +151,175 @@ impl Study<'_> {
             at_centre.iter().zip(slopes).map(row).collect::<Vec<Vec<Ball>>>()
         };
         let (of_k, of_m) = (first(centred.k.assemble(n), &k), first(centred.m.assemble(n), &m));
-        pencils::Line::new(n, [&of_k, &k], [&of_m, &m], range.magnitude())
+        let pencils = pencils::Line::new(n, [&of_k, &k], [&of_m, &m], range.magnitude())?;
+        Some(Line { way: Way::Pencils(pencils), steps: Steps::new(&swept.points, &centre, &swept.parameter.unit) })
     }
 }
 
-/// The last value in binary64; NaN if that is not accurate enough.
-fn place(values: &[Setting]) -> f64 {
-    let Some((_, quantity)) = values.last() else { return f64::NAN };
-    let value = quantity.si.to_ball();
+/// Cases that differ in the last parameter alone.
+#[derive(Clone, Debug)]
+struct Line {
+    way: Way,
+    steps: Steps,
+}
+
+/// How their frequencies are computed.
+#[derive(Clone, Debug)]
+enum Way {
+    Updates(Updates),
+    Pencils(pencils::Line),
+}
+
+/// The lines that were made last: the cases of one come in many pieces.
+#[derive(Debug, Default)]
+pub(super) struct Lines(Mutex<Vec<Kept>>);
+
+/// The first case of a line, and the line once it is made; `None` in it where there is none.
+type Kept = (u64, Arc<OnceLock<Arc<Option<Line>>>>);
+
+/// Lines that are kept: more than there are pieces at one time on few cores.
+const MOST_KEPT: usize = 16;
+
+impl Lines {
+    fn get(&self, first: u64, make: impl FnOnce() -> Option<Line>) -> Arc<Option<Line>> {
+        let place = {
+            let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            match kept.iter().find(|(of, _)| *of == first) {
+                Some((_, place)) => place.clone(),
+                None => {
+                    if kept.len() == MOST_KEPT {
+                        kept.remove(0);
+                    }
+                    kept.push((first, Arc::default()));
+                    kept.last().map(|(_, place)| place.clone()).unwrap_or_default()
+                }
+            }
+        };
+        place.get_or_init(|| Arc::new(make())).clone()
+    }
+}
+
+impl Clone for Lines {
+    /// A study that is changed begins anew.
+    fn clone(&self) -> Lines {
+        Lines::default()
+    }
+}
+
+/// The values of the last parameter along a line.
+#[derive(Clone, Debug)]
+struct Steps {
+    points: Points,
+    unit: Written,
+    base: Number,
+    /// The number that `base` has, and the distance of neighbours, SI, where values are at equal distances from an end.
+    even: Option<(u64, f64)>,
+    /// Integers a, b and c such that the value with the number i is (a + i b) / c in its unit.
+    fraction: Option<[i64; 3]>,
+}
+
+/// Integers up to this size are exact in binary64.
+const EXACT: u64 = 1 << 53;
+
+impl Steps {
+    fn new(points: &Points, base: &Number, unit: &Written) -> Steps {
+        let mut steps =
+            Steps { points: points.clone(), unit: unit.clone(), base: base.clone(), even: None, fraction: None };
+        if let Points::Even { low, high, count } = points {
+            let between = &(high - low) / &Number::from(*count as i64 - 1);
+            let at = [(low, 0), (high, count - 1)].into_iter().find(|(end, _)| *end == base).map(|(_, at)| at);
+            steps.even = at.filter(|_| is_known(between.to_ball())).map(|at| (at, between.to_f64()));
+            steps.fraction =
+                in_integers([low, &between].map(|si| unit.factor.as_ref().map(|factor| si / factor)), *count);
+        }
+        steps
+    }
+
+    /// The value with this number less the base, SI, with a relative error of a few roundings; NaN if it is not known so well.
+    fn change(&self, index: u64) -> f64 {
+        if let Some((at, between)) = self.even {
+            return (index as f64 - at as f64) * between;
+        }
+        let change = (&self.points.value(index) - &self.base).to_ball();
+        if is_known(change) { change.to_f64() } else { f64::NAN }
+    }
+
+    /// The value with this number in its unit.
+    fn shown(&self, index: u64) -> Ball {
+        let Some([a, b, c]) = self.fraction else { return shown(&self.points.value(index), &self.unit, false).number };
+        let (number, divisor) = ((a + b * index as i64) as f64, c as f64);
+        let quotient = number / divisor;
+        // What is left is exact in binary64.
+        match (-quotient).mul_add(divisor, number) {
+            0.0 => Ball::from(quotient),
+            left => Ball::new(Dd::new(quotient, left / divisor), quotient.abs() * Dd::EPSILON),
+        }
+    }
+}
+
+/// Whether the relative error of a number is next to nothing in binary64.
+fn is_known(x: Ball) -> bool {
+    x.relative_error() <= f64::EPSILON / 8.0
+}
+
+/// First value and distance as integers over one divisor, if all values are exact in binary64.
+fn in_integers(of: [Option<Number>; 2], count: u64) -> Option<[i64; 3]> {
+    let [first, between] = of.map(|number| number.and_then(|number| number.exact()?.to_fraction()));
+    let ((a, c), (b, d)) = (first?, between?);
+    let over = i128::from(c).lcm(&i128::from(d));
+    let [a, b] = [(a, c), (b, d)].map(|(number, divisor)| i128::from(number) * (over / i128::from(divisor)));
+    let most = a.abs().checked_add(b.abs().checked_mul(i128::from(count))?)?.max(over);
+    let fits = most < i128::from(EXACT);
+    fits.then_some([a as i64, b as i64, over as i64])
+}
+
+/// Eigenvalues alternating with their bounds; not numbers where there are none.
+fn in_pairs(found: Option<Eigenvalues>, n: usize) -> Vec<f64> {
+    let pairs = found.map(|found| found.list.into_iter().zip(found.bounds).flat_map(|(x, bound)| [x, bound]).collect());
+    pairs.unwrap_or_else(|| vec![f64::NAN; 2 * n])
+}
+
+/// The squares whose weights change, if all rows are the same everywhere. `over` holds over the range, `base` at one of its ends.
+fn changing(over: &LinearSystem, base: &LinearSystem) -> Option<Vec<Changing>> {
+    let mut list: Vec<(&[(CoordinateId, Number)], Changing)> = Vec::new();
+    for (part, over, base) in [(Part::Stiffness, &over.k, &base.k), (Part::Mass, &over.m, &base.m)] {
+        for (row, slope) in moving(over, base)? {
+            match list.iter_mut().find(|(other, of)| of.part == part && *other == row) {
+                Some((_, of)) => of.slope = of.slope + slope,
+                None => {
+                    let entries = row.iter().map(|(at, a)| (at.index(), a.to_ball())).collect();
+                    list.push((row, Changing { part, row: entries, slope }));
+                }
+            }
+        }
+    }
+    Some(list.into_iter().map(|(_, changing)| changing).collect())
+}
+
+/// The rows whose weights change, with the derivatives of these; `None` if a row changes.
+fn moving<'a>(over: &'a Form, base: &Form) -> Option<Vec<(&'a [(CoordinateId, Number)], Ball)>> {
+    if over.terms().len() != base.terms().len() {
+        return None;
+    }
+    let mut list = Vec::new();
+    for (term, other) in over.terms().iter().zip(base.terms()) {
+        let row = over.row(term);
+        let is_fixed = row.iter().all(|(_, entry)| !matches!(entry, Number::Jet(_)));
+        if !is_fixed || row != base.row(other) {
+            return None;
+        }
+        match &term.weight {
+            Number::Jet(jet) => list.push((row, jet.slope)),
+            weight if *weight == other.weight => {}
+            _ => return None,
+        }
+    }
+    Some(list)
+}
+
+/// A value in binary64; NaN if that is not accurate enough.
+fn place(si: &Number) -> f64 {
+    let value = si.to_ball();
     let rounded = value.to_f64();
     let off = (value - Ball::from(rounded)).magnitude();
     let fits = off <= pencils::ROUNDING_OF_D * rounded.abs() && (rounded == 0.0 || pencils::is_usual(rounded.abs()));
@@ -121,14 +330,13 @@ fn place(values: &[Setting]) -> f64 {
 const PER_TURN: f64 = 0.159_154_943_091_895_35;
 
 /// The least and the largest value.
-fn ends(points: &Points) -> (Number, Number) {
+fn ends(points: &Points) -> [Number; 2] {
     match points {
-        Points::Even { low, high, .. } => (low.clone(), high.clone()),
+        Points::Even { low, high, .. } => [low.clone(), high.clone()],
         Points::Listed(list) => {
             let less = |a: &Number, b: &Number| (a - b).is_negative();
             let pick = |rising: bool| list.iter().reduce(|a, b| if less(b, a) == rising { b } else { a });
-            let end = |rising| pick(rising).cloned().unwrap_or(Number::ZERO);
-            (end(true), end(false))
+            [true, false].map(|rising| pick(rising).cloned().unwrap_or(Number::ZERO))
         }
     }
 }
@@ -137,20 +345,7 @@ fn ends(points: &Points) -> (Number, Number) {
 /// `centred` in its middle.
 fn slopes(over: &Form, centred: &Form, n: usize) -> Option<Vec<Vec<Ball>>> {
     let mut matrix = vec![vec![Ball::ZERO; n]; n];
-    if over.terms().len() != centred.terms().len() {
-        return None;
-    }
-    for (term, middle) in over.terms().iter().zip(centred.terms()) {
-        let row = over.row(term);
-        let is_fixed = row.iter().all(|(_, entry)| !matches!(entry, Number::Jet(_)));
-        if !is_fixed || row != centred.row(middle) {
-            return None;
-        }
-        let slope = match &term.weight {
-            Number::Jet(jet) => jet.slope,
-            weight if *weight == middle.weight => continue,
-            _ => return None,
-        };
+    for (row, slope) in moving(over, centred)? {
         for (i, a) in row {
             for (j, b) in row {
                 let entry = &mut matrix[i.index()][j.index()];

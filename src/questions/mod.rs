@@ -32,6 +32,7 @@ mod sensitivity;
 pub mod tolerated;
 pub mod trial;
 mod unknowns;
+pub mod updates;
 
 pub use answer::{Optimised, Requirement, Sensitivity, Solved};
 pub use optimum::settle;

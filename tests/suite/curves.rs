@@ -151,6 +151,48 @@ fn a_crossing_within_a_block_is_not_proved() {
     assert_eq!(linked(4)[..4], [Value::Null, true.into(), false.into(), true.into()]);
 }
 
+/// Two coupled pendulums, one of which becomes longer (C. Pierre, Journal of Sound and Vibration 126 (1988) 485-502, with weak coupling):
+/// point masses of 1 kg, 1 m and l below their pivots, and a spring of 0.1 N/m between points h = 0.5 m below these. With
+/// M = diag(1, l^2) and K = diag(g + k h^2, g l + k h^2), beside the diagonal -k h^2, the loci veer. A length moves rows of both
+/// matrices; every link is proved.
+#[test]
+fn pendulums_of_other_lengths_veer() {
+    let model = "model pendulums\nparam l = 1 m\ngravity 9.81 m/s^2\n\
+                 body a { mass = 1 kg, inertia = 0 kg*m^2, at = (0, -1 m) }\n\
+                 body b { mass = 1 kg, inertia = 0 kg*m^2, at = (1 m, 0 - l) }\n\
+                 pivot p: ground@(0, 0) -- a\npivot q: ground@(1 m, 0) -- b\n\
+                 spring s: a@(0, -0.5 m) -- b@(1 m, -0.5 m) { k = 0.1 N/m }\n";
+    let study = study(model, &["--over", "l=0.9m..1.1m:9"]);
+    let frequencies = |l: f64| {
+        let (kh, m) = (0.1 * 0.25, l * l);
+        // x^2 - (a + b) x + c = 0 for K and M divided by the masses.
+        let (a, b) = (9.81 + kh, (9.81 * l + kh) / m);
+        let root = ((a - b).powi(2) + 4.0 * kh * kh / m).sqrt();
+        [0.5 * (a + b - root), 0.5 * (a + b + root)].map(|square| square.sqrt() / (2.0 * PI))
+    };
+    for (i, case) in study["cases"].as_array().expect("cases").iter().enumerate() {
+        for (curve, truth) in frequencies(0.9 + 0.025 * i as f64).into_iter().enumerate() {
+            let told = case["values"][1 + 2 * curve].as_f64().expect("a frequency");
+            assert!((told - truth).abs() < 1e-12 * truth, "{case}");
+        }
+    }
+    // root / (omega_1 + omega_2) / 2 pi, in which nothing cancels; its least value by the golden section.
+    let distance = |l: f64| {
+        let (kh, m) = (0.1 * 0.25, l * l);
+        let (a, b) = (9.81 + kh, (9.81 * l + kh) / m);
+        ((a - b).powi(2) + 4.0 * kh * kh / m).sqrt() / frequencies(l).iter().sum::<f64>() / (4.0 * PI * PI)
+    };
+    let [mut low, mut high] = [0.9, 1.1];
+    for _ in 0..60 {
+        let [first, second] = [0.382, 0.618].map(|part| low + part * (high - low));
+        if distance(first) < distance(second) { high = second } else { low = first }
+    }
+    let least = distance(0.5 * (low + high));
+    let [("veering", [1, 2], told)] = meetings(&study)[..] else { panic!("{}", study["following"]) };
+    meets(&told["distance_hz"], least, 1e-10);
+    assert_eq!(open_links(&study), 0, "{}", study["following"]);
+}
+
 /// Two masses whose dampers feed energy in and take it: by Routh's criterion both poles of a pair pass the imaginary axis where
 /// p c K = kc^2, K = k + kc being the diagonal of the stiffness matrix.
 #[test]

@@ -93,6 +93,7 @@ mod rest;
 mod samples;
 mod sanitizer;
 mod schema;
+mod secular;
 mod settling;
 mod shards;
 mod shock;

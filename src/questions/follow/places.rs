@@ -1,10 +1,11 @@
 //! The undamped frequencies of a study at a value of its parameter, and their enclosures between two values, by classes: blocks of
 //! coordinates that no value of the parameter couples. In: values, SI. Out: frequencies in Hz, ascending in each class.
 
+use crate::analysis::projection::{eigenvalues, projected};
 use crate::analysis::range::outer;
 use crate::analysis::{self, ModeKind, Modes, Request, joined_by, undamped_block};
 use crate::base::number::jet;
-use crate::base::{Ball, Jet, Number, Rational};
+use crate::base::{Ball, Dd, Jet, Number, Rational};
 use crate::questions::cases::Study;
 use crate::questions::tolerated::hull;
 use crate::system::{Form, LinearSystem};
@@ -115,10 +116,22 @@ impl Field<'_> {
         over(self.study, ends, is_damped).is_some()
     }
 
-    /// Bounds for all values between two (Weyl, as `outer` has it), for each class; `None` where nothing is proved.
+    /// Bounds for all values between two (Weyl, as `outer` has it, or by the modes in the middle where rows change), for each class;
+    /// `None` where nothing is proved.
     pub fn bounds(&self, ends: [&Number; 2]) -> Vec<Option<Bounds>> {
-        let sides = over(self.study, ends, false).and_then(|system| outer(&system));
+        let over = over(self.study, ends, false);
+        let sides = over.as_ref().and_then(outer);
+        let middle = match (&over, &sides) {
+            (Some(_), None) => {
+                let [low, high] = ends.map(Number::to_f64);
+                binary(low + (high - low) / 2.0).and_then(|at| self.study.undamped(0, at))
+            }
+            _ => None,
+        };
         let of_class = |coordinates: &Vec<u32>| {
+            if let (Some(over), Some(middle)) = (&over, &middle) {
+                return around(over, middle, coordinates);
+            }
             let [low, high] =
                 sides.as_ref()?.each_ref().map(|system| all_modes(system, coordinates, &Request::default()));
             let lower = separate(&low?, frequency);
@@ -126,6 +139,24 @@ impl Field<'_> {
         };
         self.classes.iter().map(of_class).collect()
     }
+}
+
+/// Bounds for a system over a range in coordinates of the modes of one in its middle: both matrices are nearly diagonal there.
+fn around(over: &LinearSystem, middle: &LinearSystem, coordinates: &[u32]) -> Option<Bounds> {
+    if middle.is_chained() || middle.n() != over.n() {
+        return None;
+    }
+    let modes = all_modes(middle, coordinates, &Request::default())?;
+    let vectors: Vec<Vec<Dd>> =
+        modes.list.iter().map(|mode| mode.shape.iter().map(|x| Dd::from(*x)).collect()).collect();
+    let block = undamped_block(over, coordinates)?;
+    let [k, m] = [&block.k, &block.m].map(|form| projected(form, &vectors));
+    let ends = eigenvalues(&k, &m, coordinates.len())?;
+    let root = |square: f64| analysis::derived::hertz(Ball::from(square).sqrt());
+    Some(Bounds {
+        lower: ends.iter().map(|[low, _]| (*low > 0.0).then(|| root(*low))).collect(),
+        upper: ends.iter().map(|[_, high]| Some(if *high > 0.0 { root(*high) } else { Ball::ZERO })).collect(),
+    })
 }
 
 /// The nearest binary64 number, exactly.

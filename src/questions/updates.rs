@@ -1,0 +1,317 @@
+//! Frequencies of many cases in which one parameter weighs a few squares w a a^T of M and K, in coordinates of the modes of one of the
+//! cases: for each square a diagonal matrix and one square, whose eigenvalues are roots of an equation of one unknown. In: the system
+//! of that case, the squares, the changes of the parameter. Out: enclosures of the lowest eigenvalues. See
+//! docs/method/studies.md#one-weight.
+
+use crate::analysis::modes::request::DEFAULT_TOLERANCE;
+use crate::analysis::projection::{ABOVE, beside, projected};
+use crate::analysis::{self, ModeKind, Request, Which};
+use crate::base::{Ball, Dd};
+use crate::kernel::secular::{Factor, Secular};
+use crate::system::LinearSystem;
+
+/// The unit roundoff.
+const U: f64 = f64::EPSILON / 2.0;
+/// The relative error that a change of the parameter may have.
+pub const ROUNDING_OF_CHANGE: f64 = 4.0 * U;
+/// Parts of the largest eigenvalue below which two of them are taken as one, and parts of a row below which a mode does not feel it.
+const NEGLIGIBLE: f64 = 1e-24;
+/// The most coordinates: the modes are multiplied out in double-double.
+pub const MOST: usize = 200;
+
+/// The matrix that a square belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Stiffness,
+    Mass,
+}
+
+/// A square whose weight is linear in the parameter.
+#[derive(Clone, Debug)]
+pub struct Changing {
+    pub part: Part,
+    /// Coordinates and entries.
+    pub row: Vec<(usize, Ball)>,
+    /// The derivative of the weight.
+    pub slope: Ball,
+}
+
+/// A square and the modes that feel it; no other square is felt by these.
+#[derive(Clone, Debug)]
+struct Update {
+    part: Part,
+    slope: f64,
+    /// Bounds of the relative errors of the slope and of the size.
+    errors: [f64; 2],
+    /// The sum of the squares of the row in modal coordinates.
+    size: f64,
+    secular: Secular,
+}
+
+/// A system near one of its cases.
+#[derive(Clone, Debug)]
+pub struct Updates {
+    list: Vec<Update>,
+    /// The eigenvalues of modes that feel no change, ascending.
+    constant: Vec<Dd>,
+    /// The number of eigenvalues that are exactly zero in all cases.
+    rigid: usize,
+    /// Bounds of the errors of all eigenvalues: an absolute one, and one relative to each.
+    off: [f64; 2],
+    /// The number of eigenvalues that are asked for.
+    pub count: usize,
+}
+
+impl Updates {
+    /// In coordinates of the modes of `base`; `reach` is the largest change of the parameter in size, and changes have the sign of
+    /// `reach`. `None` if a mode feels several squares, a change would lower an eigenvalue, or a number is not known well enough.
+    pub fn of(base: &LinearSystem, changing: &[Changing], reach: f64, count: usize) -> Option<Updates> {
+        let n = base.n();
+        let raises = |of: &Changing| {
+            let upward = of.slope * Ball::from(reach.signum());
+            match of.part {
+                Part::Stiffness => upward.is_positive(),
+                Part::Mass => upward.is_negative(),
+            }
+        };
+        if changing.is_empty() || n > MOST || base.is_chained() || !changing.iter().all(raises) {
+            return None;
+        }
+        let modal = Modal::of(base)?;
+        let largest = modal.d.iter().fold(0.0f64, |most, d| most.max(d.hi.abs()));
+        let mut d = modal.d.clone();
+        // Squares of the distances of both matrices from the diagonal ones, in the norm of Frobenius; then bounds of norms.
+        let (mut of_k, mut within_k, mut within_m) = (0.0, modal.off[0], modal.off[1]);
+        for x in d.iter_mut().filter(|x| x.hi.abs() <= NEGLIGIBLE * largest) {
+            of_k += x.hi * x.hi;
+            *x = Dd::ZERO;
+        }
+        let (mut is_felt, mut is_constant, mut list, mut least) = (vec![false; n], vec![true; n], Vec::new(), 1.0f64);
+        for of in changing {
+            let g: Vec<Ball> = (0..n)
+                .map(|i| of.row.iter().fold(Ball::ZERO, |sum, (at, a)| sum + *a * Ball::exact(modal.vectors[i][*at])))
+                .collect();
+            let longest = g.iter().fold(0.0f64, |most, g| most.max(g.magnitude()));
+            let counts = |g: &Ball| g.mid.hi.abs() > (NEGLIGIBLE * longest).max(4.0 * g.rad);
+            let (mut left_out, mut size) = (0.0, Ball::ZERO);
+            let (mut poles, mut squares): (Vec<Dd>, Vec<Ball>) = (Vec::new(), Vec::new());
+            for (i, g) in g.iter().enumerate() {
+                if !counts(g) {
+                    left_out += g.magnitude() * g.magnitude();
+                    continue;
+                }
+                if std::mem::replace(&mut is_felt[i], true) {
+                    return None;
+                }
+                is_constant[i] = false;
+                left_out += g.rad * g.rad;
+                let square = Ball::exact(g.mid).square();
+                size = size + square;
+                match poles.last() {
+                    Some(last) if (d[i] - *last).hi <= NEGLIGIBLE * largest => {
+                        // A double eigenvalue: turned so that one mode feels all of the row, and the other none.
+                        let apart = (d[i] - *last).to_f64();
+                        of_k += apart * apart;
+                        d[i] = *last;
+                        is_constant[i] = true;
+                        let sum = squares.last_mut()?;
+                        *sum = *sum + square;
+                    }
+                    _ => {
+                        poles.push(d[i]);
+                        squares.push(square);
+                    }
+                }
+            }
+            let most = of.slope.magnitude() * reach.abs() * ABOVE;
+            let left_out = left_out.sqrt() * ABOVE;
+            let of_square = most * left_out * (2.0 * size.magnitude().sqrt() + left_out) * ABOVE;
+            match of.part {
+                Part::Stiffness => within_k += of_square,
+                Part::Mass => {
+                    within_m += of_square;
+                    least = least.min((1.0 - most * size.magnitude()) * (1.0 - 1e-12));
+                    // The squares of this equation are those of the row, times the poles: a pole at zero stays.
+                    let felt: Vec<(Dd, Ball)> =
+                        poles.iter().zip(&squares).map(|(d, g)| (*d, *g * Ball::exact(*d))).collect();
+                    let moving = felt.iter().filter(|(d, _)| !d.is_zero());
+                    (poles, squares) = moving.copied().unzip();
+                    is_constant.iter_mut().zip(&d).for_each(|(constant, d)| *constant |= d.is_zero());
+                }
+            }
+            // Each is within the radius and a rounding of the true one, and the errors of products that are left are far smaller.
+            let numbers = squares.iter().map(|square| square.to_f64()).collect();
+            let relative = |x: Ball| if x.is_zero() { 0.0 } else { x.relative_error() + 2.0 * U };
+            let is_known = squares.iter().all(|square| square.relative_error() < U);
+            if poles.is_empty() {
+                continue;
+            }
+            list.push(Update {
+                part: of.part,
+                slope: of.slope.to_f64(),
+                errors: [relative(of.slope), relative(size)],
+                size: size.to_f64(),
+                secular: Secular::new(poles, numbers).filter(|_| is_known)?,
+            });
+        }
+        within_k += of_k.sqrt() * ABOVE;
+        let room = (least - within_m) * (1.0 - 1e-12);
+        if room.is_nan() || room < 1e-6 || within_m > 0.01 * room {
+            return None;
+        }
+        let constant = (0..n).filter(|&i| is_constant[i]).map(|i| d[i]).collect();
+        let off = [within_k / room * ABOVE, within_m / room * ABOVE];
+        off.iter().all(|x| x.is_finite()).then_some(())?;
+        Some(Updates { list, constant, rigid: rigid(base, &modal), off, count: count.min(n) })
+    }
+
+    /// For each change of the parameter the lowest eigenvalues, ascending, each followed by a bound of its error; NaN where it is not
+    /// known. A change may have an error of [`ROUNDING_OF_CHANGE`].
+    pub fn lowest(&self, changes: &[f64]) -> Vec<f64> {
+        let width = 2 * self.count;
+        let of_lists: Vec<(usize, Vec<f64>)> = self
+            .list
+            .iter()
+            .map(|update| {
+                let factors: Vec<Factor> = changes.iter().map(|change| update.factor(*change)).collect();
+                let count = self.count.min(update.secular.len());
+                (2 * count, update.secular.lowest(count, &factors))
+            })
+            .collect();
+        let is_alone = self.constant.is_empty() && of_lists.len() == 1;
+        let mut found = Vec::with_capacity(changes.len() * width);
+        let (mut lows, mut highs) = (Vec::new(), Vec::new());
+        for case in 0..changes.len() {
+            if is_alone {
+                let (size, list) = &of_lists[0];
+                found.extend_from_slice(&list[case * size..][..*size]);
+            } else {
+                // The i-th eigenvalue lies between the i-th of all lower and the i-th of all upper ends.
+                lows.clear();
+                highs.clear();
+                for (size, list) in &of_lists {
+                    for pair in list[case * size..][..*size].chunks(2) {
+                        lows.push(pair[0] - pair[1]);
+                        highs.push(pair[0] + pair[1]);
+                    }
+                }
+                lows.extend(self.constant.iter().map(|d| d.hi));
+                highs.extend(self.constant.iter().map(|d| d.hi));
+                // A root that is not known may lie anywhere, and so may all others in the order.
+                if lows.iter().any(|low| low.is_nan()) {
+                    found.extend(std::iter::repeat_n(f64::NAN, width));
+                    continue;
+                }
+                lows.sort_by(f64::total_cmp);
+                highs.sort_by(f64::total_cmp);
+                for (low, high) in lows.iter().zip(&highs).take(self.count) {
+                    let middle = 0.5 * (low + high);
+                    found.extend([middle, 0.5 * (high - low) + 4.0 * U * (low.abs() + high.abs())]);
+                }
+            }
+            let from = found.len() - width;
+            for (i, pair) in found[from..].chunks_mut(2).enumerate() {
+                match i < self.rigid {
+                    true => pair.fill(0.0),
+                    false => pair[1] = (pair[1] + self.off[0] + self.off[1] * pair[0].abs()) * (1.0 + 16.0 * U),
+                }
+            }
+        }
+        found
+    }
+}
+
+impl Update {
+    /// The factor of the square in the equation of eigenvalues. See docs/method/studies.md#one-weight.
+    fn factor(&self, change: f64) -> Factor {
+        let weight = change * self.slope;
+        let error = self.errors[0] + ROUNDING_OF_CHANGE + 2.0 * U;
+        match self.part {
+            Part::Stiffness => Factor::new(weight, error),
+            Part::Mass => {
+                let (weight, part) = (-weight, -weight * self.size);
+                let left = 1.0 - part;
+                let off = part * (error + self.errors[1] + 4.0 * U) + 2.0 * U;
+                Factor::new(weight / left, (error + 2.0 * off / left + 2.0 * U) * ABOVE)
+            }
+        }
+    }
+}
+
+/// The number of eigenvalues that are exactly zero, whatever the change: where no weight of K is negative, its null space is that of all
+/// its rows.
+fn rigid(base: &LinearSystem, modal: &Modal) -> usize {
+    let is_semidefinite = base.k.terms().iter().all(|term| term.weight.is_positive());
+    if is_semidefinite { modal.rigid } else { 0 }
+}
+
+/// The modes of a system as coordinates: V^T M V is nearly the unit matrix, V^T K V nearly diagonal.
+struct Modal {
+    /// By mode.
+    vectors: Vec<Vec<Dd>>,
+    /// The diagonal of V^T K V, ascending.
+    d: Vec<Dd>,
+    /// Bounds of the norms of V^T K V less its diagonal, and of V^T M V less the unit matrix.
+    off: [f64; 2],
+    /// The number of modes that are exactly rigid.
+    rigid: usize,
+}
+
+/// Parts of the largest entry beside a diagonal that are small enough.
+const BESIDE: f64 = 1e-20;
+/// Steps that make entries beside a diagonal smaller: each squares them.
+const MOST_STEPS: usize = 2;
+
+impl Modal {
+    fn of(base: &LinearSystem) -> Option<Modal> {
+        let n = base.n();
+        let request = Request { which: Which::All, tolerance: DEFAULT_TOLERANCE, ..Request::default() };
+        let modes = analysis::modes_as(base, &request).ok()?;
+        if modes.list.len() != n || !modes.is_complete() || modes.infinite > 0 {
+            return None;
+        }
+        let rigid = modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid).count();
+        let vectors = modes.list.into_iter().map(|mode| match mode.precise {
+            Some(precise) => precise,
+            None => mode.shape.into_iter().map(Dd::from).collect(),
+        });
+        let mut vectors: Vec<Vec<Dd>> = vectors.collect();
+        for step in 0..=MOST_STEPS {
+            let [k, m] = [&base.k, &base.m].map(|form| projected(form, &vectors));
+            let d: Vec<Dd> = (0..n).map(|i| k[i * n + i].mid).collect();
+            let off = [beside(&k, &d), beside(&m, &vec![Dd::from(1.0); n])];
+            let largest = d.iter().fold(0.0f64, |most, d| most.max(d.hi.abs()));
+            if off[0] <= BESIDE * largest && off[1] <= BESIDE {
+                let mut order: Vec<usize> = (0..n).collect();
+                order.sort_by(|&i, &j| (d[i] - d[j]).hi.total_cmp(&0.0));
+                let sorted = order.iter().map(|&i| std::mem::take(&mut vectors[i])).collect();
+                return Some(Modal { vectors: sorted, d: order.iter().map(|&i| d[i]).collect(), off, rigid });
+            }
+            if step < MOST_STEPS {
+                refine(&mut vectors, &k, &m);
+            }
+        }
+        None
+    }
+}
+
+/// Vectors that are orthogonal to first order (Ogita and Aishima, Japan J. Indust. Appl. Math. 35, 2018, 1007-1035).
+fn refine(vectors: &mut [Vec<Dd>], k: &[Ball], m: &[Ball]) {
+    let n = vectors.len();
+    let at = |matrix: &[Ball], i: usize, j: usize| matrix[i * n + j].to_f64();
+    let ratio = |i: usize| k[i * n + i].to_f64() / m[i * n + i].to_f64();
+    let part = |i: usize, j: usize| {
+        if i == j {
+            return (Ball::ONE - m[i * n + i]).to_f64() / 2.0;
+        }
+        let turned = (at(k, i, j) - ratio(j) * at(m, i, j)) / (ratio(j) - ratio(i));
+        if turned.abs() < 1e-3 { turned } else { -at(m, i, j) / 2.0 }
+    };
+    let old = vectors.to_vec();
+    for (j, vector) in vectors.iter_mut().enumerate() {
+        for (i, other) in old.iter().enumerate() {
+            let part = Dd::from(part(i, j));
+            vector.iter_mut().zip(other).for_each(|(x, y)| *x = *x + *y * part);
+        }
+    }
+}
