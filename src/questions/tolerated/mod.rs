@@ -689,7 +689,8 @@ mod tests {
         let gain = |[k, m, c]: [f64; 3]| 1.0 / f64::hypot(k - w * w * m, w * c);
         let zeta = |[k, m, c]: [f64; 3]| 0.5 * c / f64::sqrt(k * m);
         let largest = |p: [f64; 3]| 0.5 / (p[0] * zeta(p) * f64::sqrt(1.0 - zeta(p) * zeta(p)));
-        let rows: [(&str, &dyn Fn([f64; 3]) -> f64); 5] = [
+        type Truth<'a> = &'a dyn Fn([f64; 3]) -> f64;
+        let rows: [(&str, Truth); 5] = [
             ("damping(1) < 20 %", &zeta),
             ("gain(F -> x, 1 Hz) < 1 m/N", &gain),
             ("amplitude(x) < 1 m", &|p| 2.0 * gain(p)),
