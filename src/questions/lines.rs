@@ -281,7 +281,7 @@ fn in_pairs(found: Option<Eigenvalues>, n: usize) -> Vec<f64> {
 
 /// The squares whose weights change, if all rows are the same everywhere. `over` holds over the range, `base` at one of its ends.
 fn changing(over: &LinearSystem, base: &LinearSystem) -> Option<Vec<Changing>> {
-    let mut list: Vec<(&[(CoordinateId, Number)], Changing)> = Vec::new();
+    let mut list: Vec<(Row, Changing)> = Vec::new();
     for (part, over, base) in [(Part::Stiffness, &over.k, &base.k), (Part::Mass, &over.m, &base.m)] {
         for (row, slope) in moving(over, base)? {
             match list.iter_mut().find(|(other, of)| of.part == part && *other == row) {
@@ -296,8 +296,11 @@ fn changing(over: &LinearSystem, base: &LinearSystem) -> Option<Vec<Changing>> {
     Some(list.into_iter().map(|(_, changing)| changing).collect())
 }
 
+/// Coordinates and entries of a row.
+type Row<'a> = &'a [(CoordinateId, Number)];
+
 /// The rows whose weights change, with the derivatives of these; `None` if a row changes.
-fn moving<'a>(over: &'a Form, base: &Form) -> Option<Vec<(&'a [(CoordinateId, Number)], Ball)>> {
+fn moving<'a>(over: &'a Form, base: &Form) -> Option<Vec<(Row<'a>, Ball)>> {
     if over.terms().len() != base.terms().len() {
         return None;
     }

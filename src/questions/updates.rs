@@ -311,7 +311,7 @@ fn refine(vectors: &mut [Vec<Dd>], k: &[Ball], m: &[Ball]) {
     for (j, vector) in vectors.iter_mut().enumerate() {
         for (i, other) in old.iter().enumerate() {
             let part = Dd::from(part(i, j));
-            vector.iter_mut().zip(other).for_each(|(x, y)| *x = *x + *y * part);
+            vector.iter_mut().zip(other).for_each(|(x, y)| *x += *y * part);
         }
     }
 }

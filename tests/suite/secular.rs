@@ -48,7 +48,7 @@ fn every_root_lies_in_its_enclosure() {
             let poles: Vec<Dd> = (0..m)
                 .map(|_| {
                     let size = random.decimal(closeness).to_f64() * 10f64.powf(-closeness / 2.0);
-                    at = at + Dd::from(size);
+                    at += Dd::from(size);
                     at
                 })
                 .collect();
