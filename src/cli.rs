@@ -579,6 +579,8 @@ pub struct Bench {
     #[arg(long, value_name = "PATH")]
     pub svg: Option<PathBuf>,
     #[command(flatten)]
+    pub page: Page,
+    #[command(flatten)]
     pub output: Output,
 }
 
@@ -619,6 +621,8 @@ pub struct Equations {
     /// What to print
     #[arg(long, value_enum, default_value_t = EquationsFormat::Text)]
     pub format: EquationsFormat,
+    #[command(flatten)]
+    pub page: Page,
     #[command(flatten)]
     pub output: Output,
 }

@@ -1,33 +1,32 @@
 //! The program `vibc`: reads files, calls the library, writes what it returns. Nothing else touches the disk, the standard
 //! streams or the exit status. See docs/cli.md#streams-and-exit-status.
 
+mod emitting;
 mod files;
 mod merging;
 mod named;
 mod parts;
 mod sweeping;
+mod terminal;
 mod transport;
 mod watch;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
-use files::{Input, open, read, read_all, refuse_overwriting, write_result};
-use std::fs;
-use std::io::{self, IsTerminal, Write};
+use files::{open, read, read_all, write_result};
+use std::io;
 use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
+use terminal::{columns, report_defect, report_error, show, terminal_columns, write_to};
 use vibc::NotDriven;
-use vibc::analysis::discrete::Hold;
 use vibc::analysis::{self, Methods, Sweep};
 use vibc::answers::report;
-use vibc::backend::emit::{Language, Program};
 use vibc::backend::{self, ReportOptions, diagnostics};
-use vibc::base::{Diagnostic, SourceFile, SourceKind, Sources};
+use vibc::base::{SourceFile, SourceKind, Sources};
 use vibc::cli::{
-    self, Analyze, Bench, BenchFormat, Check, Cli, Colour, Command, Draw, Emit, Equations, EquationsFormat, Fmt,
-    Format, HoldOption, MessageFormat, Messages, Page, Report, Shock, SignalsOption, Simulate, StyleOption,
-    TableFormat, TargetOption, Transfer,
+    self, Analyze, Bench, BenchFormat, Check, Cli, Command, Draw, Equations, EquationsFormat, Fmt, Format, Messages,
+    Report, Shock, Simulate, TableFormat, Transfer,
 };
 use vibc::editor;
 use vibc::editor::server::{self, Leave, Named};
@@ -55,7 +54,7 @@ fn main() -> ExitCode {
         Command::Draw(options) => draw(options, &cli.messages),
         Command::Report(options) => page(options, &cli.messages),
         Command::Watch(options) => watch::watch(options, &cli.messages),
-        Command::Emit(options) => emit(options, &cli.messages),
+        Command::Emit(options) => emitting::emit(options, &cli.messages),
         Command::Equations(options) => equations(options, &cli.messages),
         Command::Check(options) => check(options, &cli.messages),
         Command::Fmt(options) => format(options, &cli.messages),
@@ -365,60 +364,6 @@ fn page(options: &Report, messages: &Messages) -> Status {
     deliver(options.output.file.as_deref(), &page).max(status)
 }
 
-fn emit(options: &Emit, messages: &Messages) -> Status {
-    let literals = options.overrides.literals;
-    let step = options.step.of_literals(literals);
-    let until = options.until.as_ref().map(|until| until.of_literals(literals));
-    let samples = until.map_or(0.0, |until| (until / step).to_f64());
-    if samples > cli::MOST_PROGRAM_SAMPLES {
-        report_error(&format!("that would be {samples:.0} samples; the limit is {}", cli::MOST_PROGRAM_SAMPLES));
-        return Status::Usage;
-    }
-    let program = until.map(|until| Program { step: step.clone(), samples: analysis::samples(until, step) });
-    let input = match read_all(&options.file, &options.overrides) {
-        Ok(input) => input,
-        Err(unreadable) => return unreadable.report(messages),
-    };
-    let language = match options.target {
-        TargetOption::C => Language::C,
-        TargetOption::Rust => Language::Rust,
-    };
-    if let Some(name) = &options.parameter {
-        return emit_parameter(options, name, &input, language, messages);
-    }
-    if options.style == StyleOption::Equations {
-        return emit_equations(options, &input, language, messages);
-    }
-    let wanted = analysis::discrete::Options {
-        step: step.clone(),
-        hold: match options.hold {
-            HoldOption::Zero => Hold::Zero,
-            HoldOption::First => Hold::First,
-        },
-        precision: options.precision.into(),
-        tolerance: options.tolerance,
-        unpruned: false,
-        built_in: options.program || options.signals == SignalsOption::Internal,
-        internal: Vec::new(),
-        until: until.cloned(),
-    };
-    let outcome = vibc::discrete(&input.sources, input.model, &input.overrides, &wanted);
-    let status = failure(outcome.failure());
-    show(&input.sources, outcome.diagnostics, messages);
-    let Some(emission) = &outcome.answer else { return status };
-    if emission.system.outputs.is_empty() {
-        report_error("the model declares no output");
-        return Status::Usage;
-    }
-    match &options.output {
-        None => deliver(None, &backend::emit::whole(&emission.model, &emission.system, language)),
-        Some(folder) => {
-            let files = backend::emit::files(&emission.model, &emission.system, language, program.as_ref());
-            deliver_all(folder, &files, options, &input)
-        }
-    }
-}
-
 fn equations(options: &Equations, messages: &Messages) -> Status {
     let input = match open(&options.file, &options.overrides, &options.output.file, messages) {
         Ok(input) => input,
@@ -430,91 +375,15 @@ fn equations(options: &Equations, messages: &Messages) -> Status {
     let Some(equations) = &outcome.answer else { return status };
     let document = backend::equations::document(equations);
     let text = match options.format {
-        EquationsFormat::Text => backend::equations::text(&document),
+        EquationsFormat::Text => {
+            backend::equations::text(&document, columns(&options.page, options.output.file.as_deref()))
+        }
         EquationsFormat::Latex => backend::equations::latex(&document),
         EquationsFormat::Typst => backend::equations::typst(&document),
         EquationsFormat::Mathml => backend::equations::mathml(&document),
         EquationsFormat::Json => backend::equations::json(equations, &document),
     };
     deliver(options.output.file.as_deref(), &text).max(status)
-}
-
-fn emit_equations(options: &Emit, input: &Input, language: Language, messages: &Messages) -> Status {
-    if options.program || options.tolerance.is_some() {
-        report_error(
-            "`--style equations` has neither `--program` nor `--tolerance`: it is the model itself, not its motion",
-        );
-        return Status::Usage;
-    }
-    let outcome = vibc::linear(&input.sources, input.model, &input.overrides);
-    let status = failure(outcome.failure());
-    show(&input.sources, outcome.diagnostics, messages);
-    let Some((model, system)) = &outcome.answer else { return status };
-    if system.outputs.is_empty() {
-        report_error("the model declares no output");
-        return Status::Usage;
-    }
-    match analysis::discrete::equations::equations(system, options.precision.into()) {
-        Ok(equations) => match &options.output {
-            None => deliver(None, &backend::emit::equation_text(model, &equations, language)),
-            Some(folder) => {
-                deliver_all(folder, &backend::emit::equation_files(model, &equations, language), options, input)
-            }
-        },
-        Err(none) => {
-            report_error(&none.to_string());
-            Status::Limit
-        }
-    }
-}
-
-fn emit_parameter(options: &Emit, name: &str, input: &Input, language: Language, messages: &Messages) -> Status {
-    let outcome = vibc::parameterised(&input.sources, input.model, &input.overrides, name);
-    let status = failure(outcome.failure());
-    show(&input.sources, outcome.diagnostics, messages);
-    let Some((model, found)) = &outcome.answer else { return status };
-    let system = match found {
-        Ok(system) if system.outputs.is_empty() => {
-            report_error("the model declares no output");
-            return Status::Usage;
-        }
-        Ok(system) => system,
-        Err(reason) => {
-            report_error(&format!("`--parameter {}` cannot stay changeable: {reason}", diagnostics::readable(name)));
-            return Status::Usage;
-        }
-    };
-    let step = options.step.of_literals(options.overrides.literals).to_f64();
-    let precision = options.precision.into();
-    let out_of_range = || {
-        report_error(
-            "a number of the code leaves the range of its precision: check the units, or use `--precision f64`",
-        );
-        Status::Limit
-    };
-    match &options.output {
-        None => match backend::emit::parameter_text(model, system, step, precision, language) {
-            Some(text) => deliver(None, &text),
-            None => out_of_range(),
-        },
-        Some(folder) => match backend::emit::parameter_files(model, system, step, precision, language) {
-            Some(files) => deliver_all(folder, &files, options, input),
-            None => out_of_range(),
-        },
-    }
-}
-
-/// Writes files into a folder, which is created if necessary, unless one of the files is also read.
-fn deliver_all(folder: &Path, files: &[backend::emit::File], options: &Emit, input: &Input) -> Status {
-    let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(&file.name)).collect();
-    if let Err(status) = refuse_overwriting(input, &options.file, &options.overrides, &paths) {
-        return status;
-    }
-    if let Err(error) = fs::create_dir_all(folder) {
-        report_error(&format!("cannot make the directory `{}`: {error}", folder.display()));
-        return Status::Io;
-    }
-    files.iter().map(|file| deliver(Some(&folder.join(&file.name)), &file.text)).max().unwrap_or(Status::Done)
 }
 
 fn bench(options: &Bench, messages: &Messages) -> Status {
@@ -532,7 +401,10 @@ fn bench(options: &Bench, messages: &Messages) -> Status {
     let picture = || backend::bench::svg::svg(model, found);
     let drawn = options.svg.as_deref().map_or(Status::Done, |path| deliver(Some(path), &picture()));
     let text = match options.format {
-        BenchFormat::Text => backend::bench::text(model, found),
+        BenchFormat::Text => {
+            let width = columns(&options.page, options.output.file.as_deref());
+            backend::report::laid_out(&report::bench(model, found), width)
+        }
         BenchFormat::Csv => backend::bench::csv(found),
         BenchFormat::Svg => picture(),
     };
@@ -666,10 +538,11 @@ fn manual_page(command: Option<&str>) -> Status {
 /// The page of a diagnostic or of a word of the language; without an argument, all codes.
 fn explain(asked: Option<&str>) -> Status {
     let Some(asked) = asked else { return deliver(None, &backend::explain::codes()) };
+    let width = terminal_columns().map_or(backend::explain::WIDTH, |columns| columns.min(backend::explain::WIDTH));
     if let Some(page) = editor::about(asked) {
-        return deliver(None, &backend::explain::terminal(&page));
+        return deliver(None, &backend::explain::terminal(&page, width));
     }
-    match backend::explain::explain(asked, vibc::kinds::names()) {
+    match backend::explain::explain(asked, vibc::kinds::names(), width) {
         Ok(text) => deliver(None, &text),
         Err(unknown) => {
             let nearest = unknown.nearest.map_or(String::new(), |code| format!("; did you mean `{code}`?"));
@@ -687,66 +560,4 @@ fn failure(failure: Option<vibc::Failure>) -> Status {
         Some(vibc::Failure::File) => Status::Io,
         Some(vibc::Failure::Limit) => Status::Limit,
     }
-}
-
-/// Writes diagnostics to standard error.
-fn show(sources: &Sources, mut findings: Vec<Diagnostic>, messages: &Messages) {
-    findings.retain(|finding| !messages.quiet || finding.is_error());
-    if findings.is_empty() {
-        return;
-    }
-    let text = match messages.message_format {
-        MessageFormat::Human => diagnostics::human(sources, &findings, style(messages.color)),
-        MessageFormat::Json => diagnostics::json(sources, &findings),
-        MessageFormat::Short => diagnostics::short(sources, &findings),
-    };
-    write_to(&mut io::stderr().lock(), &text);
-}
-
-fn style(colour: Colour) -> diagnostics::HumanStyle {
-    let stream = io::stderr();
-    let colour = match colour {
-        Colour::Always => true,
-        Colour::Never => false,
-        // NO_COLOR, CLICOLOR, TERM, and whether it is a terminal at all.
-        Colour::Auto => anstream::AutoStream::choice(&stream) != anstream::ColorChoice::Never,
-    };
-    diagnostics::HumanStyle { colour, ascii: stream.is_terminal() && !locale_is_unicode() }
-}
-
-/// Whether the locale is Unicode. A terminal with another encoding gets plain characters; files always get the same
-/// bytes.
-fn locale_is_unicode() -> bool {
-    let named =
-        ["LC_ALL", "LC_CTYPE", "LANG"].iter().find_map(|name| std::env::var(name).ok().filter(|v| !v.is_empty()));
-    named.is_none_or(|name| name.to_ascii_lowercase().replace('-', "").contains("utf8"))
-}
-
-/// The width of a text report in columns: as requested, that of the terminal it is shown on, or that of a page.
-fn columns(page: &Page, output: Option<&Path>) -> usize {
-    let shown = output.is_none_or(|path| path == Path::new("-"));
-    let terminal = || terminal_size::terminal_size_of(io::stdout()).map(|(width, _)| usize::from(width.0));
-    let asked = page.width.map(|width| width as usize);
-    // A window of a few columns is too narrow to read.
-    asked.or_else(|| terminal().filter(|width| shown && *width >= 40)).unwrap_or(backend::report::WIDTH)
-}
-
-/// A failure to write to standard error cannot be reported anywhere.
-fn write_to(stream: &mut impl Write, text: &str) {
-    let _ = stream.write_all(text.as_bytes());
-}
-
-/// Writes an error as a single line, like errors of the command line, whatever file names and arguments it repeats.
-fn report_error(text: &str) {
-    write_to(&mut io::stderr().lock(), &format!("error: {}\n", diagnostics::readable(text)));
-}
-
-/// A panic is a defect of the program, whatever the input. Reports it, and asks for the data that help to fix it.
-fn report_defect(panic: &std::panic::PanicHookInfo) {
-    let version = env!("CARGO_PKG_VERSION");
-    let text = format!(
-        "error: a defect of vibc, not of the model: {panic}\n\
-         Report it with the model, the command line and the version ({version}).\n"
-    );
-    write_to(&mut io::stderr().lock(), &text);
 }

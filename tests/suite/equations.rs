@@ -13,7 +13,7 @@ pub fn text_of(name: &str, model: &str) -> String {
     crate::examples::add_used_files(&mut sources, file);
     let outcome = vibc::equations(&sources, file, &Overrides::default());
     match outcome.answer {
-        Some(answer) => equations::text(&equations::document(&answer)),
+        Some(answer) => equations::text(&equations::document(&answer), vibc::backend::report::WIDTH),
         None => outcome.diagnostics.iter().map(|d| format!("{}: {}\n", d.code.0, d.message)).collect(),
     }
 }

@@ -184,7 +184,7 @@ fn generated_belts_have_the_energy_of_their_normals() {
             model.replace(&format!("param r0 = {} m\nparam r1 = {} m\n", radii[0], radii[1]), "")
         };
         let equations = equations_of(&model);
-        for formula in linter::formulas(&text(&document(&equations))) {
+        for formula in linter::formulas(&text(&document(&equations), vibc::backend::report::WIDTH)) {
             let found = linter::faults(&formula);
             assert!(found.is_empty(), "{found:?} in {formula}\n{model}");
         }

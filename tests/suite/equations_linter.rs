@@ -21,7 +21,7 @@ enum Tree {
 /// The formulas of a text: lines that go on are joined, notes and matrices left out.
 pub fn formulas(text: &str) -> Vec<String> {
     let mut formulas: Vec<String> = Vec::new();
-    for line in text.lines().filter(|line| line.starts_with("    ") && !line.contains('[')) {
+    for line in text.lines().filter(|line| line.starts_with("    ")) {
         // Notes stand behind four blanks.
         let formula = line.trim().split("    ").next().unwrap_or_default();
         match formulas.last_mut() {
@@ -29,6 +29,7 @@ pub fn formulas(text: &str) -> Vec<String> {
             _ => formulas.push(formula.to_string()),
         }
     }
+    formulas.retain(|formula| !formula.contains('['));
     formulas
 }
 

@@ -66,6 +66,53 @@ fn reports_of_up_to_ten_degrees_of_freedom_fit_their_columns() {
     }
 }
 
+/// What the program prints for each example of that size, by every command that prints a report.
+#[test]
+fn other_reports_of_up_to_ten_degrees_of_freedom_fit_their_columns() {
+    let mut commands: Vec<Vec<&str>> =
+        ["transfer", "check", "equations"].map(|command| command.split(' ').collect()).to_vec();
+    commands.push("simulate --format text --until 100ms --step 10ms".split(' ').collect());
+    for (path, model) in examples() {
+        let mut sources = Sources::new();
+        let file = sources.add(SourceFile::model(&path, &model));
+        crate::examples::add_used_files(&mut sources, file);
+        let (name, system) = vibc::linear(&sources, file, &Overrides::default()).answer.expect("a model");
+        if system.n() > 10 {
+            continue;
+        }
+        for command in &commands {
+            fits(command, &path, 80);
+        }
+        match &name[..] {
+            "cart" => {
+                fits(&["bench"], &path, 80);
+                fits(&["sweep", "--over", "b=1N*s/m..9N*s/m:3", "--modes", "2"], &path, 80);
+            }
+            "drop_test" => fits(
+                &"shock --from table --damping 5% --range 5Hz..100Hz --format text".split(' ').collect::<Vec<_>>(),
+                &path,
+                80,
+            ),
+            _ => {}
+        }
+    }
+}
+
+/// The command's report about a model has this width at most.
+fn fits(command: &[&str], model: &str, width: usize) {
+    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_vibc"));
+    let printed = program.args(command).args([model, "--quiet", "--width", &width.to_string()]).output();
+    let printed = printed.expect("the program starts");
+    // A model without inputs or outputs has no such report.
+    if printed.status.code() == Some(2) {
+        let reason = String::from_utf8_lossy(&printed.stderr);
+        assert!(reason.contains("the model declares no"), "{command:?} {model}: {reason}");
+        return;
+    }
+    let text = String::from_utf8(printed.stdout).expect("text");
+    assert!(widest(&text) <= width, "{command:?} {model}: {} columns of {width}:\n{text}", widest(&text));
+}
+
 /// Every number of a wide report is in a narrow one.
 #[test]
 fn a_narrow_report_loses_no_number() {

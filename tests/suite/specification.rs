@@ -105,7 +105,7 @@ fn the_example_of_a_page_gives_just_its_code() {
 
 #[test]
 fn explain_prints_the_page() {
-    let shown = explain("rest::unbalanced", std::iter::empty()).expect("a known code");
+    let shown = explain("rest::unbalanced", std::iter::empty(), vibc::backend::explain::WIDTH).expect("a known code");
     assert!(shown.starts_with("vib::rest::unbalanced\n\n") && shown.contains("\n    rest as drawn\n"), "{shown}");
 }
 

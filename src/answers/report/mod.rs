@@ -6,6 +6,7 @@
 //! twenty largest in a sentence. Both take their numbers from the same answers by the same methods (`analysis::derived`,
 //! [`super::ModalAnswer`]), so that neither computes, bounds or judges a number of its own.
 
+mod bench;
 mod curves;
 mod damped_shapes;
 mod equations;
@@ -25,6 +26,7 @@ mod table;
 mod tolerances;
 mod transfer;
 
+pub use bench::bench;
 pub use modes::at_outputs;
 pub use motion::motion;
 pub use parts::explanation;

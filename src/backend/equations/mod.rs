@@ -9,6 +9,7 @@ mod formula;
 mod json;
 mod latex;
 mod lengths;
+mod lines;
 mod mathml;
 mod motions;
 mod results;

@@ -2,28 +2,36 @@
 
 use super::document::{Document, Inline};
 use super::formula::{Formula, Running};
+use super::lines::broken;
 use super::write::{self, Language, Piece, Tight};
+use crate::backend::report::wrap::fill_lines;
 use crate::base::readable::readable;
 use crate::equations::names::Label;
 
-/// Width to which paragraphs are filled.
-const WIDTH: usize = 100;
+/// Indent of sentences and of formulas.
+const SENTENCE: usize = 2;
+const FORMULA: usize = 4;
+/// Between a formula and its note.
+const BESIDE: &str = "    ";
 
-pub fn text(document: &Document) -> String {
-    write::document(&Text, document)
+/// The document in lines of at most `width` columns; a name that is longer than a line is not broken.
+pub fn text(document: &Document, width: usize) -> String {
+    write::document(&Text { width }, document)
 }
 
 /// A formula on one line.
 pub fn formula(of: &Formula) -> String {
-    write::formula(&Text, of)
+    write::formula(&Text { width: usize::MAX }, of)
 }
 
 /// A sentence on one line.
 pub fn sentence(inlines: &[Inline]) -> String {
-    write::sentence(&Text, inlines)
+    write::sentence(&Text { width: usize::MAX }, inlines)
 }
 
-struct Text;
+struct Text {
+    width: usize,
+}
 
 impl Language for Text {
     fn decimal(&self, text: &str) -> Piece {
@@ -94,95 +102,65 @@ impl Language for Text {
     }
 
     fn paragraph(&self, inner: &str) -> String {
-        filled(inner, 2)
+        fill_lines(inner, SENTENCE, SENTENCE, self.width)
     }
 
+    /// A formula and its note, beside its last line or, if it is long, as a sentence below.
     fn display(&self, formula: &Formula, note: &[Inline]) -> String {
-        let line = self::formula(formula);
-        match note.is_empty() {
-            true => broken(&line),
-            false => format!("{}    {}\n", broken(&line).trim_end_matches('\n'), sentence(note)),
+        let formula = self::formula(formula);
+        if note.is_empty() {
+            return broken(&formula, self.width);
         }
+        let note = sentence(note);
+        let beside = |width: usize| format!("{}{BESIDE}{note}\n", broken(&formula, width).trim_end_matches('\n'));
+        let fits = |text: &String| text.lines().last().is_none_or(|last| last.chars().count() <= self.width);
+        let shorter = self.width.saturating_sub(BESIDE.len() + note.chars().count());
+        [self.width, shorter.max(self.width / 2)].into_iter().map(beside).find(fits).unwrap_or_else(|| {
+            format!("{}{}", broken(&formula, self.width), fill_lines(&note, SENTENCE, SENTENCE, self.width))
+        })
     }
 
-    /// Rows in brackets, columns aligned.
+    /// Rows in brackets with their columns aligned; where they are too wide, the entries that are not zero.
     fn display_matrix(&self, name: &Formula, rows: &[Vec<Formula>]) -> String {
         let (name, cells) = (self::formula(name), write::cells(self, rows));
         let columns = cells.first().map_or(0, Vec::len);
         let width = |column: usize| cells.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
         let widths: Vec<usize> = (0..columns).map(width).collect();
+        let front = name.chars().count() + 3;
+        let brackets = 4 + 3 * columns.saturating_sub(1);
+        if FORMULA + front + brackets + widths.iter().sum::<usize>() > self.width {
+            return self.entries(&name, &cells);
+        }
         let mut text = String::new();
         for (index, row) in cells.iter().enumerate() {
             let shown: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
-            let front = if index == 0 { format!("{name} = ") } else { " ".repeat(name.chars().count() + 3) };
+            let front = if index == 0 { format!("{name} = ") } else { " ".repeat(front) };
             text += &format!("    {front}[ {} ]\n", shown.join("   "));
         }
         text
     }
 }
 
-/// Words in lines of at most [`WIDTH`] columns.
-fn filled(paragraph: &str, indent: usize) -> String {
-    let mut text = String::new();
-    let mut column = 0;
-    for word in paragraph.split_whitespace() {
-        let width = word.chars().count();
-        if column > 0 && column + 1 + width > WIDTH {
-            text.push('\n');
-            column = 0;
-        }
-        if column == 0 {
-            text += &" ".repeat(indent);
-            column = indent;
-        } else {
-            text.push(' ');
-            column += 1;
-        }
-        text += word;
-        column += width;
-    }
-    text + "\n"
-}
-
-/// Breaks a long equation before a sign between its terms.
-fn broken(line: &str) -> String {
-    let mut text = String::from("    ");
-    let (mut column, mut depth) = (4, 0i32);
-    let words: Vec<&str> = line.split(' ').collect();
-    for (index, word) in words.iter().enumerate() {
-        let is_sign = depth == 0 && ["+", "-", "="].contains(word);
-        // The width of the next term.
-        let mut ahead = 0;
-        let mut inside = depth;
-        for (step, next) in words[index..].iter().enumerate() {
-            if step > 0 && inside == 0 && ["+", "-", "="].contains(next) {
-                break;
-            }
-            ahead += next.chars().count() + 1;
-            inside += nesting(next);
-        }
-        if index > 0 {
-            if is_sign && index > 1 && column + ahead > WIDTH {
-                text += "\n        ";
-                column = 8;
-            } else {
-                text.push(' ');
-                column += 1;
+impl Text {
+    /// `K_(1,2) = K_(2,1) = -k`: a line for each entry of a matrix that is not zero, of a symmetric one for each pair.
+    fn entries(&self, name: &str, cells: &[Vec<String>]) -> String {
+        let n = cells.len();
+        let is_square = cells.iter().all(|row| row.len() == n);
+        let is_symmetric = is_square && (0..n).all(|i| (0..i).all(|j| cells[i][j] == cells[j][i]));
+        let entry = |i: usize, j: usize| format!("{name}_({},{})", i + 1, j + 1);
+        let mut text = String::new();
+        for (i, row) in cells.iter().enumerate() {
+            let first = if is_symmetric { i } else { 0 };
+            for (j, cell) in row.iter().enumerate().skip(first).filter(|(_, cell)| *cell != "0") {
+                let mirrored = if is_symmetric && i != j { format!(" = {}", entry(j, i)) } else { String::new() };
+                text += &broken(&format!("{}{mirrored} = {cell}", entry(i, j)), self.width);
             }
         }
-        text += word;
-        column += word.chars().count();
-        depth += nesting(word);
+        if cells.iter().flatten().all(|cell| cell != "0") {
+            return text;
+        }
+        let (rows, columns) = (n, cells.first().map_or(0, Vec::len));
+        let left_out = format!("{name} is {rows} by {columns}; entries that are not listed are zero.");
+        text + &fill_lines(&left_out, SENTENCE, SENTENCE, self.width)
     }
-    text + "\n"
-}
-
-fn nesting(word: &str) -> i32 {
-    word.chars()
-        .map(|c| match c {
-            '(' | '[' => 1,
-            ')' | ']' => -1,
-            _ => 0,
-        })
-        .sum()
 }

@@ -3,15 +3,19 @@
 
 mod pages;
 
+use super::report::wrap::fill_lines;
 pub use pages::{PAGES, Page};
 use strsim::damerau_levenshtein;
 
-/// The page of a code for a terminal, or the most similar one of the codes and of `words`. `unit::mismatch` is short for
+/// Width of a page that is not shown on a terminal.
+pub const WIDTH: usize = 96;
+
+/// The page of a code in `width` columns, or the most similar one of the codes and of `words`. `unit::mismatch` is short for
 /// `vib::unit::mismatch`.
-pub fn explain(asked: &str, words: impl Iterator<Item = &'static str>) -> Result<String, Unknown> {
+pub fn explain(asked: &str, words: impl Iterator<Item = &'static str>, width: usize) -> Result<String, Unknown> {
     let code = if asked.starts_with("vib::") { asked.to_string() } else { format!("vib::{asked}") };
     match PAGES.iter().find(|page| page.code == code) {
-        Some(page) => Ok(terminal(page.markdown)),
+        Some(page) => Ok(terminal(page.markdown, width)),
         None => Err(Unknown { nearest: nearest(asked, &code, words) }),
     }
 }
@@ -34,50 +38,34 @@ fn nearest(asked: &str, code: &str, words: impl Iterator<Item = &'static str>) -
     (distance * 3 <= asked.chars().count()).then_some(name)
 }
 
-/// Width of a paragraph.
-const WIDTH: usize = 96;
-
-/// Markdown for a terminal: headings without their marks, fenced blocks indented, paragraphs and list items wrapped.
-pub fn terminal(markdown: &str) -> String {
+/// Markdown for a terminal: headings without their marks, fenced blocks indented, paragraphs and list items in lines of at
+/// most `width` columns. Models keep their lines.
+pub fn terminal(markdown: &str, width: usize) -> String {
     let mut text = String::new();
     let mut paragraph = String::new();
     let mut fenced = false;
     for line in markdown.lines() {
         let fence = line.starts_with("```");
         if fence || fenced || line.is_empty() || line.starts_with("- ") {
-            text += &filled(&std::mem::take(&mut paragraph));
+            text += &filled(&std::mem::take(&mut paragraph), width);
         }
         match (fence, fenced) {
             (true, _) => fenced = !fenced,
             (false, true) => text += &format!("    {line}\n"),
             (false, false) if line.is_empty() => text.push('\n'),
-            (false, false) => paragraph += &format!("{} ", line.strip_prefix("# ").unwrap_or(line)),
+            (false, false) => paragraph += &format!("{} ", line.strip_prefix("# ").unwrap_or(line).trim_end()),
         }
     }
-    text + &filled(&paragraph)
+    text + &filled(&paragraph, width)
 }
 
-/// Words in lines of at most [`WIDTH`] characters; the continuation lines of a list item are indented.
-fn filled(paragraph: &str) -> String {
-    let indent = if paragraph.starts_with("- ") { "  " } else { "" };
-    let mut text = String::new();
-    let mut column = 0;
-    for word in paragraph.split_whitespace() {
-        let width = word.chars().count();
-        if column > 0 && column + 1 + width > WIDTH {
-            text += &format!("\n{indent}");
-            column = indent.len();
-        } else if column > 0 {
-            text.push(' ');
-            column += 1;
-        }
-        text += word;
-        column += width;
+/// The lines of a paragraph; those after the first of a list item are indented.
+fn filled(paragraph: &str, width: usize) -> String {
+    let indent = if paragraph.starts_with("- ") { 2 } else { 0 };
+    match paragraph.trim_end() {
+        "" => String::new(),
+        text => fill_lines(text, 0, indent, width),
     }
-    if !text.is_empty() {
-        text.push('\n');
-    }
-    text
 }
 
 #[cfg(test)]
@@ -92,7 +80,7 @@ mod tests {
             "two ".repeat(10),
             "three ".repeat(20)
         );
-        let text = terminal(&page);
+        let text = terminal(&page, WIDTH);
         assert!(text.lines().all(|line| line.chars().count() <= WIDTH));
         assert!(
             text.starts_with("Title\n\none")
@@ -103,9 +91,20 @@ mod tests {
         assert!(text.ends_with("\n  three three three three three\n"), "{text}");
     }
 
+    /// Models keep their lines; everything else is filled.
+    #[test]
+    fn pages_fit_a_narrow_terminal() {
+        for page in PAGES {
+            for line in terminal(page.markdown, 60).lines().filter(|line| !line.starts_with("    ")) {
+                let is_one_word = !line.trim().contains(' ');
+                assert!(line.chars().count() <= 60 || is_one_word, "{}: {line}", page.code);
+            }
+        }
+    }
+
     #[test]
     fn an_unknown_word_gets_the_nearest() {
-        let explain = |asked| explain(asked, ["harmonic"].into_iter());
+        let explain = |asked| explain(asked, ["harmonic"].into_iter(), WIDTH);
         assert_eq!(explain("unit::mismach"), Err(Unknown { nearest: Some("vib::unit::mismatch") }));
         assert_eq!(explain("harmonik"), Err(Unknown { nearest: Some("harmonic") }));
         assert_eq!(explain("something else"), Err(Unknown { nearest: None }));

@@ -2,7 +2,7 @@
 //! screen shows. The content of a report is decided in `answers::report`. See docs/method/report.md.
 
 mod matrices;
-pub(super) mod table;
+mod table;
 pub(super) mod wrap;
 
 use super::plain;

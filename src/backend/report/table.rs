@@ -9,9 +9,9 @@ use super::wrap::{characters, fill_lines, longest_word, wrap_lines};
 use crate::answers::report::{self, Align};
 use std::fmt::Write;
 
-/// A table under construction; every row has as many cells as there are columns.
+/// A table of a report as text, before it is laid out; every row has as many cells as there are columns.
 #[derive(Clone, Debug, Default)]
-pub struct Table {
+struct Table {
     columns: Vec<Column>,
     /// Each cell with one or several wordings, the longest first.
     rows: Vec<Vec<Vec<String>>>,
@@ -61,27 +61,13 @@ impl Table {
         }
     }
 
-    pub fn new() -> Table {
-        Table::default()
-    }
-
-    /// A column with its title and, in a line below, its unit.
-    pub fn column(mut self, title: impl Into<String>, unit: impl Into<String>, align: Align) -> Table {
-        self.columns.push(Column { title: vec![title.into()], unit: unit.into(), align });
-        self
-    }
-
-    pub fn row(&mut self, cells: Vec<String>) {
-        self.rows.push(cells.into_iter().map(|cell| vec![cell]).collect());
-    }
-
     /// The table's width in characters, without the indent.
     fn width(&self) -> usize {
         width_of(&self.layouts())
     }
 
     /// The lines, each indented by `indent` spaces; no line ends in spaces.
-    pub fn text(&self, indent: usize) -> String {
+    fn text(&self, indent: usize) -> String {
         self.lines(indent, &self.layouts())
     }
 
@@ -311,16 +297,24 @@ fn at_point(cell: &str) -> (usize, usize) {
 mod tests {
     use super::*;
 
+    fn words(words: &[&str]) -> Vec<String> {
+        words.iter().map(|word| word.to_string()).collect()
+    }
+
+    fn of_columns(columns: &[(&str, &str, Align)]) -> Table {
+        let column = |(title, unit, align): &(&str, &str, Align)| Column {
+            title: words(&[title]),
+            unit: unit.to_string(),
+            align: *align,
+        };
+        Table { columns: columns.iter().map(column).collect(), rows: Vec::new() }
+    }
+
     fn table() -> Table {
-        let mut table = Table::new().column("part", "", Align::Left).column("ω", "[rad/s]", Align::Point).column(
-            "n",
-            "",
-            Align::Right,
-        );
-        table.row(vec!["μ₁".into(), "12.5".into(), "1".into()]);
-        table.row(vec!["rod".into(), "1e-7".into(), "20".into()]);
-        table.row(vec!["".into(), "0.1234".into(), "".into()]);
-        table
+        let columns = [("part", "", Align::Left), ("ω", "[rad/s]", Align::Point), ("n", "", Align::Right)];
+        let rows = [["μ₁", "12.5", "1"], ["rod", "1e-7", "20"], ["", "0.1234", ""]];
+        let rows = rows.map(|row| row.map(|cell| words(&[cell])).to_vec());
+        Table { rows: rows.to_vec(), ..of_columns(&columns) }
     }
 
     #[test]
@@ -354,12 +348,12 @@ rod   20
 
     #[test]
     fn text_is_shortened_then_wrapped_and_common_notes_appear_once() {
-        let mut table = Table::new()
-            .column("n", "", Align::Right)
-            .column("decay time", "[s]", Align::Point)
-            .column("what moves in it", "", Align::Left)
-            .column("kind", "", Align::Left);
-        let words = |words: &[&str]| words.iter().map(|word| word.to_string()).collect::<Vec<_>>();
+        let mut table = of_columns(&[
+            ("n", "", Align::Right),
+            ("decay time", "[s]", Align::Point),
+            ("what moves in it", "", Align::Left),
+            ("kind", "", Align::Left),
+        ]);
         let kind = words(&["oscillation"]);
         table.rows.push(vec![words(&["1"]), words(&["0.5"]), words(&["one 50 %, two 50 %", "one 50 %"]), kind.clone()]);
         table.rows.push(vec![words(&["2"]), words(&["10"]), words(&["a sentence of some words"]), kind]);

@@ -215,7 +215,7 @@ impl Server<'_> {
         let (answers::EXPLAIN, Some(code)) = (params.command.as_str(), code) else {
             return Err(refused(format!("`{}` is no command of this server", params.command)));
         };
-        let page = explain::explain(code, std::iter::empty())
+        let page = explain::explain(code, std::iter::empty(), explain::WIDTH)
             .map_err(|_| refused(format!("no diagnostic has the code `{code}`")))?;
         self.show(MESSAGE_INFO, page.clone());
         Ok(Some(page.into()))
