@@ -43,5 +43,5 @@ fn text(model: &str) -> String {
     let mut sources = Sources::new();
     let file = sources.add(SourceFile::model("chain", model));
     let answer = vibc::equations(&sources, file, &Overrides::default()).answer.expect("equations");
-    equations::text(&equations::document(&answer))
+    equations::text(&equations::document(&answer), vibc::backend::report::WIDTH)
 }

@@ -398,7 +398,7 @@ pub struct Shard {
 impl Shard {
     pub const WHOLE: Shard = Shard { index: 0, count: 1 };
 
-    /// The number of its cases, of so many in all.
+    /// The number of its cases, and of all cases.
     pub fn rows(self, cases: u64) -> u64 {
         cases / self.count + u64::from(self.index < cases % self.count)
     }

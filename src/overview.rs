@@ -97,7 +97,7 @@ pub(crate) struct Lowered<'a> {
 }
 
 impl Overview {
-    pub(crate) fn known(of: Lowered) -> Overview {
+    pub(crate) fn of_lowered(of: Lowered) -> Overview {
         let answer = ModalAnswer {
             excitations: Vec::new(),
             damped_shapes: Vec::new(),

@@ -15,7 +15,7 @@ pub struct Header {
     pub shard: Shard,
     /// Cases of the whole study.
     pub cases: u64,
-    /// What the study depends on: texts, options, the version of the program.
+    /// Everything that the study depends on: texts, options, the version of the program.
     pub study: String,
 }
 

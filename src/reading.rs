@@ -352,7 +352,7 @@ mod tests {
     fn stages(model: &str, ask: impl FnOnce(&Sources, FileId)) -> Vec<&'static str> {
         let mut sources = Sources::new();
         let file = sources.add(SourceFile::model("cart.vib", model));
-        runs::during(|| ask(&sources, file))
+        runs::stages_of(|| ask(&sources, file))
     }
 
     #[test]

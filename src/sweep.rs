@@ -15,7 +15,7 @@ use crate::questions::samples::Samples;
 use crate::reading::{self, Reading};
 use crate::syntax;
 
-/// What a study computes.
+/// The cases of a study and the answers computed for each.
 #[derive(Clone, Debug)]
 pub struct StudyRequest {
     /// A file with a line for each parameter and its values: `k=5N/m..50N/m:200`, `m=1kg,2kg`.
@@ -134,7 +134,7 @@ pub fn study<'a>(
     })
 }
 
-/// What a user can do about modes that cannot be followed.
+/// The reason why modes cannot be followed, as a message that says what to write instead.
 fn unfollowed(why: &Unfollowed) -> String {
     match why {
         Unfollowed::NotInOrder => "`--follow` takes values in ascending or descending order".into(),

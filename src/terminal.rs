@@ -1,4 +1,4 @@
-//! What a user sees besides results: findings and errors on standard error, and how wide and colourful the terminal is. See
+//! Findings and errors on standard error, and the width and colours of the terminal. See
 //! docs/cli.md#streams-and-exit-status.
 
 use std::io::{self, IsTerminal, Write};

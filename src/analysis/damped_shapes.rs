@@ -90,7 +90,7 @@ impl Dense {
             Some(losses) if s.im.is_positive() => &losses.p[output][..],
             _ => &[],
         };
-        let seen = |(number, output): (usize, &Output)| Disc::of(seen(output, lost(number), s, &x));
+        let seen = |(number, output): (usize, &Output)| Disc::of(output_shape(output, lost(number), s, &x));
         let outputs = system.outputs.iter().enumerate().map(seen).collect();
         Ok(ShapeEntries { coordinates: x.into_iter().map(Disc::of).collect(), outputs })
     }
@@ -162,7 +162,12 @@ fn with_entry_one(q: &Matrix<Complex<Ball>>, p: usize) -> Option<Vec<Complex<Bal
 }
 
 /// sum_k s^k p_k x, and i times what loss factors add.
-fn seen(output: &Output, lost: &[(CoordinateId, Number)], s: Complex<Ball>, x: &[Complex<Ball>]) -> Complex<Ball> {
+fn output_shape(
+    output: &Output,
+    lost: &[(CoordinateId, Number)],
+    s: Complex<Ball>,
+    x: &[Complex<Ball>],
+) -> Complex<Ball> {
     let along = |row: &[(CoordinateId, Number)]| {
         row.iter().fold(Complex::ZERO, |own, (i, factor)| own + x[i.index()].scale(factor.to_ball()))
     };

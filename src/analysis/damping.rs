@@ -147,7 +147,7 @@ pub fn relative_to(system: &mut LinearSystem, first: usize, input: usize) -> Opt
     Some(())
 }
 
-/// What follows an input statically.
+/// The static response to an input of 1.
 struct Carried {
     /// K r = b0, without a part in motions that K does not restrain: v^T M r = 0.
     follows: Vec<Number>,

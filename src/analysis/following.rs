@@ -1,4 +1,4 @@
-//! What follows a moving base as if the motion were slow: q = v + r u + r' u', where K r = b0 and K r' = b1 - C r, so that
+//! The quasi-static response to a moving base: q = v + r u + r' u', where K r = b0 and K r' = b1 - C r, so that
 //! only the velocity or the acceleration of the base drives v. In: a system, the action of u, and how many of its derivatives
 //! are given. Out: r, r', and the forces that are left. See docs/method/transfer.md#velocities-and-accelerations-of-bases.
 
@@ -14,7 +14,7 @@ const MOST_STATIC: usize = 24;
 /// Maximum number of coordinates for which it is computed at all: one elimination of a full matrix.
 const MOST_COORDINATES: usize = 2000;
 
-/// What follows u, and what is left.
+/// The quasi-static response to u, and the forces on the rest of the motion.
 pub struct Following {
     /// r and r'; zero where they are not needed.
     pub followed: [Vec<Number>; 2],
@@ -22,10 +22,10 @@ pub struct Following {
     pub forces: [Vec<Number>; 4],
 }
 
-/// Which static responses are good enough.
+/// The static responses that are accepted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Known {
-    /// Those known exactly, for verdicts that rest on a zero.
+    /// Only exact ones, for verdicts that rest on a zero.
     Exactly,
     /// Enclosures as well.
     Enclosed,

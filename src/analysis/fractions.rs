@@ -35,7 +35,7 @@ pub struct Share {
     pub weight: f64,
 }
 
-/// How a page evaluates a transfer function.
+/// The form in which a page evaluates a transfer function.
 #[derive(Clone, Debug)]
 pub enum Curve {
     Fractions(Fractions),

@@ -120,7 +120,7 @@ impl About {
         Curve::of(seen, None, (error + self.end.rad + rounding) * UP).signed()
     }
 
-    /// The same in two words.
+    /// The curve in double-double.
     pub fn fine<'a>(&self, terms: &'a mut [Dd], error: f64) -> Curve<'a> {
         let rounding = (terms[0].hi.abs() + self.end.magnitude()) * UNIT;
         terms[0] -= self.end.mid;

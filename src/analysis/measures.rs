@@ -213,7 +213,7 @@ pub const MOVES_BY_RATE: &str =
 /// The lasting part of a sum of signals: steps, the final values of ramps, the last values of tables; `None` under a
 /// signal that is an integral, whose end is not computed.
 pub fn lasting_value(signals: &[Signal]) -> Option<Number> {
-    signals.iter().try_fold(Number::ZERO, |sum, signal| Some(&sum + &signal.lasting()?))
+    signals.iter().try_fold(Number::ZERO, |sum, signal| Some(&sum + &signal.final_value()?))
 }
 
 /// The final value of an output under steady loads (input, value): sum H(0) load. Loads in balance have one although

@@ -67,7 +67,7 @@ fn see(driven: &mut LinearSystem, rate: Rate, following: &Following) {
     let (derivative, new) = (usize::from(rate.derivative), driven.inputs.len() as u32 - 1);
     let mut base = None;
     for index in 0..driven.outputs.len() {
-        let seen: [Number; 4] = std::array::from_fn(|k| seen(&driven.outputs[index], k, rate.input, following));
+        let seen: [Number; 4] = std::array::from_fn(|k| coefficient(&driven.outputs[index], k, rate.input, following));
         for (k, value) in seen.into_iter().enumerate().filter(|(_, value)| !value.is_zero()) {
             if k < derivative {
                 let base = *base.get_or_insert_with(|| base_itself(driven, rate.derivative));
@@ -80,7 +80,7 @@ fn see(driven: &mut LinearSystem, rate: Rate, following: &Following) {
 }
 
 /// e_k = d_k + p_k r + p_(k-1) r'
-fn seen(output: &Output, k: usize, input: usize, following: &Following) -> Number {
+fn coefficient(output: &Output, k: usize, input: usize, following: &Following) -> Number {
     let [follows, late] = &following.followed;
     let own = output.d.get(k).into_iter().flatten().filter(|(of, _)| *of as usize == input);
     let through = |power: usize, followed: &[Number]| output.p.get(power).map_or(Number::ZERO, |p| dot(p, followed));

@@ -41,7 +41,7 @@ pub struct ModalAnswer {
     pub spectral: Spectral,
     /// Empty unless requested.
     pub sensitivities: Vec<Sensitivity>,
-    /// What holds for all values within the tolerances, if requested and any parameter has a range.
+    /// Results for all values within the tolerances, if requested and any parameter has a range.
     pub tolerated: Option<Tolerated>,
     /// The modes that each motion of a base excites, or the reason why they are not known; empty unless requested.
     pub excitations: Vec<(usize, Result<Excitation, &'static str>)>,

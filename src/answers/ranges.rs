@@ -39,7 +39,7 @@ pub struct Range {
     pub moments: Moments,
     /// The values of an independent drawing in the order of the cases, while [`Ranges::keeps_values`].
     pub values: Vec<f64>,
-    /// The same for each sequence of a replicated drawing, and the numbers of cases that hold and that fail.
+    /// The moments of each sequence of a replicated drawing, and the numbers of its cases that hold and that fail.
     pub replicates: Vec<(Moments, [u64; 2])>,
     pub infinite: u64,
     pub unproven: u64,

@@ -10,6 +10,7 @@ pub mod equations;
 pub mod explain;
 pub mod json;
 mod json_number;
+mod json_questions;
 mod json_spectra;
 pub mod markdown;
 pub mod npz;

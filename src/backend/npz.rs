@@ -172,7 +172,7 @@ fn number(entry: &Entry) -> (f64, f64) {
     (value.or(f64::NAN), bound.or(f64::INFINITY))
 }
 
-/// What a byte does to a cyclic redundancy check (CRC-32 of ISO 3309, reflected).
+/// The remainder of each byte for a cyclic redundancy check (CRC-32 of ISO 3309, reflected).
 const CRC: [u32; 256] = {
     let (mut table, mut byte) = ([0; 256], 0);
     while byte < 256 {

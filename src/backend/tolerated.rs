@@ -1,4 +1,4 @@
-//! What holds for all values within the tolerances, as JSON.
+//! Results for all values within the tolerances, as JSON.
 
 use super::json_number::{Bounds, JsonNumber};
 use crate::base::Number;

@@ -55,7 +55,7 @@ impl ResponseSpectrum {
             }
             let value = self.acceleration(band.at(&frequency)?.to_ball(), hertz);
             // At a corner, the frequency may be on either side.
-            found = Some(found.map_or(value, |other| both(other, value)));
+            found = Some(found.map_or(value, |other| hull(other, value)));
         }
         found
     }
@@ -67,7 +67,7 @@ impl ResponseSpectrum {
 }
 
 /// A ball that holds two others.
-fn both(a: Ball, b: Ball) -> Ball {
+fn hull(a: Ball, b: Ball) -> Ball {
     a.widen((a - b).magnitude() + b.rad)
 }
 

@@ -20,7 +20,7 @@ pub fn begins(stage: &'static str) {
 
 /// The stages that began on this thread meanwhile, in order.
 #[cfg(test)]
-pub fn during(run: impl FnOnce()) -> Vec<&'static str> {
+pub fn stages_of(run: impl FnOnce()) -> Vec<&'static str> {
     RUNS.with_borrow_mut(Vec::clear);
     run();
     RUNS.with_borrow_mut(std::mem::take)

@@ -36,7 +36,7 @@ pub fn page(document: &Document) -> Option<String> {
     let noisy = analysis::random::outputs(&motions.system, &modal.modes, &modal.poles, &noises);
     let added = analysis::response_spectrum::Additions::default();
     let spectral = analysis::response_spectrum::maxima(&motions.system, &modal.modes, &spectra, added);
-    let overview = Overview::known(Lowered {
+    let overview = Overview::of_lowered(Lowered {
         scene: known.scene.scene(),
         system: &motions.system,
         rest: &motions.rest,

@@ -23,7 +23,7 @@ pub trait Scalar: Clone + Debug {
     /// Whether it is certainly zero, so that products with it can be left out.
     fn is_zero(&self) -> bool;
     fn to_f64(&self) -> f64;
-    /// The same value as a [`Number`](crate::base::Number).
+    /// This value as a [`Number`](crate::base::Number).
     fn number(&self) -> Number;
     /// A value of which nothing is known.
     fn unknown() -> Self;

@@ -352,7 +352,7 @@ impl Energies {
         })
     }
 
-    /// What an element of the scene is here, by its place there: nothing where nothing stretches it, several of a law or a belt.
+    /// The elements that an element of the scene became, by its place there: none if nothing stretches it, several for a law or a belt.
     pub fn elements_of(&self, number: usize) -> impl Iterator<Item = &Element> {
         self.elements.iter().chain(&self.inerters).filter(move |known| known.number == number)
     }

@@ -120,7 +120,7 @@ impl Line {
 
 /// The variable of an element's force, of which it is a power times the coefficient: e - e_free for a spring, e' for a
 /// damper, e'' for an inerter.
-pub fn answered(element: &Element, motion: &Motion) -> Sum {
+pub fn force_variable(element: &Element, motion: &Motion) -> Sum {
     let none = Lengths::default();
     match (element.order, &element.stretch) {
         (Order::Displacement, _) => element.stretched(),

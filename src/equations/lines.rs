@@ -179,7 +179,7 @@ impl AtRest {
         Some((found, found.belt.elements[0] == Some(element)))
     }
 
-    /// What an element of a belt adds to an entry.
+    /// The contribution of a belt's element to an entry.
     fn entry_of_spans(
         &self,
         energies: &Energies,

@@ -1,7 +1,7 @@
 //! The binomial distribution in binary64, with the same bits on every machine: for statistics, not for bounds.
 
 /// The two-sided interval of 95 % for the probability of an event that was seen in `seen` of `number` independent cases, from below:
-/// the probability at which so many or more are seen with a chance of 2.5 % (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934,
+/// the probability at which this many or more are seen with a chance of 2.5 % (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934,
 /// 404-413). The upper end is 1 less that of the cases without the event. It holds in at least 95 % of all studies, however few the
 /// cases.
 pub fn least_probability(seen: u64, number: u64) -> f64 {
@@ -27,7 +27,7 @@ pub fn least_probability(seen: u64, number: u64) -> f64 {
 /// distribution lies in at least 95 % of all studies, whatever the distribution (H. A. David, H. N. Nagaraja, *Order Statistics*, 3rd
 /// edition, Wiley 2003, section 7.1). `None` for an end beyond all values.
 pub fn ranks_of_quantile(p: f64, number: u64) -> [Option<u64>; 2] {
-    // The lower one is at most the quantile if so many values or more are: a binomial variable with this p.
+    // The lower one is at most the quantile if this many values or more are: a binomial variable with this p.
     let below = |p: f64| {
         let is_sure = |rank: u64| beta_share(rank as f64, (number - rank) as f64 + 1.0, p) >= 0.975;
         let (mut sure, mut unsure) = (0, number + 1);

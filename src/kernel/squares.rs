@@ -55,7 +55,7 @@ impl<W, A> Squares<W, A> {
         &self.factors
     }
 
-    /// These rows with their weights and factors mapped.
+    /// The rows with mapped weights and factors.
     pub fn map<V, B>(&self, weight: impl FnMut(&W) -> V, factor: impl FnMut(&A) -> B) -> Squares<V, B> {
         Squares {
             weights: self.weights.iter().map(weight).collect(),

@@ -34,7 +34,7 @@ pub enum Open {
 }
 
 /// The reactions among some terms, each once, ascending.
-fn asked<'a>(terms: impl IntoIterator<Item = &'a MotionTerm>) -> Vec<Reaction> {
+fn reactions_in<'a>(terms: impl IntoIterator<Item = &'a MotionTerm>) -> Vec<Reaction> {
     let reaction = |term: &MotionTerm| if let Motion::Reaction(reaction) = term.motion { Some(reaction) } else { None };
     let mut reactions: Vec<Reaction> = terms.into_iter().filter_map(reaction).collect();
     reactions.sort_unstable();
@@ -62,7 +62,7 @@ impl Mechanism {
         terms: impl IntoIterator<Item = &'a MotionTerm>,
         span: Span,
     ) -> Result<Reactions, LowerError> {
-        let asked = asked(terms);
+        let asked = reactions_in(terms);
         if asked.is_empty() {
             return Ok(Reactions { asked, carried: Vec::new() });
         }

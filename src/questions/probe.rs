@@ -490,7 +490,7 @@ impl Measured<'_> {
         let swings = |signal: &DrivenBy| matches!(signal, DrivenBy::Harmonic { .. });
         let of_input = |(signals, constant): (&Vec<DrivenBy>, Number)| {
             // A base that swings by its acceleration drifts as it started, which is nothing to settle at.
-            if signals.iter().any(swings) && signals.iter().any(|signal| signal.lasting().is_none()) {
+            if signals.iter().any(swings) && signals.iter().any(|signal| signal.final_value().is_none()) {
                 return None;
             }
             let start = [constant, Number::ZERO, Number::ZERO];

@@ -7,7 +7,7 @@ use crate::base::Rational;
 #[derive(Clone, Debug, Default)]
 pub struct Lengths(pub Vec<(Symbol, Dependence)>);
 
-/// What a name stands for.
+/// The definition of a name that depends on coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dependence {
     /// The square root of a sum.

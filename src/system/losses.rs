@@ -5,7 +5,7 @@
 use super::{CoordinateId, Form, LinearSystem};
 use crate::base::Number;
 
-/// What loss factors add to a system: i H to K, i b to the columns of inputs, i p and i d to outputs.
+/// Contributions of loss factors to a system: i H to K, i b to the columns of inputs, i p and i d to outputs.
 #[derive(Clone, Debug, Default)]
 pub struct Losses {
     pub h: Form,

@@ -245,7 +245,7 @@ impl Form {
         &self.terms
     }
 
-    /// The same rows with other weights.
+    /// The form with other weights on its rows.
     pub fn with_weights(mut self, of: impl Fn(&Number) -> Number) -> Form {
         self.terms.iter_mut().for_each(|term| term.weight = of(&term.weight));
         self

@@ -171,18 +171,18 @@ fn integrals_of_step(value: &Number, at: &Number) -> [[Number; 3]; 3] {
 impl Signal {
     /// The constant value that remains in the end, about which a table that comes again swings; zero for a harmonic. `None`
     /// for an integral, which may grow without limit: see [`Signal::in_the_end`].
-    pub fn lasting(&self) -> Option<Number> {
+    pub fn final_value(&self) -> Option<Number> {
         match self {
             Signal::Step { value, .. } | Signal::Ramp { value, .. } => Some(value.clone()),
             Signal::Table(table @ Table { period: Some(_), .. }) => table.mean(),
             Signal::Table(Table { values, course: Course::Lines | Course::Spline, .. }) => values.last().cloned(),
-            Signal::Delayed { of, .. } => of.lasting(),
+            Signal::Delayed { of, .. } => of.final_value(),
             Signal::Integral { .. } => None,
             _ => Some(Number::ZERO),
         }
     }
 
-    /// What the signal becomes in the end, but for what swings about it: c0 + c1 t + c2 t^2 / 2. `None` under the integral of
+    /// The polynomial c0 + c1 t + c2 t^2 / 2 about which the signal oscillates in the end. `None` under the integral of
     /// a chirp, whose end is no quotient of its numbers.
     pub fn in_the_end(&self) -> Option<[Number; 3]> {
         match self {
@@ -195,7 +195,7 @@ impl Signal {
                 }
             }
             Signal::Delayed { of, by } => of.in_the_end().map(|course| later(&course, by)),
-            signal => signal.lasting().map(constant),
+            signal => signal.final_value().map(constant),
         }
     }
 

@@ -72,14 +72,20 @@ fn other_reports_of_up_to_ten_degrees_of_freedom_fit_their_columns() {
     let mut commands: Vec<Vec<&str>> =
         ["transfer", "check", "equations"].map(|command| command.split(' ').collect()).to_vec();
     commands.push("simulate --format text --until 100ms --step 10ms".split(' ').collect());
+    let mut small = 0;
     for (path, model) in examples() {
         let mut sources = Sources::new();
         let file = sources.add(SourceFile::model(&path, &model));
         crate::examples::add_used_files(&mut sources, file);
-        let (name, system) = vibc::linear(&sources, file, &Overrides::default()).answer.expect("a model");
+        // A model with loss factors has harmonic motions only.
+        let Some((name, system)) = vibc::linear(&sources, file, &Overrides::default()).answer else {
+            fits(&["transfer"], &path, 80);
+            continue;
+        };
         if system.n() > 10 {
             continue;
         }
+        small += 1;
         for command in &commands {
             fits(command, &path, 80);
         }
@@ -96,6 +102,7 @@ fn other_reports_of_up_to_ten_degrees_of_freedom_fit_their_columns() {
             _ => {}
         }
     }
+    assert!(small > 25, "{small} examples");
 }
 
 /// The command's report about a model has this width at most.

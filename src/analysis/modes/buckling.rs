@@ -90,8 +90,8 @@ fn of_part(system: &LinearSystem, part: &Part, k: &Form) -> Result<Option<Buckli
     const UNPROVED: &str = "it could not be proved how far the loads can grow";
     const UNDEFINED: &str = "neither the springs alone nor springs and loads together are shown to hold every motion: no load factor is computed";
     let n = part.coordinates.len();
-    let given = weighted(k, |term| (term.nature == Nature::Property).then_some(false));
-    let softening = weighted(k, |term| (term.nature == Nature::Geometric).then_some(true));
+    let given = chosen_terms(k, |term| (term.nature == Nature::Property).then_some(false));
+    let softening = chosen_terms(k, |term| (term.nature == Nature::Geometric).then_some(true));
     let (load_factor, pair) = match eigenpairs(&softening, &given, n, TOLERANCE) {
         Ok(pairs) => {
             let Some(pair) = pairs.into_iter().next_back() else { return Err(UNPROVED) };
@@ -126,7 +126,7 @@ fn sign_of(pair: &Pair) -> Option<Option<Ball>> {
 }
 
 /// The terms for which `choose` returns a value, negated if that value is `true`.
-fn weighted(form: &Form, choose: impl Fn(&Term) -> Option<bool>) -> Form {
+fn chosen_terms(form: &Form, choose: impl Fn(&Term) -> Option<bool>) -> Form {
     let mut result = Form::new();
     for term in form.terms() {
         let Some(negated) = choose(term) else { continue };

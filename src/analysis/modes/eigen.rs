@@ -155,7 +155,7 @@ impl<'a> Problem<'a> {
             return self.second();
         }
         let positive = start::positive(&Terms::of(&form), &self.inertia, &rigid);
-        start::mixed(self.stiffness, positive, self.rigid.vectors.len())
+        start::of_both_signs(self.stiffness, positive, self.rigid.vectors.len())
     }
 
     /// Starts in double-double.
@@ -217,7 +217,7 @@ impl<'a> Problem<'a> {
     /// more, it is not certain which of them is the k-th: each lies in the union of all their enclosures.
     fn pairs(&self, candidate: &Candidate) -> Vec<Pair> {
         let known = self.rigid.vectors.len();
-        // That no further motion is without stiffness is known only if all numbers are known.
+        // Only if all numbers are known is it certain that no further motion lacks stiffness.
         let positive = self.stiffness.all_positive() && self.all_rigid_vectors_known() && self.rigid.exact;
         let may_be_zero = |e: &Enclosure| e.column >= known && !positive && e.lambda.hi().abs() <= e.radius;
         let certain = candidate.list.iter().filter(|e| may_be_zero(e)).count() <= self.rigid.dimension - known;

@@ -51,7 +51,7 @@ impl Displacements {
         }
     }
 
-    /// These displacements as a vector over n coordinates; the other coordinates stay at rest.
+    /// The displacements as a vector over n coordinates; the other coordinates stay at rest.
     pub fn spread(self, coordinates: &[u32], n: usize) -> Displacements {
         match self {
             Displacements::Precise(x) => Displacements::Precise(spread(x, coordinates, n, Triple::ZERO)),

@@ -88,7 +88,7 @@ pub fn positive_in_double_double(terms: &Terms, inertia: &Inertia, rigid: &NullS
 }
 
 /// Starts from terms of both signs: the modes of all terms in the basis of the positive terms' modes.
-pub fn mixed(terms: &Terms, positive: Start, rigid: usize) -> Start {
+pub fn of_both_signs(terms: &Terms, positive: Start, rigid: usize) -> Start {
     let x = positive.x.map(Triple::dd);
     let n = x.columns();
     let mut k = Gram::of(terms, &positive.x).mid;

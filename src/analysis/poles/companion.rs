@@ -331,8 +331,8 @@ fn merge_families(mut fast: Family, mut slow: Family) -> Spectrum {
     Spectrum { families: vec![slow, fast] }
 }
 
-/// How many of the slow list come before those of the fast list from which on, where the two agree best. `None` if they
-/// are lists of different dimension.
+/// Where to go from the slow list to the fast one: the number of poles taken from the first, and the index of the first one
+/// taken from the second, where the two agree best. `None` if their dimensions differ.
 fn cut(slow: &[Complex<f64>], fast: &[Complex<f64>]) -> Option<(usize, usize)> {
     let dimension = |list: &[Complex<f64>]| list.iter().map(|&s| width(s)).sum::<usize>();
     if dimension(slow) != dimension(fast) {

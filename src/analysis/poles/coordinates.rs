@@ -92,7 +92,7 @@ impl Proof<'_> {
         amplitudes.iter().enumerate().map(place).collect()
     }
 
-    /// What the columns see of C q + M q' and M q at the start, x_j . (C q + M q') + s_j x_j . M q.
+    /// The products of the columns with C q + M q' and M q at the start, x_j . (C q + M q') + s_j x_j . M q.
     fn seen_of_start(&self, system: &LinearSystem) -> Vec<Complex<Ball>> {
         if system.initial.is_empty() {
             return vec![Complex::ZERO; self.pairs.len()];

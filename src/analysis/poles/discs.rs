@@ -180,7 +180,7 @@ fn deviation(pencil: &Pencil<Precise>, columns: &Columns, r: &Table) -> Option<D
     regular.then_some(Deviation { diagonal, off, theta })
 }
 
-/// Columns of so many bounds that take longer than starting a thread.
+/// Number of bounds in columns whose computation takes longer than starting a thread.
 fn least_columns(bounds: usize) -> usize {
     MOST_OF_ONE.div_ceil(bounds.max(1))
 }

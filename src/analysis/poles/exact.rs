@@ -285,7 +285,7 @@ fn correction(
 
 /// A function whose zeros are looked for.
 pub(in crate::analysis) trait Holomorphic {
-    /// Its value, cut to so many bits; exact if `bits` is `None`.
+    /// Its value, truncated to `bits` bits; exact if `bits` is `None`.
     fn at(&self, z: &ComplexFloat, bits: Option<u64>) -> ComplexFloat;
 }
 

@@ -48,7 +48,7 @@ pub fn lossy_poles(
         matrices.push(assembled(form, terms, local, n)?);
     }
     let Gaussian { re, im } = characteristic(&cleared(&matrices), n);
-    // What both parts have in common are the poles of motions without losses, with their conjugates.
+    // The common factor of both parts has the poles of motions without losses, with their conjugates.
     let common = re.gcd(&im)?;
     let lossy = Gaussian { re: re.divided_by(&common)?, im: im.divided_by(&common)? };
     let (zeros, rest) = common.without_zero_roots();

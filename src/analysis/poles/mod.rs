@@ -120,7 +120,7 @@ fn poles_and(also: Also, system: &LinearSystem, modes: &Modes) -> Result<Poles, 
     in_range(system, unscaled(system, modes, also)?)
 }
 
-/// What is made from the proof of the poles besides their discs.
+/// A result of the poles' proof that is wanted besides their discs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Also {
     Nothing,
@@ -128,7 +128,7 @@ enum Also {
     Coordinates,
 }
 
-/// What was made of it.
+/// That result.
 #[derive(Default)]
 struct FromProof {
     residues: Option<Residues>,

@@ -163,7 +163,7 @@ impl Space {
         let mut g = symmetric(&schur.lyapunov(&Matrix::from_fn(size, size, |i, j| if i == j { -d[i] } else { 0.0 })));
         let mut error = self.image(&g);
         (0..size).for_each(|i| error[(i, i)] = error[(i, i)] + Ball::from(d[i]));
-        let distance = |error: &Matrix<Ball>| weighed(&scale, |i, j| error[(i, j)].magnitude());
+        let distance = |error: &Matrix<Ball>| scaled_norm(&scale, |i, j| error[(i, j)].magnitude());
         let mut theta = distance(&error);
         if theta.is_nan() || theta >= 0.5 {
             // The sum, rounded, is another matrix, but not by much.
@@ -274,7 +274,7 @@ impl Space {
         let size = 2 * self.n;
         let mut p = Matrix::none(size, size);
         let mut left = self.driven(drives);
-        let rest = |left: &Matrix<Ball>| weighed(scale, |i, j| left[(i, j)].magnitude());
+        let rest = |left: &Matrix<Ball>| scaled_norm(scale, |i, j| left[(i, j)].magnitude());
         let mut best = rest(&left);
         for _ in 0..STEPS {
             let step = symmetric(&schur.lyapunov(&left.map(|x| -x.to_f64())));
@@ -411,7 +411,7 @@ simd! {
 
 /// A bound of the 2-norm of D^-1/2 R D^-1/2 for a symmetric R, by bounds of D^-1/2 and of the magnitudes of R: the largest sum of a
 /// column.
-fn weighed(scale: &[f64], magnitude: impl Fn(usize, usize) -> f64) -> f64 {
+fn scaled_norm(scale: &[f64], magnitude: impl Fn(usize, usize) -> f64) -> f64 {
     let column = |j: usize| {
         let sum = scale.iter().enumerate().map(|(i, scale)| magnitude(i, j) * scale).sum::<f64>();
         sum * scale[j] * UP

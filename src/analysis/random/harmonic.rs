@@ -66,7 +66,7 @@ impl Response<'_> {
                 let rate = s * place[i] - Complex::real(drive.jump[i]);
                 parts[i] = parts[i] + (self.row.place[i] * place[i] + self.row.rate[i] * rate) * turn;
             }
-            parts[space.n] = parts[space.n] + fed(&drive.feed, s)? * turn;
+            parts[space.n] = parts[space.n] + feed_at(&drive.feed, s)? * turn;
         }
         Some(parts)
     }
@@ -266,7 +266,7 @@ fn is_zero(z: &Point) -> bool {
 }
 
 /// The sum of factors of s^-2 .. s^2.
-fn fed(feed: &[Point; 5], s: Point) -> Option<Point> {
+fn feed_at(feed: &[Point; 5], s: Point) -> Option<Point> {
     let mut sum = Complex::ZERO;
     for (place, factor) in feed.iter().enumerate().filter(|(_, factor)| !is_zero(factor)) {
         let power = (0..place.abs_diff(2)).fold(Complex::real(Ball::ONE), |product: Point, _| product * s);

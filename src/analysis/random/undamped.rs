@@ -173,7 +173,7 @@ fn split(system: &LinearSystem) -> Option<(Fractions, Fractions)> {
         return None;
     }
     let (m, k) = (system.m.rational_entries(n)?, system.k.rational_entries(n)?);
-    let felt = felt(&system.c, &inverse_times(&m, &k)?, n)?;
+    let felt = damped_rows(&system.c, &inverse_times(&m, &k)?, n)?;
     let still = null_vectors(&square(felt, n));
     if still.is_empty() {
         return None;
@@ -183,7 +183,7 @@ fn split(system: &LinearSystem) -> Option<(Fractions, Fractions)> {
 }
 
 /// The rows of C, C A, C A^2, ..., as many as are independent.
-fn felt(c: &Form, a: &[Vec<Rational>], n: usize) -> Option<Fractions> {
+fn damped_rows(c: &Form, a: &[Vec<Rational>], n: usize) -> Option<Fractions> {
     let mut rows: Fractions = Vec::new();
     for term in c.terms() {
         let mut row = vec![Rational::ZERO; n];

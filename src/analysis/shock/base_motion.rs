@@ -128,7 +128,7 @@ struct Course<'a> {
     sources: &'a [Source],
     /// For each source the number of its pieces that have begun.
     places: Vec<usize>,
-    /// Which derivative of the displacement the sources are.
+    /// Order of the derivative of the displacement that the sources are.
     derivative: usize,
 }
 

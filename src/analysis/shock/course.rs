@@ -2,7 +2,6 @@
 //! of one into the short steps of a frequency. In: the motion in balls. Out: values with bounds of their errors.
 
 use super::base_motion::BaseMotion;
-use super::entries::INTO;
 use super::oscillator::LONGEST;
 use crate::base::rounding::UNIT;
 use crate::base::{Ball, two_to, up};
@@ -11,6 +10,12 @@ use crate::base::{Ball, two_to, up};
 const DOUBLINGS: u32 = 20;
 /// Covers underflow in a step.
 pub const TINY: f64 = 1e-290;
+/// Up to this damping ratio errors are counted in q = x^2 + 2 zeta x v + v^2, which decays as exp(-2 zeta omega t) exactly.
+pub const LIGHT: f64 = 0.5;
+/// Bound of sqrt(q) over the length of a state, for ratios up to [`LIGHT`].
+pub const INTO: f64 = 1.2248;
+/// Bound of the length of a state over sqrt(q), for ratios up to [`LIGHT`].
+pub const OUT_OF: f64 = 1.4143;
 
 /// A segment, or a part of one that is very long.
 #[derive(Clone, Debug)]
@@ -94,7 +99,7 @@ impl<'a> Course<'a> {
         self.counts.len()
     }
 
-    /// The length of a step of which a piece has so many, a power of two.
+    /// The length of a step if a piece has this many steps, a power of two.
     pub fn length(&self, class: usize, steps: f64) -> Ball {
         self.motion.lengths[class] * Ball::from(1.0 / (steps * self.cuts[class]))
     }

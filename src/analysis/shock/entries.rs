@@ -1,17 +1,11 @@
 //! The entries of steps for eight frequencies side by side: of the short steps on which maxima are looked for, and of whole
 //! pieces of the motion, which take one step each. See docs/method/shock.md#steps.
 
-use super::course::{Course, TINY};
+use super::course::{Course, LIGHT, TINY};
 use super::oscillator::{Factorials, Step, doubled, step};
 use crate::base::rounding::UNIT;
 use crate::base::{Ball, up};
 use crate::kernel::simd::{Eight, LANES};
-
-/// Up to this damping ratio errors are counted in q = x^2 + 2 zeta x v + v^2, which decays as exp(-2 zeta omega t) exactly.
-pub const LIGHT: f64 = 0.5;
-/// Bounds of sqrt(q) over the length of a state, and the other way, for ratios up to [`LIGHT`].
-pub const INTO: f64 = 1.2248;
-pub const OUT_OF: f64 = 1.4143;
 
 /// A row of entries, one for each lane, in one line of the cache.
 #[derive(Clone, Copy)]

@@ -22,7 +22,7 @@ impl From<&Number> for Damping {
 pub fn residual(state: &State, acceleration: Ball, damping: Damping, omega: Ball) -> Sides {
     let rest = acceleration / omega;
     let (x, v) = (state.x - rest, state.v);
-    // What rises on one side falls on the other: both have the same first extremum.
+    // One is the negative of the other: both have the same first extremum.
     let first = match () {
         () if damping.ratio.is_zero() => None,
         () if v.is_positive() || !v.is_negative() && x.is_positive() => first_extremum(x, v, damping),

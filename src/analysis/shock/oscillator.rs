@@ -37,7 +37,7 @@ impl Factorials {
     }
 }
 
-/// How many factorials a step with so many derivatives needs.
+/// Number of factorials that a step with this many derivatives needs.
 pub fn factorials_for(derivatives: usize) -> usize {
     TERMS + derivatives + 2
 }

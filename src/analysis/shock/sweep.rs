@@ -4,8 +4,8 @@
 //! that may hold the largest value are examined as polynomials afterwards. See docs/method/shock.md#maxima.
 
 use super::base_motion::BaseMotion;
-use super::course::{Course, Piece, TINY, rounding};
-use super::entries::{Entries, INTO, OUT_OF, after, row, short, whole};
+use super::course::{Course, INTO, OUT_OF, Piece, TINY, rounding};
+use super::entries::{Entries, after, row, short, whole};
 use super::oscillator::{Factorials, factorials_for, within};
 use super::{MOST_STEPS, Refusal, Sides};
 use crate::analysis::largest::{Curve, Largest};
@@ -79,7 +79,7 @@ struct Group<'a> {
     limits: [usize; 2 * LANES],
 }
 
-/// States, and bounds of their errors in the norm of [`super::entries::LIGHT`].
+/// States, and bounds of their errors in the norm of [`super::course::LIGHT`].
 #[derive(Clone, Copy)]
 struct Lanes {
     x: Row,

@@ -246,7 +246,7 @@ impl Pencil {
     }
 }
 
-/// How q_0 answers forces.
+/// The static response of q_0 to forces.
 struct Statics {
     null: Matrix,
     left_null: Matrix,

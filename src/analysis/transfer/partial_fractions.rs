@@ -254,7 +254,7 @@ struct Sums {
     /// sum r / d and sum r / d^2, d = i omega - s_j
     first: Complex<Dd>,
     second: Complex<Dd>,
-    /// The same of |r|, and of the errors of r.
+    /// The two sums with |r|, and with the errors of r, in place of r.
     sizes: [f64; 2],
     doubts: [f64; 2],
     /// sum q_m / |d|

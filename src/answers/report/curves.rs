@@ -120,7 +120,7 @@ fn links(followed: &Followed) -> Table {
     table
 }
 
-/// Those of one kind; nothing if there are none.
+/// A table of the meetings of one kind; nothing if there are none.
 fn table(followed: &Followed, [curves, value]: [&'static str; 2], is_one: impl Fn(&MeetingKind) -> bool) -> Vec<Block> {
     let mut table = Table::new()
         .column(curves, "", Align::Left)
@@ -153,7 +153,7 @@ fn pair(meeting: &Meeting) -> Line {
     line![meeting.curves[0] + 1, " and ", meeting.curves[1] + 1]
 }
 
-/// What is not proved of two curves.
+/// A sentence about two curves near each other of which it is not proved whether they cross.
 fn doubt(followed: &Followed, meeting: &Meeting) -> Line {
     let line = line!["curves ", pair(meeting), " ", between(followed, meeting.place)];
     let line = line.and(": not proved whether they cross, touch or veer");

@@ -111,7 +111,7 @@ pub fn at_outputs(system: &LinearSystem, shape: &[Unproven]) -> Vec<(String, Str
     let seen = |output: &Output| {
         let row = &output.p[0];
         let sum: f64 = row.iter().map(|(i, factor)| factor.to_f64() * shape[i.index()].0).sum();
-        // What cancels to the rounding of its parts is no motion.
+        // A sum that cancels down to the rounding of its parts is no motion.
         let value = if sum.abs() <= NOTHING * largest(row) { 0.0 } else { sum };
         (system.display(output.name), output.unit.clone(), Unproven(value))
     };

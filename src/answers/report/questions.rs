@@ -166,7 +166,7 @@ fn blocks(list: &[Requirement]) -> impl Iterator<Item = Block> {
     [Block::Table(table(list))].into_iter().chain(reasons.chain(added).chain(followed).map(Block::from))
 }
 
-/// What an amplitude under several frequencies is.
+/// How amplitudes at several frequencies are combined.
 fn added_line(requirement: &Requirement) -> Line {
     let frequencies = listed(requirement.added.iter().map(|hertz| Figure::number(hertz.clone(), DIGITS).into()));
     line!["amplitudes at ", frequencies, " Hz are added: the motion never exceeds their sum, and may not reach it"]

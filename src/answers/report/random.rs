@@ -30,8 +30,8 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
         let name = answer.system.display(output.name);
         table.row(cells(&name, &output.unit, noisy, options.digits(DIGITS)));
         // A reason that applies to both is shown once.
-        let of_rms = why(&noisy.rms);
-        let of_crossings = why(&noisy.crossings).filter(|why| of_rms != Some(*why));
+        let of_rms = reason(&noisy.rms);
+        let of_crossings = reason(&noisy.crossings).filter(|why| of_rms != Some(*why));
         for (what, why) in [("rms of ", of_rms), ("crossings of ", of_crossings)] {
             if let Some(why) = why {
                 reasons.push(Block::Item(line![what, name.clone(), ": ", why.to_string()]));
@@ -86,7 +86,7 @@ fn peaks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
     table.into_iter().chain(reasons).collect()
 }
 
-fn why(spread: &Spread) -> Option<&str> {
+fn reason(spread: &Spread) -> Option<&str> {
     match spread {
         Spread::Finite(_) => None,
         Spread::Infinite(why) => Some(why),

@@ -9,10 +9,10 @@ use crate::questions::answer::{Case, Column, Entry, Holds, REPLICATES, few_digit
 
 const DIGITS: usize = 6;
 
-/// A normal variable is as close to its mean as so many standard deviations with a probability of 95 %.
+/// Number of standard deviations within which a normal variable lies with a probability of 95 %.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// The same for Student's distribution of 15 degrees of freedom.
+/// Like [`NORMAL_95`], for Student's distribution of 15 degrees of freedom.
 const STUDENT_95: f64 = 2.131_449_545_559_323;
 
 /// The least and the largest value of each column, with the cases that have them.
@@ -151,7 +151,7 @@ fn half_width(range: &Range) -> f64 {
     }
 }
 
-/// The same of the mean of the replicates' means.
+/// Half-width of the 95 % confidence interval of a mean that is itself the mean of the replicates' means.
 fn of_means(means: &Moments) -> f64 {
     STUDENT_95 * means.deviation() / (REPLICATES as f64).sqrt()
 }

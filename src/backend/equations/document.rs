@@ -2,7 +2,6 @@
 
 use super::build::Builder;
 use super::formula::Formula;
-use super::text;
 use crate::equations::Equations;
 use crate::equations::coordinate::Coordinate;
 use crate::equations::names::Label;
@@ -58,16 +57,6 @@ pub fn document(equations: &Equations) -> Document {
         if n == 1 { "degree of freedom" } else { "degrees of freedom" }
     );
     Document { title, sections: sections.into_iter().filter(|section| !section.items.is_empty()).collect() }
-}
-
-/// The equations of the coordinates of some bodies, one a line: before anything is linearised, and about rest.
-pub fn of_bodies(equations: &Equations, bodies: &[String]) -> (Vec<String>, Vec<String>) {
-    let writer = Writer { equations, build: Builder::new(&equations.names) };
-    let is_own = |index: usize| bodies.contains(&equations.bodies[index]);
-    let moving = equations.nonlinear.iter().filter(|equation| is_own(equation.coordinate));
-    let moving = moving.map(|equation| text::formula(&writer.equation(equation))).collect();
-    let linear = equations.linear.coordinates.iter().enumerate().filter(|(_, index)| is_own(**index));
-    (moving, linear.map(|(place, _)| text::formula(&writer.linear_equation(place, false))).collect())
 }
 
 pub struct Writer<'a> {

@@ -1,4 +1,4 @@
-//! What depends on coordinates and has a name: lengths of lines, and distances, angles and stretches of belts, with their definitions.
+//! Definitions of the names that depend on coordinates: lengths of lines, and distances, angles and stretches of belts.
 
 use super::document::{Inline, Item, Writer, display, words};
 use super::formula::Formula;
@@ -48,7 +48,7 @@ impl Writer<'_> {
         Formula::sum(terms)
     }
 
-    /// What the names of each belt stand for.
+    /// The meaning of each belt's names, in a sentence.
     pub fn spans(&self) -> Vec<Item> {
         let belts = self.equations.energies.belts.iter().filter(|belt| belt.mean.is_some() || belt.turn.is_some());
         let sentence = |belt: &Belt| {

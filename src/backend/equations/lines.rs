@@ -137,7 +137,7 @@ mod tests {
     /// A quotient whose numerator is longer than a line.
     #[test]
     fn a_long_term_is_broken_inside_its_brackets() {
-        let expected = "    y/F = (a b s^2\n        + c d s + e)/Delta\n";
+        let expected = "    y/F = (a b s^2\n        + c d s\n        + e)/Delta\n";
         assert_eq!(broken("y/F = (a b s^2 + c d s + e)/Delta", 22), expected);
     }
 

@@ -4,6 +4,8 @@
 mod assumptions;
 mod build;
 mod document;
+mod element_forces;
+mod energies;
 mod fold;
 mod formula;
 mod json;
@@ -20,9 +22,9 @@ mod typst;
 mod values;
 mod write;
 
-pub use document::{Document, Section, document, of_bodies};
+pub use document::{Document, Section, document};
 pub use json::json;
 pub use latex::latex;
 pub use mathml::{mathml, section as mathml_section};
-pub use text::text;
+pub use text::{of_bodies, text};
 pub use typst::typst;

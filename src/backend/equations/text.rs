@@ -1,11 +1,13 @@
 //! Equations as plain text: `m2 L^2/3 theta'' + m2 g L/2 theta = 0`.
 
-use super::document::{Document, Inline};
+use super::build::Builder;
+use super::document::{Document, Inline, Writer};
 use super::formula::{Formula, Running};
 use super::lines::broken;
 use super::write::{self, Language, Piece, Tight};
 use crate::backend::report::wrap::fill_lines;
 use crate::base::readable::readable;
+use crate::equations::Equations;
 use crate::equations::names::Label;
 
 /// Indent of sentences and of formulas.
@@ -27,6 +29,16 @@ pub fn formula(of: &Formula) -> String {
 /// A sentence on one line.
 pub fn sentence(inlines: &[Inline]) -> String {
     write::sentence(&Text { width: usize::MAX }, inlines)
+}
+
+/// The equations of the coordinates of some bodies, one a line: before anything is linearised, and about rest.
+pub fn of_bodies(equations: &Equations, bodies: &[String]) -> (Vec<String>, Vec<String>) {
+    let writer = Writer { equations, build: Builder::new(&equations.names) };
+    let is_own = |index: usize| bodies.contains(&equations.bodies[index]);
+    let moving = equations.nonlinear.iter().filter(|equation| is_own(equation.coordinate));
+    let moving = moving.map(|equation| formula(&writer.equation(equation))).collect();
+    let linear = equations.linear.coordinates.iter().enumerate().filter(|(_, index)| is_own(**index));
+    (moving, linear.map(|(place, _)| formula(&writer.linear_equation(place, false))).collect())
 }
 
 struct Text {

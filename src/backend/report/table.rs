@@ -66,11 +66,6 @@ impl Table {
         width_of(&self.layouts())
     }
 
-    /// The lines, each indented by `indent` spaces; no line ends in spaces.
-    fn text(&self, indent: usize) -> String {
-        self.lines(indent, &self.layouts())
-    }
-
     /// The table within the room, narrowed as described in the module's documentation.
     fn fit_to(mut self, indent: usize, room: usize) -> String {
         self.fold_titles(|align| align != Align::Left);
@@ -168,6 +163,7 @@ impl Table {
         self.lines(indent, &layouts)
     }
 
+    /// The lines, each indented by `indent` spaces; no line ends in spaces.
     fn lines(&self, indent: usize, layouts: &[Layout]) -> String {
         let mut text = String::new();
         let mut line = |cells: Vec<String>| {
@@ -326,7 +322,7 @@ part          ω   n
 rod   1e-7       20
          0.1234
 ";
-        assert_eq!(table().text(0), expected.trim_start_matches('\n'));
+        assert_eq!(table().fit_to(0, 100), expected.trim_start_matches('\n'));
         assert_eq!(table().width(), 19);
     }
 

@@ -2,7 +2,7 @@
 //!
 //! A literal such as `9.81` is the decimal fraction 981/100. Sums, products and quotients of such numbers stay exact, and
 //! so do sums with one square root, and both times a power of pi: `60 deg` is pi/3, its sine sqrt(3)/2, 10 rad/s are 5/pi Hz.
-//! What leaves these sets is enclosed in a [`Ball`], a double-double with a rigorous radius.
+//! Any other number is enclosed in a [`Ball`], a double-double with a rigorous radius.
 //! See docs/method/numbers.md.
 
 pub mod ball;
@@ -121,7 +121,7 @@ impl Number {
         }
     }
 
-    /// The same where the answer only saves work: over a range the product encloses all products, whether or not a factor is zero for
+    /// Like [`Number::is_zero`], for uses in which the answer only saves work: over a range the product encloses all products, whether or not a factor is zero for
     /// some values, so that nothing is asked about it.
     fn vanishes(&self) -> bool {
         match self {

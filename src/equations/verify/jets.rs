@@ -5,7 +5,7 @@ use crate::base::{Ball, Number, Rational};
 use crate::elements::Order;
 use crate::equations::constraint::Constraint;
 use crate::equations::energy::{Energies, Stretch};
-use crate::equations::lagrange::{Equation, answered};
+use crate::equations::lagrange::{Equation, force_variable};
 use crate::equations::loops::Reduced;
 use crate::equations::{Equations, EquationsError};
 use crate::symbols::{Dependence, Factor, Function, Power, Sum, Symbol};
@@ -145,7 +145,7 @@ impl Point<'_> {
         }
     }
 
-    /// What depends on coordinates, by what it stands for.
+    /// Evaluates the names that depend on coordinates by their definitions.
     fn lengths(&mut self, energies: &Energies) -> Option<()> {
         for (name, dependence) in &energies.lengths.0 {
             let value = match dependence {
@@ -158,7 +158,7 @@ impl Point<'_> {
     }
 }
 
-/// Moves every equation is looked at.
+/// Number of states in which every equation is evaluated.
 const STATES: u64 = 2;
 /// Maximum number of equations that are compared; larger scenes are compared at some of their coordinates.
 const MOST_EQUATIONS: usize = 24;
@@ -348,7 +348,7 @@ impl Point<'_> {
         let mut whole = self.sum(&equation.plain)?.value - self.sum(&equation.forces)?.value;
         for line in &equation.lines {
             let element = &self.equations.energies.elements[line.element];
-            let answered = self.sum(&answered(element, &self.equations.motion))?.value;
+            let answered = self.sum(&force_variable(element, &self.equations.motion))?.value;
             let power = Jet::constant(answered).raised(element.power.exponent, element.power.has_magnitude)?.value;
             let pull = self.sum(&element.coefficient)?.value * power + self.sum(&element.tension)?.value;
             let force = pull * self.sum(&line.slope)?.value;

@@ -12,7 +12,7 @@ use crate::symbols::Sum;
 use crate::system::Signal as Function;
 use std::collections::BTreeMap;
 
-/// Moments at which every force is looked at.
+/// Number of times at which every force is evaluated.
 const MOMENTS: u64 = 3;
 
 pub fn verify(equations: &Equations, scene: &Scene) -> Result<(), EquationsError> {

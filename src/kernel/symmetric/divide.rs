@@ -94,7 +94,7 @@ impl Merge {
     }
 
     fn solved(mut self) -> Eigen {
-        let kept = self.deflated();
+        let kept = self.deflate();
         let zeros = Zeros::of(&kept.iter().map(|&j| self.d[j]).collect::<Vec<_>>(), &self.entries(&kept), self.r);
         let turned = self.turned(&kept, &zeros);
         let n = self.d.len();
@@ -118,7 +118,7 @@ impl Merge {
 
     /// Deflates the columns that are decoupled to working accuracy; returns the others, ascending in d with no two
     /// equal.
-    fn deflated(&mut self) -> Vec<usize> {
+    fn deflate(&mut self) -> Vec<usize> {
         let n = self.d.len();
         let size = self.d.iter().fold(2.0 * self.r, |m, d| m.max(d.abs()));
         let tolerance = 8.0 * f64::EPSILON * size;

@@ -1,4 +1,4 @@
-//! What loss factors add to a system in harmonic motion. In: a scene at its rest. Out: a square for each spring with a loss
+//! The part of a system in harmonic motion that comes from loss factors. In: a scene at its rest. Out: a square for each spring with a loss
 //! factor, and its parts in inputs and outputs; nothing for a scene without them. See docs/method/system.md#loss-factors.
 
 use super::{Assembly, Sparse, Tensions, equation, merge_column, plain};
@@ -18,7 +18,7 @@ pub fn has_losses(scene: &Scene) -> bool {
     scene.elements.iter().any(|element| element.law.loss.is_some())
 }
 
-/// What the loss factors add to the system of a scene and to its outputs; `None` if there are none.
+/// The contributions of loss factors to the system of a scene and to its outputs; `None` if there are none.
 pub fn losses(
     scene: &Scene,
     kinematics: &Kinematics,
@@ -38,7 +38,7 @@ pub fn losses(
     Some(Box::new(Losses { h: assembly.c, b, p, d }))
 }
 
-/// What loss factors add to further outputs.
+/// The contributions of loss factors to further outputs.
 pub fn of_outputs(
     scene: &Scene,
     kinematics: &Kinematics,

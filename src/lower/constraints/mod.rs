@@ -98,7 +98,7 @@ impl Constraint {
 }
 
 impl Constraints {
-    /// The same constraints, with released motions added. An error if one of these motions follows from the others:
+    /// The constraints together with those of released motions. An error if one of these motions follows from the others:
     /// then several joints hold the same parts, and the load on each of them is not determined.
     pub fn released(
         &self,

@@ -48,7 +48,7 @@ pub enum Unreleased {
     Unclear,
 }
 
-/// How the motion of a reaction enters the tree.
+/// The way in which the motion of a reaction enters the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
     /// Through the piece that moves, and whether that piece is on the side of the joint's second end.

@@ -36,7 +36,7 @@ pub struct Energy<S> {
     pub curvature: Vec<(u32, u32, S)>,
 }
 
-/// Which parts of an energy to compute.
+/// The parts of an energy that are computed; each includes those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Detail {
     Gradient,

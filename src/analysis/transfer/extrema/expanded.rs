@@ -4,12 +4,16 @@
 //! both ends decide. Pieces that stay open are reported. In: H, a range. Out: its extrema, with half-power widths. See
 //! docs/method/transfer.md#extrema-from-sums-over-poles.
 
+mod product;
+mod widths;
+
 use super::{Complete, Extrema, Extremum, FeatureKind};
 use crate::analysis::derived::hertz;
-use crate::analysis::transfer::partial_fractions::{DEGREE, Expansion, Local, PartialFractions, size};
+use crate::analysis::transfer::partial_fractions::{Expansion, Local, PartialFractions, size};
 use crate::analysis::transfer::{Disc, Gain};
 use crate::base::{Ball, Dd, down, up};
-use crate::kernel::complex::Complex;
+use product::{CUT, Piece, Product};
+use widths::Widths;
 
 /// A range of frequencies, rad/s.
 #[derive(Clone, Copy, Debug)]
@@ -36,14 +40,10 @@ const MOST_INTERVALS: usize = 20_000;
 const MOST_BEYOND: usize = 2_000;
 /// An interval is expanded if its half is at most the distance from the nearest pole over this.
 const CLEAR: f64 = 3.0;
-/// The position at which an interval is cut: not the middle, where models with round numbers have their extrema.
-const CUT: f64 = 0.4871;
-/// A piece of an interval is cut down to this part of it, then expanded anew, at most so many times.
-const SMALLEST: f64 = 1.0 / 64.0;
+/// Number of times that a piece may be expanded anew.
 const MOST_RENEWALS: u32 = 12;
-/// The most steps towards a root in binary64, and doublings of an enclosure.
+/// The most steps towards a root in binary64.
 const MOST_STEPS: usize = 80;
-const DOUBLINGS: usize = 24;
 /// The most steps in double-double.
 const REFINEMENTS: usize = 6;
 
@@ -188,133 +188,6 @@ fn cut(interval: Interval) -> [Interval; 2] {
     [Interval { low: at, ..interval }, Interval { high: at, ..interval }]
 }
 
-/// F over an interval as a polynomial in t, -1 <= t <= 1, times half; and bounds of the errors of F and of its derivative.
-struct Product {
-    coefficients: [f64; 2 * DEGREE],
-    errors: [f64; 2],
-    /// The part of the error of F that stays in a smaller interval.
-    noise: f64,
-}
-
-/// F over |t - at| <= half.
-#[derive(Clone, Copy, Debug)]
-struct Piece {
-    at: f64,
-    half: f64,
-    /// F in the middle, a bound of its distance from F elsewhere, and one of its error.
-    value: f64,
-    swing: f64,
-    error: f64,
-    /// The same of dF/dt.
-    slope: f64,
-    slope_swing: f64,
-    slope_error: f64,
-}
-
-impl Product {
-    fn of(expansion: &Expansion) -> Product {
-        let c = &expansion.coefficients;
-        let mut coefficients = [0.0; 2 * DEGREE];
-        for (i, a) in c.iter().enumerate() {
-            for (j, b) in c.iter().enumerate().skip(1) {
-                coefficients[i + j - 1] += j as f64 * (a.re * b.re + a.im * b.im);
-            }
-        }
-        let [h0, h1, h2] = [0, 1, 2].map(|k| size(c, k));
-        let [e0, e1, e2] = expansion.errors;
-        // The products of coefficients, their sums and the shift of the polynomial: no more than 2,000 roundings.
-        let lost = 2000.0 * f64::EPSILON;
-        let error = h0 * e1 + h1 * e0 + e0 * e1 + lost * h0 * h1;
-        let of_slope = 2.0 * h1 * e1 + e1 * e1 + h0 * e2 + h2 * e0 + e0 * e2 + lost * (h1 * h1 + h0 * h2);
-        let [f0, f1, _] = [0, 1, 2].map(|k| expansion.errors[k] - expansion.cut[k]);
-        let errors = [error, of_slope].map(|x| x * up::DOZENS + f64::MIN_POSITIVE);
-        Product { coefficients, errors, noise: 0.5 * (h0 * f1 + h1 * f0) }
-    }
-
-    fn piece(&self, at: f64, half: f64) -> Piece {
-        let mut shifted = self.coefficients;
-        for first in 0..shifted.len() - 1 {
-            for k in (first..shifted.len() - 1).rev() {
-                shifted[k] += at * shifted[k + 1];
-            }
-        }
-        let (mut power, mut swing, mut slope_swing) = (1.0, 0.0, 0.0);
-        for (k, c) in shifted.iter().enumerate().skip(1) {
-            if k > 1 {
-                slope_swing += k as f64 * c.abs() * power;
-            }
-            power *= half;
-            swing += c.abs() * power;
-        }
-        let [error, slope_error] = self.errors;
-        Piece { at, half, value: shifted[0], swing, error, slope: shifted[1], slope_swing, slope_error }
-    }
-
-    /// Pieces with one root each, over which F is monotone, and pieces of which nothing is known.
-    fn roots(&self) -> (Vec<Piece>, Vec<Piece>) {
-        let (mut roots, mut open) = (Vec::new(), Vec::new());
-        let mut left = vec![(0.0, 1.0)];
-        while let Some((at, half)) = left.pop() {
-            let piece = self.piece(at, half);
-            if piece.has_no_root() {
-                continue;
-            }
-            if piece.is_monotone() {
-                let [low, high] = [piece.low(), piece.high()].map(|t| self.sign(t));
-                if low != 0 && high != 0 {
-                    if low != high {
-                        roots.push(piece);
-                    }
-                    continue;
-                }
-            }
-            if half < SMALLEST {
-                open.push(piece);
-                continue;
-            }
-            // The parts overlap by more than the rounding of their ends.
-            let (left_half, right_half) = (half * CUT * up::DOZENS, half * (1.0 - CUT) * up::DOZENS);
-            left.push((piece.at + half * CUT, right_half));
-            left.push((piece.at - half * (1.0 - CUT), left_half));
-        }
-        (roots, open)
-    }
-
-    fn at(&self, t: f64) -> f64 {
-        self.coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c)
-    }
-
-    /// The sign of F, 0 if it is not certain.
-    fn sign(&self, t: f64) -> i8 {
-        let value = self.at(t);
-        if value.abs() > self.errors[0] * up::THOUSANDS { if value > 0.0 { 1 } else { -1 } } else { 0 }
-    }
-}
-
-impl Piece {
-    fn low(&self) -> f64 {
-        self.at - self.half
-    }
-
-    fn high(&self) -> f64 {
-        self.at + self.half
-    }
-
-    /// `false` for NaN and infinities.
-    fn has_no_root(&self) -> bool {
-        self.value.abs() > (self.swing + self.error) * up::THOUSANDS
-    }
-
-    fn is_monotone(&self) -> bool {
-        self.slope.abs() > (self.slope_swing + self.slope_error) * up::THOUSANDS
-    }
-
-    /// A lower bound of |dF/dt| where it is monotone.
-    fn least_slope(&self) -> f64 {
-        self.slope.abs() * down::THOUSANDS - (self.slope_swing + self.slope_error) * up::THOUSANDS
-    }
-}
-
 /// An interval with its polynomials.
 struct Cell<'a> {
     h: &'a PartialFractions,
@@ -374,121 +247,12 @@ impl Cell<'_> {
     }
 }
 
-impl Product {
-    /// An approximation of the only root in a piece.
-    fn bisect(&self, piece: &Piece, rising: bool) -> f64 {
-        let (mut low, mut high) = (piece.low(), piece.high());
-        for _ in 0..MOST_STEPS {
-            let middle = 0.5 * (low + high);
-            if !(low < middle && middle < high) || high - low < 1e-16 {
-                break;
-            }
-            if (self.at(middle) < 0.0) == rising { low = middle } else { high = middle }
-        }
-        0.5 * (low + high)
-    }
-}
-
 /// F and a bound of its error.
 fn slope_of(local: &Local) -> (Dd, f64) {
     let Local { h, slope, errors } = local;
     let [h0, h1] = [h, slope].map(|z| z.to_f64().abs() * up::FEW);
     let error = h0 * errors[1] + h1 * errors[0] + errors[0] * errors[1] + 8.0 * Dd::EPSILON * h0 * h1;
     (h.re * slope.re + h.im * slope.im, error * up::DOZENS + f64::MIN_POSITIVE)
-}
-
-/// |H|^2 and a bound of its error.
-fn square_of(h: Complex<Dd>, error: f64) -> (Dd, f64) {
-    let size = h.to_f64().abs() * up::FEW;
-    let lost = (2.0 * size + error) * error + 8.0 * Dd::EPSILON * size * size;
-    (h.re * h.re + h.im * h.im, lost * up::DOZENS + f64::MIN_POSITIVE)
-}
-
-/// Half-power widths, between extrema that are all known.
-struct Widths<'a> {
-    h: &'a PartialFractions,
-    located: &'a [Located],
-    /// rad/s
-    open: &'a [(f64, f64)],
-    top: f64,
-}
-
-impl Widths<'_> {
-    /// The half-power width of a peak, rad/s; `None` if |H| rises again before, or the width is wider than what is known.
-    fn of(&self, index: usize) -> Option<Ball> {
-        let from = self.located[index].omega.mid;
-        // |H| is monotone from the peak to the next extremum, or to where it is unknown whether there is one.
-        let before = self.located[..index].iter().map(|other| other.omega.mid);
-        let known = self.open.iter().filter(|open| open.0 < from.hi).map(|open| Dd::from(open.1.next_up()));
-        let low = before.chain(known).fold(Dd::ZERO, |low, end| if end > low { end } else { low });
-        let behind = self.located[index + 1..].iter().map(|other| other.omega.mid);
-        let known = self.open.iter().filter(|open| open.1 > from.hi).map(|open| Dd::from(open.0.next_down()));
-        let high = behind.chain(known).fold(Dd::from(self.top), |high, end| if end < high { end } else { high });
-        if !(low < from && from < high) {
-            return None;
-        }
-        let (left, right) = (self.crossing(index, low)?, self.crossing(index, high)?);
-        Some(right - left)
-    }
-
-    /// Where |H|^2 is half of that of a peak, between it and `end`: |H| is monotone there.
-    fn crossing(&self, index: usize, end: Dd) -> Option<Ball> {
-        let peak = &self.located[index];
-        let (top, top_error) = square_of(peak.gain.value, peak.gain.radius);
-        let (level, level_error) = (top.scale(0.5), 0.5 * top_error);
-        let from = peak.omega.mid;
-        let (low, high) = if end < from { (end, from) } else { (from, end) };
-        let value = |omega: Dd| {
-            let [h, slope] = self.h.near(omega);
-            (h.re * h.re + h.im * h.im - level.hi, 2.0 * (h.re * slope.re + h.im * slope.im))
-        };
-        let changes_sign = value(end).0 < -1e-9 * level.hi;
-        if !changes_sign {
-            return None;
-        }
-        // Newton's method between the peak, where the value is positive, and the end.
-        let (mut above, mut below) = (from, end);
-        let reach = Dd::from((level.hi / peak.bend.abs()).sqrt());
-        let mut omega = if end < from { from - reach } else { from + reach };
-        let mut slope = f64::NAN;
-        for _ in 0..MOST_STEPS {
-            let between = if above < below { omega > above && omega < below } else { omega < above && omega > below };
-            if !between {
-                omega = (above + below).scale(0.5);
-            }
-            let at = value(omega);
-            if at.0 > 0.0 {
-                above = omega
-            } else {
-                below = omega
-            }
-            slope = at.1;
-            let step = Dd::from(at.0 / at.1);
-            omega -= step;
-            if step.hi.abs() <= 1e-14 * (omega - from).hi.abs() {
-                break;
-            }
-        }
-        let sharp = |omega: Dd| {
-            let local = self.h.at(omega);
-            let (square, error) = square_of(local.h, local.errors[0]);
-            (square - level, (error + level_error + 4.0 * Dd::EPSILON * level.hi) * up::FEW)
-        };
-        let (rest, error) = sharp(omega);
-        let omega = omega - rest / Dd::from(slope);
-        let mut reach = 2.0 * error / slope.abs() + omega.hi * 1e-31;
-        let towards = if end < from { 1.0 } else { -1.0 };
-        for _ in 0..DOUBLINGS {
-            let [inner, outer] = [towards, -towards].map(|side| omega + Dd::from(side * reach));
-            let between = [inner, outer].iter().all(|&x| x > low && x < high);
-            let (inside, outside) = (sharp(inner), sharp(outer));
-            if between && inside.0.hi > inside.1 && outside.0.hi < -outside.1 {
-                return Some(Ball::new(omega, reach * up::THOUSANDS));
-            }
-            reach *= 4.0;
-        }
-        None
-    }
 }
 
 #[cfg(test)]
@@ -500,6 +264,7 @@ mod tests {
     use crate::analysis::transfer::extrema::{Denominator, Exactly};
     use crate::analysis::transfer::{Frequency, Transfer};
     use crate::base::{Number, Rational};
+    use crate::kernel::complex::Complex;
     use crate::system::{CoordinateId, LinearSystem};
 
     /// Masses in a row, each with a spring and a damper to the one before, and some to the one before that. The first input is
@@ -602,7 +367,7 @@ mod tests {
         }
     }
 
-    /// What the sum leaves out counts: with the rest of an excitation made large, bounds hold nothing and say so.
+    /// The bounds include what the sum neglects: if the remainder of an excitation is made large, they prove nothing and say so.
     #[test]
     fn what_the_sum_leaves_out_is_in_the_bounds() {
         let system = network(6, 1);

@@ -18,7 +18,7 @@ const NEAR: f64 = 0.25;
 impl Far {
     pub const NONE: Far = Far { count: 0, beyond: f64::INFINITY };
 
-    /// Those of two polynomials.
+    /// The far roots of two polynomials together.
     pub fn and(self, other: Far) -> Far {
         Far { count: self.count + other.count, beyond: -larger(-self.beyond, -other.beyond) }
     }

@@ -81,7 +81,7 @@ impl Exactly {
         Exactly { anchors, ..self.clone() }
     }
 
-    /// The same of |H| |omega - root|^power, the root not at zero.
+    /// This, of |H| |omega - root|^power; the root is not at zero.
     pub fn with_factor(&self, root: Ball, power: Ball) -> Exactly {
         let anchors = self.anchors.iter().map(|anchor| anchor.with_factor(root, power)).collect();
         Exactly { anchors, ..self.clone() }

@@ -49,7 +49,7 @@ const MOST_BITS: u64 = 2560;
 /// Radii are below 2^-SHARP of the root, and of its distance from the imaginary axis.
 const SHARP: i64 = 110;
 
-/// Approximate roots are taken for a cluster if they agree to 2^-CLOSE of themselves; its centre gets so many bits.
+/// Approximate roots are taken for a cluster if they agree to 2^-CLOSE of themselves; its centre is computed to CENTRE_BITS bits.
 const CLOSE: i64 = 20;
 const CENTRE_BITS: u64 = 128;
 
@@ -151,7 +151,7 @@ impl Coefficients {
         holds.then_some((Coefficients { middle, radii, far }, circle))
     }
 
-    /// How often s certainly divides the polynomial, and the quotient.
+    /// The number of times that s certainly divides the polynomial, and the quotient.
     fn without_zero_roots(&self) -> (usize, Coefficients) {
         if self.is_exact() {
             let (zeros, middle) = self.middle.without_zero_roots();

@@ -124,7 +124,7 @@ impl Anchor {
         self.terms.iter().position(Term::is_singular)
     }
 
-    /// The same with omega^power more, which adds to the root at zero, the term at this place, if there is one.
+    /// The anchor of a function with a further factor omega^power, which adds to the root at zero: the term at this place, if there is one.
     pub fn with_power(&self, power: Ball, at_zero: Option<usize>) -> Anchor {
         let mut anchor = self.clone();
         if power.is_zero() {
@@ -143,7 +143,7 @@ impl Anchor {
         anchor
     }
 
-    /// The same with |omega - root|^power more, the root not at zero.
+    /// The anchor of a function with a further factor |omega - root|^power; the root is not at zero.
     pub fn with_factor(&self, root: Ball, power: Ball) -> Anchor {
         let mut anchor = self.clone();
         anchor.add_factor(root, power);
@@ -209,7 +209,7 @@ impl Anchor {
         cell
     }
 
-    /// What far roots change H by, relative to it.
+    /// Largest relative change of H by the far roots.
     fn spread(&self, t: Ball) -> f64 {
         if self.far == Far::NONE { 0.0 } else { self.far.spread(self.omega(t).magnitude()) }
     }

@@ -1,0 +1,149 @@
+//! F, half the derivative of |H|^2, over an interval: a polynomial with bounds of its errors, and its roots.
+
+use super::MOST_STEPS;
+use crate::analysis::transfer::partial_fractions::{DEGREE, Expansion, size};
+use crate::base::{down, up};
+
+/// The position at which an interval is cut: not the middle, where models with round numbers have their extrema.
+pub const CUT: f64 = 0.4871;
+/// A piece of an interval is cut down to this part of it.
+const SMALLEST: f64 = 1.0 / 64.0;
+/// F over an interval as a polynomial in t, -1 <= t <= 1, times half; and bounds of the errors of F and of its derivative.
+pub struct Product {
+    coefficients: [f64; 2 * DEGREE],
+    errors: [f64; 2],
+    /// The part of the error of F that stays in a smaller interval.
+    pub noise: f64,
+}
+
+/// F over |t - at| <= half.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece {
+    pub at: f64,
+    pub half: f64,
+    /// F in the middle, a bound of its distance from F elsewhere, and one of its error.
+    pub value: f64,
+    pub swing: f64,
+    error: f64,
+    /// The value, swing and error of dF/dt.
+    pub slope: f64,
+    slope_swing: f64,
+    slope_error: f64,
+}
+
+impl Product {
+    pub fn of(expansion: &Expansion) -> Product {
+        let c = &expansion.coefficients;
+        let mut coefficients = [0.0; 2 * DEGREE];
+        for (i, a) in c.iter().enumerate() {
+            for (j, b) in c.iter().enumerate().skip(1) {
+                coefficients[i + j - 1] += j as f64 * (a.re * b.re + a.im * b.im);
+            }
+        }
+        let [h0, h1, h2] = [0, 1, 2].map(|k| size(c, k));
+        let [e0, e1, e2] = expansion.errors;
+        // The products of coefficients, their sums and the shift of the polynomial: no more than 2,000 roundings.
+        let lost = 2000.0 * f64::EPSILON;
+        let error = h0 * e1 + h1 * e0 + e0 * e1 + lost * h0 * h1;
+        let of_slope = 2.0 * h1 * e1 + e1 * e1 + h0 * e2 + h2 * e0 + e0 * e2 + lost * (h1 * h1 + h0 * h2);
+        let [f0, f1, _] = [0, 1, 2].map(|k| expansion.errors[k] - expansion.cut[k]);
+        let errors = [error, of_slope].map(|x| x * up::DOZENS + f64::MIN_POSITIVE);
+        Product { coefficients, errors, noise: 0.5 * (h0 * f1 + h1 * f0) }
+    }
+
+    pub fn piece(&self, at: f64, half: f64) -> Piece {
+        let mut shifted = self.coefficients;
+        for first in 0..shifted.len() - 1 {
+            for k in (first..shifted.len() - 1).rev() {
+                shifted[k] += at * shifted[k + 1];
+            }
+        }
+        let (mut power, mut swing, mut slope_swing) = (1.0, 0.0, 0.0);
+        for (k, c) in shifted.iter().enumerate().skip(1) {
+            if k > 1 {
+                slope_swing += k as f64 * c.abs() * power;
+            }
+            power *= half;
+            swing += c.abs() * power;
+        }
+        let [error, slope_error] = self.errors;
+        Piece { at, half, value: shifted[0], swing, error, slope: shifted[1], slope_swing, slope_error }
+    }
+
+    /// Pieces with one root each, over which F is monotone, and pieces of which nothing is known.
+    pub fn roots(&self) -> (Vec<Piece>, Vec<Piece>) {
+        let (mut roots, mut open) = (Vec::new(), Vec::new());
+        let mut left = vec![(0.0, 1.0)];
+        while let Some((at, half)) = left.pop() {
+            let piece = self.piece(at, half);
+            if piece.has_no_root() {
+                continue;
+            }
+            if piece.is_monotone() {
+                let [low, high] = [piece.low(), piece.high()].map(|t| self.sign(t));
+                if low != 0 && high != 0 {
+                    if low != high {
+                        roots.push(piece);
+                    }
+                    continue;
+                }
+            }
+            if half < SMALLEST {
+                open.push(piece);
+                continue;
+            }
+            // The parts overlap by more than the rounding of their ends.
+            let (left_half, right_half) = (half * CUT * up::DOZENS, half * (1.0 - CUT) * up::DOZENS);
+            left.push((piece.at + half * CUT, right_half));
+            left.push((piece.at - half * (1.0 - CUT), left_half));
+        }
+        (roots, open)
+    }
+
+    /// An approximation of the only root in a piece.
+    pub fn bisect(&self, piece: &Piece, rising: bool) -> f64 {
+        let (mut low, mut high) = (piece.low(), piece.high());
+        for _ in 0..MOST_STEPS {
+            let middle = 0.5 * (low + high);
+            if !(low < middle && middle < high) || high - low < 1e-16 {
+                break;
+            }
+            if (self.at(middle) < 0.0) == rising { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+
+    fn at(&self, t: f64) -> f64 {
+        self.coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c)
+    }
+
+    /// The sign of F, 0 if it is not certain.
+    pub fn sign(&self, t: f64) -> i8 {
+        let value = self.at(t);
+        if value.abs() > self.errors[0] * up::THOUSANDS { if value > 0.0 { 1 } else { -1 } } else { 0 }
+    }
+}
+
+impl Piece {
+    pub fn low(&self) -> f64 {
+        self.at - self.half
+    }
+
+    pub fn high(&self) -> f64 {
+        self.at + self.half
+    }
+
+    /// `false` for NaN and infinities.
+    fn has_no_root(&self) -> bool {
+        self.value.abs() > (self.swing + self.error) * up::THOUSANDS
+    }
+
+    pub fn is_monotone(&self) -> bool {
+        self.slope.abs() > (self.slope_swing + self.slope_error) * up::THOUSANDS
+    }
+
+    /// A lower bound of |dF/dt| where it is monotone.
+    pub fn least_slope(&self) -> f64 {
+        self.slope.abs() * down::THOUSANDS - (self.slope_swing + self.slope_error) * up::THOUSANDS
+    }
+}
