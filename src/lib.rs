@@ -295,6 +295,8 @@ pub struct Study<'a> {
     pub participation: bool,
     /// Compute the complex shapes of the damped motions.
     pub damped_shapes: bool,
+    /// Find the points of turning bodies that stay in place in each mode.
+    pub nodes: bool,
     /// Contributions that are added to the maxima under response spectra.
     pub spectra: analysis::response_spectrum::Additions,
 }
@@ -366,7 +368,7 @@ fn reported(
             reading.requirements(flat, Some((&modes, &poles)), diagnostics)
         }
     };
-    let Lowered { system, rest, .. } = known.lowered;
+    let Lowered { system, rest, mechanism } = known.lowered;
     // About a rest that is not proven no number would have a bound.
     let noises = if rest.is_proven() { dynamics::noises(&reading.scene) } else { Vec::new() };
     let noisy = analysis::random::outputs(&system, &modes, &poles, &noises);
@@ -387,6 +389,10 @@ fn reported(
     // About a rest that is not proven no shape would have a bound.
     let damped_shapes = match study.damped_shapes && rest.is_proven() {
         true => analysis::damped_shapes(&system, &poles),
+        false => Vec::new(),
+    };
+    let nodes = match study.nodes {
+        true => modes.list.iter().map(|mode| nodes(reading.scene.scene(), &mechanism, mode)).collect(),
         false => Vec::new(),
     };
     if let Some(shortfall) = analysis::shortfall(&system, &modes, &poles, request) {
@@ -410,8 +416,18 @@ fn reported(
         tolerated,
         excitations,
         damped_shapes,
+        nodes,
         account: None,
     })
+}
+
+/// The points of turning bodies that stay in place in a mode; none if its shape is not determined by itself.
+fn nodes(scene: &model::scene::Scene, mechanism: &lower::Mechanism, mode: &Mode) -> Vec<lower::ShapeNode> {
+    let has_shape = matches!(mode.kind, ModeKind::Oscillation | ModeKind::Divergence) && mode.cluster.is_none();
+    match has_shape {
+        true => lower::nodes(scene, mechanism, &analysis::normalise(mode, analysis::Normalise::Max)),
+        false => Vec::new(),
+    }
 }
 
 /// The modes that each motion of a base excites, or the reason why they are not known.

@@ -104,8 +104,9 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         other_damping: options.other_damping,
     };
     let damped_shapes = options.shapes == vibc::cli::ShapesOption::Damped;
+    let nodes = options.shapes == vibc::cli::ShapesOption::All;
     let (sensitivity, participation, tolerances) = (options.sensitivity, options.participation, options.tolerances);
-    let study = vibc::Study { until, sensitivity, tolerances, participation, damped_shapes, spectra };
+    let study = vibc::Study { until, sensitivity, tolerances, participation, damped_shapes, nodes, spectra };
     let request = options.request();
     let (mut analysis, explained) = match options.explain_model {
         true => vibc::analyze_and_explain(&input.sources, input.model, &input.overrides, &request, &study),

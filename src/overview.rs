@@ -101,6 +101,7 @@ impl Overview {
         let answer = ModalAnswer {
             excitations: Vec::new(),
             damped_shapes: Vec::new(),
+            nodes: Vec::new(),
             model: of.scene.name.clone(),
             system: of.system.clone(),
             rest: of.rest.clone(),

@@ -10,7 +10,7 @@ use crate::analysis::response_spectrum::Spectral;
 use crate::analysis::shock::{Quantity, ShockSpectrum};
 use crate::analysis::{Buckling, DampedShape, Excitation, Modes, Noisy, Pole, Poles, Share, Verdict};
 use crate::base::{Name, Number};
-use crate::lower::{Account, Rest};
+use crate::lower::{Account, Rest, ShapeNode};
 use crate::questions::answer::{Optimised, Requirement, Sensitivity, Solved, Tolerated};
 use crate::system::{Coordinate, LinearSystem, Origin, Source};
 use std::collections::HashMap;
@@ -47,6 +47,8 @@ pub struct ModalAnswer {
     pub excitations: Vec<(usize, Result<Excitation, &'static str>)>,
     /// The complex shapes of the damped motions; empty unless requested.
     pub damped_shapes: Vec<DampedShape>,
+    /// For each mode of the list the points of turning bodies that stay in place; empty unless requested.
+    pub nodes: Vec<Vec<ShapeNode>>,
 }
 
 /// Shares with one entry for each name: a belt is one part of the model, and two spans in the system. Largest first; where no

@@ -76,6 +76,7 @@ fn answer(model: &str, system: LinearSystem, modes: Vec<Mode>, poles: Vec<Pole>,
     ModalAnswer {
         excitations: Vec::new(),
         damped_shapes: Vec::new(),
+        nodes: Vec::new(),
         model: model.into(),
         rest: as_drawn(system.n()),
         system,

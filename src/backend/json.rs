@@ -19,7 +19,7 @@ use crate::analysis::{
 use crate::answers::report::at_outputs;
 use crate::answers::{ModalAnswer, by_name};
 use crate::base::{Ball, Bound, Number, Unproven};
-use crate::lower::Remark;
+use crate::lower::{Remark, ShapeNode};
 use crate::system::{CoordinateKind, LinearSystem};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::borrow::Cow;
@@ -195,7 +195,9 @@ struct JsonModes<'a> {
 impl Serialize for JsonModes<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let JsonModes { answer, options, names, bounds } = *self;
-        serializer.collect_seq(answer.modes.numbered().map(|mode| json_mode(answer, options, names, mode, bounds)))
+        let nodes = |place: usize| answer.nodes.get(place).map_or(&[][..], Vec::as_slice);
+        let modes = answer.modes.numbered().enumerate();
+        serializer.collect_seq(modes.map(|(place, mode)| json_mode(answer, options, names, mode, nodes(place), bounds)))
     }
 }
 
@@ -211,6 +213,9 @@ struct JsonMode<'a> {
     /// At outputs of displacements, if all entries were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     outputs: Option<OutputsByName>,
+    /// Points of turning bodies that stay in place, if all entries were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nodes: Option<Vec<JsonNode>>,
     kinetic: Vec<JsonShare>,
     strain: Vec<JsonShare>,
     cluster: Option<u32>,
@@ -423,6 +428,22 @@ impl Serialize for OutputsByName {
     }
 }
 
+/// The point of a turning body that stays in place in a shape.
+#[derive(serde::Serialize)]
+struct JsonNode {
+    body: String,
+    x: JsonNumber,
+    y: JsonNumber,
+    from_centre: bool,
+}
+
+impl JsonNode {
+    fn of(node: &ShapeNode, system: &LinearSystem) -> JsonNode {
+        let [x, y] = node.at.map(JsonNumber::unproven);
+        JsonNode { body: system.words.display(node.body), x, y, from_centre: node.from_centre }
+    }
+}
+
 /// The shape of a damped motion: for each coordinate and output its complex amplitude.
 #[derive(serde::Serialize)]
 struct JsonDampedShape<'a> {
@@ -632,6 +653,7 @@ fn json_mode<'a>(
     options: &ReportOptions,
     names: &'a [String],
     (number, mode): (usize, &Mode),
+    nodes: &[ShapeNode],
     bounds: Bounds,
 ) -> JsonMode<'a> {
     let system = &answer.system;
@@ -644,6 +666,7 @@ fn json_mode<'a>(
         frequency_hz: JsonNumber::of(frequency),
         growth_rate: JsonNumber::of(growth),
         omega_error_bound: bounds.of(mode.error_bound()),
+        nodes: options.all_shapes.then(|| nodes.iter().map(|node| JsonNode::of(node, system)).collect()),
         outputs: options.all_shapes.then(|| at_named_outputs(&answer.system, &normalise(mode, options.normalise))),
         shape: ByName { names, values: unproven(&normalise(mode, options.normalise)) },
         kinetic: shares(&mode.kinetic, |of| system.display(of)),

@@ -22,6 +22,7 @@ pub mod kinematics;
 pub mod law;
 pub mod loads;
 pub mod mechanism;
+mod nodes;
 pub mod poses;
 pub mod reactions;
 pub mod rest;
@@ -31,6 +32,7 @@ pub use account::{Account, Remark, account};
 pub use drives::{declared, drives, noises, spectra};
 pub use law::LawAtRest;
 pub use mechanism::{Mechanism, Readout, SpringAtRest};
+pub use nodes::{ShapeNode, nodes};
 pub use poses::{Carried, Displacement, Poses};
 pub use rest::{Dependent, Proven, Rest, Tension};
 

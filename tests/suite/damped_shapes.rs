@@ -85,6 +85,67 @@ fn poles_of_several_motions_have_no_shape() {
     assert!(shapes.iter().all(|row| entry(&row["shape"]["a.x"]) == (1.0, 0.0)), "{shapes:?}");
 }
 
+/// The node of each mode on a body.
+fn nodes_of(modes: &serde_json::Value, body: &str) -> Vec<[f64; 2]> {
+    let of_mode = |mode: &serde_json::Value| {
+        let nodes = mode["nodes"].as_array().expect("nodes");
+        let node = nodes.iter().find(|node| node["body"] == body).expect("a node on the body");
+        ["x", "y"].map(|axis| node[axis].as_f64().expect("a number"))
+    };
+    modes.as_array().expect("modes").iter().map(of_mode).collect()
+}
+
+/// A rigid body on two springs (Den Hartog, Mechanical Vibrations, 4th ed., section 3.4): with y + x theta = 0 at the
+/// nodes, they are the roots of the quadratic equation that elimination of omega^2 leaves, and their product is -I/m.
+#[test]
+fn a_body_on_two_springs_turns_about_conjugate_points() {
+    let model = "body car { mass = 1730 kg, inertia = 3267 kg*m^2, at = (2 m, 1 m), moves y, turns }\n\
+                 point f = (3.189 m, 1 m)\npoint r = (304 mm, 1 m)\n\
+                 spring kf: ground -- car@f { k = 35 kN/m, along = y }\nspring kr: ground -- car@r { k = 38 kN/m, along = y }";
+    let (a, b, front, rear, square) = (1.189_f64, 1.696, 35e3, 38e3, 3267.0 / 1730.0);
+    let (sum, mixed, turning) = (front + rear, front * a - rear * b, front * a * a + rear * b * b);
+    // (sum - m w) y + mixed theta = 0, mixed y + (turning - I w) theta = 0, y = -x theta:
+    // mixed x^2 + (sum I/m - turning) x - mixed I/m = 0.
+    let half = (sum * square - turning) / (2.0 * mixed);
+    let root = (half * half + square).sqrt();
+    let mut expected = [-half - root, -half + root];
+    let nodes = nodes_of(&json(model, &["analyze", "--shapes", "all"])["modes"], "car");
+    // The lower mode bounces: its node is far away.
+    expected.sort_by(|p, q| q.abs().total_cmp(&p.abs()));
+    for (node, expected) in nodes.iter().zip(expected) {
+        assert!((node[0] - 2.0 - expected).abs() < 1e-12 * expected.abs(), "{node:?} {expected}");
+        assert_eq!(node[1], 1.0);
+    }
+    assert!(json(model, &["analyze"])["modes"][0]["nodes"].is_null());
+    let printed = text(model, &["analyze", "--shapes", "all"]);
+    assert!(printed.contains("nodes: the points about which bodies turn"), "{printed}");
+    // Without a position the nodes are seen from the centre.
+    let unplaced = "body car { mass = 2 kg, inertia = 3 kg*m^2, moves y, turns }\n\
+                    spring k: ground -- car { k = 2 N/m }\nspring t: ground -- car { k = 5 N*m/rad }\n\
+                    couple drive: 0.2 rad/m * car.y = car.angle";
+    let mode = &json(unplaced, &["analyze", "--shapes", "all"])["modes"][0];
+    assert_eq!((mode["nodes"][0]["x"].as_f64(), mode["nodes"][0]["from_centre"].as_bool()), (Some(-5.0), Some(true)));
+}
+
+/// Two pendulums drawn to the right, which hang at rest: the upper one turns about its pivot, the lower one about a point of
+/// its own line, where the motion that the upper one hands on and its own rotation cancel.
+#[test]
+fn nodes_are_where_bodies_rest() {
+    let model = "gravity 9.81 m/s^2\n\
+                 point O = (1 m, 3 m)\npoint A = (1.6 m, 3 m)\npoint B = (2.5 m, 3 m)\n\
+                 body upper { mass = 2 kg, shape = rod(O, A) }\nbody lower { mass = 1 kg, shape = rod(A, B) }\n\
+                 pivot p: ground@O -- upper\npivot q: upper@A -- lower";
+    let modes = json(model, &["analyze", "--shapes", "all"])["modes"].clone();
+    for (mode, [x, y]) in modes.as_array().expect("modes").iter().zip(nodes_of(&modes, "upper")) {
+        assert!((x - 1.0).abs() < 1e-14 && (y - 3.0).abs() < 1e-14, "{mode}");
+    }
+    for (mode, [x, y]) in modes.as_array().expect("modes").iter().zip(nodes_of(&modes, "lower")) {
+        let [upper, lower] = ["upper.angle", "lower.angle"].map(|name| mode["shape"][name].as_f64().expect("a number"));
+        // The joint at (1, 2.4) m moves by 0.6 m times the upper angle to the right.
+        assert!((x - 1.0).abs() < 1e-14 && (y - 2.4 - 0.6 * upper / lower).abs() < 1e-13, "{mode}");
+    }
+}
+
 /// The undamped shapes at outputs of displacements: b - a of (a, b), with the scaling of the shape; no rates.
 #[test]
 fn undamped_shapes_are_shown_at_outputs() {

@@ -8,6 +8,7 @@ use super::{
 use crate::analysis::{Mode, ModeKind, Normalise, Split, derived, normalise, splits};
 use crate::answers::{ModalAnswer, by_name};
 use crate::base::{Number, Unproven};
+use crate::lower::ShapeNode;
 use crate::system::{Coordinate, CoordinateId, CoordinateKind, LinearSystem, Output};
 
 /// Number of modes that are listed; the JSON has all.
@@ -28,6 +29,7 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
         if options.all_shapes && (answer.system.n() > MOST_COLUMNS || !answer.system.outputs.is_empty()) {
             blocks.extend(whole_shapes(answer, options).map(Block::from));
         }
+        blocks.extend(nodes(answer));
     }
     blocks.extend(left_out(answer).map(Block::from));
     if !answer.modes.list.is_empty() {
@@ -150,6 +152,25 @@ fn whole_shapes<'a>(answer: &'a ModalAnswer, options: &'a Options) -> impl Itera
         table
     });
     tables.collect::<Vec<_>>().into_iter()
+}
+
+/// The points of turning bodies that stay in place, if they were asked for and there are any.
+fn nodes(answer: &ModalAnswer) -> Vec<Block> {
+    let mut table = Table::of([("mode", Align::Right), ("body", Align::Left)])
+        .column("x", "[m]", Align::Point)
+        .column("y", "[m]", Align::Point)
+        .column("", "", Align::Left);
+    let mut found = false;
+    for ((number, _), nodes) in answer.modes.numbered().zip(&answer.nodes).take(MOST) {
+        for ShapeNode { body, at, from_centre, .. } in nodes {
+            let [x, y] = at.map(|place| Cell::from(displacement(place, 0.0)));
+            let origin = if *from_centre { "from its centre" } else { "" };
+            table.row(vec![number.into(), answer.system.words.display(*body).into(), x, y, origin.into()]);
+            found = true;
+        }
+    }
+    let caption = "nodes: the points about which bodies turn, at rest";
+    if found { vec![Block::Line(caption.into()), table.into()] } else { Vec::new() }
 }
 
 /// Number, f, omega, T and the bound; for a divergence, its growth rate in place of omega.
