@@ -1,9 +1,9 @@
-//! The velocity or acceleration of a base as the input of transfer tables. In: a model with its poles, and names such as
-//! `quake.ax`. Out: the model with these inputs.
+//! The velocity or acceleration of a base as the input of transfer tables. In: a model with its modes, and names such as
+//! `quake.ax`. Out: the model with these inputs, and the poles for a table of it.
 
 use crate::Dynamics;
 use crate::analysis::rates::{Rate, with_rate};
-use crate::analysis::{self, AnalysisError, Modes, Poles};
+use crate::analysis::{self, AnalysisError, Modes, Poles, Sweep};
 use crate::base::Diagnostic;
 use crate::kinds::motions::rate_of;
 use crate::system::LinearSystem;
@@ -34,25 +34,71 @@ impl Dynamics {
         for (name, rate) in rates {
             self.system = with_rate(&self.system, *rate).map_err(|why| NotDriven::Because(name.clone(), why))?;
         }
-        if self.system.n() > n && self.spectrum.is_some() {
-            self.spectrum =
-                spectrum(&self.system, None).map_err(|error| NotDriven::Failed(Box::new(error.to_diagnostic())))?;
+        if self.system.n() > n && self.modes.is_some() {
+            self.modes =
+                modes(&self.system, None).map_err(|error| NotDriven::Failed(Box::new(error.to_diagnostic())))?;
         }
         Ok(self)
     }
+
+    /// The poles for a table, which are not computed where it has no use for them. `None` if there are too many coordinates, or the
+    /// poles with loss factors are not found.
+    pub fn poles_for(&self, sweep: &Sweep) -> Result<Option<Poles>, AnalysisError> {
+        if !sweep.needs_poles() {
+            return Ok(Some(Poles::default()));
+        }
+        let Some(modes) = &self.modes else { return Ok(None) };
+        match analysis::poles_for_table(&self.system, modes) {
+            Ok(poles) => Ok((self.system.losses.is_none() || poles.is_complete()).then_some(poles)),
+            Err(AnalysisError::TooManyCoordinates { .. } | AnalysisError::MasslessPoles { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
 }
 
-/// The modes and poles that a table needs; `None` if there are too many coordinates, or the poles with
-/// loss factors are not found.
-pub(crate) fn spectrum(system: &LinearSystem, modes: Option<Modes>) -> Result<Option<(Modes, Poles)>, AnalysisError> {
-    let both = modes.map_or_else(|| analysis::modes(system), Ok).and_then(|modes| {
-        let poles = analysis::poles_for_table(system, &modes)?;
-        Ok((modes, poles))
-    });
-    match both {
-        Ok((_, poles)) if system.losses.is_some() && !poles.is_complete() => Ok(None),
-        Ok(spectrum) => Ok(Some(spectrum)),
-        Err(AnalysisError::TooManyCoordinates { .. } | AnalysisError::MasslessPoles { .. }) => Ok(None),
+/// The modes of a table; `None` if there are too many coordinates.
+pub(crate) fn modes(system: &LinearSystem, known: Option<Modes>) -> Result<Option<Modes>, AnalysisError> {
+    match known.map_or_else(|| analysis::modes(system), Ok) {
+        Ok(modes) => Ok(Some(modes)),
+        Err(AnalysisError::TooManyCoordinates { .. }) => Ok(None),
         Err(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Overrides;
+    use crate::analysis::{Frequency, Methods};
+    use crate::base::{Number, SourceFile, Sources, runs};
+
+    /// Poles are computed where a table needs them, once, and nowhere else.
+    #[test]
+    fn tables_at_given_frequencies_compute_no_poles() {
+        let text = "body a { mass = 1 kg, moves x }\nspring s: ground -- a { k = 100 N/m }\ndamper d: ground -- a { c = 2 N*s/m }\n\
+                    force F: a along x\noutput y = a.x";
+        let hertz = |text: &str| Number::from(text);
+        let range = Some((hertz("0.1"), hertz("10")));
+        let every = Sweep { inputs: vec![0], outputs: vec![0], ..Sweep::default() };
+        let at = Sweep { at: vec![Frequency::hertz(&hertz("1.5"))], ..every.clone() };
+        let points = Sweep { range: range.clone(), points: Some(12), ..every.clone() };
+        let without = Sweep { range, ..every.clone() };
+        let grid = Sweep { points: Some(12), ..every.clone() };
+        for (sweep, expected) in [(at, 0), (points, 0), (every, 1), (without, 1), (grid, 1)] {
+            let stages = runs::stages_of(|| {
+                let mut sources = Sources::new();
+                let model = sources.add(SourceFile::model("one.vib", text));
+                let dynamics = crate::dynamics(&sources, model, &Overrides::default()).answer.expect("a model");
+                let poles = dynamics.poles_for(&sweep).expect("no error").expect("few coordinates");
+                let methods = Methods::of(&dynamics.system, dynamics.modes.as_ref().expect("modes"));
+                for row in analysis::table(&methods, &poles, &sweep).rows {
+                    let omega = 2.0 * std::f64::consts::PI * row.frequency.to_f64();
+                    let gain = row.gains[0][0].disc().expect("finite").gain().to_f64();
+                    let truth = 1.0 / ((100.0 - omega * omega).powi(2) + (2.0 * omega).powi(2)).sqrt();
+                    assert!((gain / truth - 1.0).abs() < 1e-13, "{gain} {truth}");
+                }
+            });
+            assert_eq!(stages.iter().filter(|stage| **stage == "poles").count(), expected, "{sweep:?}");
+        }
     }
 }

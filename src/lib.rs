@@ -448,21 +448,21 @@ fn excitations(
     bases.iter().map(by).collect()
 }
 
-/// A model with its poles, ready for transfer tables.
+/// A model with its modes, ready for transfer tables.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Dynamics {
     /// The model's name.
     pub model: String,
     pub system: LinearSystem,
-    /// `None` if there are too many coordinates to compute modes or poles; a table works without them if its range is
+    /// `None` if there are too many coordinates to compute them; a table works without modes and poles if its range is
     /// given.
-    pub spectrum: Option<(Modes, Poles)>,
+    pub modes: Option<Modes>,
     /// Each input that moves a base, and the motion: `x`, `y`, `along` or `angle`.
     bases: Vec<(usize, &'static str)>,
 }
 
-/// The basis of a model's transfer functions: its linear system, modes and poles.
+/// The basis of a model's transfer functions: its linear system and modes.
 ///
 /// ```
 /// use vibc::{Frequency, Number, Overrides, SourceFile, Sources, Transfer};
@@ -481,14 +481,14 @@ pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outc
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
         let (system, modes) = dynamics::for_transfer(&reading.scene, diagnostics)?.into_parts();
-        let spectrum = match driven::spectrum(&system, modes) {
-            Ok(spectrum) => spectrum,
+        let modes = match driven::modes(&system, modes) {
+            Ok(modes) => modes,
             Err(error) => return push_error(&error, diagnostics),
         };
         let scene = reading.scene.scene();
         let motions = scene.inputs.iter().map(|input| scene.motion_of_base(&input.kind));
         let bases = (0..).zip(motions).filter_map(|(input, motion)| Some((input, motion?))).collect();
-        Some(Dynamics { model: reading.name(), system, spectrum, bases })
+        Some(Dynamics { model: reading.name(), system, modes, bases })
     })
 }
 

@@ -202,7 +202,14 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
         inputs,
         outputs,
     };
-    if dynamics.spectrum.is_none() && sweep.at.is_empty() && sweep.range.is_none() {
+    let poles = match dynamics.poles_for(&sweep) {
+        Ok(poles) => poles,
+        Err(error) => {
+            show(&input.sources, vec![error.to_diagnostic()], messages);
+            return Status::Limit;
+        }
+    };
+    if poles.is_none() && sweep.range.is_none() {
         report_error(&match system.losses.is_some() {
             true => "the poles with these loss factors are not found: give the frequencies with `--range` or `--at`"
                 .to_string(),
@@ -212,8 +219,8 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
         });
         return Status::Limit;
     }
-    let (modes, poles) = dynamics.spectrum.clone().unwrap_or_default();
-    let table = analysis::table(&Methods::of(system, &modes), &poles, &sweep);
+    let modes = dynamics.modes.as_ref().filter(|_| poles.is_some()).cloned().unwrap_or_default();
+    let table = analysis::table(&Methods::of(system, &modes), &poles.unwrap_or_default(), &sweep);
     let text = match options.format {
         TableFormat::Text => {
             let width = columns(&options.page, options.output.file.as_deref());

@@ -210,8 +210,9 @@ impl Model {
         let (found, json, drawn) = py.detach(|| {
             let dynamics = self.dynamics.get_or_init(|| vibc::dynamics(&self.sources, self.file, &self.overrides));
             let found = dynamics.answer.as_ref().map(|dynamics| {
-                let (modes, poles) = dynamics.spectrum.clone().unwrap_or_default();
+                let modes = dynamics.modes.clone().unwrap_or_default();
                 let sweep = Sweep { at, inputs: vec![input], outputs: vec![output], ..Sweep::default() };
+                let poles = dynamics.poles_for(&sweep).ok().flatten().unwrap_or_default();
                 let table = vibc::transfer_table(&Methods::of(&dynamics.system, &modes), &poles, &sweep);
                 let gains = table.rows.iter().map(|row| row.gains[0][0]);
                 gains.map(value_and_bound).unzip::<_, _, Vec<Complex64>, Vec<f64>>()

@@ -58,7 +58,7 @@ fn every_example_has_its_transfer_table() {
         if system.inputs.is_empty() || system.outputs.is_empty() {
             continue;
         }
-        let (modes, poles) = dynamics.spectrum.clone().unwrap_or_default();
+        let modes = dynamics.modes.clone().unwrap_or_default();
         // A hundred peaks are too many for a snapshot.
         let few = (1..=5).map(|tenths| Frequency::hertz(&Number::from(Rational::new(tenths, 10)))).collect();
         let sweep = Sweep {
@@ -67,6 +67,7 @@ fn every_example_has_its_transfer_table() {
             outputs: (0..system.outputs.len()).collect(),
             ..Sweep::default()
         };
+        let poles = dynamics.poles_for(&sweep).expect("no error").unwrap_or_default();
         let table = table(&Methods::of(system, &modes), &poles, &sweep);
         insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
             insta::assert_snapshot!(format!("transfer_{stem}"), without_noise(&report::all_laid_out(&answers::report::transfer(&dynamics.model, system, &table), report::WIDTH)));

@@ -138,8 +138,9 @@ fn transfer_of(name: &str, model: &str, spoil: impl Fn(&mut Extrema)) -> Vec<Rep
     let file = sources.add(SourceFile::model(name, model));
     crate::examples::add_used_files(&mut sources, file);
     let dynamics = vibc::dynamics(&sources, file, &Overrides::default()).answer.expect("a model");
-    let (modes, poles) = dynamics.spectrum.clone().expect("modes");
+    let modes = dynamics.modes.clone().expect("modes");
     let sweep = Sweep { inputs: vec![0], outputs: vec![0], ..Sweep::default() };
+    let poles = dynamics.poles_for(&sweep).expect("no error").expect("poles");
     let mut table = analysis::table(&Methods::of(&dynamics.system, &modes), &poles, &sweep);
     table.extrema.iter_mut().flatten().flatten().for_each(spoil);
     report::transfer(&dynamics.model, &dynamics.system, &table)

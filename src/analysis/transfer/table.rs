@@ -37,6 +37,13 @@ pub struct Sweep {
     pub outputs: Vec<usize>,
 }
 
+impl Sweep {
+    /// Whether the frequencies come from the poles, or extrema are looked for.
+    pub fn needs_poles(&self) -> bool {
+        self.at.is_empty() && (self.points.is_none() || self.range.is_none())
+    }
+}
+
 /// A frequency and its values.
 #[derive(Clone, Debug)]
 pub struct Row {
@@ -162,7 +169,7 @@ pub fn poles_for_table(system: &LinearSystem, modes: &Modes) -> Result<Poles, An
 /// Prepared pairs, `[input][output]`.
 type Pairs<'a> = Vec<Vec<Pair<'a>>>;
 
-/// Computes a table.
+/// Computes a table. The poles may be those of nothing where it [has no use for them](Sweep::needs_poles).
 pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
     let refined = sweep.at.is_empty() && sweep.points.is_none() && methods.system.losses.is_none();
     let pairs = methods.pairs(poles, sweep, refined);
