@@ -212,6 +212,8 @@ simd! {
                     };
                     tau = open.if_exceeds(zero, inside(tau + step, low, high), tau);
                 }
+                // Where the steps did not suffice, tau is not where f was last computed.
+                reach = open.if_exceeds(zero, V::splat(f64::NAN), reach);
                 // f rises by at least 0.97 of its slope here times the distance, as long as that is small beside the nearest pole's.
                 let bound = reach * V::splat(1.05);
                 let is_near = (tau.abs() * V::splat(0.01)).if_exceeds(bound, zero, V::splat(f64::NAN));

@@ -213,7 +213,10 @@ impl Updates {
             for (i, pair) in found[from..].chunks_mut(2).enumerate() {
                 match i < self.rigid {
                     true => pair.fill(0.0),
-                    false => pair[1] = (pair[1] + self.off[0] + self.off[1] * pair[0].abs()) * (1.0 + 16.0 * U),
+                    false => {
+                        let size = pair[0].abs() + pair[1];
+                        pair[1] = (pair[1] + self.off[0] + self.off[1] * size) * (1.0 + 16.0 * U);
+                    }
                 }
             }
         }

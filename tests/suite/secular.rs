@@ -81,6 +81,39 @@ fn every_root_lies_in_its_enclosure() {
     }
 }
 
+/// Poles, squares and factors over sixty decades and more: a root that is proved is one.
+#[test]
+fn roots_of_extreme_sizes_are_right_or_not_proved() {
+    let mut random = Random::new(23);
+    let (mut proved, mut all) = (0, 0);
+    for round in 0..60 {
+        let m = 1 + round % 6;
+        let mut at = Dd::ZERO;
+        let poles: Vec<Dd> = (0..m)
+            .map(|_| {
+                at += Dd::from(random.decimal(60.0).to_f64());
+                at
+            })
+            .collect();
+        let roots: Vec<f64> = (0..m).map(|_| random.decimal(30.0).to_f64() as f32 as f64).collect();
+        let Some(secular) = Secular::new(poles.clone(), roots.iter().map(|g| g * g).collect()) else { continue };
+        let factors = [1e-60, 1e-20, 1.0, 1e20, 1e60].map(|rho| rho * random.decimal(3.0).to_f64());
+        let list: Vec<Factor> = factors.iter().map(|rho| Factor::new(*rho, 0.0)).collect();
+        for (rho, row) in factors.iter().zip(secular.lowest(m, &list).chunks(2 * m)) {
+            let mut k = diagonal(&poles.iter().map(|pole| value(*pole)).collect::<Vec<_>>());
+            for i in 0..m {
+                for j in 0..m {
+                    k[i][j] += binary(*rho) * binary(roots[i]) * binary(roots[j]);
+                }
+            }
+            check(&ExactPencil::new(&k, &diagonal(&vec![binary(1.0); m])), row, &format!("{round} {m} {rho}"));
+            proved += row.chunks(2).filter(|pair| pair[1].is_finite()).count();
+            all += m;
+        }
+    }
+    assert!(10 * proved > 9 * all, "{proved} of {all}");
+}
+
 /// Factors that are not positive, or that nobody knows, prove nothing.
 #[test]
 fn no_root_without_a_factor() {

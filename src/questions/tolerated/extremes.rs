@@ -169,18 +169,22 @@ fn outermost(boxes: &[Bounded], worst: usize, sign: f64) -> Option<(Ball, bool)>
     let Some(mut value) = boxes[worst].reached else {
         return bound.is_finite().then(|| (Ball::from(sign * bound), false));
     };
-    for other in boxes {
-        if other.bound <= sign * value.to_f64() {
-            continue;
-        }
-        match other.reached {
-            Some(reached) if sign * (reached - value).mid.hi > 0.0 => value = reached,
-            Some(_) => {}
-            // As far as is known it may lie beyond the value, by its last digit.
-            None => return Some((Ball::from(sign * bound), false)),
+    for reached in boxes.iter().filter_map(|other| other.reached) {
+        if sign * (reached - value).mid.hi > 0.0 {
+            value = reached;
         }
     }
-    Some((value, true))
+    let mut beyond = 0.0f64;
+    for other in boxes.iter().filter(|other| other.bound > sign * value.to_f64()) {
+        // As far as is known it may lie beyond the value, by its last digit.
+        let Some(reached) = other.reached else { return Some((Ball::from(sign * bound), false)) };
+        // A value that is less, but not known so well.
+        if reached != value {
+            let ahead = Ball::exact(reached.mid) - Ball::exact(value.mid);
+            beyond = beyond.max((sign * ahead.mid.hi + ahead.rad + reached.rad) * up::FEW);
+        }
+    }
+    Some((if beyond > value.rad { value.widen(beyond - value.rad) } else { value }, true))
 }
 
 /// The end of an enclosure in a direction, times it.
@@ -206,4 +210,32 @@ fn halves(of: &Bounded) -> Option<[Part; 2]> {
         half
     };
     (high - low >= 4).then(|| [with([low, middle]), with([middle, high])])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of two extremes over parts, the less may be known so badly that it is beyond the other.
+    #[test]
+    fn the_outermost_value_holds_what_others_may_be() {
+        let reached = |value: f64, rad: f64, sign: f64| {
+            let value = Ball::from(sign * value).widen(rad);
+            Bounded { part: Vec::new(), bound: end(value, sign), reached: Some(value), changes: Vec::new() }
+        };
+        for sign in [-1.0, 1.0] {
+            let boxes = [reached(2.0, 1e-9, sign), reached(1.999, 0.01, sign), reached(1.0, 0.5, sign)];
+            let (value, is_reached) = outermost(&boxes, 1, sign).expect("bounded");
+            // From 2 - 1e-9 to 1.999 + 0.01, outwards.
+            assert!(is_reached && (sign * value.to_f64() - 2.0).abs() < 1e-12, "{value:?}");
+            assert!((0.009..0.009_001).contains(&value.rad), "{value:?}");
+            let boxes = [reached(2.0, 1e-9, sign), reached(1.0, 0.5, sign)];
+            let (value, _) = outermost(&boxes, 0, sign).expect("bounded");
+            assert!(value.rad < 1.1e-9, "{value:?}");
+            let open = Bounded { part: Vec::new(), bound: 3.0, reached: None, changes: Vec::new() };
+            let boxes = [reached(2.0, 1e-9, sign), open];
+            assert_eq!(outermost(&boxes, 1, sign), Some((Ball::from(3.0 * sign), false)));
+            assert_eq!(outermost(&boxes, 0, sign).map(|(_, is_reached)| is_reached), Some(false));
+        }
+    }
 }
