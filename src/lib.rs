@@ -45,9 +45,17 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod driven;
+#[cfg(not(feature = "program"))]
 mod inspection;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod inspection;
 mod library;
+#[cfg(not(feature = "program"))]
 mod overview;
+#[cfg(feature = "program")]
+#[doc(hidden)]
+pub mod overview;
 mod reading;
 #[cfg(not(feature = "program"))]
 mod sweep;
@@ -161,6 +169,8 @@ pub mod system;
 pub use base::{FileId, Literals, SourceFile, SourceKind, Sources, Span};
 pub use model::Overrides;
 pub use reading::{add_used_files, table_files};
+/// For the program and the Python package, which read files within these limits.
+#[doc(hidden)]
 pub use syntax::limits;
 
 // Numbers, exact or with bounds that hold.
@@ -218,13 +228,6 @@ pub use backend::page::modal_table;
 pub use backend::report::text as report;
 pub use backend::simulation::{csv as motion_csv, json as motion_json};
 pub use backend::transfer::{csv as transfer_csv, json as transfer_json};
-
-// For editors, and for measuring.
-pub use bench::Bench;
-pub use inspection::{Effort, Inspection, inspect};
-
-// Everything that a page shows.
-pub use overview::{Overview, Shown as PageShown, overview, page_of_errors};
 
 use dynamics::{Damped, WrittenOut};
 use lower::Lowered;
@@ -790,6 +793,8 @@ pub fn explain(sources: &Sources, model: FileId, overrides: &Overrides) -> Outco
 }
 
 /// Speed against error for a model: its name, and every method for its answers. `clock` returns the time in s.
+#[cfg(feature = "program")]
+#[doc(hidden)]
 pub fn bench(
     sources: &Sources,
     model: FileId,

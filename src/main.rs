@@ -364,11 +364,11 @@ fn page(options: &Report, messages: &Messages) -> Status {
     };
     let until = options.measured.until(&options.overrides);
     let study = vibc::Study { until, sensitivity: options.sensitivity, ..vibc::Study::default() };
-    let outcome = vibc::overview(&input.sources, input.model, &input.overrides, &study);
+    let outcome = vibc::overview::overview(&input.sources, input.model, &input.overrides, &study);
     let status = failure(outcome.failure());
     show(&input.sources, outcome.diagnostics, messages);
     let Some(overview) = &outcome.answer else { return status };
-    let page = overview.page((&input.sources, input.model), &vibc::PageShown::default());
+    let page = overview.page((&input.sources, input.model), &vibc::overview::Shown::default());
     deliver(options.output.file.as_deref(), &page).max(status)
 }
 

@@ -335,7 +335,8 @@ pub(crate) fn not_utf8(sources: &Sources, file: FileId) -> Option<Diagnostic> {
 #[cfg(test)]
 mod tests {
     use crate::base::{SourceFile, runs};
-    use crate::{Effort, FileId, Overrides, Request, Sources, Study};
+    use crate::inspection::Effort;
+    use crate::{FileId, Overrides, Request, Sources, Study};
 
     /// Damping ratios need modes and poles, peaks a time to follow the motion for.
     const MODEL: &str = "model cart\n\
@@ -374,7 +375,7 @@ mod tests {
         assert_eq!(check, once);
         for effort in [Effort::Whole, Effort::UpTo(100)] {
             let editor = stages(MODEL, |sources, file| {
-                assert_eq!(crate::inspect(sources, file, &nothing, effort).requirements.len(), 3);
+                assert_eq!(crate::inspection::inspect(sources, file, &nothing, effort).requirements.len(), 3);
             });
             assert_eq!(editor, once, "{effort:?}");
         }

@@ -17,7 +17,7 @@ use std::time::Duration;
 use tiny_http::{Header, Method, Request, Response, Server};
 use vibc::base::{FileId, Sources};
 use vibc::cli::{Messages, Watch};
-use vibc::{Overview, PageShown};
+use vibc::overview::{self, Overview, Shown};
 
 /// Saving causes several events; those within this time count as one.
 const QUIET: Duration = Duration::from_millis(40);
@@ -110,7 +110,7 @@ impl Maker<'_> {
         let Input { sources, model, overrides } = read_all(&self.options.file, &self.options.overrides)?;
         let study =
             vibc::Study { until: self.options.measured.until(&self.options.overrides), ..vibc::Study::default() };
-        let outcome = vibc::overview(&sources, model, &overrides, &study);
+        let outcome = overview::overview(&sources, model, &overrides, &study);
         let named = sources.files().map(|file| PathBuf::from(&file.name));
         let settings = self.options.overrides.settings_file.clone();
         let files = named.chain([self.options.file.clone()]).chain(settings).collect();
@@ -118,7 +118,7 @@ impl Maker<'_> {
         self.version += 1;
         let version = Some(self.version);
         let newer = Some((&sources, model));
-        let shown = PageShown { newer, findings: &outcome.diagnostics, version, ..PageShown::default() };
+        let shown = Shown { newer, findings: &outcome.diagnostics, version, ..Shown::default() };
         let page = match outcome.answer {
             Some(overview) => {
                 let page = overview.page((&sources, model), &shown);
@@ -127,7 +127,7 @@ impl Maker<'_> {
             }
             None => match &self.last {
                 Some((overview, of, of_model)) => overview.page((of, *of_model), &shown),
-                None => vibc::page_of_errors(&name, (&sources, model), &shown),
+                None => overview::page_of_errors(&name, (&sources, model), &shown),
             },
         };
         Ok((page, files))

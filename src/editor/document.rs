@@ -3,12 +3,12 @@
 use super::lexed::Lexed;
 use crate::analysis::{self, AnalysisError, Modal, Modes, Request, Which};
 use crate::base::{Diagnostic, FileId, Sources};
+use crate::inspection::{self, Effort, Inspection};
 use crate::lower::{Lowered, Mechanism, Rest};
 use crate::model::{self, CheckedScene, Defined, Overrides};
 use crate::questions::{Optimised, Requirement, Solved};
 use crate::syntax::{self, tree::Tree};
 use crate::system::LinearSystem;
-use crate::{Effort, Inspection};
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -73,7 +73,7 @@ impl Document {
     /// A model with its texts, analysed as far as time between two keystrokes allows. Results of the previous version
     /// are kept while this one has errors.
     pub fn new(sources: Sources, file: FileId, before: Option<&Document>) -> Document {
-        let inspection = crate::inspect(&sources, file, &Overrides::default(), Effort::UpTo(FEW));
+        let inspection = inspection::inspect(&sources, file, &Overrides::default(), Effort::UpTo(FEW));
         if inspection.is_whole {
             return Document::of_whole(sources, file, inspection, before);
         }
@@ -88,7 +88,7 @@ impl Document {
 
     /// A model analysed through every stage, however long it takes.
     pub fn whole(sources: Sources, file: FileId, before: Option<&Document>) -> Document {
-        let inspection = crate::inspect(&sources, file, &Overrides::default(), Effort::Whole);
+        let inspection = inspection::inspect(&sources, file, &Overrides::default(), Effort::Whole);
         Document::of_whole(sources, file, inspection, before)
     }
 

@@ -7,13 +7,14 @@ use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
-use vibc::{FileId, Overrides, PageShown, SourceFile, Sources, Study};
+use vibc::overview::Shown;
+use vibc::{FileId, Overrides, SourceFile, Sources, Study};
 
 fn page(text: &str) -> String {
     let mut sources = Sources::new();
     let model: FileId = sources.add(SourceFile::model("m.vib", text));
-    let outcome = vibc::overview(&sources, model, &Overrides::default(), &Study::default());
-    outcome.answer.expect("a model without errors").page((&sources, model), &PageShown::default())
+    let outcome = vibc::overview::overview(&sources, model, &Overrides::default(), &Study::default());
+    outcome.answer.expect("a model without errors").page((&sources, model), &Shown::default())
 }
 
 const MASS: &str = "model mass\nbody block { mass = 2 kg, moves x }\nspring s: ground -- block { k = 200 N/m }\n";
