@@ -87,6 +87,7 @@ impl Updates {
             *x = Dd::ZERO;
         }
         let (mut is_felt, mut is_constant, mut list, mut least) = (vec![false; n], vec![true; n], Vec::new(), 1.0f64);
+        let mut holds_rigid = false;
         for of in changing {
             let g: Vec<Ball> = (0..n)
                 .map(|i| of.row.iter().fold(Ball::ZERO, |sum, (at, a)| sum + *a * Ball::exact(modal.vectors[i][*at])))
@@ -104,6 +105,7 @@ impl Updates {
                     return None;
                 }
                 is_constant[i] = false;
+                holds_rigid |= of.part == Part::Stiffness && d[i].is_zero();
                 left_out += g.rad * g.rad;
                 let square = Ball::exact(g.mid).square();
                 size = size + square;
@@ -162,7 +164,9 @@ impl Updates {
         let constant = (0..n).filter(|&i| is_constant[i]).map(|i| d[i]).collect();
         let off = [within_k / room * ABOVE, within_m / room * ABOVE];
         off.iter().all(|x| x.is_finite()).then_some(())?;
-        Some(Updates { list, constant, rigid: rigid(base, &modal), off, count: count.min(n) })
+        // A row with no weight at the base is none of its rows, and may hold what is rigid there.
+        let rigid = if holds_rigid { 0 } else { rigid(base, &modal) };
+        Some(Updates { list, constant, rigid, off, count: count.min(n) })
     }
 
     /// For each change of the parameter the lowest eigenvalues, ascending, each followed by a bound of its error; NaN where it is not

@@ -223,6 +223,54 @@ fn modes_that_feel_no_change_stay() {
     }
 }
 
+/// A slope or a row that is not known well: the enclosures hold for all that it may be.
+#[test]
+fn enclosures_hold_for_every_slope_and_row() {
+    let mut builder = Builder::numbered(3);
+    for i in 0..3 {
+        builder.mass(i, &number("2"));
+        builder.spring(None, i, &number(["5", "7", "11"][i]));
+    }
+    builder.spring(Some(0), 1, &number("3"));
+    builder.spring(Some(1), 2, &number("2"));
+    let system = builder.finish();
+    let row = [(0, Number::ONE)];
+    for (part, change) in [(Part::Stiffness, 4.0), (Part::Mass, -1.0)] {
+        let mut wide = changing(part, &row);
+        wide.slope = wide.slope.widen(1e-6);
+        let mut blurred = changing(part, &row);
+        blurred.row = vec![(0, Ball::ONE.widen(1e-6))];
+        for (of, power) in [(wide, 1), (blurred, 2)] {
+            let updates = Updates::of(&system, &[of], change, 3).expect("one square");
+            let found = updates.lowest(&[change]);
+            for factor in [1.0 - 0.999e-6f64, 1.0, 1.0 + 0.999e-6] {
+                let widest = check(&changed(&system, part, &row, change * factor.powi(power)), &found, "uncertain");
+                assert!(widest < 1e-4, "{part:?}: {found:?}");
+            }
+        }
+    }
+}
+
+/// What is rigid at the base may be held by a row that has no weight there, or by springs that cancel there.
+#[test]
+fn what_is_rigid_at_the_base_need_not_stay_so() {
+    for cancels in [false, true] {
+        let mut builder = Builder::numbered(2);
+        builder.mass(0, &number("2"));
+        builder.mass(1, &number("3"));
+        builder.spring(Some(0), 1, &number("5"));
+        if cancels {
+            builder.spring(None, 0, &number("4"));
+            builder.spring(None, 0, &number("-4"));
+        }
+        let system = builder.finish();
+        let row = [(0, Number::ONE)];
+        if let Some(updates) = Updates::of(&system, &[changing(Part::Stiffness, &row)], 3.0, 2) {
+            check(&changed(&system, Part::Stiffness, &row, 3.0), &updates.lowest(&[3.0]), &format!("{cancels}"));
+        }
+    }
+}
+
 /// Blocks that nothing couples may each have a square of their own, at their corners too.
 #[test]
 fn squares_of_separate_blocks_are_taken_together() {
