@@ -5,16 +5,16 @@
 //! one, so that the derivatives of |H| at the frequencies that are left enclose those of the largest |H|: if all of them are positive,
 //! |H| at a frequency where it is largest grows with the parameter, and the largest one is at least that.
 //!
-//! A peak moves with its mode. So frequencies are multiples of the omega of one mode, which depends on the parameters: the derivatives
-//! are those along with the peak, where it takes much narrower ranges to tell their sign.
+//! A peak moves with its mode. So frequencies are multiples of the omega of one mode, which depends on the parameters, in coordinates
+//! of which one is this mode ([`Family::led_by`]): the derivatives are those along with the peak, where it takes much narrower ranges to
+//! tell their sign, and little damping does not make them wider. Each mode has its zone of frequencies; together they are all of the band.
 
 use super::linear::{JetMatrix, solve};
-use super::{Family, Path, Phasor, number};
+use super::together::Together;
+use super::{Family, Phasor, ball_between, number};
 use crate::base::{Ball, Dd, Jet, Number, up};
-use crate::kernel::complex::Complex;
-use crate::kernel::dense::Matrix;
-use crate::kernel::dense::lu::Lu;
-use crate::system::CoordinateId;
+use std::borrow::Cow;
+use std::cell::Cell;
 
 /// The path from an input, or from the velocity (1) or acceleration (2) of a base, to an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,18 +34,23 @@ pub struct Largest {
     pub slopes: Vec<Ball>,
 }
 
-/// Evaluations in one search.
-pub const MOST_CELLS: usize = 64;
-/// The largest |H| need not be known better than this for its derivatives to be.
-const NEAR: f64 = 1.02;
-/// A range of frequencies so narrow, as a share of them, is cut only if that makes |H| less by more than a little.
+/// Evaluations in one search, for one zone and for each further one.
+pub const MOST_CELLS: usize = 128;
+const CELLS_OF_A_ZONE: usize = 32;
+/// A range of frequencies so narrow, as a share of them, is cut only if |H| changes in it by more than a little.
 const NARROW: f64 = 0.15;
-const LITTLE_LESS: f64 = 0.95;
+const LITTLE: f64 = 1.1;
+/// At most so many parts are cut further for their derivatives, each into so many.
+const MOST_FINE: usize = 40;
+const FINE: usize = 6;
 /// Beyond the fastest pole by this factor, |H| is bounded for all frequencies at once.
 const BEYOND: f64 = 4.0;
+/// Zones overlap by this share, so that no rounding leaves a gap.
+const OVERLAP: f64 = 1e-12;
 
-/// Frequencies, rad/s, and what |H| is there.
-struct Cell {
+/// Frequencies as multiples of the unit of a zone, and what |H| is there.
+struct Part {
+    zone: usize,
     low: f64,
     high: f64,
     upper: f64,
@@ -53,28 +58,26 @@ struct Cell {
     is_last: bool,
 }
 
-/// `band`: in rad/s, without an end if the second one is `None`; `sizes`: the least and the largest size of the poles, and the omega of
-/// modes, with the derivative by the parameter of each system. These count where the band is that of all frequencies.
+/// Frequencies in the unit of its families: rad/s, or multiples of the omega of the mode that leads them.
+struct Zone<'f, 'a> {
+    families: Cow<'f, [Family<'a>]>,
+    low: f64,
+    high: f64,
+    /// Below this, |H| is about that of rest.
+    slow: f64,
+}
+
+/// `band`: in rad/s, without an end if the second one is `None`; `sizes`: the least and the largest size of the poles in the middle, and
+/// omega^2 of simple modes, ascending, in the middle and with the derivative by the parameter of each system.
 pub fn largest(
-    families: &[Family],
+    (families, together): (&[Family], Option<&Together>),
     way: Way,
     band: (Ball, Option<Ball>),
-    (sizes, references): ([f64; 2], &[Vec<Number>]),
+    (sizes, modes): ([f64; 2], &[(Ball, Vec<Jet>)]),
 ) -> Option<Largest> {
     let family = families.first()?;
-    // The mode at whose frequency the gain is largest in the middle of the ranges.
-    let roughly = |omegas: &&Vec<Number>| {
-        let size = rough(family, way, omegas[0].enclosure().to_f64());
-        if size.is_nan() { 0.0 } else { size }
-    };
-    let reference = references.iter().max_by(|a, b| roughly(a).total_cmp(&roughly(b)));
-    let unit = reference.map_or(1.0, |omegas| omegas[0].enclosure().to_f64());
-    let along = |own: usize, ratio: Ball| match reference {
-        Some(omegas) => &Number::Ball(ratio) * &omegas[own],
-        None => Number::Ball(ratio),
-    };
     let first = (band.0.mid.hi - band.0.rad).next_down().max(0.0);
-    let [slowest, fastest] = sizes.map(|size| size / unit);
+    let [slowest, fastest] = sizes;
     let last = match band.1 {
         Some(high) => (high.mid.hi + high.rad).next_up(),
         None => (BEYOND * fastest).max(2.0 * first),
@@ -82,97 +85,188 @@ pub fn largest(
     if !(slowest > 0.0 && last.is_finite() && first < last) {
         return None;
     }
+    let zones = zones((families, together), (first, last, band.1.is_none()), slowest, modes);
+    let most = MOST_CELLS + CELLS_OF_A_ZONE * (zones.len() - 1);
+    let still: Vec<Family> = zones.iter().map(|zone| zone.families[0].still()).collect();
+    let evaluations = Cell::new(0);
+    let at = |zone: usize, ratio: Ball| {
+        evaluations.set(evaluations.get() + 1);
+        magnitude(&still[zone], way, &Number::Ball(ratio))
+    };
+    let upper_at = |zone: usize, ratio: Ball| {
+        let upper = at(zone, ratio).map_or(f64::INFINITY, |found| found.value.magnitude());
+        if upper.is_nan() { f64::INFINITY } else { upper }
+    };
     let mut known = 0.0f64;
-    let look = |low: f64, high: f64, known: &mut f64| {
-        let middle = 0.5 * (low + high);
-        if let Some(found) = magnitude(family, way, along(0, Ball::from(middle))) {
+    let learn = |zone: usize, ratio: f64, known: &mut f64| {
+        if let Some(found) = at(zone, Ball::from(ratio)) {
             *known = known.max((found.value.mid.hi - found.value.rad * up::FEW) * (1.0 - f64::EPSILON));
         }
-        let upper =
-            magnitude(family, way, along(0, between(low, high))).map_or(f64::INFINITY, |found| found.value.magnitude());
-        Cell { low, high, upper: if upper.is_nan() { f64::INFINITY } else { upper }, is_last: false }
     };
-    let mut cells = Vec::new();
-    let (mut low, mut high) = (first, if first > 0.0 { 2.0 * first } else { (0.5 * slowest).min(last) });
-    while low < last && cells.len() < MOST_CELLS {
-        cells.push(look(low, high.min(last), &mut known));
-        (low, high) = (high, 2.0 * high);
+    // Near each mode there is a peak, which may be too narrow to be met by chance.
+    for (index, zone) in zones.iter().enumerate() {
+        if zone.families[0].lead.is_some() && zone.low < 1.0 && 1.0 < zone.high {
+            learn(index, 1.0, &mut known);
+        }
     }
-    if low < last {
-        return None;
+    let look = |zone: usize, low: f64, high: f64, known: &mut f64| {
+        learn(zone, 0.5 * (low + high), known);
+        Part { zone, low, high, upper: upper_at(zone, ball_between(low, high)), is_last: false }
+    };
+    let mut parts = Vec::new();
+    for (index, zone) in zones.iter().enumerate() {
+        let (mut low, mut high) = (zone.low, if zone.low > 0.0 { 2.0 * zone.low } else { zone.slow.min(zone.high) });
+        while low < zone.high {
+            if parts.len() >= most {
+                return None;
+            }
+            parts.push(look(index, low, high.min(zone.high), &mut known));
+            (low, high) = (high, 2.0 * high);
+        }
     }
-    while cells.len() < MOST_CELLS {
-        let worst = (0..cells.len()).max_by(|&a, &b| cells[a].upper.total_cmp(&cells[b].upper).then(b.cmp(&a)))?;
-        let Cell { low, high, upper, is_last } = cells[worst];
+    while parts.len() < most {
+        let open = (0..parts.len()).filter(|&i| !parts[i].is_last);
+        let worst = open.max_by(|&a, &b| parts[a].upper.total_cmp(&parts[b].upper).then(b.cmp(&a)));
+        let Some(worst) = worst else { break };
+        let Part { zone, low, high, upper, .. } = parts[worst];
         let middle = 0.5 * (low + high);
-        if upper <= NEAR * known || is_last || !(low < middle && middle < high) {
+        if upper < known {
             break;
         }
-        let halves = [look(low, middle, &mut known), look(middle, high, &mut known)];
-        let is_last = high - low < NARROW * high && halves.iter().any(|half| half.upper > LITTLE_LESS * upper);
-        let [first, second] = halves.map(|half| Cell { is_last: is_last && upper.is_finite(), ..half });
-        cells[worst] = first;
-        cells.push(second);
-    }
-    let mut evaluations = 2 * cells.len();
-    let mut upper = 0.0f64;
-    let mut slopes: Vec<Option<Ball>> = vec![None; families.len()];
-    for cell in cells.iter().filter(|cell| cell.upper >= known) {
-        upper = upper.max(cell.upper);
-        for (own, (family, all)) in families.iter().zip(&mut slopes).enumerate() {
-            let slope = magnitude(family, way, along(own, between(cell.low, cell.high)))?.slope;
-            *all = Some(all.map_or(slope, |all| hull(all, slope)));
-            evaluations += 1;
+        let is_even = || [low, middle, high].iter().all(|&ratio| upper <= LITTLE * upper_at(zone, Ball::from(ratio)));
+        if !(low < middle && middle < high) || upper.is_finite() && high - low < NARROW * high && is_even() {
+            parts[worst].is_last = true;
+            continue;
         }
+        let [first, second] = [look(zone, low, middle, &mut known), look(zone, middle, high, &mut known)];
+        parts[worst] = first;
+        parts.push(second);
     }
-    if band.1.is_none() {
-        let end = along(0, Ball::from(last)).enclosure();
-        if tail(family, way, (end.mid.hi - end.rad).next_down())? > known {
-            return None;
+    let mut left: Vec<Part> = parts.into_iter().filter(|part| part.upper >= known).collect();
+    let over = |left: &[Part]| {
+        let mut slopes: Vec<Option<Ball>> = vec![None; families.len()];
+        for part in left {
+            for (family, all) in zones[part.zone].families.iter().zip(&mut slopes) {
+                let slope = magnitude(family, way, &Number::Ball(ball_between(part.low, part.high)))?.slope;
+                *all = Some(all.map_or(slope, |all| hull(all, slope)));
+                evaluations.set(evaluations.get() + 1);
+            }
         }
+        slopes.into_iter().collect::<Option<Vec<Ball>>>()
+    };
+    let mut slopes = over(&left)?;
+    let is_open = |slope: &Ball| slope.contains_zero() && !slope.is_zero();
+    if left.len() <= MOST_FINE && slopes.iter().all(Ball::is_finite) && slopes.iter().any(is_open) {
+        // The phase of H is better known in smaller parts, and so is the sign of what |H| changes by.
+        let step = |part: &Part, i: usize| part.low + (part.high - part.low) * (i as f64 / FINE as f64);
+        let smaller = |part: &Part| -> Vec<Part> {
+            let ends = |i: usize| (step(part, i), if i + 1 == FINE { part.high } else { step(part, i + 1) });
+            let of = |(low, high)| Part { low, high, upper: upper_at(part.zone, ball_between(low, high)), ..*part };
+            (0..FINE).map(ends).map(of).filter(|part| part.upper >= known).collect()
+        };
+        left = left.iter().flat_map(smaller).collect();
+        slopes = over(&left)?;
+    }
+    let upper = left.iter().map(|part| part.upper).fold(0.0, f64::max);
+    // What lies beyond the last zone for any values.
+    let end = zones.last().map(|zone| zone.families[0].omega(&Number::Ball(Ball::from(zone.high))).enclosure())?;
+    if band.1.is_none() && tail(family, way, (end.mid.hi - end.rad).next_down())? > known {
+        return None;
     }
     let middle = 0.5 * (known + upper);
     let value = Ball::from(middle).widen((upper - middle).max(middle - known) * up::FEW);
-    let slopes: Option<Vec<Ball>> = slopes.into_iter().collect();
-    Some(Largest { value, evaluations, slopes: slopes.filter(|_| value.is_finite())? })
+    value.is_finite().then(|| Largest { value, evaluations: evaluations.get(), slopes })
 }
 
-/// |H| in the middle of the ranges, in binary64 and without a bound.
-fn rough(family: &Family, Way { input, output, rate }: Way, omega: f64) -> f64 {
-    let n = family.coordinates();
-    let middle = |number: &Number| number.enclosure().to_f64();
-    let Some(Path { b, p, d }) = family.path(input, output, &Number::Ball(Ball::from(omega))) else { return 0.0 };
-    let complex = |z: &Phasor| Complex::new(middle(&z.re), middle(&z.im));
-    let entry = |i: usize, j: usize| {
-        let [k, c, m] = [&family.k, &family.c, &family.m].map(|form| middle(&form[i][j]));
-        Complex::new(k - omega * omega * m, omega * c)
+/// Zones that together are a band, rad/s, for all values: one for each mode that certainly lies inside, and what they leave at its ends.
+/// In a band `is_all` that begins at rest and ends far above all poles, the last zone ends at least there in the middle of the ranges.
+fn zones<'f, 'a>(
+    (families, together): (&'f [Family<'a>], Option<&Together>),
+    (first, last, is_all): (f64, f64, bool),
+    slowest: f64,
+    modes: &[(Ball, Vec<Jet>)],
+) -> Vec<Zone<'f, 'a>> {
+    let plain = |low: f64, high: f64| Zone { families: Cow::Borrowed(families), low, high, slow: 0.5 * slowest };
+    // omega is certainly between the first two, and about the third.
+    let ends = |square: &Jet| {
+        let omega = number(square.clone()).sqrt()?.enclosure();
+        let (least, most) = ((omega.mid.hi - omega.rad).next_down(), (omega.mid.hi + omega.rad).next_up());
+        (least > 0.0 && most.is_finite()).then_some([least, most, omega.to_f64()])
     };
-    let Some(lu) = Lu::of(Matrix::from_fn(n, n, entry)) else { return f64::INFINITY };
-    let mut x: Vec<Complex<f64>> = b.iter().map(complex).collect();
-    lu.solve(&mut x);
-    let h = x.iter().zip(&p).fold(complex(&d), |sum, (x, p)| sum + complex(p) * *x);
-    let power = (0..rate).fold(1.0, |power, _| power * omega);
-    (h.re * h.re + h.im * h.im).sqrt() / power
+    let led = modes.iter().filter_map(|(middle, squares)| {
+        let [least, most, omega] = ends(squares.first()?)?;
+        if !(first < least && most < last) {
+            return None;
+        }
+        Some((together?.led(families, squares, *middle)?, [least, most, omega]))
+    });
+    let led: Vec<(Vec<Family>, [f64; 3])> = led.collect();
+    let mut zones = Vec::new();
+    let mut from = None;
+    for (i, (own, [least, most, omega])) in led.iter().enumerate() {
+        // Between two modes the border is at a frequency; multiples of either reach it for all values. At the ends of the band they
+        // stay inside of it, and what they leave is in rad/s.
+        let low = match from {
+            Some(border) => border / most * (1.0 - OVERLAP),
+            None if first == 0.0 => 0.0,
+            None => {
+                let low = first / least * (1.0 + OVERLAP);
+                zones.push(plain(first, low * most * (1.0 + OVERLAP)));
+                low
+            }
+        };
+        let (high, rest) = match led.get(i + 1) {
+            Some((_, [_, _, next])) => {
+                let border = (omega * next).sqrt();
+                from = Some(border);
+                (border / least * (1.0 + OVERLAP), None)
+            }
+            None if is_all => (last / omega, None),
+            None => {
+                let high = last / most * (1.0 - OVERLAP);
+                (high, Some(plain(high * least * (1.0 - OVERLAP), last)))
+            }
+        };
+        if !(low < high) {
+            return vec![plain(first, last)];
+        }
+        let slow = 0.5 * slowest.min(*omega) / most;
+        zones.push(Zone { families: Cow::Owned(own.clone()), low, high, slow });
+        zones.extend(rest);
+    }
+    if zones.is_empty() { vec![plain(first, last)] } else { zones }
 }
 
-/// |H| at frequencies, rad/s; `None` if it may be infinite.
-fn magnitude(family: &Family, Way { input, output, rate }: Way, omega: Number) -> Option<Jet> {
+/// |H| at frequencies in the unit of the family; `None` if it may be infinite.
+fn magnitude(family: &Family, Way { input, output, rate }: Way, omega: &Number) -> Option<Jet> {
     let power = i32::from(rate);
-    let direct = || family.response(input, output, &omega)?.times_power(&omega, -power);
+    let radians = family.omega(omega);
+    let direct = || family.response(input, output, omega)?.times_power(&radians, -power);
     // Near a resonance the force that makes the motion 1 is better known than the motion.
     let inverse = || {
-        let size = family.inverse_response(input, output, &omega)?.times_power(&omega, power)?.size()?;
+        let size = family.inverse_response(input, output, omega)?.times_power(&radians, power)?.size()?;
         Number::ONE.checked_div(&number(size))
     };
     let direct = direct().and_then(|z| z.size()).map(|size| family.jet_of(&number(size)));
     let inverse = inverse().map(|size| family.jet_of(&size));
     match (direct, inverse) {
         (Some(a), Some(b)) => Some(Jet {
-            value: if a.value.magnitude() <= b.value.magnitude() { a.value } else { b.value },
+            value: common(a.value, b.value),
             slope: if a.slope.rad <= b.slope.rad { a.slope } else { b.slope },
         }),
         (one, other) => one.or(other),
     }
+}
+
+/// What two enclosures of a number that is not negative have in common.
+fn common(a: Ball, b: Ball) -> Ball {
+    if !(a.is_finite() && b.is_finite()) {
+        return if a.is_finite() { a } else { b };
+    }
+    let low = |ball: Ball| (ball.mid.hi - ball.rad).next_down().next_down();
+    let (low, high) = (low(a).max(low(b)).max(0.0), a.magnitude().min(b.magnitude()));
+    let narrowest = if a.rad <= b.rad { a } else { b };
+    if low <= high && high - low < 2.0 * narrowest.rad { ball_between(low, high) } else { narrowest }
 }
 
 const UNKNOWN: Ball = Ball { mid: Dd::ZERO, rad: f64::INFINITY };
@@ -181,7 +275,7 @@ const UNKNOWN: Ball = Ball { mid: Dd::ZERO, rad: f64::INFINITY };
 /// `None` if it grows with the frequency, or the matrix may be singular.
 fn tail(family: &Family, Way { input, output, rate }: Way, from: f64) -> Option<f64> {
     let n = family.coordinates();
-    let u = Number::Ball(between(0.0, (1.0 / from).next_up()));
+    let u = Number::Ball(ball_between(0.0, (1.0 / from).next_up()));
     let re = |i: usize, j: usize| &family.m[i][j] - &(&u.square() * &family.k[i][j]);
     let im = |i: usize, j: usize| -&(&u * &family.c[i][j]);
     let matrix = JetMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
@@ -190,20 +284,18 @@ fn tail(family: &Family, Way { input, output, rate }: Way, from: f64) -> Option<
         (false, true) => im(i - n, j),
     });
     let (from_input, to_output) = (family.system.inputs.get(input)?, family.system.outputs.get(output)?);
-    let entry = |entries: &[(CoordinateId, Number)], i: usize| {
-        let own = entries.iter().filter(|(at, _)| at.index() == i);
-        own.fold(Number::ZERO, |sum, (_, value)| &sum + value)
-    };
     // u^(2 + rate - j - k) for the terms of power j and k.
     let power = |used: usize| u32::try_from(2 + usize::from(rate)).ok()?.checked_sub(u32::try_from(used).ok()?);
     let largest_u = (1.0 / from).next_up();
     let mut sum = 0.0f64;
     for (k, column) in from_input.b.iter().enumerate().filter(|(_, column)| !column.is_empty()) {
-        let found =
-            solve(&matrix, &JetMatrix::from_fn(2 * n, 1, |i, _| if i < n { entry(column, i) } else { Number::ZERO }))?;
+        let column = family.column(column);
+        let right = |i: usize| if i < n { column[i].clone() } else { Number::ZERO };
+        let found = solve(&matrix, &JetMatrix::from_fn(2 * n, 1, |i, _| right(i)))?;
         for (j, row) in to_output.p.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
+            let row = family.column(row);
             let along = |half: usize| {
-                let part = |i: usize| &entry(row, i) * &number(found.entry(half * n + i, 0));
+                let part = |i: usize| &row[i] * &number(found.entry(half * n + i, 0));
                 (0..n).fold(Number::ZERO, |sum, i| &sum + &part(i))
             };
             let z = Phasor { re: along(0), im: along(1) };
@@ -224,11 +316,6 @@ fn tail(family: &Family, Way { input, output, rate }: Way, from: f64) -> Option<
     bound.is_finite().then_some(bound)
 }
 
-fn between(low: f64, high: f64) -> Ball {
-    let middle = 0.5 * (low + high);
-    Ball::from(middle).widen((high - middle).max(middle - low) * up::FEW)
-}
-
 /// A ball that contains both.
 fn hull(a: Ball, b: Ball) -> Ball {
     if !(a.is_finite() && b.is_finite()) {
@@ -236,5 +323,5 @@ fn hull(a: Ball, b: Ball) -> Ball {
     }
     let (low, high) = ((a.mid.hi - a.rad).min(b.mid.hi - b.rad), (a.mid.hi + a.rad).max(b.mid.hi + b.rad));
     // The low parts of the middles are within a rounding of their high parts.
-    between(low, high).widen((low.abs() + high.abs()) * 4.0 * f64::EPSILON)
+    ball_between(low, high).widen((low.abs() + high.abs()) * 4.0 * f64::EPSILON)
 }

@@ -52,6 +52,11 @@ pub fn solve(a: &JetMatrix, b: &JetMatrix) -> Option<JetMatrix> {
     let inverse = middle_inverse(&a.value)?;
     let near_one = product(&inverse, &a.value);
     let value = eliminated(&near_one, &product(&inverse, &b.value))?;
+    let is_still = |matrix: &JetMatrix| matrix.slope.data().iter().all(Ball::is_zero);
+    if is_still(a) && is_still(b) {
+        let slope = Matrix::none(value.rows(), value.columns());
+        return value.is_finite().then_some(JetMatrix { value, slope });
+    }
     let moved = product(&a.slope, &value);
     let left = Matrix::from_fn(b.value.rows(), b.value.columns(), |i, j| b.slope[(i, j)] - moved[(i, j)]);
     let slope = if left.is_finite() {

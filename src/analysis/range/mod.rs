@@ -7,6 +7,7 @@ pub mod largest;
 pub mod least;
 pub mod linear;
 pub mod several;
+pub mod together;
 
 use crate::base::{Ball, Dd, Jet, Number, larger, up};
 use crate::kernel::complex::Complex;
@@ -20,6 +21,9 @@ use nalgebra::{DMatrix, SymmetricEigen};
 /// Limit of coordinates: the equations are dense, and solved in balls.
 pub const MOST: usize = 30;
 
+/// Arcs into which a quarter of a circle is cut at first.
+const ARCS: usize = 4;
+
 /// A system whose numbers are valid for every value of a parameter in a range.
 #[derive(Clone, Debug)]
 pub struct Family<'a> {
@@ -29,6 +33,17 @@ pub struct Family<'a> {
     m: Vec<Vec<Number>>,
     c: Vec<Vec<Number>>,
     k: Vec<Vec<Number>>,
+    /// The coordinates of the system as combinations of those of M, C and K here, if these are others.
+    basis: Option<Vec<Vec<Number>>>,
+    /// The mode that is one of the coordinates.
+    lead: Option<Lead>,
+}
+
+/// A mode that is a coordinate, and of whose omega frequencies are multiples.
+#[derive(Clone, Debug)]
+struct Lead {
+    index: usize,
+    omega: Number,
 }
 
 /// The direction in which all eigenvalues of K - sigma M move as the parameter grows.
@@ -52,7 +67,8 @@ impl<'a> Family<'a> {
     pub fn of(system: &'a LinearSystem, lost: bool) -> Option<Family<'a>> {
         let n = system.n();
         let few = n > 0 && n <= MOST && !system.is_chained() && system.losses.is_none();
-        few.then(|| Family { system, lost, m: system.m.entries(n), c: system.c.entries(n), k: system.k.entries(n) })
+        let [m, c, k] = [&system.m, &system.c, &system.k].map(|form| if few { form.entries(n) } else { Vec::new() });
+        few.then_some(Family { system, lost, m, c, k, basis: None, lead: None })
     }
 
     pub fn coordinates(&self) -> usize {
@@ -206,6 +222,37 @@ impl<'a> Family<'a> {
         is_regular(&Matrix::from_fn(2 * n, 2 * n, entry))
     }
 
+    /// Whether there is certainly no pole with |s| = `size`, for any value of the range, so that the number of those inside is the same
+    /// for all: the circle is covered by rectangles, at most `most` of them.
+    pub fn has_no_pole_of_size(&self, size: f64, most: usize) -> bool {
+        // ((1 - t^2) + 2 t i) / (1 + t^2) from 1 to i; the other quarter is its image, and the lower half its conjugate.
+        let along = |t: f64| [size * ((1.0 - t * t) / (1.0 + t * t)), size * (2.0 * t / (1.0 + t * t))];
+        let mut open: Vec<[f64; 2]> = (0..ARCS).map(|i| [i, i + 1].map(|i| i as f64 / ARCS as f64)).collect();
+        let mut looked_at = 0;
+        while let Some([from, to]) = open.pop() {
+            let ([right, low], [left, high]) = (along(from), along(to));
+            let off = size * 8.0 * f64::EPSILON;
+            let (re, im) = (ball_between(left - off, right + off), ball_between(low - off, high + off));
+            if self.has_no_pole_at(Complex::new(re, im)) && self.has_no_pole_at(Complex::new(-re, im)) {
+                continue;
+            }
+            looked_at += 1;
+            let middle = 0.5 * (from + to);
+            if looked_at > most || !(from < middle && middle < to) {
+                return false;
+            }
+            open.extend([[from, middle], [middle, to]]);
+        }
+        true
+    }
+
+    /// Whether certainly no eigenvalue is equal to this number, for any value of the range.
+    pub fn has_no_eigenvalue_at(&self, square: f64) -> bool {
+        let (n, square) = (self.system.n(), Ball::from(square));
+        let entry = |i: usize, j: usize| self.k[i][j].enclosure() - square * self.m[i][j].enclosure();
+        is_regular(&Matrix::from_fn(n, n, entry))
+    }
+
     /// Whether M is certainly regular for every value of the range.
     pub fn has_regular_mass(&self) -> bool {
         let n = self.system.n();
@@ -222,13 +269,10 @@ impl<'a> Family<'a> {
     /// its derivative; `None` if it may not be simple.
     pub fn effective_mass(&self, input: usize, omega_squared: &Jet) -> Option<Jet> {
         let n = self.system.n();
-        let of = &self.system.inputs.get(input)?.b;
-        let column = |entries: &[(CoordinateId, Number)], i: usize| {
-            let own = entries.iter().filter(|(at, _)| at.index() == i);
-            own.fold(Number::ZERO, |sum, (_, value)| &sum + value)
-        };
+        let [static_part, _, inertia] = &self.system.inputs.get(input)?.b;
+        let [static_part, inertia] = [static_part, inertia].map(|entries| self.column(entries));
         let matrix = |form: &[Vec<Number>]| JetMatrix::from_fn(n, n, |i, j| form[i][j].clone());
-        let carried = solve(&matrix(&self.k), &JetMatrix::from_fn(n, 1, |i, _| column(&of[0], i)))?;
+        let carried = solve(&matrix(&self.k), &JetMatrix::from_fn(n, 1, |i, _| static_part[i].clone()))?;
         let carried: Vec<Number> = (0..n).map(|i| number(carried.entry(i, 0))).collect();
         let square = number(omega_squared.clone());
         let shifted = |i: usize, j: usize| &self.k[i][j] - &(&square * &self.m[i][j]);
@@ -237,7 +281,7 @@ impl<'a> Family<'a> {
         let x = bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.x;
         let x: Vec<Number> = (0..n).map(|i| number(x.entry(i, 0))).collect();
         let times = |v: &[Number], i: usize| (0..n).fold(Number::ZERO, |sum, j| &sum + &(&self.m[i][j] * &v[j]));
-        let along = |i: usize| &x[i] * &(&times(&carried, i) - &column(&of[2], i));
+        let along = |i: usize| &x[i] * &(&times(&carried, i) - &inertia[i]);
         let product = (0..n).fold(Number::ZERO, |sum, i| &sum + &along(i));
         let own = (0..n).fold(Number::ZERO, |sum, i| &sum + &(&x[i] * &times(&x, i)));
         let mass = self.jet_of(&product.square().checked_div(&own)?);
@@ -284,6 +328,27 @@ impl<'a> Family<'a> {
         (self.system.n() == 1).then(|| &self.c[0][0].square() - &(&four * &(&self.k[0][0] * &self.m[0][0])))
     }
 
+    /// A frequency in rad/s, from one in the units of the family.
+    fn omega(&self, omega: &Number) -> Number {
+        self.lead.as_ref().map_or_else(|| omega.clone(), |lead| omega * &lead.omega)
+    }
+
+    /// What acts on each coordinate, from what acts on those of the system: X^T b.
+    fn column(&self, entries: &[(CoordinateId, Number)]) -> Vec<Number> {
+        let mut list = vec![Number::ZERO; self.system.n()];
+        for (i, value) in entries {
+            match &self.basis {
+                None => list[i.index()] = &list[i.index()] + value,
+                Some(basis) => {
+                    for (own, part) in list.iter_mut().zip(&basis[i.index()]) {
+                        *own = &*own + &(part * value);
+                    }
+                }
+            }
+        }
+        list
+    }
+
     /// H(i omega) from an input to an output; `None` if it may be infinite.
     pub fn response(&self, input: usize, output: usize, omega: &Number) -> Option<Phasor> {
         let n = self.system.n();
@@ -317,20 +382,25 @@ impl<'a> Family<'a> {
 
     /// An entry of K - omega^2 M + i omega C.
     fn dynamic(&self, i: usize, j: usize, omega: &Number) -> Phasor {
-        let re = &self.k[i][j] - &(&omega.square() * &self.m[i][j]);
+        let square = omega.square();
+        let re = match &self.lead {
+            Some(lead) if lead.index == i || lead.index == j => &(&Number::ONE - &square) * &self.m[i][j],
+            _ => &self.k[i][j] - &(&square * &self.m[i][j]),
+        };
         Phasor { re, im: omega * &self.c[i][j] }
     }
 
     /// The effect of an input, the row of an output, and the direct feed-through.
     fn path(&self, input: usize, output: usize, omega: &Number) -> Option<Path> {
-        let n = self.system.n();
         let out = self.system.outputs.get(output)?;
         let through = |power: usize| {
             let entries = out.d[power].iter().filter(|(known, _)| *known as usize == input);
             entries.fold(Number::ZERO, |sum, (_, value)| &sum + value)
         };
+        let omega = &self.omega(omega);
         let d = Phasor { re: &through(0) - &(&omega.square() * &through(2)), im: omega * &through(1) };
-        Some(Path { b: at(n, &self.system.inputs.get(input)?.b, omega), p: at(n, &out.p, omega), d })
+        let at = |parts: &[Vec<(CoordinateId, Number)>; 3]| at(parts.each_ref().map(|part| self.column(part)), omega);
+        Some(Path { b: at(&self.system.inputs.get(input)?.b), p: at(&out.p), d })
     }
 
     /// The magnitude of the diagonal terms of each row of s^2 M + s C + K.
@@ -418,6 +488,11 @@ fn number(jet: Jet) -> Number {
     Number::Jet(Box::new(jet))
 }
 
+fn ball_between(low: f64, high: f64) -> Ball {
+    let middle = 0.5 * (low + high);
+    Ball::from(middle).widen((high - middle).max(middle - low) * up::FEW)
+}
+
 /// Whether a matrix is certainly regular: elimination shows it after the inverse of its middle has been taken to the left.
 fn is_regular(a: &Matrix<Ball>) -> bool {
     let Some(inverse) = inverse(a.mid()) else { return false };
@@ -451,20 +526,11 @@ fn complex_solved(
     Some((0..n).map(|i| (found.entry(i, 0), found.entry(n + i, 0))).collect())
 }
 
-/// c0 + i omega c1 - omega^2 c2 of sparse columns.
-fn at(n: usize, parts: &[Vec<(CoordinateId, Number)>; 3], omega: &Number) -> Vec<Phasor> {
-    let mut list = vec![Phasor::ZERO; n];
+/// c0 + i omega c1 - omega^2 c2
+fn at([c0, c1, c2]: [Vec<Number>; 3], omega: &Number) -> Vec<Phasor> {
     let square = omega.square();
-    for (i, value) in &parts[0] {
-        list[i.index()].re = &list[i.index()].re + value;
-    }
-    for (i, value) in &parts[1] {
-        list[i.index()].im = &list[i.index()].im + &(omega * value);
-    }
-    for (i, value) in &parts[2] {
-        list[i.index()].re = &list[i.index()].re - &(&square * value);
-    }
-    list
+    let along = |(c0, (c1, c2)): (&Number, (&Number, &Number))| Phasor { re: c0 - &(&square * c2), im: omega * c1 };
+    c0.iter().zip(c1.iter().zip(&c2)).map(along).collect()
 }
 
 /// Two systems without damping between which the systems of a range lie: with every weight of K at its least and of M at its

@@ -8,10 +8,11 @@
 use super::Corners;
 use crate::analysis::measures;
 use crate::analysis::range::largest::{self, Largest, Way};
+use crate::analysis::range::together::Together;
 use crate::analysis::range::{Family, MOST};
 use crate::analysis::{Measurement, ModeKind, Modes, Pole, Poles, is_passive};
 use crate::base::number::jet;
-use crate::base::{Ball, Dd, Diagnostics, Jet, Number, Rational};
+use crate::base::{Ball, Dd, Diagnostics, Jet, Number, Rational, up};
 use crate::dynamics::{self, WrittenOut};
 use crate::kernel::complex::Complex;
 use crate::model::scene::{Arithmetic, Combined, Question, Scene};
@@ -23,7 +24,7 @@ use crate::questions::range_enclosure::{
 };
 use crate::questions::require::judged_alone;
 use crate::questions::trial::{Facts, Ranged, spectrum};
-use crate::system::Signal;
+use crate::system::{LinearSystem, Signal};
 use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -58,6 +59,10 @@ const LOWERING: u64 = 6_000;
 const MOST_WORK: u64 = 200_000_000;
 const SHARE: u64 = 4;
 
+/// Arcs of a circle that may be cut to show that no pole is on it, and circles that are tried.
+const MOST_ARCS: usize = 48;
+const BORDERS: usize = 2;
+
 /// A number over a box.
 #[derive(Clone, Debug)]
 pub(super) struct Enclosed {
@@ -72,16 +77,26 @@ struct Sheet {
     over: Vec<Ranged>,
     /// Half the width of each range, SI.
     radius: Vec<f64>,
+    /// What narrows the numbers of the systems, if their coordinates are the same in the middle.
+    together: Option<Together>,
     /// Every eigenvalue, ascending in the middle of the box.
-    squares: OnceCell<Option<Vec<Tube>>>,
+    squares: OnceCell<Option<Tubes>>,
     /// Every pole with im s >= 0.
-    poles: OnceCell<Option<Vec<Tube>>>,
+    poles: OnceCell<Option<Tubes>>,
     /// Largest gains, each over all frequencies or in a band, Hz.
     largest: RefCell<Vec<LargestOf>>,
 }
 
 /// A way, its band, and what was found.
 type LargestOf = (Way, Option<[Number; 2]>, Option<Largest>);
+
+/// The eigenvalues, or the poles with im s >= 0, ascending in size in the middle of a box.
+struct Tubes {
+    /// `None` where one may not be simple.
+    list: Vec<Option<Tube>>,
+    /// So many of the first ones are certainly those of the least size, wherever the others are.
+    lowest: usize,
+}
 
 /// Where an eigenvalue or a pole is for all values in a box, with its derivatives there.
 struct Tube {
@@ -228,15 +243,21 @@ impl<'a> Boxes<'a> {
     fn lowered(&self, part: &Part) -> Option<Sheet> {
         let free: Vec<usize> = (0..part.len()).filter(|&i| part[i][0] < part[i][1]).collect();
         let ends: Vec<[Number; 2]> = (0..part.len()).map(|i| part[i].map(|at| self.value(i, at))).collect();
-        let mut over = Vec::with_capacity(free.len());
-        for &own in &free {
+        let middle = Boxes::middle(part);
+        // With the derivatives by one parameter; or in the middle, on the same way.
+        let lower = |own: Option<usize>| {
             let setting = |(i, [low, high]): (usize, &[Number; 2])| {
-                let slope = if i == own { Ball::ONE } else { Ball::ZERO };
-                let range = super::hull(low.enclosure(), high.enclosure());
-                let si = if part[i][0] == part[i][1] {
-                    low.clone()
-                } else {
-                    Number::Jet(Box::new(Jet { value: range, slope }))
+                let slope = if Some(i) == own { Ball::ONE } else { Ball::ZERO };
+                let si = match own {
+                    _ if part[i][0] == part[i][1] => low.clone(),
+                    Some(_) => {
+                        let value = super::hull(low.enclosure(), high.enclosure());
+                        Number::Jet(Box::new(Jet { value, slope }))
+                    }
+                    None => {
+                        let value = self.value(i, middle[i]).enclosure();
+                        Number::Jet(Box::new(Jet { value, slope }))
+                    }
                 };
                 self.corners.setting(i, si)
             };
@@ -244,15 +265,19 @@ impl<'a> Boxes<'a> {
                 self.corners.held.iter().cloned().chain(ends.iter().enumerate().map(setting)).collect();
             self.work(LOWERING);
             let ask = |scene: &Scene| scene.requires.iter().map(|require| require.question.clone()).collect();
-            over.push(self.corners.text.ranged(&settings, ask)?);
-        }
+            self.corners.text.ranged(&settings, ask)
+        };
+        let over = free.iter().map(|&own| lower(Some(own))).collect::<Option<Vec<Ranged>>>()?;
         let n = over.first()?.lowered.system.n();
         if n == 0 || n > MOST || over.iter().any(|ranged| ranged.lowered.system.n() != n) {
             return None;
         }
         let half = |&i: &usize| (&ends[i][1] - &ends[i][0]).to_ball().magnitude() * 0.5 * (1.0 + f64::EPSILON);
-        let radius = free.iter().map(half).collect();
-        Some(Sheet { over, radius, squares: OnceCell::new(), poles: OnceCell::new(), largest: RefCell::default() })
+        let radius: Vec<f64> = free.iter().map(half).collect();
+        let systems: Vec<&LinearSystem> = over.iter().map(|ranged| &ranged.lowered.system).collect();
+        let together = lower(None).and_then(|centre| Together::of(&systems, &centre.lowered.system, &radius));
+        let (squares, poles, largest) = (OnceCell::new(), OnceCell::new(), RefCell::default());
+        Some(Sheet { over, radius, together, squares, poles, largest })
     }
 
     /// Whether no term supplies energy and every displacement takes some, whatever the values: nothing grows or stays away.
@@ -260,8 +285,8 @@ impl<'a> Boxes<'a> {
         let whole: Part = vec![[0, WHOLE]; self.corners.free.len()];
         let Some(sheet) = self.sheet(&whole) else { return false };
         let ranged = &sheet.over[0];
-        let system = &ranged.lowered.system;
-        ranged.is_damped && is_passive(system) && Family::of(system, false).is_some_and(|family| family.is_held())
+        let is_held = || sheet.family(0).is_some_and(|family| family.is_held());
+        ranged.is_damped && is_passive(&ranged.lowered.system) && is_held()
     }
 
     /// Whether no parameter certainly moves the limit of a requirement.
@@ -272,6 +297,13 @@ impl<'a> Boxes<'a> {
             question.is_some_and(|question| !matches!(question.value, Number::Jet(_)))
         };
         self.sheet(&whole).is_some_and(|sheet| sheet.over.iter().all(is_fixed))
+    }
+
+    /// How much each parameter of a part changes the system, about relative to it; nothing if that is not known.
+    pub fn changes(&self, part: &Part) -> Vec<f64> {
+        let sheet = self.sheet(part);
+        let of = |sheet: &Rc<Sheet>| Some(sheet.together.as_ref()?.changes());
+        sheet.as_ref().and_then(of).unwrap_or_default()
     }
 
     /// A quantity over a part of the box that is no single place; `None` if it may be infinite, or nothing is known.
@@ -292,22 +324,22 @@ impl<'a> Boxes<'a> {
         match quantity {
             Sought::Frequency(i) => self.frequency(part, sheet, own, i),
             Sought::Ratio(motion) => {
-                let tubes = self.poles(part, sheet)?;
+                let tubes = self.poles(part, sheet)?.lowest();
                 let counts: Vec<usize> = tubes.iter().map(|tube| if tube.is_real { 1 } else { 2 }).collect();
-                candidates(&sizes(tubes), &counts, |count, of| (2 * motion..2 * motion + of).contains(&count))
+                candidates(&sizes(&tubes), &counts, |count, of| (2 * motion..2 * motion + of).contains(&count))
                     .map(|i| tubes[i].ratio(own))
                     .reduce(either)?
             }
             Sought::PoleRe(i) | Sought::PoleIm(i) => {
-                let tubes = self.poles(part, sheet)?;
+                let tubes = self.poles(part, sheet)?.lowest();
                 let pick = |tube: &Tube| tube.part(own, quantity == Sought::PoleIm(i));
-                candidates(&sizes(tubes), &vec![1; tubes.len()], |count, _| count == i + 1)
+                candidates(&sizes(&tubes), &vec![1; tubes.len()], |count, _| count == i + 1)
                     .map(|i| pick(&tubes[i]))
                     .reduce(either)?
             }
             Sought::Abscissa => {
-                let parts: Vec<Jet> =
-                    self.poles(part, sheet)?.iter().map(|tube| tube.part(own, false)).collect::<Option<_>>()?;
+                let tubes = self.poles(part, sheet)?.all()?;
+                let parts = tubes.iter().map(|tube| tube.part(own, false)).collect::<Option<Vec<Jet>>>()?;
                 let ends = parts.iter().map(|jet| jet.value);
                 let low = ends.clone().map(|ball| ball.mid.hi - ball.rad).fold(f64::NEG_INFINITY, f64::max);
                 let reach = |ball: Ball| ball.mid.hi + ball.rad >= low;
@@ -329,8 +361,8 @@ impl<'a> Boxes<'a> {
         let ranged = &sheet.over[own];
         let (system, scene) = (&ranged.lowered.system, ranged.scene.scene());
         let settles = || {
-            let falls = |tube: &Tube| tube.part(own, false).is_some_and(|re| re.value.is_negative());
-            is_passive(system) || self.poles(part, sheet).is_some_and(|tubes| tubes.iter().all(falls))
+            let falls = |tube: &&Tube| tube.part(own, false).is_some_and(|re| re.value.is_negative());
+            is_passive(system) || self.poles(part, sheet).and_then(Tubes::all).is_some_and(|all| all.iter().all(falls))
         };
         let has_harmonics = || {
             let mut signals = ranged.context.drives.iter().flatten();
@@ -355,7 +387,7 @@ impl<'a> Boxes<'a> {
                 if !ranged.is_damped {
                     return None;
                 }
-                let family = Family::of(system, false)?;
+                let family = sheet.family(own)?;
                 let drive = &Drive { signals: &ranged.context.drives, loads: &ranged.loads };
                 self.work(solving(2 * system.n() + 2));
                 QuestionOverRange { family: Some(&family), course: None, drive, probe, question }.measure()
@@ -367,7 +399,7 @@ impl<'a> Boxes<'a> {
             Probe::EffectiveMass(input, mode) => {
                 let square = self.square(part, sheet, own, mode.checked_sub(1)?)?;
                 self.work(2 * solving(system.n() + 1));
-                Family::of(system, false)?.effective_mass(*input, &square)
+                sheet.family(own)?.effective_mass(*input, &square)
             }
             Probe::Combined(combined) => {
                 let parts = combined.map(&mut |probe| self.measure(part, sheet, own, probe, question));
@@ -396,14 +428,15 @@ impl<'a> Boxes<'a> {
             let (_, poles) = point.spectrum.as_ref()?;
             let sizes = poles.list.iter().map(|pole| pole.modulus().to_f64()).filter(|size| *size > 0.0);
             let ends = sizes.fold([f64::INFINITY, 0.0f64], |[low, high], size| [low.min(size), high.max(size)]);
-            let modes = match range {
-                None => self.squares(part, sheet).unwrap_or_default(),
-                Some(_) => &[],
+            let (undamped, _) = point.spectrum.as_ref()?;
+            let squares =
+                |tube: &Tube| (0..families.len()).map(|own| tube.part(own, false)).collect::<Option<Vec<Jet>>>();
+            let all = |tubes: &Tubes| {
+                let tubes = tubes.list.iter().zip(&undamped.list);
+                tubes.filter_map(|(tube, mode)| Some((mode.omega_squared, squares(tube.as_ref()?)?))).collect()
             };
-            let root = |square: Jet| number(square).sqrt();
-            let omega = |tube: &Tube| (0..families.len()).map(|own| root(tube.part(own, false)?)).collect();
-            let references: Vec<Vec<Number>> = modes.iter().filter_map(omega).collect();
-            let found = largest::largest(&families, way, band, (ends, &references));
+            let modes: Vec<(Ball, Vec<Jet>)> = self.squares(part, sheet).map(all).unwrap_or_default();
+            let found = largest::largest((&families, sheet.together.as_ref()), way, band, (ends, &modes));
             let evaluations = found.as_ref().map_or(2 * largest::MOST_CELLS, |found| found.evaluations);
             self.work(2 * evaluations as u64 * solving(2 * families[0].coordinates() + 1));
             found
@@ -419,8 +452,8 @@ impl<'a> Boxes<'a> {
 
     /// omega^2 of the mode with this index.
     fn square(&self, part: &Part, sheet: &Sheet, own: usize, index: usize) -> Option<Jet> {
-        let tubes = self.squares(part, sheet)?;
-        candidates(&sizes(tubes), &vec![1; tubes.len()], |count, _| count == index + 1)
+        let tubes = self.squares(part, sheet)?.lowest();
+        candidates(&sizes(&tubes), &vec![1; tubes.len()], |count, _| count == index + 1)
             .map(|i| tubes[i].part(own, false))
             .reduce(either)?
     }
@@ -431,27 +464,31 @@ impl<'a> Boxes<'a> {
         Some(Jet { value, slope: frequency_slope(square.value, square.slope) })
     }
 
-    fn squares<'s>(&self, part: &Part, sheet: &'s Sheet) -> Option<&'s [Tube]> {
+    fn squares<'s>(&self, part: &Part, sheet: &'s Sheet) -> Option<&'s Tubes> {
         let found = sheet.squares.get_or_init(|| {
             let point = self.point(&Boxes::middle(part));
             let (modes, _) = point.spectrum.as_ref()?;
             let families = self.families(sheet)?;
-            if !modes.is_complete() || modes.list.len() != families[0].coordinates() {
+            let n = families[0].coordinates();
+            if !modes.is_complete() || modes.list.len() != n {
                 return None;
             }
             let moved = |centre: &Centre| {
                 let Centre::Eigenvalue(square) = *centre else { return None };
-                let slope = |family: &Family| family.eigenvalue_slope(square, &family.modes_at(square, 1)?);
-                families.iter().map(|family| slope(family).map(Moved::Eigenvalue)).collect::<Option<Vec<_>>>()
+                let x = families[0].modes_at(square, 1)?;
+                let slope = |family: &Family| family.eigenvalue_slope(square, &x).map(Moved::Eigenvalue);
+                families.iter().map(slope).collect::<Option<Vec<_>>>()
             };
-            self.work((6 * families.len() * modes.list.len()) as u64 * solving(families[0].coordinates() + 1));
+            self.work(8 * n as u64 * solving(n + 1));
             let tube = |square: Ball| sheet.tube(&Centre::Eigenvalue(square), true, moved);
-            modes.list.iter().map(|mode| tube(mode.omega_squared)).collect()
+            let middles: Vec<Ball> = modes.list.iter().map(|mode| mode.omega_squared).collect();
+            let list = middles.iter().map(|square| tube(*square)).collect();
+            Some(Tubes::of(list, &middles, |square| families[0].has_no_eigenvalue_at(square)))
         });
-        found.as_deref()
+        found.as_ref()
     }
 
-    fn poles<'s>(&self, part: &Part, sheet: &'s Sheet) -> Option<&'s [Tube]> {
+    fn poles<'s>(&self, part: &Part, sheet: &'s Sheet) -> Option<&'s Tubes> {
         let found = sheet.poles.get_or_init(|| {
             let point = self.point(&Boxes::middle(part));
             let (_, poles) = point.spectrum.as_ref()?;
@@ -463,35 +500,82 @@ impl<'a> Boxes<'a> {
             let moved = |centre: &Centre| {
                 let Centre::Pole(re, im) = *centre else { return None };
                 let s = Complex::new(re, im);
-                let slope = |family: &Family| family.pole_slope(s, &family.motion_at(s)?);
-                families.iter().map(|family| slope(family).map(|s| Moved::Pole(s.re, s.im))).collect()
+                let x = families[0].motion_at(s)?;
+                let slope = |family: &Family| family.pole_slope(s, &x).map(|s| Moved::Pole(s.re, s.im));
+                families.iter().map(slope).collect()
             };
             let upper: Vec<&Pole> = poles.list.iter().filter(|pole| !pole.is_lower_half()).collect();
-            self.work((8 * families.len() * upper.len()) as u64 * solving(2 * n + 2));
-            let tube = |pole: &&Pole| sheet.tube(&Centre::Pole(pole.re, pole.im), !pole.is_complex(), moved);
-            let mut tubes = upper.iter().map(tube).collect::<Option<Vec<Tube>>>()?;
-            for tube in tubes.iter_mut().filter(|tube| !tube.is_real) {
-                let of = |own: usize| families[own].energies(&tube.raw(own, false)?, &tube.raw(own, true)?);
-                tube.energies = (0..families.len()).map(of).collect();
-            }
-            Some(tubes)
+            self.work(((8 + families.len()) * upper.len()) as u64 * solving(2 * n + 2));
+            let tube = |pole: &&Pole| {
+                let mut tube = sheet.tube(&Centre::Pole(pole.re, pole.im), !pole.is_complex(), moved)?;
+                if !tube.is_real {
+                    let of = |own: usize| families[own].energies(&tube.raw(own, false)?, &tube.raw(own, true)?);
+                    tube.energies = (0..families.len()).map(of).collect();
+                }
+                Some(tube)
+            };
+            let list = upper.iter().map(tube).collect();
+            let middles: Vec<Ball> = upper.iter().map(|pole| jet::square(pole.re) + jet::square(pole.im)).collect();
+            let is_free = |square: f64| {
+                self.work(MOST_ARCS as u64 * solving(2 * n));
+                families[0].has_no_pole_of_size(square.sqrt(), MOST_ARCS)
+            };
+            Some(Tubes::of(list, &middles, is_free))
         });
-        found.as_deref()
+        found.as_ref()
     }
 
     /// The systems with their derivatives, if M is regular everywhere, so that there are as many eigenvalues and poles everywhere.
     fn families<'s>(&self, sheet: &'s Sheet) -> Option<Vec<Family<'s>>> {
-        let families: Option<Vec<Family>> =
-            sheet.over.iter().map(|ranged| Family::of(&ranged.lowered.system, false)).collect();
+        let families: Option<Vec<Family>> = (0..sheet.over.len()).map(|own| sheet.family(own)).collect();
         families.filter(|families| families.first().is_some_and(Family::has_regular_mass))
     }
 }
 
 impl Sheet {
+    /// The system with the derivatives by one of the parameters.
+    fn family(&self, own: usize) -> Option<Family<'_>> {
+        let system = &self.over.get(own)?.lowered.system;
+        match &self.together {
+            Some(together) => together.family(system, own),
+            None => Family::of(system, false),
+        }
+    }
+
     /// An eigenvalue or a pole over the box, from its enclosure in the middle.
     fn tube(&self, start: &Centre, is_real: bool, moved: impl Fn(&Centre) -> Option<Vec<Moved>>) -> Option<Tube> {
         let (centre, moved) = start.over_box_narrow(&self.radius, moved)?;
         Some(Tube { moved, centre, is_real, energies: Vec::new() })
+    }
+}
+
+impl Tubes {
+    /// `middles`: the sizes in the middle of the box; `is_free`: whether certainly none has a size, wherever the parameters are.
+    fn of(list: Vec<Option<Tube>>, middles: &[Ball], is_free: impl Fn(f64) -> bool) -> Tubes {
+        if list.iter().all(Option::is_some) {
+            return Tubes { lowest: list.len(), list };
+        }
+        let upper = |ball: Ball| ball.mid.hi + ball.rad;
+        let first = list.iter().map_while(Option::as_ref).map(|tube| upper(tube.size()));
+        let reach: Vec<f64> =
+            first.scan(0.0, |most: &mut f64, upper| Some(most.max(upper)).inspect(|all| *most = *all)).collect();
+        // As no size is that of the border, so many are less everywhere as in the middle.
+        let is_border = |&count: &usize| {
+            let inside = reach[count - 1];
+            let outside = middles[count..].iter().map(|size| size.mid.hi - size.rad).fold(f64::INFINITY, f64::min);
+            let border = (inside * outside).sqrt();
+            inside * up::THOUSANDS < border && border * up::THOUSANDS < outside && is_free(border)
+        };
+        let lowest = (1..=reach.len()).rev().take(BORDERS).find(is_border).unwrap_or(0);
+        Tubes { list, lowest }
+    }
+
+    fn lowest(&self) -> Vec<&Tube> {
+        self.list.iter().take(self.lowest).flatten().collect()
+    }
+
+    fn all(&self) -> Option<Vec<&Tube>> {
+        self.list.iter().map(Option::as_ref).collect()
     }
 }
 
@@ -578,8 +662,8 @@ fn candidates(sizes: &[Ball], counts: &[usize], fits: impl Fn(usize, usize) -> b
     list.into_iter()
 }
 
-fn sizes(tubes: &[Tube]) -> Vec<Ball> {
-    tubes.iter().map(Tube::size).collect()
+fn sizes(tubes: &[&Tube]) -> Vec<Ball> {
+    tubes.iter().map(|tube| tube.size()).collect()
 }
 
 /// Two enclosures of one number: the better of each part.

@@ -120,7 +120,10 @@ impl Boxes<'_> {
 
     /// A bound of a quantity over a part of the box.
     fn bounded(&self, mut part: Part, quantity: Sought, sign: f64, seen: &mut Seen) -> Bounded {
-        let unknown = |part: Part| Bounded { bound: f64::INFINITY, reached: None, changes: Vec::new(), part };
+        let unknown = |part: Part| {
+            let changes = self.changes(&part);
+            Bounded { bound: f64::INFINITY, reached: None, changes, part }
+        };
         loop {
             let free: Vec<usize> = (0..part.len()).filter(|&i| part[i][0] < part[i][1]).collect();
             let middle = Boxes::middle(&part);
@@ -129,7 +132,9 @@ impl Boxes<'_> {
                 seen.add(value, || self.place(&middle));
             }
             if free.is_empty() {
-                let Some(value) = here else { return unknown(part) };
+                let Some(value) = here else {
+                    return Bounded { bound: f64::INFINITY, reached: None, changes: Vec::new(), part };
+                };
                 return Bounded { part, bound: end(value, sign), reached: Some(value), changes: Vec::new() };
             }
             let Some(over) = self.over(&part, quantity) else { return unknown(part) };

@@ -727,6 +727,34 @@ mod tests {
         is_exact(&found.poles[0][1], &|[k, m, c]| f64::sqrt(k / m - 0.25 * c * c / (m * m)), "im");
     }
 
+    /// One block whose damping is a thirtieth of its tolerances, and more: the largest gain is 1 / (2 k zeta sqrt(1 - zeta^2)), and that of
+    /// the velocity 1 / c, whatever k and m are.
+    #[test]
+    fn largest_gains_are_known_however_little_damps() {
+        for c in [0.02, 2.0] {
+            let found = of(&format!(
+                "param k = 100 N/m within 2 %\nparam m = 1 kg within 3 %\nparam c = {c} N*s/m within 3 %\n\
+                 body b {{ mass = m, moves x }}\nspring s: ground -- b {{ k = k }}\ndamper d: ground -- b {{ c = c }}\n\
+                 force F: b along x\noutput x = b.x\noutput v = b.vx\nrequire peak_gain(F -> x) < 1e9 m/N\n\
+                 require peak_gain(F -> v) < 1e9 s/kg\n"
+            ));
+            let found = found.expect("tolerances");
+            let gain = |k: f64, m: f64, c: f64| {
+                let zeta = 0.5 * c / f64::sqrt(k * m);
+                0.5 / (k * zeta * f64::sqrt(1.0 - zeta * zeta))
+            };
+            let [displacement, velocity] = &found.measures[..] else { panic!("two measures") };
+            let range = displacement.as_ref().expect("values");
+            assert!(matches!(range.proof, Some(RangeProof::Corners(_))), "{c} {range:?}");
+            for (end, truth) in
+                range.ends.expect("values").iter().zip([gain(102.0, 0.97, 1.03 * c), gain(98.0, 1.03, 0.97 * c)])
+            {
+                assert!((end.to_f64() - truth).abs() < 1e-11 * truth, "{c} {end:?} {truth}");
+            }
+            encloses(velocity.as_ref().expect("values"), &[1.0 / (1.03 * c), 1.0 / (0.97 * c)]);
+        }
+    }
+
     /// k = 1/2 N/m + (p - 5 N/m)^2 / (1 N/m) is least within the range, and so the final value largest: at no corner.
     #[test]
     fn an_extreme_inside_is_enclosed() {
