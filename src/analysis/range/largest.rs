@@ -227,7 +227,7 @@ fn zones<'f, 'a>(
                 (high, Some(plain(high * least * (1.0 - OVERLAP), last)))
             }
         };
-        if !(low < high) {
+        if low >= high {
             return vec![plain(first, last)];
         }
         let slow = 0.5 * slowest.min(*omega) / most;

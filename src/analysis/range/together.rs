@@ -87,7 +87,7 @@ impl Together {
                 let reach = slopes.fold(0.0, |sum, (jets, radius)| sum + jets[place].slope.magnitude() * radius);
                 let by_mean = middle[place].widen(reach * up::THOUSANDS);
                 let own = all[0][place].value;
-                if by_mean.is_finite() && !(own.rad <= by_mean.rad) { by_mean } else { own }
+                narrower(own, by_mean)
             };
             let values: Vec<Ball> = (0..middle.len()).map(value).collect();
             for (family, jets) in led.iter_mut().zip(&all) {
@@ -220,6 +220,11 @@ impl<'a> Family<'a> {
     }
 }
 
+/// Of two enclosures of one number.
+fn narrower(a: Ball, b: Ball) -> Ball {
+    if b.is_finite() && !(a.is_finite() && a.rad <= b.rad) { b } else { a }
+}
+
 /// X^T A X of one of the matrices of all families, each entry by what is narrower: its own balls, or the middle and all derivatives.
 fn narrowed(forms: &[&Entries], centre: &Entries, basis: &Matrix<Ball>, radius: &[f64]) -> Vec<Entries> {
     let n = centre.len();
@@ -236,7 +241,7 @@ fn narrowed(forms: &[&Entries], centre: &Entries, basis: &Matrix<Ball>, radius: 
             slopes.iter().zip(radius).fold(0.0, |sum, (slope, radius)| sum + slope[(i, j)].magnitude() * radius);
         let by_mean = middle[(i, j)].widen(reach * up::THOUSANDS);
         let own = plain.as_ref().map_or(by_mean, |plain| plain[(i, j)]);
-        if by_mean.is_finite() && !(own.rad <= by_mean.rad) { by_mean } else { own }
+        narrower(own, by_mean)
     };
     let values = Matrix::from_fn(n, n, value);
     let entry = |slope: &Matrix<Ball>, i: usize, j: usize| number(Jet { value: values[(i, j)], slope: slope[(i, j)] });

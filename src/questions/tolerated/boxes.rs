@@ -334,7 +334,7 @@ impl<'a> Boxes<'a> {
                 let tubes = self.poles(part, sheet)?.lowest();
                 let pick = |tube: &Tube| tube.part(own, quantity == Sought::PoleIm(i));
                 candidates(&sizes(&tubes), &vec![1; tubes.len()], |count, _| count == i + 1)
-                    .map(|i| pick(&tubes[i]))
+                    .map(|i| pick(tubes[i]))
                     .reduce(either)?
             }
             Sought::Abscissa => {
