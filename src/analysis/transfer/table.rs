@@ -186,13 +186,20 @@ pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
         return Table { inputs, outputs, rows, extrema: Some(from_roots) };
     }
     let mut rows = methods.rows(&pairs, sweep, &frequencies(poles, sweep));
-    let extrema = beside_brackets(methods, poles, sweep, &rows, from_roots);
-    let at = extrema.iter().flatten().flat_map(|extrema| &extrema.list);
+    let extrema = beside_brackets(methods, poles, sweep, &pairs, &rows, from_roots);
+    // A value next to an undamped pole may need an inverse of its own: one row is enough where |H| is infinite.
+    let has_row = |extremum: &Extremum| {
+        let hertz = extremum.frequency.to_f64();
+        let is_there = |row: &Row| (row.frequency.to_f64() - hertz).abs() <= 2.0 * f64::EPSILON * hertz;
+        extremum.gain == Gain::Infinite && rows.iter().any(is_there)
+    };
+    let at = extrema.iter().flatten().flat_map(|extrema| &extrema.list).filter(|extremum| !has_row(extremum));
     // The binary64 number that is printed: next to a lightly damped pole |H| differs there from the value at the
     // peak itself.
     let more = at
         .filter_map(|extremum| from_f64(extremum.frequency.to_f64()))
         .map(|hertz| Row { gains: methods.gains(&pairs, sweep, &Frequency::hertz(&hertz)), frequency: hertz });
+    let more: Vec<Row> = more.collect();
     rows.extend(more);
     sort(&mut rows);
     Table { inputs, outputs, rows, extrema: Some(extrema) }
@@ -241,6 +248,7 @@ fn beside_brackets(
     methods: &Methods,
     poles: &Poles,
     sweep: &Sweep,
+    pairs: &Pairs,
     rows: &[Row],
     from_roots: Vec<Vec<Extrema>>,
 ) -> Vec<Vec<Extrema>> {
@@ -249,7 +257,8 @@ fn beside_brackets(
             return found;
         }
         let gains: Vec<(f64, Gain)> = rows.iter().map(|row| (row.frequency.to_f64(), row.gains[i][o])).collect();
-        let others = bracketed(&methods.transfer, sweep.inputs[i], sweep.outputs[o], poles, &gains);
+        let by_modes = methods.sum.as_ref().zip(pairs[i][o].modal.as_ref());
+        let others = bracketed(&methods.transfer, (sweep.inputs[i], sweep.outputs[o]), by_modes, poles, &gains);
         if found.list.is_empty() && found.open.is_empty() { others } else { found.with(others.list) }
     };
     let row =

@@ -6,8 +6,9 @@ use super::jet::Jet;
 use super::{Extrema, Extremum, FeatureKind};
 use crate::analysis::answer::Poles;
 use crate::analysis::derived::hertz;
-use crate::analysis::transfer::{Disc, Gain, Transfer};
-use crate::base::{Ball, Dd, down, up};
+use crate::analysis::transfer::modal::{ModalPair, ModalSum};
+use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
+use crate::base::{Ball, Dd, Number, Rational, down, up};
 use crate::kernel::complex::{Complex, arc};
 
 /// The most steps towards one extremum, and the most doublings of its enclosure.
@@ -26,14 +27,22 @@ struct Pair<'a> {
     transfer: &'a Transfer<'a>,
     input: usize,
     output: usize,
+    /// The same H as a sum over modes, if damping leaves them apart.
+    by_modes: Option<(&'a ModalSum, &'a ModalPair)>,
 }
 
 /// An interval of omega, rad/s.
 type Interval = (f64, f64);
 
 /// `gains` are the values on the grid, in ascending frequency, Hz.
-pub fn bracketed(transfer: &Transfer, input: usize, output: usize, poles: &Poles, gains: &[(f64, Gain)]) -> Extrema {
-    let pair = Pair { transfer, input, output };
+pub fn bracketed(
+    transfer: &Transfer,
+    (input, output): (usize, usize),
+    by_modes: Option<(&ModalSum, &ModalPair)>,
+    poles: &Poles,
+    gains: &[(f64, Gain)],
+) -> Extrema {
+    let pair = Pair { transfer, input, output, by_modes };
     let two_pi = 2.0 * std::f64::consts::PI;
     let (Some(first), Some(last)) = (gains.first(), gains.last()) else {
         return Extrema { list: Vec::new(), complete: None, open: Vec::new() };
@@ -58,7 +67,7 @@ pub fn bracketed(transfer: &Transfer, input: usize, output: usize, poles: &Poles
 /// Replaces the frequencies and values of a complete list by enclosures from H itself, if these are better: the
 /// accuracy of those from zeros and poles is limited by that of the zeros and poles.
 pub fn sharpened(transfer: &Transfer, input: usize, output: usize, mut found: Extrema) -> Extrema {
-    let pair = Pair { transfer, input, output };
+    let pair = Pair { transfer, input, output, by_modes: None };
     for index in 0..found.list.len() {
         let Extremum { kind, frequency, gain, .. } = found.list[index];
         let singular = gain == Gain::Infinite || gain.disc().is_some_and(|disc| disc.radius == 0.0);
@@ -204,6 +213,9 @@ impl Pair<'_> {
         if near != 1 || poles.left_out > 0 {
             return false;
         }
+        if self.exceeds_circle_by_modes(pole, radius) {
+            return true;
+        }
         let mut most = 0.0f64;
         for i in 0..ARCS {
             let s = arc(centre, radius, [i, i + 1].map(|i| std::f64::consts::TAU * i as f64 / ARCS as f64));
@@ -214,6 +226,15 @@ impl Pair<'_> {
         }
         let inside = self.jet(Ball::from(pole.to_f64() * (1.0 - BESIDE_POLE))).map(|jet| jet.value());
         inside.is_some_and(|h| h.re.mignitude().max(h.im.mignitude()) > most)
+    }
+
+    /// Whether the sum over modes proves that |H| inside the circle exceeds its maximum on it: two sums instead of an
+    /// elimination for each arc.
+    fn exceeds_circle_by_modes(&self, pole: Ball, radius: f64) -> bool {
+        let Some((sum, pair)) = self.by_modes else { return false };
+        let Some(inside) = Rational::from_f64(pole.to_f64() * (1.0 - BESIDE_POLE)) else { return false };
+        let inside = sum.accurate(pair, &Frequency::radians(&Number::from(inside)));
+        inside.disc().is_some_and(|disc| disc.gain().mignitude() > sum.most_on_circle(pair, pole.mid, radius))
     }
 }
 
@@ -234,7 +255,7 @@ mod tests {
     fn a_bracket_without_an_extremum_gives_none() {
         let system = oscillator("1", "0.2", "1");
         let transfer = Transfer::of(&system);
-        let pair = Pair { transfer: &transfer, input: 0, output: 0 };
+        let pair = Pair { transfer: &transfer, input: 0, output: 0, by_modes: None };
         let found = pair.root((0.9, 1.1), FeatureKind::Peak).expect("a peak");
         assert!((found.to_f64() - 0.98f64.sqrt()).abs() <= found.rad + 1e-15, "{found:?}");
         assert_eq!(pair.root((0.9, 1.1), FeatureKind::Antiresonance), None);
@@ -261,10 +282,54 @@ mod tests {
                 at.expect("a pole")
             };
             let transfer = Transfer::of(&system);
-            let pair = Pair { transfer: &transfer, input: 0, output: 0 };
-            assert!(!pair.has_pole_at(near(omega), &poles), "{omega}");
-            // A pole with a neighbour within the circle is not reported.
-            assert_eq!(pair.has_pole_at(near(1.0), &poles), omega == 2.0);
+            let sum = ModalSum::of(&system, &modes(&system).expect("modes")).expect("undamped");
+            let modal = sum.pair(&system, 0, 0);
+            for by_modes in [None, Some((&sum, &modal))] {
+                let pair = Pair { transfer: &transfer, input: 0, output: 0, by_modes };
+                assert!(!pair.has_pole_at(near(omega), &poles), "{omega}");
+                // A pole with a neighbour within the circle is not reported.
+                assert_eq!(pair.has_pole_at(near(1.0), &poles), omega == 2.0);
+                let alone = pair.exceeds_circle_by_modes(near(1.0), CIRCLE);
+                assert_eq!(alone, by_modes.is_some());
+                // The circle about the second's pole holds that of the first if it is so near.
+                let other = pair.exceeds_circle_by_modes(near(omega), omega * CIRCLE);
+                assert_eq!(other, by_modes.is_some() && omega != 2.0);
+            }
+        }
+    }
+
+    /// Between the largest of 64 values on a circle, by elimination, and a hundred times as much: circles about a pole, beside
+    /// one, and around several.
+    #[test]
+    fn no_value_on_a_circle_is_larger_than_its_bound() {
+        for n in [1, 6] {
+            let mut system = blank(n);
+            for i in 0..n {
+                push(&mut system.m, "1", i, None);
+                push(&mut system.k, "1000", i, i.checked_sub(1));
+            }
+            let modes = modes(&system).expect("modes");
+            let sum = ModalSum::of(&system, &modes).expect("undamped");
+            let (modal, transfer) = (sum.pair(&system, 0, n - 1), Transfer::of(&system));
+            let poles = poles(&system, &modes).expect("poles");
+            let own: Vec<Dd> = poles.list.iter().map(|pole| pole.im.mid).filter(|im| im.hi > 0.0).collect();
+            assert_eq!(own.len(), n);
+            for (omega, relative) in own.iter().flat_map(|w| [(*w, 1e-6), (*w * 1.0000001, 1e-6), (*w, 1e-2)]) {
+                let radius = omega.hi * relative;
+                let value = |step: u32| {
+                    let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(step) / 64.0);
+                    let s = Complex::new(Ball::from(radius * sin), Ball::exact(omega) + Ball::from(radius * cos));
+                    Jet::at(&transfer, s, 0, n - 1).expect("no pole").value().mid().to_f64().abs()
+                };
+                let largest = (0..64).map(value).fold(0.0, f64::max);
+                let bound = sum.most_on_circle(&modal, omega, radius);
+                assert!(largest <= bound * (1.0 + 1e-9), "{omega:?} {largest:e} {bound:e}");
+                assert!(bound < 100.0 * largest, "{omega:?} {largest:e} {bound:e}");
+            }
+            // A circle through a pole, and one about zero.
+            let first = own.iter().fold(own[0], |least, w| if w.hi < least.hi { *w } else { least });
+            assert_eq!(sum.most_on_circle(&modal, first * 0.75, first.hi * 0.25), f64::INFINITY);
+            assert_eq!(sum.most_on_circle(&modal, Dd::ZERO, 1.0), f64::INFINITY);
         }
     }
 }

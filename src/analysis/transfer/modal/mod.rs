@@ -72,6 +72,8 @@ const FREQUENCIES: RangeInclusive<f64> = 1e-25..=1e25;
 /// ... and the underflow error of a quotient, at most 1e-318, is below this after a product with D_i and a sum over the
 /// modes.
 const UNDERFLOW: f64 = 1e-260;
+/// More than the relative rounding errors of the handful of operations on the way to a lower bound.
+const ROUNDED: f64 = 1e-14;
 
 impl ModalSum {
     /// `None` if the modes do not diagonalise the damping, or some of them are missing.
@@ -185,6 +187,41 @@ impl ModalSum {
             radius += sum.1 * size_of_power(frequency, residues.power);
         }
         self.finish(pair, frequency, total, radius)
+    }
+
+    /// An upper bound of |H| on the circle about i omega with this radius, rad/s; infinite if there is no bound. The bound of
+    /// the module above holds for every s, with |s| instead of W and lower bounds of |D_i| on the circle.
+    pub fn most_on_circle(&self, pair: &ModalPair, omega: Dd, radius: f64) -> f64 {
+        let (least_s, most_s) = (omega.hi * (1.0 - ROUNDED) - radius, (omega.hi + radius) * UP);
+        if least_s.is_nan() || least_s < *FREQUENCIES.start() || most_s > *FREQUENCIES.end() {
+            return f64::INFINITY;
+        }
+        // |s^2 + k_i|: the distances of the circle from i omega_i and -i omega_i; of a mode that no spring holds, |s|^2 - |k_i|.
+        let undamped = |i: usize| {
+            let own = self.omega[i];
+            if own.hi > 0.0 {
+                let between = (own - omega).abs().hi;
+                let near = (between - radius).abs() - ROUNDED * (between + radius) - ROUNDED * ROUNDED * omega.hi;
+                near.max(0.0) * (own.hi + least_s) * (1.0 - ROUNDED)
+            } else {
+                least_s * least_s * (1.0 - ROUNDED) - self.k[i].hi.abs() * UP
+            }
+        };
+        let least = |i: usize| (undamped(i) - most_s * self.c[i].hi.abs() * UP) * (1.0 - ROUNDED);
+        let inverse: Vec<f64> = (0..self.k.len()).map(|i| 1.0 / least(i).max(0.0)).collect();
+        let sum =
+            |of: &dyn Fn(usize) -> f64| inverse.iter().enumerate().map(|(i, inverse)| of(i) * inverse).sum::<f64>();
+        let v = sum(&|i| most_s * most_s + most_s * self.c_size[i] + self.k_size[i]);
+        let mut total = 0.0;
+        for residues in &pair.residues {
+            let terms = sum(&|i| (residues.rounded[i].abs() + residues.exact_slack[i]) * UP);
+            let error = self.error(terms, v, sum(&|i| residues.p_square[i]), sum(&|i| residues.b_square[i]));
+            total += error * most_s.power(residues.power as i32) * UP;
+        }
+        let feed_through = (pair.feed_through.iter().enumerate()).map(|(i, d)| d.magnitude() * most_s.power(i as i32));
+        let most = (total + feed_through.sum::<f64>()) * UP;
+        // A term that is zero over a bound that is zero.
+        if most.is_nan() { f64::INFINITY } else { most }
     }
 
     fn finish(&self, pair: &ModalPair, frequency: &Frequency, total: Complex<Ball>, radius: f64) -> Gain {
