@@ -68,12 +68,19 @@ fn drift(rows: &TableRows, period: &Number, derivative: u8, name: &str, rate: &s
     ))
 }
 
+/// Periods between t = 0 and a table's first row that are counted without rounding errors.
+const MOST_PERIODS: f64 = 1e15;
+
 /// The mean of a table over a period that begins at t = 0, and its integral times t.
 fn moments(rows: &TableRows, period: &Number) -> [Ball; 2] {
     let n = rows.times.len();
     let third = Ball::ONE / Ball::from(3.0);
     let (mut area, mut moment) = (Ball::ZERO, Ball::ZERO);
     let first = rows.times.first().map_or(0.0, |first| (first / period).to_f64());
+    // So many periods are not counted by f64: the mean is not known.
+    if first.abs() > MOST_PERIODS {
+        return [Ball::ZERO.widen(f64::INFINITY); 2];
+    }
     // The periods that begin before t = 0, and those that begin before its end.
     let start = (-first).floor() as i64 - 1;
     for k in start..=start + 3 {

@@ -225,6 +225,10 @@ fn drifts_are_noted() {
     assert!(note.contains("moves away at about 0.25 m/s"), "{note}");
     let note = told(acceleration, "0.5, 1\n1.5, -1\n2.5, 1\n");
     assert!(note.contains("moves away at about 0.25 m/s"), "{note}");
+    // More periods before the first row than a computer counts: a limit, and nothing about a mean.
+    let far = "1000000000000000000000, 0\n1000000000000000000001, 1\n1000000000000000000002, 0\n";
+    let refused = told(velocity, far);
+    assert!(refused.contains("vib::limit::signal") && !refused.contains("mean"), "{refused}");
 }
 
 /// Emitted code goes on for ever with the rows of one period, beside other signals and delays, with steps that divide the period, that
