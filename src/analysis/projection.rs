@@ -77,3 +77,21 @@ pub fn eigenvalues(t: &[Ball], s: &[Ball], n: usize) -> Option<Vec<[f64; 2]>> {
     };
     Some(values.iter().map(ends).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// T = 1 to 1.1 and S = 0.6 to 1.4: t / s from 1 / 1.4 to 1.1 / 0.6; and -1 for T, where nothing is relative.
+    #[test]
+    fn eigenvalues_of_one_coordinate_are_quotients() {
+        let s = Ball::from(1.0).widen(0.4);
+        for (t, [least, largest]) in [
+            (Ball::from(1.05).widen(0.05), [1.0 / 1.4, 1.1 / 0.6]),
+            (Ball::from(-1.0).widen(0.0), [-1.0 / 0.6, -1.0 / 1.4]),
+        ] {
+            let [low, high] = eigenvalues(&[t], &[s], 1).expect("near one")[0];
+            assert!(low <= least && largest <= high, "{low} {high}");
+        }
+    }
+}

@@ -325,3 +325,94 @@ fn hull(a: Ball, b: Ball) -> Ball {
     // The low parts of the middles are within a rounding of their high parts.
     ball_between(low, high).widen((low.abs() + high.abs()) * 4.0 * f64::EPSILON)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::{blank, push};
+    use crate::system::{CoordinateId, LinearSystem, Nature};
+
+    /// Blocks of 1 kg, the first on a spring of p N/m, the others on springs of 4 and 9 N/m.
+    fn blocks(p: Number) -> LinearSystem {
+        let mut system = blank(3);
+        (0..3).for_each(|i| push(&mut system.m, "1", i, None));
+        let source = system.k.source(system.coordinates[0].name);
+        system.k.push(source, Nature::Property, p, [(CoordinateId(0), Number::ONE)]);
+        push(&mut system.k, "4", 1, None);
+        push(&mut system.k, "9", 2, None);
+        system
+    }
+
+    /// p from 0.81 to 1.21: frequencies of 0.9 to 1.1, 2 and 3 rad/s, in bands from 0 or 0.5 rad/s. What a zone covers for every p begins no
+    /// later than what the one before it covers for every p ends, and no zone has a frequency outside of the band.
+    #[test]
+    fn zones_cover_the_band_for_all_values() {
+        let over = blocks(Jet::of_parameter(Ball::from(1.01).widen(0.2)));
+        let still = blocks(Number::from("1.01"));
+        let together = Together::of(&[&over], &still, &[0.2]).expect("one form");
+        let families = [together.family(&over, 0).expect("a family")];
+        let fixed = |square: f64| {
+            let jet = Jet { value: Ball::from(square), slope: Ball::ZERO };
+            (jet.value, vec![jet])
+        };
+        let moved = Jet { value: Ball::from(1.01).widen(0.2), slope: Ball::ONE };
+        let modes = [(Ball::from(1.01), vec![moved]), fixed(4.0), fixed(9.0)];
+        for (first, last, is_all) in [(0.0, 12.0, true), (0.0, 5.0, false), (0.5, 5.0, false), (0.5, 2.5, false)] {
+            let zones = zones((&families, Some(&together)), (first, last, is_all), 1.0, &modes);
+            let led = zones.iter().filter(|zone| zone.families[0].lead.is_some()).count();
+            assert_eq!(led, if last < 3.0 { 2 } else { 3 }, "{first} {last}");
+            let mut covered = first;
+            for (i, zone) in zones.iter().enumerate() {
+                let omega = match &zone.families[0].lead {
+                    None => [1.0, 1.0],
+                    Some(lead) => {
+                        let omega = lead.omega.to_f64();
+                        [0.9f64, 1.1].map(|moved| if omega < 1.5 { moved } else { omega.round() })
+                    }
+                };
+                let rounding = 8.0 * f64::EPSILON;
+                assert!(i == 0 || zone.low * omega[1] <= covered * (1.0 + rounding), "{i} {first} {last}");
+                assert!(zone.low * omega[0] >= first * (1.0 - rounding), "{i} {first} {last}");
+                assert!(is_all || i + 1 < zones.len() || zone.high * omega[1] <= last * (1.0 + rounding));
+                covered = zone.high * omega[0];
+            }
+            assert!(is_all || covered == last, "{covered} {last}");
+        }
+    }
+
+    /// The acceleration of a block of 0.9 to 1.1 kg in thick oil grows up to 1 / m as the frequency does: no finite one has the largest.
+    #[test]
+    fn a_gain_that_is_largest_far_beyond_all_poles_is_not_cut_off() {
+        let mut system = blank(1);
+        let source = system.m.source(system.coordinates[0].name);
+        let mass = Jet::of_parameter(Ball::from(1.0).widen(0.1));
+        system.m.push(source, Nature::Property, mass, [(CoordinateId(0), Number::ONE)]);
+        push(&mut system.c, "10", 0, None);
+        push(&mut system.k, "1", 0, None);
+        system.outputs[0].p = [Vec::new(), Vec::new(), vec![(CoordinateId(0), Number::ONE)]];
+        let family = Family::of(&system, false).expect("a family");
+        let way = Way { input: 0, output: 0, rate: 0 };
+        let bound = tail(&family, way, 40.0).expect("a bound");
+        assert!((1.0 / 0.9..1.3).contains(&bound), "{bound}");
+        let found = largest((&[family], None), way, (Ball::ZERO, None), ([0.1, 10.0], &[]));
+        let holds = |value: Ball, m: f64| (value.to_f64() - 1.0 / m).abs() <= value.rad * (1.0 + 1e-12);
+        assert!(found.is_none_or(|found| holds(found.value, 0.9) && holds(found.value, 1.1)));
+    }
+
+    /// 1 .. 3 and 2 .. 5 have 2 .. 3 in common, 1 .. 3 and -2 .. 3 have 1 .. 3, 1 .. 5 and 2 .. 2.5 the latter.
+    #[test]
+    fn what_two_enclosures_have_in_common_is_kept() {
+        for (one, other, both) in [
+            ([1.0, 3.0], [2.0, 5.0], [2.0, 3.0]),
+            ([1.0, 3.0], [-2.0, 3.0], [1.0, 3.0]),
+            ([1.0, 5.0], [2.0, 2.5], [2.0, 2.5]),
+        ] {
+            let ball = |[low, high]: [f64; 2]| ball_between(low, high);
+            for found in [common(ball(one), ball(other)), common(ball(other), ball(one))] {
+                let [low, high] = [found.to_f64() - found.rad, found.to_f64() + found.rad];
+                assert!(low <= both[0] && both[1] <= high, "{low} {high} {both:?}");
+                assert!(low >= both[0] - 1e-14 && high <= both[1] + 1e-14, "{low} {high} {both:?}");
+            }
+        }
+    }
+}

@@ -264,3 +264,74 @@ fn modes(centre: &Family) -> Option<Matrix<Ball>> {
     let basis = Matrix::from_fn(n, n, |i, j| Ball::from(shapes[(i, j)] * scale(j)));
     basis.is_finite().then_some(basis)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::{blank, push};
+    use crate::system::{CoordinateId, Nature};
+
+    /// Two blocks of 1 kg on springs of k N/m and between them one of l: (1, 1) with omega^2 = k, and (1, -1) with k + 2 l; of the size for
+    /// which omega^2 x^T M x is 1, and with the sign that makes the one that is replaced positive.
+    #[test]
+    fn a_mode_as_a_coordinate_has_one_sign() {
+        for (k, l) in [(1, 1), (3, 1), (1, 5), (40, 2), (2, 30)] {
+            let mut system = blank(2);
+            for i in 0..2 {
+                push(&mut system.m, "1", i, None);
+                push(&mut system.k, &k.to_string(), i, None);
+            }
+            push(&mut system.k, &l.to_string(), 0, Some(1));
+            let family = Family::of(&system, false).expect("a family");
+            for (square, sign) in [(f64::from(k), 1.0), (f64::from(k + 2 * l), -1.0)] {
+                let led = family.led_by(&Jet { value: Ball::from(square), slope: Ball::ZERO }).expect("simple");
+                let (index, basis) = (led.lead.as_ref().expect("a lead").index, led.basis.as_ref().expect("a basis"));
+                let size = 1.0 / (2.0 * square).sqrt();
+                for (i, row) in basis.iter().enumerate() {
+                    let truth = if i == index { size } else { sign * size };
+                    assert!((row[index].to_f64() - truth).abs() < 1e-14, "{k} {l} {sign} {i} {:?}", row[index]);
+                }
+            }
+        }
+    }
+
+    /// The same with k of 3.9 to 4.1 N/m and l of 0.9 to 1.1 N/m. The mode (1, 1) leads: its omega is sqrt(k), and with the other one of the size
+    /// that makes its x^T K x 1 in the middle, that is (k + 2 l) / 6 elsewhere, and omega^2 x^T M x is k / 6.
+    #[test]
+    fn coordinates_hold_what_all_parameters_change() {
+        let system = |value: [Ball; 2], own: Option<usize>| {
+            let slope = |i: usize| if own == Some(i) { Ball::ONE } else { Ball::ZERO };
+            let [k, l] = [0, 1].map(|i| number(Jet { value: value[i], slope: slope(i) }));
+            let one = |i: u32| (CoordinateId(i), Number::ONE);
+            let mut system = blank(2);
+            let source = system.k.source(system.coordinates[0].name);
+            for i in 0..2 {
+                push(&mut system.m, "1", i as usize, None);
+                system.k.push(source, Nature::Property, k.clone(), [one(i)]);
+            }
+            system.k.push(source, Nature::Property, l, [one(0), (CoordinateId(1), -&Number::ONE)]);
+            system
+        };
+        let (middle, radius) = ([Ball::from(4.0), Ball::from(1.0)], [0.1, 0.1]);
+        let wide = [middle[0].widen(radius[0]), middle[1].widen(radius[1])];
+        let over = [0, 1].map(|own| system(wide, Some(own)));
+        let together = Together::of(&over.each_ref(), &system(middle, None), &radius).expect("one form");
+        let families: Vec<Family> = (0..2).map(|own| together.family(&over[own], own).expect("a family")).collect();
+        let squares = [Ball::ONE, Ball::ZERO].map(|slope| Jet { value: wide[0], slope });
+        let led = together.led(&families, &squares, middle[0]).expect("simple");
+        let holds = |number: &Number, least: f64, largest: f64| {
+            let ball = number.enclosure();
+            let (low, high) = (ball.to_f64() - ball.rad, ball.to_f64() + ball.rad);
+            let slack = 0.2 * (largest - least);
+            assert!(low <= least + 1e-15 && largest - 1e-15 <= high, "{low} {high} {least} {largest}");
+            assert!(low >= least - slack && high <= largest + slack, "{low} {high} {least} {largest}");
+        };
+        for family in led {
+            let lead = family.lead.as_ref().expect("a lead");
+            let other = 1 - lead.index;
+            holds(&lead.omega, 3.9f64.sqrt(), 4.1f64.sqrt());
+            holds(&family.k[other][other], 5.7 / 6.0, 6.3 / 6.0);
+            holds(&family.m[other][other], 3.9 / 6.0, 4.1 / 6.0);
+        }
+    }
+}
