@@ -564,6 +564,9 @@ fn a_mesh_graded_beyond_all_digits_has_no_frequencies() {
     for mode in beyond["modes"].as_array().expect("modes") {
         assert!(mode["frequency_hz"].is_null() && mode["omega_error_bound"].is_null(), "{mode}");
     }
+    let report = super::program::text(&mesh(20), &["analyze", "--modes", "3"]);
+    assert!(report.contains("modes 1 to 3: no bound of their frequencies is known"), "{report}");
+    assert!(!report.contains("cluster"), "{report}");
     // Within the digits the frequencies of all rows of a mesh are those of one row: 2 sin((2 n - 1) pi / 26).
     let (within, _, _) = told(&mesh(3), "analyze", &["--modes", "1"]);
     let least = 2.0 * (std::f64::consts::PI / 26.0).sin() / (2.0 * std::f64::consts::PI);

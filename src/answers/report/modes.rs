@@ -268,7 +268,14 @@ fn clusters(answer: &ModalAnswer) -> Vec<Line> {
             continue;
         }
         seen = mode.cluster;
+        // Without bounds they are members of one cluster as far as is known, and no more.
+        let unknown = members.iter().any(|i| !list[*i].omega.is_finite());
         lines.push(match members[..] {
+            [first, .., last] if unknown => line![
+                "modes ",
+                range(below + first + 1, below + last + 1),
+                ": no bound of their frequencies is known, and nothing is proved of their shapes"
+            ],
             [first, .., last] => line![
                 "modes ",
                 range(below + first + 1, below + last + 1),
