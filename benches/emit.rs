@@ -35,11 +35,17 @@ fn chain(n: usize) -> LinearSystem {
     let at = |i: usize| vec![(id(i), Number::ONE)];
     LinearSystem {
         words,
-        coordinates: vec![coordinate; n],
+        coordinates: vec![coordinate.clone(); n],
         m,
         c,
         k,
-        inputs: vec![Input { name, unit: "N", b: [at(0), Vec::new(), Vec::new()], undamped: None }],
+        inputs: vec![Input {
+            name,
+            span: coordinate.span,
+            unit: "N",
+            b: [at(0), Vec::new(), Vec::new()],
+            undamped: None,
+        }],
         outputs: vec![Output {
             name,
             unit: "m".into(),

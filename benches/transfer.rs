@@ -45,12 +45,18 @@ fn chain_of(n: usize, mass: impl Fn(usize) -> Number) -> LinearSystem {
     let at = |i: usize| vec![(id(i), Number::ONE)];
     LinearSystem {
         words,
-        coordinates: vec![coordinate; n],
+        coordinates: vec![coordinate.clone(); n],
         m,
         c,
         k,
         chain: Vec::new(),
-        inputs: vec![Input { name, unit: "N", b: [at(0), Vec::new(), Vec::new()], undamped: None }],
+        inputs: vec![Input {
+            name,
+            span: coordinate.span,
+            unit: "N",
+            b: [at(0), Vec::new(), Vec::new()],
+            undamped: None,
+        }],
         outputs: vec![Output {
             name,
             unit: "m".into(),

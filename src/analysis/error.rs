@@ -165,15 +165,15 @@ impl AnalysisError {
     }
 
     pub(in crate::analysis) fn never_repeats(system: &LinearSystem, input: usize) -> AnalysisError {
-        AnalysisError::NeverRepeats { input: system.display(system.inputs[input].name), at: place(system, 0) }
+        AnalysisError::NeverRepeats { input: system.display(system.inputs[input].name), at: system.inputs[input].span }
     }
 
     pub(in crate::analysis) fn signal_too_long(system: &LinearSystem, input: usize) -> AnalysisError {
-        AnalysisError::SignalTooLong { input: system.display(system.inputs[input].name), at: place(system, 0) }
+        AnalysisError::SignalTooLong { input: system.display(system.inputs[input].name), at: system.inputs[input].span }
     }
 
     pub(in crate::analysis) fn impulse_on_base(system: &LinearSystem, input: usize) -> AnalysisError {
-        AnalysisError::ImpulseOnBase { input: system.display(system.inputs[input].name), at: place(system, 0) }
+        AnalysisError::ImpulseOnBase { input: system.display(system.inputs[input].name), at: system.inputs[input].span }
     }
 
     pub fn code(&self) -> Code {

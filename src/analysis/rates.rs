@@ -46,7 +46,8 @@ pub fn with_rate(system: &LinearSystem, rate: Rate) -> Result<LinearSystem, &'st
     let mut left = following.forces.iter().skip(derivative).map(|force| sparse(force));
     let b = std::array::from_fn(|_| left.next().unwrap_or_default());
     let unit = unit_of(of.unit, rate.derivative);
-    driven.inputs.push(Input { name: Label { name: of.name.name, motion: rate.word }, unit, b, undamped: None });
+    let name = Label { name: of.name.name, motion: rate.word };
+    driven.inputs.push(Input { name, span: of.span, unit, b, undamped: None });
     see(&mut driven, rate, &following);
     Ok(driven)
 }

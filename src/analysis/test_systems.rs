@@ -9,13 +9,10 @@ pub fn blank(n: usize) -> LinearSystem {
     let names: Vec<Label> =
         (0..n).map(|i| Label { name: Name::plain(words.intern(&format!("x{i}"))), motion: "" }).collect();
     let at = |i: usize| vec![(CoordinateId(i as u32), Number::ONE)];
-    let coordinates = names.iter().map(|&name| Coordinate {
-        name,
-        kind: CoordinateKind::Translation,
-        span: Span::new(FileId(0), 0, 0),
-    });
+    let span = Span::new(FileId(0), 0, 0);
+    let coordinates = names.iter().map(|&name| Coordinate { name, kind: CoordinateKind::Translation, span });
     let inputs =
-        (0..n).map(|i| Input { name: names[i], unit: "N", b: [at(i), Vec::new(), Vec::new()], undamped: None });
+        (0..n).map(|i| Input { name: names[i], span, unit: "N", b: [at(i), Vec::new(), Vec::new()], undamped: None });
     let outputs = (0..n).map(|i| Output {
         name: names[i],
         unit: "m".into(),

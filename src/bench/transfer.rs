@@ -4,7 +4,7 @@ use super::ordinary::Matrices;
 use super::{Clock, Entry, MOST_DENSE, Question, Reference, timed};
 use crate::analysis::{Frequency, Gain, ModalSum, Transfer};
 use crate::base::{Dd, Number, Rational};
-use crate::system::{CoordinateId, Input, LinearSystem, Output};
+use crate::system::{Coordinate, CoordinateId, Input, LinearSystem, Output};
 use nalgebra::Complex;
 
 /// The most resonances that are used.
@@ -57,8 +57,8 @@ pub fn transfer(system: &LinearSystem, reference: &Reference, clock: &mut Clock)
 fn driving_point(system: &LinearSystem) -> LinearSystem {
     let mut system = system.clone();
     let at = || vec![(CoordinateId(0), Number::ONE)];
-    let name = system.coordinates[0].name;
-    system.inputs = vec![Input { name, unit: "N", b: [at(), Vec::new(), Vec::new()], undamped: None }];
+    let Coordinate { name, span, .. } = system.coordinates[0];
+    system.inputs = vec![Input { name, span, unit: "N", b: [at(), Vec::new(), Vec::new()], undamped: None }];
     let nothing = || [Vec::new(), Vec::new(), Vec::new()];
     system.outputs = vec![Output { name, unit: "m".into(), p: [at(), Vec::new(), Vec::new()], d: nothing() }];
     system

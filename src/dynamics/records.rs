@@ -77,7 +77,7 @@ fn moments(rows: &TableRows, period: &Number) -> [Ball; 2] {
     let third = Ball::ONE / Ball::from(3.0);
     let (mut area, mut moment) = (Ball::ZERO, Ball::ZERO);
     let first = rows.times.first().map_or(0.0, |first| (first / period).to_f64());
-    // So many periods are not counted by f64: the mean is not known.
+    // f64 cannot count this many periods exactly, so the mean is unknown.
     if first.abs() > MOST_PERIODS {
         return [Ball::ZERO.widen(f64::INFINITY); 2];
     }

@@ -159,6 +159,7 @@ impl<'a> Assembly<'a> {
         let inputs = self.scene.inputs.iter().zip(self.columns);
         let inputs = inputs.map(|(input, columns)| system::Input {
             name: input_label(self.scene, input),
+            span: input.span,
             unit: input_unit(input),
             b: columns.map(merge_column),
             undamped: None,

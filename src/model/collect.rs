@@ -11,6 +11,7 @@ use super::scope::{Definition, DefinitionId, DefinitionKind, Environment, Instan
 use super::tolerances::Tolerated;
 use super::value::Function;
 use crate::base::{Name, Span, Symbol};
+use crate::kinds;
 use crate::syntax::tree::{Decl, DeclKind, ExprId, Ident, Rare, Repeat};
 
 /// Limit on the declarations that all `repeat`s together unroll to: a million bodies with a spring, a damper and an output
@@ -85,7 +86,11 @@ impl<'a> Check<'a> {
         let tree = self.tree;
         self.components();
         for span in &tree.broken {
-            let words = self.sources.slice(*span).split(|c: char| !c.is_alphanumeric() && c != '_');
+            let text = self.sources.slice(*span).trim_start();
+            let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+            // A joint that could not be read, or a line that may have been meant as one.
+            let keyword = words.clone().next().and_then(kinds::declaration);
+            self.broken_joints |= keyword.is_none_or(|declaration| matches!(declaration.shape, kinds::Shape::Joint(_)));
             self.broken_words.extend(words);
         }
         for decl in &tree.decls {

@@ -469,6 +469,11 @@ fn degrees_of_freedom_require_mass_or_inertia() {
     assert_eq!(codes_of("body b { mass = 1 kg }"), ["vib::body::no_freedom"]);
     assert_eq!(codes_of("body b { mass = 1 kg }\npivot p: ground@(0, 0) -- b"), ["vib::body::no_place"]);
     assert_eq!(codes_of("body b { at = (0, 0) }\npivot p: ground@(0, 0) -- b"), ["vib::mass::missing"]);
+    // A joint that cannot be read is one mistake, of the syntax: the body that it holds is not said to lack one.
+    let held = |line: &str| codes_of(&format!("body b {{ mass = 1 kg, shape = box(1 m, 1 m), at = (0, 0) }}\n{line}"));
+    assert_eq!(held("pivot p: ground@(0, 0) -- b at (0, 0)"), [""; 0]);
+    assert_eq!(held("pivvot p: ground@(0, 0) -- b"), [""; 0]);
+    assert_eq!(held("spring s: ground -- b { k = 3 N/ }"), ["vib::body::no_freedom", "vib::unused::property"]);
     // A point mass on a pivot needs no inertia of its own, and a body that slides needs none at all.
     assert_eq!(codes_of("body b { mass = 1 kg, at = (0, -1 m) }\npivot p: ground@(0, 0) -- b"), [""; 0]);
     assert_eq!(codes_of("body b { mass = 1 kg }\nslide p: ground -- b along x"), [""; 0]);

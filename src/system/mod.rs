@@ -301,6 +301,8 @@ impl Form {
 #[derive(Clone, Debug)]
 pub struct Input {
     pub name: Label,
+    /// The declaration's name in the model, where messages about its signal point.
+    pub span: Span,
     pub unit: &'static str,
     pub b: [Vec<(CoordinateId, Number)>; 3],
     /// b1 without the damping that is declared for the whole system, if that acts on motion relative to what follows this input

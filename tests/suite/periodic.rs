@@ -229,6 +229,8 @@ fn drifts_are_noted() {
     let far = "1000000000000000000000, 0\n1000000000000000000001, 1\n1000000000000000000002, 0\n";
     let refused = told(velocity, far);
     assert!(refused.contains("vib::limit::signal") && !refused.contains("mean"), "{refused}");
+    // At the base, not at the first body.
+    assert!(refused.contains("m.vib:2:6]"), "{refused}");
 }
 
 /// Emitted code goes on for ever with the rows of one period, beside other signals and delays, with steps that divide the period, that

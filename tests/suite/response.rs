@@ -277,7 +277,8 @@ fn a_base_that_jumps() {
     let mut system = oscillator("2", "3", "8", "0", "0");
     let at = |value: &str| vec![(CoordinateId(0), n(value))];
     let name = system.inputs[0].name;
-    system.inputs = vec![Input { name, unit: "m", b: [at("8"), at("3"), Vec::new()], undamped: None }];
+    system.inputs =
+        vec![Input { name, span: system.inputs[0].span, unit: "m", b: [at("8"), at("3"), Vec::new()], undamped: None }];
     let jump = Signal::Step { value: n("0.1"), at: n("0.5") };
     let y = motion(&system, vec![jump], &["0.4999", "0.5"]);
     assert!(y[0][0].is_zero() && y[0][1].is_zero());

@@ -5,15 +5,15 @@ use super::systems::{Builder, HardCase, Random, chain, number};
 use vibc::analysis::{self, Extrema, FeatureKind, Frequency, Gain, Methods, Sweep, Table, Transfer};
 use vibc::answers;
 use vibc::backend::report;
-use vibc::base::{Number, Rational};
-use vibc::system::{CoordinateId, Input, Label, LinearSystem, Output};
+use vibc::base::{Number, Rational, Span};
+use vibc::system::{Coordinate, CoordinateId, Input, Label, LinearSystem, Output};
 
 /// The system with a force on each coordinate, and its displacement as output.
 pub fn with_every_pair(mut system: LinearSystem) -> LinearSystem {
-    let names: Vec<Label> = system.coordinates.iter().map(|coordinate| coordinate.name).collect();
-    for (i, &name) in names.iter().enumerate() {
+    let names: Vec<(Label, Span)> = system.coordinates.iter().map(|of| (of.name, of.span)).collect();
+    for (i, &(name, span)) in names.iter().enumerate() {
         let at = vec![(CoordinateId(i as u32), Number::ONE)];
-        system.inputs.push(Input { name, unit: "N", b: [at.clone(), Vec::new(), Vec::new()], undamped: None });
+        system.inputs.push(Input { name, span, unit: "N", b: [at.clone(), Vec::new(), Vec::new()], undamped: None });
         let d = [Vec::new(), Vec::new(), Vec::new()];
         system.outputs.push(Output { name, unit: "m".into(), p: [at, Vec::new(), Vec::new()], d });
     }
@@ -51,7 +51,8 @@ fn load(case: &HardCase, text: &str, index: impl Fn(&str) -> usize) -> Input {
         Some(force) => vec![(CoordinateId(0), number(force))],
         None => text.split('+').map(|name| (CoordinateId(index(name) as u32), Number::ONE)).collect(),
     };
-    Input { name: case.system.coordinates[0].name, unit: "N", b: [column, Vec::new(), Vec::new()], undamped: None }
+    let Coordinate { name, span, .. } = case.system.coordinates[0];
+    Input { name, span, unit: "N", b: [column, Vec::new(), Vec::new()], undamped: None }
 }
 
 fn id_omega(id: &str) -> &str {
@@ -140,7 +141,13 @@ fn the_isolation_table_passes_a_quarter() {
     let mut system = b.finish();
     let at = |value: &str| vec![(CoordinateId(0), number(value))];
     let name = system.coordinates[0].name;
-    system.inputs.push(Input { name, unit: "m", b: [at("1000"), at("0"), Vec::new()], undamped: None });
+    system.inputs.push(Input {
+        name,
+        span: system.coordinates[0].span,
+        unit: "m",
+        b: [at("1000"), at("0"), Vec::new()],
+        undamped: None,
+    });
     system = with_output(system, name);
     let gain = Transfer::of(&system).at(&Frequency::radians(&Number::from(5)))[0][0];
     let disc = gain.disc().expect("finite");

@@ -483,6 +483,7 @@ impl PartError {
             }
             TimesReversed { span } => {
                 error("vib::signal::times", span, "this time is not later than the one before it")
+                    .help("the times of a signal are points in time, each later than the one before it, not durations")
             }
             PeriodicOf { span } => error("vib::signal::arguments", span, "`periodic` repeats a table")
                 .help("write `periodic(table(\"file.csv\", 1 kN), 0.5 s)`"),

@@ -27,7 +27,7 @@ struct Pair<'a> {
     transfer: &'a Transfer<'a>,
     input: usize,
     output: usize,
-    /// The same H as a sum over modes, if damping leaves them apart.
+    /// The same H as a sum over modes, if damping does not couple them.
     by_modes: Option<(&'a ModalSum, &'a ModalPair)>,
 }
 
@@ -298,6 +298,16 @@ mod tests {
         }
     }
 
+    /// The largest of 64 values on a circle about i omega, by elimination: of the last coordinate by a force on the first.
+    fn largest_on_circle(transfer: &Transfer, n: usize, omega: Dd, radius: f64) -> f64 {
+        let value = |step: u32| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(step) / 64.0);
+            let s = Complex::new(Ball::from(radius * sin), Ball::exact(omega) + Ball::from(radius * cos));
+            Jet::at(transfer, s, 0, n - 1).expect("no pole").value().mid().to_f64().abs()
+        };
+        (0..64).map(value).fold(0.0, f64::max)
+    }
+
     /// Between the largest of 64 values on a circle, by elimination, and a hundred times as much: circles about a pole, beside
     /// one, and around several.
     #[test]
@@ -316,12 +326,7 @@ mod tests {
             assert_eq!(own.len(), n);
             for (omega, relative) in own.iter().flat_map(|w| [(*w, 1e-6), (*w * 1.0000001, 1e-6), (*w, 1e-2)]) {
                 let radius = omega.hi * relative;
-                let value = |step: u32| {
-                    let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(step) / 64.0);
-                    let s = Complex::new(Ball::from(radius * sin), Ball::exact(omega) + Ball::from(radius * cos));
-                    Jet::at(&transfer, s, 0, n - 1).expect("no pole").value().mid().to_f64().abs()
-                };
-                let largest = (0..64).map(value).fold(0.0, f64::max);
+                let largest = largest_on_circle(&transfer, n, omega, radius);
                 let bound = sum.most_on_circle(&modal, omega, radius);
                 assert!(largest <= bound * (1.0 + 1e-9), "{omega:?} {largest:e} {bound:e}");
                 assert!(bound < 100.0 * largest, "{omega:?} {largest:e} {bound:e}");
@@ -330,6 +335,19 @@ mod tests {
             let first = own.iter().fold(own[0], |least, w| if w.hi < least.hi { *w } else { least });
             assert_eq!(sum.most_on_circle(&modal, first * 0.75, first.hi * 0.25), f64::INFINITY);
             assert_eq!(sum.most_on_circle(&modal, Dd::ZERO, 1.0), f64::INFINITY);
+            // Damping that does not couple the modes brings each pole half of the circle's radius nearer to it.
+            for i in 0..n {
+                push(&mut system.c, "0.1", i, None);
+            }
+            let modes = crate::analysis::modes(&system).expect("modes");
+            let sum = ModalSum::of(&system, &modes).expect("damping in proportion to masses");
+            let (modal, transfer) = (sum.pair(&system, 0, n - 1), Transfer::of(&system));
+            for omega in own {
+                let radius = 0.1;
+                let largest = largest_on_circle(&transfer, n, omega, radius);
+                let bound = sum.most_on_circle(&modal, omega, radius);
+                assert!(largest <= bound * (1.0 + 1e-9) && bound < 100.0 * largest, "{omega:?} {largest:e} {bound:e}");
+            }
         }
     }
 }
