@@ -82,16 +82,28 @@ pub fn eigenvalues(t: &[Ball], s: &[Ball], n: usize) -> Option<Vec<[f64; 2]>> {
 mod tests {
     use super::*;
 
-    /// T = 1 to 1.1 and S = 0.6 to 1.4: t / s from 1 / 1.4 to 1.1 / 0.6; and -1 for T, where nothing is relative.
+    /// T = 1 to 1.1 and S = 0.6 to 1.4: t / s from 1 / 1.4 to 1.1 / 0.6; and -1 and -1.1 to -0.9 for T, where nothing is relative.
     #[test]
     fn eigenvalues_of_one_coordinate_are_quotients() {
         let s = Ball::from(1.0).widen(0.4);
         for (t, [least, largest]) in [
             (Ball::from(1.05).widen(0.05), [1.0 / 1.4, 1.1 / 0.6]),
             (Ball::from(-1.0).widen(0.0), [-1.0 / 0.6, -1.0 / 1.4]),
+            (Ball::from(-1.0).widen(0.1), [-1.1 / 0.6, -0.9 / 1.4]),
         ] {
             let [low, high] = eigenvalues(&[t], &[s], 1).expect("near one")[0];
             assert!(low <= least && largest <= high, "{low} {high}");
         }
+    }
+
+    /// T = (10^-3, t; t, -10^-3) with t from -1 to 1 and the unit matrix: eigenvalues of up to 1 and at least -1.
+    #[test]
+    fn couplings_larger_than_the_diagonal_are_in_the_ends() {
+        let (one, coupled) = (Ball::from(1.0), Ball::ZERO.widen(1.0));
+        let t = [Ball::from(1e-3), coupled, coupled, Ball::from(-1e-3)];
+        let ends = eigenvalues(&t, &[one, Ball::ZERO, Ball::ZERO, one], 2).expect("the unit matrix");
+        let largest = f64::hypot(1.0, 1e-3);
+        assert!(ends[0][0] <= -largest && ends[1][1] >= largest, "{ends:?}");
+        assert!(ends[0][1] >= -1e-3 && ends[1][0] <= 1e-3, "{ends:?}");
     }
 }

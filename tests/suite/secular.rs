@@ -114,6 +114,37 @@ fn roots_of_extreme_sizes_are_right_or_not_proved() {
     assert!(10 * proved > 9 * all, "{proved} of {all}");
 }
 
+/// A root next to a pole, between two poles at a distance of one whose terms cancel, all so large that the 1 of f is nothing beside them:
+/// rounding makes the root uncertain by 1e-15, which is up to more than its distance x from the pole. The slope of f falls by at most (1 + b/x)^2 within b of the root, so that f rises by at least
+/// 1 / (1 + b/x) of slope times b, and a bound with 1.05 to spare is one up to b = 0.05 x.
+#[test]
+fn a_root_is_proved_only_where_the_slope_is_known() {
+    let (mut proved, mut all) = (0, 0);
+    for step in 0..=64 {
+        let x = 10f64.powf(-16.0 + step as f64 / 16.0) as f32 as f64;
+        let poles: Vec<Dd> = [-1.0, 0.0, 1.0].map(Dd::from).to_vec();
+        // 2 x - s / x = 0, about.
+        let roots = [1.0, (2f64.sqrt() * x) as f32 as f64, 1.0];
+        let secular = Secular::new(poles.clone(), roots.map(|g| g * g).to_vec()).expect("usual sizes");
+        let rho = 1e40;
+        let row = secular.lowest(3, &[Factor::new(rho, 0.0)]);
+        let mut k = diagonal(&poles.iter().map(|pole| value(*pole)).collect::<Vec<_>>());
+        for i in 0..3 {
+            for j in 0..3 {
+                k[i][j] += binary(rho) * binary(roots[i]) * binary(roots[j]);
+            }
+        }
+        check(&ExactPencil::new(&k, &diagonal(&vec![binary(1.0); 3])), &row, &format!("{x}"));
+        for pair in row.chunks(2).take(2) {
+            let [root, bound] = [pair[0], pair[1]];
+            assert!(bound.is_nan() || bound <= 0.05 * root.abs(), "{x}: {root} {bound}");
+            proved += usize::from(bound.is_finite());
+            all += 1;
+        }
+    }
+    assert!(0 < proved && proved < all, "{proved} of {all}");
+}
+
 /// Factors that are not positive, or that nobody knows, prove nothing.
 #[test]
 fn no_root_without_a_factor() {

@@ -399,6 +399,29 @@ mod tests {
         assert!(found.is_none_or(|found| holds(found.value, 0.9) && holds(found.value, 1.1)));
     }
 
+    /// Far below the resonance |H| is 1 / k, for k from 0.999 to 1.001 N/m: both ends are values, and as the band has no peak the enclosure is
+    /// barely wider.
+    #[test]
+    fn a_gain_without_a_peak_is_enclosed_tightly_from_both_sides() {
+        let mut system = blank(1);
+        let source = system.k.source(system.coordinates[0].name);
+        let stiffness = Jet::of_parameter(Ball::from(1.0).widen(1e-3));
+        system.k.push(source, Nature::Property, stiffness, [(CoordinateId(0), Number::ONE)]);
+        push(&mut system.m, "1", 0, None);
+        push(&mut system.c, "0.5", 0, None);
+        let family = Family::of(&system, false).expect("a family");
+        let way = Way { input: 0, output: 0, rate: 0 };
+        let band = (Ball::from(1e-9), Some(Ball::from(2e-9)));
+        let Largest { value, slopes, .. } = largest((&[family], None), way, band, ([1.0, 1.0], &[])).expect("a bound");
+        let [low, high] = [value.to_f64() - value.rad, value.to_f64() + value.rad];
+        let rounding = 1e-5;
+        assert!((1.0 / 1.001 - rounding..=1.0 / 1.001).contains(&low), "{low}");
+        assert!((1.0 / 0.999..=1.0 / 0.999 + rounding).contains(&high), "{high}");
+        // -1 / k^2
+        let [low, high] = [-1.0, 1.0].map(|sign| slopes[0].to_f64() + sign * slopes[0].rad);
+        assert!(low <= -1.0 / (0.999 * 0.999) && -1.0 / (1.001 * 1.001) <= high && high < 0.0, "{low} {high}");
+    }
+
     /// 1 .. 3 and 2 .. 5 have 2 .. 3 in common, 1 .. 3 and -2 .. 3 have 1 .. 3, 1 .. 5 and 2 .. 2.5 the latter.
     #[test]
     fn what_two_enclosures_have_in_common_is_kept() {

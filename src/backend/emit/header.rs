@@ -73,7 +73,7 @@ fn error(system: &DiscreteSystem) -> Vec<String> {
         let before = if others.is_empty() { String::new() } else { format!("{} and ", others.join(", ")) };
         return vec![
             format!("error      no integrator's; from `init` on, rounding takes at most {before}{last} of the"),
-            "           largest value of any output (found by the same steps in double-double beside it)".into(),
+            "           largest value of each output (found by the same steps in double-double beside it)".into(),
         ];
     }
     let Some(rounding) = &system.rounding else {

@@ -12,17 +12,16 @@ use crate::analysis::range::together::Together;
 use crate::analysis::range::{Family, MOST};
 use crate::analysis::{Measurement, ModeKind, Modes, Pole, Poles, is_passive};
 use crate::base::number::jet;
-use crate::base::{Ball, Dd, Diagnostics, Jet, Number, Rational, up};
+use crate::base::{Ball, Dd, Diagnostics, Jet, Number, Rational};
 use crate::dynamics::{self, WrittenOut};
 use crate::kernel::complex::Complex;
 use crate::model::scene::{Arithmetic, Combined, Question, Scene};
 use crate::model::{CheckedScene, Setting};
 use crate::questions::answer::{Requirement, Value};
 use crate::questions::probe::Probe;
-use crate::questions::range_enclosure::{
-    Centre, Drive, Moved, QuestionOverRange, frequency_slope, ratio_slope, two_pi,
-};
+use crate::questions::range_enclosure::{Centre, Drive, Moved, QuestionOverRange, frequency_slope, two_pi};
 use crate::questions::require::judged_alone;
+use crate::questions::tolerated::tubes::{Tube, Tubes, candidates, sizes};
 use crate::questions::trial::{Facts, Ranged, spectrum};
 use crate::system::{LinearSystem, Signal};
 use std::cell::{Cell, OnceCell, RefCell};
@@ -59,9 +58,8 @@ const LOWERING: u64 = 6_000;
 const MOST_WORK: u64 = 200_000_000;
 const SHARE: u64 = 4;
 
-/// Arcs of a circle that may be cut to show that no pole is on it, and circles that are tried.
+/// Arcs of a circle that may be cut to show that no pole is on it.
 const MOST_ARCS: usize = 48;
-const BORDERS: usize = 2;
 
 /// A number over a box.
 #[derive(Clone, Debug)]
@@ -89,24 +87,6 @@ struct Sheet {
 
 /// A way, its band, and what was found.
 type LargestOf = (Way, Option<[Number; 2]>, Option<Largest>);
-
-/// The eigenvalues, or the poles with im s >= 0, ascending in size in the middle of a box.
-struct Tubes {
-    /// `None` where one may not be simple.
-    list: Vec<Option<Tube>>,
-    /// So many of the first ones are certainly those of the least size, wherever the others are.
-    lowest: usize,
-}
-
-/// Where an eigenvalue or a pole is for all values in a box, with its derivatives there.
-struct Tube {
-    centre: Centre,
-    moved: Vec<Moved>,
-    /// A simple pole that is real stays so, and one that is not stays that.
-    is_real: bool,
-    /// Of a pole that is not real: its energies, with the derivatives by each parameter.
-    energies: Vec<Option<[Number; 3]>>,
-}
 
 /// The model at one place.
 pub(super) struct Point {
@@ -549,84 +529,6 @@ impl Sheet {
     }
 }
 
-impl Tubes {
-    /// `middles`: the sizes in the middle of the box; `is_free`: whether certainly none has a size, wherever the parameters are.
-    fn of(list: Vec<Option<Tube>>, middles: &[Ball], is_free: impl Fn(f64) -> bool) -> Tubes {
-        if list.iter().all(Option::is_some) {
-            return Tubes { lowest: list.len(), list };
-        }
-        let upper = |ball: Ball| ball.mid.hi + ball.rad;
-        let first = list.iter().map_while(Option::as_ref).map(|tube| upper(tube.size()));
-        let reach: Vec<f64> =
-            first.scan(0.0, |most: &mut f64, upper| Some(most.max(upper)).inspect(|all| *most = *all)).collect();
-        // As no size is that of the border, so many are less everywhere as in the middle.
-        let is_border = |&count: &usize| {
-            let inside = reach[count - 1];
-            let outside = middles[count..].iter().map(|size| size.mid.hi - size.rad).fold(f64::INFINITY, f64::min);
-            let border = (inside * outside).sqrt();
-            inside * up::THOUSANDS < border && border * up::THOUSANDS < outside && is_free(border)
-        };
-        let lowest = (1..=reach.len()).rev().take(BORDERS).find(is_border).unwrap_or(0);
-        Tubes { list, lowest }
-    }
-
-    fn lowest(&self) -> Vec<&Tube> {
-        self.list.iter().take(self.lowest).flatten().collect()
-    }
-
-    fn all(&self) -> Option<Vec<&Tube>> {
-        self.list.iter().map(Option::as_ref).collect()
-    }
-}
-
-impl Tube {
-    /// The size by which they are in order: omega^2, or |s|^2.
-    fn size(&self) -> Ball {
-        match self.centre {
-            Centre::Eigenvalue(square) => square,
-            Centre::Pole(re, im) => jet::square(re) + jet::square(im),
-            Centre::None => Ball::new(Dd::ZERO, f64::INFINITY),
-        }
-    }
-
-    /// omega^2, or the real or the imaginary part of a pole.
-    fn part(&self, own: usize, imaginary: bool) -> Option<Jet> {
-        let known = self.raw(own, imaginary)?;
-        let better = || {
-            let [m, c, _] = self.energies.get(own)?.as_ref()?;
-            Some(Jet::of(&-&c.checked_div(&(&Number::from(2) * m))?))
-        };
-        Some(if imaginary { known } else { better().map_or(known.clone(), |other| narrower(known, other)) })
-    }
-
-    /// The same as it was followed.
-    fn raw(&self, own: usize, imaginary: bool) -> Option<Jet> {
-        let (value, slope) = match (self.centre, *self.moved.get(own)?) {
-            (Centre::Eigenvalue(square), Moved::Eigenvalue(slope)) => (square, slope),
-            (Centre::Pole(_, im), Moved::Pole(_, slope)) if imaginary => (im, slope),
-            (Centre::Pole(re, _), Moved::Pole(slope, _)) => (re, slope),
-            _ => return None,
-        };
-        Some(Jet { value, slope })
-    }
-
-    fn ratio(&self, own: usize) -> Option<Jet> {
-        let (Centre::Pole(re, im), Moved::Pole(re_slope, im_slope)) = (self.centre, *self.moved.get(own)?) else {
-            return None;
-        };
-        if self.is_real {
-            return re.is_negative().then_some(Jet { value: Ball::ONE, slope: Ball::ZERO });
-        }
-        let value = -re / self.size().sqrt();
-        let known = Jet { value, slope: ratio_slope((re, im), (re_slope, im_slope)) };
-        let better = || {
-            let [m, c, k] = self.energies.get(own)?.as_ref()?;
-            Some(Jet::of(&c.checked_div(&(&Number::from(2) * &(k * m).sqrt()?))?))
-        };
-        Some(better().map_or(known.clone(), |other| narrower(known, other)))
-    }
-}
-
 impl Point {
     /// The number of undamped modes, and of poles with im s >= 0, if all are known.
     pub fn counts(&self) -> Option<(usize, usize)> {
@@ -643,33 +545,6 @@ impl Point {
             poles.list.iter().filter(|pole| !pole.is_lower_half()).map(|pole| 1 + usize::from(pole.is_complex())).sum();
         (halves / 2, is_damped)
     }
-}
-
-/// Those that may be the ones asked for, of things in ascending order of sizes that are enclosed: `counts` are added up along the order,
-/// and `fits` says of a sum up to and with a thing, and of its own count, whether that is the one.
-fn candidates(sizes: &[Ball], counts: &[usize], fits: impl Fn(usize, usize) -> bool) -> impl Iterator<Item = usize> {
-    let mut list = Vec::new();
-    for (i, (size, own)) in sizes.iter().zip(counts).enumerate() {
-        let others = |before: &dyn Fn(Ball) -> bool| -> usize {
-            let all = (0..sizes.len()).filter(|&j| j != i && before(sizes[j] - *size));
-            all.map(|j| counts[j]).sum()
-        };
-        let (least, most) = (others(&|apart| apart.is_negative()), others(&|apart| !apart.is_positive()));
-        if (least + own..=most + own).any(|sum| fits(sum, *own)) {
-            list.push(i);
-        }
-    }
-    list.into_iter()
-}
-
-fn sizes(tubes: &[&Tube]) -> Vec<Ball> {
-    tubes.iter().map(|tube| tube.size()).collect()
-}
-
-/// Two enclosures of one number: the better of each part.
-fn narrower(a: Jet, b: Jet) -> Jet {
-    let pick = |a: Ball, b: Ball| if b.is_finite() && !(a.is_finite() && a.rad <= b.rad) { b } else { a };
-    Jet { value: pick(a.value, b.value), slope: pick(a.slope, b.slope) }
 }
 
 /// One number or the other: both values are enclosed, and nothing is said about the derivative.

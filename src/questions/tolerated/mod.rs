@@ -7,6 +7,7 @@
 
 mod boxes;
 mod extremes;
+mod tubes;
 
 use super::answer::{Proved, Range, RangeProof, Throughout, Tolerated, ToleratedParameter};
 use super::trial::Text;
@@ -791,6 +792,25 @@ mod tests {
             assert!(low <= 0.5 / f64::sqrt(100.0) && high >= 0.1, "{low} {high}");
         }
         assert!(!matches!(apart.requirements[0], Throughout::Holds(_)));
+    }
+
+    /// c = ((p - 5)^2 - 1/100) 0.1 N*s/m feeds energy in from p = 4.9 to 5.1 alone, which is no corner and not the middle; a heavily damped
+    /// block beside it does not make up for it. With 1/2 in its place nothing grows, though one damper feeds energy in.
+    #[test]
+    fn what_grows_for_some_values_is_not_stable_beside_what_falls() {
+        let verdict = |more: &str| {
+            of(&format!(
+                "param p = 3.6 within 3 .. 8\nbody a {{ mass = 1 kg, moves x }}\nspring s: ground -- a {{ k = 4 N/m }}\n\
+                 damper d: ground -- a {{ c = ((p - 5)^2 - {more}) * 0.1 N*s/m + 0.1 N*s/m }}\n\
+                 damper f: ground -- a {{ c = -0.1 N*s/m }}\nbody b {{ mass = 1 kg, moves x }}\n\
+                 spring t: ground -- b {{ k = 9 N/m }}\ndamper e: ground -- b {{ c = 3 N*s/m }}\nrequire stable\n"
+            ))
+            .expect("tolerances")
+            .requirements[0]
+                .clone()
+        };
+        assert!(!matches!(verdict("0.01"), Throughout::Holds(_)), "{:?}", verdict("0.01"));
+        assert!(matches!(verdict("(-0.5)"), Throughout::Holds(_)), "{:?}", verdict("(-0.5)"));
     }
 
     /// The effective mass of a block on a base is the block's.

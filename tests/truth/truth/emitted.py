@@ -23,14 +23,14 @@ int main(void) {
     truth_outputs outputs;
     unsigned long k;
     unsigned next = 0;
-    double most = 0.0;
+    double most[%(count)s] = {0.0};
     truth_init(&state);
     for (k = 0; k <= %(last)sul; k++) {
         truth_step(&state, &outputs);
         %(most)s
         if (k == at[next]) {
             next++;
-            printf("%(format)s %%.17g\\n", %(values)s, most);
+            printf("%(format)s %(format)s\\n", %(values)s, %(mosts)s);
         }
     }
     return 0;
@@ -273,7 +273,7 @@ def check(net, program, tally, rng):
 
 
 class Bounds:
-    """What a header says about rounding: relative to the sum of the largest parts, or to the largest output."""
+    """What a header says about rounding: relative to the sum of the largest parts, or to the largest value of each output."""
 
     def __init__(self, header):
         text = re.sub(r"\s*\n \*\s*", " ", header)
@@ -314,11 +314,12 @@ def of_block(name, p):
 
 
 def run(net, folder, steps):
-    """What the compiled code prints at these steps, a list of outputs each, for a model without inputs."""
+    """What the compiled code prints at these steps, for a model without inputs: all outputs, and the largest size of each so far."""
     names = [f"y{i}" for i in range(len(net.outputs))]
     source = DRIVER % {
         "at": ", ".join(str(k) for k in steps) + ", 0", "last": steps[-1],
-        "most": " ".join(f"if (outputs.{n} > most) most = outputs.{n}; if (-outputs.{n} > most) most = -outputs.{n};" for n in names),
+        "most": " ".join(f"if (outputs.{n} > most[{i}]) most[{i}] = outputs.{n}; if (-outputs.{n} > most[{i}]) most[{i}] = -outputs.{n};" for i, n in enumerate(names)),
+        "count": len(names), "mosts": ", ".join(f"most[{i}]" for i in range(len(names))),
         "format": " ".join("%.17g" for _ in names), "values": ", ".join(f"outputs.{name}" for name in names)}
     return compiled(folder, {"main.c": source})
 
@@ -381,17 +382,18 @@ class Seen:
 
 
 def compare(net, printed, steps, seen, tally):
-    """The outputs of a model without inputs at each checkpoint; the bound is relative to their largest values."""
+    """The outputs of a model without inputs at each checkpoint; the bound is relative to the largest value of each."""
     h = decimal(net.step)
-    most = {k: row[-1] for k, row in zip(steps, printed)}
-    for i in range(len(net.outputs)):
+    count = len(net.outputs)
+    for i in range(count):
+        most = {k: row[count + i] for k, row in zip(steps, printed)}
         try:
             motion = motions.Motion(net, i)
         except ValueError:
             continue
         for k, row in zip(steps, printed):
             last, _ = seen.bounds.at(k)
-            seen.output(row[i], k, motion.at(h * k), arb(most.get(last, row[-1])), tally)
+            seen.output(row[i], k, motion.at(h * k), arb(most.get(last, row[count + i])), tally)
 
 
 def compare_held(net, printed, steps, inputs, seen, tally):

@@ -78,14 +78,20 @@ impl Basis {
         let (masses, doubt) = (Flat::of(&terms), Doubt::of(&terms, &weights));
         let shapes = refined(&x, &Flat::of(&Terms::of(&system.k)), &masses);
         let (x, change) = (shapes.map(|x| x.hi), shapes.map(|x| x.lo));
+        Some(Basis::with(x, change, weights, (masses, doubt)))
+    }
+
+    /// X + D in a system with these masses.
+    fn with(x: Matrix<f64>, change: Matrix<f64>, weights: Vec<f64>, (masses, doubt): (Flat, Doubt)) -> Basis {
+        let n = x.rows();
         let momenta = momenta(&masses, &x);
         let sums = sums(&x, &momenta);
-        let sizes: Vec<f64> = (0..n).map(|j| displacement(&weights, x.column(j))).collect();
-        let changes: Vec<f64> = (0..n).map(|j| displacement(&weights, change.column(j))).collect();
+        let lengths = |x: &Matrix<f64>| (0..n).map(|j| displacement(&weights, x.column(j))).collect();
+        let (sizes, changes) = (lengths(&x), lengths(&change));
         let m = Matrix::filled(n, n, Ball::ZERO);
         let mut basis = Basis { m, x, change, weights, masses, doubt, sizes, changes };
         basis.m = basis.inertia(&sums, &momenta);
-        Some(basis)
+        basis
     }
 
     /// (X + D)^T M (X + D) from X^T M X and M X.
@@ -140,15 +146,16 @@ impl Basis {
         let doubt = Doubt::of(&terms, &self.weights);
         let Images { theta, r } = Images::of(&Flat::of(&terms), &self.masses, &self.x, Some(&self.change));
         let p = product(View::of(&self.x).transposed(), View::of(&r));
-        // Leaving out D, rounding R, and the product. The two more sums in two words that join the images of X and D lose less
-        // than the bound of the images allows for.
+        // Leaving out D, rounding R, and the product. A sum in two words that joins the images of X and D is one of the four
+        // that the bound of an image counts beyond those that it has: for N terms and rows of l there are N + l - 2, and one for
+        // the residual, of N + l + 3 (see [`residual`](super::residual)).
         let rounding = product::error(n) + 2.0 * f64::EPSILON;
         let slip = |j: usize| {
             let size = theta[j].hi.abs() * SLACK;
             let strain = strain(&terms, self.x.column(j)) + strain(&terms, self.change.column(j));
             let image = doubt.by_strain * strain + size * self.doubt.kappa * (self.sizes[j] + self.changes[j]);
             let floor = doubt.floor + size * self.doubt.floor;
-            SLACK * (2.0 * image + 4.0 * floor + rounding * force(&self.weights, r.column(j)))
+            SLACK * (image + 4.0 * floor + rounding * force(&self.weights, r.column(j)))
         };
         let slips: Vec<f64> = (0..n).map(slip).collect();
         let mut entries = Matrix::filled(n, n, Ball::ZERO);
@@ -334,7 +341,9 @@ mod tests {
     use crate::analysis::modes::modes_as;
     use crate::analysis::modes::request::{Request, Which};
     use crate::analysis::test_systems::{blank, push};
+    use crate::base::Number;
     use crate::kernel::squares::Squares;
+    use crate::system::{CoordinateId, Nature};
 
     /// Masses on springs to others, some of them joined to others by masses that move with two.
     fn net(n: usize) -> LinearSystem {
@@ -350,6 +359,34 @@ mod tests {
             }
         }
         system
+    }
+
+    /// Masses of 2 and 3 kg within a part in 10^6, and a D that is a quarter of X: (X + D)^T M (X + D) is 25/16 of X^T M X, and both
+    /// ends of the range are in the enclosures, of which those on the diagonal are at most (1 + 2/4)(1 + 1/4) / (25/16) = 1.2 times as
+    /// wide: what images of X and of D are off by adds up, and neither may be left out.
+    #[test]
+    fn a_large_change_and_all_values_of_the_masses_are_enclosed() {
+        let mut system = blank(2);
+        let source = system.m.source(system.coordinates[0].name);
+        for (i, mass) in [2.0, 3.0].into_iter().enumerate() {
+            let mass = Number::Ball(Ball::from(mass).widen(mass * 1e-6));
+            system.m.push(source, Nature::Property, mass, [(CoordinateId(i as u32), Number::ONE)]);
+        }
+        let terms = Terms::of(&system.m);
+        let weights = vec![2f64.sqrt(), 3f64.sqrt()];
+        let x = Matrix::from_fn(2, 2, |i, j| [[1.0, 0.5], [0.75, -2.0]][i][j]);
+        let doubt = Doubt::of(&terms, &weights);
+        let basis = Basis::with(x.clone(), x.map(|x| 0.25 * x), weights, (Flat::of(&terms), doubt));
+        for i in 0..2 {
+            for j in 0..2 {
+                let exact = 25.0 / 16.0 * (2.0 * x[(0, i)] * x[(0, j)] + 3.0 * x[(1, i)] * x[(1, j)]);
+                let Ball { mid, rad } = basis.m[(i, j)];
+                assert!(mid.hi == exact && mid.lo == 0.0, "{i} {j}: {mid:?} {exact}");
+                if i == j {
+                    assert!((exact * 1e-6..exact * 1.21e-6).contains(&rad), "{i}: {rad} {exact}");
+                }
+            }
+        }
     }
 
     /// The enclosures meet those of the terms, entry by entry in balls, and are as narrow; the basis is one to two words.
