@@ -159,6 +159,9 @@ pub struct Analyze {
     /// Print the range of each frequency over all values within the tolerances (`within`), and whether each requirement holds everywhere
     #[arg(long)]
     pub tolerances: bool,
+    /// Let `minimise` and `maximise` find the values whose worst case within the tolerances is best
+    #[arg(long)]
+    pub robust: bool,
     /// Print participation factors and effective masses of the modes for each motion of a base
     #[arg(long)]
     pub participation: bool,

@@ -294,6 +294,8 @@ pub struct Study<'a> {
     pub sensitivity: bool,
     /// Compute the range of each frequency, and judge each requirement, over all values within the tolerances.
     pub tolerances: bool,
+    /// Make the worst case of `minimise` and `maximise` within the tolerances the best.
+    pub robust: bool,
     /// Compute participation factors and effective masses of the modes for each motion of a base.
     pub participation: bool,
     /// Compute the complex shapes of the damped motions.
@@ -313,7 +315,7 @@ pub fn analyze_with(
     study: &Study,
 ) -> Outcome<ModalAnswer> {
     Outcome::of(|diagnostics| {
-        let mut reading = reading::read_and_solve(sources, model, overrides, study.until, diagnostics)?;
+        let mut reading = reading::read_for(sources, model, overrides, study, diagnostics)?;
         let damped = dynamics::lower_with_damping(&reading.scene, diagnostics)?;
         reported(&mut reading, damped, request, study, diagnostics).ok()
     })
@@ -330,7 +332,7 @@ pub fn analyze_and_explain(
 ) -> (Outcome<ModalAnswer>, Option<Explained>) {
     let mut explained = None;
     let outcome = Outcome::of(|diagnostics| {
-        let mut reading = reading::read_and_solve(sources, model, overrides, study.until, diagnostics)?;
+        let mut reading = reading::read_for(sources, model, overrides, study, diagnostics)?;
         let (name, lowered) = (reading.name(), dynamics::lowered(&reading.scene, diagnostics)?);
         let account = lower::account(&reading.scene, &lowered);
         match dynamics::with_damping(&reading.scene, lowered, diagnostics) {
@@ -382,7 +384,10 @@ fn reported(
         false => Vec::new(),
     };
     let tolerated = match study.tolerances {
-        true => questions::tolerated::tolerated(&reading.text(), (&reading.scene, system.n()), &reading.settings),
+        true => {
+            let of = (&reading.scene, system.n());
+            questions::tolerated::tolerated(&reading.text(), of, &reading.settings, study.robust)
+        }
         false => None,
     };
     let excitations = match study.participation {

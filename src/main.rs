@@ -105,8 +105,16 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
     };
     let damped_shapes = options.shapes == vibc::cli::ShapesOption::Damped;
     let nodes = options.shapes == vibc::cli::ShapesOption::All;
-    let (sensitivity, participation, tolerances) = (options.sensitivity, options.participation, options.tolerances);
-    let study = vibc::Study { until, sensitivity, tolerances, participation, damped_shapes, nodes, spectra };
+    let study = vibc::Study {
+        until,
+        sensitivity: options.sensitivity,
+        tolerances: options.tolerances,
+        robust: options.robust,
+        participation: options.participation,
+        damped_shapes,
+        nodes,
+        spectra,
+    };
     let request = options.request();
     let (mut analysis, explained) = match options.explain_model {
         true => vibc::analyze_and_explain(&input.sources, input.model, &input.overrides, &request, &study),
@@ -127,7 +135,12 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         }
         return status;
     };
-    if tolerances && answer.tolerated.is_none() {
+    if options.robust && answer.optimised.is_empty() {
+        report_error("the model has no line `minimise` or `maximise`, whose worst case `--robust` would optimise");
+        return Status::Usage;
+    }
+    let has_no_range = options.robust && answer.optimised.iter().any(|found| found.robust.is_none());
+    if options.tolerances && answer.tolerated.is_none() || has_no_range {
         report_error(
             "no parameter of the model has a range: write `within 5 %` or `within 9 N/m .. 12 N/m` after its value",
         );

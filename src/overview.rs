@@ -60,7 +60,7 @@ const CAPTION_DIGITS: usize = 4;
 /// The contents of a model's page.
 pub fn overview(sources: &Sources, model: FileId, overrides: &Overrides, study: &Study) -> Outcome<Overview> {
     Outcome::of(|diagnostics| {
-        let mut reading = reading::read_and_solve(sources, model, overrides, study.until, diagnostics)?;
+        let mut reading = reading::read_for(sources, model, overrides, study, diagnostics)?;
         let damped = dynamics::lower_with_damping(&reading.scene, diagnostics)?;
         let mechanism = damped.lowered.mechanism.clone();
         // A scene too large to be written out has no curves.

@@ -1,6 +1,7 @@
 //! The start of every run: from the text of a model to its checked scene, with everything it solves for at the values
 //! found. In: the texts. Out: a [`Reading`], which the rest of the run uses.
 
+use crate::Study;
 use crate::analysis::discrete::parameter::{MULTIPLES, Parameterised, parameterised};
 use crate::analysis::{Modes, Poles};
 use crate::base::{Code, Diagnostic, Diagnostics, FileId, Number, Quantity, SourceFile, SourceKind, Sources, Span};
@@ -21,6 +22,8 @@ pub(crate) struct Reading<'a> {
     overrides: &'a Overrides,
     /// Simulated time, s, if given.
     until: Option<Number>,
+    /// Whether the worst case within the tolerances is optimised.
+    robust: bool,
     pub tree: Tree,
     pub scene: CheckedScene,
     /// The values that `solve`, `minimise` and `maximise` give to parameters.
@@ -104,9 +107,20 @@ pub(crate) fn read_and_solve<'a>(
     until: Option<&'a Number>,
     diagnostics: &mut Diagnostics,
 ) -> Option<Reading<'a>> {
+    read_for(sources, model, overrides, &Study { until, ..Study::default() }, diagnostics)
+}
+
+/// Like [`read_and_solve`], with the simulated time of a study, and what it optimises.
+pub(crate) fn read_for<'a>(
+    sources: &'a Sources,
+    model: FileId,
+    overrides: &'a Overrides,
+    study: &Study,
+    diagnostics: &mut Diagnostics,
+) -> Option<Reading<'a>> {
     let (tree, scene) = read_and_check(sources, model, overrides, diagnostics)?;
     let declared = Reading::declared(sources, overrides, tree, scene?);
-    let mut reading = Reading { until: until.cloned(), ..declared };
+    let mut reading = Reading { until: study.until.cloned(), robust: study.robust, ..declared };
     reading.settle(diagnostics)?;
     Some(reading)
 }
@@ -118,6 +132,7 @@ impl<'a> Reading<'a> {
             sources,
             overrides,
             until: None,
+            robust: false,
             tree,
             scene,
             settings: Vec::new(),
@@ -138,7 +153,7 @@ impl<'a> Reading<'a> {
             let spectrum = system.as_ref().and_then(trial::spectrum);
             self.until = spectrum.and_then(|(_, poles)| trial::usual_time(&self.scene, &poles));
         }
-        match questions::settle(&self.text(), &self.scene) {
+        match questions::settle(&self.text(), &self.scene, self.robust) {
             Ok(Settled { scene, settings, solved, optimised, unsettled }) => {
                 diagnostics.extend(unsettled.iter().map(AskedError::to_diagnostic));
                 (self.scene, self.settings, self.solved, self.optimised) = (scene, settings, solved, optimised);

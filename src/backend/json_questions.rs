@@ -1,6 +1,7 @@
 //! Answers of `solve`, `minimise` and `require`, and sensitivities, as JSON. See docs/json.md.
 
 use super::json_number::{Bounds, JsonNumber};
+use super::tolerated::JsonRobust;
 use crate::base::Unproven;
 use crate::questions::answer::{
     Best, Derivative, Optimised, OptimisedParameter, Others, Requirement, Sensitivity, Slope, Solved, Value,
@@ -46,6 +47,7 @@ pub struct JsonOptimised<'a> {
     equal_peaks_hz: Vec<JsonNumber>,
     evaluations: usize,
     until_s: JsonNumber,
+    worst_case: Option<JsonRobust<'a>>,
 }
 
 /// Value and bound in the parameter's own unit.
@@ -166,6 +168,7 @@ pub fn json_optimised(found: &Optimised, bounds: Bounds) -> JsonOptimised<'_> {
         equal_peaks_hz: found.equal.iter().map(|hertz| JsonNumber::unproven(Unproven(*hertz))).collect(),
         evaluations: found.evaluations,
         until_s: found.until.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
+        worst_case: found.robust.as_ref().map(|robust| JsonRobust::of(robust, found)),
     }
 }
 

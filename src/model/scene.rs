@@ -544,8 +544,29 @@ pub struct Tolerance {
     /// Both ends in SI units, the lower one first. They contain the value, rounding apart. Without it a normal or lognormal
     /// distribution is not truncated.
     pub within: Option<[Number; 2]>,
+    /// Whether its half-width is a share of the value.
+    pub is_share: bool,
     /// `None` with `within` alone: any value in the range, drawn uniformly where samples are drawn.
     pub spread: Option<Spread>,
+}
+
+impl Tolerance {
+    /// The same about another value, SI: a share is one of that, and otherwise both ends keep their distances from the value.
+    pub fn about(&self, si: &Number) -> Tolerance {
+        let value = &self.parameter.value.si;
+        let moved = |[low, high]: &[Number; 2]| {
+            let (below, above) = (low - value, high - value);
+            let times = if self.is_share { si.abs().checked_div(&value.abs()) } else { None };
+            match times {
+                Some(times) => [si + &(&below * &times), si + &(&above * &times)],
+                None => [si + &below, si + &above],
+            }
+        };
+        let within = self.within.as_ref().map(moved);
+        let value = Quantity { si: si.clone(), ..self.parameter.value.clone() };
+        let parameter = Parameter { value, ..self.parameter.clone() };
+        Tolerance { parameter, within, ..self.clone() }
+    }
 }
 
 /// The distribution of a parameter. A range `within` truncates it.

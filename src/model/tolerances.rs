@@ -63,31 +63,33 @@ impl<'a> Check<'a> {
             }
             Some(tree::Spread::Uniform) => Some(Spread::Uniform),
             Some(tree::Spread::Normal(expr)) => {
-                Some(Spread::Normal { deviation: self.width(value, expr, "deviation", environment)? })
+                Some(Spread::Normal { deviation: self.width(value, expr, "deviation", environment)?.0 })
             }
             Some(tree::Spread::Lognormal(expr)) => Some(self.lognormal(value, expr, environment)?),
         };
+        let mut is_share = false;
         let within = match (written.within, written.upper) {
             (None, _) => None,
             (Some(low), Some(high)) => Some(self.limits(id, value, (low, high), environment)?),
             (Some(half), None) => {
-                let half = self.width(value, half, "half-width", environment)?;
+                let (half, of_value) = self.width(value, half, "half-width", environment)?;
+                is_share = of_value;
                 let middle = &value.quantity.si;
                 Some([middle - &half, middle + &half])
             }
         };
         let parameter = self.parameter(id, value);
-        Ok(Tolerance { parameter, span: written.span, within, spread })
+        Ok(Tolerance { parameter, span: written.span, within, is_share, spread })
     }
 
-    /// A half-width or a standard deviation in SI units: a share of the value, or of its own dimension.
+    /// A half-width or a standard deviation in SI units, and whether it is a share of the value or of its own dimension.
     fn width(
         &mut self,
         value: &Scalar,
         expr: ExprId,
         what: &'static str,
         environment: Environment,
-    ) -> Evaluated<Number> {
+    ) -> Evaluated<(Number, bool)> {
         let given = self.evaluate(expr, environment)?;
         let given = self.as_scalar(&given, expr, environment, &ANY_NUMBER)?.clone();
         self.check_range(&given.quantity.si, expr, environment)?;
@@ -104,10 +106,10 @@ impl<'a> Check<'a> {
             if value.quantity.si.may_be_zero() {
                 return self.fail(environment, ToleranceError::ShareOfZero { span });
             }
-            return Ok(&value.quantity.si.abs() * &given.quantity.si);
+            return Ok((&value.quantity.si.abs() * &given.quantity.si, true));
         }
         match coerce_to(value, &given) {
-            Ok(width) => Ok(width.quantity.si),
+            Ok(width) => Ok((width.quantity.si, false)),
             Err(mismatch) => self.fail(environment, mismatch.error(span, value)),
         }
     }

@@ -2,6 +2,9 @@
 
 use super::cover::Proof;
 pub use super::followed::{Critical, Curve, Followed, Grows, Locus, Meeting, MeetingKind, Onset, Onsets, Orders};
+pub use super::ranges::{
+    Proved, Range, RangeProof, Robust, Throughout, Tolerated, ToleratedParameter, WorstCase, outer, outer_text,
+};
 use crate::base::{Ball, Bound, Number, Span, Unproven};
 use crate::model::scene::Written;
 use std::borrow::Cow;
@@ -70,6 +73,8 @@ pub struct Optimised {
     pub evaluations: usize,
     /// Simulated time, s, if the measure needs one.
     pub until: Option<Number>,
+    /// With `--robust`: the worst case within the tolerances, which the values make best. `best` is about it.
+    pub robust: Option<Robust>,
 }
 
 /// A parameter of an optimum.
@@ -103,6 +108,12 @@ pub struct Everywhere(());
 
 impl From<Proof> for Everywhere {
     fn from(_: Proof) -> Everywhere {
+        Everywhere(())
+    }
+}
+
+impl From<Proved> for Everywhere {
+    fn from(_: Proved) -> Everywhere {
         Everywhere(())
     }
 }
@@ -327,71 +338,6 @@ pub fn few_digits(x: f64) -> String {
     let short: f64 = format!("{x:.5e}").parse().unwrap_or(x);
     let size = short.abs();
     if size != 0.0 && !(1e-4..1e7).contains(&size) { format!("{short:e}") } else { format!("{}", short + 0.0) }
-}
-
-/// What is known for all values within the tolerances. A place is a value for each parameter, SI, in their order.
-#[derive(Clone, Debug)]
-pub struct Tolerated {
-    /// The parameters that have a range, and that nothing determines.
-    pub parameters: Vec<ToleratedParameter>,
-    /// Where every frequency is least, and largest. `None` if that is not proved of any.
-    pub corners: Option<[Vec<Number>; 2]>,
-    /// Of the frequency of each undamped mode, Hz, in ascending order.
-    pub frequencies: Vec<Range>,
-    /// Of the damping ratio of each damped motion, as `damping(i)` counts them; empty if nothing damps.
-    pub ratios: Vec<Range>,
-    /// Of the real part, 1/s, and the imaginary part, rad/s, of each pole with im s >= 0, ascending in |s|; empty if nothing damps.
-    pub poles: Vec<[Range; 2]>,
-    /// Of the measure of each requirement, SI; `None` where it is a verdict, or has no value somewhere.
-    pub measures: Vec<Option<Range>>,
-    /// For each requirement.
-    pub requirements: Vec<Throughout>,
-    /// The number of places that were looked at.
-    pub places: usize,
-}
-
-/// A parameter with a range.
-#[derive(Clone, Debug)]
-pub struct ToleratedParameter {
-    pub name: String,
-    pub unit: Written,
-    /// SI, the lower one first.
-    pub ends: [Number; 2],
-}
-
-/// The values of a quantity.
-#[derive(Clone, Debug)]
-pub struct Range {
-    /// Bounds of all values within the tolerances if that is proved, otherwise what was reached. `None` if there is no value at one of
-    /// the places, as where a mode does not oscillate.
-    pub ends: Option<[Ball; 2]>,
-    /// The least and the largest that was reached.
-    pub reached: Option<[Ball; 2]>,
-    /// Where these are.
-    pub at: Option<[Vec<Number>; 2]>,
-    pub proof: Option<RangeProof>,
-}
-
-/// Why no value lies beyond the ends.
-#[derive(Clone, Copy, Debug)]
-pub enum RangeProof {
-    /// The ends are reached, at corners.
-    Corners(Proved),
-    /// Bounds of so many boxes, which together are the whole.
-    Boxes(usize, Proved),
-}
-
-/// Only `questions::tolerated` and `questions::follow` make it.
-#[derive(Clone, Copy, Debug)]
-pub struct Proved(pub(super) ());
-
-/// Whether a requirement holds for all values within the tolerances.
-#[derive(Clone, Debug)]
-pub enum Throughout {
-    Holds(Proved),
-    /// It certainly fails at this place.
-    FailsAt(Vec<Number>),
-    Undetermined,
 }
 
 /// A column of the table of a study.

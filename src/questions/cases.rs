@@ -255,7 +255,7 @@ impl<'a> Study<'a> {
         let text = Text { until: text.until.or(usual.as_ref()), ..text };
         let mut warned = None;
         if scene.scene().determines_parameters() && !self.asked.hold_solved {
-            let settled = settle(&text, &scene).map_err(|errors| code_of(&errors))?;
+            let settled = settle(&text, &scene, false).map_err(|errors| code_of(&errors))?;
             warned = settled.unsettled.first().map(|warning| warning.to_diagnostic().code.0);
             for solved in &settled.solved {
                 entries.push(determined(&solved.value, solved.bound, &solved.unit));

@@ -94,6 +94,8 @@ pub enum AskedError {
         tried: usize,
         /// Whether a free motion grew at some of them, which it may not.
         grows: bool,
+        /// Whether they are to be met for all values within the tolerances.
+        robust: bool,
     },
     /// The values that were found for these parameters let a free motion grow, or it is not proved that they do not.
     Unstable {
@@ -297,10 +299,11 @@ impl AskedError {
                     .related(*at, "this measure")
                     .help("ask for another measure, or search other ranges")
             }
-            NeverMet { span, tried, grows } => {
+            NeverMet { span, tried, grows, robust } => {
                 let meets =
                     if *grows { "meets the conditions without a motion that grows" } else { "meets the conditions" };
-                error(span, format!("none of the {tried} sets of values that were tried {meets}"))
+                let all = if *robust { " for all values within the tolerances" } else { "" };
+                error(span, format!("none of the {tried} sets of values that were tried {meets}{all}"))
                     .label("the first of them")
                     .help("widen the ranges, or ask for less")
             }

@@ -25,6 +25,7 @@ mod one_unknown;
 mod optimum;
 mod probe;
 mod range_enclosure;
+mod ranges;
 mod require;
 pub mod samples;
 mod search;

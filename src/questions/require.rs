@@ -56,9 +56,8 @@ pub fn judged(text: &Text, scene: &CheckedScene, known: Facts) -> Vec<Requiremen
     each.map(|(require, measured)| requirement(text, scene, known, require, measured)).collect()
 }
 
-/// One of them alone.
-pub fn judged_alone(text: &Text, scene: &CheckedScene, known: Facts, index: usize) -> Option<Requirement> {
-    let require = scene.scene().requires.get(index)?;
+/// One line alone.
+pub fn judged_alone(text: &Text, scene: &CheckedScene, known: Facts, require: &Require) -> Option<Requirement> {
     let measured = text.measure_scene(scene, std::slice::from_ref(&require.question), known);
     let measured = measured.map_or_else(|why| Some(Measurement::Failed(why)), |mut list| list.pop())?;
     Some(requirement(text, scene, known, require, measured))
@@ -86,7 +85,7 @@ fn requirement(
         }
     }
     let value = match measured {
-        Measurement::Value(value) if require.comparison.is_none() => {
+        Measurement::Value(value) if matches!(question.measure, Measure::Stable) => {
             let verdict = match value.is_exact() {
                 true if value == Ball::ONE => "stable",
                 true if value.is_zero() => NEUTRAL,

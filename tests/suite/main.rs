@@ -110,3 +110,4 @@ mod transfer;
 mod traps;
 mod unbalance;
 mod used_files;
+mod worst_cases;

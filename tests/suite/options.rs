@@ -265,6 +265,7 @@ fn needed(command: &str, option: &str) -> Vec<&'static str> {
     let mut needed = match command {
         "sweep" if matches!(option, "samples" | "seed" | "sobol") => vec!["@/random.vib"],
         "analyze" if option == "tolerances" => vec!["@/random.vib"],
+        "analyze" if option == "robust" => vec!["@/robust.vib"],
         "analyze" | "transfer" | "bench" | "sweep" | "draw" | "equations" | "report" | "watch" if option != "file" => {
             vec![file]
         }
@@ -324,6 +325,10 @@ impl Setting {
         fs::write(at("drop.vib"), DROP).expect("a file");
         fs::write(at("shaken.vib"), SHAKEN).expect("a file");
         fs::write(at("random.vib"), RANDOM).expect("a file");
+        let robust = RANDOM.to_string()
+            + "param q = 1 N/m\nspring t: ground -- b { k = q }\nforce F: b along x\noutput x = b.x\n\
+                                           damper d: ground -- b { c = 1 N*s/m }\nminimise gain(F -> x, 0 Hz) over q in 1 N/m .. 2 N/m\n";
+        fs::write(at("robust.vib"), robust).expect("a file");
         fs::write(at("part.csv"), PART).expect("a file");
         fs::write(at("settings.toml"), SETTINGS).expect("a file");
         fs::write(at("bytes"), [0xff, 0xfe, 0, 0x1b, b'\n']).expect("a file");

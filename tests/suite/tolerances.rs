@@ -176,6 +176,41 @@ fn analyze_tells_what_holds_for_all_values() {
     assert!(said.contains("no parameter of the model has a range"), "{said}");
 }
 
+/// `--robust` needs something to optimise, and a range; the report tells the worst case and never rounds a bound inwards.
+#[test]
+fn analyze_tells_the_best_worst_case() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let printed = |clause: &str, line: &str| {
+        let model = folder.path().join("m.vib");
+        let text = format!(
+            "param k = 100 N/m {clause}\nparam m = 0.9 kg\nbody b {{ mass = m, moves x }}\nspring s: ground -- b {{ k = k }}\n\
+             damper d: ground -- b {{ c = 0.5 N*s/m }}\nforce F: b along x\noutput x = b.x\n{line}\n"
+        );
+        std::fs::write(&model, text).expect("a file");
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_vibc"));
+        let output =
+            program.args(["analyze", &model.to_string_lossy(), "--robust", "--width", "200"]).output().expect("output");
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+        (output.status.code(), text(output.stdout), text(output.stderr))
+    };
+    let (within, line) = ("within 90 N/m .. 120 N/m", "maximise gain(F -> x, 10 rad/s) over m in 0.5 kg .. 2 kg");
+    let (status, report, _) = printed(within, line);
+    assert_eq!(status, Some(0));
+    // 1 / |15 + 5 i| = 0.063245553...: rounded down.
+    assert!(report.contains("maximised the worst case of gain(F -> x, 10 rad/s): at least 0.0632455 m/N"), "{report}");
+    assert!(report.contains("for all values within k = 90 .. 120 N/m"), "{report}");
+    let (status, report, said) = printed("", line);
+    assert_eq!((status, &*report), (Some(2), ""));
+    assert!(said.contains("no parameter of the model has a range"), "{said}");
+    let (status, report, said) = printed(within, "");
+    assert_eq!((status, &*report), (Some(2), ""));
+    assert!(said.contains("no line `minimise` or `maximise`"), "{said}");
+    // 2.2 Hz takes at most 0.471 kg with the softest spring, and 0.524 kg with the declared one.
+    let (status, _, said) = printed(within, &format!("{line} while frequency(1) > 2.2 Hz"));
+    assert_eq!(status, Some(1));
+    assert!(said.contains("for all values within"), "{said}");
+}
+
 #[test]
 fn a_value_from_outside_lies_in_the_tolerance() {
     let (mut sources, file) = sources(&format!("param m = 1 kg\nparam k = 10 N/m within 9 N/m .. 11 N/m{AFTER}"));

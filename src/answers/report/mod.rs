@@ -18,6 +18,7 @@ mod poles;
 mod questions;
 mod random;
 mod rest;
+mod robust;
 mod sensitivities;
 pub mod shock;
 mod spectral;

@@ -1,5 +1,6 @@
 //! Solved parameters, and whether the requirements hold.
 
+use super::robust;
 use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Named, Report, Section, Value, line, listed};
 use crate::base::{Ball, Bound, Number, Unproven};
@@ -65,9 +66,14 @@ pub fn optimised(list: &[Optimised]) -> Section {
         }
         let shown = found.shown();
         let value = figure(&shown, MOST).unit(shown.unit.to_string());
-        let first = line![word, " ", found.measure.clone(), " = ", value];
-        let remarks = [Some(best_line(found)), equal_line(found), simulated_time_line(found.until.as_ref())];
-        [Block::Line(first), table.into()].into_iter().chain(remarks.into_iter().flatten().map(Block::from))
+        let first = match &found.robust {
+            None => line![word, " ", found.measure.clone(), " = ", value],
+            Some(robust) => robust::first_line(found, robust),
+        };
+        let worst = found.robust.iter().flat_map(|robust| robust::lines(found, robust));
+        let remarks = [equal_line(found), simulated_time_line(found.until.as_ref())];
+        let remarks = std::iter::once(best_line(found)).chain(worst).chain(remarks.into_iter().flatten());
+        [Block::Line(first), table.into()].into_iter().chain(remarks.map(Block::from))
     });
     Section::new("Optimal parameters", blocks.collect::<Vec<_>>())
 }

@@ -16,14 +16,7 @@ const DIGITS: usize = 6;
 pub fn section(answer: &ModalAnswer) -> Section {
     const HEADING: &str = "Tolerances";
     let Some(found) = &answer.tolerated else { return Section::new(HEADING, []) };
-    let ranges = found.parameters.iter().take(MOST_ROWS).map(|parameter| {
-        let [low, high] = parameter.ends.each_ref().map(|end| value(parameter, end));
-        format!("{}\u{a0}=\u{a0}{low}\u{a0}..\u{a0}{high}\u{a0}{}", parameter.name, parameter.unit.text)
-            .trim_end()
-            .to_string()
-    });
-    let more = if found.parameters.len() > MOST_ROWS { ", ..." } else { "" };
-    let caption = format!("for all values within {}{more}", ranges.collect::<Vec<_>>().join(", "));
+    let caption = format!("for all values within {}", ranges(&found.parameters));
     let corners = found.corners.iter().flat_map(|[low, high]| {
         [("least", low), ("largest", high)]
             .map(|(word, place)| Block::Item(line!["every frequency is ", word, " at ", at(found, place)]))
@@ -130,13 +123,29 @@ fn requirements(answer: &ModalAnswer, found: &Tolerated) -> Table {
     table
 }
 
+/// `k = 9 .. 11 N/m, m = 0.9 .. 1.2 kg`
+pub fn ranges(parameters: &[ToleratedParameter]) -> String {
+    let ranges = parameters.iter().take(MOST_ROWS).map(|parameter| {
+        let [low, high] = parameter.ends.each_ref().map(|end| value(parameter, end));
+        format!("{}\u{a0}=\u{a0}{low}\u{a0}..\u{a0}{high}\u{a0}{}", parameter.name, parameter.unit.text)
+            .trim_end()
+            .to_string()
+    });
+    let more = if parameters.len() > MOST_ROWS { ", ..." } else { "" };
+    ranges.collect::<Vec<_>>().join(", ") + more
+}
+
 /// `k = 9 N/m, m = 1.2 kg`
 fn at(found: &Tolerated, place: &[Number]) -> String {
+    place_text(&found.parameters, place)
+}
+
+pub fn place_text(parameters: &[ToleratedParameter], place: &[Number]) -> String {
     let given = |(parameter, si): (&ToleratedParameter, &Number)| {
         let value = value(parameter, si);
         format!("{}\u{a0}=\u{a0}{value}\u{a0}{}", parameter.name, parameter.unit.text).trim_end().to_string()
     };
-    let list: Vec<String> = found.parameters.iter().zip(place).take(MOST_ROWS).map(given).collect();
+    let list: Vec<String> = parameters.iter().zip(place).take(MOST_ROWS).map(given).collect();
     list.join(", ")
 }
 

@@ -6,11 +6,13 @@
 //! 1. [`settle`]: which line and which `solve` depends on which parameter, and so their order
 //! 2. [`search`]: places over all ranges, and a descent from the best of them; for gains by |H| in binary64
 //! 3. [`proof`]: for gains, the exact place and the proof that there is none better; for one parameter, by the enclosures of `solve`
+//! 4. [`robust`]: where asked for, the same for the worst case within the tolerances
 
 mod proof;
+mod robust;
 mod search;
 
-use super::answer::{Best, Optimised, OptimisedParameter, shown, shown_text};
+use super::answer::{Best, Optimised, OptimisedParameter, Robust, shown, shown_text};
 use super::error::AskedError;
 use super::require::{holds_for, margin};
 use super::trial::{Facts, Text};
@@ -21,20 +23,20 @@ use crate::model::scene::{Measure, Optimum, Question, Varied};
 use crate::model::{CheckedScene, Setting};
 use search::{Rough, Search, Seen};
 
-/// Finds every parameter that the model varies or solves for.
-pub fn settle(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedError>> {
-    let mut settled = found(text, scene)?;
+/// Finds every parameter that the model varies or solves for. `robust`: what is optimised is the worst case within the tolerances.
+pub fn settle(text: &Text, scene: &CheckedScene, robust: bool) -> Result<Settled, Vec<AskedError>> {
+    let mut settled = found(text, scene, robust)?;
     let growth = growth(text, &settled.scene);
     settled.unsettled.extend(growth);
     Ok(settled)
 }
 
-fn found(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedError>> {
+fn found(text: &Text, scene: &CheckedScene, robust: bool) -> Result<Settled, Vec<AskedError>> {
     let optima = &scene.scene().optima;
     if optima.is_empty() {
         return unknowns::solve(text, scene);
     }
-    let all = Lines { text: *text, optima, solves_inside: solves_depend(text, scene) };
+    let all = Lines { text: *text, optima, solves_inside: solves_depend(text, scene), robust: false };
     // Unknowns that do not depend on the optima are solved for first.
     let before = match all.solves_inside || scene.scene().solves.is_empty() {
         true => None,
@@ -44,7 +46,10 @@ fn found(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedError>> 
     let mut optimised = Vec::new();
     let mut warnings = Vec::new();
     for index in all.ordered(&settings)? {
-        let (found, values) = all.find(index, &settings, &mut warnings)?;
+        let (found, values) = match robust {
+            true => all.find_robust(index, &settings, scene.scene(), &mut warnings)?,
+            false => all.find(index, &settings, &mut warnings)?,
+        };
         settings.extend(values);
         optimised.push((index, found));
     }
@@ -121,11 +126,14 @@ fn setting(varied: &Varied, si: Number) -> Setting {
 }
 
 /// All lines and the data that they share.
+#[derive(Clone, Copy)]
 struct Lines<'a> {
     text: Text<'a>,
     optima: &'a [Optimum],
     /// Whether `solve` is repeated at each trial.
     solves_inside: bool,
+    /// Whether the line is about all values within the tolerances.
+    robust: bool,
 }
 
 /// A measured place.
@@ -231,6 +239,12 @@ impl Lines<'_> {
         settings: &[Setting],
         warnings: &mut Vec<AskedError>,
     ) -> Result<(Optimised, Vec<Setting>), Vec<AskedError>> {
+        let (best, count) = self.located(index, settings)?;
+        Ok(self.told(index, (best, count), None, warnings))
+    }
+
+    /// The place of the optimum of one line, and the number of places that were measured.
+    fn located(&self, index: usize, settings: &[Setting]) -> Result<(Outcome, usize), Vec<AskedError>> {
         let optimum = &self.optima[index];
         let with = |values: &[Number]| -> Vec<Setting> {
             let own = optimum.varied.iter().zip(values).map(|(varied, si)| setting(varied, si.clone()));
@@ -246,7 +260,18 @@ impl Lines<'_> {
             return Err(vec![plateau]);
         }
         let proved = self.proved(index, settings, &seen, &mut search);
-        let best = proved.unwrap_or_else(|| search.finished(seen).into());
+        Ok((proved.unwrap_or_else(|| search.finished(seen).into()), search.count()))
+    }
+
+    /// The answer to a line, and the settings for it.
+    fn told(
+        &self,
+        index: usize,
+        (best, evaluations): (Outcome, usize),
+        robust: Option<Robust>,
+        warnings: &mut Vec<AskedError>,
+    ) -> (Optimised, Vec<Setting>) {
+        let optimum = &self.optima[index];
         let values: Vec<Number> = best.values.clone();
         let at_end = |i: usize| values[i] == optimum.varied[i].low || values[i] == optimum.varied[i].high;
         for (i, varied) in optimum.varied.iter().enumerate().filter(|(i, _)| at_end(*i)) {
@@ -272,11 +297,12 @@ impl Lines<'_> {
             parameters: parameters.collect(),
             best: best.best,
             equal: best.equal,
-            evaluations: search.count(),
+            evaluations,
             until: self.text.simulated_time(&optimum.question.measure),
+            robust,
         };
         let own = optimum.varied.iter().zip(values).map(|(varied, si)| setting(varied, si)).collect();
-        Ok((found, own))
+        (found, own)
     }
 
     /// The error if nothing was found.
@@ -297,7 +323,7 @@ impl Lines<'_> {
             }
             search::Nothing::Broken { tried, grows } => {
                 let at = optimum.limits.first().map_or(span, |limit| limit.span);
-                AskedError::NeverMet { span: at, tried, grows }
+                AskedError::NeverMet { span: at, tried, grows, robust: self.robust }
             }
         }
     }

@@ -173,7 +173,10 @@ impl<'a> Boxes<'a> {
         let both = point.spectrum.as_ref().map(|(modes, poles)| (modes, poles));
         let both = both.filter(|(modes, poles)| modes.is_complete() && poles.left_out == 0);
         let known = Facts { system: point.written.as_ref(), spectrum: both };
-        let judge = |scene: &CheckedScene| judged_alone(self.corners.text, scene, known, index);
+        let judge = |scene: &CheckedScene| {
+            let line = self.corners.subject.lines(scene.scene()).into_iter().nth(index)?;
+            judged_alone(self.corners.text, scene, known, &line)
+        };
         let found = point.scene.as_ref().and_then(judge);
         let n = point.written.as_ref().map_or(0, |written| written.lowered.system.n());
         self.work(LOWERING + 500 * cube(n.min(MOST)));
@@ -244,7 +247,8 @@ impl<'a> Boxes<'a> {
             let settings: Vec<Setting> =
                 self.corners.held.iter().cloned().chain(ends.iter().enumerate().map(setting)).collect();
             self.work(LOWERING);
-            let ask = |scene: &Scene| scene.requires.iter().map(|require| require.question.clone()).collect();
+            let lines = |scene: &Scene| self.corners.subject.lines(scene);
+            let ask = |scene: &Scene| lines(scene).into_iter().map(|require| require.question).collect();
             self.corners.text.ranged(&settings, ask)
         };
         let over = free.iter().map(|&own| lower(Some(own))).collect::<Option<Vec<Ranged>>>()?;
@@ -264,9 +268,15 @@ impl<'a> Boxes<'a> {
     pub fn is_held(&self) -> bool {
         let whole: Part = vec![[0, WHOLE]; self.corners.free.len()];
         let Some(sheet) = self.sheet(&whole) else { return false };
+        self.is_passive() && sheet.family(0).is_some_and(|family| family.is_held())
+    }
+
+    /// Whether no term supplies energy, whatever the values: nothing grows.
+    pub fn is_passive(&self) -> bool {
+        let whole: Part = vec![[0, WHOLE]; self.corners.free.len()];
+        let Some(sheet) = self.sheet(&whole) else { return false };
         let ranged = &sheet.over[0];
-        let is_held = || sheet.family(0).is_some_and(|family| family.is_held());
-        ranged.is_damped && is_passive(&ranged.lowered.system) && is_held()
+        ranged.is_damped && is_passive(&ranged.lowered.system)
     }
 
     /// Whether no parameter certainly moves the limit of a requirement.

@@ -13,6 +13,15 @@ use crate::questions::answer::{Proved, Range, RangeProof};
 const FEW_PARTS: usize = 24;
 const CLOSE: f64 = 0.01;
 
+/// How long a bound is looked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Until {
+    /// It lies little beyond what was reached beside the width of the range, and on one side of a limit in its direction.
+    Near(Option<f64>),
+    /// It lies beyond what was reached by as little as the value is worth.
+    Close,
+}
+
 /// The least and the largest value that was reached, and where.
 #[derive(Clone, Debug)]
 pub(super) struct Seen {
@@ -20,10 +29,10 @@ pub(super) struct Seen {
 }
 
 /// A part of the box with a bound of the quantity in it.
-struct Bounded {
+pub(super) struct Bounded {
     part: Part,
     /// In the direction of the extreme; infinite if nothing is known.
-    bound: f64,
+    pub bound: f64,
     /// The value at a place, if the extreme over the part is that.
     reached: Option<Ball>,
     /// How much the quantity may change along each parameter of the part.
@@ -67,7 +76,7 @@ impl Boxes<'_> {
         let mut count = 0;
         for sign in [-1.0, 1.0] {
             let limit = limit.map(|limit| sign * limit.to_f64());
-            let (bound, boxes) = self.extreme(quantity, sign, &mut seen, limit);
+            let (bound, boxes) = self.extreme(quantity, sign, &mut seen, Until::Near(limit));
             count += boxes;
             ends.push(bound);
         }
@@ -86,13 +95,7 @@ impl Boxes<'_> {
     }
 
     /// A bound of a quantity in a direction, and whether it is reached; the number of boxes that were looked at.
-    fn extreme(
-        &self,
-        quantity: Sought,
-        sign: f64,
-        seen: &mut Seen,
-        limit: Option<f64>,
-    ) -> (Option<(Ball, bool)>, usize) {
+    pub fn extreme(&self, quantity: Sought, sign: f64, seen: &mut Seen, until: Until) -> (Option<(Ball, bool)>, usize) {
         let side = usize::from(sign > 0.0);
         let whole: Part = vec![[0, WHOLE]; self.corners.free.len()];
         let mut boxes = vec![self.bounded(whole, quantity, sign, seen)];
@@ -101,8 +104,11 @@ impl Boxes<'_> {
             let Some(worst) = worst else { return (None, 0) };
             let best = sign * seen.ends[side].0.to_f64();
             let found = &boxes[worst];
+            let (share, limit) = match until {
+                Until::Close => (0.0, None),
+                Until::Near(limit) => (if boxes.len() < FEW_PARTS { CLOSE } else { EXCESS }, limit),
+            };
             let is_open = limit.is_some_and(|limit| best < limit && found.bound >= limit);
-            let share = if boxes.len() < FEW_PARTS { CLOSE } else { EXCESS };
             let allowed = share * seen.width() + EXCESS_OF_VALUE * best.abs();
             let is_done = found.reached.is_some() || found.bound - best <= allowed && !is_open;
             let cut = if is_done { None } else { halves(found) };
@@ -119,7 +125,7 @@ impl Boxes<'_> {
     }
 
     /// A bound of a quantity over a part of the box.
-    fn bounded(&self, mut part: Part, quantity: Sought, sign: f64, seen: &mut Seen) -> Bounded {
+    pub fn bounded(&self, mut part: Part, quantity: Sought, sign: f64, seen: &mut Seen) -> Bounded {
         let unknown = |part: Part| {
             let changes = self.changes(&part);
             Bounded { bound: f64::INFINITY, reached: None, changes, part }

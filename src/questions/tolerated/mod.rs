@@ -8,6 +8,9 @@
 mod boxes;
 mod extremes;
 mod tubes;
+mod worst;
+
+pub(super) use worst::{Design, best_possible, places, worst};
 
 use super::answer::{Proved, Range, RangeProof, Throughout, Tolerated, ToleratedParameter};
 use super::trial::Text;
@@ -16,7 +19,7 @@ use crate::analysis::{ModeKind, Modes, Request, modes_as};
 use crate::base::number::jet;
 use crate::base::{Ball, Diagnostics, Jet, Number, Quantity, Rational};
 use crate::dynamics;
-use crate::model::scene::{Comparison, Measure, Parameter, Require, Tolerance};
+use crate::model::scene::{Comparison, Measure, Optimum, Parameter, Require, Scene, Tolerance};
 use crate::model::{CheckedScene, Setting};
 use crate::system::LinearSystem;
 use boxes::{Boxes, Point, Sought};
@@ -35,17 +38,21 @@ const MOST_COORDINATES: usize = 60;
 const MOST_WORK: usize = 1_000_000;
 
 /// `None` if no parameter that is free has a range. `held`: values of those that the model determines; `n`: the number of coordinates.
-pub fn tolerated(text: &Text, (scene, n): (&CheckedScene, usize), held: &[Setting]) -> Option<Tolerated> {
-    let is_free = |tolerance: &&Tolerance| held.iter().all(|(name, _)| *name != tolerance.parameter.name);
+///
+/// `robust`: the tolerances of parameters that a line optimises are those about the values that were found.
+pub fn tolerated(text: &Text, (scene, n): (&CheckedScene, usize), held: &[Setting], robust: bool) -> Option<Tolerated> {
     // Scenes at other values than the declared ones have no tolerances.
     let declared = if held.is_empty() { None } else { Some(text.scene(&[]).ok()?) };
-    let tolerances = &declared.as_ref().unwrap_or(scene).scene().tolerances;
-    let free: Vec<&Tolerance> =
-        tolerances.iter().filter(is_free).filter(|tolerance| tolerance.within.is_some()).collect();
+    let declared = declared.as_ref().unwrap_or(scene).scene();
+    let free = match robust {
+        true => moved(declared, held),
+        false => ranges(declared).filter(|tolerance| value_of(held, tolerance).is_none()).cloned().collect(),
+    };
     if free.is_empty() {
         return None;
     }
-    let corners = Corners { text, held, free: &free };
+    let held = &others(held, &free);
+    let corners = Corners { text, held, free: &free, subject: Subject::Requirements };
     // Each parameter alone takes the scene through all stages once.
     let found = if free.len().saturating_mul(n) > MOST_WORK { None } else { corners.find(n) };
     let mut places = vec![free.iter().map(|tolerance| tolerance.parameter.value.si.clone()).collect::<Vec<_>>()];
@@ -68,12 +75,8 @@ pub fn tolerated(text: &Text, (scene, n): (&CheckedScene, usize), held: &[Settin
         }
         (ratios, poles) = asked.damped();
     }
-    let range = |tolerance: &&Tolerance| {
-        let Parameter { name, unit, .. } = &tolerance.parameter;
-        Some(ToleratedParameter { name: name.clone(), unit: unit.clone(), ends: tolerance.within.clone()? })
-    };
     Some(Tolerated {
-        parameters: free.iter().filter_map(range).collect(),
+        parameters: free.iter().filter_map(parameter).collect(),
         frequencies,
         ratios,
         poles,
@@ -82,6 +85,59 @@ pub fn tolerated(text: &Text, (scene, n): (&CheckedScene, usize), held: &[Settin
         places: places.len(),
         corners: found.and_then(|found| found.ends),
     })
+}
+
+pub(super) fn parameter(tolerance: &Tolerance) -> Option<ToleratedParameter> {
+    let Parameter { name, unit, .. } = &tolerance.parameter;
+    Some(ToleratedParameter { name: name.clone(), unit: unit.clone(), ends: tolerance.within.clone()? })
+}
+
+fn ranges(scene: &Scene) -> impl Iterator<Item = &Tolerance> {
+    scene.tolerances.iter().filter(|tolerance| tolerance.within.is_some())
+}
+
+/// The value that a parameter with a tolerance is held at.
+fn value_of<'a>(held: &'a [Setting], tolerance: &Tolerance) -> Option<&'a Quantity> {
+    held.iter().find(|(name, _)| *name == tolerance.parameter.name).map(|(_, value)| value)
+}
+
+/// The values that are held of parameters without a tolerance.
+pub(super) fn others(held: &[Setting], free: &[Tolerance]) -> Vec<Setting> {
+    let is_free = |name: &str| free.iter().any(|tolerance| tolerance.parameter.name == name);
+    held.iter().filter(|(name, _)| !is_free(name)).cloned().collect()
+}
+
+/// The tolerances of a scene's parameters, but for those that a `solve` determines; about the values that are held of others.
+pub(super) fn moved(scene: &Scene, held: &[Setting]) -> Vec<Tolerance> {
+    let is_solved =
+        |tolerance: &&Tolerance| scene.solves.iter().any(|solve| solve.parameter.name == tolerance.parameter.name);
+    let about = |tolerance: &Tolerance| match value_of(held, tolerance) {
+        Some(value) => tolerance.about(&value.si),
+        None => tolerance.clone(),
+    };
+    ranges(scene).filter(|tolerance| !is_solved(tolerance)).map(about).collect()
+}
+
+/// The lines whose measures are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Subject {
+    Requirements,
+    /// The measure of the line `minimise` or `maximise` with this index, and its conditions.
+    Optimum(usize),
+}
+
+impl Subject {
+    /// As requirements; one of a measure alone has no comparison.
+    fn lines(self, scene: &Scene) -> Vec<Require> {
+        match self {
+            Subject::Requirements => scene.requires.clone(),
+            Subject::Optimum(index) => scene.optima.get(index).map_or_else(Vec::new, |optimum| {
+                let Optimum { span, question, limits, .. } = optimum;
+                let measure = Require { span: *span, question: question.clone(), comparison: None };
+                std::iter::once(&measure).chain(limits).cloned().collect()
+            }),
+        }
+    }
 }
 
 /// The range of each parameter, SI.
@@ -109,7 +165,8 @@ struct Piece {
 struct Corners<'a> {
     text: &'a Text<'a>,
     held: &'a [Setting],
-    free: &'a [&'a Tolerance],
+    free: &'a [Tolerance],
+    subject: Subject,
 }
 
 impl Corners<'_> {
@@ -211,8 +268,8 @@ impl Corners<'_> {
         let values = [self.held, &ranges].concat();
         let prepared = jet::undivided(|| {
             let scene = self.text.scene(&values).ok()?.without_damping();
-            let limits = scene.scene().requires.iter();
-            let steady = limits.map(|require| !matches!(require.question.value, Number::Jet(_))).collect();
+            let limits = self.subject.lines(scene.scene());
+            let steady = limits.iter().map(|require| !matches!(require.question.value, Number::Jet(_))).collect();
             let lowered = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?.lowered;
             let fits = lowered.rest.is_proven() && !lowered.system.is_chained();
             // Loss factors have no part in undamped modes.
@@ -433,6 +490,12 @@ impl Asked<'_> {
         (ratios, poles)
     }
 
+    /// Whether the real part of every pole is proved to be negative.
+    fn all_decay(&self) -> bool {
+        let range = self.range(Sought::Abscissa, Some(Ball::ZERO)).filter(|range| range.proof.is_some());
+        range.is_some_and(|range| range.ends.is_some_and(|[_, high]| high.is_negative()))
+    }
+
     /// The range of each measure, and whether each requirement holds everywhere.
     fn requirements(&self, found: Option<&Found>, frequencies: &[Range]) -> (Vec<Option<Range>>, Vec<Throughout>) {
         let each = self.scene.scene().requires.iter().enumerate();
@@ -450,9 +513,7 @@ impl Asked<'_> {
         let failed = || self.points.iter().position(|point| holds(point) == Some(false));
         let fails = || failed().map(|place| Throughout::FailsAt(self.places[place].clone()));
         let Some(comparison) = require.comparison else {
-            let stays = || self.range(Sought::Abscissa, Some(Ball::ZERO)).filter(|range| range.proof.is_some());
-            let falls = |range: Range| range.ends.is_some_and(|[_, high]| high.is_negative());
-            let is_stable = || self.can_cut() && (self.boxes.is_held() || stays().is_some_and(falls));
+            let is_stable = || self.can_cut() && (self.boxes.is_held() || self.all_decay());
             let verdict = fails().unwrap_or_else(|| {
                 let all = self.points.iter().all(|point| holds(point) == Some(true));
                 if all && is_stable() { Throughout::Holds(Proved(())) } else { Throughout::Undetermined }
@@ -511,7 +572,7 @@ mod tests {
         let checked = model::check(&sources, &tree, &overrides);
         let scene = checked.scene.unwrap_or_else(|| panic!("{:?}", checked.diagnostics));
         let text = Text { sources: &sources, tree: &tree, overrides: &overrides, until: None, case: &[], fixed: &[] };
-        tolerated(&text, (&scene, 1), &[])
+        tolerated(&text, (&scene, 1), &[], false)
     }
 
     fn proved(found: &Tolerated, mode: usize) -> [Ball; 2] {
