@@ -17,6 +17,9 @@ use vibc::questions::answer::REPLICATES;
 use vibc::questions::cases::Study;
 use vibc::sweep::{Draws, StudyRequest, cases, study};
 
+/// Columns of every table, which no parameter may be taken for.
+const OWN_COLUMNS: [&str; 2] = ["case", "code"];
+
 pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
     let shard = match options.shard.map(taken).transpose() {
         Ok(shard) => shard,
@@ -78,6 +81,14 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
     let count = study.count();
     if shard.unwrap_or(Shard::WHOLE).rows(count) > MOST_CASES || count == u64::MAX {
         report_error(&format!("that would be {count} cases; the limit of a run is {MOST_CASES}"));
+        return Status::Usage;
+    }
+    let is_table = matches!(options.format, SweepFormat::Csv | SweepFormat::Npz);
+    if let Some(column) = study.columns.iter().find(|column| is_table && OWN_COLUMNS.contains(&&*column.name)) {
+        let name = &column.name;
+        report_error(&format!(
+            "the table has a column `{name}` of its own: rename the parameter, or write `--format json`"
+        ));
         return Status::Usage;
     }
     let picture = study.followed.as_ref().zip(options.svg.as_deref());

@@ -9,13 +9,15 @@ use crate::system::{CoordinateId, LinearSystem};
 
 const CODE: Code = Code::limit("vib::limit::tolerance");
 
-/// The number farthest from being accurate enough.
+/// The number farthest from being accurate enough, and how many others are not either.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shortfall {
     /// The number in words: `the frequency of mode 3`.
     what: String,
     /// Its relative bound.
     reached: f64,
+    /// Other frequencies and poles that are not accurate enough.
+    others: [usize; 2],
     tolerance: f64,
     /// Whether a user set the tolerance.
     asked: bool,
@@ -38,10 +40,17 @@ pub fn shortfall(system: &LinearSystem, modes: &Modes, poles: &Poles, request: &
     let decays = (1..).zip(upper).filter(|(_, pole)| asked || pole.kind != PoleKind::Undetermined);
     let decays = decays.map(|(number, pole)| (pole.relative_error, format!("pole {number}"), None));
     let short = |bound: f64| bound.is_nan() || bound > tolerance;
-    let worst = frequencies.chain(decays).filter(|(bound, ..)| short(*bound)).max_by(|a, b| a.0.total_cmp(&b.0));
+    let all: Vec<_> = frequencies.chain(decays).filter(|(bound, ..)| short(*bound)).collect();
+    let of_modes = all.iter().filter(|(.., moving)| moving.is_some()).count();
+    let mut others = [of_modes, all.len() - of_modes];
+    let worst = all.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
     worst.map(|(reached, what, moving)| Shortfall {
         what,
         reached,
+        others: {
+            others[usize::from(moving.is_none())] -= 1;
+            others
+        },
         tolerance,
         asked,
         moving,
@@ -57,7 +66,11 @@ impl Shortfall {
         } else {
             "to no digit".to_string()
         };
-        let message = format!("{} is certain {reached}, but not to {:e}", self.what, self.tolerance);
+        let mut message = format!("{} is certain {reached}, but not to {:e}", self.what, self.tolerance);
+        let others = others(self.others, self.moving.is_some());
+        if !others.is_empty() {
+            message += &format!("; neither {others}");
+        }
         let help = "terms that nearly cancel, or roots and angles (enclosed in double-double), leave no more digits; write what \
                     cancels without them, or say with `--tolerance` what is good enough";
         let diagnostic = match self.asked {
@@ -71,6 +84,21 @@ impl Shortfall {
     }
 }
 
+/// Frequencies and poles that are not accurate enough either, beside a frequency or a pole: `are 3 others, nor 2 poles`.
+fn others([frequencies, poles]: [usize; 2], beside_frequency: bool) -> String {
+    let verb = |count: usize| if count == 1 { "is" } else { "are" };
+    let own = |count: usize| format!("{} {count} other{}", verb(count), if count == 1 { "" } else { "s" });
+    let kind = |count: usize, one: &str, many: &str| {
+        format!("{} {count} {}", verb(count), if count == 1 { one } else { many })
+    };
+    let parts = match beside_frequency {
+        true => [(frequencies, own(frequencies)), (poles, kind(poles, "pole", "poles"))],
+        false => [(poles, own(poles)), (frequencies, kind(frequencies, "frequency", "frequencies"))],
+    };
+    let parts: Vec<String> = parts.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
+    parts.join(", nor ")
+}
+
 /// Two digits, rounded up.
 fn round_up_to_two_digits(value: f64) -> String {
     format!("{:.1e}", value * 1.06)
@@ -78,7 +106,15 @@ fn round_up_to_two_digits(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::round_up_to_two_digits;
+    use super::{others, round_up_to_two_digits};
+
+    #[test]
+    fn others_are_counted() {
+        assert_eq!(others([0, 0], true), "");
+        assert_eq!(others([19, 0], true), "are 19 others");
+        assert_eq!(others([1, 2], true), "is 1 other, nor are 2 poles");
+        assert_eq!(others([2, 1], false), "is 1 other, nor are 2 frequencies");
+    }
 
     #[test]
     fn an_accuracy_bound_is_rounded_upwards() {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Route {
-    /// Decided exactly, on rational numbers: a rigid motion, a repeated root.
+    /// Decided exactly, on rational numbers: a rigid motion, a root of the polynomial det(K - x M).
     Exact,
     /// One-sided Jacobi on the factors in binary64, Rayleigh quotients and certificate in double-double.
     Factored,

@@ -222,6 +222,8 @@ struct Check<'a> {
     law_over: Option<&'static str>,
     /// Words of declarations that could not be read or unrolled: no message calls them unknown.
     broken_words: HashSet<&'a str>,
+    /// The last unit in brackets that was reported: what is glued to it is the same mistake.
+    unit_in_brackets: Option<Span>,
     /// Number of searches for a similar word so far.
     searches: u32,
     environments: Environments,
@@ -281,6 +283,7 @@ impl<'a> Check<'a> {
             outside: false,
             law_over: None,
             broken_words: HashSet::new(),
+            unit_in_brackets: None,
             searches: 0,
             environments: Environments::default(),
             definitions: Vec::new(),

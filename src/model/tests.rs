@@ -265,6 +265,8 @@ fn unknown_names_are_reported_with_the_nearest_known_one() {
     assert!(with("param a = sqr(2)").contains("did you mean `sqrt`?"));
     assert!(with("param a = 2 Newton").contains("did you mean `N`?"));
     assert!(with("param a = block").contains("`block` is a body"));
+    assert!(with("param a = 1 m/(m/s^2)").contains("which stands without brackets"));
+    assert_eq!(codes(&checked(&format!("{model}param a = 1 m/(m + s)"))).len(), 2);
     assert!(with("param a = rod(2)").contains("shape = rod(A, B)"));
 }
 
@@ -278,6 +280,7 @@ fn one_mistake_gives_one_error() {
         "base f { moves z }\nbody c { mass = 1 kg, moves x }\nspring s: f -- c { k = 1 N/m }\noutput o = f.x",
         "repeat i in 1..1000 {\nbody c[i] { mass = 1 m, moves x }\n}\noutput o = c[3].x",
         "repeat i in 1..1000 {\nbody c[i] { mass = i * 1 m, moves x }\n}",
+        "body s { mass = 1 kg, moves x }\nspring t: ground -- s { k = 1 N/m }\nparam a = 1 m/(m/s^2)",
         "param n = 1.5\nrepeat i in 1..n {\nbody c[i] { mass = 1 kg, moves x }\n}\nspring s: c[1] -- c[2] { k = 1 N/m }\nbody d { mass = 1 kg, moves x }",
     ] {
         assert_eq!(codes(&checked(text)).len(), 1, "{text}: {}", messages(&checked(text)));

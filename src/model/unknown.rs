@@ -53,10 +53,36 @@ impl<'a> Check<'a> {
         if self.broken_words.contains(text) {
             return Err(Stop::Reported);
         }
+        if let Error::Name(NameError::UnknownValue { .. }) = &error
+            && self.continues_a_unit_in_brackets(word)
+        {
+            return Err(Stop::Reported);
+        }
         if let Error::Name(NameError::UnknownValue { .. } | NameError::UnknownPart { .. }) = &error {
             self.broken_words.insert(text);
         }
         self.fail(environment, error)
+    }
+
+    /// Whether a unit is glued to one that stands in brackets, as `s` in `1 m/(m/s^2)`, and that was reported.
+    fn continues_a_unit_in_brackets(&mut self, word: Span) -> bool {
+        if !unit::is_known(self.sources.slice(word)) {
+            return false;
+        }
+        let text = self.sources.text(word.file());
+        let glued =
+            |between: &str| !between.is_empty() && between.chars().all(|c| "*/^-·⋅".contains(c) || c.is_ascii_digit());
+        let before = self.unit_in_brackets.filter(|before| before.file() == word.file());
+        let continues = before.and_then(|before| text.get(before.end()..word.start())).is_some_and(glued);
+        if continues || self.opens_brackets_of_a_unit(word) {
+            self.unit_in_brackets = Some(word);
+        }
+        continues
+    }
+
+    fn opens_brackets_of_a_unit(&self, word: Span) -> bool {
+        let before = self.sources.text(word.file()).get(..word.start()).unwrap_or("");
+        before.ends_with("/(") || before.ends_with("*(")
     }
 
     /// The error for a word, with the values of its indices, that is not a parameter, point or index.
@@ -66,7 +92,10 @@ impl<'a> Check<'a> {
         if let Some(error) = name.and_then(|name| self.wrong_index(&self.values, name, ident, environment)) {
             return error;
         }
-        let help = self.describe_as_value(text, environment).or_else(|| self.outside_of_component(text, environment));
+        let brackets = (unit::is_known(text) && self.opens_brackets_of_a_unit(word))
+            .then(|| format!("`{text}` is a unit, which stands without brackets: `N/(m/s)` is written `N*s/m`"));
+        let help = self.describe_as_value(text, environment).map(|help| brackets.unwrap_or(help));
+        let help = help.or_else(|| self.outside_of_component(text, environment));
         let suggestion = if help.is_none() { self.nearest_value(text, environment) } else { None };
         NameError::UnknownValue { span: word, word: text.to_string(), suggestion, help }
     }

@@ -154,3 +154,28 @@ fn arrays_are_files_and_no_larger_than_their_format_allows() {
         assert!(output.stdout.is_empty() && !folder.path().join("a.npz").exists());
     }
 }
+
+/// A parameter that is called as a column of every table would be taken for it, or it for the parameter.
+#[test]
+fn columns_of_the_table_are_no_parameters() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for name in ["case", "code"] {
+        let model = MODEL.replace("k = 100", &format!("{name} = 100")).replace("k = k", &format!("k = {name}"));
+        fs::write(folder.path().join("two.vib"), model).expect("a file");
+        let run = |more: &[&str]| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+            command.args(["sweep", "two.vib", "--over", &format!("{name}=1N/m,2N/m")]).args(more);
+            command.current_dir(folder.path()).output().expect("the program starts")
+        };
+        for more in [&["--format", "csv"][..], &["--format", "npz", "-o", "a.npz"]] {
+            let output = run(more);
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(
+                output.status.code() == Some(2) && said.contains(&format!("a column `{name}` of its own")),
+                "{said}"
+            );
+            assert!(output.stdout.is_empty() && !folder.path().join("a.npz").exists());
+        }
+        assert_eq!(run(&["--format", "json"]).status.code(), Some(0));
+    }
+}

@@ -6,12 +6,15 @@
 //! 4. Rayleigh quotients in triple words, and their certificate ([`certificate`]). If it is not good enough, steps 2 to
 //!    4 are repeated with the next precision.
 //!
+//! 5. Where that fails for few coordinates, the roots of the polynomial in exact arithmetic ([`exact`]).
+//!
 //! See docs/method/modes.md#definition, docs/method/modes.md#rigid-body-modes and docs/method/modes.md#certificate.
 
 use crate::analysis::answer::Route;
 use crate::analysis::modes::certificate::{Enclosure, enclose};
 use crate::analysis::modes::correction;
 use crate::analysis::modes::dense;
+use crate::analysis::modes::exact;
 use crate::analysis::modes::gram::{Gram, SLACK};
 use crate::analysis::modes::mass;
 use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair, ascending};
@@ -51,10 +54,12 @@ pub enum Failure {
 pub fn eigenpairs(k: &Form, m: &Form, n: usize, tolerance: f64) -> Result<Vec<Pair>, Failure> {
     let (stiffness, masses) = (Terms::of(k), Terms::of(m));
     let Some(scale) = Scale::of(&stiffness, &masses) else {
-        return eigenpairs_of(k, &stiffness, &masses, n, tolerance);
+        let pairs = eigenpairs_of(k, &stiffness, &masses, n, tolerance)?;
+        return Ok(exact::sharpened(pairs, k, m, tolerance));
     };
     let (k, m) = scale.forms(k, m).ok_or(Failure::Range)?;
     let pairs = eigenpairs_of(&k, &Terms::of(&k), &Terms::of(&m), n, tolerance)?;
+    let pairs = exact::sharpened(pairs, &k, &m, tolerance);
     pairs.into_iter().map(|pair| scale.unscaled(pair).ok_or(Failure::Range)).collect()
 }
 

@@ -11,6 +11,7 @@ pub(in crate::analysis) mod condense;
 pub(in crate::analysis) mod correction;
 pub(in crate::analysis) mod dense;
 pub(in crate::analysis) mod eigen;
+mod exact;
 pub(in crate::analysis) mod form;
 pub(in crate::analysis) mod gram;
 mod image;
@@ -197,7 +198,7 @@ fn ordinary_pairs(
         });
     }
     let pairs = match eigenpairs_of(forms.k, forms.stiffness, forms.masses, n, request.tolerance) {
-        Ok(pairs) => pairs,
+        Ok(pairs) => exact::sharpened(pairs, forms.k, forms.m, request.tolerance),
         Err(Failure::Range) => return Err(AnalysisError::OutOfRange { at: place(system, first) }),
         Err(Failure::Size) => return Err(too_many(system, first, n)),
         Err(Failure::Mass(at)) => without_massless_motions(system, part, forms.k, forms.m, at, request.tolerance)?,

@@ -161,7 +161,12 @@ impl Matrices {
 }
 
 /// sum w a a^T of the chosen terms.
-pub(super) fn assembled(form: &Form, terms: &[u32], local: &[u32], n: usize) -> Option<Vec<Vec<Rational>>> {
+pub(in crate::analysis) fn assembled(
+    form: &Form,
+    terms: &[u32],
+    local: &[u32],
+    n: usize,
+) -> Option<Vec<Vec<Rational>>> {
     let mut matrix = vec![vec![Rational::ZERO; n]; n];
     for &index in terms {
         let term = &form.terms()[index as usize];
@@ -179,7 +184,7 @@ pub(super) fn assembled(form: &Form, terms: &[u32], local: &[u32], n: usize) -> 
 
 /// The roots of a polynomial without repeated or zero roots: one of each conjugate pair and the real ones (marked),
 /// ascending in magnitude, each in a separate disc.
-fn roots(f: &Polynomial) -> Option<Vec<(Complex<Ball>, bool)>> {
+pub(in crate::analysis) fn roots(f: &Polynomial) -> Option<Vec<(Complex<Ball>, bool)>> {
     if f.degree() == 0 {
         return Some(Vec::new());
     }
