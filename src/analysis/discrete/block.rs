@@ -91,7 +91,8 @@ pub const NOTHING: f64 = 1e-24;
 pub fn clean_product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
     Matrix::from_fn(a.rows(), b.columns(), |i, j| {
         let (mut sum, mut size) = (Dd::ZERO, 0.0);
-        for (k, &factor) in b.column(j).iter().enumerate() {
+        // Half of the factors between a mode and the coordinates are zero.
+        for (k, &factor) in b.column(j).iter().enumerate().filter(|(_, factor)| !factor.is_zero()) {
             let term = a[(i, k)] * factor;
             sum += term;
             size += term.hi.abs();

@@ -328,6 +328,7 @@ impl Frame {
             }
             // What the row has lost by its own roundings, and the size that they have at most in later steps.
             let (mut row, mut lost, mut sum) = (row, 0.0, 0.0);
+            let (mut before, mut rounded) = (row.clone(), row.clone());
             let lengths: f64 = directions.iter().map(|(.., length)| length).sum();
             let mut found = Vec::new();
             for step in 1..=1u64 << FOLLOWED {
@@ -341,8 +342,8 @@ impl Frame {
                 if step.is_power_of_two() {
                     found.push(sum / whole * UP);
                 }
-                let rounded;
-                (row, rounded) = cell.form.before(&row);
+                cell.form.before(&row, &mut before, &mut rounded);
+                std::mem::swap(&mut row, &mut before);
                 lost += self.norm.largest_dual(&rounded) * UP;
             }
             match &mut sums {
@@ -414,15 +415,12 @@ impl Form {
         }
     }
 
-    /// The row c F of a row c, and a bound of the rounding of each of its entries. The sign is that of a step that does not
-    /// turn by more than a quarter: sizes do not depend on it.
-    fn before(&self, c: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        // Each entry has at most three operations beside those of a sum.
-        let rounding =
-            |sizes: Vec<f64>| sizes.iter().map(|size| (sizes.len() as f64 + 3.0) * f64::EPSILON * size).collect();
+    /// Sets `before` to the row c F of a row c, and `rounded` to a bound of the rounding of each of its entries. The sign is that
+    /// of a step that does not turn by more than a quarter: sizes do not depend on it.
+    fn before(&self, c: &[f64], before: &mut [f64], rounded: &mut [f64]) {
         match self {
-            Form::Keep(r) => (vec![c[0] * r], rounding(vec![(c[0] * r).abs()])),
-            Form::Lose(d) => (vec![c[0] - c[0] * d], rounding(vec![c[0].abs() * (1.0 + d.abs())])),
+            Form::Keep(r) => (before[0], rounded[0]) = (c[0] * r, (c[0] * r).abs()),
+            Form::Lose(d) => (before[0], rounded[0]) = (c[0] - c[0] * d, c[0].abs() * (1.0 + d.abs())),
             Form::Pair(lift) => {
                 let (keep, size) = match lift.decay {
                     Decay::Lose(c) => (1.0 - c, 1.0 + c.abs()),
@@ -431,16 +429,21 @@ impl Form {
                 // v' reaches x' as well.
                 let of_v = c[1] + c[0] * lift.p;
                 let most = c[1].abs() + (c[0] * lift.p).abs();
-                (vec![c[0] - of_v * lift.k, of_v * keep], rounding(vec![c[0].abs() + most * lift.k.abs(), most * size]))
+                (before[0], rounded[0]) = (c[0] - of_v * lift.k, c[0].abs() + most * lift.k.abs());
+                (before[1], rounded[1]) = (of_v * keep, most * size);
             }
             Form::Dense { turned, rows } => {
                 let sign = if *turned { -1.0 } else { 1.0 };
                 let column = |j: usize| rows.iter().zip(c).map(move |(row, c)| row[j] * c);
-                let entry = |j: usize| column(j).sum::<f64>() + sign * c[j];
-                let size = |j: usize| column(j).map(f64::abs).sum::<f64>() + c[j].abs();
-                ((0..c.len()).map(entry).collect(), rounding((0..c.len()).map(size).collect()))
+                for j in 0..c.len() {
+                    before[j] = column(j).sum::<f64>() + sign * c[j];
+                    rounded[j] = column(j).map(f64::abs).sum::<f64>() + c[j].abs();
+                }
             }
         }
+        // Each entry has at most three operations beside those of a sum.
+        let each = (c.len() as f64 + 3.0) * f64::EPSILON;
+        rounded.iter_mut().for_each(|size| *size *= each);
     }
 }
 

@@ -1,7 +1,7 @@
 //! C99: `NAME.h` and `NAME.c`. See docs/method/emit.md.
 
 use super::plan::{Plan, Start, Style, Table};
-use super::text::{Words, decimal, line, numbers, statements};
+use super::text::{Words, decimal, line, numbers, push_decimal, statements};
 use super::{File, NO_STATE};
 use crate::analysis::discrete::{Again, Precision};
 use crate::backend::diagnostics::readable;
@@ -26,8 +26,7 @@ struct C<'a> {
 
 impl Words for C<'_> {
     fn number(&self, x: f64) -> String {
-        let suffix = if self.plan.precision == Precision::Single { "f" } else { "" };
-        decimal(x, self.plan.precision) + suffix
+        decimal(x, self.plan.precision) + suffix(self.plan.precision)
     }
 
     fn state(&self, array: &str, index: Option<String>) -> String {
@@ -325,10 +324,20 @@ fn events_start(plan: &Plan) -> String {
     if plan.events.is_empty() { String::new() } else { line(1, "state->tick = 0u;") + &line(1, "state->next = 0u;") }
 }
 
+/// What follows a number: without it, all would be computed in double precision.
+fn suffix(precision: Precision) -> &'static str {
+    if precision == Precision::Single { "f" } else { "" }
+}
+
 fn constants(words: &C, table: &Table) -> String {
     let real = real(words.plan);
     let count = table.values.len();
-    let list = |values: &[f64], depth| numbers(values, depth, |x| words.number(x));
+    let precision = words.plan.precision;
+    let push = |text: &mut String, x| {
+        push_decimal(text, x, precision);
+        text.push_str(suffix(precision));
+    };
+    let list = |values: &[f64], depth| numbers(values, depth, push);
     if table.columns == 0 {
         let (note, name, list) = (comment(&table.note), &table.name, list(&table.values, 1));
         return format!("\n{note}\nstatic const {real} {name}[{count}] = {{\n{list}}};\n");

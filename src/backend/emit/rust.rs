@@ -2,7 +2,7 @@
 
 use super::File;
 use super::plan::{Field, Plan, Start, Statement, Style, Table, Target};
-use super::text::{Words, decimal, line, numbers, statements, value};
+use super::text::{Words, decimal, line, numbers, push_decimal, statements, value};
 use crate::analysis::discrete::{Again, Precision};
 use crate::backend::diagnostics::readable;
 
@@ -313,7 +313,8 @@ fn start(words: &Rust, start: &Start) -> String {
 fn constants(words: &Rust, table: &Table) -> String {
     let real = real(words.plan);
     let count = table.values.len();
-    let list = |values: &[f64], depth| numbers(values, depth, |x| words.number(x));
+    let push = |text: &mut String, x| push_decimal(text, x, words.plan.precision);
+    let list = |values: &[f64], depth| numbers(values, depth, push);
     if table.columns == 0 {
         let (note, name, list) = (readable(&table.note), &table.name, list(&table.values, 1));
         return format!("\n/// {note}\nstatic {name}: [{real}; {count}] = [\n{list}];\n");

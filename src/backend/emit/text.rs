@@ -4,6 +4,7 @@
 
 use super::plan::{Expression, Index, Statement, Target};
 use crate::analysis::discrete::{Again, Precision};
+use std::fmt::Write;
 
 /// The syntax that differs between languages.
 pub trait Words {
@@ -189,22 +190,72 @@ fn lane_sum(name: &str, first: usize, width: usize) -> (String, Level) {
 
 /// The shortest decimal that reads back as the same number of the target, always with a point or an exponent.
 pub fn decimal(x: f64, precision: Precision) -> String {
-    match precision {
-        Precision::Double => format!("{x:?}"),
-        Precision::Single => format!("{:?}", x as f32),
-    }
+    let mut text = String::new();
+    push_decimal(&mut text, x, precision);
+    text
 }
 
-/// A list of numbers, a few per line.
-pub fn numbers(values: &[f64], depth: usize, number: impl Fn(f64) -> String) -> String {
+/// Appends such a decimal.
+pub fn push_decimal(text: &mut String, x: f64, precision: Precision) {
+    // Writing to a string does not fail.
+    let _ = match precision {
+        Precision::Double if is_common(x) => {
+            text.push_str(zmij::Buffer::new().format_finite(x));
+            Ok(())
+        }
+        Precision::Double => write!(text, "{x:?}"),
+        Precision::Single => write!(text, "{:?}", x as f32),
+    };
+}
+
+/// Whether `zmij`, which takes a fifth of the time, writes a number exactly as the standard library does. Others have another
+/// form there (`0.00002`, `1e+16`), or may lie in the middle of two shortest decimals, of which the two choose different ones: the
+/// number, a fraction with p digits behind its point in binary, has as many in decimal, and at most 18 digits in all. With more
+/// than 43 bits that takes p < 8, and a number above 2^34.
+fn is_common(x: f64) -> bool {
+    let size = x.abs();
+    let has_many_bits = x.to_bits().trailing_zeros() < 10;
+    has_many_bits && [1e-300..1e-5, 1e-4..1e10].iter().any(|range| range.contains(&size))
+}
+
+/// A list of numbers, a few per line; `push` appends one.
+pub fn numbers(values: &[f64], depth: usize, push: impl Fn(&mut String, f64)) -> String {
     let mut text = String::with_capacity(24 * values.len());
     for chunk in values.chunks(4) {
         (0..depth).for_each(|_| text.push_str(INDENT));
         for (i, &x) in chunk.iter().enumerate() {
             text.push_str(if i == 0 { "" } else { ", " });
-            text.push_str(&number(x));
+            push(&mut text, x);
         }
         text.push_str(",\n");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_those_of_the_standard_library() {
+        // Whole and broken powers of two and ten, numbers halfway between two decimals, and a million others.
+        let mut numbers: Vec<f64> = (-1074..1024).map(|e| libm::ldexp(1.0, e)).collect();
+        numbers.extend((-324..309).flat_map(|e| {
+            ["1", "9.999999999999999", "-2.5"].map(|m| format!("{m}e{e}").parse::<f64>().expect("a number"))
+        }));
+        numbers.extend((1u64..200).map(|i| 1_658_206_780_088_562.0 + 0.25 * i as f64));
+        let mut bits = 0x9e37_79b9_7f4a_7c15_u64;
+        for i in 0..1_000_000_u64 {
+            bits ^= bits << 13;
+            bits ^= bits >> 7;
+            bits ^= bits << 17;
+            numbers.push(f64::from_bits(bits));
+            // Numbers of few bits, and those of the sizes that code has.
+            numbers.push(f64::from_bits(bits & (u64::MAX << (i % 53))));
+            numbers.push(bits as i64 as f64 * [1e-18, 1e-22, 1e-12, 1e-8][i as usize % 4]);
+        }
+        for x in numbers.into_iter().filter(|x| x.is_finite()) {
+            assert_eq!(decimal(x, Precision::Double), format!("{x:?}"));
+        }
+    }
 }
