@@ -909,8 +909,10 @@ pub fn check(
         if scene.requires.is_empty() && scene.damping.is_none() {
             reading.forget_tree();
             // No number is requested, so the scene may hang deeper than analyses allow.
-            dynamics::lowered(&reading.scene, diagnostics)?;
-            return Some(Vec::new());
+            let found = lower::check(&reading.scene);
+            let fails = found.has_errors();
+            diagnostics.extend(found);
+            return (!fails).then(Vec::new);
         }
         let damped = dynamics::lower_with_damping(&reading.scene, diagnostics)?;
         // If it cannot be written out, each requirement reports that.

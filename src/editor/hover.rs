@@ -328,7 +328,7 @@ fn elements(known: &Results, named: impl Fn(crate::base::Name) -> bool) -> Strin
     for (index, element) in chosen {
         let turns = element.geometry == Geometry::Torsion;
         let name = scene.words.display(element.name);
-        let Law { kind, coefficient, curve, .. } = &element.law;
+        let Law { kind, coefficient, curve, .. } = &*element.law;
         let (word, unit) = (kind.coefficient().name, kind.unit(turns));
         let spring = at_rest.iter().flatten().find(|spring| spring.element.index() == index);
         text += &match (curve, spring) {

@@ -96,6 +96,11 @@ impl<S: Scalar> Stretched<S> {
         }
     }
 
+    /// Whether it is linear in the displacement of its ends: then no tension adds to the stiffness.
+    pub fn is_linear(&self) -> bool {
+        matches!(self, Stretched::Displacement { curved: false, .. })
+    }
+
     /// tension / |d|, the tension per metre of the element; for a torsion, the tension itself.
     ///
     /// In a rational drawing it is rational even if the tension that holds the drawing is not.

@@ -100,17 +100,17 @@ impl Explanation<'_> {
         loads::path_from_ground(self.kinematics, End { piece, at: body.centre.as_deref() }, &mut self.path);
         let moves = !self.path.is_empty();
         let name = self.name(body.name);
-        let has = |property: &Option<Number>| property.as_ref().is_some_and(|value| !value.is_zero());
+        let has = |property: Option<&Number>| property.is_some_and(|value| !value.is_zero());
         if !moves && !turns {
             return self.leave_out(name, "it is fixed to the ground");
         }
-        if has(&body.mass) && !moves {
+        if has(body.mass.as_ref()) && !moves {
             self.leave_out(format!("mass of {name}"), "its centre does not move");
         }
-        if has(&body.inertia) && !turns {
+        if has(body.inertia.as_deref()) && !turns {
             self.leave_out(format!("inertia of {name}"), "it does not turn");
         }
-        if !(has(&body.mass) || turns && has(&body.inertia)) {
+        if !(has(body.mass.as_ref()) || turns && has(body.inertia.as_deref())) {
             self.keep(
                 name,
                 "no inertia: its springs make it follow the others, or its dampers make it lag behind them",

@@ -6,27 +6,27 @@
 //! scene with constraints, every row is first written in terms of the independent coordinates, and the curvature of the
 //! constraints, weighted by their multipliers, adds to K.
 
+mod effects;
 pub mod losses;
 mod released;
 
+pub use effects::Idle;
 pub use released::{Carried, carried};
 
 use super::chain::{self, Chain};
 use super::constraints::{Constraints, Reduction, equation};
 use super::error::LowerError;
 use super::initial;
-use super::kinematics::{End, FreeCoordinate, Index, Kinematics, Path, PathEvaluation, State};
+use super::kinematics::{End, Index, Kinematics, Path, PathEvaluation, State};
 use super::law;
 use super::loads::{self, EndPath};
 use super::rest::{Held, Slack};
 use crate::base::{Dimension, Name, Number, Words};
 use crate::elements::stretch::over_length;
 use crate::elements::{Order, Stretch, Stretched, Vector};
-use crate::model::scene::{Attachment, Damping, Element, Geometry, Input, InputKind, Motion, Output, Scene};
+use crate::model::scene::{Attachment, Element, Geometry, Input, InputKind, Motion, Output, Scene};
 use crate::system::chain::ChainedRow;
-use crate::system::{
-    self, Coordinate, CoordinateId, CoordinateKind, Form, Label, LinearSystem, Nature, Origin, Source,
-};
+use crate::system::{self, Coordinate, CoordinateId, Form, Label, LinearSystem, Nature, Origin, Source};
 
 /// A row over all coordinates, free and prescribed.
 pub type Row = Vec<(Index, Number)>;
@@ -42,6 +42,15 @@ pub struct Tensions<'a> {
     pub slack: &'a Slack,
 }
 
+/// Whether the terms of a system are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Terms {
+    Kept,
+    /// Each is dropped once it is known what it acts on, which is all that a check without numbers needs. The system is then
+    /// without terms and coordinates.
+    Dropped,
+}
+
 /// The linear system about a state, which must be a rest.
 pub fn assemble(
     scene: &Scene,
@@ -50,10 +59,16 @@ pub fn assemble(
     reduction: &Reduction,
     state: &State<Number>,
     tensions: Tensions,
+    terms: Terms,
 ) -> Result<(LinearSystem, Vec<Idle>), Vec<LowerError>> {
     let mut assembly = Assembly::new(scene, kinematics, reduction, state, tensions);
-    assembly.m.reserve(scene.bodies.len(), reduction.n());
-    assembly.k.reserve(scene.elements.len(), 2 * scene.elements.len());
+    match terms {
+        Terms::Kept => {
+            assembly.m.reserve(scene.bodies.len(), reduction.n());
+            assembly.k.reserve(scene.elements.len(), 2 * scene.elements.len());
+        }
+        Terms::Dropped => assembly.felt = Some([(); 3].map(|()| vec![false; reduction.n()])),
+    }
     assembly.inertia();
     assembly.gravity();
     for (number, element) in scene.elements.iter().enumerate() {
@@ -89,15 +104,6 @@ pub fn outputs<'a>(
     outputs.into_iter().map(|output| assembly.output(output)).collect()
 }
 
-/// A spring, damper or input that has no effect on anything that moves: its index in the scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Idle {
-    Element(usize),
-    Input(usize),
-    /// A spring whose law has zero slope at rest.
-    Flat(usize),
-}
-
 /// The system during assembly, with buffers for intermediate results.
 pub struct Assembly<'a> {
     scene: &'a Scene,
@@ -123,6 +129,8 @@ pub struct Assembly<'a> {
     released: Option<released::Forces>,
     /// Laws that have no tangent at rest.
     faults: Vec<LowerError>,
+    /// If no term is kept: the coordinates that those of M, C and K contained.
+    felt: Option<[Vec<bool>; 3]>,
 }
 
 impl<'a> Assembly<'a> {
@@ -152,6 +160,7 @@ impl<'a> Assembly<'a> {
             flat: Vec::new(),
             released: None,
             faults: Vec::new(),
+            felt: None,
         }
     }
 
@@ -166,7 +175,7 @@ impl<'a> Assembly<'a> {
         });
         LinearSystem {
             words: self.words,
-            coordinates: (0..self.reduction.n())
+            coordinates: (0..if self.felt.is_some() { 0 } else { self.reduction.n() })
                 .map(|place| coordinate(self.scene, self.kinematics, self.reduction.at(place)))
                 .collect(),
             m: self.m,
@@ -178,33 +187,6 @@ impl<'a> Assembly<'a> {
             initial,
             losses: None,
         }
-    }
-
-    /// Which displacements and which velocities of the coordinates are parts of the state: displacements of what has mass or
-    /// damping, velocities of what has mass. Of two coordinates that move one mass together, both count: motions in time
-    /// refuse them.
-    pub fn states(&self) -> [Vec<bool>; 2] {
-        // C = alpha M + beta K
-        let is_damped = matches!(&self.scene.damping, Some(Damping::Rayleigh { beta, .. }) if !beta.is_zero());
-        let forms = [&self.m, &self.c, &self.k];
-        [self.touched(&forms[..if is_damped { 3 } else { 2 }]), self.touched(&forms[..1])]
-    }
-
-    /// The coordinates that some term of these forms contains.
-    fn touched(&self, forms: &[&Form]) -> Vec<bool> {
-        let n = self.reduction.n();
-        let mut touched = vec![false; n + self.chain.len()];
-        for (i, _) in forms.iter().flat_map(|form| form.terms().iter().flat_map(|term| form.row(term))) {
-            touched[i.index()] = true;
-        }
-        // A chained row refers to coordinates and to chained rows before it.
-        for (place, row) in self.chain.iter().enumerate().rev() {
-            if touched[n + place] {
-                row.iter().for_each(|(i, _)| touched[i.index()] = true);
-            }
-        }
-        touched.truncate(n);
-        touched
     }
 
     /// Adds m |du|^2 for every centre of mass and I dtheta^2 for every body that turns.
@@ -233,6 +215,7 @@ impl<'a> Assembly<'a> {
                 self.row.push((angle, Number::ONE));
                 self.square(Order::Acceleration, source, Nature::Property, inertia);
             }
+            self.drop_terms();
         }
         self.chain = chain.map_or_else(Vec::new, |chain| chain.rows);
     }
@@ -251,27 +234,6 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Every degree of freedom without inertia must follow the others by its springs, or lag behind them by its dampers;
-    /// otherwise its position is undetermined. Combinations of degrees of freedom that are undetermined only together are
-    /// found by the analyses.
-    fn every_freedom_is_determined(&self) -> Result<(), Vec<LowerError>> {
-        let felt = self.touched(&[&self.m, &self.c, &self.k]);
-        let idle = |place: usize| self.idle_error(&self.kinematics.free[self.reduction.at(place) as usize]);
-        let idle: Vec<LowerError> = (0..felt.len()).filter(|place| !felt[*place]).map(idle).collect();
-        if idle.is_empty() { Ok(()) } else { Err(idle) }
-    }
-
-    fn idle_error(&self, freely: &FreeCoordinate) -> LowerError {
-        let body = &self.scene.bodies[freely.body.index()];
-        let name = self.words.display(body.name);
-        LowerError::NoInertia {
-            coordinate: format!("{name}.{}", freely.motion),
-            body: name,
-            span: body.span,
-            turns: freely.kind == CoordinateKind::Rotation,
-        }
-    }
-
     /// The curvature of the paths of all centres of mass under their weights.
     fn gravity(&mut self) {
         if self.scene.gravity.is_zero() {
@@ -284,18 +246,6 @@ impl<'a> Assembly<'a> {
         self.curvature(source, &Vector::of(&self.scene.gravity).negated());
     }
 
-    /// Items that are declared to act but have no effect; those with the value zero are not reported.
-    fn idle_parts(&self) -> Vec<Idle> {
-        let acts = |element: &Element| !element.law.is_zero();
-        let elements = self.idle.iter().copied().filter(|number| acts(&self.scene.elements[*number]));
-        // A law without a tangent is reported by itself.
-        let counts = |factor: &Number| !factor.is_zero() || !self.flat.is_empty();
-        let still = |columns: &[Row; 3]| !columns.iter().flatten().any(|(_, factor)| counts(factor));
-        let inputs = self.columns.iter().enumerate().filter(|(_, columns)| still(columns)).map(|(number, _)| number);
-        let flat = self.flat.iter().copied().map(Idle::Flat);
-        elements.map(Idle::Element).chain(flat).chain(inputs.map(Idle::Input)).collect()
-    }
-
     fn element(&mut self, number: usize, element: &Element) {
         let terms = |assembly: &Self| [&assembly.k, &assembly.c, &assembly.m].map(|form| form.terms().len());
         let before = terms(self);
@@ -303,6 +253,7 @@ impl<'a> Assembly<'a> {
         if terms(self) == before && self.flat.last() != Some(&number) {
             self.idle.push(number);
         }
+        self.drop_terms();
     }
 
     /// Adds the square of an element to the matrix of its order and, for an elastic element, the contribution of its
@@ -320,7 +271,7 @@ impl<'a> Assembly<'a> {
             self.flat.extend((!self.row.is_empty()).then_some(number));
         }
         self.slope_square(order, source, &coefficient, &stretched);
-        if law.kind.is_elastic() {
+        if law.kind.is_elastic() && !(self.reach.is_straight() && stretched.is_linear()) {
             let rate = match self.tensions.held.and_then(|held| held.rate(number)) {
                 Some(rate) => rate.clone(),
                 None if self.tensions.slack.contains(self.kinematics, &self.between) => Number::ZERO,

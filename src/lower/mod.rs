@@ -41,7 +41,7 @@ use crate::model::CheckedScene;
 use crate::model::scene::Scene;
 use crate::system::LinearSystem;
 use crate::system::chain::TooLong;
-use assembly::losses;
+use assembly::{Terms, losses};
 use error::LowerError;
 use kinematics::Kinematics;
 use reactions::Holding;
@@ -64,9 +64,18 @@ pub struct Outcome {
 
 /// The linear system of a scene about its rest.
 pub fn lower(scene: &CheckedScene) -> Outcome {
+    outcome(scene, Terms::Kept)
+}
+
+/// All that [`lower`] finds in a scene, in less memory: where the rest is known without its stiffness, the system is not kept.
+pub fn check(scene: &CheckedScene) -> Diagnostics {
+    outcome(scene, Terms::Dropped).diagnostics
+}
+
+fn outcome(scene: &CheckedScene, terms: Terms) -> Outcome {
     runs::begins("lower");
     let mut diagnostics = Diagnostics::new();
-    let lowered = match lowered(scene.scene()) {
+    let lowered = match lowered(scene.scene(), terms) {
         Ok((lowered, notes)) => {
             diagnostics.extend(notes);
             Some(lowered)
@@ -91,7 +100,8 @@ impl Lowered {
     }
 }
 
-fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>> {
+/// The lowered scene, and its notes. If the terms may be dropped, the system may be without them.
+fn lowered(scene: &Scene, terms: Terms) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>> {
     let tree = tree::build(scene)?;
     let kinematics = Kinematics::new(scene, tree);
     kinematics.check(scene)?;
@@ -101,9 +111,15 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
     constraints.check_redundant(scene, &kinematics, &found.state)?;
     constraints.check_freedom(scene, &kinematics, &reduction)?;
     let tensions = assembly::Tensions { held: found.held.as_ref(), slack: &found.slack };
-    let (system, idle) = assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, tensions)?;
+    let is_needed = !found.is_complete() || !constraints.is_empty() || kinematics.hangs_deep(scene);
+    let terms = if is_needed { Terms::Kept } else { terms };
+    let (system, idle) =
+        assembly::assemble(scene, &kinematics, &constraints, &reduction, &found.state, tensions, terms)?;
     let holding = Holding { constraints, held: found.held.take(), slack: std::mem::take(&mut found.slack) };
-    let (rest, state) = found.finish(scene, &kinematics, &reduction, &system)?;
+    let (rest, state) = match terms {
+        Terms::Kept => found.finish(scene, &kinematics, &reduction, &system)?,
+        Terms::Dropped => found.as_found(),
+    };
     let notes = notes.into_iter().chain(idle::findings(scene, &kinematics, &idle));
     let mut notes: Vec<Diagnostic> = notes.chain(unproven(&system, &rest)).collect();
     let system = LinearSystem { losses: losses::losses(scene, &kinematics, &reduction, &state), ..system };
@@ -117,9 +133,12 @@ fn lowered(scene: &Scene) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>>
 
 /// The warning about an unproven rest, at the coordinate that moved farthest, or at the first one if none moved.
 fn unproven(system: &LinearSystem, rest: &Rest) -> Option<Diagnostic> {
+    if rest.is_proven() {
+        return None;
+    }
     let moved = |place: &usize| rest.displacement.get(*place).map_or(0.0, |value| value.to_f64().abs());
     let farthest = (0..system.n()).rev().max_by(|a, b| moved(a).total_cmp(&moved(b)))?;
     let coordinate = &system.coordinates[farthest];
     let name = (moved(&farthest) > 0.0).then(|| system.display(coordinate.name));
-    (!rest.is_proven()).then(|| error::unproven(name.as_deref(), coordinate.span))
+    Some(error::unproven(name.as_deref(), coordinate.span))
 }

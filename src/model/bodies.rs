@@ -44,10 +44,10 @@ struct Shaped {
 pub struct Directions {
     x_axis: Arc<Vec3>,
     y_axis: Arc<Vec3>,
-    none: Arc<[Translation]>,
-    x: Arc<[Translation]>,
-    y: Arc<[Translation]>,
-    x_y: Arc<[Translation]>,
+    none: Arc<Vec<Translation>>,
+    x: Arc<Vec<Translation>>,
+    y: Arc<Vec<Translation>>,
+    x_y: Arc<Vec<Translation>>,
 }
 
 impl Default for Directions {
@@ -57,10 +57,10 @@ impl Default for Directions {
         Directions {
             x_axis: Arc::new(Vec3::X),
             y_axis: Arc::new(Vec3::Y),
-            none: Arc::new([]),
-            x: Arc::new([x.clone()]),
-            y: Arc::new([y.clone()]),
-            x_y: Arc::new([x, y]),
+            none: Arc::default(),
+            x: Arc::new(vec![x.clone()]),
+            y: Arc::new(vec![y.clone()]),
+            x_y: Arc::new(vec![x, y]),
         }
     }
 }
@@ -81,11 +81,12 @@ impl Directions {
 impl<'a> Check<'a> {
     pub fn bodies(&mut self) {
         self.scene.bodies.reserve_exact(self.instances.bodies.len());
-        for index in 0..self.instances.bodies.len() {
+        // Each is in its body from here on.
+        let names = std::mem::take(&mut self.instances.body_names);
+        for (index, name) in names.into_iter().enumerate() {
             let Instance { decl, environment } = self.instances.bodies[index];
             let DeclKind::Body { name: ident, fields } = decl.kind else { continue };
             self.walk.varies = false;
-            let name = self.instances.body_names[index];
             let given = self.fields(fields, &BODY_FIELDS, environment);
             let mut body = unknown_body(name, ident.span);
             let complete = self.body(&mut body, &given, environment);
@@ -115,11 +116,12 @@ impl<'a> Check<'a> {
         if let (None, Some(about)) = (&body.mass, inertia.as_ref().and_then(|inertia| inertia.about.clone())) {
             self.inertia_points.insert(BodyId(self.scene.bodies.len() as u32), about);
         }
-        body.inertia = match (inertia, &shape) {
+        let inertia = match (inertia, &shape) {
             (Some(inertia), _) => Some(self.inertia_about_centre(body, inertia, environment)?),
             (None, Some(shape)) => body.mass.as_ref().map(|mass| mass * &shape.gyration),
             (None, None) => None,
         };
+        body.inertia = inertia.map(Box::new);
         Ok(())
     }
 
@@ -305,7 +307,7 @@ impl<'a> Check<'a> {
         field: Option<&'a Field>,
         environment: Environment,
         lines: Lines,
-    ) -> Evaluated<Option<Arc<[Translation]>>> {
+    ) -> Evaluated<Option<Arc<Vec<Translation>>>> {
         let own = self.own_translations(field, environment)?;
         let (Some(own), Some(placed)) = (&own, self.placed(environment)?) else { return Ok(own) };
         let [one] = &own[..] else { return Ok(Some(own.clone())) };
@@ -325,7 +327,7 @@ impl<'a> Check<'a> {
         } else if is(&Vec3::Y) || is_reversed(&Vec3::Y) {
             self.directions.y.clone()
         } else {
-            Arc::new([Translation { direction: turned, motion: "along" }])
+            Arc::new(vec![Translation { direction: turned, motion: "along" }])
         }))
     }
 
@@ -342,7 +344,7 @@ impl<'a> Check<'a> {
         &mut self,
         field: Option<&'a Field>,
         environment: Environment,
-    ) -> Evaluated<Option<Arc<[Translation]>>> {
+    ) -> Evaluated<Option<Arc<Vec<Translation>>>> {
         let Some(field) = field else { return Ok(None) };
         let words = match field.value {
             FieldValue::Moves(words) => words,
@@ -370,14 +372,14 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn oblique(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<[Translation]>> {
+    fn oblique(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec<Translation>>> {
         let direction = self.own_direction(expr, environment)?;
         Ok(if *direction == Vec3::X {
             self.directions.x.clone()
         } else if *direction == Vec3::Y {
             self.directions.y.clone()
         } else {
-            Arc::new([Translation { direction: (*direction).clone(), motion: "along" }])
+            Arc::new(vec![Translation { direction: (*direction).clone(), motion: "along" }])
         })
     }
 

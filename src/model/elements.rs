@@ -20,7 +20,7 @@ use crate::syntax::tree::{DeclKind, EndId, Fields, Ident};
 use std::sync::Arc;
 
 /// The ends of an element, its law and its geometry.
-type Acting = ([Attachment; 2], Law, Geometry);
+type Acting = ([Attachment; 2], Arc<Law>, Geometry);
 
 /// The coefficient of an element, and the kind of element that its unit implies.
 #[derive(Clone, Debug)]
@@ -87,7 +87,7 @@ impl<'a> Check<'a> {
         ends: EndId,
         fields: Fields,
         environment: Environment,
-    ) -> Evaluated<([Attachment; 2], Law, [Geometry; 2])> {
+    ) -> Evaluated<([Attachment; 2], Arc<Law>, [Geometry; 2])> {
         let given = self.fields(fields, kind.fields, environment);
         let spans = self.spans(ends, &given, environment);
         let Coefficient { value, key, at, .. } = self.coefficient(kind, &given, ident, environment)?;
@@ -96,7 +96,8 @@ impl<'a> Check<'a> {
         if value.is_negative() {
             self.negative_coefficient(kind, key, at, environment)?;
         }
-        Ok((pair, Law { kind, coefficient: value, rest, curve: None, loss: None }, geometries))
+        let law = Law { kind, coefficient: value, rest, curve: None, loss: None };
+        Ok((pair, self.recent_laws.shared(law), geometries))
     }
 
     fn element(
@@ -136,7 +137,8 @@ impl<'a> Check<'a> {
         if value.is_negative() {
             self.negative_coefficient(kind, key, at, environment)?;
         }
-        Ok((pair, Law { kind, coefficient: value, rest, curve, loss }, geometry))
+        let loss = loss.map(Box::new);
+        Ok((pair, self.recent_laws.shared(Law { kind, coefficient: value, rest, curve, loss }), geometry))
     }
 
     /// The loss factor of a spring, if it is not zero; other elements have no such field.

@@ -36,6 +36,7 @@ mod requirements;
 pub mod scene;
 mod scope;
 mod settings;
+mod shared;
 mod signals;
 mod spectrum;
 mod suggestion;
@@ -249,6 +250,7 @@ struct Check<'a> {
     walk: Walk,
     memory: Cache,
     directions: Directions,
+    recent_laws: shared::RecentLaws,
     freedoms: Freedoms,
     /// The points about which inertias are given, for bodies without a mass.
     inertia_points: HashMap<BodyId, Arc<Vec3>>,
@@ -303,6 +305,7 @@ impl<'a> Check<'a> {
             walk: Walk::default(),
             memory: Cache::default(),
             directions: Directions::default(),
+            recent_laws: shared::RecentLaws::default(),
             freedoms: Freedoms::default(),
             inertia_points: HashMap::new(),
             broken_bodies: HashSet::new(),

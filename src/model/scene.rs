@@ -2,8 +2,8 @@
 //! it.
 //!
 //! All positions are scene coordinates in the drawing. Vectors hold items in order of declaration (with `repeat`
-//! unrolled), and ids are indices into them. Positions and directions are shared (`Arc`): a scene of a million bodies has
-//! many more ends than places.
+//! unrolled), and ids are indices into them. Positions, directions and laws are shared (`Arc`), and what few items have is
+//! boxed: a scene of a million bodies has many more ends than places, and few inertias.
 
 use crate::base::{Bound, Density, Name, Number, Quantity, ResponseSpectrum, Span, Vec3, Words};
 use crate::elements::Curve;
@@ -79,7 +79,7 @@ pub struct Body {
     /// kg; `None` if not given (an error if a degree of freedom needs it).
     pub mass: Option<Number>,
     /// Moment of inertia about the centre, kg m^2; `None` if it is neither given nor follows from a shape.
-    pub inertia: Option<Number>,
+    pub inertia: Option<Box<Number>>,
     /// Centre of mass as drawn, m; `None` for a body without a position.
     pub centre: Option<Arc<Vec3>>,
     /// The shape for figures; the mass properties that follow from it are in the fields above.
@@ -117,7 +117,7 @@ pub enum Freedom {
     /// Attached to the ground, with these motions.
     OnGround {
         /// Directions of translation: `x`, `y`, `x y`, or a single oblique one (not normalised).
-        translations: Arc<[Translation]>,
+        translations: Arc<Vec<Translation>>,
         turns: bool,
     },
 }
@@ -139,7 +139,7 @@ pub struct Base {
     pub span: Span,
     /// Drawn position, m; the centre of rotation of a base that turns.
     pub at: Option<Arc<Vec3>>,
-    pub translations: Arc<[Translation]>,
+    pub translations: Arc<Vec<Translation>>,
     pub turns: bool,
 }
 
@@ -261,7 +261,8 @@ pub struct Element {
     pub name: Name,
     pub span: Span,
     pub ends: [Attachment; 2],
-    pub law: Law,
+    /// Shared by elements that are alike: a scene of a million springs has few different ones.
+    pub law: Arc<Law>,
     pub geometry: Geometry,
 }
 
@@ -278,7 +279,7 @@ pub struct Law {
     /// The force as a function of the stretch or the rate, unless it is proportional to it.
     pub curve: Option<Arc<Curve>>,
     /// The loss factor of a spring; `None` if it has none.
-    pub loss: Option<Number>,
+    pub loss: Option<Box<Number>>,
 }
 
 impl Law {

@@ -280,6 +280,11 @@ impl<T: Copy> Space<T> {
 
     /// Declares a name; if it is taken, returns its present meaning.
     pub fn declare(&mut self, group: Group, name: Name, span: Span, what: T) -> Result<(), T> {
+        if let Some(continued) = self.next_of_run(name, what) {
+            continued?;
+            self.widen_family(group, name, span);
+            return Ok(());
+        }
         if let Some(first) = self.get(name) {
             return Err(first);
         }
@@ -292,6 +297,20 @@ impl<T: Copy> Space<T> {
         }
         self.widen_family(group, name, span);
         Ok(())
+    }
+
+    /// Appends a name of the scene to the run that it continues, as nearly all names of a `repeat` do, with one look into the
+    /// table; `None` if it continues none.
+    fn next_of_run(&mut self, name: Name, what: T) -> Option<Result<(), T>> {
+        if name.place != Place::SCENE || !self.others.is_empty() {
+            return None;
+        }
+        let (run, last) = split_last(name)?;
+        let run = self.runs.get_mut(&run)?;
+        match run.get(last) {
+            Some(first) => Some(Err(first)),
+            None => run.push(last, what).then_some(Ok(())),
+        }
     }
 
     fn plain(&self, symbol: Symbol) -> Option<&Plain<T>> {

@@ -303,7 +303,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         };
         let known = match self.check.scene.bodies[self.written.bodies.len()].freedom.clone() {
             Freedom::OnGround { translations, .. } => translations,
-            Freedom::FromJoints => Arc::new([]),
+            Freedom::FromJoints => Arc::default(),
         };
         let translations = self.translations(fields, &known, environment);
         Some(WrittenBody { mass, inertia, centre, radius, translations })

@@ -213,6 +213,13 @@ impl Form {
         self.entries.reserve(entries);
     }
 
+    /// Removes all terms and sources; their memory stays for others.
+    pub fn clear(&mut self) {
+        self.terms.clear();
+        self.entries.clear();
+        self.sources.clear();
+    }
+
     /// Registers a source of terms; returns the index for [`Form::push`].
     pub fn source(&mut self, source: impl Into<Source>) -> u32 {
         self.sources.push(source.into());

@@ -360,3 +360,36 @@ fn a_force_between_two_bodies_acts_on_both() {
     assert!(says("force").contains("with `along` it acts on a in"), "{}", says("force"));
     assert!(says("torque").contains("acts on a, and on b in the opposite direction"), "{}", says("torque"));
 }
+
+#[test]
+fn a_check_drops_terms_and_finds_the_same() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut texts: Vec<(String, String)> = Vec::new();
+    for folder in ["examples", "tests/diagnostics"] {
+        for entry in std::fs::read_dir(root.join(folder)).expect("a folder of models") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_some_and(|extension| extension == "vib") {
+                let text = String::from_utf8_lossy(&std::fs::read(&path).expect("a model")).into_owned();
+                texts.push((path.display().to_string(), text));
+            }
+        }
+    }
+    // What acts on nothing, and coordinates that nothing determines, at rest as drawn.
+    let loose =
+        "repeat i in 1..3 { body m[i] { mass = 0, moves x } } body b { mass = 1 kg, moves x, inertia = 2 kg*m^2 }
+        damper d: m[1] -- b { c = 1 N*s/m } body still { mass = 1 kg, moves y } spring s: ground -- still { k = 2 N/m }
+        spring idle: ground -- b { k = 1 N/m, along (0, 1) }";
+    texts.push(("loose".into(), loose.into()));
+    let (mut found, mut scenes) = (0, 0);
+    for (name, text) in &texts {
+        let mut sources = Sources::new();
+        let file = sources.add(SourceFile::model("scene.vib", text.as_str()));
+        let parsed = vibc::syntax::parse(&sources, file);
+        let Some(scene) = model::check(&sources, &parsed.tree, &Overrides::default()).scene else { continue };
+        let whole = lower::lower(&scene).diagnostics;
+        assert_eq!(lower::check(&scene), whole, "{name}");
+        found += whole.iter().count();
+        scenes += 1;
+    }
+    assert!(scenes > 40 && found > 15, "{scenes} scenes, {found} findings");
+}

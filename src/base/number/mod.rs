@@ -36,7 +36,7 @@ use surd::{MAX_SURD_BITS, Surd};
 const MAX_EXACT_BITS: u64 = 8192;
 
 /// A real number: exact, or enclosed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub enum Number {
     Exact(Rational),
     /// a + b sqrt(d), not rational.
@@ -239,6 +239,31 @@ impl Number {
 
     fn from_rational(value: Rational) -> Number {
         if value.bits() <= MAX_EXACT_BITS { Number::Exact(value) } else { Number::Ball(value.to_ball()) }
+    }
+}
+
+impl Clone for Number {
+    /// Small fractions and balls are copied where they stand; only the rest is a call.
+    #[inline]
+    fn clone(&self) -> Number {
+        match self {
+            Number::Exact(value) => Number::Exact(value.clone()),
+            Number::Ball(ball) => Number::Ball(*ball),
+            Number::Surd(_) | Number::Pi(_) | Number::Jet(_) => self.clone_of_boxed(),
+        }
+    }
+}
+
+impl Number {
+    #[cold]
+    fn clone_of_boxed(&self) -> Number {
+        match self {
+            Number::Exact(value) => Number::Exact(value.clone()),
+            Number::Ball(ball) => Number::Ball(*ball),
+            Number::Surd(surd) => Number::Surd(surd.clone()),
+            Number::Pi(pi) => Number::Pi(pi.clone()),
+            Number::Jet(jet) => Number::Jet(jet.clone()),
+        }
     }
 }
 

@@ -17,10 +17,26 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Rational(Repr);
 
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Debug, PartialEq, Eq, Hash)]
 enum Repr {
     Small(i64, i64),
     Big(Box<BigRational>),
+}
+
+impl Clone for Repr {
+    /// A copy for nearly all; only big fractions are a call.
+    #[inline]
+    fn clone(&self) -> Repr {
+        match self {
+            Repr::Small(n, d) => Repr::Small(*n, *d),
+            Repr::Big(value) => copy_of_big(value),
+        }
+    }
+}
+
+#[cold]
+fn copy_of_big(value: &BigRational) -> Repr {
+    Repr::Big(Box::new(value.clone()))
 }
 
 /// The reading of literals.
@@ -345,6 +361,8 @@ impl Neg for &Rational {
     type Output = Rational;
     fn neg(self) -> Rational {
         match &self.0 {
+            // In lowest terms as it is.
+            Repr::Small(n, d) if *n != i64::MIN => Rational(Repr::Small(-n, *d)),
             Repr::Small(n, d) => Rational::from_i128(-(*n as i128), *d as i128),
             Repr::Big(value) => Rational::from_big(-(**value).clone()),
         }
@@ -355,6 +373,11 @@ impl Add for &Rational {
     type Output = Rational;
     fn add(self, other: &Rational) -> Rational {
         if let (Repr::Small(a, b), Repr::Small(c, d)) = (&self.0, &other.0) {
+            if (*b, *d) == (1, 1)
+                && let Some(sum) = a.checked_add(*c)
+            {
+                return Rational(Repr::Small(sum, 1));
+            }
             let (a, b, c, d) = (*a as i128, *b as i128, *c as i128, *d as i128);
             if b == d {
                 return Rational::from_i128(a + c, b);
@@ -382,6 +405,12 @@ impl Mul for &Rational {
     type Output = Rational;
     fn mul(self, other: &Rational) -> Rational {
         if let (Repr::Small(a, b), Repr::Small(c, d)) = (&self.0, &other.0) {
+            // Whole numbers, among them the components of most directions.
+            if (*b, *d) == (1, 1)
+                && let Some(product) = a.checked_mul(*c)
+            {
+                return Rational(Repr::Small(product, 1));
+            }
             return Rational::from_i128(*a as i128 * *c as i128, *b as i128 * *d as i128);
         }
         Rational::from_big(self.to_big() * other.to_big())

@@ -167,12 +167,12 @@ impl State<Number> {
 #[derive(Clone, Debug)]
 pub struct PathEvaluation<S> {
     pub displacement: Vector<S>,
-    /// d(displacement)/dq; coordinates are distinct.
+    /// d(displacement)/dq; coordinates are distinct. Those of `swept` come first, then the directions of the slides.
     pub columns: Vec<(Index, Vector<S>)>,
     /// w_g of each group on the way, with its axis and coordinate.
     swept: Vec<Swept<S>>,
-    /// Coordinate, index of its group in `swept`, and direction of each slide.
-    runs: Vec<(Index, Option<usize>, Vector<S>)>,
+    /// The index in `swept` of the group of each slide; `None` if its direction does not turn.
+    carried: Vec<Option<usize>>,
 }
 
 #[derive(Clone, Debug)]
@@ -185,7 +185,7 @@ struct Swept<S> {
 
 impl<S: Scalar> Default for PathEvaluation<S> {
     fn default() -> PathEvaluation<S> {
-        PathEvaluation { displacement: Vector::zero(), columns: Vec::new(), swept: Vec::new(), runs: Vec::new() }
+        PathEvaluation { displacement: Vector::zero(), columns: Vec::new(), swept: Vec::new(), carried: Vec::new() }
     }
 }
 
@@ -195,7 +195,7 @@ impl<S: Scalar> PathEvaluation<S> {
         self.displacement = Vector::zero();
         self.columns.clear();
         self.swept.clear();
-        self.runs.clear();
+        self.carried.clear();
         for turn in &path.turns {
             let arm = self.rotate(kinematics, state, turn.group, &turn.arm);
             if let Some(arm) = &arm {
@@ -212,17 +212,25 @@ impl<S: Scalar> PathEvaluation<S> {
             let rotated = self.rotate(kinematics, state, run.group, &run.direction);
             let direction = rotated.unwrap_or_else(|| run.direction.clone());
             let value = state.value(run.coordinate);
-            let way = if value.is_zero() { Vector::zero() } else { direction.scaled(value) };
-            self.displacement = self.displacement.plus(&way);
-            let place = (run.group != NO_TURN).then(|| self.sweep(kinematics, run.group, way, &mut places));
-            self.runs.push((run.coordinate, place, direction));
+            let way = (!value.is_zero()).then(|| direction.scaled(value));
+            if let Some(way) = &way {
+                self.displacement = self.displacement.plus(way);
+            }
+            let place = (run.group != NO_TURN).then(|| {
+                let way = way.unwrap_or_else(Vector::zero);
+                self.sweep(kinematics, run.group, way, &mut places)
+            });
+            self.carried.push(place);
+            self.columns.push((run.coordinate, direction));
         }
-        for swept in &self.swept {
-            self.columns.push((swept.coordinate, swept.axis.cross(&swept.arm)));
-        }
-        for (coordinate, _, direction) in &self.runs {
-            self.columns.push((*coordinate, direction.clone()));
-        }
+        let turning = self.swept.iter().map(|swept| (swept.coordinate, swept.axis.cross(&swept.arm)));
+        self.columns.extend(turning);
+        self.columns.rotate_right(self.swept.len());
+    }
+
+    /// Whether no group turns on the way, so that the displacement is linear in the coordinates.
+    pub fn is_straight(&self) -> bool {
+        self.swept.is_empty()
     }
 
     /// R_g v; `None` if the group has not turned.
@@ -271,7 +279,7 @@ impl<S: Scalar> PathEvaluation<S> {
                 visit(swept.coordinate, swept.coordinate, entry);
             }
         }
-        for (coordinate, place, direction) in &self.runs {
+        for (place, (coordinate, direction)) in self.carried.iter().zip(&self.columns[self.swept.len()..]) {
             // A slide in a turning group has an entry in `swept`, even if its arm is zero.
             let Some(swept) = place.map(|place| &self.swept[place]) else { continue };
             let entry = force.dot(&swept.axis.cross(direction));

@@ -248,6 +248,16 @@ impl PartialRest {
         Ok(())
     }
 
+    /// Whether it is proven as it is: no part is left to be solved with the assembled stiffness.
+    pub fn is_complete(&self) -> bool {
+        self.survey.is_none() && self.rest.is_proven()
+    }
+
+    /// The rest without the displacements of its coordinates, and their state.
+    pub fn as_found(self) -> (Rest, State<Number>) {
+        (self.rest, self.state)
+    }
+
     /// The rest of all coordinates, and their full state; large linear parts are solved with the assembled stiffness.
     pub fn finish(
         self,

@@ -44,7 +44,7 @@ fn width(label: &str) -> f64 {
 /// The coefficient with its unit, such as `k = 10 N/m`; `None` for an element with a law.
 fn value(says: &Says, element: &Element) -> Option<String> {
     let turns = element.geometry == Geometry::Torsion;
-    let Law { kind, coefficient, curve, .. } = &element.law;
+    let Law { kind, coefficient, curve, .. } = &*element.law;
     let (letter, unit) = (kind.coefficient().name, kind.unit(turns));
     curve.is_none().then(|| format!("{letter} = {} {unit}", (says.request.digits)(coefficient)))
 }
@@ -75,11 +75,11 @@ fn mode_motion(says: &Says, name: Name) -> String {
 }
 
 fn body_values(says: &Says, body: &Body) -> Option<String> {
-    let known = |number: &Option<Number>, letter: &str, unit: &str| {
-        let number = number.as_ref().filter(|number| !number.is_zero())?;
+    let known = |number: Option<&Number>, letter: &str, unit: &str| {
+        let number = number.filter(|number| !number.is_zero())?;
         Some(format!("{letter} = {} {unit}", (says.request.digits)(number)))
     };
-    let (mass, inertia) = (known(&body.mass, "m", "kg"), known(&body.inertia, "J", "kg*m^2"));
+    let (mass, inertia) = (known(body.mass.as_ref(), "m", "kg"), known(body.inertia.as_deref(), "J", "kg*m^2"));
     let all: Vec<String> = [mass, inertia].into_iter().flatten().collect();
     (!all.is_empty()).then(|| all.join(", "))
 }

@@ -91,12 +91,12 @@ impl Parts {
             Part::Body(body) => {
                 let body = &scene.bodies[body.index()];
                 let shape = body.shape.as_deref();
-                let mass = |number: &Option<crate::base::Number>| number.as_ref().is_some_and(|n| !n.is_zero());
+                let mass = |number: Option<&crate::base::Number>| number.is_some_and(|n| !n.is_zero());
                 match shape {
                     Some(Shape::Disk { .. }) => Outline::Disk { radius: WHEEL },
                     Some(Shape::Ring { .. }) => Outline::Ring { radius: WHEEL },
                     _ if self.only_turns(scene, number) => Outline::Wheel { radius: WHEEL },
-                    None if !mass(&body.mass) && !mass(&body.inertia) => Outline::Dot { radius: DOT },
+                    None if !mass(body.mass.as_ref()) && !mass(body.inertia.as_deref()) => Outline::Dot { radius: DOT },
                     _ => Outline::Block { half: BLOCK },
                 }
             }

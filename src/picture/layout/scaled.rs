@@ -170,7 +170,7 @@ impl Drawing<'_> {
         const LEAST: f64 = 3.0;
         let size = |number: &Number| (number.to_f64() * self.scale).max(LEAST);
         let body = &self.scene.bodies[body];
-        let is_zero = |number: &Option<Number>| number.as_ref().is_none_or(Number::is_zero);
+        let is_zero = |number: Option<&Number>| number.is_none_or(Number::is_zero);
         placed.outline = match body.shape.as_deref() {
             Some(Shape::Disk { radius }) => Outline::Disk { radius: size(radius) },
             Some(Shape::Ring { radius }) => Outline::Ring { radius: size(radius) },
@@ -185,10 +185,13 @@ impl Drawing<'_> {
             None if self.detail > Detail::Plain => Outline::Speck { half: 1.2 },
             None if self.detail > Detail::Full => Outline::Speck { half: 4.0 },
             // A bob on a string: a point mass that joints carry.
-            None if is_zero(&body.inertia) && !is_zero(&body.mass) && body.freedom == Freedom::FromJoints => {
+            None if is_zero(body.inertia.as_deref())
+                && !is_zero(body.mass.as_ref())
+                && body.freedom == Freedom::FromJoints =>
+            {
                 Outline::Dot { radius: BOB }
             }
-            None if is_zero(&body.inertia) && is_zero(&body.mass) => Outline::Dot { radius: DOT },
+            None if is_zero(body.inertia.as_deref()) && is_zero(body.mass.as_ref()) => Outline::Dot { radius: DOT },
             None => return,
         };
     }

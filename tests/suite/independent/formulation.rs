@@ -489,7 +489,7 @@ impl<'a> Formulation<'a> {
     fn elements(&mut self) {
         for element in &self.scene.elements {
             let stretch = self.stretch(element);
-            let Law { kind, coefficient, rest, .. } = &element.law;
+            let Law { kind, coefficient, rest, .. } = &*element.law;
             let coefficient = dd(coefficient);
             match kind.keyword {
                 "spring" | "belt" => {
@@ -577,7 +577,7 @@ impl<'a> Formulation<'a> {
             }
             Motion::Stretch { .. } | Motion::Reaction(_) => (coefficient, 0),
             Motion::Force { element } => {
-                let Law { kind, coefficient: own, .. } = &self.scene.elements[element.index()].law;
+                let Law { kind, coefficient: own, .. } = &*self.scene.elements[element.index()].law;
                 let order = match kind.keyword {
                     "spring" | "belt" => 0,
                     "damper" => 1,
@@ -867,7 +867,7 @@ impl<'a> Formulation<'a> {
             let mass = body.mass.as_ref().map_or(Dd::ZERO, dd);
             *inertia.at_mut(3 * i, 3 * i) = mass;
             *inertia.at_mut(3 * i + 1, 3 * i + 1) = mass;
-            *inertia.at_mut(3 * i + 2, 3 * i + 2) = body.inertia.as_ref().map_or(Dd::ZERO, dd);
+            *inertia.at_mut(3 * i + 2, 3 * i + 2) = body.inertia.as_deref().map_or(Dd::ZERO, dd);
         }
         self.add_squares(&mut inertia, &self.inerters, poses);
         inertia
