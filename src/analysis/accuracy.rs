@@ -16,8 +16,8 @@ pub struct Shortfall {
     what: String,
     /// Its relative bound.
     reached: f64,
-    /// Other frequencies and poles that are not accurate enough.
-    others: [usize; 2],
+    /// Frequencies and poles that are not accurate enough, this one among them.
+    short: [usize; 2],
     tolerance: f64,
     /// Whether a user set the tolerance.
     asked: bool,
@@ -42,15 +42,12 @@ pub fn shortfall(system: &LinearSystem, modes: &Modes, poles: &Poles, request: &
     let short = |bound: f64| bound.is_nan() || bound > tolerance;
     let all: Vec<_> = frequencies.chain(decays).filter(|(bound, ..)| short(*bound)).collect();
     let of_modes = all.iter().filter(|(.., moving)| moving.is_some()).count();
-    let mut others = [of_modes, all.len() - of_modes];
+    let short = [of_modes, all.len() - of_modes];
     let worst = all.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
     worst.map(|(reached, what, moving)| Shortfall {
         what,
         reached,
-        others: {
-            others[usize::from(moving.is_none())] -= 1;
-            others
-        },
+        short,
         tolerance,
         asked,
         moving,
@@ -67,7 +64,7 @@ impl Shortfall {
             "to no digit".to_string()
         };
         let mut message = format!("{} is certain {reached}, but not to {:e}", self.what, self.tolerance);
-        let others = others(self.others, self.moving.is_some());
+        let others = others(self.short, self.moving.is_some());
         if !others.is_empty() {
             message += &format!("; neither {others}");
         }
@@ -84,8 +81,9 @@ impl Shortfall {
     }
 }
 
-/// Frequencies and poles that are not accurate enough either, beside a frequency or a pole: `are 3 others, nor 2 poles`.
+/// Of frequencies and poles that are not accurate enough those beside one of them, a frequency or a pole: `are 3 others, nor are 2 poles`.
 fn others([frequencies, poles]: [usize; 2], beside_frequency: bool) -> String {
+    let (frequencies, poles) = if beside_frequency { (frequencies - 1, poles) } else { (frequencies, poles - 1) };
     let verb = |count: usize| if count == 1 { "is" } else { "are" };
     let own = |count: usize| format!("{} {count} other{}", verb(count), if count == 1 { "" } else { "s" });
     let kind = |count: usize, one: &str, many: &str| {
@@ -110,10 +108,10 @@ mod tests {
 
     #[test]
     fn others_are_counted() {
-        assert_eq!(others([0, 0], true), "");
-        assert_eq!(others([19, 0], true), "are 19 others");
-        assert_eq!(others([1, 2], true), "is 1 other, nor are 2 poles");
-        assert_eq!(others([2, 1], false), "is 1 other, nor are 2 frequencies");
+        assert_eq!(others([1, 0], true), "");
+        assert_eq!(others([20, 0], true), "are 19 others");
+        assert_eq!(others([2, 2], true), "is 1 other, nor are 2 poles");
+        assert_eq!(others([2, 2], false), "is 1 other, nor are 2 frequencies");
     }
 
     #[test]
