@@ -179,7 +179,7 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     show(&input.sources, outcome.diagnostics, messages);
     let Some(dynamics) = outcome.answer else { return status };
     let (wanted, others): (Vec<_>, Vec<_>) = dynamics.rates().partition(|(name, _)| options.from.contains(name));
-    let dynamics = match dynamics.with_rates(&wanted) {
+    let mut dynamics = match dynamics.with_rates(&wanted) {
         Ok(dynamics) => dynamics,
         Err(NotDriven::Because(name, why)) => {
             report_error(&format!("no transfer function from `{name}`: {why}"));
@@ -215,6 +215,10 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
         inputs,
         outputs,
     };
+    if dynamics.modes.is_none() && sweep.finds_extrema() {
+        dynamics.modes = analysis::modes_of_many(&dynamics.system);
+    }
+    let system = &dynamics.system;
     let poles = match dynamics.poles_for(&sweep) {
         Ok(poles) => poles,
         Err(error) => {

@@ -60,5 +60,5 @@ pub use stability::{Reason, Stability, Verdict, stability};
 pub use steady::{Steady, steady};
 pub use transfer::extrema::{Extrema, Extremum, FeatureKind};
 pub use transfer::modal::{ModalPair, ModalSum};
-pub use transfer::table::{Methods, Row, Sweep, Table, poles_for_table, table};
+pub use transfer::table::{Methods, Row, Sweep, Table, modes_of_many, poles_for_table, table};
 pub use transfer::{Disc, Frequency, Gain, Transfer};

@@ -330,8 +330,15 @@ fn driving_point_extrema_are_complete_in_any_net() {
         };
         assert!(found.list.iter().enumerate().all(alternate), "{rest}");
     }
-    // For another mass of the ring, two paths lead there: the result has no proof of completeness.
-    assert!(extrema_of(&ring("force F: m[3] along x\noutput y = m[8].x"), None).complete.is_none());
+    // To another mass two paths lead: the residues of the modes prove it, 20 infinite peaks with a minimum or a zero between two.
+    let across = "force F: m[3] along x\noutput y = m[8].x";
+    let found = extrema_of(&ring(across), None);
+    assert!(found.complete.is_some(), "{:?}", found.open);
+    assert_eq!(found.list.iter().filter(|reported| reported.gain == Gain::Infinite).count(), n);
+    assert!(found.list.windows(2).all(|two| two[0].kind != two[1].kind));
+    // With equal masses each frequency but two is there twice, and no mode has a residue of its own: nothing is proved.
+    let equal = ring(across).replace("(1 + i*i/50)", "1");
+    assert!(extrema_of(&equal, None).complete.is_none());
 }
 
 /// Masses that hang from one another, at a rest that no fraction gives: the poles are on the axis all the same, for no damper is there,

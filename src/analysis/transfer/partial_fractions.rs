@@ -6,23 +6,50 @@
 //! ```
 //!
 //! at every frequency, and within half the distance from it to the nearest pole, so that Cauchy's formula bounds the
-//! derivatives of the rest. In: a system and the residues of its poles. Out: H and its derivative with respect to omega
+//! derivatives of the rest. In: a system and the residues of its poles, or other [sums](Given). Out: H and its derivative with respect to omega
 //! at a frequency in double-double, and Taylor polynomials about one in binary64. See
 //! docs/method/transfer.md#sum-over-poles.
+
+mod at_zero;
+mod sums;
 
 use crate::analysis::poles::residues::Residues;
 use crate::analysis::transfer::{Disc, Frequency, Gain, feed_through};
 use crate::base::{Ball, Dd, Power, up};
 use crate::kernel::complex::Complex;
-use crate::kernel::simd::simd;
 use crate::system::LinearSystem;
+use at_zero::AtZero;
+use sums::{Lined, TaylorSums, least_square, near_sums, others, sums, taylor};
 
 /// H of one input and one output.
 #[derive(Clone, Debug)]
 pub struct PartialFractions {
     terms: Vec<Term>,
+    lined: Lined,
+    /// The poles that are exactly on the imaginary axis, by their numbers, ascending.
+    on_axis: Vec<usize>,
     /// The coefficients of powers of s.
     polynomial: [Ball; 4],
+    at_zero: AtZero,
+    part: Part,
+}
+
+/// Whether H is known to be real, or imaginary, at every frequency.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Real,
+    Imaginary,
+    Both,
+}
+
+/// A pole, one of each conjugate pair: it contributes sum_m products[m] s^m / (s - pole) to H.
+pub struct Given {
+    pub s: Complex<Dd>,
+    /// A bound of the distance of the pole from `s`, on the same axis. Zero for a pole off both axes: such an `s` is exact.
+    pub loose: f64,
+    pub products: [Complex<Ball>; 5],
+    /// The bounds q of the rest.
+    pub rest: [f64; 5],
 }
 
 /// r / (s - s_j), of a pole or of its conjugate.
@@ -30,9 +57,10 @@ pub struct PartialFractions {
 struct Term {
     s: Complex<Dd>,
     r: Complex<Dd>,
-    /// A bound of |r|, and one of the error of r.
+    /// A bound of |r|, one of the error of r, and one of the distance of the pole from s.
     size: f64,
     doubt: f64,
+    loose: f64,
     /// The bounds q of the rest.
     rest: [f64; 5],
 }
@@ -45,6 +73,9 @@ pub struct Local {
     /// Bounds of the errors of both.
     pub errors: [f64; 2],
 }
+
+/// The largest uncertainty of a pole's place relative to its distance.
+const MOST_BLUR: f64 = 1e-3;
 
 /// The degree of Taylor polynomials.
 pub const DEGREE: usize = 16;
@@ -59,24 +90,54 @@ pub struct Expansion {
     pub cut: [f64; 3],
 }
 
+/// A pole on the imaginary axis next to some frequencies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Near {
+    /// The only extremum there is the pole, rad/s.
+    Infinite(Ball),
+    /// Its residue may be zero.
+    Uncertain,
+}
+
 impl PartialFractions {
     /// `None` if a bound is not finite.
     pub fn of(system: &LinearSystem, residues: &Residues, input: usize, output: usize) -> Option<PartialFractions> {
-        let through = feed_through(&system.outputs[output], input);
-        let mut polynomial = [through[0], through[1], through[2], Ball::ZERO];
         let (excited, seen) = (residues.inputs.get(input)?, residues.outputs.get(output)?);
-        let mut terms = Vec::with_capacity(2 * residues.poles.len());
-        for (j, &s) in residues.poles.iter().enumerate() {
-            let is_real = s.im.is_zero();
-            let mut products = [Complex::<Ball>::ZERO; 5];
-            let mut rest = [0.0; 5];
+        let given = residues.poles.iter().enumerate().map(|(j, &s)| {
+            let mut given = Given { s, loose: 0.0, products: [Complex::<Ball>::ZERO; 5], rest: [0.0; 5] };
             for (a, seen) in seen.iter().enumerate() {
                 for (b, excited) in excited.iter().enumerate() {
                     let (Some(seen), Some(excited)) = (seen, excited) else { continue };
-                    products[a + b] = products[a + b] + seen[j] * excited.amplitudes[j];
-                    rest[a + b] += seen[j].magnitude() * excited.rest[j] * up::FEW;
+                    given.products[a + b] = given.products[a + b] + seen[j] * excited.amplitudes[j];
+                    given.rest[a + b] += seen[j].magnitude() * excited.rest[j] * up::FEW;
                 }
             }
+            given
+        });
+        PartialFractions::of_poles(given, [Ball::ZERO; 5], feed_through(&system.outputs[output], input), Part::Both)
+    }
+
+    /// `None` if a bound is not finite. `free` are the products of the double pole at zero, by power of s.
+    pub fn of_poles(
+        list: impl Iterator<Item = Given>,
+        free: [Ball; 5],
+        through: [Ball; 3],
+        part: Part,
+    ) -> Option<PartialFractions> {
+        let mut polynomial = [through[0], through[1], through[2], Ball::ZERO];
+        // s^m / s^2 is 1 / s for m = 1, and a power of s beyond.
+        for (power, &product) in free[2..].iter().enumerate() {
+            polynomial[power] = polynomial[power] + product;
+        }
+        let mut terms = Vec::new();
+        if !free[1].is_zero() {
+            let (s, r) = (Complex::ZERO, Complex::real(free[1]));
+            terms.push(Term { s, r: r.mid(), size: r.magnitude(), doubt: r.radius(), loose: 0.0, rest: [0.0; 5] });
+        }
+        for Given { s, loose, products, rest } in list {
+            let is_real = s.im.is_zero();
+            let along = |x: Dd| if x.is_zero() { Ball::ZERO } else { Ball::new(x, loose) };
+            let pole = Complex::new(along(s.re), along(s.im));
             // s^m / (s - s_j) = s_j^m / (s - s_j) + s_j^(m - 1) + s_j^(m - 2) s + .. + s^(m - 1)
             let mut r = Complex::<Ball>::ZERO;
             for (m, &product) in products.iter().enumerate() {
@@ -84,19 +145,75 @@ impl PartialFractions {
                 for power in (0..m).rev() {
                     let both = if is_real { scaled.re } else { scaled.re * Ball::from(2.0) };
                     polynomial[power] = polynomial[power] + both;
-                    scaled = scaled * s.to_ball();
+                    scaled = scaled * pole;
                 }
                 r = r + scaled;
             }
-            let term = Term { s, r: r.mid(), size: r.magnitude(), doubt: r.radius(), rest };
+            let term = Term { s, r: r.mid(), size: r.magnitude(), doubt: r.radius(), loose, rest };
             terms.push(term);
             if !is_real {
                 terms.push(Term { s: s.conj(), r: r.mid().conj(), ..term });
             }
         }
         let finite = |term: &Term| term.size.is_finite() && term.rest.iter().all(|x| x.is_finite());
-        let known = terms.iter().all(finite) && polynomial.iter().all(Ball::is_finite);
-        known.then_some(PartialFractions { terms, polynomial })
+        let known = terms.iter().all(finite) && polynomial.iter().chain(&free).all(Ball::is_finite);
+        if !known {
+            return None;
+        }
+        let mut on_axis: Vec<usize> =
+            (0..terms.len()).filter(|&i| terms[i].loose > 0.0 && terms[i].s.re.is_zero()).collect();
+        on_axis.sort_by(|&i, &j| terms[i].s.im.hi.total_cmp(&terms[j].s.im.hi));
+        Some(PartialFractions { lined: Lined::of(&terms), on_axis, terms, polynomial, at_zero: AtZero(free[0]), part })
+    }
+
+    /// What is not zero of a value of H; `None` if both parts may be.
+    pub fn only_part(&self, h: Complex<f64>) -> Option<f64> {
+        match self.part {
+            Part::Real => Some(h.re),
+            Part::Imaginary => Some(h.im),
+            Part::Both => None,
+        }
+    }
+
+    /// The number of poles.
+    pub fn count(&self) -> usize {
+        self.terms.len()
+    }
+
+    /// The pole on the imaginary axis that is the nearest one to a range of frequencies and so near that nothing else counts
+    /// there: with H = r / (i t) + G, t the distance from it, |r|^2 > |t r G| + |t^2 r G'| + |t^3 G G'| over the range, so that
+    /// |H| falls away from the pole on both sides. `None` where there is none, or no certain residue.
+    pub fn singular_between(&self, low: Dd, high: Dd) -> Option<Near> {
+        let middle = (low + high).scale(0.5);
+        let place = |i: usize| self.terms[self.on_axis[i]].s.im;
+        let above = self.on_axis.partition_point(|&i| self.terms[i].s.im < middle);
+        let candidates = above.saturating_sub(1)..(above + 1).min(self.on_axis.len());
+        let nearest =
+            candidates.min_by(|&i, &j| (place(i) - middle).abs().hi.total_cmp(&(place(j) - middle).abs().hi))?;
+        let pole = &self.terms[self.on_axis[nearest]];
+        let reach = [high - pole.s.im, pole.s.im - low].map(|x| x.hi).into_iter().fold(0.0, f64::max);
+        let reach = reach * up::DOZENS + pole.loose;
+        let neighbours = [nearest.checked_sub(1), Some(nearest + 1).filter(|&i| i < self.on_axis.len())];
+        if neighbours.into_iter().flatten().any(|i| (place(i) - pole.s.im).abs().hi <= reach) || self.lined.has_rest() {
+            return None;
+        }
+        let certain = pole.r.to_f64().abs() * (1.0 - 1e-12) - pole.doubt;
+        if certain.is_nan() || certain <= 0.0 {
+            return Some(Near::Uncertain);
+        }
+        let ([mut others, mut slopes], near) = others(&self.lined, pole.s.im, reach);
+        if near != 1 || pole.s.im.hi.abs() <= reach {
+            return None;
+        }
+        let most = pole.s.im.hi.abs() + reach;
+        for (power, e) in self.polynomial.iter().enumerate() {
+            others += e.magnitude() * most.power(power as i32);
+            slopes += if power > 0 { power as f64 * e.magnitude() * most.power(power as i32 - 1) } else { 0.0 };
+        }
+        let [value, slope] = self.at_zero.most(pole.s.im.hi.abs() - reach);
+        (others, slopes) = (others + value, slopes + slope);
+        let counted = reach * pole.size * (others + reach * slopes) + reach * reach * reach * others * slopes;
+        (certain * certain > counted * up::MILLIONS).then(|| Near::Infinite(Ball::new(pole.s.im, pole.loose)))
     }
 
     /// The largest |s_j|, rad/s.
@@ -106,16 +223,20 @@ impl PartialFractions {
 
     /// Whether H is zero as far as the sum shows: the output sees no motion that the input drives.
     pub fn is_nothing(&self) -> bool {
-        self.terms.iter().all(|term| term.r == Complex::ZERO) && self.polynomial.iter().all(Ball::is_zero)
+        self.terms.iter().all(|term| term.size == 0.0)
+            && self.polynomial.iter().all(Ball::is_zero)
+            && self.at_zero.is_none()
     }
 
     /// A lower bound of the distance of a frequency from the nearest pole, rad/s.
     pub fn clearance(&self, omega: Dd) -> f64 {
-        let distance = |term: &Term| {
-            let d = offset(omega, term.s);
-            d.re * d.re + d.im * d.im
-        };
-        self.terms.iter().map(distance).fold(f64::INFINITY, f64::min).sqrt() * (1.0 - 1e-12)
+        let least = least_square(&self.lined, omega).sqrt() * (1.0 - 1e-12);
+        if self.at_zero.is_none() { least } else { least.min(omega.to_f64().abs()) }
+    }
+
+    /// Whether a motion is free: |H| is infinite at zero.
+    pub fn is_infinite_at_zero(&self) -> bool {
+        !self.at_zero.is_none() || self.terms.iter().any(|term| term.s == Complex::ZERO)
     }
 
     /// Bounds of the rest and of its first two derivatives at frequencies between `omega` - `half` and `omega` + `half`, given
@@ -131,7 +252,7 @@ impl PartialFractions {
 
     /// H and dH/domega at a frequency, rad/s.
     pub fn at(&self, omega: Dd) -> Local {
-        let sums = sums(&self.terms, omega);
+        let sums = sums(&self.lined, omega);
         let count = (4 * self.terms.len() + 64) as f64 * Dd::EPSILON;
         let w = omega.to_f64().abs() * up::FEW;
         let mut errors = [0, 1].map(|k| (sums.sizes[k] * count + sums.doubts[k]) * up::MILLIONS);
@@ -143,6 +264,11 @@ impl PartialFractions {
         let square = omega * omega;
         h = h + Complex::new(e0 - e2 * square, (e1 - e3 * square) * omega);
         slope = slope + Complex::new(-(e2 * omega).scale(2.0), e1 - e3 * square * Dd::from(3.0));
+        let [value, steepness] = self.at_zero.at(omega);
+        (h.re, slope.re) = (h.re + value.mid, slope.re + steepness.mid);
+        for (error, ball) in errors.iter_mut().zip([value, steepness]) {
+            *error += ball.rad + 64.0 * Dd::EPSILON * ball.magnitude();
+        }
         let loose = self.polynomial.map(|e| e.rad + 64.0 * Dd::EPSILON * e.magnitude());
         let powers = [1.0, w, w * w, w * w * w];
         for power in 0..4 {
@@ -157,11 +283,13 @@ impl PartialFractions {
 
     /// Approximations of H and dH/domega in binary64, to steer a search.
     pub fn near(&self, omega: Dd) -> [Complex<f64>; 2] {
-        let [mut h, mut slope] = near_sums(&self.terms, omega);
+        let [mut h, mut slope] = near_sums(&self.lined, omega);
         let w = omega.to_f64();
         let [e0, e1, e2, e3] = self.polynomial.map(|e| e.to_f64());
         h = h + Complex::new(e0 - e2 * w * w, (e1 - e3 * w * w) * w);
         slope = slope + Complex::new(-2.0 * e2 * w, e1 - 3.0 * e3 * w * w);
+        let [value, steepness] = self.at_zero.at(omega).map(|ball| ball.to_f64());
+        (h.re, slope.re) = (h.re + value, slope.re + steepness);
         [h, slope]
     }
 
@@ -169,13 +297,14 @@ impl PartialFractions {
     pub fn gain(&self, frequency: &Frequency) -> Gain {
         let omega = frequency.omega;
         let (clearance, reach) = (self.clearance(omega.mid), omega.rad);
-        let is_clear = 2.0 * reach <= clearance;
+        let is_clear = 4.0 * reach <= clearance;
         if !is_clear {
             return Gain::Unknown;
         }
         let local = self.at(omega.mid);
         // Over the ball |dH/domega| is at most 4 sum |r| / |i omega - s|^2, and that of the polynomial, and of the rest.
-        let steepest = 4.0 * sums(&self.terms, omega.mid).sizes[1]
+        let steepest = 4.0 * sums(&self.lined, omega.mid).sizes[1]
+            + 4.0 * self.at_zero.most(omega.to_f64().abs())[1]
             + (1..4)
                 .map(|l| l as f64 * self.polynomial[l].magnitude() * omega.magnitude().power(l as i32 - 1))
                 .sum::<f64>();
@@ -193,21 +322,23 @@ impl PartialFractions {
         if !is_clear {
             return None;
         }
-        let mut sums = taylor(&self.terms, middle, half, precise);
+        let mut sums = taylor(&self.lined, middle, half, precise);
         self.add_polynomial(&mut sums, middle, half);
+        self.at_zero.add_to(&mut sums, middle, half);
+        let coefficients = sums.coefficients.map(Complex::to_f64);
         let unit = if precise { Dd::EPSILON } else { f64::EPSILON };
         let count = (2 * self.terms.len() + 32 * DEGREE) as f64 * unit;
         let rest = self.rest(sums.rests, middle.to_f64().abs() * up::FEW, half, clearance);
         let scale = [1.0, half, half * half];
         let cut = [0, 1, 2].map(|k| sums.cut[k] * up::MILLIONS);
         // Coefficients are rounded to binary64 once more, beside their own size.
-        let own = [0, 1, 2].map(|k| f64::EPSILON * size(&sums.coefficients, k));
+        let own = [0, 1, 2].map(|k| f64::EPSILON * size(&coefficients, k));
         let errors = [0, 1, 2].map(|k| {
             (cut[k] + count * sums.sizes[k] + sums.doubts[k] + rest[k] * scale[k] + own[k]) * up::MILLIONS
                 + f64::MIN_POSITIVE
         });
-        let finite = errors.iter().all(|x| x.is_finite()) && sums.coefficients.iter().all(|c| c.is_finite());
-        finite.then_some(Expansion { coefficients: sums.coefficients, errors, cut })
+        let finite = errors.iter().all(|x| x.is_finite()) && coefficients.iter().all(|c| c.is_finite());
+        finite.then_some(Expansion { coefficients, errors, cut })
     }
 
     /// Adds e_0 + e_1 s + .. at s = i (middle + half t). Its sizes count as those of the terms.
@@ -218,10 +349,10 @@ impl PartialFractions {
             let mut binomial = 1.0;
             for k in 0..=power {
                 // e i^l C(l, k) middle^(l - k) half^k
-                let powers =
-                    (0..power - k).fold(e.mid * Dd::from(binomial), |x, _| x * middle).to_f64() * half.power(k as i32);
+                let powers = (0..power - k).fold(e.mid * Dd::from(binomial), |x, _| x * middle);
+                let powers = (0..k).fold(powers, |x, _| x * Dd::from(half));
                 let sum = &mut sums.coefficients[k];
-                *sum = *sum + Complex::new(turn.0 * powers, turn.1 * powers);
+                *sum = *sum + Complex::new(powers * Dd::from(turn.0), powers * Dd::from(turn.1));
                 binomial *= (power - k) as f64 / (k + 1) as f64;
             }
             let most = (w.to_f64() + half).power(power as i32) * up::DOZENS;
@@ -243,187 +374,5 @@ pub fn size(coefficients: &[Complex<f64>], derivative: usize) -> f64 {
     coefficients.iter().enumerate().map(|(k, c)| factor(k) * c.one_norm()).sum::<f64>() * up::DOZENS
 }
 
-/// i omega - s in binary64, to a few roundings: both are subtracted in double-double.
-#[inline(always)]
-fn offset(omega: Dd, s: Complex<Dd>) -> Complex<f64> {
-    Complex::new(-s.re.hi, (omega - s.im).hi)
-}
-
-/// Sums over all terms at a frequency.
-struct Sums {
-    /// sum r / d and sum r / d^2, d = i omega - s_j
-    first: Complex<Dd>,
-    second: Complex<Dd>,
-    /// The two sums with |r|, and with the errors of r, in place of r.
-    sizes: [f64; 2],
-    doubts: [f64; 2],
-    /// sum q_m / |d|
-    rests: [f64; 5],
-}
-
-simd! {
-    fn sums(terms: &[Term], omega: Dd) -> Sums {
-        let zero = Complex::<Dd>::ZERO;
-        let mut sums = Sums { first: zero, second: zero, sizes: [0.0; 2], doubts: [0.0; 2], rests: [0.0; 5] };
-        for term in terms {
-            let d = Complex::new(-term.s.re, omega - term.s.im);
-            let square = d.re * d.re + d.im * d.im;
-            let scale = Dd::ONE / square;
-            let inverse = Complex::new(d.re * scale, -(d.im * scale));
-            let quotient = term.r * inverse;
-            sums.first = sums.first + quotient;
-            sums.second = sums.second + quotient * inverse;
-            let near = scale.hi.sqrt();
-            sums.sizes[0] += term.size * near;
-            sums.sizes[1] += term.size * near * near;
-            sums.doubts[0] += term.doubt * near;
-            sums.doubts[1] += term.doubt * near * near;
-            for (sum, q) in sums.rests.iter_mut().zip(term.rest) {
-                *sum += q * near;
-            }
-        }
-        sums
-    }
-}
-
-simd! {
-    fn near_sums(terms: &[Term], omega: Dd) -> [Complex<f64>; 2] {
-        let (mut first, mut second) = (Complex::<f64>::ZERO, Complex::<f64>::ZERO);
-        for term in terms {
-            let d = offset(omega, term.s);
-            let scale = 1.0 / (d.re * d.re + d.im * d.im);
-            let inverse = Complex::new(d.re * scale, -(d.im * scale));
-            let quotient = Complex::new(term.r.re.hi, term.r.im.hi) * inverse;
-            first = first + quotient;
-            second = second + quotient * inverse;
-        }
-        [first, Complex::new(second.im, -second.re)]
-    }
-}
-
-/// Sums over all terms of a Taylor polynomial.
-struct TaylorSums {
-    coefficients: [Complex<f64>; DEGREE + 1],
-    /// Bounds of H and of its derivatives, term by term, to which rounding errors are relative.
-    sizes: [f64; 3],
-    doubts: [f64; 3],
-    /// Bounds of the terms after the polynomial.
-    cut: [f64; 3],
-    rests: [f64; 5],
-}
-
-fn taylor(terms: &[Term], middle: Dd, half: f64, precise: bool) -> TaylorSums {
-    let mut sums = bounds(terms, middle, half);
-    sums.coefficients =
-        if precise { precise_coefficients(terms, middle, half) } else { coefficients(terms, middle, half) };
-    sums
-}
-
-simd! {
-    /// With x = r / d and q = -i half / d the coefficients are sums of x q^k. For |q| <= 1/2,
-    /// sum over k > K of |q|^k, k |q|^k, k (k - 1) |q|^k is at most |q|^(K + 1) times 1 / (1 - |q|), (K + 1) / (1 - |q|)^2 and
-    /// 2 K (K + 1) / (1 - |q|)^3.
-    fn bounds(terms: &[Term], middle: Dd, half: f64) -> TaylorSums {
-        let (none, k) = ([0.0; 3], DEGREE as f64);
-        let mut sums = TaylorSums {
-            coefficients: [Complex::ZERO; DEGREE + 1], sizes: none, doubts: none, cut: none, rests: [0.0; 5],
-        };
-        for term in terms {
-            let d = offset(middle, term.s);
-            let near = 1.0 / (d.re * d.re + d.im * d.im).sqrt();
-            let q = half * near * up::DOZENS;
-            let sum = 1.0 / (1.0 - q);
-            let (x, doubt) = (term.size * near, term.doubt * near);
-            let weights = [sum, q * sum * sum, 2.0 * q * q * sum * sum * sum];
-            let power = (0..=DEGREE).fold(1.0, |power, _| power * q);
-            let tails = [sum, (k + 1.0) * sum * sum, 2.0 * k * (k + 1.0) * sum * sum * sum];
-            for i in 0..3 {
-                sums.sizes[i] += x * weights[i];
-                sums.doubts[i] += doubt * weights[i];
-                sums.cut[i] += x * power * tails[i];
-            }
-            for (sum, rest) in sums.rests.iter_mut().zip(term.rest) {
-                *sum += rest * near;
-            }
-        }
-        sums
-    }
-}
-
-simd! {
-    fn coefficients(terms: &[Term], middle: Dd, half: f64) -> [Complex<f64>; DEGREE + 1] {
-        let mut all = [Complex::<f64>::ZERO; DEGREE + 1];
-        for term in terms {
-            let d = offset(middle, term.s);
-            let scale = 1.0 / (d.re * d.re + d.im * d.im);
-            let inverse = Complex::new(d.re * scale, -(d.im * scale));
-            let mut x = Complex::new(term.r.re.hi, term.r.im.hi) * inverse;
-            // -i half / d
-            let q = Complex::new(half * inverse.im, -(half * inverse.re));
-            for sum in &mut all {
-                *sum = *sum + x;
-                x = x * q;
-            }
-        }
-        all
-    }
-}
-
-simd! {
-    fn precise_coefficients(terms: &[Term], middle: Dd, half: f64) -> [Complex<f64>; DEGREE + 1] {
-        let mut all = [Complex::<Dd>::ZERO; DEGREE + 1];
-        for term in terms {
-            let d = Complex::new(-term.s.re, middle - term.s.im);
-            let scale = Dd::ONE / (d.re * d.re + d.im * d.im);
-            let inverse = Complex::new(d.re * scale, -(d.im * scale));
-            let mut x = term.r * inverse;
-            let half = Dd::from(half);
-            let q = Complex::new(half * inverse.im, -(half * inverse.re));
-            for sum in &mut all {
-                *sum = *sum + x;
-                x = x * q;
-            }
-        }
-        all.map(Complex::to_f64)
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// 1 / (s - p) + 1 / (s - p*) with p = -0.1 + i, and a Taylor polynomial about 1.3 that reaches half way to the pole:
-    /// its terms fall by no more than that, so those after the last are far larger than any rounding.
-    #[test]
-    fn a_polynomial_is_as_near_as_it_says() {
-        let term = |im: f64| Term {
-            s: Complex::new(Dd::from(-0.1), Dd::from(im)),
-            r: Complex::new(Dd::ONE, Dd::ZERO),
-            size: 1.0,
-            doubt: 0.0,
-            rest: [0.0; 5],
-        };
-        let sum = PartialFractions { terms: vec![term(1.0), term(-1.0)], polynomial: [Ball::ZERO; 4] };
-        let (middle, half) = (1.3, 0.15);
-        for precise in [false, true] {
-            let expansion = sum.expansion(Dd::from(middle), half, precise).expect("clear");
-            let mut most = [0.0f64; 2];
-            for step in -20..=20 {
-                let t = f64::from(step) / 20.0;
-                let zero = Complex::<f64>::ZERO;
-                let value = expansion.coefficients.iter().rev().fold(zero, |sum, &c| sum.scale(t) + c);
-                let slope = (expansion.coefficients.iter().enumerate().skip(1).rev())
-                    .fold(zero, |sum, (k, &c)| sum.scale(t) + c.scale(k as f64));
-                let truth = sum.at(Dd::from(middle) + Dd::from(half * t));
-                let off = [(value, truth.h), (slope.scale(1.0 / half), truth.slope)].map(|(a, b)| {
-                    Complex::new((b.re - Dd::from(a.re)).to_f64(), (b.im - Dd::from(a.im)).to_f64()).abs()
-                });
-                let bounds = [expansion.errors[0], expansion.errors[1] / half];
-                assert!(off[0] <= bounds[0] && off[1] <= bounds[1], "{t}: {off:?} {bounds:?}");
-                most = [most[0].max(off[0]), most[1].max(off[1])];
-            }
-            assert!(most[0] > 1e-3 * expansion.errors[0] && most[0] > 1e-9, "{most:?} {:?}", expansion.errors);
-        }
-        assert!(sum.expansion(Dd::from(middle), 0.17, false).is_none());
-    }
-}
+mod tests;

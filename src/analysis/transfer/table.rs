@@ -6,7 +6,9 @@
 
 use crate::analysis::answer::{Modes, Poles};
 use crate::analysis::error::AnalysisError;
-use crate::analysis::poles::{poles, poles_and_residues};
+use crate::analysis::modes::modes_as;
+use crate::analysis::modes::request::{Request, Which};
+use crate::analysis::poles::{MAX_DAMPED, poles, poles_and_residues};
 use crate::analysis::transfer::extrema::{
     Exactly, Extrema, Extremum, MOST_ENCLOSED, bracketed, expanded, factored, sharpened,
 };
@@ -41,6 +43,11 @@ impl Sweep {
     /// Whether the frequencies come from the poles, or extrema are looked for.
     pub fn needs_poles(&self) -> bool {
         self.at.is_empty() && (self.points.is_none() || self.range.is_none())
+    }
+
+    /// Whether extrema are looked for: then no grid is given.
+    pub fn finds_extrema(&self) -> bool {
+        self.at.is_empty() && self.points.is_none()
     }
 }
 
@@ -150,11 +157,16 @@ impl<'a> Methods<'a> {
 
     /// Zeros and poles are only computed if extrema are requested.
     fn pairs(&self, poles: &Poles, sweep: &Sweep, refined: bool) -> Pairs<'_> {
-        let pair = |input: usize, output: usize| Pair {
-            modal: self.sum.as_ref().map(|sum| sum.pair(self.system, input, output)),
-            exactly: if refined { self.transfer.zero_pole_form(input, output) } else { None },
-            fractions: (poles.residues.as_ref().filter(|_| refined))
-                .and_then(|residues| PartialFractions::of(self.system, residues, input, output)),
+        let pair = |input: usize, output: usize| {
+            let modal = self.sum.as_ref().map(|sum| sum.pair(self.system, input, output));
+            let exactly = if refined { self.transfer.zero_pole_form(input, output) } else { None };
+            let of_modes = || self.sum.as_ref()?.fractions(modal.as_ref()?);
+            let fractions = match poles.residues.as_ref().filter(|_| refined) {
+                Some(residues) => PartialFractions::of(self.system, residues, input, output),
+                None if refined && exactly.is_none() => of_modes(),
+                None => None,
+            };
+            Pair { modal, exactly, fractions }
         };
         let row = |&input: &usize| sweep.outputs.iter().map(|&output| pair(input, output)).collect();
         sweep.inputs.iter().map(row).collect()
@@ -166,12 +178,20 @@ pub fn poles_for_table(system: &LinearSystem, modes: &Modes) -> Result<Poles, An
     if system.n() <= MOST_ENCLOSED { poles(system, modes) } else { poles_and_residues(system, modes) }
 }
 
+/// All modes of a system with more coupled coordinates than those of which all are computed in any case: where extrema are looked
+/// for they take less time than the tables, up to as many coordinates as have poles. `None` if there are too many.
+pub fn modes_of_many(system: &LinearSystem) -> Option<Modes> {
+    let fits = system.n() <= MAX_DAMPED && system.losses.is_none();
+    let request = Request { which: Which::All, ..Request::default() };
+    if fits { modes_as(system, &request).ok() } else { None }
+}
+
 /// Prepared pairs, `[input][output]`.
 type Pairs<'a> = Vec<Vec<Pair<'a>>>;
 
 /// Computes a table. The poles may be those of nothing where it [has no use for them](Sweep::needs_poles).
 pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
-    let refined = sweep.at.is_empty() && sweep.points.is_none() && methods.system.losses.is_none();
+    let refined = sweep.finds_extrema() && methods.system.losses.is_none();
     let pairs = methods.pairs(poles, sweep, refined);
     let (inputs, outputs) = (sweep.inputs.clone(), sweep.outputs.clone());
     if !refined {
@@ -224,8 +244,12 @@ fn from_roots(
         }
         let of_poles = pairs[i][o].fractions.as_ref().map(|sum| expanded(sum, low, high));
         let sharp = |extrema: &&Extrema| {
-            let error = |extremum: &Extremum| extremum.gain.disc().map_or(f64::INFINITY, |disc| disc.relative_error());
-            extrema.is_complete() && extrema.list.iter().all(|extremum| error(extremum) <= TO_THE_LAST_DIGIT)
+            let is_sharp = |extremum: &Extremum| match extremum.gain {
+                Gain::Finite(disc) => disc.relative_error() <= TO_THE_LAST_DIGIT,
+                Gain::Infinite => true,
+                Gain::Unknown => false,
+            };
+            extrema.is_complete() && extrema.list.iter().all(is_sharp)
         };
         if let Some(found) = of_poles.as_ref().filter(sharp) {
             return found.clone();
@@ -237,7 +261,7 @@ fn from_roots(
         };
         match along_path() {
             Some(found) => sharpened(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found),
-            None => of_poles.filter(Extrema::is_complete).or(found).unwrap_or_default(),
+            None => of_poles.or(found).unwrap_or_default(),
         }
     };
     (0..sweep.inputs.len()).map(|i| (0..sweep.outputs.len()).map(|o| of_pair(i, o)).collect()).collect()
@@ -258,7 +282,8 @@ fn beside_brackets(
         }
         let gains: Vec<(f64, Gain)> = rows.iter().map(|row| (row.frequency.to_f64(), row.gains[i][o])).collect();
         let by_modes = methods.sum.as_ref().zip(pairs[i][o].modal.as_ref());
-        let others = bracketed(&methods.transfer, (sweep.inputs[i], sweep.outputs[o]), by_modes, poles, &gains);
+        let places = (sweep.inputs[i], sweep.outputs[o]);
+        let others = bracketed(&methods.transfer, places, by_modes, poles, &gains, &found.open);
         if found.list.is_empty() && found.open.is_empty() { others } else { found.with(others.list) }
     };
     let row =

@@ -34,13 +34,15 @@ struct Pair<'a> {
 /// An interval of omega, rad/s.
 type Interval = (f64, f64);
 
-/// `gains` are the values on the grid, in ascending frequency, Hz.
+/// `gains` are the values on the grid, in ascending frequency, Hz. `open` are the ranges in which extrema are looked for, Hz; all
+/// of the grid if there are none.
 pub fn bracketed(
     transfer: &Transfer,
     (input, output): (usize, usize),
     by_modes: Option<(&ModalSum, &ModalPair)>,
     poles: &Poles,
     gains: &[(f64, Gain)],
+    open: &[(f64, f64)],
 ) -> Extrema {
     let pair = Pair { transfer, input, output, by_modes };
     let two_pi = 2.0 * std::f64::consts::PI;
@@ -50,12 +52,17 @@ pub fn bracketed(
     // A little more than the range, whose ends are rounded here.
     let range = (first.0 * two_pi * down::FEW, last.0 * two_pi * up::FEW);
     let infinite = axis_poles(poles, range);
+    let is_open = |(low, high): Interval| {
+        open.is_empty()
+            || open.iter().any(|(from, to)| low <= to * two_pi * up::FEW && high >= from * two_pi * down::FEW)
+    };
     let holds_pole = |(low, high): Interval| infinite.iter().any(|pole| (low..=high).contains(&pole.to_f64()));
     let mut list: Vec<Extremum> = (significant_brackets(gains).into_iter())
-        .filter(|(bracket, _)| !holds_pole(*bracket))
+        .filter(|(bracket, _)| is_open(*bracket) && !holds_pole(*bracket))
         .filter_map(|(bracket, kind)| Some(pair.extremum(pair.root(bracket, kind)?, kind)))
         .collect();
-    for pole in infinite.into_iter().filter(|pole| pair.has_pole_at(*pole, poles)) {
+    let in_open = |pole: &Ball| is_open((pole.to_f64(), pole.to_f64()));
+    for pole in infinite.into_iter().filter(in_open).filter(|pole| pair.has_pole_at(*pole, poles)) {
         let frequency = hertz(pole);
         list.push(Extremum { kind: FeatureKind::Peak, frequency, gain: Gain::Infinite, width: None });
     }

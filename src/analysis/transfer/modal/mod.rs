@@ -7,9 +7,10 @@
 //! v_i^2 = W^2 + W c_i + k_i (Cauchy). Neumann's series gives |p^T (D + O)^-1 b - p^T D^-1 b| <= epsilon V sqrt(P B) / (1 - epsilon V)
 //! with V = sum v_i^2 / |D_i|, P = sum p_i^2 / |D_i|, B = sum b_i^2 / |D_i|.
 
+mod fractions;
 mod lanes;
 
-use crate::analysis::answer::{Modes, PRECISE};
+use crate::analysis::answer::{ModeKind, Modes, PRECISE};
 use crate::analysis::modes::form::{
     LEAST_EPSILON, ModalForm, columns_beside, damping_clearly_couples, kinds, least_stiffness, off_diagonal, sizes,
 };
@@ -33,6 +34,8 @@ pub struct ModalSum {
     pub(in crate::analysis) k_size: Vec<f64>,
     pub(in crate::analysis) c_size: Vec<f64>,
     pub(in crate::analysis) off: OffDiagonal,
+    /// Whether each mode is a rigid motion: its frequency is zero exactly.
+    rigid: Vec<bool>,
 }
 
 /// Bounds of E_M, E_C and E_K, what X^T M X, X^T C X and X^T K X are beside 1, the c_i and the k_i: the norms of their columns.
@@ -78,19 +81,24 @@ const ROUNDED: f64 = 1e-14;
 impl ModalSum {
     /// `None` if the modes do not diagonalise the damping, or some of them are missing.
     pub fn of(system: &LinearSystem, modes: &Modes) -> Option<ModalSum> {
-        let n = system.n();
         if damping_clearly_couples(system, modes) {
             return None;
         }
         let (form, damping) = ModalForm::with_damping(system, modes)?;
+        ModalSum::of_form(form, &damping, &kinds(&modes.list))
+    }
+
+    /// `damping` is X^T C X.
+    fn of_form(form: ModalForm, damping: &Matrix<Ball>, kinds: &[ModeKind]) -> Option<ModalSum> {
+        let n = kinds.len();
         let c: Vec<Dd> = (0..n).map(|i| damping[(i, i)].mid).collect();
         let k = form.stiffnesses();
-        let least = least_stiffness(&kinds(&modes.list), &k);
+        let least = least_stiffness(kinds, &k);
         let most = c.iter().map(|c| c.hi.abs()).fold(0.0, f64::max);
         // If a mode is undamped, a small damping is counted instead.
         let (c_size, k_size) = (sizes(&c, 1e-10 * most), sizes(&k, least));
         let ones = vec![1.0; n];
-        let epsilon = [(&form.m, &ones, true), (&damping, &c_size, false), (&form.k, &k_size, false)]
+        let epsilon = [(&form.m, &ones, true), (damping, &c_size, false), (&form.k, &k_size, false)]
             .into_iter()
             .map(|(gram, sizes, unit)| off_diagonal(gram, sizes, unit))
             .fold(LEAST_EPSILON, larger);
@@ -109,10 +117,11 @@ impl ModalSum {
         let omega = k.iter().map(|k| if k.hi > 0.0 { k.sqrt() } else { Dd::ZERO }).collect();
         let off = OffDiagonal {
             m: columns_beside(&form.m, true),
-            c: columns_beside(&damping, false),
+            c: columns_beside(damping, false),
             k: columns_beside(&form.k, false),
         };
-        Some(ModalSum { shapes: form.shapes, k, c, omega, epsilon, k_size, c_size, off })
+        let rigid = kinds.iter().map(|kind| *kind == ModeKind::Rigid).collect();
+        Some(ModalSum { shapes: form.shapes, k, c, omega, epsilon, k_size, c_size, off, rigid })
     }
 
     /// Prepares an input and an output.

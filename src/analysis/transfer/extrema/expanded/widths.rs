@@ -38,7 +38,8 @@ impl Widths<'_> {
     /// Where |H|^2 is half of that of a peak, between it and `end`: |H| is monotone there.
     fn crossing(&self, index: usize, end: Dd) -> Option<Ball> {
         let peak = &self.located[index];
-        let (top, top_error) = square_of(peak.gain.value, peak.gain.radius);
+        let disc = peak.gain.disc()?;
+        let (top, top_error) = square_of(disc.value, disc.radius);
         let (level, level_error) = (top.scale(0.5), 0.5 * top_error);
         let from = peak.omega.mid;
         let (low, high) = if end < from { (end, from) } else { (from, end) };
