@@ -138,7 +138,8 @@ fn lowered(text: String) -> Result<LinearSystem, String> {
     let parsed = vibc::syntax::parse(&sources, file);
     let checked = vibc::model::check(&sources, &parsed.tree, &Overrides::default());
     let outcome = vibc::lower::lower(&checked.scene.expect("a good model"));
-    let code = outcome.diagnostics.sorted().first().map_or(String::new(), |diagnostic| diagnostic.code.0.to_string());
+    let code =
+        outcome.diagnostics.into_sorted().first().map_or(String::new(), |diagnostic| diagnostic.code.0.to_string());
     outcome.lowered.map(|lowered| lowered.system).ok_or(code)
 }
 
@@ -299,7 +300,7 @@ fn complete(n: usize) -> String {
 fn reductions(out: &mut impl Write) {
     for n in [12, 30, 100, 200, 400, 1000, 2000] {
         let mut digits = Digits(17);
-        let mut matrix = Matrix::filled(n, n, 0.0);
+        let mut matrix = Matrix::fill_with(n, n, 0.0);
         for j in 0..n {
             for i in 0..=j {
                 let entry = digits.below(1_000_000) as f64 * 1e-6 - 0.5;

@@ -39,7 +39,7 @@ pub fn run(text: &str) {
 /// Every place of every diagnostic lies in its text, on character boundaries, and all of them can be drawn without a
 /// control character that would steer a terminal.
 fn assert_findings(sources: &Sources, diagnostics: Diagnostics) {
-    let findings = diagnostics.sorted();
+    let findings = diagnostics.into_sorted();
     for diagnostic in &findings {
         let Diagnostic { primary, related, message, .. } = diagnostic;
         assert!(!message.is_empty(), "{diagnostic:?}");

@@ -333,7 +333,7 @@ pub struct Sweep {
     #[command(flatten)]
     pub overrides: OverrideOptions,
     /// Values of a parameter: `k=5N/m..50N/m:200` for 200 at equal distances, `m=0.1kg,0.5kg,1kg` for these; may be repeated, then every combination is a case
-    #[arg(long, value_name = "NAME=VALUES", value_parser = swept, group = "values")]
+    #[arg(long, value_name = "NAME=VALUES", value_parser = parse_swept, group = "values")]
     pub over: Vec<String>,
     /// So many cases with random values of the parameters that have `spread` or `within`
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1..=1_000_000_000), group = "values")]
@@ -889,7 +889,7 @@ fn setting(text: &str) -> Result<String, String> {
 }
 
 /// `NAME=VALUES` in one line, of a form that the model's check reads.
-fn swept(text: &str) -> Result<String, String> {
+fn parse_swept(text: &str) -> Result<String, String> {
     let (name, values) =
         setting(text).ok().and_then(|_| text.split_once('=')).ok_or("write k=5N/m..50N/m:200 or k=5N/m,10N/m")?;
     match crate::model::shape_of_values(values) {

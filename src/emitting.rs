@@ -94,7 +94,7 @@ fn emit_equations(options: &Emit, input: &Input, language: Language, messages: &
 }
 
 fn emit_parameter(options: &Emit, name: &str, input: &Input, language: Language, messages: &Messages) -> Status {
-    let outcome = vibc::parameterised(&input.sources, input.model, &input.overrides, name);
+    let outcome = vibc::over_parameter(&input.sources, input.model, &input.overrides, name);
     let status = failure(outcome.failure());
     show(&input.sources, outcome.diagnostics, messages);
     let Some((model, found)) = &outcome.answer else { return status };

@@ -12,7 +12,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use vibc::backend::diagnostics;
-use vibc::base::readable::escaped;
+use vibc::base::readable::escape;
 use vibc::base::{FileId, SourceFile, SourceKind, Sources};
 use vibc::cli::{MessageFormat, Messages, OverrideOptions};
 use vibc::model::Overrides;
@@ -135,7 +135,7 @@ impl Formatter for Harmless {
         if fragment.is_ascii() && !fragment.contains('\u{7f}') {
             return out.write_all(fragment.as_bytes());
         }
-        out.write_all(escaped(fragment.to_string()).as_bytes())
+        out.write_all(escape(fragment.to_string()).as_bytes())
     }
 }
 

@@ -46,7 +46,7 @@ pub fn inspect(sources: &Sources, model: FileId, overrides: &Overrides, effort: 
         None => Inspection { is_whole: true, ..Inspection::default() },
         Some((tree, None)) => Inspection { tree: Some(tree), is_whole: true, ..Inspection::default() },
         Some((tree, Some(scene))) => {
-            of_reading(Reading::declared(sources, overrides, tree, scene), effort, &mut diagnostics)
+            of_reading(Reading::read_declared(sources, overrides, tree, scene), effort, &mut diagnostics)
         }
     };
     Inspection { diagnostics, ..inspection }
@@ -58,7 +58,7 @@ fn of_reading(mut reading: Reading, effort: Effort, diagnostics: &mut Diagnostic
     let is_whole = match effort {
         Effort::Whole => true,
         Effort::UpTo(most) => {
-            lowered = dynamics::lowered(&reading.scene, &mut found);
+            lowered = dynamics::lower_undamped(&reading.scene, &mut found);
             lowered.as_ref().is_none_or(|lowered| lowered.system.n() <= most)
         }
     };
@@ -69,7 +69,7 @@ fn of_reading(mut reading: Reading, effort: Effort, diagnostics: &mut Diagnostic
             return Inspection { tree: Some(reading.tree), is_whole, ..Inspection::default() };
         }
         found = Diagnostics::new();
-        lowered = dynamics::lowered(&reading.scene, &mut found);
+        lowered = dynamics::lower_undamped(&reading.scene, &mut found);
     }
     diagnostics.extend(found);
     let is_modal = matches!(reading.scene.scene().damping, Some(Damping::Modal { .. }));

@@ -246,7 +246,7 @@ impl<T> Outcome<T> {
     fn of(run: impl FnOnce(&mut Diagnostics) -> Option<T>) -> Outcome<T> {
         let mut diagnostics = Diagnostics::new();
         let answer = run(&mut diagnostics);
-        Outcome { answer, diagnostics: diagnostics.sorted() }
+        Outcome { answer, diagnostics: diagnostics.into_sorted() }
     }
 
     /// `None` if nothing failed; `Failure::Model` if the errors differ in kind.
@@ -317,7 +317,7 @@ pub fn analyze_with(
     Outcome::of(|diagnostics| {
         let mut reading = reading::read_for(sources, model, overrides, study, diagnostics)?;
         let damped = dynamics::lower_with_damping(&reading.scene, diagnostics)?;
-        reported(&mut reading, damped, request, study, diagnostics).ok()
+        modal_answer(&mut reading, damped, request, study, diagnostics).ok()
     })
 }
 
@@ -333,10 +333,10 @@ pub fn analyze_and_explain(
     let mut explained = None;
     let outcome = Outcome::of(|diagnostics| {
         let mut reading = reading::read_for(sources, model, overrides, study, diagnostics)?;
-        let (name, lowered) = (reading.name(), dynamics::lowered(&reading.scene, diagnostics)?);
+        let (name, lowered) = (reading.name(), dynamics::lower_undamped(&reading.scene, diagnostics)?);
         let account = lower::account(&reading.scene, &lowered);
         match dynamics::with_damping(&reading.scene, lowered, diagnostics) {
-            Ok(damped) => match reported(&mut reading, damped, request, study, diagnostics) {
+            Ok(damped) => match modal_answer(&mut reading, damped, request, study, diagnostics) {
                 Ok(answer) => Some(ModalAnswer { account: Some(account), ..answer }),
                 Err(damped) => {
                     explained = Some(Explained::new(name, damped.lowered, account));
@@ -353,7 +353,7 @@ pub fn analyze_and_explain(
 }
 
 /// The modal report of a model. If there is none, its system is returned.
-fn reported(
+fn modal_answer(
     reading: &mut Reading,
     mut damped: Damped,
     request: &Request,
@@ -386,7 +386,7 @@ fn reported(
     let tolerated = match study.tolerances {
         true => {
             let of = (&reading.scene, system.n());
-            questions::tolerated::tolerated(&reading.text(), of, &reading.settings, study.robust)
+            questions::tolerated::within_tolerances(&reading.text(), of, &reading.settings, study.robust)
         }
         false => None,
     };
@@ -641,7 +641,7 @@ pub fn shock(
             if input.signal.iter().any(|signal| matches!(signal, model::scene::Signal::Spectrum(_))) {
                 return refused(&"its signal is a response spectrum already");
             }
-            let signals = dynamics::declared(input, diagnostics)?;
+            let signals = dynamics::declared_signals(input, diagnostics)?;
             let turns = matches!(input.kind, model::scene::InputKind::Base { translation: None, .. });
             match analysis::shock::shock(&signals, input.derivative, request) {
                 Ok(spectrum) => list.push(answers::ShockOf::new(name.clone(), turns, spectrum)),
@@ -733,7 +733,7 @@ pub fn discrete(
 }
 
 /// The linear system of a model as a function of one parameter; the inner error says why there is none.
-pub fn parameterised(
+pub fn over_parameter(
     sources: &Sources,
     model: FileId,
     overrides: &Overrides,
@@ -780,7 +780,7 @@ pub fn equations(sources: &Sources, model: FileId, overrides: &Overrides) -> Out
     Outcome::of(|diagnostics| {
         let (scene, written) = reading::read_written(sources, model, overrides, diagnostics)?;
         dynamics::refuse_losses(&scene, diagnostics)?;
-        let mut lowered = dynamics::lowered(&scene, diagnostics)?;
+        let mut lowered = dynamics::lower_undamped(&scene, diagnostics)?;
         lowered.flatten().map_err(|error| diagnostics.push(error.to_diagnostic())).ok()?;
         let derived = equations::derive(scene.scene(), &written, &lowered);
         derived.map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
@@ -857,20 +857,20 @@ pub fn draw(
         if !drawn.rest && drawn.mode.is_none() {
             return Some(figure(picture::Shown::AsDrawn));
         }
-        let Lowered { system, mechanism, rest } = dynamics::lowered(&reading.scene, diagnostics)?;
+        let Lowered { system, mechanism, rest } = dynamics::lower_undamped(&reading.scene, diagnostics)?;
         let Some(wanted) = drawn.mode else {
             return Some(figure(picture::Shown::AtRest(&mechanism.poses())));
         };
         let request = Request { which: Which::Lowest(wanted as usize), ..Request::default() };
         let modes =
             analysis::modes_as(&system, &request).or_else(|error| push_error(&error, diagnostics).ok_or(())).ok()?;
-        let Some((_, mode)) = modes.numbered().find(|(number, _)| *number == wanted as usize) else {
+        let Some((_, mode)) = modes.with_numbers().find(|(number, _)| *number == wanted as usize) else {
             return Some(Err(format!("the model has no mode {wanted}; it has {}", modes.list.len())));
         };
         let shape = analysis::normalise(mode, analysis::Normalise::Translation);
         let shape: Vec<f64> = shape.iter().map(|displacement| displacement.0).collect();
         let at_rest = mechanism.poses();
-        let poses = at_rest.displaced(&mechanism.displacements(&at_rest, &shape));
+        let poses = at_rest.displace(&mechanism.displacements(&at_rest, &shape));
         let caption = backend::draw::mode_caption(wanted, mode, rest.is_proven());
         let does = |name| backend::draw::energy_of(mode, name);
         Some(figure(picture::Shown::Mode(picture::ModeShown { poses: &poses, caption, does: &does })))

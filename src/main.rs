@@ -160,7 +160,7 @@ fn analyze(options: &Analyze, messages: &Messages) -> Status {
         Format::Markdown => backend::markdown::markdown(&report::modal(answer, &wanted)),
         Format::Json => {
             let path = options.output.file.as_deref();
-            return delivered(path, files::write_json(path, &backend::json::Modal { answer, options: &wanted }))
+            return report_delivery(path, files::write_json(path, &backend::json::Modal { answer, options: &wanted }))
                 .max(status);
         }
     };
@@ -264,7 +264,7 @@ fn indices_of(what: &str, wanted: &[String], names: &[String], others: &[String]
     let place = |name: &String| {
         let found = names.iter().position(|known| known == name);
         found.ok_or_else(|| {
-            let known = listed(&[names, others].concat());
+            let known = first_names(&[names, others].concat());
             format!("`{}` is not an {what} of the model; it has {known}", diagnostics::readable(name))
         })
     };
@@ -272,7 +272,7 @@ fn indices_of(what: &str, wanted: &[String], names: &[String], others: &[String]
 }
 
 /// The first few names.
-fn listed(names: &[String]) -> String {
+fn first_names(names: &[String]) -> String {
     const MOST: usize = 8;
     let shown: Vec<String> = names.iter().take(MOST).map(|name| format!("`{name}`")).collect();
     let more = if names.len() > MOST { ", ..." } else { "" };
@@ -438,11 +438,11 @@ fn bench(options: &Bench, messages: &Messages) -> Status {
 
 /// Writes a result, and reports errors.
 fn deliver(output: Option<&Path>, text: &str) -> Status {
-    delivered(output, write_result(output, text))
+    report_delivery(output, write_result(output, text))
 }
 
 /// Reports a result that could not be written.
-fn delivered(output: Option<&Path>, written: io::Result<()>) -> Status {
+fn report_delivery(output: Option<&Path>, written: io::Result<()>) -> Status {
     match written {
         Ok(()) => Status::Done,
         Err(error) => {
@@ -564,7 +564,7 @@ fn manual_page(command: Option<&str>) -> Status {
 fn explain(asked: Option<&str>) -> Status {
     let Some(asked) = asked else { return deliver(None, &backend::explain::codes()) };
     let width = terminal_columns().map_or(backend::explain::WIDTH, |columns| columns.min(backend::explain::WIDTH));
-    if let Some(page) = editor::about(asked) {
+    if let Some(page) = editor::meanings(asked) {
         return deliver(None, &backend::explain::terminal(&page, width));
     }
     match backend::explain::explain(asked, vibc::kinds::names(), width) {

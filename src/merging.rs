@@ -40,7 +40,7 @@ pub fn merge(options: &Merge) -> Status {
     }
     let mut refused = None;
     let written = write_by(path, |out| {
-        joined(parts, out).map_err(|found| match found {
+        join(parts, out).map_err(|found| match found {
             Failed::Write(error) => error,
             Failed::Part(found) => {
                 refused = Some(found);
@@ -50,7 +50,7 @@ pub fn merge(options: &Merge) -> Status {
     });
     match (refused, written) {
         (Some(refused), _) => refused.report(),
-        (None, written) => crate::delivered(path, written),
+        (None, written) => crate::report_delivery(path, written),
     }
 }
 
@@ -157,7 +157,7 @@ impl Part {
 }
 
 /// Writes the rows of all parts in the order of their cases.
-fn joined(mut parts: Vec<Part>, out: &mut dyn Write) -> Result<(), Failed> {
+fn join(mut parts: Vec<Part>, out: &mut dyn Write) -> Result<(), Failed> {
     let mut out = io::BufWriter::with_capacity(1 << 16, out);
     let heading = parts[0].line().map_err(Failed::Part)?.to_vec();
     for part in &mut parts[1..] {

@@ -19,7 +19,7 @@ use crate::picture::{self, Figure, Item, Moving};
 use crate::questions::answer::{Optimised, Requirement, Solved};
 use crate::reading::{self, Reading};
 use crate::system::{CoordinateId, Form, LinearSystem, Origin, Output};
-use crate::{Outcome, Study, reported};
+use crate::{Outcome, Study, modal_answer};
 
 /// A model as its page shows it.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ pub fn overview(sources: &Sources, model: FileId, overrides: &Overrides, study: 
         // A scene too large to be written out has no curves.
         let written = damped.clone().into_written_out(&mut Diagnostics::new());
         let request = Request { which: Which::Usual, ..Request::default() };
-        let answer = reported(&mut reading, damped, &request, study, diagnostics).ok()?;
+        let answer = modal_answer(&mut reading, damped, &request, study, diagnostics).ok()?;
         let mut overview = Overview::of(reading.scene.scene(), answer, &mechanism);
         // About an unproven rest, nothing is computed. Curves and motions are those of poles, which loss factors leave out.
         let is_shown = overview.answer.rest.is_proven() && overview.answer.system.losses.is_none();
@@ -124,14 +124,14 @@ impl Overview {
     /// The answer with its figure, and how that moves.
     fn of(scene: &Scene, answer: ModalAnswer, mechanism: &Mechanism) -> Overview {
         let digits = |number: &Number| certain_whole(number, FIGURE_DIGITS);
-        let figure = picture::animated(scene, mechanism.poses(), &digits).map_err(|refusal| refusal.to_string());
+        let figure = picture::animated_figure(scene, mechanism.poses(), &digits).map_err(|refusal| refusal.to_string());
         let n = answer.system.n();
         let mut movements = Movements::default();
         let mut poles = Vec::new();
         if let (Ok((_, moving)), true) = (&figure, n <= MOST_MOVING) {
             movements.basis = (0..n).map(|i| mechanism.displacements(&moving.poses, &unit(n, i))).collect();
             movements.bends = bends(mechanism, moving, &movements.basis);
-            let modes = answer.modes.numbered().take(MOST_MOTIONS);
+            let modes = answer.modes.with_numbers().take(MOST_MOTIONS);
             movements.list =
                 modes.map(|(number, mode)| of_mode(number, mode, answer.rest.is_proven(), mechanism, moving)).collect();
             poles = damped_motions(&answer, mechanism, moving, &mut movements.list);
@@ -156,7 +156,7 @@ impl Overview {
             match found.filter(|found| found.agree(&table, i, o)) {
                 Some(found) => Some(Curve::Fractions(found)),
                 None if system.n() > MOST_SOLVED => None,
-                None => pencil.as_ref()?.solved(system, &table, (i, o)).map(Curve::Solved),
+                None => pencil.as_ref()?.solve_equations(system, &table, (i, o)).map(Curve::Solved),
             }
         };
         let curves: Vec<Vec<Option<Curve>>> =
@@ -242,7 +242,7 @@ impl Overview {
 /// The sections of the equations, with headings.
 fn symbols(document: &equations::Document) -> String {
     let section = |section: &equations::Section| {
-        format!("<h3>{}</h3>\n{}", draw::escaped(section.heading), equations::mathml_section(section))
+        format!("<h3>{}</h3>\n{}", draw::escape(section.heading), equations::mathml_section(section))
     };
     document.sections.iter().map(section).collect()
 }

@@ -130,10 +130,10 @@ impl Progress {
         let path = partial(path);
         let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path)?;
         if !file.metadata()?.is_file() {
-            return Err(refused(&path, "it is not a regular file"));
+            return Err(progress_error(&path, "it is not a regular file"));
         }
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            return Err(refused(&path, "another run is writing it"));
+            return Err(progress_error(&path, "another run is writing it"));
         }
         let first = header.to_string() + heading;
         let start = header.to_string().len() as u64;
@@ -141,7 +141,7 @@ impl Progress {
             Some((found, reader)) if found == *header => rows_in(reader, header, heading)?,
             Some(_) => (0, 0),
             None if file.metadata()?.len() == 0 => (0, 0),
-            None => return Err(refused(&path, "it is no progress of a sweep")),
+            None => return Err(progress_error(&path, "it is no progress of a sweep")),
         };
         let length = match length {
             0 => {
@@ -174,7 +174,7 @@ impl Progress {
     }
 }
 
-fn refused(progress: &Path, why: &str) -> io::Error {
+fn progress_error(progress: &Path, why: &str) -> io::Error {
     io::Error::other(format!("its progress would be in `{}`, but {why}", progress.display()))
 }
 

@@ -2,7 +2,7 @@
 //! found. In: the texts. Out: a [`Reading`], which the rest of the run uses.
 
 use crate::Study;
-use crate::analysis::discrete::parameter::{MULTIPLES, Parameterised, parameterised};
+use crate::analysis::discrete::parameter::{MULTIPLES, Parameterised, fit};
 use crate::analysis::{Modes, Poles};
 use crate::base::{Code, Diagnostic, Diagnostics, FileId, Number, Quantity, SourceFile, SourceKind, Sources, Span};
 use crate::dynamics::{self, WrittenOut};
@@ -93,7 +93,7 @@ pub(crate) fn read_written(
     if !scene.scene().determines_parameters() {
         return Some((scene, written?));
     }
-    let mut reading = Reading::declared(sources, overrides, tree, scene);
+    let mut reading = Reading::read_declared(sources, overrides, tree, scene);
     reading.settle(diagnostics)?;
     let (checked, written) = model::check_written(sources, &reading.tree, overrides, &reading.settings);
     Some((checked.scene?, written?))
@@ -119,7 +119,7 @@ pub(crate) fn read_for<'a>(
     diagnostics: &mut Diagnostics,
 ) -> Option<Reading<'a>> {
     let (tree, scene) = read_and_check(sources, model, overrides, diagnostics)?;
-    let declared = Reading::declared(sources, overrides, tree, scene?);
+    let declared = Reading::read_declared(sources, overrides, tree, scene?);
     let mut reading = Reading { until: study.until.cloned(), robust: study.robust, ..declared };
     reading.settle(diagnostics)?;
     Some(reading)
@@ -127,7 +127,12 @@ pub(crate) fn read_for<'a>(
 
 impl<'a> Reading<'a> {
     /// A scene as it is declared.
-    pub fn declared(sources: &'a Sources, overrides: &'a Overrides, tree: Tree, scene: CheckedScene) -> Reading<'a> {
+    pub fn read_declared(
+        sources: &'a Sources,
+        overrides: &'a Overrides,
+        tree: Tree,
+        scene: CheckedScene,
+    ) -> Reading<'a> {
         Reading {
             sources,
             overrides,
@@ -235,7 +240,7 @@ impl<'a> Reading<'a> {
             Ok(found.ok_or("the model has errors, or no rest that is proven, at other values of it")?.into_parts().0)
         };
         let systems: Result<Vec<LinearSystem>, String> = MULTIPLES.iter().map(system).collect();
-        parameterised(name, si, &systems?)
+        fit(name, si, &systems?)
     }
 }
 

@@ -92,7 +92,7 @@ pub fn study<'a>(
         }
         let asks = request.poles || !scene.scene().requires.is_empty() || !scene.scene().asked.is_empty();
         let modes = request.modes.unwrap_or(if asks && !request.follow { 0 } else { USUAL_MODES }) as usize;
-        let mut reading = Reading::declared(sources, overrides, tree, scene.clone());
+        let mut reading = Reading::read_declared(sources, overrides, tree, scene.clone());
         let hold_solved = request.hold_solved || request.samples.is_some();
         if hold_solved {
             reading.settle(diagnostics)?;
@@ -128,14 +128,14 @@ pub fn study<'a>(
         if request.follow
             && let Err(why) = study.follow(&request.orders)
         {
-            return Some(Err(unfollowed(&why)));
+            return Some(Err(unfollowed_message(&why)));
         }
         Some(Ok((name, study)))
     })
 }
 
 /// The reason why modes cannot be followed, as a message that says what to write instead.
-fn unfollowed(why: &Unfollowed) -> String {
+fn unfollowed_message(why: &Unfollowed) -> String {
     match why {
         Unfollowed::NotInOrder => "`--follow` takes values in ascending or descending order".into(),
         Unfollowed::TooManyPoints(count) => format!("`--follow` takes at most {MOST_POINTS} values, and these are {count}"),

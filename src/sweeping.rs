@@ -2,7 +2,7 @@
 
 use crate::files::{Input, arguments, open, write_by};
 use crate::parts::{Header, Progress, fingerprint, is_finished, partial};
-use crate::{Status, columns, deliver, delivered, failure, report_error, show};
+use crate::{Status, columns, deliver, failure, report_delivery, report_error, show};
 use std::fs::{self, File};
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -21,7 +21,7 @@ use vibc::sweep::{Draws, StudyRequest, cases, study};
 const OWN_COLUMNS: [&str; 2] = ["case", "code"];
 
 pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
-    let shard = match options.shard.map(taken).transpose() {
+    let shard = match options.shard.map(resolve_shard).transpose() {
         Ok(shard) => shard,
         Err(text) => {
             report_error(&text);
@@ -102,7 +102,7 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
                 Ok(())
             });
             if let Err(error) = gathered {
-                return delivered(path, Err(error));
+                return report_delivery(path, Err(error));
             }
             let report = report::study(&model, &study.columns, &ranges, study.followed.as_ref());
             return deliver(path, &backend::report::laid_out(&report, columns(&options.page, path))).max(status);
@@ -128,7 +128,7 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
             }
         }
     };
-    delivered(path, written).max(status)
+    report_delivery(path, written).max(status)
 }
 
 fn drawing(options: &Sweep) -> Drawing {
@@ -165,7 +165,7 @@ fn request(options: &Sweep, input: &mut Input) -> StudyRequest {
 }
 
 /// The part that is asked for; with `auto` the innermost array that this process is a task of.
-fn taken(option: ShardOption) -> Result<Shard, String> {
+fn resolve_shard(option: ShardOption) -> Result<Shard, String> {
     let given = match option {
         ShardOption::Given(shard) => return Ok(shard),
         ShardOption::Auto(count) => count,

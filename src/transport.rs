@@ -166,7 +166,7 @@ mod tests {
     use super::*;
 
     /// The results of reading a stream: the methods of its messages, and the codes of what was refused.
-    fn received(stream: &[u8]) -> Vec<String> {
+    fn received_results(stream: &[u8]) -> Vec<String> {
         let mut stream = stream;
         let mut heard = Vec::new();
         while let Some(received) = receive(&mut stream).expect("memory can be read") {
@@ -180,7 +180,7 @@ mod tests {
         heard
     }
 
-    fn framed(body: &[u8]) -> Vec<u8> {
+    fn frame(body: &[u8]) -> Vec<u8> {
         [format!("Content-Length: {}\r\n\r\n", body.len()).as_bytes(), body].concat()
     }
 
@@ -190,31 +190,31 @@ mod tests {
     fn the_next_message_is_received_after_any_input() {
         let two_of_one = br#"[{"jsonrpc":"2.0","method":"a"},{"jsonrpc":"2.0","method":"b"}]"#;
         for (wrong, code) in [
-            (framed(b"{"), "-32700"),
-            (framed(b""), "-32700"),
-            (framed(b"\xff\xfe"), "-32700"),
-            (framed(&[b'['; 100_000]), "-32700"),
-            (framed(two_of_one), "-32600"),
-            (framed(b"{}"), "-32600"),
-            (framed(b"17"), "-32600"),
-            (framed(br#"{"jsonrpc":"2.0","id":7,"method":8}"#), "-32600"),
+            (frame(b"{"), "-32700"),
+            (frame(b""), "-32700"),
+            (frame(b"\xff\xfe"), "-32700"),
+            (frame(&[b'['; 100_000]), "-32700"),
+            (frame(two_of_one), "-32600"),
+            (frame(b"{}"), "-32600"),
+            (frame(b"17"), "-32600"),
+            (frame(br#"{"jsonrpc":"2.0","id":7,"method":8}"#), "-32600"),
             (b"Content-Length: 99999999999999999\r\n\r\n{}".to_vec(), "-32600"),
             (b"Content-Length: 99999999999999999999999\r\n\r\n".to_vec(), "-32600"),
             (b"Content-Length: -1\r\n\r\n".to_vec(), "-32600"),
             (b"Content-Length: many\r\n\r\nmore of it".to_vec(), "-32600"),
         ] {
-            let stream = [wrong.clone(), framed(NEXT)].concat();
-            assert_eq!(received(&stream), [code, "next"], "{}", String::from_utf8_lossy(&wrong));
+            let stream = [wrong.clone(), frame(NEXT)].concat();
+            assert_eq!(received_results(&stream), [code, "next"], "{}", String::from_utf8_lossy(&wrong));
         }
     }
 
     #[test]
     fn a_header_is_read_with_surrounding_blanks() {
         let fields = [b"\r\n\ncontent-type: x\r\nCONTENT-LENGTH:33 \r\nOther: 1\r\n\r\n", NEXT].concat();
-        assert_eq!(received(&fields), ["next"]);
+        assert_eq!(received_results(&fields), ["next"]);
         // The stream ends in a header, and in a message.
-        assert!(received(b"Content-Length: 12\r\n").is_empty());
-        assert!(received(b"Content-Length: 1200\r\n\r\n{}").is_empty());
+        assert!(received_results(b"Content-Length: 12\r\n").is_empty());
+        assert!(received_results(b"Content-Length: 1200\r\n\r\n{}").is_empty());
     }
 
     #[test]
@@ -223,6 +223,6 @@ mod tests {
         assert_eq!(whole(r#""\ude00 \ud83dx\ud83d\ud83d\ude00""#), r#""\ufffd \ufffdx\ufffd\ud83d\ude00""#);
         assert_eq!(whole(r#""\\ud83d \n \u00e9 \"#), r#""\\ud83d \n \u00e9 \"#);
         let body = br#"{"jsonrpc":"2.0","method":"\ud800"}"#;
-        assert_eq!(received(&framed(body)), ["\u{fffd}"]);
+        assert_eq!(received_results(&frame(body)), ["\u{fffd}"]);
     }
 }

@@ -30,7 +30,7 @@ pub struct Shortfall {
 /// certain, so they count only if a tolerance was requested.
 pub fn shortfall(system: &LinearSystem, modes: &Modes, poles: &Poles, request: &Request) -> Option<Shortfall> {
     let (tolerance, asked) = (request.limit(), request.asked.is_some());
-    let frequencies = modes.numbered().filter(|(_, mode)| asked || mode.kind != ModeKind::Undetermined);
+    let frequencies = modes.with_numbers().filter(|(_, mode)| asked || mode.kind != ModeKind::Undetermined);
     let frequencies = frequencies.map(|(number, mode)| {
         let moving = mode.leading.map_or(0, CoordinateId::index);
         (mode.omega.relative_error(), format!("the frequency of mode {number}"), Some(moving))

@@ -98,7 +98,7 @@ impl Modes {
     }
 
     /// The modes with their numbers, counted from 1 for the lowest of all.
-    pub fn numbered(&self) -> impl Iterator<Item = (usize, &Mode)> {
+    pub fn with_numbers(&self) -> impl Iterator<Item = (usize, &Mode)> {
         (self.before.count() + 1..).zip(&self.list)
     }
 }

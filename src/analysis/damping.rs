@@ -5,10 +5,10 @@
 use crate::analysis::AnalysisError;
 use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
 use crate::analysis::following::static_solution;
-use crate::analysis::forms::applied;
+use crate::analysis::forms::apply;
 use crate::analysis::modes::condense::condense;
 use crate::analysis::modes::form::{ModalForm, gram, kinds, shapes};
-use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
+use crate::analysis::modes::parts::{Part, choose_terms, independent_undamped};
 use crate::analysis::modes::structure;
 use crate::base::{Ball, Dd, Name, Number, up};
 use crate::kernel::dense::Matrix;
@@ -41,10 +41,10 @@ pub fn rayleigh_relative_to(system: &mut LinearSystem, alpha: &Number, beta: &Nu
     system.inputs[input].b[0].iter().for_each(|(i, b)| add(*i, beta * b));
     let mut found = Relative::Known;
     if !alpha.is_zero() {
-        match carried(system, input) {
+        match carried_coordinates(system, input) {
             None => found = Relative::Unknown,
             Some(Carried { follows, is_unique }) => {
-                for (i, momentum) in applied(&system.m, &follows).into_iter().enumerate() {
+                for (i, momentum) in apply(&system.m, &follows).into_iter().enumerate() {
                     add(CoordinateId(i as u32), alpha * &momentum);
                 }
                 if !is_unique {
@@ -130,7 +130,7 @@ pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Re
 ///
 /// Motions that K does not restrain get no damping by modes, so r is taken without them.
 pub fn relative_to(system: &mut LinearSystem, first: usize, input: usize) -> Option<()> {
-    let follows: Vec<Ball> = carried(system, input)?.follows.iter().map(Number::to_ball).collect();
+    let follows: Vec<Ball> = carried_coordinates(system, input)?.follows.iter().map(Number::to_ball).collect();
     let mut force: BTreeMap<CoordinateId, Ball> = BTreeMap::new();
     for term in &system.c.terms()[first..] {
         let row = || system.c.row(term).iter().map(|(i, a)| (*i, a.to_ball()));
@@ -159,7 +159,7 @@ struct Carried {
 const MOST_CARRIED: usize = 2000;
 
 /// What each coordinate follows of an input statically, exactly where that is found.
-fn carried(system: &LinearSystem, input: usize) -> Option<Carried> {
+fn carried_coordinates(system: &LinearSystem, input: usize) -> Option<Carried> {
     let pushed = &system.inputs[input].b[0];
     let mut found = Carried { follows: vec![Number::ZERO; system.n()], is_unique: true };
     let mut place = vec![0u32; system.n()];
@@ -177,7 +177,7 @@ fn carried(system: &LinearSystem, input: usize) -> Option<Carried> {
         if n > MOST_CARRIED {
             return None;
         }
-        let k = chosen(&system.k, &part.k, &place);
+        let k = choose_terms(&system.k, &part.k, &place);
         let free = structure::null_space(&k, n);
         // With K r + sum v (v . r) = b0 and K v = 0, v . b0 = 0 it follows that v . r = 0.
         if !free.exact || free.vectors.len() != free.dimension {
@@ -197,7 +197,7 @@ fn carried(system: &LinearSystem, input: usize) -> Option<Carried> {
         let mut own = static_solution(&matrix, &force)?;
         if !free.is_empty() {
             found.is_unique = false;
-            own = without(&chosen(&system.m, &part.m, &place), &free, own)?;
+            own = without(&choose_terms(&system.m, &part.m, &place), &free, own)?;
         }
         part.coordinates.iter().zip(own).for_each(|(&c, value)| found.follows[c as usize] = value);
     }
@@ -210,7 +210,7 @@ fn product(a: &[Number], b: &[Number]) -> Number {
 
 /// r less its part in some motions, so that v^T M r = 0; `None` if these have no inertia.
 fn without(m: &Form, motions: &[Vec<Number>], mut r: Vec<Number>) -> Option<Vec<Number>> {
-    let momenta: Vec<Vec<Number>> = motions.iter().map(|v| applied(m, v)).collect();
+    let momenta: Vec<Vec<Number>> = motions.iter().map(|v| apply(m, v)).collect();
     let matrix: Vec<Vec<Number>> = motions.iter().map(|v| momenta.iter().map(|p| product(p, v)).collect()).collect();
     let shares = static_solution(&matrix, &momenta.iter().map(|p| product(p, &r)).collect::<Vec<_>>())?;
     for (v, share) in motions.iter().zip(shares) {
@@ -253,10 +253,10 @@ impl Basis {
         let n = part.coordinates.len();
         let mut place = vec![0u32; system.n()];
         part.coordinates.iter().zip(0..).for_each(|(&c, i)| place[c as usize] = i);
-        let (m, k) = (chosen(&system.m, &part.m, &place), chosen(&system.k, &part.k, &place));
+        let (m, k) = (choose_terms(&system.m, &part.m, &place), choose_terms(&system.k, &part.k, &place));
         let masses = Squares::of_form(&m);
         let (form, motions) = if modes.len() == n {
-            let form = ModalForm::refined(shapes(modes), &kinds(modes), &masses, &Squares::of_form(&k), gram);
+            let form = ModalForm::from_shapes(shapes(modes), &kinds(modes), &masses, &Squares::of_form(&k), gram);
             let motions = form.shapes.clone();
             (form, motions)
         } else {
@@ -293,8 +293,13 @@ fn without_massless_motions(m: &Form, k: &Form, n: usize, modes: &[Mode]) -> Opt
     let whole = shapes(modes);
     let left =
         Matrix::from_fn(modes.len(), modes.len(), |i, j| condensed.seen_by_inertia(condensed.kept[i], whole.column(j)));
-    let form =
-        ModalForm::refined(left, &kinds(modes), &Squares::of_form(&condensed.m), &Squares::of_form(&condensed.k), gram);
+    let form = ModalForm::from_shapes(
+        left,
+        &kinds(modes),
+        &Squares::of_form(&condensed.m),
+        &Squares::of_form(&condensed.k),
+        gram,
+    );
     let mut moving = Matrix::zeros(n, modes.len());
     for j in 0..modes.len() {
         condensed.kept.iter().zip(form.shapes.column(j)).for_each(|(&i, &x)| moving[(i, j)] = x);
@@ -304,7 +309,7 @@ fn without_massless_motions(m: &Form, k: &Form, n: usize, modes: &[Mode]) -> Opt
 
 /// M X
 fn momenta(m: &Squares, x: &Matrix<Dd>) -> Matrix<Ball> {
-    let mut momenta = Matrix::filled(x.rows(), x.columns(), Ball::ZERO);
+    let mut momenta = Matrix::fill_with(x.rows(), x.columns(), Ball::ZERO);
     for j in 0..x.columns() {
         for t in 0..m.len() {
             let weighted = m.weights[t] * m.stretch(t, x.column(j));

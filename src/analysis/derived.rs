@@ -157,7 +157,7 @@ impl Pole {
 
     /// A bound of the relative error of the disc itself, whose digits may go beyond binary64.
     pub fn enclosure_bound(&self) -> Bound {
-        Bound::proved(self.relative_error)
+        Bound::by_proof(self.relative_error)
     }
 }
 
@@ -193,7 +193,7 @@ impl Disc {
             (lost, size) if size > 0.0 => lost / size * up::THOUSANDS,
             _ => f64::INFINITY,
         };
-        Bound::proved(in_plane).or_larger(Bound::relative(self.gain()))
+        Bound::by_proof(in_plane).or_larger(Bound::relative(self.gain()))
     }
 
     /// The real and the imaginary part.

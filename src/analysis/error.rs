@@ -254,7 +254,7 @@ impl AnalysisError {
                 format!(
                     "some combination of {} moves without {}, and springs place it at once: motions in time and code \
                      are not made for that",
-                    listed(coordinates),
+                    name_list(coordinates),
                     if *damping { "inertia and damping" } else { "inertia" }
                 ),
                 "give each body in it a mass (an inertia if it turns)",
@@ -320,7 +320,7 @@ impl AnalysisError {
 
 /// The text that names these motions, and says why the poles of their part are not computed.
 /// The first names and the number of the others.
-fn listed(coordinates: &[String]) -> String {
+fn name_list(coordinates: &[String]) -> String {
     const MOST: usize = 6;
     match coordinates {
         all if all.len() > MOST => format!("{} and {} more", all[..MOST].join(", "), all.len() - MOST),
@@ -331,7 +331,7 @@ fn listed(coordinates: &[String]) -> String {
 fn massless_poles(coordinates: &[String], count: usize, limit: usize) -> String {
     let who = match coordinates {
         [] => "some motion".to_string(),
-        all => listed(all),
+        all => name_list(all),
     };
     let verb = if coordinates.len() > 1 { "move" } else { "moves" };
     let why = if count > limit {

@@ -2,7 +2,7 @@
 //! only the velocity or the acceleration of the base drives v. In: a system, the action of u, and how many of its derivatives
 //! are given. Out: r, r', and the forces that are left. See docs/method/transfer.md#velocities-and-accelerations-of-bases.
 
-use super::forms::{applied, dense, solution_on};
+use super::forms::{apply, dense, solution_on};
 use crate::base::{Number, Rational};
 use crate::kernel::dense::enclosure::solve;
 use crate::kernel::dense::lu::Lu;
@@ -52,8 +52,8 @@ impl Following {
                 let Some(force) = forces.get_mut(order + power) else { continue };
                 *force = match (order, power) {
                     (_, 0) if !is_exact => zero(),
-                    (0, 1) if is_relative => less(force, &applied(&dampers(form), followed)),
-                    _ => less(force, &applied(form, followed)),
+                    (0, 1) if is_relative => less(force, &apply(&dampers(form), followed)),
+                    _ => less(force, &apply(form, followed)),
                 };
             }
             if forces[order].iter().any(|force| !force.is_zero()) {
@@ -88,7 +88,7 @@ fn static_response(system: &LinearSystem, b: &[Number], known: Known) -> Option<
     if n > MOST_COORDINATES {
         return None;
     }
-    let is_solution = |r: &[Number]| less(&applied(&system.k, r), b).iter().all(Number::is_zero);
+    let is_solution = |r: &[Number]| less(&apply(&system.k, r), b).iter().all(Number::is_zero);
     let k = system.k.assemble(n);
     if let Some(r) = near_solution(|i, j| k[i][j].to_f64(), b).filter(|r| is_solution(r)) {
         return Some((r, true));

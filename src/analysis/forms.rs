@@ -24,7 +24,7 @@ pub fn dot(row: &[(CoordinateId, Number)], x: &[Number]) -> Number {
 }
 
 /// The form times a vector, term by term.
-pub fn applied(form: &Form, x: &[Number]) -> Vec<Number> {
+pub fn apply(form: &Form, x: &[Number]) -> Vec<Number> {
     let mut image = vec![Number::ZERO; x.len()];
     if x.iter().all(Number::is_zero) {
         return image;

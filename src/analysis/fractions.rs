@@ -92,7 +92,12 @@ impl Pencil {
     }
 
     /// The equations between an input and an output, if they agree with the table.
-    pub fn solved(&self, system: &LinearSystem, table: &Table, (input, output): (usize, usize)) -> Option<Solved> {
+    pub fn solve_equations(
+        &self,
+        system: &LinearSystem,
+        table: &Table,
+        (input, output): (usize, usize),
+    ) -> Option<Solved> {
         let shares = |rows: &[Vec<(CoordinateId, Number)>]| {
             let row = |(power, row): (usize, &Vec<(CoordinateId, Number)>)| {
                 row.iter()

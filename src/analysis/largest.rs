@@ -37,7 +37,7 @@ impl<'a> Curve<'a> {
     }
 
     /// The curve itself in place of its magnitude.
-    pub fn signed(self) -> Curve<'a> {
+    pub fn signed_curve(self) -> Curve<'a> {
         Curve { signed: true, ..self }
     }
 
@@ -117,7 +117,7 @@ impl About {
         let mut seen: Vec<f64> = terms.iter().map(|term| self.sign * term).collect();
         seen[0] -= self.sign * self.end.to_f64();
         let rounding = (terms[0].abs() + self.end.magnitude()) * f64::EPSILON;
-        Curve::of(seen, None, (error + self.end.rad + rounding) * UP).signed()
+        Curve::of(seen, None, (error + self.end.rad + rounding) * UP).signed_curve()
     }
 
     /// The curve in double-double.
@@ -125,7 +125,7 @@ impl About {
         let rounding = (terms[0].hi.abs() + self.end.magnitude()) * UNIT;
         terms[0] -= self.end.mid;
         terms.iter_mut().for_each(|term| *term = *term * self.sign);
-        Curve::fine(terms, (error + self.end.rad + rounding) * UP).signed()
+        Curve::fine(terms, (error + self.end.rad + rounding) * UP).signed_curve()
     }
 }
 

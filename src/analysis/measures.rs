@@ -165,7 +165,7 @@ pub fn load_factor(system: &LinearSystem) -> Measurement {
 
 /// |H| at a frequency in Hz.
 pub fn gain(transfer: &Transfer, input: usize, output: usize, frequency: &Number) -> Measurement {
-    measured(at(transfer, input, output, frequency), |disc| Some(disc.gain()))
+    measure(at(transfer, input, output, frequency), |disc| Some(disc.gain()))
 }
 
 /// The largest |H| over all frequencies, or over a range in Hz; `poles` are those of the whole system.
@@ -185,7 +185,7 @@ pub fn peak_gain(
 
 /// The angle of H at a frequency in Hz, in radians, in (-pi, pi].
 pub fn phase(transfer: &Transfer, input: usize, output: usize, frequency: &Number) -> Measurement {
-    measured(at(transfer, input, output, frequency), |disc| disc.angle())
+    measure(at(transfer, input, output, frequency), |disc| disc.angle())
 }
 
 /// The supremum of an output in the steady state under the harmonic signals: signals of one frequency add as complex
@@ -275,7 +275,7 @@ fn at(transfer: &Transfer, input: usize, output: usize, frequency: &Number) -> G
     transfer.between(&Frequency::hertz(frequency), &[input], &[output])[0][0]
 }
 
-fn measured(gain: Gain, of: impl Fn(Disc) -> Option<Ball>) -> Measurement {
+fn measure(gain: Gain, of: impl Fn(Disc) -> Option<Ball>) -> Measurement {
     match gain {
         Gain::Finite(disc) => of(disc).map_or(Measurement::None("zero has no angle"), Measurement::Value),
         Gain::Infinite => Measurement::Infinite,

@@ -56,7 +56,7 @@ const BAND_PAYS: usize = 4;
 /// The parts of a system.
 pub fn nets(system: &LinearSystem) -> Vec<Net> {
     if system.is_chained() {
-        return chained(system);
+        return chained_parts(system);
     }
     let mut local = vec![0u32; system.n()];
     let parts = independent(system).into_iter().map(|part| {
@@ -84,7 +84,7 @@ pub fn nets(system: &LinearSystem) -> Vec<Net> {
 }
 
 /// The parts of a system with chained rows: those with several coordinates are linkages.
-fn chained(system: &LinearSystem) -> Vec<Net> {
+fn chained_parts(system: &LinearSystem) -> Vec<Net> {
     let parts = independent_chained(system).into_iter().map(|part| Net {
         form: if part.coordinates.len() == 1 { NetForm::Single } else { NetForm::Linkage },
         coordinates: part.coordinates.into_iter().map(CoordinateId).collect(),

@@ -19,7 +19,7 @@ pub const OPEN: &str = "it is not decided whether an impulse reaches the output 
 /// The largest |output| from 0 to `until`.
 pub fn peak(system: &LinearSystem, drives: &[Vec<Signal>], output: usize, until: &Number) -> Measurement {
     let mut largest = Largest::default();
-    measured(follow(system, drives, output, until, &mut largest), |()| largest.ball())
+    measure(follow(system, drives, output, until, &mut largest), |()| largest.ball())
 }
 
 /// sqrt(integral of output^2 / until) from 0 to `until`.
@@ -29,10 +29,10 @@ pub fn rms(system: &LinearSystem, drives: &[Vec<Signal>], output: usize, until: 
         square = value;
         followed
     });
-    measured(followed, |()| square.map_or(Ball::ZERO.widen(f64::INFINITY), Ball::sqrt))
+    measure(followed, |()| square.map_or(Ball::ZERO.widen(f64::INFINITY), Ball::sqrt))
 }
 
-fn measured(followed: Result<Outcome, AnalysisError>, value: impl FnOnce(()) -> Ball) -> Measurement {
+fn measure(followed: Result<Outcome, AnalysisError>, value: impl FnOnce(()) -> Ball) -> Measurement {
     match followed {
         Ok(Outcome::ToTheEnd) => Some(value(())).filter(Ball::is_finite).map_or(TOO_LONG, Measurement::Value),
         Ok(Outcome::Infinite) => Measurement::Infinite,

@@ -9,7 +9,7 @@ use crate::system::Form;
 pub const ABOVE: f64 = 1.0 + 1e-9;
 
 /// V^T F V, row by row; a jet is taken as its enclosure.
-pub fn projected(form: &Form, vectors: &[Vec<Dd>]) -> Vec<Ball> {
+pub fn project(form: &Form, vectors: &[Vec<Dd>]) -> Vec<Ball> {
     let n = vectors.len();
     let mut product = vec![Ball::ZERO; n * n];
     for term in form.terms() {
@@ -33,7 +33,7 @@ pub fn projected(form: &Form, vectors: &[Vec<Dd>]) -> Vec<Ball> {
 }
 
 /// A bound of the norm of a matrix less a diagonal one.
-pub fn beside(matrix: &[Ball], diagonal: &[Dd]) -> f64 {
+pub fn off_diagonal_norm(matrix: &[Ball], diagonal: &[Dd]) -> f64 {
     let n = diagonal.len();
     let squares = distances(matrix, diagonal).map(|(_, _, x)| x * x);
     debug_assert_eq!(matrix.len(), n * n);
@@ -54,7 +54,7 @@ fn distances(matrix: &[Ball], diagonal: &[Dd]) -> impl Iterator<Item = (usize, u
 /// S nearly the unit matrix. `None` if S may be far from it.
 pub fn eigenvalues(t: &[Ball], s: &[Ball], n: usize) -> Option<Vec<[f64; 2]>> {
     let d: Vec<Dd> = (0..n).map(|i| Dd::from(t[i * n + i].to_f64())).collect();
-    let (of_t, of_s) = (beside(t, &d), beside(s, &vec![Dd::from(1.0); n]));
+    let (of_t, of_s) = (off_diagonal_norm(t, &d), off_diagonal_norm(s, &vec![Dd::from(1.0); n]));
     // NaN fails too.
     if !(of_s < 0.5 && of_t.is_finite()) {
         return None;

@@ -7,7 +7,7 @@
 //! else touches.
 
 use super::following::{Following, Known, less};
-use super::forms::{applied, dense, dot};
+use super::forms::{apply, dense, dot};
 use crate::base::{FileId, Number, Span};
 use crate::system::{Coordinate, CoordinateId, CoordinateKind, Input, Label, LinearSystem, Losses, Nature, Output};
 
@@ -106,7 +106,7 @@ fn base_itself(driven: &mut LinearSystem, derivative: u8) -> CoordinateId {
 fn loses(losses: &Losses, rate: Rate, following: &Following) -> bool {
     let [follows, late] = &following.followed;
     let b = dense(follows.len(), &losses.b[rate.input]);
-    let lost = less(&b, &applied(&losses.h, follows)).into_iter().chain(applied(&losses.h, late));
+    let lost = less(&b, &apply(&losses.h, follows)).into_iter().chain(apply(&losses.h, late));
     let seen = losses.p.iter().zip(&losses.d).flat_map(|(p, d)| {
         let fed = d.iter().filter(|(input, _)| *input as usize == rate.input);
         [fed.fold(dot(p, follows), |sum, (_, value)| &sum + value), dot(p, late)]

@@ -105,14 +105,14 @@ pub fn maxima(
         let excitations = excitations.as_ref().map_err(|why| why.to_string())?;
         let sum = sum.as_ref().ok_or("the dampers couple the modes, so that no mode is an oscillator of its own")?;
         let inputs: Vec<usize> = spectra.iter().map(|(input, _)| *input).collect();
-        along(system, excitations, sum, (*input, spectrum), &inputs, added)
+        in_direction(system, excitations, sum, (*input, spectrum), &inputs, added)
     };
     let directions: Vec<Found> = spectra.iter().map(|spectrum| (spectrum.0, direction(spectrum))).collect();
-    let across = if added.across { across(&directions, system.outputs.len()) } else { Vec::new() };
+    let across = if added.across { over_directions(&directions, system.outputs.len()) } else { Vec::new() };
     Spectral { directions, across, added }
 }
 
-fn along(
+fn in_direction(
     system: &LinearSystem,
     excitations: &Excitations,
     sum: &ModalSum,
@@ -137,7 +137,7 @@ fn along(
     let missing = masses.try_fold(Ball::ZERO, |sum, mass| Some(sum + mass?)).ok_or(NO_SHAPE)?;
     let outputs = (0..system.outputs.len()).map(|output| {
         let of = &system.outputs[output];
-        let found = measured(of, &excitation, inputs);
+        let found = measured_quantity(of, &excitation, inputs);
         let (of, row) = match found {
             Ok(found) => found,
             Err(why) => return (output, Err(why)),
@@ -149,7 +149,7 @@ fn along(
                 Some(if of == Measured::Relative { size / mode.omega.square() } else { size })
             })
             .collect();
-        let found = contributions.ok_or(NO_SHAPE).and_then(|parts| combined(of, &modes, &parts, added));
+        let found = contributions.ok_or(NO_SHAPE).and_then(|parts| combine(of, &modes, &parts, added));
         (output, found)
     });
     Ok(Direction {
@@ -261,7 +261,7 @@ fn is_damped_relative_to_the_base(system: &LinearSystem, input: usize, excitatio
 type Row = [(CoordinateId, Number)];
 
 /// The quantity that a spectrum gives for an output, and the output's row over the coordinates.
-fn measured<'a>(
+fn measured_quantity<'a>(
     output: &'a Output,
     excitation: &Excitation,
     inputs: &[usize],
@@ -294,7 +294,7 @@ fn measured<'a>(
     }
 }
 
-fn combined(of: Measured, modes: &[Mode], parts: &[Ball], added: Additions) -> Result<Maximum, &'static str> {
+fn combine(of: Measured, modes: &[Mode], parts: &[Ball], added: Additions) -> Result<Maximum, &'static str> {
     let swing: Vec<usize> = (0..modes.len()).filter(|i| !modes[*i].is_rigid && !parts[*i].is_zero()).collect();
     let missing = (0..modes.len()).filter(|i| modes[*i].is_rigid).fold(Ball::ZERO, |sum, i| sum + parts[i]);
     let squares = swing.iter().fold(Ball::ZERO, |sum, i| sum + parts[*i].square());
@@ -329,7 +329,7 @@ fn correlation(a: &Mode, b: &Mode) -> Option<Ball> {
     Some(top / below)
 }
 
-fn across(directions: &[Found], outputs: usize) -> Vec<(usize, [Ball; 2])> {
+fn over_directions(directions: &[Found], outputs: usize) -> Vec<(usize, [Ball; 2])> {
     let of = |output: usize| {
         let mut sums = [Ball::ZERO; 2];
         for (_, found) in directions {

@@ -22,7 +22,7 @@ pub struct Settling<'a> {
 impl Settling<'_> {
     /// The time after which the output stays within `band` of its final value, as a part of that, s from t = 0.
     pub fn time(&self, output: usize, band: &Number) -> Measurement {
-        self.measured(output, |approach| match approach.settling(band) {
+        self.measure(output, |approach| match approach.settling(band) {
             Ok(Found::Infinite) => Ok(Found::Lasting),
             other => other,
         })
@@ -30,10 +30,10 @@ impl Settling<'_> {
 
     /// How far the output goes beyond its final value, as a part of that; zero if it does not.
     pub fn overshoot(&self, output: usize) -> Measurement {
-        self.measured(output, |approach| approach.overshoot())
+        self.measure(output, |approach| approach.overshoot())
     }
 
-    fn measured(&self, output: usize, of: impl FnOnce(Approach) -> Result<Found, AnalysisError>) -> Measurement {
+    fn measure(&self, output: usize, of: impl FnOnce(Approach) -> Result<Found, AnalysisError>) -> Measurement {
         let until = match self.until() {
             Ok(until) => until,
             Err(why) => return Measurement::None(why),
@@ -114,7 +114,7 @@ mod tests {
     use crate::analysis::test_systems::oscillator;
     use crate::analysis::{modes, poles};
 
-    fn measured(c: &str, signals: Vec<Signal>, of: impl Fn(&Settling) -> Measurement) -> Measurement {
+    fn measure(c: &str, signals: Vec<Signal>, of: impl Fn(&Settling) -> Measurement) -> Measurement {
         let system = oscillator("1", c, "4");
         let modes = modes(&system).expect("modes");
         let (poles, transfer) = (poles(&system, &modes).expect("poles"), Transfer::of(&system));
@@ -130,7 +130,7 @@ mod tests {
     fn an_oscillator_overshoots_by_the_closed_form() {
         let truth = (-std::f64::consts::PI / 3f64.sqrt()).exp();
         for force in [1, -7] {
-            let Measurement::Value(found) = measured("2", step(force), |settling| settling.overshoot(0)) else {
+            let Measurement::Value(found) = measure("2", step(force), |settling| settling.overshoot(0)) else {
                 panic!("no value")
             };
             assert!((found.to_f64() - truth).abs() < 1e-16 && found.rad < 1e-22, "{found:?}");
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn nothing_is_claimed_without_decay_or_end() {
-        let none = |c: &str, signals: Vec<Signal>| measured(c, signals, |settling| settling.overshoot(0));
+        let none = |c: &str, signals: Vec<Signal>| measure(c, signals, |settling| settling.overshoot(0));
         assert!(matches!(none("0", step(1)), Measurement::None(why) if why.contains("no damping")));
         assert!(matches!(none("2", step(0)), Measurement::None(why) if why.contains("zero")));
         let pulse = Signal::Pulse { value: Number::ONE, from: Number::ZERO, to: Number::ONE };

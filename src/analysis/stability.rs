@@ -135,7 +135,7 @@ fn verdict(system: &LinearSystem, modes: &Modes, poles: &Poles, fed: bool) -> Ve
     let held = !mode(ModeKind::Divergence) && (modes.infinite == 0 || positive(|system| &system.k, |part| &part.k));
     let inertial = positive(|system| &system.m, |part| &part.m);
     let passive = dissipative || (!fed && is_classical(system));
-    let reason = if held && inertial && passive { Reason::Energy } else { counted(system, poles, fed) };
+    let reason = if held && inertial && passive { Reason::Energy } else { count_reason(system, poles, fed) };
     let rigid = mode(ModeKind::Rigid) || pole(|kind| kind == PoleKind::Rigid);
     let kind = match reason {
         Reason::Energy | Reason::Poles if rigid => Stability::Neutral,
@@ -167,7 +167,7 @@ fn with_losses(system: &LinearSystem, poles: &Poles) -> Verdict {
 
 /// The reason if no known pole grows: whether the poles are complete, and whether Routh's count, which uses only C,
 /// agrees.
-fn counted(system: &LinearSystem, poles: &Poles, fed: bool) -> Reason {
+fn count_reason(system: &LinearSystem, poles: &Poles, fed: bool) -> Reason {
     if poles.left_out > 0 {
         return Reason::NotComputed;
     }

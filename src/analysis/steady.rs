@@ -28,7 +28,7 @@ pub fn steady(transfer: &Transfer, drives: &[Vec<Signal>], outputs: &[usize]) ->
         for signal in signals {
             let Signal::Harmonic { value, frequency, phase, .. } = signal else { continue };
             let gains = &transfer.between(&Frequency::hertz(frequency), &[input], outputs)[0];
-            let added = gains.iter().map(|gain| scaled(*gain, value, phase));
+            let added = gains.iter().map(|gain| scale(*gain, value, phase));
             match list.iter_mut().find(|known| known.frequency == *frequency) {
                 Some(known) => known.outputs.iter_mut().zip(added).for_each(|(sum, gain)| *sum = plus(*sum, gain)),
                 None => list.push(Steady { frequency: frequency.clone(), outputs: added.collect() }),
@@ -39,7 +39,7 @@ pub fn steady(transfer: &Transfer, drives: &[Vec<Signal>], outputs: &[usize]) ->
 }
 
 /// H times value exp(i phase).
-fn scaled(gain: Gain, value: &Number, phase: &Number) -> Gain {
+fn scale(gain: Gain, value: &Number, phase: &Number) -> Gain {
     if value.is_zero() {
         return Gain::Finite(Disc { value: Complex::ZERO, radius: 0.0 });
     }

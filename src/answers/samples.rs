@@ -112,7 +112,7 @@ pub fn upright_rod() -> ModalAnswer {
         displacement: vec![Number::Ball(Ball::new(Dd::from(0.01), 1e-18))],
         residual: 3e-17,
         steps: 4,
-        ..Rest::unloaded()
+        ..Rest::without_loads()
     };
     answer.modes = Modes { list: vec![falling], infinite: 0, ..Modes::default() };
     let grow = |re: f64, kind| Pole { kind, damping_ratio: Some(Ball::from(-re.signum())), ..pole(re, 0.0) };
@@ -159,7 +159,7 @@ impl With for Form {
 }
 
 fn as_drawn(n: usize) -> Rest {
-    Rest { displacement: vec![Number::ZERO; n], ..Rest::unloaded() }
+    Rest { displacement: vec![Number::ZERO; n], ..Rest::without_loads() }
 }
 
 fn oscillation(omega: f64, shape: &[f64], kinetic: &[(Label, f64)], strain: &[(Label, f64)]) -> Mode {

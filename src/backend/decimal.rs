@@ -43,7 +43,7 @@ impl Decimal {
             return Decimal { negative: false, digits: vec![0; digits], exponent: 0, exact: true };
         }
         let exponent = value.exponent();
-        let (mut rounded, exact) = value.scaled(digits as i64 - 1 - exponent);
+        let (mut rounded, exact) = value.scale(digits as i64 - 1 - exponent);
         let mut exponent = exponent as i32;
         if rounded == ten_to(digits as i64) {
             // 9.99 became 10.0.
@@ -55,7 +55,7 @@ impl Decimal {
     }
 
     /// Removes zeros at the end if they follow from an exact value: `1.5`, but `1.5000` for 1.50001.
-    pub fn trimmed(mut self) -> Decimal {
+    pub fn trim(mut self) -> Decimal {
         while self.exact && self.digits.len() > 1 && self.digits.last() == Some(&0) {
             self.digits.pop();
         }
@@ -104,7 +104,7 @@ pub fn certain(value: &Ball, most: usize) -> String {
     }
     match certain_digits(value).min(most) {
         0 => format!("≤ {}", upper(Bound::size(*value))),
-        digits if value.is_exact() => Decimal::round(value.mid, digits).trimmed().text(),
+        digits if value.is_exact() => Decimal::round(value.mid, digits).trim().text(),
         digits => Decimal::round(value.mid, digits).text(),
     }
 }
@@ -116,7 +116,7 @@ pub fn certain_number(value: &Number, most: usize) -> String {
     match value {
         Number::Exact(value) => match value.to_i64().filter(is_short) {
             Some(integer) => integer.to_string(),
-            None => Decimal::round_rational(value, most).trimmed().text(),
+            None => Decimal::round_rational(value, most).trim().text(),
         },
         Number::Surd(_) | Number::Pi(_) | Number::Ball(_) | Number::Jet(_) => certain(&value.to_ball(), most),
     }
@@ -134,7 +134,7 @@ pub fn certain_scientific(value: &Number, most: usize) -> String {
     let digits = if value.exact().is_some() { most } else { certain_digits(&value.to_ball()).min(most) };
     match value {
         value if value.is_zero() || digits == 0 || !value.to_ball().is_finite() => certain_number(value, most),
-        Number::Exact(value) => Decimal::round_rational(value, digits).trimmed().scientific(),
+        Number::Exact(value) => Decimal::round_rational(value, digits).trim().scientific(),
         value => Decimal::round(value.to_ball().mid, digits).scientific(),
     }
 }
@@ -155,7 +155,7 @@ pub fn certain_digits(value: &Ball) -> usize {
 }
 
 /// A number without a bound, rounded to a number of significant digits; `?` if it is not finite.
-pub fn rounded(Unproven(number): Unproven, digits: usize) -> String {
+pub fn round_unproven(Unproven(number): Unproven, digits: usize) -> String {
     match number {
         0.0 => "0".into(),
         number if number.is_finite() => Decimal::round(Dd::from(number), digits).text(),
@@ -233,7 +233,7 @@ impl Fraction {
     }
 
     /// The magnitude times 10^ten, rounded half to even to an integer, and whether that was exact.
-    fn scaled(&self, ten: i64) -> (BigUint, bool) {
+    fn scale(&self, ten: i64) -> (BigUint, bool) {
         let denominator = &self.denominator * ten_to(-ten);
         let (quotient, rest) = (self.numerator.magnitude() * ten_to(ten)).div_rem(&denominator);
         let up = match (&rest * 2u32).cmp(&denominator) {
@@ -294,10 +294,10 @@ mod tests {
 
     #[test]
     fn exact_values_lose_their_zeros_and_no_others_do() {
-        assert_eq!(Decimal::round(Dd::from(1.5), 6).trimmed().text(), "1.5");
-        assert_eq!(Decimal::round(Dd::from(10.0), 6).trimmed().text(), "10");
-        assert_eq!(Decimal::round(Dd::from(1.500_000_001), 6).trimmed().text(), "1.50000");
-        assert_eq!(Decimal::round(Dd::ZERO, 6).trimmed().text(), "0");
+        assert_eq!(Decimal::round(Dd::from(1.5), 6).trim().text(), "1.5");
+        assert_eq!(Decimal::round(Dd::from(10.0), 6).trim().text(), "10");
+        assert_eq!(Decimal::round(Dd::from(1.500_000_001), 6).trim().text(), "1.50000");
+        assert_eq!(Decimal::round(Dd::ZERO, 6).trim().text(), "0");
         assert_eq!(certain_number(&Number::Exact(Rational::new(4905, 1000)), 6), "4.905");
         assert_eq!(certain_number(&Number::Exact(Rational::new(-2, 3)), 6), "-0.666667");
         assert_eq!(certain_whole(&Number::Exact(Rational::new(-1_031_684, 10)), 5), "-103168");
@@ -317,11 +317,11 @@ mod tests {
 
     #[test]
     fn bounds_are_rounded_up() {
-        assert_eq!(upper(Bound::proved(2.220446e-16)), "3e-16");
-        assert_eq!(upper(Bound::proved(9.5e-16)), "1e-15");
-        assert_eq!(upper(Bound::proved(0.25)), "3e-1");
-        assert_eq!(upper(Bound::proved(4.0)), "4e0");
-        assert_eq!(upper(Bound::proved(0.0)), "0");
+        assert_eq!(upper(Bound::by_proof(2.220446e-16)), "3e-16");
+        assert_eq!(upper(Bound::by_proof(9.5e-16)), "1e-15");
+        assert_eq!(upper(Bound::by_proof(0.25)), "3e-1");
+        assert_eq!(upper(Bound::by_proof(4.0)), "4e0");
+        assert_eq!(upper(Bound::by_proof(0.0)), "0");
     }
 
     proptest! {
@@ -344,7 +344,7 @@ mod tests {
         fn an_upper_bound_is_above_by_less_than_one_digit(bits in any::<u64>()) {
             let value = f64::from_bits(bits).abs();
             prop_assume!(value.is_finite() && value > 1e-300 && value < 1e300);
-            let shown: f64 = upper(Bound::proved(value)).parse().unwrap_or(0.0);
+            let shown: f64 = upper(Bound::by_proof(value)).parse().unwrap_or(0.0);
             prop_assert!(shown * (1.0 + 1e-15) >= value && shown <= value * 2.0 * (1.0 + 1e-15));
         }
     }

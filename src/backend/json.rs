@@ -196,7 +196,7 @@ impl Serialize for JsonModes<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let JsonModes { answer, options, names, bounds } = *self;
         let nodes = |place: usize| answer.nodes.get(place).map_or(&[][..], Vec::as_slice);
-        let modes = answer.modes.numbered().enumerate();
+        let modes = answer.modes.with_numbers().enumerate();
         serializer.collect_seq(modes.map(|(place, mode)| json_mode(answer, options, names, mode, nodes(place), bounds)))
     }
 }
@@ -321,7 +321,7 @@ impl JsonNoisy {
     fn of(noisy: &Noisy, system: &LinearSystem, bounds: Bounds) -> JsonNoisy {
         let output = &system.outputs[noisy.output];
         let parts = |spread: &Spread| match spread {
-            Spread::Finite(value) => (JsonNumber::enclosed(*value), bounds.relative(*value), None),
+            Spread::Finite(value) => (JsonNumber::from_enclosure(*value), bounds.relative(*value), None),
             Spread::Infinite(why) => (JsonNumber::NULL, JsonNumber::NULL, Some(why.to_string())),
             Spread::Unknown(why) => (JsonNumber::NULL, JsonNumber::NULL, Some(why.to_string())),
         };
@@ -348,9 +348,9 @@ impl JsonNoisy {
 impl JsonPeak {
     fn of(peak: &Peak, bounds: Bounds) -> JsonPeak {
         JsonPeak {
-            frequency_hz: JsonNumber::enclosed(peak.frequency),
+            frequency_hz: JsonNumber::from_enclosure(peak.frequency),
             frequency_error_bound: bounds.relative(peak.frequency),
-            density: JsonNumber::enclosed(peak.density),
+            density: JsonNumber::from_enclosure(peak.density),
             density_error_bound: bounds.relative(peak.density),
         }
     }
@@ -481,12 +481,12 @@ fn json_damped_shape<'a>(
     bounds: Bounds,
 ) -> JsonDampedShape<'a> {
     let entry = |disc: &Disc| {
-        let (phase, [re, im]) = (disc.phase(), disc.parts().map(JsonNumber::enclosed));
+        let (phase, [re, im]) = (disc.phase(), disc.parts().map(JsonNumber::from_enclosure));
         let exact = disc.is_zero();
         JsonComplexEntry {
             re,
             im,
-            magnitude: JsonNumber::enclosed(disc.gain()),
+            magnitude: JsonNumber::from_enclosure(disc.gain()),
             phase_deg: JsonNumber::of(phase),
             phase_error_bound: phase.map_or(JsonNumber::NULL, |phase| bounds.absolute(phase)),
             error_bound: if exact { bounds.absolute(disc.gain()) } else { bounds.of(disc.error_bound()) },
@@ -537,7 +537,7 @@ fn json_excitation(
     bounds: Bounds,
 ) -> JsonExcitation {
     let input = &answer.system.inputs[*input];
-    let value = |value: Option<Ball>| value.map_or(JsonNumber::NULL, JsonNumber::enclosed);
+    let value = |value: Option<Ball>| value.map_or(JsonNumber::NULL, JsonNumber::from_enclosure);
     let bound = |value: Option<Ball>| value.map_or(JsonNumber::NULL, |value| bounds.absolute(value));
     let (total, modes) = match found {
         Ok(excitation) => (Some(excitation.total), &excitation.modes[..]),
@@ -549,7 +549,7 @@ fn json_excitation(
         total: value(total),
         total_error_bound: bound(total),
         not_computed: found.as_ref().err().copied(),
-        modes: (answer.modes.numbered().zip(modes))
+        modes: (answer.modes.with_numbers().zip(modes))
             .map(|((mode, _), excited)| JsonExcited {
                 mode,
                 participation: value(excited.participation),
@@ -567,7 +567,7 @@ fn json_excitation(
 fn parts(answer: &ModalAnswer, names: &[String]) -> Vec<JsonPart> {
     let nets = nets(&answer.system);
     let mut parts: Vec<JsonPart> = nets.iter().map(|net| JsonPart::of(net, names)).collect();
-    for ((number, _), part) in answer.modes.numbered().zip(parts_of_modes(&nets, &answer.modes.list)) {
+    for ((number, _), part) in answer.modes.with_numbers().zip(parts_of_modes(&nets, &answer.modes.list)) {
         parts[part].modes.push(number);
     }
     parts
@@ -614,18 +614,19 @@ fn distance(answer: &ModalAnswer, bounds: Bounds) -> Distance {
     };
     let (translation, rotation) = (largest(CoordinateKind::Translation), largest(CoordinateKind::Rotation));
     Distance {
-        translation_m: JsonNumber::enclosed(translation),
-        rotation_rad: JsonNumber::enclosed(rotation),
+        translation_m: JsonNumber::from_enclosure(translation),
+        rotation_rad: JsonNumber::from_enclosure(rotation),
         translation_error_bound: bounds.absolute(translation),
         rotation_error_bound: bounds.absolute(rotation),
     }
 }
 
 fn matrices(system: &LinearSystem, bounds: Bounds) -> Matrices {
-    let system = &system.clone().flattened(u64::MAX).expect("as many entries as there may be");
+    let system = &system.clone().into_flat(u64::MAX).expect("as many entries as there may be");
     let [m, c, k] = [&system.m, &system.c, &system.k].map(|form| form.assemble(system.n()));
-    let rows =
-        |form: &[Vec<Ball>]| form.iter().map(|row| row.iter().map(|x| JsonNumber::enclosed(*x)).collect()).collect();
+    let rows = |form: &[Vec<Ball>]| {
+        form.iter().map(|row| row.iter().map(|x| JsonNumber::from_enclosure(*x)).collect()).collect()
+    };
     let bound = |form: &[Vec<Ball>]| {
         bounds.of(form.iter().flatten().map(|x| Bound::absolute(*x)).fold(Bound::ZERO, Bound::or_larger))
     };
@@ -689,8 +690,8 @@ fn digits(value: &Ball, options: &ReportOptions, bounds: Bounds) -> Option<Strin
 fn json_split(split: &Split, options: &ReportOptions, bounds: Bounds) -> JsonSplit {
     JsonSplit {
         modes: [split.lower, split.lower + 1],
-        omega: JsonNumber::enclosed(split.omega),
-        frequency_hz: JsonNumber::enclosed(split.frequency()),
+        omega: JsonNumber::from_enclosure(split.omega),
+        frequency_hz: JsonNumber::from_enclosure(split.frequency()),
         error_bound: bounds.of(split.error_bound()),
         omega_digits: digits(&split.omega, options, bounds),
     }
@@ -704,9 +705,9 @@ fn json_buckling<'a>(
 ) -> JsonBuckling<'a> {
     let (factor, margin) = (found.load_factor, found.margin());
     JsonBuckling {
-        load_factor: JsonNumber::enclosed(factor),
+        load_factor: JsonNumber::from_enclosure(factor),
         error_bound: bounds.relative(factor),
-        margin: JsonNumber::enclosed(margin),
+        margin: JsonNumber::from_enclosure(margin),
         margin_error_bound: bounds.relative(margin),
         shape: ByName { names, values: unproven(&found.shape) },
         load_factor_digits: digits(&factor, options, bounds),
@@ -720,12 +721,12 @@ fn shares<T: Copy>(shares: &[Share<T>], name: impl Fn(T) -> String) -> Vec<JsonS
 
 fn json_pole(pole: &Pole, options: &ReportOptions, bounds: Bounds) -> JsonPole {
     JsonPole {
-        re: JsonNumber::enclosed(pole.re),
-        im: JsonNumber::enclosed(pole.im),
-        omega: JsonNumber::enclosed(pole.modulus()),
-        frequency_hz: JsonNumber::enclosed(pole.frequency()),
+        re: JsonNumber::from_enclosure(pole.re),
+        im: JsonNumber::from_enclosure(pole.im),
+        omega: JsonNumber::from_enclosure(pole.modulus()),
+        frequency_hz: JsonNumber::from_enclosure(pole.frequency()),
         damping_ratio: JsonNumber::of(pole.damping_ratio),
-        damped_frequency_hz: JsonNumber::enclosed(pole.damped_frequency()),
+        damped_frequency_hz: JsonNumber::from_enclosure(pole.damped_frequency()),
         kind: pole.kind.name(),
         error_bound: bounds.of(pole.error_bound()),
         damping_ratio_error_bound: pole.damping_ratio.map_or(JsonNumber::NULL, |value| bounds.relative(value)),

@@ -15,18 +15,18 @@ impl JsonNumber {
     pub const NULL: JsonNumber = JsonNumber(None);
 
     /// The value of an enclosed number; its bound is a separate field.
-    pub fn enclosed(value: Ball) -> JsonNumber {
+    pub fn from_enclosure(value: Ball) -> JsonNumber {
         JsonNumber(Rounded::of(value).map(Rounded::value))
     }
 
     /// `null` if there is no such number.
     pub fn of(value: Option<Ball>) -> JsonNumber {
-        value.map_or(JsonNumber::NULL, JsonNumber::enclosed)
+        value.map_or(JsonNumber::NULL, JsonNumber::from_enclosure)
     }
 
     /// A number that may be exact.
     pub fn number(value: &Number) -> JsonNumber {
-        JsonNumber::enclosed(value.to_ball())
+        JsonNumber::from_enclosure(value.to_ball())
     }
 
     /// A bound of |x - true| / |true| for the x of [`JsonNumber::enclosed`].
@@ -115,28 +115,28 @@ mod tests {
     use super::*;
     use crate::base::Dd;
 
-    fn written(number: JsonNumber) -> String {
+    fn number_text(number: JsonNumber) -> String {
         serde_json::to_string(&number).expect("JSON")
     }
 
     #[test]
     fn nothing_known_and_infinite_numbers_are_null() {
         for number in [
-            JsonNumber::enclosed(Ball::new(Dd::ONE, f64::INFINITY)),
+            JsonNumber::from_enclosure(Ball::new(Dd::ONE, f64::INFINITY)),
             JsonNumber::relative_bound(Ball::new(Dd::ZERO, 1.0)),
             JsonNumber::bound(Bound::UNKNOWN),
             JsonNumber::unproven(Unproven(f64::NAN)),
             JsonNumber::of(None),
         ] {
-            assert_eq!(written(number), "null");
+            assert_eq!(number_text(number), "null");
         }
     }
 
     #[test]
     fn numbers_are_in_the_shortest_form_without_a_negative_zero() {
-        assert_eq!(written(JsonNumber::enclosed(Ball::from(0.1))), "0.1");
-        assert_eq!(written(JsonNumber::enclosed(-Ball::ZERO)), "0.0");
-        assert_eq!(written(JsonNumber::unproven(Unproven(-0.0))), "0.0");
-        assert_eq!(written(JsonNumber::absolute_bound(Ball::ONE)), "0.0");
+        assert_eq!(number_text(JsonNumber::from_enclosure(Ball::from(0.1))), "0.1");
+        assert_eq!(number_text(JsonNumber::from_enclosure(-Ball::ZERO)), "0.0");
+        assert_eq!(number_text(JsonNumber::unproven(Unproven(-0.0))), "0.0");
+        assert_eq!(number_text(JsonNumber::absolute_bound(Ball::ONE)), "0.0");
     }
 }

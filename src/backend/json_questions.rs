@@ -103,17 +103,17 @@ struct JsonSlope {
 }
 
 pub fn json_solved(solved: &Solved, bounds: Bounds) -> JsonSolved<'_> {
-    let shown = solved.shown();
+    let shown = solved.in_unit();
     JsonSolved {
         parameter: &solved.parameter,
-        value: JsonNumber::enclosed(shown.number),
+        value: JsonNumber::from_enclosure(shown.number),
         unit: shown.unit,
         error_bound: (solved.shown_bound())
             .map_or(JsonNumber::NULL, |bound| bounds.relative(shown.number.widen(bound.value()))),
         si: JsonNumber::number(&solved.value),
         measure: &solved.measure,
         target: JsonNumber::number(&solved.target),
-        residual: JsonNumber::enclosed(solved.residual),
+        residual: JsonNumber::from_enclosure(solved.residual),
         residual_error_bound: bounds.absolute(solved.residual),
         slope: solved.slope.as_ref().map_or(JsonNumber::NULL, derivative),
         slope_error_bound: solved.slope.as_ref().map_or(JsonNumber::NULL, |slope| derivative_bound(slope, bounds)),
@@ -135,10 +135,10 @@ pub fn json_solved(solved: &Solved, bounds: Bounds) -> JsonSolved<'_> {
 
 pub fn json_optimised(found: &Optimised, bounds: Bounds) -> JsonOptimised<'_> {
     let parameter = |found: &'_ OptimisedParameter| -> (JsonNumber, JsonNumber) {
-        let number = found.shown().number;
+        let number = found.in_unit().number;
         let bound = found.shown_bound();
         (
-            JsonNumber::enclosed(number),
+            JsonNumber::from_enclosure(number),
             bound.map_or(JsonNumber::NULL, |bound| bounds.relative(number.widen(bound.value()))),
         )
     };
@@ -150,7 +150,7 @@ pub fn json_optimised(found: &Optimised, bounds: Bounds) -> JsonOptimised<'_> {
     JsonOptimised {
         highest: found.highest,
         measure: &found.measure,
-        value: JsonNumber::enclosed(found.value),
+        value: JsonNumber::from_enclosure(found.value),
         error_bound: bounds.relative(found.value),
         parameters: (found.parameters.iter())
             .map(|own| {
@@ -180,7 +180,7 @@ pub fn json_requirement(requirement: &Requirement, bounds: Bounds) -> JsonRequir
     JsonRequirement {
         text: &requirement.text,
         holds: requirement.holds,
-        value: value.map_or(JsonNumber::NULL, |ball| JsonNumber::enclosed(*ball)),
+        value: value.map_or(JsonNumber::NULL, |ball| JsonNumber::from_enclosure(*ball)),
         limit: requirement.limit.as_ref().map_or(JsonNumber::NULL, JsonNumber::number),
         margin: JsonNumber::of(requirement.margin),
         margin_error_bound: requirement.margin.map_or(JsonNumber::NULL, |value| bounds.absolute(value)),
@@ -191,7 +191,7 @@ pub fn json_requirement(requirement: &Requirement, bounds: Bounds) -> JsonRequir
 }
 
 pub fn json_sensitivity(sensitivity: &Sensitivity, bounds: Bounds) -> JsonSensitivity<'_> {
-    let shown = sensitivity.shown();
+    let shown = sensitivity.in_unit();
     let slopes = |list: &[Option<Slope>], number: fn(usize, usize) -> (Option<usize>, Option<usize>)| {
         let numbered =
             list.iter().enumerate().map(|(i, slope)| json_slope(slope, number(sensitivity.first, i), bounds));
@@ -199,7 +199,7 @@ pub fn json_sensitivity(sensitivity: &Sensitivity, bounds: Bounds) -> JsonSensit
     };
     JsonSensitivity {
         parameter: &sensitivity.parameter,
-        value: JsonNumber::enclosed(shown.number),
+        value: JsonNumber::from_enclosure(shown.number),
         unit: shown.unit,
         si: JsonNumber::number(&sensitivity.value),
         frequencies: slopes(&sensitivity.frequencies, |first, i| (Some(first + i), None)),
@@ -234,7 +234,7 @@ fn json_slope(slope: &Option<Slope>, (mode, motion): (Option<usize>, Option<usiz
 
 fn derivative(derivative: &Derivative) -> JsonNumber {
     match derivative {
-        Derivative::Enclosed(ball) => JsonNumber::enclosed(*ball),
+        Derivative::Enclosed(ball) => JsonNumber::from_enclosure(*ball),
         Derivative::Estimated(seen) => JsonNumber::unproven(*seen),
     }
 }

@@ -91,9 +91,9 @@ impl JsonSpectral {
             JsonAcross {
                 output: answer.system.display(output.name),
                 unit: output.unit.clone(),
-                srss: JsonNumber::enclosed(*srss),
+                srss: JsonNumber::from_enclosure(*srss),
                 srss_error_bound: bounds.relative(*srss),
-                cqc: JsonNumber::enclosed(*cqc),
+                cqc: JsonNumber::from_enclosure(*cqc),
                 cqc_error_bound: bounds.relative(*cqc),
             }
         });
@@ -128,9 +128,9 @@ fn direction(answer: &ModalAnswer, input: String, direction: &Direction, bounds:
     });
     let corrected = direction.corrected.iter().map(|corrected| JsonCorrected {
         mode: corrected.mode,
-        damping_ratio: JsonNumber::enclosed(corrected.damping),
+        damping_ratio: JsonNumber::from_enclosure(corrected.damping),
         damping_ratio_error_bound: bounds.relative(corrected.damping),
-        factor: JsonNumber::enclosed(corrected.factor),
+        factor: JsonNumber::from_enclosure(corrected.factor),
         factor_error_bound: bounds.relative(corrected.factor),
     });
     JsonDirection {
@@ -138,9 +138,9 @@ fn direction(answer: &ModalAnswer, input: String, direction: &Direction, bounds:
         reason: None,
         damping_ratio: JsonNumber::number(&direction.damping),
         rigid_from_hz: JsonNumber::number(&direction.rigid_from),
-        rigid_acceleration: JsonNumber::enclosed(direction.rigid),
-        total_mass: JsonNumber::enclosed(direction.total),
-        missing_mass: JsonNumber::enclosed(direction.missing),
+        rigid_acceleration: JsonNumber::from_enclosure(direction.rigid),
+        total_mass: JsonNumber::from_enclosure(direction.total),
+        missing_mass: JsonNumber::from_enclosure(direction.missing),
         missing_mass_error_bound: bounds.absolute(direction.missing),
         corrected_modes: corrected.collect(),
         outputs: outputs.collect(),

@@ -60,21 +60,21 @@ fn table(table: &Table) -> String {
 
 fn line(line: &Line) -> String {
     let part = |part: &Part| match part {
-        Part::Words(words) => escaped(words, "\\`*_<|~"),
+        Part::Words(words) => escape(words, "\\`*_<|~"),
         Part::Named(named) => name(&named.text),
-        Part::Figure(figure) => escaped(&plain::figure(figure), "\\`*_<>|~[]&"),
+        Part::Figure(figure) => escape(&plain::figure(figure), "\\`*_<>|~[]&"),
     };
     line.parts.iter().map(part).collect()
 }
 
 /// Text of the model, with every character escaped that could begin markup.
 fn name(text: &str) -> String {
-    let text = escaped(&readable(text), "\\`*_<>|~[]&#$!^@:/{}");
+    let text = escape(&readable(text), "\\`*_<>|~[]&#$!^@:/{}");
     // Addresses become links without any bracket.
     if text.to_ascii_lowercase().contains("www.") { text.replace('.', "\\.") } else { text }
 }
 
-fn escaped(text: &str, special: &str) -> String {
+fn escape(text: &str, special: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         if special.contains(c) {

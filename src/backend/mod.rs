@@ -25,12 +25,12 @@ mod tolerated;
 pub mod transfer;
 
 pub use crate::answers::report::Options as ReportOptions;
-use crate::base::readable::escaped;
+use crate::base::readable::escape;
 
 /// Version of the JSON formats, described in docs/json.md: within a version, fields may only be added.
 const SCHEMA: u32 = 1;
 
 /// A value as JSON without characters that control a terminal.
 fn json_text(value: &impl serde::Serialize) -> String {
-    escaped(serde_json::to_string(value).expect("strings and numbers always have a JSON form"))
+    escape(serde_json::to_string(value).expect("strings and numbers always have a JSON form"))
 }

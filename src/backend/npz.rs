@@ -163,7 +163,7 @@ fn npy(kind: &str, shape: &str) -> Vec<u8> {
 /// or zero.
 fn number(entry: &Entry) -> (f64, f64) {
     let (value, bound) = match *entry {
-        Entry::Enclosed(value) => (JsonNumber::enclosed(value), JsonNumber::absolute_bound(value)),
+        Entry::Enclosed(value) => (JsonNumber::from_enclosure(value), JsonNumber::absolute_bound(value)),
         Entry::Unproven(value) => (JsonNumber::unproven(value), JsonNumber::NULL),
         Entry::Infinite => return (f64::INFINITY, f64::INFINITY),
         Entry::Verdict(holds) => return (f64::from(u8::from(holds)), f64::INFINITY),

@@ -1,7 +1,7 @@
 //! Lines and numbers of a report as plain text. The space between a number and its unit must not break: it is
 //! [`NO_BREAK`], which the layout replaces at the end.
 
-use super::decimal::{Decimal, certain_number, rounded, upper};
+use super::decimal::{Decimal, certain_number, round_unproven, upper};
 use crate::answers::report::{Figure, Line, Part, Value};
 use crate::base::readable::readable;
 use crate::base::{Ball, Dd, Unproven};
@@ -27,7 +27,7 @@ pub fn figure(figure: &Figure) -> String {
     let number = match &figure.value {
         Value::Enclosed { number, digits } => certain_number(number, *digits),
         Value::Hundredths(ball) => hundredths(ball),
-        Value::Unproven { number, digits } => rounded(*number, *digits),
+        Value::Unproven { number, digits } => round_unproven(*number, *digits),
         Value::Share(part) => percent(*part),
         Value::Bound(bound) => upper(*bound),
         Value::Exact => "exact".into(),

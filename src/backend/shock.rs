@@ -23,7 +23,8 @@ pub fn csv(shock: &Shock) -> String {
         for row in &of.spectrum.rows {
             text += &format!("{},{}", JsonNumber::number(&row.frequency).field(), of.input);
             for value in values(row) {
-                let fields = [JsonNumber::enclosed(value), JsonNumber::absolute_bound(value)].map(JsonNumber::field);
+                let fields =
+                    [JsonNumber::from_enclosure(value), JsonNumber::absolute_bound(value)].map(JsonNumber::field);
                 text += &format!(",{}", fields.join(","));
             }
             text.push('\n');
@@ -81,7 +82,7 @@ struct Columns {
 
 fn spectrum(of: &ShockOf) -> JsonSpectrum<'_> {
     let rows = &of.spectrum.rows;
-    let column = |place: usize| rows.iter().map(|row| JsonNumber::enclosed(values(row)[place])).collect();
+    let column = |place: usize| rows.iter().map(|row| JsonNumber::from_enclosure(values(row)[place])).collect();
     let bounds = |place: usize| rows.iter().map(|row| JsonNumber::absolute_bound(values(row)[place])).collect();
     JsonSpectrum {
         input: &of.input,

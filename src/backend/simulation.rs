@@ -24,7 +24,7 @@ pub fn csv(system: &LinearSystem, history: &History, bounds: bool) -> String {
     text.push(b'\n');
     for (time, values) in history.times.iter().zip(&history.values) {
         shortest(&mut text, time.to_f64());
-        for value in values.iter().map(|sample| if bounds { Rounded::of(*sample) } else { settled(sample) }) {
+        for value in values.iter().map(|sample| if bounds { Rounded::of(*sample) } else { settle(sample) }) {
             text.push(b',');
             if let Some(value) = value {
                 shortest(&mut text, value.value());
@@ -44,7 +44,7 @@ pub fn csv(system: &LinearSystem, history: &History, bounds: bool) -> String {
 /// A sample as printed without its bound: to the last digit of binary64 if the bound settles that, otherwise to the
 /// digits that it settles, and as zero if it settles none. `None` if nothing is known. Next to its bound a sample is
 /// printed in full, because this rounding would widen the bound.
-fn settled(sample: &Ball) -> Option<Rounded> {
+fn settle(sample: &Ball) -> Option<Rounded> {
     let whole = Rounded::of(*sample)?;
     if whole.bound().value() <= whole.value().abs() * f64::EPSILON {
         return Some(whole);
@@ -69,7 +69,7 @@ pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Ste
                 name: system.display(output.name),
                 unit: output.unit.clone(),
                 error_bound: JsonNumber::bound(history.error_bound(i)),
-                values: samples().map(JsonNumber::enclosed).collect(),
+                values: samples().map(JsonNumber::from_enclosure).collect(),
                 error_bounds: samples().map(JsonNumber::absolute_bound).collect(),
             }
         })

@@ -14,16 +14,16 @@ pub(super) fn has_bound(column: &Column) -> bool {
 pub fn csv_heading(columns: &[Column]) -> String {
     let mut text = "case".to_string();
     for of in columns {
-        text += &format!(",{}", quoted(&titled(of)));
+        text += &format!(",{}", quote(&column_title(of)));
         if has_bound(of) {
-            text += &format!(",{}", quoted(&format!("{}_bound", of.name)));
+            text += &format!(",{}", quote(&format!("{}_bound", of.name)));
         }
     }
     text + ",code\n"
 }
 
 /// `k [N/m]`
-fn titled(column: &Column) -> String {
+fn column_title(column: &Column) -> String {
     match column.unit.as_str() {
         "" => column.name.clone(),
         unit => format!("{} [{unit}]", column.name),
@@ -39,7 +39,7 @@ pub fn csv_row(columns: &[Column], case: &Case) -> Vec<u8> {
         let mut bound = JsonNumber::NULL;
         match *entry {
             Entry::Enclosed(value) => {
-                JsonNumber::enclosed(value).push_field(&mut text);
+                JsonNumber::from_enclosure(value).push_field(&mut text);
                 bound = JsonNumber::absolute_bound(value);
             }
             Entry::Unproven(value) => JsonNumber::unproven(value).push_field(&mut text),
@@ -59,7 +59,7 @@ pub fn csv_row(columns: &[Column], case: &Case) -> Vec<u8> {
 }
 
 /// A field of CSV as RFC 4180 has it.
-fn quoted(text: &str) -> String {
+fn quote(text: &str) -> String {
     match text.contains([',', '"']) {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
         false => text.to_string(),
@@ -86,7 +86,7 @@ pub fn json_heading(model: &str, columns: &[Column], followed: Option<&Followed>
 /// A row as an object; a comma comes before all but the first.
 pub fn json_row(case: &Case) -> String {
     let values = case.entries.iter().map(|entry| match *entry {
-        Entry::Enclosed(value) => JsonValue::Number(JsonNumber::enclosed(value)),
+        Entry::Enclosed(value) => JsonValue::Number(JsonNumber::from_enclosure(value)),
         Entry::Unproven(value) => JsonValue::Number(JsonNumber::unproven(value)),
         Entry::Verdict(holds) => JsonValue::Verdict(holds),
         Entry::Infinite | Entry::None(_) => JsonValue::Number(JsonNumber::NULL),
@@ -183,7 +183,7 @@ fn following(followed: &Followed) -> JsonFollowing {
         block: curve.class,
         open_links: curve.open_links().collect(),
     };
-    let bounded = |value| [JsonNumber::enclosed(value), JsonNumber::absolute_bound(value)];
+    let bounded = |value| [JsonNumber::from_enclosure(value), JsonNumber::absolute_bound(value)];
     let meeting = |meeting: &Meeting| {
         let place = followed.place(meeting.place);
         let (kind, distance, frequency) = match meeting.kind {

@@ -100,7 +100,7 @@ impl<'a> JsonTolerated<'a> {
                 largest: JsonNumber::of(largest),
                 largest_error_bound: bound(largest),
                 proved: range.proof.is_some(),
-                reached: range.reached.map(|ends| ends.map(JsonNumber::enclosed)),
+                reached: range.reached.map(|ends| ends.map(JsonNumber::from_enclosure)),
                 reached_at: range.at.as_ref().map(|at| at.each_ref().map(place)),
             }
         };
@@ -201,7 +201,7 @@ impl Serialize for Values<'_> {
 impl<'a> JsonRobust<'a> {
     pub(super) fn of(robust: &'a Robust, found: &'a Optimised) -> JsonRobust<'a> {
         // The outer end, so that it is a bound of its own.
-        let outer = |ball: Ball, upper: bool| JsonNumber::enclosed(outer(ball, upper));
+        let outer = |ball: Ball, upper: bool| JsonNumber::from_enclosure(outer(ball, upper));
         let bound = |worst: &WorstCase| worst.bound.map_or(JsonNumber::NULL, |(ball, _)| outer(ball, !found.highest));
         let worst = &robust.worst;
         let conditions = robust.conditions.iter().zip(&worst.conditions);
@@ -209,7 +209,7 @@ impl<'a> JsonRobust<'a> {
         JsonRobust {
             parameters: robust.parameters.iter().map(JsonRange::of).collect(),
             bound: bound(worst),
-            reached: JsonNumber::enclosed(worst.reached),
+            reached: JsonNumber::from_enclosure(worst.reached),
             reached_at: Place { of: &robust.parameters, values: &worst.at },
             conditions: conditions
                 .map(|(text, everywhere)| JsonCondition { text, verdict: verdict(everywhere) })
@@ -217,10 +217,10 @@ impl<'a> JsonRobust<'a> {
             decay_proved: worst.decays,
             best_possible: robust.best_possible.map_or(JsonNumber::NULL, |(ball, _)| outer(ball, found.highest)),
             nominal: JsonNominal {
-                value: JsonNumber::enclosed(robust.nominal_value),
+                value: JsonNumber::from_enclosure(robust.nominal_value),
                 at: Values(found, &robust.nominal),
                 worst_bound: nominal.map_or(JsonNumber::NULL, bound),
-                worst_reached: nominal.map_or(JsonNumber::NULL, |worst| JsonNumber::enclosed(worst.reached)),
+                worst_reached: nominal.map_or(JsonNumber::NULL, |worst| JsonNumber::from_enclosure(worst.reached)),
             },
         }
     }

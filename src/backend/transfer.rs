@@ -50,9 +50,9 @@ pub fn json(model: &str, system: &LinearSystem, table: &Table) -> String {
     let ends = table.rows.first().zip(table.rows.last());
     let mut text = format!(
         "{{\"vibc\":{},\"schema\":{SCHEMA},\"model\":{},\"range_hz\":{},\"pairs\":[",
-        written(&env!("CARGO_PKG_VERSION")),
-        written(&model),
-        written(&ends.map(|(first, last)| [&first.frequency, &last.frequency].map(JsonNumber::number))),
+        to_json(&env!("CARGO_PKG_VERSION")),
+        to_json(&model),
+        to_json(&ends.map(|(first, last)| [&first.frequency, &last.frequency].map(JsonNumber::number))),
     );
     for (i, &input) in table.inputs.iter().enumerate() {
         for (o, &output) in table.outputs.iter().enumerate() {
@@ -69,16 +69,16 @@ pub fn json(model: &str, system: &LinearSystem, table: &Table) -> String {
             };
             text += if i + o == 0 { "\n" } else { ",\n" };
             // One extremum or row per line.
-            text += written(&pair).trim_end_matches('}');
-            text += &list("extrema", extrema.iter().map(|extremum| written(&json_extremum(extremum))));
-            text += &list("values", table.rows.iter().map(|row| written(&line(row, row.gains[i][o]))));
+            text += to_json(&pair).trim_end_matches('}');
+            text += &list("extrema", extrema.iter().map(|extremum| to_json(&json_extremum(extremum))));
+            text += &list("values", table.rows.iter().map(|row| to_json(&line(row, row.gains[i][o]))));
             text += "}";
         }
     }
     text + "\n]}\n"
 }
 
-fn written(value: &impl serde::Serialize) -> String {
+fn to_json(value: &impl serde::Serialize) -> String {
     super::json_text(value)
 }
 
@@ -102,7 +102,7 @@ struct JsonPair<'a> {
 
 /// The ends are points of a grid, exact binary64 numbers.
 fn interval((from, to): &(f64, f64)) -> [JsonNumber; 2] {
-    [from, to].map(|end| JsonNumber::enclosed(Ball::from(*end)))
+    [from, to].map(|end| JsonNumber::from_enclosure(Ball::from(*end)))
 }
 
 #[derive(serde::Serialize)]
@@ -128,7 +128,7 @@ fn json_extremum(extremum: &Extremum) -> JsonExtremum {
     let (gain, phase) = (disc.map(|disc| disc.gain()), disc.and_then(|disc| disc.phase()));
     JsonExtremum {
         kind: extremum.kind.name(),
-        frequency_hz: JsonNumber::enclosed(extremum.frequency),
+        frequency_hz: JsonNumber::from_enclosure(extremum.frequency),
         frequency_error_bound: JsonNumber::relative_bound(extremum.frequency),
         gain: JsonNumber::of(gain),
         gain_error_bound: relative(gain),
@@ -154,7 +154,7 @@ fn each_line(system: &LinearSystem, table: &Table, mut take: impl FnMut(&str, &s
 
 fn line(row: &Row, gain: Gain) -> Line {
     let disc = gain.disc();
-    let [re, im] = disc.map_or([JsonNumber::NULL; 2], |disc| disc.parts().map(JsonNumber::enclosed));
+    let [re, im] = disc.map_or([JsonNumber::NULL; 2], |disc| disc.parts().map(JsonNumber::from_enclosure));
     Line {
         frequency_hz: JsonNumber::number(&row.frequency),
         re,

@@ -143,7 +143,7 @@ impl Diagnostic {
         self
     }
 
-    pub fn related(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
+    pub fn with_related(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
         self.related.push(Label { span, text: text.into() });
         self
     }
@@ -210,7 +210,7 @@ impl Diagnostics {
     }
 
     /// The findings sorted by place, then severity, without exact repetitions.
-    pub fn sorted(mut self) -> Vec<Diagnostic> {
+    pub fn into_sorted(mut self) -> Vec<Diagnostic> {
         self.list.sort_by(|a, b| {
             (a.primary.span.file(), a.primary.span.start(), a.severity, a.code, &a.message).cmp(&(
                 b.primary.span.file(),

@@ -39,7 +39,7 @@ impl Expected {
     }
 
     /// A number that has no name.
-    pub const fn unnamed(dimension: Dimension) -> Expected {
+    pub const fn without_name(dimension: Dimension) -> Expected {
         Expected { noun: "a quantity", dimension, example: "", of: Of::Unit }
     }
 
@@ -143,7 +143,7 @@ impl Field {
         Field { name, takes: Takes::Number(expected), example: expected.example, meaning }
     }
 
-    pub const fn either(name: &'static str, line: Expected, turn: Expected, meaning: &'static str) -> Field {
+    pub const fn by_motion(name: &'static str, line: Expected, turn: Expected, meaning: &'static str) -> Field {
         Field { name, takes: Takes::Either { line, turn }, example: line.example, meaning }
     }
 
@@ -152,7 +152,7 @@ impl Field {
     }
 
     /// The number that the field takes; of an element, the translational or, if `turns`, the torsional one.
-    pub const fn expected(&self, turns: bool) -> Expected {
+    pub const fn expected_number(&self, turns: bool) -> Expected {
         match self.takes {
             Takes::Number(expected) => expected,
             Takes::Either { turn, .. } if turns => turn,

@@ -50,12 +50,12 @@ impl Name {
     }
 
     /// This word with its indices, in another place.
-    pub fn within(self, place: Place) -> Name {
+    pub fn in_place(self, place: Place) -> Name {
         Name { place, ..self }
     }
 
     /// `None` for more than [`MAX_INDICES`] indices.
-    pub fn indexed(symbol: Symbol, given: &[i32]) -> Option<Name> {
+    pub fn with_indices(symbol: Symbol, given: &[i32]) -> Option<Name> {
         let mut name = Name::plain(symbol);
         name.indices.get_mut(..given.len())?.copy_from_slice(given);
         name.count = given.len() as u8;

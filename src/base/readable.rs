@@ -41,9 +41,9 @@ fn contains(text: &str, hidden: impl Fn(char) -> bool) -> bool {
     false
 }
 
-/// JSON with each character that [`readable`] replaces written as its escape, so that it reads back as the same text.
+/// JSON with each character that [`readable`] replaces written as its escaped, so that it reads back as the same text.
 /// Line feeds between values stay.
-pub fn escaped(json: String) -> String {
+pub fn escape(json: String) -> String {
     let hidden = |c: char| c != '\n' && visible(c) != c;
     if !contains(&json, hidden) {
         return json;
@@ -72,13 +72,13 @@ mod tests {
     #[test]
     fn escaped_json_is_the_same_value() {
         let text = "a\u{202e}b\u{9b}1m\u{e0041}\u{7f}ω\u{200b}";
-        let json = escaped(format!("[\"{text}\",\n1]"));
+        let json = escape(format!("[\"{text}\",\n1]"));
         assert_eq!(json, "[\"a\\u202eb\\u009b1m\\udb40\\udc41\\u007fω\\u200b\",\n1]");
         let value: serde_json::Value = serde_json::from_str(&json).expect("JSON");
         assert_eq!(value[0], text);
         // A visible letter that is not ASCII hides nothing behind it.
-        assert_eq!(escaped("[\"ωζ\u{202e}\"]".into()), "[\"ωζ\\u202e\"]");
-        assert_eq!(escaped("[\"ωζ\"]".into()), "[\"ωζ\"]");
+        assert_eq!(escape("[\"ωζ\u{202e}\"]".into()), "[\"ωζ\\u202e\"]");
+        assert_eq!(escape("[\"ωζ\"]".into()), "[\"ωζ\"]");
     }
 
     #[test]

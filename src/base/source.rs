@@ -212,7 +212,7 @@ impl Sources {
     }
 
     /// The file that the text of a `use` names, quotes included, if it was added.
-    pub fn used(&self, text: Span) -> Option<FileId> {
+    pub fn used_file(&self, text: Span) -> Option<FileId> {
         let written = self.slice(text).trim_matches('"');
         self.used.get(&(text.file(), written.to_string())).copied()
     }

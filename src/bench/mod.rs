@@ -140,7 +140,7 @@ impl Reference {
 }
 
 /// The result of a call, and the least time of several runs.
-fn timed<T>(clock: &mut Clock, mut call: impl FnMut() -> T) -> (T, f64) {
+fn time_best<T>(clock: &mut Clock, mut call: impl FnMut() -> T) -> (T, f64) {
     const ENOUGH: f64 = 0.01;
     let from = clock();
     let mut result = call();
@@ -173,7 +173,7 @@ impl Entry {
         Entry { question, method, ordinary: true, seconds, error, bound: None, pareto: false, chosen: false, note }
     }
 
-    fn chosen(self) -> Entry {
+    fn choose(self) -> Entry {
         Entry { chosen: true, ..self }
     }
 

@@ -2,7 +2,7 @@
 //! four, Newmark with constant acceleration, the generalised alpha method (Chung and Hulbert 1993, rho = 0.8).
 
 use super::ordinary::Matrices;
-use super::{Call, Clock, Entry, MOST_DENSE, Question, Reference, timed};
+use super::{Call, Clock, Entry, MOST_DENSE, Question, Reference, time_best};
 use crate::analysis::{self, AnalysisError, History, Signal};
 use crate::base::{Dd, Number, Rational};
 use crate::system::{CoordinateId, LinearSystem, Output};
@@ -41,11 +41,11 @@ pub fn motion(
     let spacing = Rational::from_f64(between).map_or(Number::ONE, Number::from);
     let times: Vec<Number> = (0..=SAMPLES as i64).map(|i| &spacing * &Number::from(i)).collect();
     let is_still = |history: &History| history.values.iter().all(|row| row[0].mid.is_zero());
-    let (mut history, mut seconds) = timed(clock, || analysis::respond(&system, &drives, &times));
+    let (mut history, mut seconds) = time_best(clock, || analysis::respond(&system, &drives, &times));
     if own && history.as_ref().is_ok_and(is_still) {
         // Nothing moves, so no error has a size to be compared with.
-        (system, drives, own) = released(system);
-        (history, seconds) = timed(clock, || analysis::respond(&system, &drives, &times));
+        (system, drives, own) = release(system);
+        (history, seconds) = time_best(clock, || analysis::respond(&system, &drives, &times));
     }
     let history = history?;
     let truth: Vec<Dd> = history.values.iter().map(|row| row[0].mid).collect();
@@ -56,7 +56,7 @@ pub fn motion(
     };
     let printed: Vec<f64> = truth.iter().map(|y| y.to_f64()).collect();
     let bound = history.values.iter().map(|row| row[0].rad / size).fold(0.0, f64::max) + off(&printed);
-    let mut entries = vec![Entry::of_vibc(Question::Motion, "vibc, exact", seconds, off(&printed), bound).chosen()];
+    let mut entries = vec![Entry::of_vibc(Question::Motion, "vibc, exact", seconds, off(&printed), bound).choose()];
     let problem = Problem { own, until: between * SAMPLES as f64 };
     if system.n() > MOST_DENSE {
         return Ok((problem, entries));
@@ -76,7 +76,7 @@ pub fn motion(
         ];
         for (method, call) in methods.into_iter().skip(usize::from(!stepper.free)) {
             let method = format!("{method}, {:.0} steps per period", PER_PERIOD * refinement as f64);
-            let (values, seconds) = timed(clock, call);
+            let (values, seconds) = time_best(clock, call);
             let error = values.map(|values| off(&values));
             let entry = Entry::ordinary(Question::Motion, &method, seconds, error);
             let failed = entry.error.is_none();
@@ -106,11 +106,11 @@ fn problem(system: &LinearSystem, drives: &[Vec<Signal>]) -> (LinearSystem, Vec<
     if own {
         return (system, drives.to_vec(), true);
     }
-    released(system)
+    release(system)
 }
 
 /// The observed coordinate released at 1.
-fn released(mut system: LinearSystem) -> (LinearSystem, Vec<Vec<Signal>>, bool) {
+fn release(mut system: LinearSystem) -> (LinearSystem, Vec<Vec<Signal>>, bool) {
     system.initial = vec![(system.outputs[0].p[0][0].0, Number::ONE, Number::ZERO)];
     (system, Vec::new(), false)
 }
@@ -166,7 +166,7 @@ impl Stepper {
         let (n, a) = (self.x.len(), self.matrices.first_order()?);
         let step = (a * (self.between / count as f64)).exp();
         let mut z = DVector::from_fn(2 * n, |i, _| if i < n { self.x[i] } else { self.v[i - n] });
-        Some(self.sampled(count, |_| {
+        Some(self.sample(count, |_| {
             z = &step * &z;
             z[self.output]
         }))
@@ -178,7 +178,7 @@ impl Stepper {
         let (k, c) = (&inverse * &self.matrices.k, &inverse * &self.matrices.c);
         let acceleration = |x: &DVector<f64>, v: &DVector<f64>, f: &DVector<f64>| &inverse * f - &k * x - &c * v;
         let (mut x, mut v) = (self.x.clone(), self.v.clone());
-        Some(self.sampled(count, |i| {
+        Some(self.sample(count, |i| {
             let (f0, f1, f2) = (&force[2 * i], &force[2 * i + 1], &force[2 * i + 2]);
             let (v1, a1) = (v.clone(), acceleration(&x, &v, f0));
             let v2 = &v + &a1 * (0.5 * h);
@@ -212,7 +212,7 @@ impl Stepper {
         let (mut x, mut v) = (self.x.clone(), self.v.clone());
         let mut a = m.clone().lu().solve(&(&force[0] - c * &v - k * &x))?;
         let mut fine = true;
-        let values = self.sampled(count, |i| {
+        let values = self.sample(count, |i| {
             let x1 = &x + &v * h + &a * ((0.5 - beta) * h * h);
             let v1 = &v + &a * ((1.0 - gamma) * h);
             let load = &force[2 * i + 2] * (1.0 - af) + &force[2 * i] * af;
@@ -230,7 +230,7 @@ impl Stepper {
     }
 
     /// The output at the samples.
-    fn sampled(&self, count: usize, mut step: impl FnMut(usize) -> f64) -> Vec<f64> {
+    fn sample(&self, count: usize, mut step: impl FnMut(usize) -> f64) -> Vec<f64> {
         let mut values = vec![self.x[self.output]];
         for i in 0..count * SAMPLES {
             let y = step(i);

@@ -32,7 +32,7 @@ impl Matrices {
 
     /// omega^2 of L^-1 K L^-T, M = L L^T, ascending, as computed by `eigh`.
     pub fn symmetric(&self) -> Option<Vec<f64>> {
-        Some(sorted(self.standard()?.symmetric_eigen().eigenvalues.iter().copied().collect()))
+        Some(sort(self.standard()?.symmetric_eigen().eigenvalues.iter().copied().collect()))
     }
 
     /// omega^2 and modes X with X^T M X = 1.
@@ -54,7 +54,7 @@ impl Matrices {
     pub fn unsymmetric(&self) -> Option<Vec<f64>> {
         let product = self.m.clone().lu().solve(&self.k)?;
         let values = product.try_schur(f64::EPSILON, 10_000)?.complex_eigenvalues();
-        Some(sorted(values.iter().map(|z| z.re).collect()))
+        Some(sort(values.iter().map(|z| z.re).collect()))
     }
 
     /// Eigenvalues of the companion matrix.
@@ -107,10 +107,10 @@ pub fn singular_values(system: &LinearSystem, matrices: &Matrices) -> Option<Vec
     let l = matrices.m.clone().cholesky()?.l();
     let g = l.solve_lower_triangular(&a.transpose())?.transpose();
     let values = g.try_svd(false, false, f64::EPSILON, 10_000)?.singular_values;
-    Some(sorted(values.iter().map(|s| s * s).collect()))
+    Some(sort(values.iter().map(|s| s * s).collect()))
 }
 
-fn sorted(mut values: Vec<f64>) -> Vec<f64> {
+fn sort(mut values: Vec<f64>) -> Vec<f64> {
     values.sort_by(f64::total_cmp);
     values
 }

@@ -1,7 +1,7 @@
 //! Methods for the frequencies and the poles.
 
 use super::ordinary::{Matrices, singular_values};
-use super::{Call, Clock, Entry, MOST_DENSE, Question, Reference, timed};
+use super::{Call, Clock, Entry, MOST_DENSE, Question, Reference, time_best};
 use crate::analysis::{self, Mode, ModeKind, Modes, Request, Which};
 use crate::base::{Ball, Dd};
 use crate::system::LinearSystem;
@@ -12,7 +12,7 @@ const FEW: usize = 4;
 const LARGE: usize = 16;
 
 /// omega, negative for a divergence.
-fn signed(mode: &Mode) -> Ball {
+fn signed_frequency(mode: &Mode) -> Ball {
     if mode.kind == ModeKind::Divergence { -mode.omega } else { mode.omega }
 }
 
@@ -25,17 +25,20 @@ fn least(reference: &Modes) -> f64 {
 
 pub fn frequencies(system: &LinearSystem, reference: &Reference, clock: &mut Clock) -> Vec<Entry> {
     let question = Question::Frequencies;
-    let truth: Vec<Ball> = reference.modes.list.iter().map(signed).collect();
+    let truth: Vec<Ball> = reference.modes.list.iter().map(signed_frequency).collect();
     let floor = least(&reference.modes);
     let mut entries = Vec::new();
     let mut ours = |method: &str, request: &Request, chosen: bool| {
-        let (modes, seconds) = timed(clock, || analysis::modes_as(system, request));
+        let (modes, seconds) = time_best(clock, || analysis::modes_as(system, request));
         let Ok(modes) = modes else { return };
-        let error =
-            modes.list.iter().zip(&truth).map(|(mode, &truth)| relative_error(signed(mode).to_f64(), truth, floor));
+        let error = modes
+            .list
+            .iter()
+            .zip(&truth)
+            .map(|(mode, &truth)| relative_error(signed_frequency(mode).to_f64(), truth, floor));
         let bound = modes.list.iter().map(|mode| printed_bound(mode.omega)).fold(0.0, f64::max);
         let entry = Entry::of_vibc(question, method, seconds, error.fold(0.0, f64::max), bound);
-        entries.push(if chosen { entry.chosen() } else { entry });
+        entries.push(if chosen { entry.choose() } else { entry });
     };
     ours("vibc", &Request::default(), true);
     ours("vibc --digits 28", &Request::default().to_digits(28), false);
@@ -59,7 +62,7 @@ pub fn frequencies(system: &LinearSystem, reference: &Reference, clock: &mut Clo
         ("singular values of the factored K", &|| singular_values(system, &matrices)),
     ];
     for (method, call) in methods {
-        let (squares, seconds) = timed(clock, call);
+        let (squares, seconds) = time_best(clock, call);
         entries.push(Entry::ordinary(question, method, seconds, worst(squares)));
     }
     entries
@@ -114,7 +117,7 @@ pub fn poles(system: &LinearSystem, reference: &Reference, clock: &mut Clock) ->
         let (re, im) = ((Dd::from(re) - truth.0).to_f64(), (Dd::from(im) - truth.1).to_f64());
         libm::hypot(re, im) / size(truth).max(if size(truth) == 0.0 { floor } else { 0.0 })
     };
-    let (poles, seconds) = timed(clock, || {
+    let (poles, seconds) = time_best(clock, || {
         let modes = analysis::modes(system).ok()?;
         analysis::poles(system, &modes).ok()
     });
@@ -127,13 +130,13 @@ pub fn poles(system: &LinearSystem, reference: &Reference, clock: &mut Clock) ->
             .iter()
             .zip(&truth)
             .map(|(pole, truth)| pole.relative_error + relative((pole.re.to_f64(), pole.im.to_f64()), truth));
-        entries.push(Entry::of_vibc(question, "vibc", seconds, error, bound.fold(0.0, f64::max)).chosen());
+        entries.push(Entry::of_vibc(question, "vibc", seconds, error, bound.fold(0.0, f64::max)).choose());
     }
     if system.n() > MOST_DENSE {
         return entries;
     }
     let matrices = Matrices::of(system);
-    let (values, seconds) = timed(clock, || matrices.companion());
+    let (values, seconds) = time_best(clock, || matrices.companion());
     let nearest = |values: &Vec<nalgebra::Complex<f64>>, truth: &(Dd, Dd)| {
         values.iter().map(|z| relative((z.re, z.im), truth)).fold(f64::INFINITY, f64::min)
     };

@@ -1,7 +1,7 @@
 //! Methods for the transfer function: at resonances, between them, and below and above them all.
 
 use super::ordinary::Matrices;
-use super::{Clock, Entry, MOST_DENSE, Question, Reference, timed};
+use super::{Clock, Entry, MOST_DENSE, Question, Reference, time_best};
 use crate::analysis::{Frequency, Gain, ModalSum, Transfer};
 use crate::base::{Dd, Number, Rational};
 use crate::system::{Coordinate, CoordinateId, Input, LinearSystem, Output};
@@ -20,17 +20,18 @@ pub fn transfer(system: &LinearSystem, reference: &Reference, clock: &mut Clock)
     let frequencies: Vec<Frequency> = omegas.iter().filter_map(frequency).collect();
     let transfer = Transfer::of(system);
     let one_by_one = || -> Vec<Gain> { frequencies.iter().map(|f| transfer.between(f, &[0], &[0])[0][0]).collect() };
-    let (truth, seconds) = timed(clock, one_by_one);
-    let mut entries = vec![of_vibc("vibc, elimination", &truth, &truth, seconds).chosen()];
-    let (gains, seconds) = timed(clock, || transfer.at_frequencies(&frequencies, &[0], &[0], 1e-17));
+    let (truth, seconds) = time_best(clock, one_by_one);
+    let mut entries = vec![of_vibc("vibc, elimination", &truth, &truth, seconds).choose()];
+    let (gains, seconds) = time_best(clock, || transfer.at_frequencies(&frequencies, &[0], &[0], 1e-17));
     entries.push(of_vibc("vibc, several frequencies at once", &gains, &truth, seconds));
     if let Some(sum) = ModalSum::of(system, &reference.modes) {
         let pair = sum.pair(system, 0, 0);
-        let (gains, seconds) = timed(clock, || sum.fast(&pair, &frequencies));
+        let (gains, seconds) = time_best(clock, || sum.fast(&pair, &frequencies));
         entries.push(
             of_vibc("vibc, sum over modes in binary64", &gains, &truth, seconds).note("without the time for the modes"),
         );
-        let (gains, seconds) = timed(clock, || frequencies.iter().map(|f| sum.accurate(&pair, f)).collect::<Vec<_>>());
+        let (gains, seconds) =
+            time_best(clock, || frequencies.iter().map(|f| sum.accurate(&pair, f)).collect::<Vec<_>>());
         entries.push(
             of_vibc("vibc, sum over modes in double-double", &gains, &truth, seconds)
                 .note("without the time for the modes"),
@@ -41,11 +42,11 @@ pub fn transfer(system: &LinearSystem, reference: &Reference, clock: &mut Clock)
     }
     let matrices = Matrices::of(system);
     let (values, seconds) =
-        timed(clock, || omegas.iter().map(|&w| matrices.solve(w, 0, 0)).collect::<Option<Vec<_>>>());
+        time_best(clock, || omegas.iter().map(|&w| matrices.solve(w, 0, 0)).collect::<Option<Vec<_>>>());
     entries.push(Entry::ordinary(question, "LU of assembled M, C, K", seconds, worst(values, &truth)));
     if let Some((squares, shapes)) = matrices.modes() {
         let sum = || Some(omegas.iter().map(|&w| modal_sum(&matrices, &squares, &shapes, w)).collect::<Vec<_>>());
-        let (values, seconds) = timed(clock, sum);
+        let (values, seconds) = time_best(clock, sum);
         let entry =
             Entry::ordinary(question, "sum over modes, damping between them neglected", seconds, worst(values, &truth));
         entries.push(entry.note("without the time for the modes"));

@@ -60,7 +60,7 @@ pub struct AboutRest {
 
 /// Lowers a scene and adds its damping. `None` after an error, which is among the diagnostics.
 pub fn lower_with_damping(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Damped> {
-    let lowered = lowered(scene, diagnostics)?;
+    let lowered = lower_undamped(scene, diagnostics)?;
     with_damping(scene, lowered, diagnostics).ok()
 }
 
@@ -114,7 +114,7 @@ fn too_long_rows(system: &LinearSystem) -> Option<Diagnostic> {
 }
 
 /// Lowers a scene, without the damping declared for the whole of it.
-pub fn lowered(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
+pub fn lower_undamped(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Lowered> {
     let outcome = lower::lower(scene);
     diagnostics.extend(outcome.diagnostics);
     outcome.lowered
@@ -144,7 +144,7 @@ pub fn with_damping(
             if flatten(&mut lowered, diagnostics).is_none() {
                 return Err(Box::new(lowered));
             }
-            let spread = match spread(&mut lowered.system, ratio) {
+            let spread = match add_modal_damping(&mut lowered.system, ratio) {
                 Err(error) if !matches!(error, AnalysisError::TooManyCoordinates { .. }) => {
                     diagnostics.push(error.to_diagnostic());
                     return Err(Box::new(lowered));
@@ -163,7 +163,7 @@ pub fn with_damping(
 }
 
 /// Adds terms to C that give every mode the damping ratio.
-fn spread(system: &mut LinearSystem, ratio: &Number) -> Result<Spread, AnalysisError> {
+fn add_modal_damping(system: &mut LinearSystem, ratio: &Number) -> Result<Spread, AnalysisError> {
     let mut modes = modes(system)?;
     let dampers = system.c.clone();
     damping::modal(system, ratio, &mut modes)?;
@@ -192,7 +192,7 @@ fn relative_to_bases(
         scene.words.display(base.name)
     );
     let found = Diagnostic::warning(Code::model("vib::damping::base"), damping, message);
-    Some(found.related(base.span, "it moves relative to the ground").help(
+    Some(found.with_related(base.span, "it moves relative to the ground").help(
         "springs that hold every motion make it known; or write dampers: `damper d: base -- body { c = 1 N*s/m }`",
     ))
 }
@@ -233,7 +233,7 @@ fn rayleigh_relative_to_bases(
         )
         .help("springs that hold every motion make it relative to the base; or write dampers"),
     };
-    Some(finding.related(base.span, "it moves relative to the ground"))
+    Some(finding.with_related(base.span, "it moves relative to the ground"))
 }
 
 fn flatten(lowered: &mut Lowered, diagnostics: &mut Diagnostics) -> Option<()> {
@@ -246,8 +246,8 @@ pub fn drives(scene: &CheckedScene, diagnostics: &mut Diagnostics) -> Option<Vec
 }
 
 /// The signals of an input as they are declared, and which derivative of the input they are.
-pub fn declared(input: &scene::Input, diagnostics: &mut Diagnostics) -> Option<Vec<Signal>> {
-    lower::declared(input).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
+pub fn declared_signals(input: &scene::Input, diagnostics: &mut Diagnostics) -> Option<Vec<Signal>> {
+    lower::declared_signals(input).map_err(|error| diagnostics.push(error.to_diagnostic())).ok()
 }
 
 /// Whether noise acts on a scene.

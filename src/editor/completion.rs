@@ -139,7 +139,7 @@ impl<'a> Place<'a> {
         self.document.keyword(self.statement)
     }
 
-    fn declared(&self) -> Option<&'static Declaration> {
+    fn written_declaration(&self) -> Option<&'static Declaration> {
         kinds::declaration(self.keyword())
     }
 
@@ -235,7 +235,7 @@ impl<'a> Place<'a> {
     /// The components that the file knows.
     fn components(&self) -> Vec<Item> {
         let known = self.project.components(0).into_iter().filter_map(|at| {
-            let lexed = self.project.lexed(at.file);
+            let lexed = self.project.lexed_text(at.file);
             let statement = lexed.statement_of(at.token)?;
             let detail = lexed.doc(statement).lines().next().unwrap_or_default().to_string();
             let word = lexed.token_text(at.token);
@@ -248,16 +248,16 @@ impl<'a> Place<'a> {
     fn arguments(&self) -> Vec<Item> {
         let missing = signature::missing_arguments(self.document, self.project, self.statement).into_iter();
         let item = |(at, form): (At, String)| {
-            let word = self.project.lexed(at.file).token_text(at.token);
+            let word = self.project.lexed_text(at.file).token_text(at.token);
             Item { insert: Some(format!("{word} = ")), ..item(word, ItemKind::Field, form) }
         };
         missing.map(item).collect()
     }
 
     fn is_port_argument(&self) -> bool {
-        let Some(component) = self.project.placed(0, self.statement) else { return false };
+        let Some(component) = self.project.placed_component(0, self.statement) else { return false };
         let word = self.last(2);
-        let lexed = self.project.lexed(component.0);
+        let lexed = self.project.lexed_text(component.0);
         self.project.formals(component).iter().any(|formal| formal.is_port && lexed.token_text(formal.name) == word)
     }
 
@@ -313,7 +313,7 @@ impl<'a> Place<'a> {
     /// Proposals after the first word.
     fn after_keyword(&self) -> Vec<Item> {
         let word = |word: &&str| item(word, ItemKind::Keyword, "");
-        let pieces = self.declared().map_or(&[][..], |declaration| declaration.pieces);
+        let pieces = self.written_declaration().map_or(&[][..], |declaration| declaration.pieces);
         match pieces {
             [Piece::Apart, ..] => self.expression(),
             [_, Piece::OneOf(words, ..), ..] => words.iter().map(word).collect(),
@@ -333,7 +333,7 @@ impl<'a> Place<'a> {
 
     /// `along` and `=` after the ends of a force.
     fn clauses(&self) -> Vec<Item> {
-        match self.declared().is_some_and(Declaration::has_along) {
+        match self.written_declaration().is_some_and(Declaration::has_along) {
             true => vec![item("along", ItemKind::Keyword, "a fixed direction")],
             false => Vec::new(),
         }
@@ -346,7 +346,11 @@ impl<'a> Place<'a> {
         if matches!(last, "{" | ",") || line_ended && !matches!(last, "=" | "+" | "-" | "*" | "/") {
             return self.fields();
         }
-        match self.declared().and_then(|declaration| declaration.field(self.field())).map(|field| field.takes) {
+        match self
+            .written_declaration()
+            .and_then(|declaration| declaration.field(self.field()))
+            .map(|field| field.takes)
+        {
             Some(Takes::Motions | Takes::Direction) => directions(),
             Some(Takes::Shape) if last == "=" => functions(FunctionKind::Shape),
             Some(Takes::Position) => self.values(|kind| kind == "point"),
@@ -364,7 +368,7 @@ impl<'a> Place<'a> {
             .filter(|token| matches!(self.document.roles[*token], Role::Field | Role::Word))
             .map(|token| self.document.token_text(token))
             .collect();
-        let all = self.declared().map_or(&[][..], |declaration| declaration.fields).iter();
+        let all = self.written_declaration().map_or(&[][..], |declaration| declaration.fields).iter();
         let missing = all.filter(|field| !given.contains(&field.name));
         missing
             .map(|field| Item {
@@ -387,7 +391,7 @@ impl<'a> Place<'a> {
     /// The dimensions that the current number may have, as far as its position determines them; empty if any is
     /// possible.
     fn dimensions(&self) -> Vec<Dimension> {
-        let Some(declaration) = self.declared() else { return Vec::new() };
+        let Some(declaration) = self.written_declaration() else { return Vec::new() };
         match self.corner() {
             Some((_, 0)) => return vec![Dimension::FREQUENCY],
             Some((_, _)) => return vec![Dimension::ACCELERATION, Dimension::VELOCITY, Dimension::LENGTH],
@@ -464,7 +468,7 @@ impl<'a> Place<'a> {
         if !is_meant {
             return None;
         }
-        let own = self.declared()?.signal()?;
+        let own = self.written_declaration()?.signal()?;
         let signals = match *own == functions::DISPLACEMENT_SIGNAL {
             true if self.has("turns") => &functions::ROTATION_SIGNALS[..],
             true => &functions::TRANSLATION_SIGNALS,
@@ -526,7 +530,7 @@ impl<'a> Place<'a> {
     /// The file and the statement of the declaration of a part.
     fn declaration(&self, part: usize) -> Option<(&'a Lexed, usize)> {
         let at = names::declarations(self.project, At { file: 0, token: part }).into_iter().next()?;
-        let lexed = self.project.lexed(at.file);
+        let lexed = self.project.lexed_text(at.file);
         Some((lexed, lexed.statement_of(at.token)?))
     }
 
@@ -560,9 +564,9 @@ impl<'a> Place<'a> {
         kind: ItemKind,
         wanted: impl Fn(&str) -> bool,
     ) -> Vec<Item> {
-        let lexed = self.project.lexed(file);
+        let lexed = self.project.lexed_text(file);
         let mut items = Vec::new();
-        for token in names::declared(lexed, space, scope) {
+        for token in names::declared_names(lexed, space, scope) {
             let Some(statement) = lexed.statement_of(token) else { continue };
             let is_own = file == 0 && statement == self.statement;
             if is_own || !wanted(lexed.keyword(statement)) {
@@ -584,7 +588,7 @@ impl<'a> Place<'a> {
             let token = self.document.outline.statements[repeat].tokens.start + 1;
             item(self.document.token_text(token), ItemKind::Value, "index")
         };
-        self.document.outline.around(self.statement).filter(repeats).map(index).collect()
+        self.document.outline.enclosing(self.statement).filter(repeats).map(index).collect()
     }
 
     /// Whether a whole operand precedes the place: an operator or the end of the line may follow, but no name.
@@ -621,14 +625,15 @@ impl<'a> Place<'a> {
             items.extend(densities());
         }
         let outside = self.open.is_empty();
-        let contents =
-            |content| self.declared().is_some_and(|declaration| declaration.contents().any(|c| c == content));
+        let contents = |content| {
+            self.written_declaration().is_some_and(|declaration| declaration.contents().any(|c| c == content))
+        };
         if outside && contents(Content::Motions) {
             items.extend(self.parts(|keyword| matches!(keyword, "body" | "base") || is_element(keyword)));
         }
         items.extend(self.values(|_| true));
         items.extend(self.names(Space::Places, ItemKind::Part, |_| true));
-        if outside && self.declared().is_some_and(|declaration| declaration.signal().is_some()) {
+        if outside && self.written_declaration().is_some_and(|declaration| declaration.signal().is_some()) {
             items.splice(0..0, functions(FunctionKind::Signal));
         }
         if outside && contents(Content::Measures) {

@@ -135,7 +135,7 @@ impl Document {
             });
         let now = inspection.scene.map(|scene| Arc::new(Results { sources: sources.clone(), scene, motions }));
         let is_current = now.is_some();
-        let mut findings = inspection.diagnostics.sorted();
+        let mut findings = inspection.diagnostics.into_sorted();
         if holds_components_alone(&lexed) {
             // It is used by models, and is not a model itself.
             findings.retain(|finding| finding.code.0 != "vib::scene::empty");

@@ -22,8 +22,8 @@ pub fn hints(document: &Document) -> Vec<Hint> {
     let mut hints = values(document);
     if let Some(known) = document.known.as_ref().filter(|_| document.is_current) {
         hints.extend(frequencies(document, known));
-        hints.extend(solved(document));
-        hints.extend(optimised(document));
+        hints.extend(solve_hints(document));
+        hints.extend(optimum_hints(document));
         hints.extend(margins(document));
     }
     hints.sort_by_key(|hint| hint.at);
@@ -102,25 +102,25 @@ fn table(motions: &Motions) -> String {
 }
 
 /// After `solve`: the value that was found.
-fn solved(document: &Document) -> impl Iterator<Item = Hint> + '_ {
+fn solve_hints(document: &Document) -> impl Iterator<Item = Hint> + '_ {
     let own = document.solved.iter().filter(|solved| solved.span.file() == document.file);
     own.filter_map(|solved| {
         let at = end_of_statement(document, solved.span.start())?;
-        let text = format!("{} = {}", solved.parameter, answer::shown_text(&solved.shown()));
+        let text = format!("{} = {}", solved.parameter, answer::shown_text(&solved.in_unit()));
         Some(Hint { at, text, tooltip: None })
     })
 }
 
 /// After `minimise` and `maximise`: the values that were found, and the measure there.
-fn optimised(document: &Document) -> impl Iterator<Item = Hint> + '_ {
+fn optimum_hints(document: &Document) -> impl Iterator<Item = Hint> + '_ {
     let own = document.optimised.iter().filter(|optimised| optimised.span.file() == document.file);
     own.filter_map(|optimised| {
         let at = end_of_statement(document, optimised.span.start())?;
         let value =
-            |found: &OptimisedParameter| format!("{} = {}", found.parameter, answer::shown_text(&found.shown()));
+            |found: &OptimisedParameter| format!("{} = {}", found.parameter, answer::shown_text(&found.in_unit()));
         let values: Vec<String> = optimised.parameters.iter().map(value).collect();
         let mark = if matches!(optimised.best, Best::Everywhere { .. }) { "" } else { ", not proved best" };
-        let text = format!("{}: {}{mark}", values.join(", "), answer::shown_text(&optimised.shown()));
+        let text = format!("{}: {}{mark}", values.join(", "), answer::shown_text(&optimised.in_unit()));
         Some(Hint { at, text, tooltip: None })
     })
 }
@@ -168,7 +168,7 @@ fn values(document: &Document) -> Vec<Hint> {
         spans.push(start);
         let same = document.values.iter().filter(|defined| defined.span == expr.0.span);
         let list: Vec<&Defined> = same.take(SHOWN + 1).collect();
-        if let Some(text) = listed(&list) {
+        if let Some(text) = value_list(&list) {
             hints.push(Hint { at: decl.span.end(), text: format!("= {text}"), tooltip: None });
         }
     }
@@ -191,7 +191,7 @@ fn is_calculated(document: &Document, value: ExprId) -> bool {
 }
 
 /// The values of a name in all repetitions; `None` if one of them has an error.
-fn listed(list: &[&Defined]) -> Option<String> {
+fn value_list(list: &[&Defined]) -> Option<String> {
     let mut texts = Vec::new();
     for defined in list.iter().take(SHOWN) {
         texts.push(shown::value(defined.value.as_ref()?));

@@ -62,7 +62,7 @@ fn name(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Op
 /// A component: its head and its documentation.
 fn component(project: &Project, meaning: &Meaning) -> Option<String> {
     let (file, statement) = project.body_of(meaning)?;
-    let lexed = project.lexed(file);
+    let lexed = project.lexed_text(file);
     let head = lexed.text()[lexed.range_of(statement)].trim_end_matches('{').trim_end();
     let mut markdown = format!("{}\n\n{}", model(head), paragraph(&lexed.doc(statement)));
     for (keyword, heading) in [("output", "outputs"), ("point", "points")] {
@@ -87,9 +87,9 @@ fn component(project: &Project, meaning: &Meaning) -> Option<String> {
 
 /// A place: its declaration, its component, and the values of its parameters there.
 fn place(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Option<String> {
-    let mut markdown = declared(project, meaning)?;
+    let mut markdown = declaring_lines(project, meaning)?;
     let placed = project.component_at(meaning)?;
-    let lexed = project.lexed(placed.0);
+    let lexed = project.lexed_text(placed.0);
     let word = lexed.token_text(lexed.outline.statements[placed.1].tokens.start + 1);
     markdown += &component(project, &project.component(meaning.file, word)?)?;
     let written = written_name(document, at);
@@ -108,8 +108,8 @@ fn place(document: &Document, project: &Project, at: At, meaning: &Meaning) -> O
 }
 
 /// The lines that declare a name, with their documentation.
-fn declared(project: &Project, meaning: &Meaning) -> Option<String> {
-    let lexed = project.lexed(meaning.file);
+fn declaring_lines(project: &Project, meaning: &Meaning) -> Option<String> {
+    let lexed = project.lexed_text(meaning.file);
     let mut markdown = String::new();
     for token in project.declarations(meaning) {
         let statement = lexed.statement_of(*token)?;
@@ -170,7 +170,7 @@ fn field(document: &Document, token: usize) -> Option<String> {
 
 /// A parameter, a point or an index: how it is declared, and its value in its unit and in SI.
 fn value(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Option<String> {
-    let lexed = project.lexed(meaning.file);
+    let lexed = project.lexed_text(meaning.file);
     if let Some(repeat) = meaning.scope.filter(|scope| lexed.keyword(*scope) == "repeat") {
         return Some(format!("{}\n\nThe index of this `repeat`.", model(&lexed.text()[lexed.range_of(repeat)])));
     }
@@ -221,7 +221,7 @@ fn describe_value(value: &Value, line: &str) -> String {
 
 /// A body, a base, an element, an input or an output, with all its repetitions.
 fn part(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Option<String> {
-    let mut markdown = declared(project, meaning).unwrap_or_default();
+    let mut markdown = declaring_lines(project, meaning).unwrap_or_default();
     let written = written_name(document, at);
     // A name in a component exists at each of its places; a name in another file, at the places that this file knows.
     let in_component = document.roles[at.token] != Role::Member && meaning.scope.is_some();
@@ -234,7 +234,7 @@ fn part(document: &Document, project: &Project, at: At, meaning: &Meaning) -> Op
         let bodies = scene.bodies.iter().filter(|body| named(body.name)).map(|body| scene.words.display(body.name));
         markdown += &equations(document, known, &bodies.take(MANY).collect::<Vec<String>>());
         markdown += &elements(known, named);
-        markdown += &carried(known, named);
+        markdown += &reactions_at_rest(known, named);
     }
     (!markdown.is_empty()).then_some(markdown)
 }
@@ -304,7 +304,7 @@ fn declared_freedoms(body: &Body) -> Vec<String> {
 
 /// The share of a part in each of the first modes, as a table.
 fn shares(motions: &Motions, of: &str, part: impl Fn(&crate::analysis::Mode) -> f64) -> String {
-    let modes: Vec<_> = motions.modes.numbered().take(MANY).collect();
+    let modes: Vec<_> = motions.modes.with_numbers().take(MANY).collect();
     if modes.is_empty() {
         return String::new();
     }
@@ -352,7 +352,7 @@ fn elements(known: &Results, named: impl Fn(crate::base::Name) -> bool) -> Strin
 
 /// `at rest: fx = 1.2 kN, fy = 0 N`: what joints and couplings carry, and the words for it in outputs. What redundant joints leave open is
 /// left out.
-fn carried(known: &Results, named: impl Fn(crate::base::Name) -> bool) -> String {
+fn reactions_at_rest(known: &Results, named: impl Fn(crate::base::Name) -> bool) -> String {
     let scene = known.scene.scene();
     let Some(motions) = &known.motions else { return String::new() };
     let joints = (0..).map(JointId).zip(&scene.joints).map(|(id, joint)| {

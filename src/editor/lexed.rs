@@ -95,7 +95,7 @@ impl Lexed {
 
     /// The component that a declaration is in, or that it is.
     pub fn component_around(&self, statement: usize) -> Option<usize> {
-        std::iter::once(statement).chain(self.outline.around(statement)).find(|s| self.keyword(*s) == "component")
+        std::iter::once(statement).chain(self.outline.enclosing(statement)).find(|s| self.keyword(*s) == "component")
     }
 
     /// The names before a member and the member itself, `[front, tyre]` for `tyre` in `front.tyre.k`; `None` if the

@@ -24,4 +24,4 @@ pub mod signature;
 pub mod symbols;
 pub mod tokens;
 
-pub use pages::about;
+pub use pages::meanings;

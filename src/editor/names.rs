@@ -9,7 +9,7 @@ use crate::syntax::words;
 
 /// The name that contains a byte of the file that is asked about.
 pub fn name_at(project: &Project, offset: usize) -> Option<At> {
-    let token = project.lexed(0).token_at(offset)?;
+    let token = project.lexed_text(0).token_at(offset)?;
     Some(At { file: 0, token }).filter(|at| project.is_name(*at))
 }
 
@@ -57,7 +57,7 @@ pub fn rename(project: &Project, name: At, new: &str) -> Result<Vec<At>, String>
 
 fn is_taken_by_language(project: &Project, meaning: &Meaning, new: &str) -> bool {
     // From outside, `front.x` would have two meanings.
-    let in_component = home(project.lexed(meaning.file), meaning.scope).is_some() && is_motion(new);
+    let in_component = home(project.lexed_text(meaning.file), meaning.scope).is_some() && is_motion(new);
     match meaning.space {
         Space::Values => is_reserved(new),
         Space::Parts => new == "ground" || in_component,
@@ -76,11 +76,12 @@ fn clashes<'a>(project: &Project<'a>, meaning: &Meaning<'a>, new: &str) -> bool 
     if meaning.space == Space::Components {
         // The new name must not be known where the old name is known.
         let knows = |file: &usize| project.component(*file, meaning.word) == Some(*meaning);
-        let known =
-            |file: usize| project.components(file).iter().any(|at| project.lexed(at.file).token_text(at.token) == new);
+        let known = |file: usize| {
+            project.components(file).iter().any(|at| project.lexed_text(at.file).token_text(at.token) == new)
+        };
         return (0..project.files.len()).filter(knows).any(known);
     }
-    let lexed = project.lexed(meaning.file);
+    let lexed = project.lexed_text(meaning.file);
     let own_home = home(lexed, meaning.scope);
     let head = own_home.map(|component| lexed.outline.statements[component].tokens.clone());
     // Ports and parameters are given by name at a place, so they have one name space.
@@ -97,7 +98,7 @@ fn clashes<'a>(project: &Project<'a>, meaning: &Meaning<'a>, new: &str) -> bool 
             && home(lexed, scope) == own_home
             && (is_index(lexed, meaning.scope) != is_index(lexed, scope)
                 || scope == meaning.scope
-                || nested(lexed, meaning.scope, scope))
+                || is_nested(lexed, meaning.scope, scope))
     };
     (0..lexed.tokens.len()).any(rival)
 }
@@ -108,8 +109,8 @@ fn is_index(lexed: &Lexed, scope: Option<usize>) -> bool {
 }
 
 /// Whether one of two statements is nested in the other.
-fn nested(lexed: &Lexed, one: Option<usize>, other: Option<usize>) -> bool {
-    let inside = |a: usize, b: usize| lexed.outline.around(a).any(|around| around == b);
+fn is_nested(lexed: &Lexed, one: Option<usize>, other: Option<usize>) -> bool {
+    let inside = |a: usize, b: usize| lexed.outline.enclosing(a).any(|around| around == b);
     one.zip(other).is_some_and(|(one, other)| inside(one, other) || inside(other, one))
 }
 
@@ -120,7 +121,7 @@ pub fn is_word(text: &str) -> bool {
 
 /// The names of a space that a component declares, or the scene, each once, in order of declaration, by the token of the first
 /// declaration.
-pub fn declared(lexed: &Lexed, space: Space, scope: Option<usize>) -> Vec<usize> {
+pub fn declared_names(lexed: &Lexed, space: Space, scope: Option<usize>) -> Vec<usize> {
     let mut seen: Vec<&str> = Vec::new();
     let mut list = Vec::new();
     for (token, role) in lexed.roles.iter().enumerate() {

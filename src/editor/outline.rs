@@ -66,7 +66,7 @@ impl Outline {
     }
 
     /// The enclosing `repeat`s and component of a statement, from the innermost outwards.
-    pub fn around(&self, statement: usize) -> impl Iterator<Item = usize> + '_ {
+    pub fn enclosing(&self, statement: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(self.statements[statement].inside, |repeat| self.statements[*repeat].inside)
     }
 }

@@ -59,7 +59,7 @@ pub fn word(word: &str) -> Option<&'static str> {
 
 /// All meanings of a word of the language, as Markdown: keyword, function, field, motion, unit. `None` for any other
 /// word.
-pub fn about(asked: &str) -> Option<String> {
+pub fn meanings(asked: &str) -> Option<String> {
     if let Some(page) = keyword(asked) {
         return Some(page);
     }
@@ -85,7 +85,8 @@ fn fields(asked: &str) -> Vec<String> {
             None => entries.push((entry, vec![keyword])),
         }
     }
-    let heads = entries.into_iter().map(|(entry, keywords)| format!("In {}: {entry}", kinds::listed(&keywords, "and")));
+    let heads =
+        entries.into_iter().map(|(entry, keywords)| format!("In {}: {entry}", kinds::enumeration(&keywords, "and")));
     heads.collect()
 }
 
@@ -198,7 +199,7 @@ mod tests {
     use crate::base::Dimension;
 
     /// Words of the models in spec.md.
-    fn shown() -> Vec<&'static str> {
+    fn shown_words() -> Vec<&'static str> {
         let blocks = include_str!("../../spec.md").split("```vib\n").skip(1);
         let models = blocks.filter_map(|rest| rest.split("```").next());
         models.flat_map(|model| model.split(|c: char| !c.is_alphanumeric() && c != '_')).collect()
@@ -206,7 +207,7 @@ mod tests {
 
     #[test]
     fn the_language_page_shows_every_word() {
-        let shown = shown();
+        let shown = shown_words();
         // All kinds except the one that exists only in unit tests.
         let declarations = || kinds::DECLARATIONS.iter().filter(|declaration| declaration.keyword != "gadget");
         let keywords = declarations().map(|declaration| declaration.keyword);

@@ -57,7 +57,7 @@ pub struct Meaning<'a> {
 
 impl<'a> Project<'a> {
     pub fn new(files: Vec<ProjectFile<'a>>) -> Project<'a> {
-        let declared = files.iter().map(|file| declared(file.lexed)).collect();
+        let declared = files.iter().map(|file| declared_names(file.lexed)).collect();
         Project { files, declared }
     }
 
@@ -66,7 +66,7 @@ impl<'a> Project<'a> {
         Project::new(vec![ProjectFile { key: String::new(), lexed, id: None, uses: Vec::new() }])
     }
 
-    pub fn lexed(&self, file: usize) -> &'a Lexed {
+    pub fn lexed_text(&self, file: usize) -> &'a Lexed {
         self.files[file].lexed
     }
 
@@ -83,7 +83,7 @@ impl<'a> Project<'a> {
 
     /// The meaning of the name at a token; `None` if it is not a name, or a member of something unknown.
     pub fn meaning(&self, at: At) -> Option<Meaning<'a>> {
-        let lexed = self.lexed(at.file);
+        let lexed = self.lexed_text(at.file);
         let word = lexed.token_text(at.token);
         match lexed.roles[at.token] {
             Role::Declaration { space, scope } => Some(Meaning { file: at.file, scope, space, word }),
@@ -114,7 +114,7 @@ impl<'a> Project<'a> {
         let files = std::iter::once(file).chain(self.files[file].uses.iter().copied());
         let mut known: Vec<At> = Vec::new();
         for file in files {
-            let lexed = self.lexed(file);
+            let lexed = self.lexed_text(file);
             let own = Role::Declaration { space: Space::Components, scope: None };
             known.extend((0..lexed.tokens.len()).filter(|t| lexed.roles[*t] == own).map(|token| At { file, token }));
         }
@@ -124,12 +124,12 @@ impl<'a> Project<'a> {
     /// File and statement of a component.
     pub fn body_of(&self, component: &Meaning) -> Option<(usize, usize)> {
         let token = *self.declarations(component).first()?;
-        Some((component.file, self.lexed(component.file).statement_of(token)?))
+        Some((component.file, self.lexed_text(component.file).statement_of(token)?))
     }
 
     /// File and statement of the component that a `place` names.
-    pub fn placed(&self, file: usize, statement: usize) -> Option<(usize, usize)> {
-        let lexed = self.lexed(file);
+    pub fn placed_component(&self, file: usize, statement: usize) -> Option<(usize, usize)> {
+        let lexed = self.lexed_text(file);
         let names = |token: &usize| matches!(lexed.roles[*token], Role::Reference { space: Space::Components, .. });
         let token = lexed.outline.statements[statement].tokens.clone().find(names)?;
         self.body_of(&self.component(file, lexed.token_text(token))?)
@@ -138,29 +138,29 @@ impl<'a> Project<'a> {
     /// File and statement of the component at the place of a name.
     pub fn component_at(&self, place: &Meaning) -> Option<(usize, usize)> {
         let token = *self.declarations(place).first().filter(|_| place.space == Space::Places)?;
-        self.placed(place.file, self.lexed(place.file).statement_of(token)?)
+        self.placed_component(place.file, self.lexed_text(place.file).statement_of(token)?)
     }
 
     /// The component at the place that the names before a `.` refer to, given the last of these names.
     pub fn component_before(&self, at: At) -> Option<(usize, usize)> {
-        let chain = self.lexed(at.file).chain(at.token)?;
+        let chain = self.lexed_text(at.file).chain(at.token)?;
         let (first, others) = chain.split_first()?;
         // The first one has no chain of its own.
         let mut component = self.component_at(&self.meaning(At { token: *first, ..at })?)?;
         for token in others {
-            let word = self.lexed(at.file).token_text(*token);
-            component = self.component_at(&self.inside(component, Space::Places, word))?;
+            let word = self.lexed_text(at.file).token_text(*token);
+            component = self.component_at(&self.resolve_inside(component, Space::Places, word))?;
         }
         Some(component)
     }
 
-    fn inside<'b>(&self, component: (usize, usize), space: Space, word: &'b str) -> Meaning<'b> {
+    fn resolve_inside<'b>(&self, component: (usize, usize), space: Space, word: &'b str) -> Meaning<'b> {
         Meaning { file: component.0, scope: Some(component.1), space, word }
     }
 
     /// `wheel` in `front.wheel`: a name of the component at that place.
     fn member(&self, at: At) -> Option<Meaning<'a>> {
-        let lexed = self.lexed(at.file);
+        let lexed = self.lexed_text(at.file);
         let chain = lexed.chain(at.token)?;
         let before = chain[..chain.len() - 1].last().copied()?;
         let component = self.component_before(At { token: before, ..at })?;
@@ -170,13 +170,13 @@ impl<'a> Project<'a> {
         };
         let spaces = [Space::Places, first, second].into_iter();
         let word = lexed.token_text(at.token);
-        spaces.map(|space| self.inside(component, space, word)).find(|meaning| self.is_declared(meaning))
+        spaces.map(|space| self.resolve_inside(component, space, word)).find(|meaning| self.is_declared(meaning))
     }
 
     /// Whether a member refers to a part or an output if there is also a value with its name: before a further `.`, `@`
     /// or `->`, in an end, and in a measure, but not after `@`.
     fn wants_part(&self, file: usize, member: usize, first: usize) -> bool {
-        let lexed = self.lexed(file);
+        let lexed = self.lexed_text(file);
         let is = |token: Option<usize>, signs: &[&str]| token.is_some_and(|t| signs.contains(&lexed.token_text(t)));
         let before = first.checked_sub(1);
         if is(before, &["@"]) {
@@ -198,19 +198,19 @@ impl<'a> Project<'a> {
 
     /// `m` in `place front = axle(m = 40 kg)`: a parameter or port of the component.
     fn argument(&self, at: At) -> Option<Meaning<'a>> {
-        let lexed = self.lexed(at.file);
+        let lexed = self.lexed_text(at.file);
         let statement = lexed.statement_of(at.token).filter(|statement| lexed.keyword(*statement) == "place")?;
-        let component = self.placed(at.file, statement)?;
-        let head = &self.lexed(component.0).outline.statements[component.1].tokens;
+        let component = self.placed_component(at.file, statement)?;
+        let head = &self.lexed_text(component.0).outline.statements[component.1].tokens;
         let word = lexed.token_text(at.token);
         let spaces = [Space::Values, Space::Parts].into_iter();
         let formal = |meaning: &Meaning| self.declarations(meaning).iter().any(|token| head.contains(token));
-        spaces.map(|space| self.inside(component, space, word)).find(formal)
+        spaces.map(|space| self.resolve_inside(component, space, word)).find(formal)
     }
 
     /// Whether a word is the value that a `place` gives a port: `upper = chassis`.
     fn is_port_argument(&self, at: At) -> bool {
-        let lexed = self.lexed(at.file);
+        let lexed = self.lexed_text(at.file);
         let field = at.token.checked_sub(2).filter(|_| lexed.token_text(at.token - 1) == "=");
         let field = field.filter(|token| lexed.roles[*token] == Role::Field);
         let meaning = field.and_then(|token| self.argument(At { token, ..at }));
@@ -219,7 +219,7 @@ impl<'a> Project<'a> {
 
     /// The ports and parameters in the brackets of a component, in order.
     pub fn formals(&self, component: (usize, usize)) -> Vec<Formal> {
-        let lexed = self.lexed(component.0);
+        let lexed = self.lexed_text(component.0);
         let head = lexed.outline.statements[component.1].tokens.clone();
         let is_gap = |token: usize| matches!(lexed.tokens[token].kind, TokenKind::LineEnd | TokenKind::Comment);
         let mut formals: Vec<Formal> = Vec::new();
@@ -246,11 +246,11 @@ impl<'a> Project<'a> {
 
     /// Whether a word is used as a name.
     pub fn is_name(&self, at: At) -> bool {
-        self.lexed(at.file).tokens[at.token].kind == TokenKind::Word && self.meaning(at).is_some()
+        self.lexed_text(at.file).tokens[at.token].kind == TokenKind::Word && self.meaning(at).is_some()
     }
 }
 
-fn declared(lexed: &Lexed) -> Declared<'_> {
+fn declared_names(lexed: &Lexed) -> Declared<'_> {
     let mut declared = Declared::new();
     for (token, role) in lexed.roles.iter().enumerate() {
         if let Role::Declaration { space, scope } = *role {

@@ -156,14 +156,14 @@ impl Reader<'_> {
             let index = self.tokens.get(statement.tokens.start + 1);
             repeats && index.is_some_and(|index| index.text(self.text) == word)
         };
-        let scope = self.outline.around(self.index).find(indexed).or_else(|| self.component());
+        let scope = self.outline.enclosing(self.index).find(indexed).or_else(|| self.component());
         Role::Reference { space: Space::Values, scope }
     }
 
     /// The component that the statement belongs to; the component's names are known only inside it.
     fn component(&self) -> Option<usize> {
         let declares = |index: &usize| keyword(self.text, self.tokens, &self.outline.statements[*index]) == "component";
-        std::iter::once(self.index).chain(self.outline.around(self.index)).find(declares)
+        std::iter::once(self.index).chain(self.outline.enclosing(self.index)).find(declares)
     }
 
     fn part(&self, word: &str) -> Role {
@@ -195,7 +195,7 @@ impl Reader<'_> {
     }
 
     /// A word of a `place` behind its name: the component, an argument, a clause, or part of a value.
-    fn placed(&self, at: usize, last: Option<usize>, open: &[Opened]) -> Role {
+    fn place_role(&self, at: usize, last: Option<usize>, open: &[Opened]) -> Role {
         let word = self.word(at);
         let start = self.outline.statements[self.index].tokens.start;
         let is_first = (start..at).filter(|before| self.word(*before) == "=").count() == 1;
@@ -214,7 +214,7 @@ impl Reader<'_> {
     fn role_of_other(&self, at: usize, last: Option<usize>, line_ended: bool, state: &mut State) -> Role {
         match self.keyword {
             "component" => return self.formal(at, last, &state.open),
-            "place" => return self.placed(at, last, &state.open),
+            "place" => return self.place_role(at, last, &state.open),
             _ => {}
         }
         let (word, next) = (self.word(at), self.next(at));
@@ -363,7 +363,7 @@ mod tests {
     use super::*;
 
     /// Each word with a letter for its role.
-    fn marked(text: &str) -> String {
+    fn mark_roles(text: &str) -> String {
         let tokens = tokens(text);
         let outline = Outline::new(text, &tokens);
         let roles = roles(text, &tokens, &outline);
@@ -443,7 +443,7 @@ mod tests {
                 "body:K b:P inertia:f j:v about:w A:v moves:w along:w d:v",
             ),
         ] {
-            assert_eq!(marked(text), expected);
+            assert_eq!(mark_roles(text), expected);
         }
     }
 }

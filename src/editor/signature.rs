@@ -70,7 +70,7 @@ fn of_function(function: &Function, argument: usize) -> Signature {
 /// `axle(m: kg, k = 150 kN/m)`; the current argument is the one that is named, or the first that is not given.
 fn of_component(document: &Document, project: &Project, name: usize, before: usize) -> Option<Signature> {
     let component = project.body_of(&project.component(0, document.token_text(name))?)?;
-    let lexed = project.lexed(component.0);
+    let lexed = project.lexed_text(component.0);
     let mut form = format!("{}(", document.token_text(name));
     let (mut words, mut arguments) = (Vec::new(), Vec::new());
     for formal in project.formals(component) {
@@ -96,8 +96,8 @@ fn of_component(document: &Document, project: &Project, name: usize, before: usi
 
 /// The parameters and ports that a `place` around a token does not give yet.
 pub fn missing_arguments(document: &Document, project: &Project, statement: usize) -> Vec<(At, String)> {
-    let Some(component) = project.placed(0, statement) else { return Vec::new() };
-    let lexed = project.lexed(component.0);
+    let Some(component) = project.placed_component(0, statement) else { return Vec::new() };
+    let lexed = project.lexed_text(component.0);
     let tokens = document.outline.statements[statement].tokens.clone();
     let given: Vec<&str> =
         tokens.filter(|token| document.roles[*token] == Role::Field).map(|token| document.token_text(token)).collect();

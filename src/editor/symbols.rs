@@ -20,14 +20,14 @@ pub struct Symbol {
 }
 
 pub fn symbols(document: &Document) -> Vec<Symbol> {
-    inside(document, None)
+    symbols_in(document, None)
 }
 
 /// The symbols in a `repeat`, or at the top level. The grammar allows at most eight nested `repeat`s; text that does
 /// not parse is cut at the same depth.
-fn inside(document: &Document, repeat: Option<usize>) -> Vec<Symbol> {
+fn symbols_in(document: &Document, repeat: Option<usize>) -> Vec<Symbol> {
     let statements = document.outline.statements.iter().enumerate();
-    let own = statements.filter(|(index, s)| s.inside == repeat && document.outline.around(*index).count() <= DEPTH);
+    let own = statements.filter(|(index, s)| s.inside == repeat && document.outline.enclosing(*index).count() <= DEPTH);
     own.filter_map(|(index, _)| symbol(document, index)).collect()
 }
 
@@ -46,7 +46,7 @@ fn symbol(document: &Document, index: usize) -> Option<Symbol> {
     let range = document.range_of(index);
     let end = statement.close.map_or(range.end, |close| document.tokens[close].range.end);
     let name = if named { full_name(document, second) } else { word.to_string() };
-    let children = if words::has_body(word) { inside(document, Some(index)) } else { Vec::new() };
+    let children = if words::has_body(word) { symbols_in(document, Some(index)) } else { Vec::new() };
     Some(Symbol { name, detail: word.to_string(), range: range.start..end, selection, children })
 }
 

@@ -177,7 +177,7 @@ impl Curve {
                     if met.is_none() && function.is_kinked(&arguments) {
                         *met = Some(step.span);
                     }
-                    called(*function, &arguments, side).map_err(undefined)?
+                    call(*function, &arguments, side).map_err(undefined)?
                 }
                 Operation::Table(rows) => {
                     let a = stack.pop().ok_or_else(|| undefined(RANGE))?;
@@ -246,7 +246,7 @@ fn power(a: &Dual, b: &Dual) -> Result<Dual, &'static str> {
     Ok(Dual { value, slope: &by_base + &by_exponent })
 }
 
-fn called(function: Function, arguments: &[Dual], side: Side) -> Result<Dual, &'static str> {
+fn call(function: Function, arguments: &[Dual], side: Side) -> Result<Dual, &'static str> {
     let [u, others @ ..] = arguments else { return Err(RANGE) };
     let chain = |value: Number, slope: Number| Dual { value, slope: &slope * &u.slope };
     let one_minus_square = || &Number::ONE - &(&u.value * &u.value);

@@ -26,7 +26,7 @@ pub const KIND: Kind = Kind {
     },
     synonyms: &["dashpot"],
     fields: &[
-        Field::either(
+        Field::by_motion(
             "c",
             Expected::new("a damping coefficient", Dimension::DAMPING, "c = 5 N*s/m"),
             Expected::new("a damping coefficient", Dimension::TORSIONAL_DAMPING, "c = 5 N*s/m"),

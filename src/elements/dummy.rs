@@ -17,7 +17,7 @@ pub const KIND: Kind = Kind {
     },
     synonyms: &["gizmo"],
     fields: &[
-        Field::either(
+        Field::by_motion(
             "grip",
             Expected::new("a grip", Dimension::DAMPING, "grip = 4 N*s/m"),
             Expected::new("a grip", Dimension::TORSIONAL_DAMPING, "grip = 4 N*m*s/rad"),

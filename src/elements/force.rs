@@ -14,7 +14,7 @@ pub struct DeadForce<S> {
 
 impl<S: Scalar> DeadForce<S> {
     pub fn energy(&self, displacement: &Vector<S>) -> S {
-        self.force.dot(displacement).negated()
+        self.force.dot(displacement).negate()
     }
 }
 

@@ -24,7 +24,7 @@ pub const KIND: Kind = Kind {
     },
     synonyms: &["inertor", "flywheel"],
     fields: &[
-        Field::either(
+        Field::by_motion(
             "b",
             Expected::new("an inertance", Dimension::MASS, "b = 20 kg"),
             Expected::new("an inertance", Dimension::INERTIA, "b = 0.5 kg*m^2"),

@@ -14,7 +14,7 @@ pub trait Scalar: Clone + Debug {
     fn minus(&self, other: &Self) -> Self;
     fn times(&self, other: &Self) -> Self;
     fn over(&self, other: &Self) -> Self;
-    fn negated(&self) -> Self;
+    fn negate(&self) -> Self;
     /// Square root of a number that is not negative.
     fn root(&self) -> Self;
     fn sin_cos(&self) -> (Self, Self);
@@ -65,7 +65,7 @@ impl Scalar for f64 {
     }
 
     #[inline]
-    fn negated(&self) -> f64 {
+    fn negate(&self) -> f64 {
         -self
     }
 
@@ -142,7 +142,7 @@ impl Scalar for Number {
     }
 
     #[inline]
-    fn negated(&self) -> Number {
+    fn negate(&self) -> Number {
         -self
     }
 

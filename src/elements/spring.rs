@@ -28,20 +28,20 @@ pub const KIND: Kind = Kind {
     },
     synonyms: &[],
     fields: &[
-        Field::either(
+        Field::by_motion(
             "k",
             Expected::new("a stiffness", Dimension::STIFFNESS, "k = 10 N/m"),
             Expected::new("a stiffness", Dimension::TORSIONAL_STIFFNESS, "k = 10 N/m"),
             "The stiffness, N/m; in N*m/rad the spring is torsional.",
         ),
         ALONG,
-        Field::either(
+        Field::by_motion(
             "free_length",
             Expected::new("a length", Dimension::LENGTH, "free_length = 0.5 m"),
             Expected::new("an angle", Dimension::NONE, "free_length = 30 deg"),
             "Its length without tension.",
         ),
-        Field::either(
+        Field::by_motion(
             "preload",
             Expected::new("a force", Dimension::FORCE, "preload = 20 N"),
             Expected::new("a torque", Dimension::TORQUE, "preload = 2 N*m"),
@@ -127,7 +127,7 @@ impl<S: Scalar> Spring<S> {
     }
 
     /// This spring, converted to other numbers.
-    pub fn converted<T: Scalar>(&self, stretch: Stretch<T>, number: impl Fn(&S) -> T) -> Spring<T> {
+    pub fn convert<T: Scalar>(&self, stretch: Stretch<T>, number: impl Fn(&S) -> T) -> Spring<T> {
         let response = match &self.response {
             Response::Linear { stiffness, preload } => {
                 Response::Linear { stiffness: number(stiffness), preload: number(preload) }

@@ -62,15 +62,15 @@ fn line<S: Scalar>(drawn: &Vector<S>, delta: &Vector<S>) -> Stretched<S> {
 }
 
 fn span<S: Scalar>(drawn: &Vector<S>, gap: &S, left: bool, delta: &Vector<S>, turn: &S) -> Stretched<S> {
-    let gap = if left { gap.clone() } else { gap.negated() };
+    let gap = if left { gap.clone() } else { gap.negate() };
     let tangent = |apart: &Vector<S>| {
         let square = apart.norm_squared();
         let length_squared = square.minus(&gap.times(&gap));
         let length = length_squared.root();
         // The centres' line, turned until it is along the tangent.
-        let across = Vector { x: apart.y.negated(), y: apart.x.clone(), z: S::zero() };
-        let along = apart.scaled(&length_squared.over(&square));
-        (along.minus(&across.scaled(&length.times(&gap).over(&square))), length, length_squared)
+        let across = Vector { x: apart.y.negate(), y: apart.x.clone(), z: S::zero() };
+        let along = apart.scale(&length_squared.over(&square));
+        (along.minus(&across.scale(&length.times(&gap).over(&square))), length, length_squared)
     };
     if delta.is_zero() {
         let (direction, _, length_squared) = tangent(drawn);
@@ -133,7 +133,7 @@ impl<S: Scalar> Stretched<S> {
     /// tension grad e: minus the force on the second end, which acts against the stretch. `None` for a torsion.
     pub fn force(&self, rate: &S) -> Option<Vector<S>> {
         match self {
-            Stretched::Displacement { direction, .. } => Some(direction.scaled(rate)),
+            Stretched::Displacement { direction, .. } => Some(direction.scale(rate)),
             Stretched::Turn { .. } => None,
         }
     }

@@ -40,11 +40,11 @@ impl<S: Scalar> Vector<S> {
         Vector { x: self.x.minus(&o.x), y: self.y.minus(&o.y), z: self.z.minus(&o.z) }
     }
 
-    pub fn negated(&self) -> Vector<S> {
-        self.map(S::negated)
+    pub fn negate(&self) -> Vector<S> {
+        self.map(S::negate)
     }
 
-    pub fn scaled(&self, s: &S) -> Vector<S> {
+    pub fn scale(&self, s: &S) -> Vector<S> {
         self.map(|component| component.times(s))
     }
 
@@ -72,16 +72,16 @@ impl<S: Scalar> Vector<S> {
     /// The rows of the matrix of `delta -> self x delta`.
     pub fn cross_rows(&self) -> [Vector<S>; 3] {
         [
-            Vector { x: S::zero(), y: self.z.negated(), z: self.y.clone() },
-            Vector { x: self.z.clone(), y: S::zero(), z: self.x.negated() },
-            Vector { x: self.y.negated(), y: self.x.clone(), z: S::zero() },
+            Vector { x: S::zero(), y: self.z.negate(), z: self.y.clone() },
+            Vector { x: self.z.clone(), y: S::zero(), z: self.x.negate() },
+            Vector { x: self.y.negate(), y: self.x.clone(), z: S::zero() },
         ]
     }
 
     /// Rotated about the unit vector `axis` by the angle with this sine and cosine (Rodrigues):
     /// v cos + (a x v) sin + a (a . v) (1 - cos).
-    pub fn turned(&self, axis: &Vector<S>, sine: &S, cosine: &S) -> Vector<S> {
-        let along = axis.scaled(&axis.dot(self).times(&S::one().minus(cosine)));
-        self.scaled(cosine).plus(&axis.cross(self).scaled(sine)).plus(&along)
+    pub fn rotate(&self, axis: &Vector<S>, sine: &S, cosine: &S) -> Vector<S> {
+        let along = axis.scale(&axis.dot(self).times(&S::one().minus(cosine)));
+        self.scale(cosine).plus(&axis.cross(self).scale(sine)).plus(&along)
     }
 }

@@ -150,7 +150,7 @@ impl Energies {
             belt.elements[place] = is_named[place].then_some(self.elements.len());
             let (name, span, order) = (name.clone(), element.span, element.law.kind.order);
             // k e^2 = (2 k) e^2/2
-            let coefficient = written.coefficient.scaled(&Rational::from(2));
+            let coefficient = written.coefficient.scale(&Rational::from(2));
             let power = Power::FIRST;
             self.elements.push(Element { number, name, span, order, coefficient, power, stretch, free, tension });
         }
@@ -159,7 +159,7 @@ impl Energies {
     }
 
     /// A name for what depends on coordinates, that of another belt where it is the same.
-    fn defined(&mut self, label: Label, dependence: Dependence, names: &mut Names) -> Symbol {
+    fn define(&mut self, label: Label, dependence: Dependence, names: &mut Names) -> Symbol {
         if let Some((known, _)) = self.lengths.0.iter().find(|(_, known)| *known == dependence) {
             return *known;
         }
@@ -180,10 +180,10 @@ impl Energies {
         let symbol = match along_a_line(disks, &square, names) {
             Some(form) => {
                 let gradient = vec![(Sum::one(), form.clone())];
-                self.defined(label, Dependence::Form { form, gradient }, names)
+                self.define(label, Dependence::Form { form, gradient }, names)
             }
             None => {
-                let symbol = self.defined(label, Dependence::Root(square), names);
+                let symbol = self.define(label, Dependence::Root(square), names);
                 self.spans[symbol.place()] = disks.apart.clone();
                 symbol
             }
@@ -196,21 +196,21 @@ impl Energies {
     fn mean(&mut self, disks: &Disks, distance: &Sum, belt: &mut Belt, names: &mut Names) -> Stretch {
         let drawn_square = dot(&disks.drawn, &disks.drawn);
         let sine = &disks.size * &distance.inverse().unwrap_or_default();
-        let cosine = self.defined(Label::new("cos", ""), Dependence::Root(&Sum::one() - &sine.square()), names);
+        let cosine = self.define(Label::new("cos", ""), Dependence::Root(&Sum::one() - &sine.square()), names);
         let label = names.fresh("beta", belt.name.clone());
         let tangent = &sine * &Sum::name(cosine).inverse().unwrap_or_default();
         let per_distance = -&(&tangent * &distance.inverse().unwrap_or_default());
         let dependence =
-            Dependence::Form { form: called(Function::Asin, sine), gradient: vec![(per_distance, distance.clone())] };
-        let slant = self.defined(label, dependence, names);
+            Dependence::Form { form: call(Function::Asin, sine), gradient: vec![(per_distance, distance.clone())] };
+        let slant = self.define(label, dependence, names);
         names.set_cosine(cosine, slant);
         let (length, drawn) = (names.length(&drawn_square), names.length(&(&drawn_square - &disks.size.square())));
-        let wound = called(Function::Asin, &disks.size * &length.inverse().unwrap_or_default());
+        let wound = call(Function::Asin, &disks.size * &length.inverse().unwrap_or_default());
         let now = &(distance * &Sum::name(cosine)) + &(&disks.size * &Sum::name(slant));
         let form = &(&now - &drawn) - &(&disks.size * &wound);
         let label = names.fresh("e", belt.name.clone());
         let gradient = vec![(Sum::name(cosine), distance.clone())];
-        let mean = self.defined(label, Dependence::Form { form, gradient }, names);
+        let mean = self.define(label, Dependence::Form { form, gradient }, names);
         (belt.slant, belt.mean) = (Some([slant, cosine]), Some(mean));
         Stretch::Plain(Sum::name(mean))
     }
@@ -228,7 +228,7 @@ impl Energies {
             if across.is_zero() {
                 continue;
             }
-            let slope = (&across * &per_square).simplified();
+            let slope = (&across * &per_square).simplify();
             is_said &= !slope.mentions(&is_motion);
             turned = &turned + &(&slope * &(&Sum::name(coordinate.symbols[0]) + &coordinate.rest));
         }
@@ -244,11 +244,11 @@ impl Energies {
         let order = if is_opposite { [0, 1] } else { [1, 0] };
         let angle = |pair: &Pair| {
             let [over, under] = order.map(|place| &pair[place]);
-            called(Function::Atan, over * &under.inverse().unwrap_or_default())
+            call(Function::Atan, over * &under.inverse().unwrap_or_default())
         };
         let (now, drawn) = (angle(&disks.apart), angle(&disks.drawn));
         let form = if is_opposite { &drawn - &now } else { &now - &drawn };
-        let name = self.defined(label, Dependence::Form { form, gradient }, names);
+        let name = self.define(label, Dependence::Form { form, gradient }, names);
         let [over, under] = order.map(|place| disks.apart[place].clone());
         belt.turn = Some(Turn { name, over, under, drawn, is_opposite });
         &disks.named_gap() * &Sum::name(name)
@@ -325,10 +325,10 @@ fn size(of: &Sum, names: &Names) -> Number {
 }
 
 /// An odd function of a sum.
-fn called(function: Function, of: Sum) -> Sum {
+fn call(function: Function, of: Sum) -> Sum {
     match of.terms() {
         [] => Sum::ZERO,
-        terms if terms.iter().all(|(_, number)| number.signum() < 0) => -&called(function, -&of),
+        terms if terms.iter().all(|(_, number)| number.signum() < 0) => -&call(function, -&of),
         _ => Sum::term(Product::of(Factor::Call(function, [of].into()), 1), Rational::ONE),
     }
 }

@@ -9,7 +9,7 @@ use crate::symbols::Sum;
 
 /// r with K r = b, if K is certainly regular at the values of its names.
 pub fn follows(stiffness: &[Vec<Entry>], pushed: &[Sum], names: &Names) -> Option<Vec<Sum>> {
-    let places = reached(stiffness, pushed);
+    let places = reachable(stiffness, pushed);
     if !is_regular(stiffness, &places) {
         return None;
     }
@@ -31,7 +31,7 @@ pub fn follows(stiffness: &[Vec<Entry>], pushed: &[Sum], names: &Names) -> Optio
 }
 
 /// The coordinates that springs tie to those that are pushed, ascending.
-fn reached(stiffness: &[Vec<Entry>], pushed: &[Sum]) -> Vec<usize> {
+fn reachable(stiffness: &[Vec<Entry>], pushed: &[Sum]) -> Vec<usize> {
     let mut is_in: Vec<bool> = pushed.iter().map(|entry| !entry.is_zero()).collect();
     let mut next: Vec<usize> = (0..pushed.len()).filter(|&i| is_in[i]).collect();
     while let Some(i) = next.pop() {
@@ -48,7 +48,7 @@ fn reached(stiffness: &[Vec<Entry>], pushed: &[Sum]) -> Vec<usize> {
 fn is_solution(stiffness: &[Vec<Entry>], pushed: &[Sum], r: &[Sum]) -> bool {
     stiffness.iter().zip(pushed).all(|(row, pushed)| {
         let force = row.iter().zip(r).fold(Sum::ZERO, |sum, (entry, r)| &sum + &(&entry.sum * r));
-        (&force - pushed).simplified().is_zero()
+        (&force - pushed).simplify().is_zero()
     })
 }
 

@@ -62,7 +62,7 @@ fn part(equations: &Equations, places: Vec<usize>) -> Option<Part> {
         damping_ratio: None,
     };
     let is_short = |sums: &[Sum]| sums.iter().all(|sum| sum.terms().len() <= MOST_TERMS);
-    let undamped = if places.len() <= 2 { undamped(equations, &places) } else { Vec::new() };
+    let undamped = if places.len() <= 2 { undamped_determinant(equations, &places) } else { Vec::new() };
     if undamped.is_empty() || !is_short(&undamped) {
         let numbers = (has_symbols && places.len() <= MOST_NUMBERS).then(|| numbers(equations, &places)).flatten();
         return numbers.map(|numbers| Part { numbers, ..empty });
@@ -75,7 +75,7 @@ fn part(equations: &Equations, places: Vec<usize>) -> Option<Part> {
 }
 
 /// det(K - omega^2 M): stiffness and mass by powers of -omega^2.
-fn undamped(equations: &Equations, places: &[usize]) -> Vec<Sum> {
+fn undamped_determinant(equations: &Equations, places: &[usize]) -> Vec<Sum> {
     let linear = &equations.linear;
     determinant(&|i, j| vec![linear.stiffness[i][j].sum.clone(), linear.mass[i][j].sum.clone()], places)
 }
@@ -86,7 +86,7 @@ fn determinant(entry: &impl Fn(usize, usize) -> Vec<Sum>, places: &[usize]) -> V
         [one, other] => {
             let straight = product(&entry(one, one), &entry(other, other));
             let across = product(&entry(one, other), &entry(other, one));
-            straight.iter().zip(&across).map(|(a, b)| &a.evaluated() - &b.evaluated()).collect()
+            straight.iter().zip(&across).map(|(a, b)| &a.evaluate() - &b.evaluate()).collect()
         }
         _ => Vec::new(),
     }
@@ -96,7 +96,7 @@ fn determinant(entry: &impl Fn(usize, usize) -> Vec<Sum>, places: &[usize]) -> V
 fn squares(equations: &Equations, undamped: &[Sum]) -> Vec<Square> {
     let names = &equations.names;
     let quotient = |over: &Sum, under: &Sum| {
-        let form = over.over(under).map(|form| form.simplified());
+        let form = over.over(under).map(|form| form.simplify());
         let value = form.as_ref().and_then(|form| names.value_of(form));
         Square { form, value }
     };
@@ -132,8 +132,8 @@ fn damping_ratio(equations: &Equations, places: &[usize]) -> Option<(Sum, Number
         true => &names.length(stiffness) * &names.length(mass),
         false => names.length(&(stiffness * mass)),
     };
-    let critical = root.scaled(&crate::base::Rational::from(2));
-    let ratio = damping.over(&critical)?.simplified();
+    let critical = root.scale(&crate::base::Rational::from(2));
+    let ratio = damping.over(&critical)?.simplify();
     let value = names.value_of(&ratio)?;
     Some((ratio, value))
 }

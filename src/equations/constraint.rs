@@ -37,7 +37,7 @@ pub fn constraints(scene: &Scene, written: &Written, motion: &Motion, names: &mu
             }
             (turns, true) => {
                 let along = names.unit(written.along.as_ref()?);
-                let across = motion.turned(parts[0], &[-&along[1], along[0].clone()]);
+                let across = motion.rotate(parts[0], &[-&along[1], along[0].clone()]);
                 let at = written.ends[0].as_ref().or(written.ends[1].as_ref());
                 let mut equations = vec![dot(&across, &difference_of_ends(motion, parts, at))];
                 equations.extend((!turns).then_some(turn));

@@ -32,7 +32,7 @@ pub fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Result<Vec<Vec<S
         let (left, right) = rows.swap_remove(row);
         let inverse = left[column].inverse().ok_or(Unsolved::NoPivot)?;
         let scaled =
-            |entries: Vec<Sum>| entries.iter().map(|entry| (entry * &inverse).simplified()).collect::<Vec<Sum>>();
+            |entries: Vec<Sum>| entries.iter().map(|entry| (entry * &inverse).simplify()).collect::<Vec<Sum>>();
         let (left, right) = (scaled(left), scaled(right));
         for (other, values) in rows.iter_mut().chain(&mut done) {
             let factor = other[column].clone();
@@ -45,7 +45,7 @@ pub fn solve(mut rows: Rows, unknowns: usize, names: &Names) -> Result<Vec<Vec<S
                 if terms > MOST_PRODUCTS {
                     return Err(Unsolved::Long { terms });
                 }
-                *entry = (&*entry - &(&factor * own)).simplified();
+                *entry = (&*entry - &(&factor * own)).simplify();
             }
         }
         done.push((left, right));

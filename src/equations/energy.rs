@@ -110,14 +110,14 @@ impl Energies {
             if let Some(mass) = &body.mass {
                 let place = motion.place(part, body.centre.as_ref());
                 let velocity = place.each_ref().map(|part| motion.rate(part, &Lengths::default()));
-                own = &own + &(mass * &dot(&velocity, &velocity)).halved();
+                own = &own + &(mass * &dot(&velocity, &velocity)).halve();
                 if let Some(gravity) = &written.gravity {
                     self.weights = &self.weights - &(mass * &dot(gravity, &place));
                 }
             }
             if let (Some(inertia), Some(angle)) = (&body.inertia, motion.angle_coordinate(part)) {
                 let rate = Sum::name(motion.coordinates[angle].symbols[1]);
-                own = &own + &(inertia * &rate.square()).halved();
+                own = &own + &(inertia * &rate.square()).halve();
             }
             self.kinetic = &self.kinetic + &own;
             let (name, span) = (scene.words.display(scene.bodies[index].name), scene.bodies[index].span);
@@ -346,7 +346,7 @@ impl Energies {
 
     /// A sum with the forces of unbalances written out.
     pub fn with_forces(&self, sum: &Sum) -> Sum {
-        sum.replaced(&|symbol| {
+        sum.replace(&|symbol| {
             let work = self.works.iter().find(|work| work.force == symbol)?;
             work.unbalance.as_ref().map(|unbalance| unbalance.force.clone())
         })
@@ -375,10 +375,10 @@ impl Element {
             Stretch::Plain(stretch) => motion.rate(stretch, &Lengths::default()),
             Stretch::Line { length, square, .. } => {
                 let inverse = Sum::name(*length).inverse().unwrap_or_default();
-                &motion.rate(square, &Lengths::default()).halved() * &inverse
+                &motion.rate(square, &Lengths::default()).halve() * &inverse
             }
         };
-        (&self.coefficient * &rate.square()).halved()
+        (&self.coefficient * &rate.square()).halve()
     }
 
     pub fn is_spring(&self) -> bool {
@@ -386,13 +386,13 @@ impl Element {
     }
 
     /// e - e_free, which the force of a spring is a power of.
-    pub fn stretched(&self) -> Sum {
+    pub fn elongation(&self) -> Sum {
         &self.stretch.sum() - &self.free
     }
 
     /// k (e - e_free)^n + T.
     pub fn pull(&self) -> Sum {
-        self.pull_at(&self.stretched())
+        self.pull_at(&self.elongation())
     }
 
     /// The tension of a spring that is stretched so far.
@@ -450,7 +450,7 @@ pub fn is_motion(symbol: Symbol) -> bool {
 
 /// The part of a displaced place that is there with every coordinate as drawn.
 fn drawn_part(place: &Sum, motion: &Motion) -> Sum {
-    place.replaced(&|symbol| {
+    place.replace(&|symbol| {
         let coordinate = motion.coordinates.iter().find(|coordinate| coordinate.symbols[0] == symbol)?;
         Some(-&coordinate.rest)
     })

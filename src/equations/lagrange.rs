@@ -60,7 +60,7 @@ pub fn equations(motion: &Motion, energies: &Energies, constraints: &[Constraint
                     plain = &plain + &(&force * &slope);
                 }
                 Stretch::Line { square, .. } => {
-                    let slope = square.derivative(displacement, &none).halved();
+                    let slope = square.derivative(displacement, &none).halve();
                     if !slope.is_zero() {
                         lines.push(Line { element: number, slope });
                     }
@@ -109,7 +109,7 @@ impl Line {
         if !element.is_spring() {
             return Sum::ZERO;
         }
-        let pull = element.pull_at(&without_motion(&element.stretched()));
+        let pull = element.pull_at(&without_motion(&element.elongation()));
         let force = &pull * &without_motion(&self.slope);
         match &element.stretch {
             Stretch::Line { length, .. } => &force * &Sum::name(*length).inverse().unwrap_or_default(),
@@ -123,13 +123,13 @@ impl Line {
 pub fn force_variable(element: &Element, motion: &Motion) -> Sum {
     let none = Lengths::default();
     match (element.order, &element.stretch) {
-        (Order::Displacement, _) => element.stretched(),
+        (Order::Displacement, _) => element.elongation(),
         (Order::Velocity, Stretch::Plain(stretch)) => motion.rate(stretch, &none),
         (Order::Acceleration, Stretch::Plain(stretch)) => motion.rate(&motion.rate(stretch, &none), &none),
         (order, Stretch::Line { length, square, .. }) => {
             let inverse = Sum::name(*length).inverse().unwrap_or_default();
             // l l' = (l^2)'/2, and l l'' = (l^2)''/2 - l'^2
-            let half_rate = motion.rate(square, &none).halved();
+            let half_rate = motion.rate(square, &none).halve();
             let rate = &half_rate * &inverse;
             match order {
                 Order::Acceleration => &(&motion.rate(&half_rate, &none) - &rate.square()) * &inverse,

@@ -193,7 +193,7 @@ impl AtRest {
         if is_mean {
             let cosine = self.length(spans.belt.slant?[1]);
             let own = &(tangent * &cosine.square()) * &both;
-            let half_square = Sum::name(spans.belt.distance?).square().halved();
+            let half_square = Sum::name(spans.belt.distance?).square().halve();
             let second = half_square.derivative(row, &energies.lengths).derivative(column, &energies.lengths);
             let across = &spans.density * &(&self.of(&second) - &both);
             return Some((own, &across + &(&spans.along * &both)));
@@ -224,7 +224,7 @@ impl AtRest {
     fn force_of_spans(&self, energies: &Energies, element: usize, row: Symbol) -> Option<Sum> {
         let (spans, is_mean) = self.spans(element)?;
         if is_mean {
-            let half_square = Sum::name(spans.belt.distance?).square().halved();
+            let half_square = Sum::name(spans.belt.distance?).square().halve();
             return Some(&spans.density * &self.of(&half_square.derivative(row, &energies.lengths)));
         }
         let of_disks = energies.elements[element].stretch.sum().derivative(row, &Lengths::default());
@@ -234,7 +234,7 @@ impl AtRest {
 
     pub fn of(&self, sum: &Sum) -> Sum {
         let length = |symbol: Symbol| self.lengths.iter().find(|(name, _)| *name == symbol).map(|(_, at)| at.clone());
-        without_motion(&sum.replaced(&length))
+        without_motion(&sum.replace(&length))
     }
 
     fn length(&self, symbol: Symbol) -> Sum {
@@ -242,14 +242,14 @@ impl AtRest {
     }
 
     fn pull(&self, element: &Element) -> Sum {
-        if element.is_spring() { element.pull_at(&self.of(&element.stretched())) } else { Sum::ZERO }
+        if element.is_spring() { element.pull_at(&self.of(&element.elongation())) } else { Sum::ZERO }
     }
 
     /// The coefficient of an element in the linearised equations.
     pub fn tangent(&self, element: &Element) -> Sum {
         match element.is_linear() {
             true => element.coefficient.clone(),
-            false => element.tangent(&self.of(&element.stretched())),
+            false => element.tangent(&self.of(&element.elongation())),
         }
     }
 
@@ -265,7 +265,7 @@ impl AtRest {
             tangent = &tangent + &self.tangent(share);
         }
         let density = &pull * &inverse;
-        let slope = |symbol: Symbol| square.derivative(symbol, &none).halved();
+        let slope = |symbol: Symbol| square.derivative(symbol, &none).halve();
         let moved: Vec<(Symbol, Sum)> = motion
             .coordinates
             .iter()
@@ -386,7 +386,7 @@ pub fn entry(energies: &Energies, line: &Line, [row, column]: [Symbol; 2], at_re
     }
     let length = at_rest.length(*length);
     let Some(per_square) = length.square().inverse() else { return Default::default() };
-    let (own, other) = (without_motion(&line.slope), without_motion(&square.derivative(column, &none).halved()));
+    let (own, other) = (without_motion(&line.slope), without_motion(&square.derivative(column, &none).halve()));
     let both = &(&own * &other) * &per_square;
     let elastic = &tangent * &both;
     let pull = at_rest.pull(element);

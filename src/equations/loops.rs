@@ -103,7 +103,7 @@ pub fn follows(
             return Err(Kept::Together { dependent: own.len() });
         }
         let rows = independent_rows(&slopes, &rows, &own, names).ok_or(Kept::Undecided)?;
-        follows.extend(solved(&slopes, &rows, &own, &columns)?);
+        follows.extend(solve_cramer(&slopes, &rows, &own, &columns)?);
         held.extend(rows);
     }
     follows.sort_by_key(|follow| follow.coordinate);
@@ -115,13 +115,13 @@ pub fn follows(
 }
 
 /// The equations of the independent coordinates without multipliers.
-pub fn reduced(
+pub fn reduce(
     motion: &Motion,
     equations: &[Equation],
     independent: &[usize],
     (follows, held): (Vec<Follow>, Vec<usize>),
 ) -> Reduced {
-    let equations = independent.iter().map(|index| projected(*index, equations, &follows, motion)).collect();
+    let equations = independent.iter().map(|index| project(*index, equations, &follows, motion)).collect();
     Reduced { follows, held, equations }
 }
 
@@ -173,7 +173,7 @@ fn in_proportion(
 }
 
 /// Cramer's rule.
-fn solved(slopes: &[Vec<Sum>], rows: &[usize], own: &[usize], columns: &[usize]) -> Result<Vec<Follow>, Kept> {
+fn solve_cramer(slopes: &[Vec<Sum>], rows: &[usize], own: &[usize], columns: &[usize]) -> Result<Vec<Follow>, Kept> {
     let matrix: Vec<Vec<Sum>> =
         rows.iter().map(|row| own.iter().map(|index| slopes[*row][*index].clone()).collect()).collect();
     let inverse = determinant(&matrix).inverse().ok_or(Kept::Undecided)?;
@@ -185,7 +185,7 @@ fn solved(slopes: &[Vec<Sum>], rows: &[usize], own: &[usize], columns: &[usize])
             for (entries, row) in replaced.iter_mut().zip(rows) {
                 entries[place] = -&slopes[*row][*by];
             }
-            let form = (&determinant(&replaced) * &inverse).simplified();
+            let form = (&determinant(&replaced) * &inverse).simplify();
             if form.terms().len() > MOST_TERMS {
                 return Err(Kept::Long { terms: form.terms().len() });
             }
@@ -262,7 +262,7 @@ fn name_ratios(follows: &mut [Follow], motion: &Motion, names: &mut Names) {
 }
 
 /// E_i + N_i^T E_d, with proportional coordinates substituted.
-fn projected(index: usize, equations: &[Equation], follows: &[Follow], motion: &Motion) -> Equation {
+fn project(index: usize, equations: &[Equation], follows: &[Follow], motion: &Motion) -> Equation {
     let own = &equations[index];
     let mut projected = Equation { reactions: Vec::new(), lines: Vec::new(), ..own.clone() };
     let mut lines: Vec<Line> = own.lines.clone();
@@ -291,11 +291,11 @@ fn projected(index: usize, equations: &[Equation], follows: &[Follow], motion: &
     };
     lines.retain(|line| !line.slope.is_zero());
     for line in &mut lines {
-        line.slope = line.slope.replaced(&put_in);
+        line.slope = line.slope.replace(&put_in);
     }
     lines.sort_by_key(|line| line.element);
     projected.lines = lines;
-    projected.plain = projected.plain.replaced(&put_in);
-    projected.forces = projected.forces.replaced(&put_in);
+    projected.plain = projected.plain.replace(&put_in);
+    projected.forces = projected.forces.replace(&put_in);
     projected
 }

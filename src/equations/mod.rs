@@ -131,7 +131,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
     let mut names = Names::new(&written);
     made.into_iter().for_each(|(symbol, label)| names.set(symbol, label, None));
     let numbers = rest::numbers(lowered);
-    let mut derived = derived(scene, &written, &mut names, &|names, coordinate, index| {
+    let mut derived = derive_equations(scene, &written, &mut names, &|names, coordinate, index| {
         rest::symbol(names, coordinate, index, &numbers)
     })?;
     let mut rest = Rest::new(&derived.motion, &derived.energies, &derived.equations, &mut names, &numbers);
@@ -142,7 +142,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
         closed.iter().filter(|(index, _)| derived.motion.coordinates[*index].turns).cloned().collect();
     rest.closed = closed;
     if !angles.is_empty() {
-        derived = self::derived(scene, &written, &mut names, &|names, coordinate, index| {
+        derived = self::derive_equations(scene, &written, &mut names, &|names, coordinate, index| {
             let found = angles.iter().find(|(place, _)| *place == index);
             found.map_or_else(|| rest::symbol(names, coordinate, index, &numbers), |(_, form)| form.clone())
         })?;
@@ -157,7 +157,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
         false => Some(loops::follows(&motion, &constraints, &independent, &mut names)),
     };
     let in_motion = follows.as_ref().and_then(|follows| follows.as_ref().ok()).map(|(follows, _)| &follows[..]);
-    let mut linear = reduce::reduced(
+    let mut linear = reduce::reduce(
         independent.clone(),
         &motion,
         &constraints,
@@ -169,7 +169,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
         in_motion,
     )?;
     let reduced =
-        follows.map(|follows| follows.map(|follows| loops::reduced(&motion, &equations, &independent, follows)));
+        follows.map(|follows| follows.map(|follows| loops::reduce(&motion, &equations, &independent, follows)));
     let rayleigh = written.rayleigh.clone();
     if let Some((alpha, beta)) = &rayleigh {
         linear.add_rayleigh(alpha, beta, &names)?;
@@ -201,7 +201,7 @@ pub fn derive(scene: &Scene, written: &Written, lowered: &Lowered) -> Result<Equ
         linear,
         inputs,
         outputs: Vec::new(),
-        carried: transfer::carried(scene),
+        carried: transfer::reaction_outputs(scene),
         parts: Vec::new(),
         transfers: Vec::new(),
         rayleigh,
@@ -234,7 +234,7 @@ fn no_span() -> Span {
     Span::new(crate::base::FileId(0), 0, 0)
 }
 
-fn derived(
+fn derive_equations(
     scene: &Scene,
     written: &Written,
     names: &mut Names,
@@ -356,7 +356,7 @@ impl Linearised {
             let Some(follows) = carried::follows(&self.stiffness, &pushed, names) else { return false };
             for (entry, masses) in column.parts[1].iter_mut().zip(&self.mass) {
                 let momentum = masses.iter().zip(&follows).fold(Sum::ZERO, |sum, (mass, r)| &sum + &(&mass.sum * r));
-                *entry = (&*entry + &(alpha * &momentum)).simplified();
+                *entry = (&*entry + &(alpha * &momentum)).simplify();
             }
             found.push((column.input, follows));
         }
@@ -367,7 +367,7 @@ impl Linearised {
 
 impl Equations {
     /// The form without multipliers, if it was found.
-    pub fn reduced(&self) -> Option<&loops::Reduced> {
+    pub fn reduced_form(&self) -> Option<&loops::Reduced> {
         self.reduced.as_ref().and_then(|reduced| reduced.as_ref().ok())
     }
 

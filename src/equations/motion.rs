@@ -70,7 +70,7 @@ impl Motion {
     }
 
     /// A direction that turns with a part.
-    pub fn turned(&self, part: Part, direction: &Pair) -> Pair {
+    pub fn rotate(&self, part: Part, direction: &Pair) -> Pair {
         match self.angle(part) {
             Some(angle) => turn(direction, &angle),
             None => direction.clone(),
@@ -296,7 +296,7 @@ impl<'a> Growth<'a> {
         for (piece, own) in own.iter().enumerate() {
             let placed = match self.carriers[piece] {
                 None => self.placed_piece(self.class_of_piece[piece], coordinates, own, names)?,
-                Some((carrier, joint)) => self.carried(&pieces[carrier], joint, (coordinates, own), names)?,
+                Some((carrier, joint)) => self.carry_part(&pieces[carrier], joint, (coordinates, own), names)?,
             };
             pieces.push(placed);
         }
@@ -332,7 +332,7 @@ impl<'a> Growth<'a> {
     }
 
     /// A part that a joint ties to its carrier.
-    fn carried(
+    fn carry_part(
         &self,
         carrier: &Piece,
         joint: usize,

@@ -178,7 +178,7 @@ impl Names {
     pub fn unit(&self, direction: &Pair) -> Pair {
         let length = self.length(&dot(direction, direction));
         match length.inverse() {
-            Some(inverse) => direction.each_ref().map(|part| (part * &inverse).simplified()),
+            Some(inverse) => direction.each_ref().map(|part| (part * &inverse).simplify()),
             None => direction.clone(),
         }
     }
@@ -186,7 +186,7 @@ impl Names {
 
 /// The sum with every motion and force at zero.
 pub fn without_motion(sum: &Sum) -> Sum {
-    sum.replaced(&|symbol| {
+    sum.replace(&|symbol| {
         let moves = (class::COORDINATE..=class::FORCE).contains(&symbol.class());
         moves.then_some(Sum::ZERO)
     })

@@ -22,7 +22,7 @@ use crate::symbols::{Factor, Lengths, Product, Sum, Symbol};
 const MOST_EQUATIONS: usize = 12;
 
 #[allow(clippy::too_many_arguments)]
-pub fn reduced(
+pub fn reduce(
     coordinates: Vec<usize>,
     motion: &Motion,
     constraints: &[Constraint],
@@ -56,7 +56,7 @@ pub fn reduced(
             None => all_together(motion, constraints, &others, &columns, names)?,
         };
         for (index, row) in others.iter().zip(solved) {
-            let row = named(row, (*index, &columns), motion, names, &mut ratios);
+            let row = name_ratios(row, (*index, &columns), motion, names, &mut ratios);
             let symbols = columns.iter().map(|column| Sum::name(motion.coordinates[*column].symbols[0]));
             let sum = row.iter().zip(symbols).fold(Sum::ZERO, |sum, (entry, symbol)| &sum + &(entry * &symbol));
             dependent.push((*index, sum));
@@ -103,7 +103,7 @@ fn at_rest_ratios(follows: &[Follow], index: usize, columns: &[usize]) -> Vec<Su
     let follow = follows.iter().find(|follow| follow.coordinate == index);
     let ratio = |by: &usize| {
         let found = follow.and_then(|follow| follow.ratios.iter().find(|ratio| ratio.by == *by));
-        found.map_or(Sum::ZERO, |ratio| without_motion(&ratio.form).simplified())
+        found.map_or(Sum::ZERO, |ratio| without_motion(&ratio.form).simplify())
     };
     columns.iter().map(ratio).collect()
 }
@@ -123,10 +123,10 @@ fn all_together(
     let left = |c: &Constraint| others.iter().map(|index| slope(c, *index)).collect::<Vec<Sum>>();
     let right = |c: &Constraint| columns.iter().map(|index| -&slope(c, *index)).collect::<Vec<Sum>>();
     let rows = constraints.iter().map(|constraint| (left(constraint), right(constraint))).collect();
-    solve(rows, others.len(), names).map_err(|why| unsolved(why, constraints[0].span))
+    solve(rows, others.len(), names).map_err(|why| unsolved_error(why, constraints[0].span))
 }
 
-fn unsolved(why: Unsolved, span: Span) -> EquationsError {
+fn unsolved_error(why: Unsolved, span: Span) -> EquationsError {
     match why {
         Unsolved::NoPivot => EquationsError::NoForm { span },
         Unsolved::Long { terms } => EquationsError::LongLoop { span, terms, most: elimination::MOST_TERMS },
@@ -134,7 +134,7 @@ fn unsolved(why: Unsolved, span: Span) -> EquationsError {
 }
 
 /// Long ratios get a name, with their definition beside it, so that entries made of them stay readable.
-fn named(
+fn name_ratios(
     row: Vec<Sum>,
     (index, columns): (usize, &[usize]),
     motion: &Motion,
@@ -268,7 +268,7 @@ fn reactions(
     }
     // Constraints that depend on each other have no unique reactions: the last ones are set to zero.
     let unknowns = constraints.len().min(others.len());
-    let solved = solve(rows, unknowns, names).map_err(|why| unsolved(why, constraints[0].span))?;
+    let solved = solve(rows, unknowns, names).map_err(|why| unsolved_error(why, constraints[0].span))?;
     for (constraint, row) in constraints.iter().zip(solved) {
         let form = row.into_iter().next().unwrap_or_default();
         let value = names.value_of(&form).unwrap_or(Number::ZERO);
@@ -286,5 +286,5 @@ fn reactions(
 }
 
 fn without_multipliers(sum: &Sum) -> Sum {
-    sum.replaced(&|symbol| (symbol.class() == class::MULTIPLIER).then_some(Sum::ZERO))
+    sum.replace(&|symbol| (symbol.class() == class::MULTIPLIER).then_some(Sum::ZERO))
 }

@@ -95,7 +95,7 @@ impl Rest {
     /// identically are dropped.
     pub fn settle(&mut self, at_rest: &AtRest, names: &Names, by_parts: impl Fn(usize) -> Option<Sum>) {
         for (coordinate, condition) in &mut self.conditions {
-            *condition = by_parts(*coordinate).unwrap_or_else(|| at_rest.of(condition).simplified());
+            *condition = by_parts(*coordinate).unwrap_or_else(|| at_rest.of(condition).simplify());
         }
         self.conditions.retain(|(_, condition)| !condition.vanishes());
         let is_unknown = |symbol: Symbol| [class::TENSION, class::MULTIPLIER].contains(&symbol.class());
@@ -103,7 +103,7 @@ impl Rest {
             let mut unknown = std::collections::BTreeSet::new();
             condition.names(&mut |symbol| unknown.extend(is_unknown(symbol).then_some(symbol)));
             let (Some(symbol), 1) = (unknown.first().copied(), unknown.len()) else { continue };
-            let form = solved_linear(condition, symbol).map(|form| form.simplified());
+            let form = solved_linear(condition, symbol).map(|form| form.simplify());
             let agrees = |form: &Sum| {
                 names
                     .value_of(form)
@@ -142,7 +142,7 @@ impl Rest {
                 found.push((*index, form.clone()));
                 let replace = |s: Symbol| (s == *symbol).then(|| form.clone());
                 for condition in &mut conditions {
-                    *condition = condition.replaced(&replace);
+                    *condition = condition.replace(&replace);
                 }
             }
             if found.len() == before {
@@ -157,7 +157,7 @@ impl Rest {
 fn solved_linear(condition: &Sum, unknown: Symbol) -> Option<Sum> {
     let factor = Factor::Name(unknown);
     let (mut slope, mut rest) = (Sum::ZERO, Sum::ZERO);
-    for (part, others) in condition.collected(|known| known.mentions(&|symbol| symbol == unknown)) {
+    for (part, others) in condition.collect_by(|known| known.mentions(&|symbol| symbol == unknown)) {
         match part.factors() {
             [] => rest = others,
             [(known, 1)] if *known == factor => slope = others,
@@ -169,7 +169,7 @@ fn solved_linear(condition: &Sum, unknown: Symbol) -> Option<Sum> {
 
 /// c sin(x + a) = 0 or c cos(x + a) = 0.
 fn solved_wave(condition: &Sum, unknown: Symbol) -> Vec<Sum> {
-    let parts = condition.collected(|known| known.mentions(&|symbol| symbol == unknown));
+    let parts = condition.collect_by(|known| known.mentions(&|symbol| symbol == unknown));
     let [(part, _)] = &parts[..] else { return Vec::new() };
     let (angle, quarter) = match part.factors() {
         [(Factor::Sine(angle), 1)] => (angle, 0),
@@ -178,7 +178,7 @@ fn solved_wave(condition: &Sum, unknown: Symbol) -> Vec<Sum> {
     };
     let half_turns = [0, 1, -1].map(|half| Rational::new(2 * half + quarter, 2));
     let zeros = half_turns.into_iter().filter_map(|turns| {
-        let left = &**angle - &Sum::pi().scaled(&turns);
+        let left = &**angle - &Sum::pi().scale(&turns);
         solved_linear(&left, unknown)
     });
     zeros.collect()

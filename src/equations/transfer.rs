@@ -44,7 +44,7 @@ pub fn outputs(scene: &Scene, written: &Written, equations: &Equations, at_rest:
             rows: Vec::new(),
             direct: Vec::new(),
         };
-        Some(combined(output, &forms, &equations.motion, &equations.linear))
+        Some(combine(output, &forms, &equations.motion, &equations.linear))
     };
     both.filter_map(output).collect()
 }
@@ -85,7 +85,7 @@ fn form(
             let mut shares = energies.elements_of(element.index());
             let tangent = match &own.geometry {
                 // Each of its elements has the stiffness of both spans.
-                Geometry::Span(_) => shares.next().map_or(Sum::ZERO, |share| share.coefficient.halved()),
+                Geometry::Span(_) => shares.next().map_or(Sum::ZERO, |share| share.coefficient.halve()),
                 _ => shares.fold(Sum::ZERO, |sum, share| &sum + &at_rest.tangent(share)),
             };
             (own.law.kind.order as usize, &tangent * &form)
@@ -111,13 +111,13 @@ fn first_order(sum: &Sum, motion: &Motion, lengths: &Lengths, at_rest: &AtRest) 
 }
 
 /// Over the independent coordinates and the prescribed motions.
-fn combined(output: Output, forms: &[Sum], motion: &Motion, linear: &Linearised) -> Output {
+fn combine(output: Output, forms: &[Sum], motion: &Motion, linear: &Linearised) -> Output {
     let none = Lengths::default();
     let dependent = |symbol| {
         let found = linear.dependent.iter().find(|(index, _)| motion.coordinates[*index].symbols[0] == symbol);
         found.map(|(_, sum)| sum.clone())
     };
-    let forms: Vec<Sum> = forms.iter().map(|form| form.replaced(&dependent)).collect();
+    let forms: Vec<Sum> = forms.iter().map(|form| form.replace(&dependent)).collect();
     let factor =
         |form: &Sum, index: usize| without_motion(&form.derivative(motion.coordinates[index].symbols[0], &none));
     let rows = forms.iter().map(|form| linear.coordinates.iter().map(|index| factor(form, *index)).collect());
@@ -149,7 +149,7 @@ pub struct Transfer {
 }
 
 /// The outputs of reactions: only their values at rest, the multipliers of joints, are in the equations.
-pub fn carried(scene: &Scene) -> Vec<String> {
+pub fn reaction_outputs(scene: &Scene) -> Vec<String> {
     let is_reaction = |term: &MotionTerm| matches!(term.motion, Moved::Reaction(_));
     let outputs = scene.outputs.iter().filter(|output| output.terms.iter().any(is_reaction));
     outputs.map(|output| scene.words.display(output.name)).collect()
@@ -197,7 +197,7 @@ fn transfer(
     };
     if !part.characteristic.is_empty() {
         let numerator = numerator(equations, part, column, row);
-        let reduced = reduced(&numerator, &part.characteristic);
+        let reduced = cancel_factors(&numerator, &part.characteristic);
         return Some(Transfer { numerator, reduced, ..own });
     }
     let numbers = (!part.numbers.is_empty()).then(|| numerator_of_numbers(equations, part, column, row)).flatten()?;
@@ -205,7 +205,7 @@ fn transfer(
 }
 
 /// Common factors of numerator and denominator cancelled.
-fn reduced(numerator: &[Sum], denominator: &[Sum]) -> (Vec<Sum>, Vec<Sum>) {
+fn cancel_factors(numerator: &[Sum], denominator: &[Sum]) -> (Vec<Sum>, Vec<Sum>) {
     // Powers of two different variables keep the terms apart.
     let variables = [0, 1].map(|place| Symbol::new(class::LAPLACE, place + 1));
     let both = &in_variable(numerator, variables[0]) + &in_variable(denominator, variables[1]);
@@ -283,7 +283,7 @@ fn numerator(equations: &Equations, part: &Part, column: &Column, output: &Outpu
                 product(&p(other), &product(&negated(z(other, one)), &b(one))),
                 product(&p(other), &product(&z(one, one), &b(other))),
             ];
-            terms.into_iter().fold(Vec::new(), added)
+            terms.into_iter().fold(Vec::new(), add)
         }
         _ => Vec::new(),
     };
@@ -291,7 +291,7 @@ fn numerator(equations: &Equations, part: &Part, column: &Column, output: &Outpu
         for (_, entry) in direct.iter().filter(|(input, _)| *input == column.input) {
             let mut shifted = vec![Sum::ZERO; order];
             shifted.push(entry.clone());
-            sum = added(sum, product(&shifted, &part.characteristic));
+            sum = add(sum, product(&shifted, &part.characteristic));
         }
     }
     while sum.last().is_some_and(Sum::is_zero) {
@@ -300,7 +300,7 @@ fn numerator(equations: &Equations, part: &Part, column: &Column, output: &Outpu
     sum
 }
 
-fn added(a: Vec<Sum>, b: Vec<Sum>) -> Vec<Sum> {
+fn add(a: Vec<Sum>, b: Vec<Sum>) -> Vec<Sum> {
     let zero = Sum::ZERO;
     (0..a.len().max(b.len())).map(|i| a.get(i).unwrap_or(&zero) + b.get(i).unwrap_or(&zero)).collect()
 }

@@ -23,7 +23,7 @@ mod solutions;
 /// Compares everything; the first difference is the error.
 pub fn verify(equations: &Equations, scene: &Scene, lowered: &Lowered) -> Result<(), EquationsError> {
     let whole = solutions::Matrices::new(scene, &lowered.system);
-    let system = &solutions::damped(equations, scene, &lowered.system)?;
+    let system = &solutions::with_base_damping(equations, scene, &lowered.system)?;
     matrices(equations, system, &whole)?;
     inputs(equations, system)?;
     rests(equations)?;
@@ -86,7 +86,7 @@ fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &
     let share = |element: &Element| {
         let stretch = element.stretch.sum();
         let slope = |by: Symbol| stretch.derivative(by, &energies.lengths);
-        let at = element.stretched();
+        let at = element.elongation();
         let own = &(&element.tangent(&at) * &slope(a[0])) * &slope(b[0]);
         match element.is_spring() {
             true => &own + &(&element.pull_at(&at) * &slope(a[0]).derivative(b[0], &energies.lengths)),
@@ -105,18 +105,18 @@ fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &
 
 /// The value at rest, of what depends on coordinates by what it stands for.
 fn at_rest(equations: &Equations, sum: &Sum) -> Option<Number> {
-    equations.names.value_of(&still(equations, sum))
+    equations.names.value_of(&sum_at_rest(equations, sum))
 }
 
-fn still(equations: &Equations, sum: &Sum) -> Sum {
+fn sum_at_rest(equations: &Equations, sum: &Sum) -> Sum {
     let length = |symbol: Symbol| {
         let found = equations.energies.lengths.0.iter().find(|(name, _)| *name == symbol);
         found.map(|(_, dependence)| match dependence {
-            Dependence::Root(square) => equations.names.length(&still(equations, square)),
-            Dependence::Form { form, .. } => still(equations, form),
+            Dependence::Root(square) => equations.names.length(&sum_at_rest(equations, square)),
+            Dependence::Form { form, .. } => sum_at_rest(equations, form),
         })
     };
-    without_motion(&sum.replaced(&length))
+    without_motion(&sum.replace(&length))
 }
 
 fn inputs(equations: &Equations, system: &LinearSystem) -> Result<(), EquationsError> {

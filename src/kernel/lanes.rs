@@ -122,7 +122,7 @@ impl<V: Vector> Double<V> {
 
     /// Normalises the number: |lo| below half a unit in the last place of hi.
     #[inline(always)]
-    pub fn normalised(self) -> Double<V> {
+    pub fn normalise(self) -> Double<V> {
         let (hi, lo) = two_sum(self.hi, self.lo);
         Double { hi, lo }
     }
@@ -251,7 +251,7 @@ mod tests {
                 assert!(sum_error <= 13.0 * unit_squared * (x.hi.abs() + y.hi.abs()), "{x:?} {y:?}");
                 let product_error = (dd(x.sloppy_times(y)) - product).abs().hi;
                 assert!(product_error <= 11.0 * unit_squared * product.hi.abs(), "{x:?} {y:?}");
-                let accumulated = dd(x.plus_double(y, y).normalised()) - (sum - dd(y) + dd(y) * dd(y));
+                let accumulated = dd(x.plus_double(y, y).normalise()) - (sum - dd(y) + dd(y) * dd(y));
                 let size = x.hi.abs() + 2.0 * y.hi.abs() + y.hi * y.hi;
                 assert!(accumulated.abs().hi <= 32.0 * unit_squared * size, "{x:?} {y:?}");
             }

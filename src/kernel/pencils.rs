@@ -63,12 +63,12 @@ impl Line {
         let n = self.n;
         let mut found = vec![0.0; d.len() * (n + 1) * 2];
         all(n, [&self.k[0], &self.k[1], &self.m[0], &self.m[1]], self.off, d, &mut found);
-        found.chunks(2 * (n + 1)).map(|numbers| sorted(n, numbers)).collect()
+        found.chunks(2 * (n + 1)).map(|numbers| sort(n, numbers)).collect()
     }
 }
 
 /// Quotients of the diagonals and what limits their errors, put in order.
-fn sorted(n: usize, numbers: &[f64]) -> Option<Eigenvalues> {
+fn sort(n: usize, numbers: &[f64]) -> Option<Eigenvalues> {
     let (off_t, off_s, least) = (numbers[n], numbers[n + 1], numbers[n + 2]);
     let room = (least - off_s) * (1.0 - 4.0 * U);
     // NaN, of a factor that does not exist, fails too.

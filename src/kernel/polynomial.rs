@@ -131,7 +131,7 @@ impl Polynomial {
             }
             let next = match combined.take() {
                 Some((modulus, known)) if known.len() < image.len() => (modulus, known),
-                Some((modulus, known)) if known.len() == image.len() => joined(modulus, known, &image, field),
+                Some((modulus, known)) if known.len() == image.len() => join_images(modulus, known, &image, field),
                 _ => (field.prime().into(), image.iter().map(|&a| BigInt::from(a)).collect()),
             };
             let candidate = Polynomial::new(symmetric(&next)).primitive();
@@ -205,7 +205,7 @@ fn residue(a: &BigInt, field: Field) -> u64 {
 }
 
 /// The coefficients modulo modulus times prime.
-fn joined(modulus: BigInt, known: Vec<BigInt>, image: &[u64], field: Field) -> (BigInt, Vec<BigInt>) {
+fn join_images(modulus: BigInt, known: Vec<BigInt>, image: &[u64], field: Field) -> (BigInt, Vec<BigInt>) {
     let inverse = field.inverse(residue(&modulus, field));
     let join = |(x, &y): (BigInt, &u64)| {
         let difference = field.add(y, field.negate(residue(&x, field)));

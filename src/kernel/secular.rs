@@ -178,7 +178,7 @@ simd! {
                     let b = origin.is_left.if_exceeds(zero, s * gap, -(t * gap));
                     low = origin.is_left.if_exceeds(zero, zero, -half);
                     high = origin.is_left.if_exceeds(zero, half, zero);
-                    tau = inside(quadratic(a, b, rest, false), low, high);
+                    tau = clamp_or_middle(quadratic(a, b, rest, false), low, high);
                 }
                 let (mut open, mut reach) = (one, V::splat(f64::INFINITY));
                 // Above the last root there is no pole: its own takes the place of the upper one, and the one before that of the lower.
@@ -210,7 +210,7 @@ simd! {
                         let c = value - left * at.slope_below - right * at.slope_above;
                         quadratic(a, product * value, c, is_last)
                     };
-                    tau = open.if_exceeds(zero, inside(tau + step, low, high), tau);
+                    tau = open.if_exceeds(zero, clamp_or_middle(tau + step, low, high), tau);
                 }
                 // Where the steps did not suffice, tau is not where f was last computed.
                 reach = open.if_exceeds(zero, V::splat(f64::NAN), reach);
@@ -233,7 +233,7 @@ simd! {
 
 /// A number if it lies between two others, else their middle.
 #[inline(always)]
-fn inside<V: Vector>(x: V, low: V, high: V) -> V {
+fn clamp_or_middle<V: Vector>(x: V, low: V, high: V) -> V {
     let middle = (low + high) * V::splat(0.5);
     x.if_exceeds(low, high.if_exceeds(x, x, middle), middle)
 }

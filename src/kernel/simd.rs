@@ -531,7 +531,7 @@ mod tests {
     }
 
     simd! {
-        fn fused(x: f64, y: f64) -> f64 {
+        fn fused_sum(x: f64, y: f64) -> f64 {
             x.mul_add(x, y)
         }
     }
@@ -547,7 +547,7 @@ mod tests {
         let small: Vec<f64> = (1..=8).map(|i| 1.0 / f64::from(i)).collect();
         assert_eq!(by_eight(&small, &small).1.to_bits(), Plain::load(&small).sum().to_bits());
         // (1 + 2^-30)^2 - 1 = 2^-29 + 2^-60, which two roundings lose.
-        assert_eq!(fused(1.0 + 2f64.powi(-30), -1.0), 2f64.powi(-29) + 2f64.powi(-60));
+        assert_eq!(fused_sum(1.0 + 2f64.powi(-30), -1.0), 2f64.powi(-29) + 2f64.powi(-60));
     }
 
     /// The narrower registers of this processor too.
@@ -566,13 +566,13 @@ mod tests {
     }
 
     simd! {
-        fn loaded<V: Eight>(x: &[f64]) -> f64 {
+        fn load_sum<V: Eight>(x: &[f64]) -> f64 {
             V::load(x).sum()
         }
     }
 
     simd! {
-        fn stored<V: Eight>(x: &mut [f64]) {
+        fn store_all<V: Eight>(x: &mut [f64]) {
             V::splat(1.0).store(x);
         }
     }
@@ -583,20 +583,20 @@ mod tests {
     #[should_panic]
     fn nothing_is_read_beyond_a_slice() {
         let x: Box<[f64]> = Box::new([0.0; 7]);
-        loaded(&x);
+        load_sum(&x);
     }
 
     #[test]
     #[should_panic]
     fn nothing_is_written_beyond_a_slice() {
         let mut x: Box<[f64]> = Box::new([0.0; 7]);
-        stored(&mut x);
+        store_all(&mut x);
     }
 
     #[test]
     fn the_last_lane_is_read_and_written() {
         let mut x = [0.0; 9];
-        stored(&mut x[..8]);
-        assert_eq!((x[7], x[8], loaded(&x[..8])), (1.0, 0.0, 8.0));
+        store_all(&mut x[..8]);
+        assert_eq!((x[7], x[8], load_sum(&x[..8])), (1.0, 0.0, 8.0));
     }
 }

@@ -12,7 +12,7 @@ const DIGITS: usize = 32;
 /// A number between 0 and 1, both excluded: the digit of a point at each place, exchanged or not at random for each sequence of digits
 /// before it (A. B. Owen, Annals of Statistics 25, 1997, 1541-1562, section 2), so that every point is uniformly distributed and the
 /// points together keep Sobol's evenness. `key` tells scramblings apart, `stream` the purpose.
-pub fn scrambled(index: u32, dimension: usize, key: [u32; 2], stream: [u32; 2]) -> f64 {
+pub fn scramble_point(index: u32, dimension: usize, key: [u32; 2], stream: [u32; 2]) -> f64 {
     let plain = plain(index, dimension);
     let mut found = plain;
     // Seven levels of the tree of digits have 127 nodes, the random bits of one call.
@@ -134,7 +134,7 @@ mod tests {
         let (m, key) = (8u32, [3, 9]);
         for from in [0u32, 256, 5 << 8] {
             let of = |dimension: usize| -> Vec<f64> {
-                (from..from + 256).map(|index| scrambled(index, dimension, key, [7, 1])).collect()
+                (from..from + 256).map(|index| scramble_point(index, dimension, key, [7, 1])).collect()
             };
             for dimension in [0, 1, 2, 13, 39] {
                 let mut cells: Vec<usize> = of(dimension).iter().map(|x| (x * 256.0) as usize).collect();
@@ -160,7 +160,7 @@ mod tests {
         for (index, dimension) in [(0, 0), (1, 1), (12, 5)] {
             let mut counts = [0; 8];
             for key in 0..4000 {
-                counts[(scrambled(index, dimension, [key, 1], [0, 0]) * 8.0) as usize] += 1;
+                counts[(scramble_point(index, dimension, [key, 1], [0, 0]) * 8.0) as usize] += 1;
             }
             assert!(counts.iter().all(|count: &i32| (count - 500).abs() < 105), "{index} {dimension}: {counts:?}");
         }

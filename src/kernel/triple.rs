@@ -32,7 +32,7 @@ impl Triple {
 
     /// The exact sum of the three, in normal form.
     #[inline]
-    fn normalised(a: f64, b: f64, c: f64) -> Triple {
+    fn normalise(a: f64, b: f64, c: f64) -> Triple {
         let (b, c) = two_sum(b, c);
         let (a, b) = two_sum(a, b);
         let (b, c) = two_sum(b, c);
@@ -90,7 +90,7 @@ impl Triple {
             let a = n.hi / d.hi;
             let rest = left(n.hi, a);
             let b = rest / d.hi;
-            return Triple::normalised(a, b, left(rest, b) / d.hi);
+            return Triple::normalise(a, b, left(rest, b) / d.hi);
         }
         Triple::ratio(n.into(), d.into())
     }
@@ -103,7 +103,7 @@ impl Triple {
             *word = rest.a / d.a;
             rest = rest - d * Triple::from(*word);
         }
-        Triple::normalised(words[0], words[1], words[2])
+        Triple::normalise(words[0], words[1], words[2])
     }
 }
 
@@ -136,7 +136,7 @@ impl Add for Triple {
         let (s0, e0) = two_sum(self.a, y.a);
         let (s1, e1) = two_sum(self.b, y.b);
         let (s1, f1) = two_sum(s1, e0);
-        Triple::normalised(s0, s1, (self.c + y.c) + (e1 + f1))
+        Triple::normalise(s0, s1, (self.c + y.c) + (e1 + f1))
     }
 }
 
@@ -158,7 +158,7 @@ impl Mul for Triple {
         let (s, t1) = two_sum(q1, q2);
         let (s, t2) = two_sum(s, e);
         let third = self.a.mul_add(y.c, self.b.mul_add(y.b, self.c * y.a)) + ((e1 + e2) + (t1 + t2));
-        Triple::normalised(p, s, third)
+        Triple::normalise(p, s, third)
     }
 }
 

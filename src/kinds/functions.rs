@@ -143,7 +143,7 @@ pub struct Named<K> {
 }
 
 /// The function of this name in a table.
-pub fn named<K>(table: &'static [Named<K>], name: &str) -> Option<&'static Named<K>> {
+pub fn by_name<K>(table: &'static [Named<K>], name: &str) -> Option<&'static Named<K>> {
     table.iter().find(|entry| entry.function.name == name)
 }
 

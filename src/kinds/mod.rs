@@ -89,13 +89,13 @@ impl JointId {
 pub fn body_or_element() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| {
         let elements = elements::KINDS.iter().map(|kind| kind.keyword);
-        listed(&["body"].into_iter().chain(elements).collect::<Vec<_>>(), "or")
+        enumeration(&["body"].into_iter().chain(elements).collect::<Vec<_>>(), "or")
     });
     &TEXT
 }
 
 /// `a, b and c`
-pub fn listed(words: &[impl AsRef<str>], last: &str) -> String {
+pub fn enumeration(words: &[impl AsRef<str>], last: &str) -> String {
     let mut text = String::new();
     for (place, word) in words.iter().enumerate() {
         match place {
@@ -264,8 +264,8 @@ mod tests {
 
     #[test]
     fn lists_read_as_sentences_do() {
-        assert_eq!(listed(&["a"], "or"), "a");
-        assert_eq!(listed(&["a", "b"], "or"), "a or b");
-        assert_eq!(listed(&["a", "b", "c"], "and"), "a, b and c");
+        assert_eq!(enumeration(&["a"], "or"), "a");
+        assert_eq!(enumeration(&["a", "b"], "or"), "a or b");
+        assert_eq!(enumeration(&["a", "b", "c"], "and"), "a, b and c");
     }
 }

@@ -10,7 +10,7 @@ use super::kinematics::{End, Kinematics, Path};
 use super::loads::{self, EndPath};
 use crate::base::{Name, Number};
 use crate::elements::{KINDS, Kind};
-use crate::kinds::listed;
+use crate::kinds::enumeration;
 use crate::model::CheckedScene;
 use crate::model::scene::{Body, BodyId, Element, InputKind, Part, Scene};
 use crate::system::{Form, LinearSystem, Origin};
@@ -70,11 +70,11 @@ impl Explanation<'_> {
     fn freedoms(&mut self) {
         let (n, all) = (self.system.n(), self.kinematics.n());
         self.keep(
-            counted(n, "degree of freedom", "degrees of freedom"),
+            count_of(n, "degree of freedom", "degrees of freedom"),
             "only those given by the bodies' freedom clauses and the joints",
         );
         if n < all {
-            let dependent = counted(all - n, "motion", "motions");
+            let dependent = count_of(all - n, "motion", "motions");
             self.leave_out(dependent, "they follow the others through joints that close loops, or couplings");
         }
     }
@@ -86,7 +86,7 @@ impl Explanation<'_> {
         }
         let welded = members.iter().filter(|count| **count > 1).count();
         if welded > 0 {
-            let what = counted(welded, "set of welded bodies", "sets of welded bodies");
+            let what = count_of(welded, "set of welded bodies", "sets of welded bodies");
             self.keep(what, "each is one rigid piece");
         }
         for (index, body) in self.scene.bodies.iter().enumerate() {
@@ -150,11 +150,11 @@ impl Explanation<'_> {
         let of = |kind: &'static Kind| {
             let elements = self.scene.elements.iter().zip(&acts);
             let count = elements.filter(|(element, acts)| **acts && element.law.kind == kind).count();
-            (count > 0).then(|| counted(count, kind.keyword, kind.plural))
+            (count > 0).then(|| count_of(count, kind.keyword, kind.plural))
         };
         let counts: Vec<String> = KINDS.iter().filter_map(|kind| of(kind)).collect();
         if !counts.is_empty() {
-            self.keep(listed(&counts, "and"), "their ends move relative to each other");
+            self.keep(enumeration(&counts, "and"), "their ends move relative to each other");
         }
     }
 
@@ -194,6 +194,6 @@ fn origins(form: &Form) -> impl Iterator<Item = Origin> {
     form.terms().iter().map(|term| form.source_of(term.source).origin)
 }
 
-fn counted(count: usize, one: &str, many: &str) -> String {
+fn count_of(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }

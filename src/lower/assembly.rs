@@ -11,7 +11,7 @@ pub mod losses;
 mod released;
 
 pub use effects::Idle;
-pub use released::{Carried, carried};
+pub use released::{Carried, released_reactions};
 
 use super::chain::{self, Chain};
 use super::constraints::{Constraints, Reduction, equation};
@@ -243,7 +243,7 @@ impl<'a> Assembly<'a> {
         self.reach.measure(self.kinematics, self.state, &path);
         let name = Name::plain(self.words.intern("gravity"));
         let source = self.k.source(Source { name: plain(name), origin: Origin::Gravity });
-        self.curvature(source, &Vector::of(&self.scene.gravity).negated());
+        self.curvature(source, &Vector::of(&self.scene.gravity).negate());
     }
 
     fn element(&mut self, number: usize, element: &Element) {
@@ -262,7 +262,7 @@ impl<'a> Assembly<'a> {
         let law = &element.law;
         let order = law.kind.order;
         let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
-        let stretched = self.stretched(&stretch);
+        let stretched = self.measure_stretch(&stretch);
         let made_by = Source { name: plain(element.name), origin: Origin::Element(number as u32) };
         let source = self.form(order).source(made_by);
         let coefficient = self.tangent(element, &stretch, &stretched);
@@ -305,7 +305,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// The stretch of the path in `between`; leaves its columns in `reach`.
-    fn stretched(&mut self, stretch: &Stretch<Number>) -> Stretched<Number> {
+    fn measure_stretch(&mut self, stretch: &Stretch<Number>) -> Stretched<Number> {
         self.reach.measure(self.kinematics, self.state, &self.between.path);
         stretch.at(&self.reach.displacement, &self.between.turn(self.state))
     }
@@ -453,12 +453,12 @@ impl<'a> Assembly<'a> {
                     let end = self.kinematics.end(end);
                     loads::path_from_ground(self.kinematics, end, &mut self.between.path);
                     self.reach.measure(self.kinematics, self.state, &self.between.path);
-                    self.curvature(source, &force.negated());
+                    self.curvature(source, &force.negate());
                 }
             }
             InputKind::ForceBetween { ends } => {
                 let spring = loads::pushing_spring(self.kinematics, ends, &load, &mut self.between);
-                let stretched = self.stretched(&spring.stretch);
+                let stretched = self.measure_stretch(&spring.stretch);
                 self.tension(source, &stretched.rate(&spring.tension(&stretched)), &stretched);
             }
             InputKind::Torque { .. } | InputKind::Unbalance { .. } | InputKind::Base { .. } => {}
@@ -494,7 +494,7 @@ impl<'a> Assembly<'a> {
             InputKind::Force { ends, direction } => self.force_column(ends, &Vector::of(direction)),
             InputKind::ForceBetween { ends } => {
                 let stretch = self.between.set_ends(self.kinematics, ends, &Geometry::Line);
-                let stretched = self.stretched(&stretch);
+                let stretched = self.measure_stretch(&stretch);
                 self.slope_row(&stretched)
             }
             InputKind::Torque { ends } => self.torque_column(ends),
@@ -581,7 +581,7 @@ impl<'a> Assembly<'a> {
 
     fn element_slope(&mut self, element: &Element) -> Row {
         let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
-        let stretched = self.stretched(&stretch);
+        let stretched = self.measure_stretch(&stretch);
         self.slope_row(&stretched)
     }
 
@@ -589,7 +589,7 @@ impl<'a> Assembly<'a> {
     /// stretch.
     fn element_force(&mut self, element: &Element) -> (u8, Row) {
         let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
-        let stretched = self.stretched(&stretch);
+        let stretched = self.measure_stretch(&stretch);
         let factor = self.tangent(element, &stretch, &stretched);
         let slope = self.slope_row(&stretched);
         (element.law.kind.order as u8, slope.into_iter().map(|(i, value)| (i, &value * &factor)).collect())

@@ -50,17 +50,17 @@ pub fn spectra(scene: &CheckedScene) -> Vec<(usize, ResponseSpectrum)> {
 
 /// The signals of an input as declared; for a base, they may be signals of its displacement, its rate or its
 /// acceleration.
-pub fn declared(input: &Input) -> Result<Vec<Signal>, LowerError> {
-    Ok(undelayed_of(input)?.into_iter().map(|(signal, delay)| delayed(signal, delay)).collect())
+pub fn declared_signals(input: &Input) -> Result<Vec<Signal>, LowerError> {
+    Ok(undelayed_of(input)?.into_iter().map(|(signal, by)| delay(signal, by)).collect())
 }
 
 fn of_input(input: &Input) -> Result<Vec<Signal>, LowerError> {
     if let InputKind::Unbalance { needs_speed: true, .. } = input.kind {
         return Err(LowerError::SpeedMissing { span: input.span });
     }
-    let each = undelayed_of(input)?.into_iter().flat_map(|(signal, delay)| {
+    let each = undelayed_of(input)?.into_iter().flat_map(|(signal, by)| {
         let integrals = integral(signal, input.derivative);
-        integrals.into_iter().map(move |signal| delayed(signal, delay))
+        integrals.into_iter().map(move |signal| delay(signal, by))
     });
     Ok(each.collect())
 }
@@ -74,7 +74,7 @@ fn undelayed_of(input: &Input) -> Result<Vec<(Signal, Option<&Number>)>, LowerEr
     };
     let mut list = Vec::new();
     for signal in &input.signal {
-        for (signal, delay) in undelayed(signal) {
+        for (signal, delay) in without_delay(signal) {
             if let Some(signal) = of_signal(signal, course)? {
                 list.push((signal, delay));
             }
@@ -84,7 +84,7 @@ fn undelayed_of(input: &Input) -> Result<Vec<(Signal, Option<&Number>)>, LowerEr
 }
 
 /// A signal without its delay, or the signals that it delays, each with that delay.
-fn undelayed(signal: &scene::Signal) -> Vec<(&scene::Signal, Option<&Number>)> {
+fn without_delay(signal: &scene::Signal) -> Vec<(&scene::Signal, Option<&Number>)> {
     match signal {
         scene::Signal::Delayed { by, signals, .. } => signals.iter().map(|signal| (signal, Some(by))).collect(),
         signal => vec![(signal, None)],
@@ -138,7 +138,7 @@ fn integral_of_harmonic(value: Number, frequency: Number, phase: Number, at: Num
 }
 
 /// A signal that comes so much later; of a harmonic, its phase at t = 0.
-fn delayed(signal: Signal, by: Option<&Number>) -> Signal {
+fn delay(signal: Signal, by: Option<&Number>) -> Signal {
     let Some(by) = by.filter(|by| !by.is_zero()) else { return signal };
     match signal {
         Signal::Harmonic { value, frequency, phase, at } => {

@@ -172,7 +172,7 @@ impl LowerError {
             LowerError::UnknownPlace { body, span, used } => {
                 Diagnostic::error(UNKNOWN_PLACE, *used, format!("`{body}` turns, but about which point is not known"))
                     .label("the motion of this point depends on it")
-                    .related(*span, "declared here, without a place")
+                    .with_related(*span, "declared here, without a place")
                     .help(format!("give `{body}` a place: `at = (0, 0)`"))
                     .fix_by_field(*span, &["at = (0, 0)"])
             }
@@ -232,11 +232,11 @@ impl LowerError {
 fn loose_error(names: &[String], spans: &[Span]) -> Diagnostic {
     let message = match names {
         [one] => format!("nothing holds `{one}`: it has no freedom clause, and no joint connects it to the ground"),
-        many => format!("nothing holds {}: no joint connects them to the ground", listed(many)),
+        many => format!("nothing holds {}: no joint connects them to the ground", enumeration(many)),
     };
     let mut diagnostic = Diagnostic::error(LOOSE, spans[0], message).label("held by nothing");
     for span in &spans[1..] {
-        diagnostic = diagnostic.related(*span, "and this one with it");
+        diagnostic = diagnostic.with_related(*span, "and this one with it");
     }
     diagnostic.help(format!(
         "say how it moves on the ground: `free`, `moves x`, `turns`, or connect it to the ground: `pivot p: ground@(0, 0) -- {}`",
@@ -267,7 +267,7 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
         Why::Locked | Why::Opposed | Why::Open | Why::Driven => (CONFLICT, "together with this one"),
     };
     let alone = names.len() == 1;
-    let names = listed(&names);
+    let names = enumeration(&names);
     let message = match why {
         Why::Locked if alone => format!("{names} prevents all motion"),
         Why::InLine => {
@@ -299,7 +299,7 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
     };
     let mut diagnostic = Diagnostic::error(code, joints[0].1, message).label("closes the loop");
     for (_, span) in joints[1..].iter().take(SHOWN) {
-        diagnostic = diagnostic.related(*span, hold);
+        diagnostic = diagnostic.with_related(*span, hold);
     }
     diagnostic.help(help)
 }
@@ -307,7 +307,7 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
 fn reaction_error(name: &str, holder: Span, span: Span, why: &Open) -> Diagnostic {
     let error = |code, message: String| Diagnostic::error(code, span, message);
     let undetermined = |message, help| {
-        error(REACTION, message).label("asked for here").related(holder, "by which it is held").help(help)
+        error(REACTION, message).label("asked for here").with_related(holder, "by which it is held").help(help)
     };
     match why {
         Open::Unreleased(Unreleased::Redundant) => undetermined(
@@ -321,13 +321,13 @@ fn reaction_error(name: &str, holder: Span, span: Span, why: &Open) -> Diagnosti
         Open::Unreleased(Unreleased::NoMass { span: lost }) => {
             error(REACTION, format!("this reaction of `{name}` carries a body whose mass is not given"))
                 .label("asked for here")
-                .related(*lost, "declared here, without a mass")
+                .with_related(*lost, "declared here, without a mass")
                 .help("give it one: `mass = 1 kg`, or `mass = 0 kg`")
         }
         Open::Unreleased(Unreleased::NoPlace { span: lost }) => {
             error(UNKNOWN_PLACE, format!("a moment of `{name}` needs the places of all parts that it holds"))
                 .label("asked for here")
-                .related(*lost, "its place is not known")
+                .with_related(*lost, "its place is not known")
                 .help("give it a place: `at = (0, 0)`, or a point after `@`")
         }
         Open::Unreleased(Unreleased::Limit(limit)) => limit.to_diagnostic(),
@@ -356,11 +356,11 @@ pub fn redundant(joints: &[(String, Span)]) -> Diagnostic {
     let (name, span) = &joints[0];
     let message = match others.as_slice() {
         [] => format!("`{name}` connects parts that are already connected"),
-        others => format!("`{name}` repeats in part what already follows from {}", listed(others)),
+        others => format!("`{name}` repeats in part what already follows from {}", enumeration(others)),
     };
     let mut diagnostic = Diagnostic::note(REDUNDANT, *span, message).label("redundant");
     for (_, span) in joints[1..].iter().take(SHOWN) {
-        diagnostic = diagnostic.related(*span, "with this one");
+        diagnostic = diagnostic.with_related(*span, "with this one");
     }
     diagnostic.help("nothing is lost: motions and frequencies are the same without it; the forces in these joints are not determined")
 }
@@ -389,19 +389,23 @@ fn no_rest_error(span: Span, left: &[Unbalanced], reason: NoRestReason, laws: &[
     let forces: Vec<String> = left.iter().take(SHOWN).map(Unbalanced::to_phrase).collect();
     let of_laws = || match laws {
         [one] => format!("the law of `{one}`"),
-        many => format!("the laws of {}", listed(many)),
+        many => format!("the laws of {}", enumeration(many)),
     };
     let message = match reason {
         _ if !laws.is_empty() => {
-            format!("no rest found: {} did not balance the load on {} where tried", of_laws(), listed(&names(left)))
+            format!(
+                "no rest found: {} did not balance the load on {} where tried",
+                of_laws(),
+                enumeration(&names(left))
+            )
         }
-        NoRestReason::Falls => format!("no rest: nothing holds {}", listed(&names(left))),
-        NoRestReason::NotSettled => format!("no rest found: {} did not converge", listed(&names(left))),
+        NoRestReason::Falls => format!("no rest: nothing holds {}", enumeration(&names(left))),
+        NoRestReason::NotSettled => format!("no rest found: {} did not converge", enumeration(&names(left))),
     };
     let mut diagnostic = Diagnostic::error(NO_REST, left.first().map_or(span, |u| u.span), message)
         .label(format!("force left: {}", forces.join(", ")));
     for unbalanced in left.iter().skip(1).take(SHOWN) {
-        diagnostic = diagnostic.related(unbalanced.span, format!("{} left on this one", unbalanced.size()));
+        diagnostic = diagnostic.with_related(unbalanced.span, format!("{} left on this one", unbalanced.size()));
     }
     diagnostic.help(match reason {
         _ if !laws.is_empty() => "give the law forces as large as the load, or draw the scene nearer to its rest",
@@ -411,13 +415,13 @@ fn no_rest_error(span: Span, left: &[Unbalanced], reason: NoRestReason, laws: &[
 }
 
 fn unheld_error(declared: Span, left: &[Unbalanced], given: Option<Span>) -> Diagnostic {
-    let message = format!("no tension of the springs holds {} as drawn", listed(&names(left)));
+    let message = format!("no tension of the springs holds {} as drawn", enumeration(&names(left)));
     let forces: Vec<String> = left.iter().take(SHOWN).map(Unbalanced::to_phrase).collect();
     let mut diagnostic = Diagnostic::error(UNHELD, left.first().map_or(declared, |u| u.span), message)
         .label(format!("nothing balances {}", forces.join(", ")))
-        .related(declared, "the drawing is declared to be the rest here");
+        .with_related(declared, "the drawing is declared to be the rest here");
     if let Some(given) = given {
-        diagnostic = diagnostic.related(given, "the tension of this spring is given, so it is not solved for");
+        diagnostic = diagnostic.with_related(given, "the tension of this spring is given, so it is not solved for");
     }
     diagnostic.help("draw the scene at its rest, add a spring that can hold it, or remove `rest as drawn`: then the rest is searched for")
 }
@@ -462,7 +466,7 @@ fn names(left: &[Unbalanced]) -> Vec<String> {
 }
 
 /// `a`, `b` and `c`.
-fn listed(names: &[String]) -> String {
+fn enumeration(names: &[String]) -> String {
     let quoted: Vec<String> = names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
     let rest = names.len().saturating_sub(SHOWN);
     match (quoted.as_slice(), rest) {

@@ -49,7 +49,7 @@ fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnos
     let [a, b] = [0, 1].map(|end| kinematics.end(&element.ends[end]).piece);
     let on_turning = format!(
         "name the points at its ends, as in `wheel@(0, 0.1 m)`; {} in {} acts on rotation",
-        kind.coefficient().expected(true).noun,
+        kind.coefficient().expected_number(true).noun,
         kind.unit(true)
     );
     let (read, help) = match &element.geometry {
@@ -57,7 +57,7 @@ fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnos
         Geometry::Along(direction) => (
             format!(
                 "along {}, but no motion moves its ends relative to each other in that direction",
-                shown(direction)
+                direction_text(direction)
             ),
             "let it act along a motion of its ends: `along = x`",
         ),
@@ -74,7 +74,7 @@ fn input(scene: &Scene, input: &Input) -> Option<Diagnostic> {
     let (what, read, help) = match &input.kind {
         InputKind::Force { direction, .. } => (
             "force",
-            format!("it acts along {}, but no motion moves its ends in that direction", shown(direction)),
+            format!("it acts along {}, but no motion moves its ends in that direction", direction_text(direction)),
             "let it act along a motion of its body: `along x`",
         ),
         InputKind::ForceBetween { .. } => (
@@ -98,7 +98,7 @@ fn input(scene: &Scene, input: &Input) -> Option<Diagnostic> {
 }
 
 /// `x`, `y` or the components of a direction, to three digits.
-fn shown(direction: &Vec3) -> String {
+fn direction_text(direction: &Vec3) -> String {
     let (x, y) = (direction.x.to_f64(), direction.y.to_f64());
     let digits = |value: f64| format!("{value:.2e}").parse::<f64>().unwrap_or(value).to_string();
     match (x, y) {

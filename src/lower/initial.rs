@@ -33,7 +33,7 @@ pub fn initial(scene: &Scene, assembly: &mut Assembly) -> Result<Vec<(Coordinate
         for (coordinate, (value, span)) in solve(equations)? {
             let is_kept = kept[order][coordinate as usize];
             if !(is_kept || value.is_zero()) {
-                return Err(vec![lost(span, order)]);
+                return Err(vec![lost_error(span, order)]);
             }
             start.entry(coordinate).or_insert([Number::ZERO, Number::ZERO])[order] = value;
         }
@@ -78,7 +78,7 @@ fn solve(equations: Vec<Equation>) -> Result<BTreeMap<u32, (Number, Span)>, Vec<
         open.retain(|coordinate| solved[coordinate].row.len() > 1);
     }
     if let Some(coordinate) = open.first() {
-        return Err(vec![undetermined(solved[coordinate].span)]);
+        return Err(vec![undetermined_error(solved[coordinate].span)]);
     }
     Ok(solved.into_iter().map(|(coordinate, equation)| (coordinate, (equation.value, equation.span))).collect())
 }
@@ -117,7 +117,7 @@ fn contradiction(span: Span) -> LowerError {
     }
 }
 
-fn undetermined(span: Span) -> LowerError {
+fn undetermined_error(span: Span) -> LowerError {
     LowerError::Initial {
         span,
         message: "this initial value does not determine the motion: several motions have it".into(),
@@ -125,7 +125,7 @@ fn undetermined(span: Span) -> LowerError {
     }
 }
 
-fn lost(span: Span, order: usize) -> LowerError {
+fn lost_error(span: Span, order: usize) -> LowerError {
     let message = match order {
         0 => {
             "this initial position has no effect: the motion has neither mass nor damping, and springs place it at once"

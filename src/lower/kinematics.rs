@@ -315,7 +315,7 @@ impl Kinematics {
                 let group = slide.group.unwrap_or(self.carriages[carrier].group);
                 let direction = &self.directions[slide.direction as usize];
                 if group != NO_TURN || !direction.dot(field).is_zero() {
-                    let direction = Vector::of(direction).scaled(&mass);
+                    let direction = Vector::of(direction).scale(&mass);
                     path.runs.push(Run { coordinate: slide.coordinate, group, direction });
                 }
             }
@@ -332,7 +332,7 @@ impl Kinematics {
     fn add_moment(&self, arms: &mut [Option<Vector<Number>>], piece: usize, at: Option<&Vec3>, mass: &Number) {
         let group = self.carriages[piece].group as usize;
         let Some(arm) = self.arm(piece as PieceId, at) else { return };
-        let moment = arm.scaled(mass);
+        let moment = arm.scale(mass);
         let sum = arms[group].take().map_or_else(|| moment.clone(), |sum| sum.plus(&moment));
         arms[group] = Some(sum);
     }
@@ -367,7 +367,7 @@ impl<'k> Walk<'k, '_> {
         let group = kinematics.carriages[piece.carrier as usize].group;
         for slide in kinematics.own_slides(end.piece) {
             let direction = Vector::of(&kinematics.directions[slide.direction as usize]);
-            let direction = if side == 1 { direction } else { direction.negated() };
+            let direction = if side == 1 { direction } else { direction.negate() };
             let group = slide.group.unwrap_or(group);
             self.path.runs.push(Run { coordinate: slide.coordinate, group, direction });
         }
@@ -378,7 +378,7 @@ impl<'k> Walk<'k, '_> {
     /// Adds the arm from a piece's anchor to a point of it to the entry of the same group on either side.
     fn arm(&mut self, end: End, side: usize) {
         let Some(arm) = self.kinematics.arm(end.piece, end.at) else { return };
-        let arm = if side == 1 { arm } else { arm.negated() };
+        let arm = if side == 1 { arm } else { arm.negate() };
         let group = self.kinematics.carriages[end.piece as usize].group;
         let turns = &mut self.path.turns;
         let known = self.last.iter().find(|&&at| turns.get(at).is_some_and(|turn| turn.group == group));

@@ -194,9 +194,9 @@ const BEYOND: f64 = 1e-9;
 
 /// The error for the law that stopped a search for the rest: it is not defined next to the place where the search
 /// ended.
-pub fn stopped(scene: &Scene, kinematics: &Kinematics, part: &Part, state: &State<f64>) -> Option<LowerError> {
+pub fn undefined_law(scene: &Scene, kinematics: &Kinematics, part: &Part, state: &State<f64>) -> Option<LowerError> {
     let mut reach = PathEvaluation::default();
-    for (spring, between) in &part.potential.converted::<f64>().springs {
+    for (spring, between) in &part.potential.convert::<f64>().springs {
         let Response::Curve { curve, offset } = &spring.response else { continue };
         reach.measure(kinematics, state, &between.path);
         let stretched = spring.stretch.at(&reach.displacement, &between.turn(state));

@@ -36,7 +36,7 @@ impl<S: Scalar> EndPath<S> {
     /// The gradient of the relative rotation.
     pub fn turn_row(&self, row: &mut Vec<(Index, S)>) {
         row.clear();
-        row.extend(self.angles[0].map(|angle| (angle, S::one().negated())));
+        row.extend(self.angles[0].map(|angle| (angle, S::one().negate())));
         row.extend(self.angles[1].map(|angle| (angle, S::one())));
     }
 
@@ -56,9 +56,9 @@ impl<S: Scalar> EndPath<S> {
 }
 
 impl EndPath<Number> {
-    pub fn converted<S: Scalar>(&self) -> EndPath<S> {
+    pub fn convert<S: Scalar>(&self) -> EndPath<S> {
         let winds = self.winds.as_ref().map(|winds| winds.each_ref().map(S::of));
-        EndPath { path: self.path.converted(), angles: self.angles, winds }
+        EndPath { path: self.path.convert(), angles: self.angles, winds }
     }
 
     /// Sets the path to that between two ends; returns the stretch between them.
@@ -108,7 +108,7 @@ fn drawn_line(ends: &[Attachment; 2]) -> Option<Vector<Number>> {
 fn first_to_second(direction: &Vec3, ends: &[Attachment; 2]) -> Vector<Number> {
     let direction = Vector::of(direction);
     match drawn_line(ends) {
-        Some(drawn) if drawn.dot(&direction).is_negative() => direction.negated(),
+        Some(drawn) if drawn.dot(&direction).is_negative() => direction.negate(),
         _ => direction,
     }
 }
@@ -246,8 +246,8 @@ fn visit_constant(
 /// A force of this size along a direction: on the first end, and its opposite on the second.
 pub fn opposite_forces(size: &Number, direction: &Vec3) -> [Vector<Number>; 2] {
     let direction = Vector::of(direction);
-    let force = direction.scaled(&over_length(size.clone(), &direction.norm_squared()));
-    [force.clone(), force.negated()]
+    let force = direction.scale(&over_length(size.clone(), &direction.norm_squared()));
+    [force.clone(), force.negate()]
 }
 
 /// The state as drawn, with the bases displaced by their constant signals.

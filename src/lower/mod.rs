@@ -29,7 +29,7 @@ pub mod rest;
 pub mod tree;
 
 pub use account::{Account, Remark, account};
-pub use drives::{declared, drives, noises, spectra};
+pub use drives::{declared_signals, drives, noises, spectra};
 pub use law::LawAtRest;
 pub use mechanism::{Mechanism, Readout, SpringAtRest};
 pub use nodes::{ShapeNode, nodes};
@@ -75,7 +75,7 @@ pub fn check(scene: &CheckedScene) -> Diagnostics {
 fn outcome(scene: &CheckedScene, terms: Terms) -> Outcome {
     runs::begins("lower");
     let mut diagnostics = Diagnostics::new();
-    let lowered = match lowered(scene.scene(), terms) {
+    let lowered = match lower_scene(scene.scene(), terms) {
         Ok((lowered, notes)) => {
             diagnostics.extend(notes);
             Some(lowered)
@@ -101,7 +101,7 @@ impl Lowered {
 }
 
 /// The lowered scene, and its notes. If the terms may be dropped, the system may be without them.
-fn lowered(scene: &Scene, terms: Terms) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>> {
+fn lower_scene(scene: &Scene, terms: Terms) -> Result<(Lowered, Vec<Diagnostic>), Vec<LowerError>> {
     let tree = tree::build(scene)?;
     let kinematics = Kinematics::new(scene, tree);
     kinematics.check(scene)?;

@@ -42,7 +42,7 @@ pub fn nodes(scene: &Scene, mechanism: &Mechanism, shape: &[Unproven]) -> Vec<Sh
     let entries: Vec<f64> = shape.iter().map(|entry| entry.0).collect();
     let largest = entries.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
     let at_rest = mechanism.poses();
-    let poses = at_rest.displaced(&mechanism.displacements(&at_rest, &entries));
+    let poses = at_rest.displace(&mechanism.displacements(&at_rest, &entries));
     let moving = moving(&poses);
     let mut seen = vec![false; moving.len()];
     let node = |(body, name): (u32, Name)| {
@@ -71,12 +71,12 @@ fn moving(poses: &Poses) -> Vec<Moving> {
         // The ground comes first and carries itself.
         let carrier = pieces.get(of.carrier as usize).unwrap_or(&ground);
         let (sine, cosine) = Scalar::sin_cos(&carrier.angle);
-        let as_carried = |drawn: Vector<f64>| drawn.turned(&z, &sine, &cosine);
+        let as_carried = |drawn: Vector<f64>| drawn.rotate(&z, &sine, &cosine);
         let (mut slid, mut shift) = (Vector::zero(), carrier.shift.clone());
         for (direction, value) in &of.slides {
             let direction = as_carried(planar(*direction));
-            slid = slid.plus(&direction.scaled(&value.rest));
-            shift = shift.plus(&direction.scaled(&value.shape));
+            slid = slid.plus(&direction.scale(&value.rest));
+            shift = shift.plus(&direction.scale(&value.shape));
         }
         let anchor = of.anchor.map(planar);
         let arm = match (&anchor, &carrier.anchor) {
@@ -86,7 +86,7 @@ fn moving(poses: &Poses) -> Vec<Moving> {
             (None, _) => slid,
         };
         if carrier.anchor.is_some() {
-            shift = shift.plus(&z.scaled(&carrier.turn).cross(&arm));
+            shift = shift.plus(&z.scale(&carrier.turn).cross(&arm));
         }
         let at = carrier.at.plus(&arm);
         pieces.push(Moving { anchor, at, shift, angle: of.angle.rest, turn: of.angle.shape });

@@ -67,7 +67,7 @@ impl Poses {
     }
 
     /// The same poses, displaced: one displacement for each of [`Poses::values`].
-    pub fn displaced(&self, by: &[Displacement]) -> Poses {
+    pub fn displace(&self, by: &[Displacement]) -> Poses {
         let mut poses = self.clone();
         let values = poses
             .pieces

@@ -66,18 +66,18 @@ impl Mechanism {
         if asked.is_empty() {
             return Ok(Reactions { asked, carried: Vec::new() });
         }
-        let found = self.carried(scene, &asked);
+        let found = self.reactions_at_rest(scene, &asked);
         let carried = found.map_err(|(number, why)| open(scene, &asked[number], Open::Unreleased(why), span))?;
         Ok(Reactions { asked, carried })
     }
 
-    fn carried(&self, scene: &Scene, asked: &[Reaction]) -> Result<Vec<Carried>, (usize, Unreleased)> {
+    fn reactions_at_rest(&self, scene: &Scene, asked: &[Reaction]) -> Result<Vec<Carried>, (usize, Unreleased)> {
         let Holding { constraints, held, slack } = &self.holding;
-        let released = self.kinematics.released(scene, asked)?;
+        let released = self.kinematics.release_motions(scene, asked)?;
         let state = released.state(&self.state);
-        let (constraints, reduction) = constraints.released(scene, &released, (asked, &self.reduction), &state)?;
+        let (constraints, reduction) = constraints.with_released(scene, &released, (asked, &self.reduction), &state)?;
         let tensions = Tensions { held: held.as_ref(), slack };
-        Ok(assembly::carried(scene, &released, (&constraints, &reduction), &state, tensions))
+        Ok(assembly::released_reactions(scene, &released, (&constraints, &reduction), &state, tensions))
     }
 }
 

@@ -236,7 +236,7 @@ impl Growth {
                 let ends = [class_at(joint, 0), class_at(joint, 1)];
                 let other = if ends[0] == class { ends[1] } else { ends[0] };
                 if self.piece_of_class[other as usize] == NONE {
-                    let piece = carried(parts, next as PieceId, other, joint, &self.pieces[next]);
+                    let piece = carried_piece(parts, next as PieceId, other, joint, &self.pieces[next]);
                     self.add(other, piece);
                 } else {
                     closing.push(JointId(joint));
@@ -270,7 +270,7 @@ impl Growth {
 }
 
 /// The piece that `joint` connects to its carrier.
-fn carried(parts: &Parts, carrier: PieceId, class: u32, joint: u32, carried_by: &Piece) -> Piece {
+fn carried_piece(parts: &Parts, carrier: PieceId, class: u32, joint: u32, carried_by: &Piece) -> Piece {
     let joint_of = &parts.scene.joints[joint as usize];
     let relative = joint_of.freedoms();
     // If the joint holds no point, any will do: parts without relative rotation share the carrier's.

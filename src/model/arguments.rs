@@ -136,13 +136,13 @@ impl<'a> Check<'a> {
         let Frame { outer, inside, place, .. } = *self.frame(frame);
         let group = Group::of_component(brackets.component);
         for &Bound { formal, symbol, name: span, to } in &*brackets.formals {
-            let name = Name::plain(symbol).within(place);
+            let name = Name::plain(symbol).in_place(place);
             // Duplicate names were reported for the component.
             let (expr, environment, given) = match to {
                 To::Port(argument) => {
                     let port = scope::Part::Port(self.ports.len() as u32);
                     if self.parts.declare(group, name, span, port).is_ok() {
-                        self.ports.push(Port::tied(outer, argument, span));
+                        self.ports.push(Port::tie(outer, argument, span));
                     }
                     continue;
                 }

@@ -67,7 +67,7 @@ impl Default for Directions {
 
 impl Directions {
     /// A direction; an axis is shared.
-    pub fn shared(&self, direction: &Vec3) -> Arc<Vec3> {
+    pub fn share(&self, direction: &Vec3) -> Arc<Vec3> {
         if *direction == Vec3::X {
             self.x_axis.clone()
         } else if *direction == Vec3::Y {
@@ -99,7 +99,7 @@ impl<'a> Check<'a> {
 
     /// Fills in the values of the fields, and reports all mistakes in them.
     fn body(&mut self, body: &mut Body, given: &Given<'a>, environment: Environment) -> Evaluated<()> {
-        let mass = self.field_number(given.get(MASS), environment, &BODY_FIELDS[MASS].expected(false));
+        let mass = self.field_number(given.get(MASS), environment, &BODY_FIELDS[MASS].expected_number(false));
         let at = self.field_position(given.get(AT), environment);
         let freedom = self.freedom(given, environment);
         let shape = self.shape(given, environment);
@@ -149,12 +149,12 @@ impl<'a> Check<'a> {
         let Some(field) = field else { return Ok(None) };
         let (expr, about) = match field.value {
             FieldValue::About(list) => {
-                let (expr, about) = self.tree.about(list);
+                let (expr, about) = self.tree.about_parts(list);
                 (expr, Some(about))
             }
             _ => (self.field_expr(field, environment)?, None),
         };
-        let number = self.number(expr, environment, &BODY_FIELDS[INERTIA].expected(false))?;
+        let number = self.number(expr, environment, &BODY_FIELDS[INERTIA].expected_number(false))?;
         let span = self.tree.expr(expr).span;
         self.not_negative(&number, span, "inertia", environment)?;
         let about = about.map(|about| self.position(about, environment)).transpose()?;
@@ -209,7 +209,7 @@ impl<'a> Check<'a> {
         };
         let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
         let name = self.sources.slice(word);
-        let Some(shape) = functions::named(SHAPES, name) else {
+        let Some(shape) = functions::by_name(SHAPES, name) else {
             let suggestion = nearest(name, SHAPES.iter().map(|shape| shape.function.name));
             return self.fail(environment, PartError::UnknownShape { span: word, suggestion });
         };
@@ -265,7 +265,7 @@ impl<'a> Check<'a> {
         let height = self.size(height, environment)?;
         let width = width?;
         let gyration = &(&width.square() + &height.square()) * &Number::from(Rational::new(1, 12));
-        let along = self.turned(self.directions.x_axis.clone(), environment)?;
+        let along = self.rotate_to_scene(self.directions.x_axis.clone(), environment)?;
         Ok(Shaped { shape: Shape::Box { width, height, along }, centre: None, gyration })
     }
 
@@ -309,7 +309,7 @@ impl<'a> Check<'a> {
         lines: Lines,
     ) -> Evaluated<Option<Arc<Vec<Translation>>>> {
         let own = self.own_translations(field, environment)?;
-        let (Some(own), Some(placed)) = (&own, self.placed(environment)?) else { return Ok(own) };
+        let (Some(own), Some(placed)) = (&own, self.placement(environment)?) else { return Ok(own) };
         let [one] = &own[..] else { return Ok(Some(own.clone())) };
         if placed.scene.keeps_directions() {
             return Ok(Some(own.clone()));
@@ -392,7 +392,7 @@ impl<'a> Check<'a> {
             let base = base.unwrap_or_else(|_| {
                 self.broken_bases.insert(BaseId(index as u32));
                 let symbol = self.words.intern(self.sources.slice(ident.span));
-                let name = crate::base::Name::plain(symbol).within(self.place_of(environment));
+                let name = crate::base::Name::plain(symbol).in_place(self.place_of(environment));
                 Base { name, span: ident.span, at: None, translations: self.directions.none.clone(), turns: false }
             });
             self.scene.bases.push(base);

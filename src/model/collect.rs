@@ -44,7 +44,7 @@ impl Count {
     }
 
     /// The limit that is exceeded, and of what.
-    pub fn exceeded(&self) -> Option<(u64, &'static str)> {
+    pub fn exceeded_limit(&self) -> Option<(u64, &'static str)> {
         let limits = [
             (self.instances, MAX_INSTANCES, "declarations"),
             (self.bodies, MAX_BODIES, "bodies"),
@@ -122,9 +122,9 @@ impl<'a> Check<'a> {
     fn count(&mut self, repeat: &'a Repeat, environment: Environment, count: &mut Count) -> Evaluated<()> {
         let (first, last) = self.bounds(repeat, environment)?;
         let repetitions = u64::try_from(i64::from(last) - i64::from(first) + 1).unwrap_or(0);
-        let nested: Vec<&Repeat> = repeat.body.iter().filter_map(|decl| self.nested(decl)).collect();
+        let nested: Vec<&Repeat> = repeat.body.iter().filter_map(|decl| self.nested_repeat(decl)).collect();
         count.add(&repeat.body, repetitions);
-        if let Some((limit, what)) = count.exceeded() {
+        if let Some((limit, what)) = count.exceeded_limit() {
             return self.too_many(repeat, limit, what, environment);
         }
         if nested.is_empty() {
@@ -141,7 +141,7 @@ impl<'a> Check<'a> {
         Ok(())
     }
 
-    fn nested(&self, decl: &'a Decl) -> Option<&'a Repeat> {
+    fn nested_repeat(&self, decl: &'a Decl) -> Option<&'a Repeat> {
         let DeclKind::Repeat { index } = decl.kind else { return None };
         Some(&self.tree.repeats[index as usize])
     }
@@ -169,7 +169,7 @@ impl<'a> Check<'a> {
             let inside = self.environments.bind(environment, symbol, value);
             for decl in &repeat.body {
                 let instance = Instance { decl, environment: inside };
-                match self.nested(decl) {
+                match self.nested_repeat(decl) {
                     Some(repeat) => self.unroll(repeat, inside),
                     None => {
                         self.declare_value(instance);
@@ -190,8 +190,8 @@ impl<'a> Check<'a> {
 
     /// First and last value of the index; last = first - 1 repeats nothing.
     fn bounds(&mut self, repeat: &Repeat, environment: Environment) -> Evaluated<(i32, i32)> {
-        let first = self.bound(repeat.first, environment);
-        let last = self.bound(repeat.last, environment)?;
+        let first = self.repeat_bound(repeat.first, environment);
+        let last = self.repeat_bound(repeat.last, environment)?;
         let first = first?;
         // Both are smaller than 2^63 in magnitude, so their difference fits in 128 bits.
         let repetitions = i128::from(last) - i128::from(first) + 1;
@@ -205,7 +205,7 @@ impl<'a> Check<'a> {
         Ok((self.as_index(first, repeat.first, environment)?, self.as_index(last, repeat.last, environment)?))
     }
 
-    fn bound(&mut self, expr: ExprId, environment: Environment) -> Evaluated<i64> {
+    fn repeat_bound(&mut self, expr: ExprId, environment: Environment) -> Evaluated<i64> {
         let value = self.evaluate(expr, environment)?;
         self.as_integer(&value, expr, environment)
     }
@@ -304,7 +304,7 @@ impl<'a> Check<'a> {
         let name = self.part_name_declared(ident, part, environment);
         let name = name.unwrap_or_else(|_| {
             let symbol = self.words.intern(self.sources.slice(ident.span));
-            Name::plain(symbol).within(self.place_of(environment))
+            Name::plain(symbol).in_place(self.place_of(environment))
         });
         match part {
             Part::Body(_) => self.instances.body_names.push(name),
@@ -385,7 +385,7 @@ impl<'a> Check<'a> {
             if let Some(ident) = self.declared_ident(decl) {
                 self.broken_words.insert(self.sources.slice(ident.span));
             }
-            if let Some(repeat) = self.nested(decl) {
+            if let Some(repeat) = self.nested_repeat(decl) {
                 self.remember_as_broken(&repeat.body);
             }
         }

@@ -4,7 +4,7 @@
 use super::Check;
 use super::error::{NameError, QuestionError};
 use super::evaluate::{Evaluated, Stop};
-use super::motions::{Combination, Piece, negated};
+use super::motions::{Combination, Piece, negate};
 use super::scene::{BodyId, Couple, Initial, Motion, MotionTerm, Part};
 use super::scope::{Environment, Instance};
 use crate::base::{Number, Span, Vec3};
@@ -31,7 +31,7 @@ impl<'a> Check<'a> {
         let Combination { mut terms, dimension, .. } = match (a?, b) {
             (Some(a), Some(b)) => self.difference(a, b, (left, right), environment)?,
             (Some(one), None) => one,
-            (None, Some(one)) => negated(one),
+            (None, Some(one)) => negate(one),
             (None, None) => {
                 let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
                 return self.fail(environment, QuestionError::NoMotion { span });
@@ -109,12 +109,12 @@ impl<'a> Check<'a> {
         for (index, described) in INITIAL_FIELDS.iter().enumerate() {
             let Some(field) = given.get(index) else { continue };
             let value: Option<(Number, Span)> =
-                self.field_number(Some(field), environment, &described.expected(false))?;
+                self.field_number(Some(field), environment, &described.expected_number(false))?;
             let word = self.sources.slice(field.key);
             let ((motion, _), sign) = self.part_motion(part, None, word, field.key, environment)?;
             values.extend(value.map(|(value, span)| (motion, &value * &sign, span)));
         }
-        let turns = self.placed(environment)?.is_some_and(|placed| !placed.scene.keeps_directions());
+        let turns = self.placement(environment)?.is_some_and(|placed| !placed.scene.keeps_directions());
         if turns && !self.moves_along_line(part) {
             values = in_scene_axes(values);
         }

@@ -56,7 +56,7 @@ impl<'a> Check<'a> {
         if unplaced.is_empty() {
             return;
         }
-        for finding in self.drafted(&unplaced) {
+        for finding in self.draft_findings(&unplaced) {
             if finding.is_error() && is_of_text(finding.code) {
                 self.say(finding);
             }
@@ -64,7 +64,7 @@ impl<'a> Check<'a> {
     }
 
     /// The findings in components, each by itself.
-    fn drafted(&self, components: &[u32]) -> Vec<Diagnostic> {
+    fn draft_findings(&self, components: &[u32]) -> Vec<Diagnostic> {
         let mut draft = Check::new(self.sources, self.tree, self.literals);
         draft.drafts.is_draft = true;
         draft.lacks_components = self.lacks_components;
@@ -87,7 +87,7 @@ impl<'a> Check<'a> {
         draft.couples();
         draft.initials();
         draft.requires();
-        draft.diagnostics.sorted()
+        draft.diagnostics.into_sorted()
     }
 
     /// Places a component in its own axes.
@@ -102,7 +102,7 @@ impl<'a> Check<'a> {
         let id = places::FrameId(self.frames.len() as u32);
         let inside = self.environments.enter(id);
         let span = component.name;
-        self.frames.push(Frame::alone(place, index, inside, span));
+        self.frames.push(Frame::in_own_axes(place, index, inside, span));
         for (number, formal) in (0..).zip(&component.formals) {
             self.declare_nominal(id, index, number, formal);
         }
@@ -114,7 +114,7 @@ impl<'a> Check<'a> {
         let Frame { inside, place, .. } = *self.frame(frame);
         let (span, group) = (formal.name, Group::of_component(component));
         let symbol = self.words.intern(self.sources.slice(span));
-        let name = Name::plain(symbol).within(place);
+        let name = Name::plain(symbol).in_place(place);
         let FormalKind::Number { unit, default } = formal.kind else {
             let port = scope::Part::Port(self.ports_count());
             if self.parts.declare(group, name, span, port).is_ok() {
@@ -143,7 +143,7 @@ impl<'a> Check<'a> {
 
     /// Moves a finding to the argument of a place that causes it, if the component by itself does not have it; `None`
     /// if the cause has already been reported.
-    pub fn blamed(&mut self, mut finding: Diagnostic, environment: Environment) -> Option<Diagnostic> {
+    pub fn blame_argument(&mut self, mut finding: Diagnostic, environment: Environment) -> Option<Diagnostic> {
         let inside = finding.primary.span;
         if self.drafts.is_draft || is_of_text(finding.code) || self.environments.frame(environment).is_none() {
             return Some(finding);
@@ -170,7 +170,7 @@ impl<'a> Check<'a> {
     fn is_nominal(&mut self, code: Code, span: Span) -> bool {
         if self.drafts.nominal.is_none() {
             let all: Vec<u32> = (0..).take(self.tree.components.len()).collect();
-            let found = self.drafted(&all).iter().map(|finding| (finding.code, finding.primary.span)).collect();
+            let found = self.draft_findings(&all).iter().map(|finding| (finding.code, finding.primary.span)).collect();
             self.drafts.nominal = Some(found);
         }
         self.drafts.nominal.as_ref().is_some_and(|nominal| nominal.contains(&(code, span)))
@@ -215,7 +215,7 @@ impl<'a> Check<'a> {
         let place = self.place_of(environment);
         let named = self.tree.names_within(span).chain(self.tree.ends_within(span));
         let named = named.filter_map(|word| self.words.get(self.sources.slice(word)));
-        let parts = named.filter_map(|symbol| self.parts.get(Name::plain(symbol).within(place)));
+        let parts = named.filter_map(|symbol| self.parts.get(Name::plain(symbol).in_place(place)));
         parts.filter_map(|part| self.tied_to(part)).collect()
     }
 
@@ -226,7 +226,7 @@ impl<'a> Check<'a> {
         named
             .filter_map(|word| {
                 let symbol = self.words.get(self.sources.slice(word))?;
-                self.values.get(Name::plain(symbol).within(place))
+                self.values.get(Name::plain(symbol).in_place(place))
             })
             .collect()
     }

@@ -97,7 +97,7 @@ impl<'a> Check<'a> {
             self.negative_coefficient(kind, key, at, environment)?;
         }
         let law = Law { kind, coefficient: value, rest, curve: None, loss: None };
-        Ok((pair, self.recent_laws.shared(law), geometries))
+        Ok((pair, self.recent_laws.share(law), geometries))
     }
 
     fn element(
@@ -138,13 +138,13 @@ impl<'a> Check<'a> {
             self.negative_coefficient(kind, key, at, environment)?;
         }
         let loss = loss.map(Box::new);
-        Ok((pair, self.recent_laws.shared(Law { kind, coefficient: value, rest, curve, loss }), geometry))
+        Ok((pair, self.recent_laws.share(Law { kind, coefficient: value, rest, curve, loss }), geometry))
     }
 
     /// The loss factor of a spring, if it is not zero; other elements have no such field.
     fn loss(&mut self, given: &Given<'a>, environment: Environment) -> Evaluated<Option<Number>> {
         let Some((field, described)) = given.by_name(LOSS.name) else { return Ok(None) };
-        let found = self.field_number(Some(field), environment, &described.expected(false))?;
+        let found = self.field_number(Some(field), environment, &described.expected_number(false))?;
         match found {
             Some((loss, span)) if loss.is_negative() => {
                 self.fail(environment, ValueError::Negative { span, what: LOSS.name })
@@ -177,7 +177,7 @@ impl<'a> Check<'a> {
             Order::Acceleration => [Dimension::ACCELERATION, Dimension::ANGULAR_ACCELERATION],
         };
         let expr = self.field_expr(field, environment)?;
-        let laws::Read { curve, torsional } = self.cached(
+        let laws::Read { curve, torsional } = self.cache(
             expr,
             environment,
             |memory| &mut memory.laws,
@@ -257,7 +257,7 @@ impl<'a> Check<'a> {
         environment: Environment,
     ) -> Evaluated<Coefficient> {
         let described = kind.coefficient();
-        let (line, turn) = (described.expected(false), described.expected(true));
+        let (line, turn) = (described.expected_number(false), described.expected_number(true));
         let Some(field) = given.get(0) else {
             if given.broken {
                 return Err(Stop::Reported);
@@ -266,7 +266,7 @@ impl<'a> Check<'a> {
         };
         let expr = self.field_expr(field, environment)?;
         let (key, at) = (field.key, self.tree.expr(expr).span);
-        self.cached(
+        self.cache(
             expr,
             environment,
             |memory| &mut memory.coefficients,
@@ -287,7 +287,8 @@ impl<'a> Check<'a> {
             return self.fail(environment, PartError::FreeLengthAndPreload { span: preload.key, free: free.key });
         }
         if let Some((field, described)) = free
-            && let Some((length, span)) = self.field_number(Some(field), environment, &described.expected(torsional))?
+            && let Some((length, span)) =
+                self.field_number(Some(field), environment, &described.expected_number(torsional))?
         {
             if !torsional && length.is_negative() {
                 return self.fail(environment, ValueError::Negative { span, what: "free_length" });
@@ -295,7 +296,7 @@ impl<'a> Check<'a> {
             return Ok(SpringRest::FreeLength(length));
         }
         let Some((field, described)) = preload else { return Ok(SpringRest::AsDrawn) };
-        let tension = self.field_number(Some(field), environment, &described.expected(torsional))?;
+        let tension = self.field_number(Some(field), environment, &described.expected_number(torsional))?;
         Ok(tension.map_or(SpringRest::AsDrawn, |(tension, _)| SpringRest::Preload(tension)))
     }
 

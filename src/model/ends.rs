@@ -80,7 +80,7 @@ impl<'a> Check<'a> {
         wanted: &'static str,
     ) -> Evaluated<scope::Part> {
         if let Some(part) = self.parts.get(name) {
-            return self.untied(part);
+            return self.resolve_port(part);
         }
         let error = self.unknown_part(ident, name, wanted, environment);
         self.fail_unless_broken(environment, ident.span, error)

@@ -85,7 +85,7 @@ impl<'a> Check<'a> {
         if matches!(result, Err(Stop::Deep)) {
             return result;
         }
-        let result = result.and_then(|value| self.defined(id, kind, value));
+        let result = result.and_then(|value| self.define(id, kind, value));
         self.walk.in_progress.pop();
         self.definitions[id.0 as usize].state = State::Settled(result.clone());
         result
@@ -111,7 +111,7 @@ impl<'a> Check<'a> {
     }
 
     /// The value that a definition gives to its name.
-    fn defined(&mut self, id: DefinitionId, kind: DefinitionKind, value: Value) -> Evaluated<Value> {
+    fn define(&mut self, id: DefinitionId, kind: DefinitionKind, value: Value) -> Evaluated<Value> {
         let definition = &self.definitions[id.0 as usize];
         let (expr, environment, role) = (definition.expr, definition.environment, definition.role);
         match (kind, value) {
@@ -365,7 +365,7 @@ impl<'a> Check<'a> {
             self.walk.varies = true;
             return Ok(Quantity::plain(Number::from(i64::from(index))).into());
         }
-        let name = self.indexed(symbol, indices, environment)?;
+        let name = self.evaluate_indexed(symbol, indices, environment)?;
         match self.values.get(name) {
             Some(id) => {
                 self.walk.varies |= name.place != Place::SCENE;
@@ -420,10 +420,10 @@ impl<'a> Check<'a> {
     }
 
     /// A word with the values of its indices, among the names that the environment sees.
-    pub fn indexed(&mut self, symbol: Symbol, indices: ExprList, environment: Environment) -> Evaluated<Name> {
+    pub fn evaluate_indexed(&mut self, symbol: Symbol, indices: ExprList, environment: Environment) -> Evaluated<Name> {
         let place = self.place_of(environment);
         if indices.is_empty() {
-            return Ok(Name::plain(symbol).within(place));
+            return Ok(Name::plain(symbol).in_place(place));
         }
         let tree = self.tree;
         let given = tree.list(indices);
@@ -435,8 +435,8 @@ impl<'a> Check<'a> {
         for (value, &index) in values.iter_mut().zip(given) {
             *value = self.index(index, environment)?;
         }
-        let name = Name::indexed(symbol, &values[..given.len()]).expect("their number has been checked");
-        Ok(name.within(place))
+        let name = Name::with_indices(symbol, &values[..given.len()]).expect("their number has been checked");
+        Ok(name.in_place(place))
     }
 
     fn index(&mut self, expr: ExprId, environment: Environment) -> Evaluated<i32> {
@@ -481,7 +481,7 @@ impl<'a> Check<'a> {
         };
         loop {
             self.walk.depth = 0;
-            match self.indexed(symbol, ident.indices, environment) {
+            match self.evaluate_indexed(symbol, ident.indices, environment) {
                 Err(Stop::Deep) => self.evaluate_waiting(),
                 done => return done,
             }

@@ -34,7 +34,7 @@ const FREQUENCY: Expected = Expected::new("a frequency", Dimension::FREQUENCY, "
 impl<'a> Check<'a> {
     /// A number of the expected dimension.
     pub fn number(&mut self, expr: ExprId, environment: Environment, expected: &Expected) -> Evaluated<Number> {
-        self.cached(
+        self.cache(
             expr,
             environment,
             |memory| &mut memory.numbers,
@@ -68,7 +68,7 @@ impl<'a> Check<'a> {
 
     /// A position in the scene, m.
     pub fn position(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
-        let local = self.cached(
+        let local = self.cache(
             expr,
             environment,
             |memory| &mut memory.places,
@@ -83,12 +83,12 @@ impl<'a> Check<'a> {
     /// A direction in the scene: `x`, `y`, or a vector that is not zero. Its length does not matter.
     pub fn direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
         let own = self.own_direction(expr, environment)?;
-        self.turned(own, environment)
+        self.rotate_to_scene(own, environment)
     }
 
     /// The direction in the axes of the component in which it is written.
     pub fn own_direction(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
-        self.cached(
+        self.cache(
             expr,
             environment,
             |memory| &mut memory.places,
@@ -125,7 +125,7 @@ impl<'a> Check<'a> {
     }
 
     /// The cached value of this expression if no index of a `repeat` enters it; otherwise the result of `make`.
-    pub fn cached<T: Clone>(
+    pub fn cache<T: Clone>(
         &mut self,
         expr: ExprId,
         environment: Environment,
@@ -218,7 +218,7 @@ impl<'a> Check<'a> {
         let ExprKind::Name { indices } = node.kind else { return None };
         let word = self.word_of(node.span);
         let symbol = self.words.get(self.sources.slice(word))?;
-        let name = self.indexed(symbol, indices, environment).ok()?;
+        let name = self.evaluate_indexed(symbol, indices, environment).ok()?;
         let id: DefinitionId = self.values.get(name)?;
         let definition = &self.definitions[id.0 as usize];
         Some((self.words.display(definition.name), definition.span))

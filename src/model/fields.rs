@@ -77,7 +77,7 @@ impl<'a> Check<'a> {
         match field.value {
             FieldValue::Expr(expr) => Ok(expr),
             FieldValue::About(list) => {
-                let span = self.tree.expr(self.tree.about(list).1).span;
+                let span = self.tree.expr(self.tree.about_parts(list).1).span;
                 self.fail(environment, NameError::AboutElsewhere { span })
             }
             FieldValue::Flag | FieldValue::Moves(_) | FieldValue::MovesAlong(_) => {

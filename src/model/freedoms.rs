@@ -76,7 +76,7 @@ fn own_line(scene: &Scene, directions: &Directions, part: Part) -> Line {
     };
     match &translations[..] {
         [] => Line::Fixed,
-        [one] => Line::Along(directions.shared(&one.direction)),
+        [one] => Line::Along(directions.share(&one.direction)),
         _ => Line::Other,
     }
 }

@@ -133,7 +133,7 @@ impl<'a> Check<'a> {
         let needs_speed = speed.is_none() && !size.is_zero();
         let signal_span = speed.as_ref().map(|(_, span)| *span);
         for (axis, local) in [(Axis::X, Vec3::X), (Axis::Y, Vec3::Y)] {
-            let direction = self.turned(Arc::new(local), environment)?;
+            let direction = self.rotate_to_scene(Arc::new(local), environment)?;
             let signal = speed.iter().map(|(speed, _)| centripetal(&size, speed, axis, clockwise)).collect();
             let kind = InputKind::Unbalance {
                 end: [end[0].clone()],
@@ -231,7 +231,7 @@ impl<'a> Check<'a> {
             // Counter-clockwise in a component that is mirrored.
             let is_reversed = translation.is_none() && reverses;
             let signal =
-                signal.iter().map(|signal| if is_reversed { signal.negated() } else { signal.clone() }).collect();
+                signal.iter().map(|signal| if is_reversed { signal.negate() } else { signal.clone() }).collect();
             self.scene.inputs.push(Input { name, span, kind, signal, derivative, signal_span });
         }
         Ok(())

@@ -91,7 +91,7 @@ impl<'a> Check<'a> {
         environment: Environment,
     ) -> Evaluated<Arc<Vec3>> {
         if are_apart(&first, second) {
-            let places = [shown(&first), shown(second)];
+            let places = [position_text(&first), position_text(second)];
             return self.fail(environment, PartError::EndsApart { spans: [pair[0].span, pair[1].span], places });
         }
         Ok(first)
@@ -123,6 +123,6 @@ impl<'a> Check<'a> {
 }
 
 /// A position for use in a message.
-fn shown(place: &Vec3) -> (f64, f64) {
+fn position_text(place: &Vec3) -> (f64, f64) {
     (place.x.to_f64(), place.y.to_f64())
 }

@@ -68,7 +68,7 @@ impl<'a> Check<'a> {
         let listed = self.list_nodes(expr, reading.word, environment, &mut nodes);
         self.law_over = None;
         listed?;
-        let readings = reading.over.map(|over| typed(&nodes, over));
+        let readings = reading.over.map(|over| type_expression(&nodes, over));
         let gives = |turns: usize| match &readings[turns] {
             Ok((Value::Scalar(scalar), _)) => scalar.dimension().is_none_or(|found| found == FORCES[turns].dimension),
             _ => false,
@@ -238,7 +238,7 @@ impl<'a> Check<'a> {
 }
 
 /// The value of an expression with the variable in a dimension, and its operations.
-fn typed(nodes: &[(Node, Span)], over: Dimension) -> Result<(Value, Vec<Step>), ValueError> {
+fn type_expression(nodes: &[(Node, Span)], over: Dimension) -> Result<(Value, Vec<Step>), ValueError> {
     let mut steps: Vec<Step> = Vec::new();
     let mut stack: Vec<Typed> = Vec::new();
     for (node, span) in nodes {
@@ -251,7 +251,7 @@ fn typed(nodes: &[(Node, Span)], over: Dimension) -> Result<(Value, Vec<Step>), 
         let operands = stack.split_off(stack.len().saturating_sub(count));
         let varies = matches!(node, Node::Variable) || operands.iter().any(|operand| operand.varies);
         let start = operands.first().map_or(steps.len(), |operand| operand.start);
-        let (value, operation) = applied(node, *span, &operands, over)?;
+        let (value, operation) = apply(node, *span, &operands, over)?;
         if varies {
             steps.push(Step { operation, span: *span });
         } else {
@@ -277,7 +277,7 @@ fn stand_in(value: Value) -> Value {
     }
 }
 
-fn applied(node: &Node, span: Span, operands: &[Typed], over: Dimension) -> Result<(Value, Operation), ValueError> {
+fn apply(node: &Node, span: Span, operands: &[Typed], over: Dimension) -> Result<(Value, Operation), ValueError> {
     Ok(match node {
         Node::Value(value) => (value.clone(), Operation::Variable),
         Node::Variable => {

@@ -62,14 +62,14 @@ impl<'a> Check<'a> {
         value: ExprId,
         environment: Environment,
     ) -> Evaluated<Solve> {
-        let varied = self.varied(parameter, (low, high), "solve", environment);
-        let question = self.compared(measure, value, environment);
+        let varied = self.varied_parameter(parameter, (low, high), "solve", environment);
+        let question = self.comparison_side(measure, value, environment);
         let Varied { parameter, span, low, high } = varied?;
         Ok(Solve { parameter, span, low, high, question: question? })
     }
 
     /// A parameter that a line determines, and its range.
-    fn varied(
+    fn varied_parameter(
         &mut self,
         parameter: Path,
         (low, high): (ExprId, ExprId),
@@ -93,7 +93,7 @@ impl<'a> Check<'a> {
         if declared.bare_zero {
             // Declared as a plain `0`: its dimension follows from the range.
             found.value = Quantity { si: Number::ZERO, ..like };
-            found.unit = self.written(low, found.value.dimension);
+            found.unit = self.written_unit(low, found.value.dimension);
         }
         let span = self.path_span(parameter);
         Ok(Varied { parameter: found, span, low: low_value, high: high_value })
@@ -124,8 +124,8 @@ impl<'a> Check<'a> {
         let question = self.objective(measure, environment);
         let tree = self.tree;
         let mut found = Ok(Vec::new());
-        for item in tree.varied(list) {
-            let one = self.varied(item.parameter, (item.low, item.high), by, environment);
+        for item in tree.varied_parameters(list) {
+            let one = self.varied_parameter(item.parameter, (item.low, item.high), by, environment);
             let one = one.and_then(|one| self.determined_once(one, &found, environment));
             found = match (found, one) {
                 (Ok(list), Ok(one)) => Ok([list, vec![one]].concat()),
@@ -207,7 +207,7 @@ impl<'a> Check<'a> {
     }
 
     /// The unit of the first number of this dimension in an expression, or the usual unit if there is no such number.
-    pub fn written(&self, expr: ExprId, dimension: Dimension) -> Written {
+    pub fn written_unit(&self, expr: ExprId, dimension: Dimension) -> Written {
         self.unit_in(expr, dimension)
             .unwrap_or_else(|| Written { text: usual_unit(dimension), factor: Some(Number::ONE) })
     }
@@ -322,7 +322,7 @@ impl<'a> Check<'a> {
         let node = self.tree.expr(expr);
         let text = self.sources.slice(node.span);
         match node.kind {
-            ExprKind::Call { name_len, .. } => functions::named(MEASURES, &text[..usize::from(name_len)]).is_some(),
+            ExprKind::Call { name_len, .. } => functions::by_name(MEASURES, &text[..usize::from(name_len)]).is_some(),
             ExprKind::Name { .. } => text == "stable" || self.is_load_factor(text),
             _ => false,
         }
@@ -345,7 +345,7 @@ impl<'a> Check<'a> {
             }
             _ => {
                 let is_name = matches!(node.kind, ExprKind::Name { .. });
-                let named = functions::named(MEASURES, text).filter(|_| is_name);
+                let named = functions::by_name(MEASURES, text).filter(|_| is_name);
                 let known = ["stable", "load_factor"];
                 let suggestion = is_name.then(|| nearest(text, known)).flatten().filter(|_| named.is_none());
                 let form = named.map(|measure| measure.function.example);
@@ -363,7 +363,7 @@ impl<'a> Check<'a> {
     ) -> Evaluated<Measured> {
         use functions::Measure as Word;
         let text = self.sources.slice(word);
-        let Some(Named { kind, function }) = functions::named(MEASURES, text) else {
+        let Some(Named { kind, function }) = functions::by_name(MEASURES, text) else {
             let suggestion = nearest(text, MEASURES.iter().map(|measure| measure.function.name));
             return self
                 .fail(environment, QuestionError::UnknownMeasure { span: word, word: text.to_string(), suggestion });
@@ -656,7 +656,7 @@ impl<'a> Check<'a> {
         (word, text, is_rate): (Span, &'a str, bool),
         environment: Environment,
     ) -> Evaluated<&'a str> {
-        let Some(placed) = self.placed(environment)? else { return Ok(text) };
+        let Some(placed) = self.placement(environment)? else { return Ok(text) };
         let scope::Part::Base(base) = part else { return Ok(text) };
         let Some(base) = self.scene.bases.get(base as usize) else { return Ok(text) };
         let is_named = is_rate || base.translations.len() > 1;
@@ -782,10 +782,10 @@ fn expected_of(dimension: Dimension, is_combined: bool) -> Expected {
         (Dimension::ANGULAR_ACCELERATION, false) => {
             Expected::angular("an angular acceleration", dimension, "2 rad/s^2")
         }
-        (Dimension::ANGULAR_ACCELERATION, true) => Expected::unnamed(dimension),
+        (Dimension::ANGULAR_ACCELERATION, true) => Expected::without_name(dimension),
         _ => match dimension.noun() {
             Some(noun) => Expected::new(noun, dimension, example_of(dimension)),
-            None => Expected::unnamed(dimension),
+            None => Expected::without_name(dimension),
         },
     }
 }

@@ -150,7 +150,7 @@ pub fn check_swept(sources: &Sources, tree: &Tree, overrides: &Overrides, lines:
     check.overrides(overrides);
     let lines = check.swept_lines(lines);
     check.run();
-    let swept = check.swept(&lines);
+    let swept = check.sweep_lines(&lines);
     (check.finish(), swept)
 }
 
@@ -298,7 +298,7 @@ impl<'a> Check<'a> {
             lacks_components: false,
             frames: Vec::new(),
             ports: Vec::new(),
-            unmoved: Arc::new(places::Motion::still(None)),
+            unmoved: Arc::new(places::Motion::at_rest(None)),
             formals_like: Table::default(),
             drafts: drafts::Drafts::default(),
             reversed: HashSet::new(),
@@ -335,7 +335,7 @@ impl<'a> Check<'a> {
             let indices = place.into_iter().chain(indices).collect::<Vec<_>>().join(", ");
             *text = if text.is_empty() { indices } else { format!("{text}, {indices}") };
         }
-        if let Some(diagnostic) = self.blamed(diagnostic, environment) {
+        if let Some(diagnostic) = self.blame_argument(diagnostic, environment) {
             self.say(diagnostic);
         }
     }
@@ -377,15 +377,17 @@ impl<'a> Check<'a> {
         self.solves();
         self.optima();
         self.requires();
-        self.asked();
+        self.check_asked_measures();
         self.unplaced_components();
-        self.unused();
+        self.warn_unused();
     }
 
     fn finish(mut self) -> Checked {
         let [errors, others] = self.tallies;
-        self.diagnostics.extend(errors.unreported(|span, count| NameError::MoreErrors { span, count }.diagnostic()));
-        self.diagnostics.extend(others.unreported(|span, count| NameError::MoreWarnings { span, count }.diagnostic()));
+        self.diagnostics
+            .extend(errors.unreported_count(|span, count| NameError::MoreErrors { span, count }.diagnostic()));
+        self.diagnostics
+            .extend(others.unreported_count(|span, count| NameError::MoreWarnings { span, count }.diagnostic()));
         self.scene.words = std::mem::take(&mut self.words);
         let scene = (!self.diagnostics.has_errors()).then_some(CheckedScene { scene: self.scene });
         Checked { scene, diagnostics: self.diagnostics }
@@ -412,7 +414,7 @@ impl Tally {
     }
 
     /// The finding that gives the number of unreported ones, placed after all others.
-    fn unreported(self, tell: fn(Span, usize) -> Diagnostic) -> Option<Diagnostic> {
+    fn unreported_count(self, tell: fn(Span, usize) -> Diagnostic) -> Option<Diagnostic> {
         let count = self.count.checked_sub(limits::ERRORS).filter(|count| *count > 0)?;
         self.last.map(|last| tell(last, count))
     }

@@ -140,9 +140,9 @@ impl<'a> Check<'a> {
             }
             ExprKind::Negate { operand } => {
                 let piece = self.piece(operand, environment)?;
-                Ok(scaled(piece, &Number::from(-1)))
+                Ok(scale(piece, &Number::from(-1)))
             }
-            ExprKind::Binary { operator, left, right } => self.combined(operator, left, right, environment),
+            ExprKind::Binary { operator, left, right } => self.combine(operator, left, right, environment),
             ExprKind::At { .. } => self.fail(environment, QuestionError::PointWithoutMotion { span: node.span }),
             _ => self.fail(environment, QuestionError::NonLinear { span: node.span }),
         }
@@ -168,13 +168,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn combined(
-        &mut self,
-        operator: Binary,
-        left: ExprId,
-        right: ExprId,
-        environment: Environment,
-    ) -> Evaluated<Piece> {
+    fn combine(&mut self, operator: Binary, left: ExprId, right: ExprId, environment: Environment) -> Evaluated<Piece> {
         let span = self.tree.expr(left).span.to(self.tree.expr(right).span);
         let a = self.piece(left, environment);
         let b = self.piece(right, environment)?;
@@ -207,7 +201,7 @@ impl<'a> Check<'a> {
         places: (ExprId, ExprId),
         environment: Environment,
     ) -> Evaluated<Combination> {
-        self.sum(Binary::Subtract, a, negated(b), places, environment)
+        self.sum(Binary::Subtract, a, negate(b), places, environment)
     }
 
     fn sum(
@@ -347,7 +341,7 @@ impl<'a> Check<'a> {
         let &motions::Motion { direction, derivative, dimension, .. } = self.known_motion(text, word, environment)?;
         self.require_unbroken_part(part)?;
         let direction = match axis(direction) {
-            Some(axis) => Some((*self.turned(Arc::new(axis), environment)?).clone()),
+            Some(axis) => Some((*self.rotate_to_scene(Arc::new(axis), environment)?).clone()),
             None => None,
         };
         if !self.has_freedom(part, at.as_deref(), direction.as_ref()) {
@@ -452,12 +446,12 @@ fn scaled_terms(terms: Vec<MotionTerm>, by: &Number) -> Vec<MotionTerm> {
     terms.into_iter().map(scaled).collect()
 }
 
-pub fn negated(combination: Combination) -> Combination {
+pub fn negate(combination: Combination) -> Combination {
     let terms = scaled_terms(combination.terms, &Number::from(-1));
     Combination { terms, ..combination }
 }
 
-fn scaled(piece: Piece, by: &Number) -> Piece {
+fn scale(piece: Piece, by: &Number) -> Piece {
     match piece {
         Piece::Scalar(mut scalar) => {
             scalar.quantity.si = &scalar.quantity.si * by;

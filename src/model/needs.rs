@@ -127,7 +127,7 @@ impl<'a> Check<'a> {
     }
 
     /// Warns about declarations that are never used, and reports a model without a body.
-    pub fn unused(&mut self) {
+    pub fn warn_unused(&mut self) {
         if !self.tree.broken.is_empty() || self.diagnostics.has_errors() {
             // The broken part may have contained the use.
             return;

@@ -146,10 +146,10 @@ impl<'a> Check<'a> {
         let mut place = Place::SCENE;
         let mut rest = text;
         while let Some((first, more)) = rest.split_once('.') {
-            let name = self.read_word(first)?.within(place);
+            let name = self.read_word(first)?.in_place(place);
             (place, rest) = (self.words.mention_place(name), more);
         }
-        Some(self.read_word(rest)?.within(place))
+        Some(self.read_word(rest)?.in_place(place))
     }
 
     fn read_word(&mut self, text: &str) -> Option<Name> {
@@ -159,7 +159,7 @@ impl<'a> Check<'a> {
         let Some(indices) = indices else { return Some(Name::plain(symbol)) };
         let indices = indices.strip_suffix(']')?.replace("][", ",");
         let indices: Option<Vec<i32>> = indices.split(',').map(|index| index.trim().parse().ok()).collect();
-        Name::indexed(symbol, &indices?)
+        Name::with_indices(symbol, &indices?)
     }
 
     fn unknown_parameter(&mut self, span: Span, text: &str) {
@@ -238,12 +238,12 @@ impl<'a> Check<'a> {
             }
             match line.find('=') {
                 Some(at) => settings.push(Setting {
-                    name: trimmed(file, line_start, &line[..at]),
+                    name: trimmed_span(file, line_start, &line[..at]),
                     word: line[..at].trim().to_string(),
-                    value: Written::Text(trimmed(file, line_start + at + 1, &line[at + 1..])),
+                    value: Written::Text(trimmed_span(file, line_start + at + 1, &line[at + 1..])),
                 }),
                 None => {
-                    let span = trimmed(file, line_start, line);
+                    let span = trimmed_span(file, line_start, line);
                     self.report(Environment::TOP, NameError::NoEqualsSign { span });
                 }
             }
@@ -274,7 +274,7 @@ impl<'a> Check<'a> {
 /// same.
 fn entries(text: &str, file: FileId, table: &toml::de::DeTable<'_>, path: &str, settings: &mut Vec<Setting>) {
     for (key, value) in table {
-        let name = unquoted(text, file, key.span());
+        let name = unquote(text, file, key.span());
         let word = if path.is_empty() { key.get_ref().to_string() } else { format!("{path}.{}", key.get_ref()) };
         match value.get_ref() {
             // The TOML reader limits how deep tables are nested.
@@ -291,7 +291,7 @@ fn written_value(text: &str, file: FileId, value: &toml::Spanned<toml::de::DeVal
     match value.get_ref() {
         DeValue::Integer(_) | DeValue::Float(_) => Written::Text(whole),
         DeValue::String(content) => {
-            let inside = unquoted(text, file, value.span());
+            let inside = unquote(text, file, value.span());
             // A string with escapes differs from the text in the file; no number needs escapes.
             if text.get(inside.range()) == Some(content) { Written::Text(inside) } else { Written::Other(whole) }
         }
@@ -300,17 +300,17 @@ fn written_value(text: &str, file: FileId, value: &toml::Spanned<toml::de::DeVal
 }
 
 /// The range without its quotes.
-fn unquoted(text: &str, file: FileId, range: std::ops::Range<usize>) -> Span {
+fn unquote(text: &str, file: FileId, range: std::ops::Range<usize>) -> Span {
     let inner = text.get(range.clone()).unwrap_or("");
     let quote = inner.starts_with(['"', '\'']);
     if quote && inner.len() >= 2 {
-        return trimmed(file, range.start + 1, &inner[1..inner.len() - 1]);
+        return trimmed_span(file, range.start + 1, &inner[1..inner.len() - 1]);
     }
     Span::new(file, range.start, range.end)
 }
 
 /// The span of a text that starts at `start`, without surrounding blanks.
-pub(super) fn trimmed(file: FileId, start: usize, text: &str) -> Span {
+pub(super) fn trimmed_span(file: FileId, start: usize, text: &str) -> Span {
     let from = start + (text.len() - text.trim_start().len());
     Span::new(file, from, from + text.trim().len())
 }

@@ -46,8 +46,8 @@ pub struct Frame {
 
 impl Frame {
     /// A component that lies in its own axes, in no scene.
-    pub fn alone(place: Place, component: u32, inside: Environment, span: Span) -> Frame {
-        let still = Arc::new(Motion::still(Some(Vec3::ZERO)));
+    pub fn in_own_axes(place: Place, component: u32, inside: Environment, span: Span) -> Frame {
+        let still = Arc::new(Motion::at_rest(Some(Vec3::ZERO)));
         Frame {
             place,
             component: Some(component),
@@ -73,7 +73,7 @@ pub struct Port {
 }
 
 impl Port {
-    pub fn tied(environment: Environment, argument: ExprId, declared: Span) -> Port {
+    pub fn tie(environment: Environment, argument: ExprId, declared: Span) -> Port {
         Port { tied: Some((environment, argument)), declared, part: None }
     }
 }
@@ -100,7 +100,7 @@ pub struct Motion {
 
 impl Motion {
     /// A motion without rotation or reflection.
-    pub fn still(origin: Option<Vec3>) -> Motion {
+    pub fn at_rest(origin: Option<Vec3>) -> Motion {
         Motion { origin, angle: Number::ZERO, sine: Number::ZERO, cosine: Number::ONE, mirrored: [false, false] }
     }
 
@@ -174,7 +174,7 @@ impl<'a> Check<'a> {
     fn collect_uses(&mut self) {
         let tree = self.tree;
         for using in &tree.uses {
-            let reason = match self.sources.used(using.text) {
+            let reason = match self.sources.used_file(using.text) {
                 None => "it was not read: a model uses at most 32 files".to_string(),
                 Some(file) => match &self.sources.file(file).unread {
                     Some(reason) => reason.clone(),
@@ -195,7 +195,7 @@ impl<'a> Check<'a> {
         let tree = self.tree;
         let Some(&file) = path.last() else { return };
         for using in tree.uses.iter().filter(|using| using.text.file() == file) {
-            let Some(used) = self.sources.used(using.text) else { continue };
+            let Some(used) = self.sources.used_file(using.text) else { continue };
             if let Some(start) = path.iter().position(|known| *known == used) {
                 let name =
                     |file: &FileId| format!("`{}`", crate::base::readable::readable(&self.sources.file(*file).name));
@@ -226,7 +226,9 @@ impl<'a> Check<'a> {
         for &file in &files {
             let mut seen = vec![file];
             for using in tree.uses.iter().filter(|using| using.text.file() == file) {
-                let Some(used) = self.sources.used(using.text).filter(|used| !seen.contains(used)) else { continue };
+                let Some(used) = self.sources.used_file(using.text).filter(|used| !seen.contains(used)) else {
+                    continue;
+                };
                 seen.push(used);
                 for (index, component) in tree.components_of(used) {
                     self.add_known_component(file, index, component, using.text);
@@ -350,7 +352,8 @@ impl<'a> Check<'a> {
             },
         }
         let tree = self.tree;
-        let contained: Vec<Vec<(u32, Span)>> = tree.components.iter().map(|c| self.contained(&c.body)).collect();
+        let contained: Vec<Vec<(u32, Span)>> =
+            tree.components.iter().map(|c| self.placed_components(&c.body)).collect();
         let mut seen = vec![Visit::No; tree.components.len()];
         for first in 0..tree.components.len() {
             if seen[first] != Visit::No {
@@ -420,11 +423,11 @@ impl<'a> Check<'a> {
     }
 
     /// The components that a body places, and the spans that name them.
-    fn contained(&self, body: &'a [Decl]) -> Vec<(u32, Span)> {
+    fn placed_components(&self, body: &'a [Decl]) -> Vec<(u32, Span)> {
         let mut all = Vec::new();
         for decl in body {
             match decl.kind {
-                DeclKind::Repeat { index } => all.extend(self.contained(&self.tree.repeat(index).body)),
+                DeclKind::Repeat { index } => all.extend(self.placed_components(&self.tree.repeat(index).body)),
                 DeclKind::Rare { index } => {
                     if let Rare::Place { component, .. } = self.tree.rare(index) {
                         let known = self.known.by_name.get(&(component.file(), self.sources.slice(*component)));
@@ -508,7 +511,7 @@ impl<'a> Check<'a> {
         let body: &'a [Decl] = &self.tree.component(component).body;
         let mut counted = self.counted;
         counted.add(body, 1);
-        if let Some((limit, what)) = counted.exceeded() {
+        if let Some((limit, what)) = counted.exceeded_limit() {
             // Every later place is too much as well.
             if !std::mem::replace(&mut self.is_full, true) {
                 self.report(Environment::TOP, NameError::TooManyInstances { span: word, limit, what });
@@ -587,7 +590,7 @@ impl<'a> Check<'a> {
     // ---- Where a component lies ----
 
     /// The position and orientation of the component that contains an environment; `None` for the scene.
-    pub fn placed(&mut self, environment: Environment) -> Evaluated<Option<Placed>> {
+    pub fn placement(&mut self, environment: Environment) -> Evaluated<Option<Placed>> {
         match self.environments.frame(environment) {
             None => Ok(None),
             Some(frame) => loop {
@@ -639,7 +642,7 @@ impl<'a> Check<'a> {
                 Value::Scalar(_) => return Err(Stop::Reported),
             },
         };
-        let Some(turned) = turned else { return Ok(Arc::new(Motion { mirrored, ..Motion::still(origin) })) };
+        let Some(turned) = turned else { return Ok(Arc::new(Motion { mirrored, ..Motion::at_rest(origin) })) };
         let value = self.value_of(turned, span, outer)?;
         let expr = self.definitions[turned.0 as usize].expr;
         let angle = self.as_number(&value, expr, outer, &ANGLE)?;
@@ -651,7 +654,7 @@ impl<'a> Check<'a> {
 
     /// A place of a component in the scene.
     pub fn in_scene(&mut self, local: Arc<Vec3>, expr: ExprId, environment: Environment) -> Evaluated<Arc<Vec3>> {
-        let Some(placed) = self.placed(environment)? else { return Ok(local) };
+        let Some(placed) = self.placement(environment)? else { return Ok(local) };
         match placed.scene.place(&local) {
             Some(place) => Ok(Arc::new(place)),
             None => {
@@ -678,8 +681,8 @@ impl<'a> Check<'a> {
     }
 
     /// A direction of a component in the scene.
-    pub fn turned(&mut self, local: Arc<Vec3>, environment: Environment) -> Evaluated<Arc<Vec3>> {
-        match self.placed(environment)? {
+    pub fn rotate_to_scene(&mut self, local: Arc<Vec3>, environment: Environment) -> Evaluated<Arc<Vec3>> {
+        match self.placement(environment)? {
             Some(placed) if !placed.scene.keeps_directions() => Ok(Arc::new(placed.scene.direction(&local))),
             _ => Ok(local),
         }
@@ -687,7 +690,7 @@ impl<'a> Check<'a> {
 
     /// Whether a counter-clockwise rotation in a component is clockwise in the scene.
     pub fn reverses(&mut self, environment: Environment) -> Evaluated<bool> {
-        Ok(self.placed(environment)?.is_some_and(|placed| placed.scene.reverses()))
+        Ok(self.placement(environment)?.is_some_and(|placed| placed.scene.reverses()))
     }
 
     /// A place of a component as it is seen from an environment around it.
@@ -747,7 +750,7 @@ impl<'a> Check<'a> {
             _ => return Ok(None),
         };
         let Some(symbol) = self.words.get(self.sources.slice(ident.span)) else { return Ok(None) };
-        let name = self.indexed(symbol, ident.indices, environment)?.within(place);
+        let name = self.evaluate_indexed(symbol, ident.indices, environment)?.in_place(place);
         match self.parts.get(name) {
             Some(scope::Part::Place(frame)) => Ok(Some(frame)),
             _ => Ok(None),
@@ -810,7 +813,7 @@ impl<'a> Check<'a> {
         }
         let Some(symbol) = self.words.get(self.sources.slice(member.span)) else { return Ok(None) };
         let place = self.frame(frame).place;
-        Ok(Some(self.indexed(symbol, member.indices, environment)?.within(place)))
+        Ok(Some(self.evaluate_indexed(symbol, member.indices, environment)?.in_place(place)))
     }
 
     fn unknown_member<T>(
@@ -922,7 +925,7 @@ impl<'a> Check<'a> {
             return self.unknown_member(frame, member, wanted, environment);
         };
         if let Some(part) = self.parts.get(name) {
-            return self.untied(part);
+            return self.resolve_port(part);
         }
         match self.values.get(name) {
             Some(id) => {
@@ -945,7 +948,7 @@ impl<'a> Check<'a> {
     }
 
     /// The part that a port is tied to; any other part is returned unchanged.
-    pub fn untied(&mut self, part: scope::Part) -> Evaluated<scope::Part> {
+    pub fn resolve_port(&mut self, part: scope::Part) -> Evaluated<scope::Part> {
         match part {
             scope::Part::Port(port) => self.port(port),
             part => Ok(part),

@@ -54,7 +54,7 @@ impl Check<'_> {
             let (why, help) = ("turns freely: it carries no moment", "write `fx` or `fy`, or remove it");
             return self.fail(environment, QuestionError::NoSuchReaction { span: word.1, name, why, help });
         }
-        self.directed(Holder::Joint(JointId(index)), component, environment)
+        self.reaction_direction(Holder::Joint(JointId(index)), component, environment)
     }
 
     /// `r.force`
@@ -90,7 +90,7 @@ impl Check<'_> {
             ReactionComponent::Moment | ReactionComponent::Coupling => None,
         };
         let direction = match axis {
-            Some(axis) => Some((*self.turned(Arc::new(axis), environment)?).clone()),
+            Some(axis) => Some((*self.rotate_to_scene(Arc::new(axis), environment)?).clone()),
             None => None,
         };
         let free = match (&self.scene.bodies[body.index()].freedom, direction) {
@@ -115,7 +115,7 @@ impl Check<'_> {
                 environment,
             );
         }
-        self.directed(Holder::Support(body), component, environment)
+        self.reaction_direction(Holder::Support(body), component, environment)
     }
 
     fn no_support(
@@ -132,7 +132,12 @@ impl Check<'_> {
 
     /// A component in the axes of the part of the model that mentions it, in terms of the components along the axes of
     /// the scene.
-    fn directed(&mut self, holder: Holder, component: ReactionComponent, environment: Environment) -> Evaluated<Piece> {
+    fn reaction_direction(
+        &mut self,
+        holder: Holder,
+        component: ReactionComponent,
+        environment: Environment,
+    ) -> Evaluated<Piece> {
         let axis = match component {
             ReactionComponent::X => Vec3::X,
             ReactionComponent::Y => Vec3::Y,
@@ -141,7 +146,7 @@ impl Check<'_> {
                 return Ok(combination(vec![(sign, Reaction { holder, component })], Dimension::TORQUE));
             }
         };
-        let direction = self.turned(Arc::new(axis), environment)?;
+        let direction = self.rotate_to_scene(Arc::new(axis), environment)?;
         let parts = [(direction.x.clone(), ReactionComponent::X), (direction.y.clone(), ReactionComponent::Y)];
         let parts = parts.into_iter().filter(|(factor, _)| !factor.is_zero());
         let terms = parts.map(|(factor, component)| (factor, Reaction { holder, component })).collect();

@@ -65,8 +65,8 @@ impl<'a> Check<'a> {
             }
             let flips = !self.has_measure(left) && self.has_measure(right);
             let (side, other) = if flips { (right, left) } else { (left, right) };
-            let question = self.compared(side, other, environment)?;
-            let comparison = if flips { flipped(comparison) } else { comparison };
+            let question = self.comparison_side(side, other, environment)?;
+            let comparison = if flips { flip(comparison) } else { comparison };
             list.push(Require { span, question, comparison: Some(comparison) });
             left = right;
         }
@@ -97,7 +97,7 @@ impl<'a> Check<'a> {
 
     /// An expression of measures and what it is compared with: a number, or another such expression. For two
     /// expressions, their difference is compared with zero.
-    pub fn compared(&mut self, side: ExprId, other: ExprId, environment: Environment) -> Evaluated<Question> {
+    pub fn comparison_side(&mut self, side: ExprId, other: ExprId, environment: Environment) -> Evaluated<Question> {
         let span = self.tree.expr(side).span;
         let compares_two = self.has_measure(other);
         if !self.has_measure(side) || self.is_measure(side) && !compares_two {
@@ -108,7 +108,7 @@ impl<'a> Check<'a> {
         if compares_two {
             let right = self.term(other, environment)?;
             let whole = span.to(self.tree.expr(other).span);
-            let difference = self.joined(Arithmetic::Subtract, left, right, whole, environment)?;
+            let difference = self.join(Arithmetic::Subtract, left, right, whole, environment)?;
             let dimension = difference.dimension.unwrap_or(Dimension::NONE);
             let measure = Measure::Combined(Box::new(difference.combined));
             let unit = unit_of(&measure, dimension);
@@ -150,7 +150,7 @@ impl<'a> Check<'a> {
             (true, Value::Scalar(Scalar { quantity, .. })) => (quantity.angle == Angle::Radians).then_some(quantity.si),
             _ => None,
         };
-        let mut unit = self.written(value, measured.dimension);
+        let mut unit = self.written_unit(value, measured.dimension);
         if unit.text.is_empty() {
             unit.text = match measured.measure {
                 Measure::Phase { .. } => "rad".to_string(),
@@ -197,7 +197,7 @@ impl<'a> Check<'a> {
                 };
                 let a = self.term(left, environment);
                 let b = self.term(right, environment)?;
-                self.joined(operator, a?, b, node.span, environment)
+                self.join(operator, a?, b, node.span, environment)
             }
             ExprKind::Call { name_len, .. } => {
                 let function = self.sources.slice(node.span)[..usize::from(name_len)].to_string();
@@ -220,7 +220,7 @@ impl<'a> Check<'a> {
         Ok(Term { combined: Combined::Number(number), dimension })
     }
 
-    fn joined(
+    fn join(
         &mut self,
         operator: Arithmetic,
         left: Term,
@@ -293,7 +293,7 @@ fn comparison(operator: Binary) -> Option<Comparison> {
     }
 }
 
-fn flipped(comparison: Comparison) -> Comparison {
+fn flip(comparison: Comparison) -> Comparison {
     match comparison {
         Comparison::Less => Comparison::Greater,
         Comparison::LessEqual => Comparison::GreaterEqual,

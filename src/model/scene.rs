@@ -449,18 +449,18 @@ impl Signal {
     }
 
     /// The signal with the opposite sign.
-    pub fn negated(&self) -> Signal {
+    pub fn negate(&self) -> Signal {
         let mut signal = self.clone();
         match &mut signal {
             Signal::Constant { value } => *value = -&*value,
-            Signal::Function(function) => *function = function.negated(),
+            Signal::Function(function) => *function = function.negate(),
             Signal::Table { rows, .. } => {
                 if let Some(rows) = rows {
                     let values = rows.values.iter().map(|value| -value).collect();
                     *rows = Arc::new(TableRows { times: rows.times.clone(), values });
                 }
             }
-            Signal::Delayed { signals, .. } => *signals = signals.iter().map(Signal::negated).collect(),
+            Signal::Delayed { signals, .. } => *signals = signals.iter().map(Signal::negate).collect(),
             Signal::Noise(_) | Signal::Spectrum(_) => {}
         }
         signal
@@ -827,7 +827,7 @@ impl Scene {
     }
 
     /// The names of these parameters.
-    pub fn determined(&self) -> impl Iterator<Item = &str> {
+    pub fn determined_names(&self) -> impl Iterator<Item = &str> {
         let varied = self.optima.iter().flat_map(|optimum| &optimum.varied).map(|varied| &varied.parameter);
         self.solves.iter().map(|solve| &solve.parameter).chain(varied).map(|parameter| parameter.name.as_str())
     }

@@ -374,7 +374,7 @@ impl<T: Copy> Space<T> {
             return Some(all.into_owned().ranges);
         }
         // Another place of the component may have more.
-        let run = self.runs.get(&Name::plain(name.symbol).within(name.place))?;
+        let run = self.runs.get(&Name::plain(name.symbol).in_place(name.place))?;
         Some(vec![(run.first, run.first + run.items.len() as i32 - 1)])
     }
 
@@ -411,7 +411,7 @@ impl<T: Copy> Run<T> {
 /// The name without its last index, and that index.
 fn split_last(name: Name) -> Option<(Name, i32)> {
     let (last, most) = name.indices().split_last()?;
-    Some((Name::indexed(name.symbol, most)?.within(name.place), *last))
+    Some((Name::with_indices(name.symbol, most)?.in_place(name.place), *last))
 }
 
 /// Multiply and rotate, as in rustc's own tables: names are a few small integers, and the tables are never iterated.

@@ -17,7 +17,7 @@ pub struct RecentLaws {
 }
 
 impl RecentLaws {
-    pub fn shared(&mut self, law: Law) -> Arc<Law> {
+    pub fn share(&mut self, law: Law) -> Arc<Law> {
         if let Some(known) = self.recent.iter().find(|known| are_alike(known, &law)) {
             return known.clone();
         }
@@ -60,17 +60,17 @@ mod tests {
     fn equal_laws_are_one_and_others_are_not() {
         let (k, c) = (&spring::KIND, &damper::KIND);
         let mut laws = RecentLaws::default();
-        let first = laws.shared(law(k, 1));
+        let first = laws.share(law(k, 1));
         let others = [law(c, 1), law(k, 2), Law { rest: SpringRest::Preload(Number::ONE), ..law(k, 1) }];
         for other in others {
-            assert!(!Arc::ptr_eq(&laws.shared(other), &first));
+            assert!(!Arc::ptr_eq(&laws.share(other), &first));
         }
-        assert!(Arc::ptr_eq(&laws.shared(law(k, 1)), &first));
+        assert!(Arc::ptr_eq(&laws.share(law(k, 1)), &first));
         // Two more, and the first is forgotten: a copy is as good.
-        (3..5).for_each(|coefficient| drop(laws.shared(law(k, coefficient))));
-        let again = laws.shared(law(k, 1));
+        (3..5).for_each(|coefficient| drop(laws.share(law(k, coefficient))));
+        let again = laws.share(law(k, 1));
         assert!(!Arc::ptr_eq(&again, &first) && again.coefficient == first.coefficient);
         let lossy = Law { loss: Some(Box::new(Number::ONE)), ..law(k, 1) };
-        assert!(!Arc::ptr_eq(&laws.shared(lossy), &again));
+        assert!(!Arc::ptr_eq(&laws.share(lossy), &again));
     }
 }

@@ -119,7 +119,7 @@ impl<'a> Check<'a> {
         };
         let word = Span::new(node.span.file(), node.span.start(), node.span.start() + usize::from(name_len));
         let text = self.sources.slice(word);
-        let Some(Named { kind: signal, function }) = functions::named(SIGNALS, text) else {
+        let Some(Named { kind: signal, function }) = functions::by_name(SIGNALS, text) else {
             let suggestion = nearest(text, SIGNALS.iter().map(|signal| signal.function.name));
             return self.fail(environment, PartError::UnknownSignal { span: word, word: text.to_string(), suggestion });
         };
@@ -285,7 +285,8 @@ impl<'a> Check<'a> {
             if !(rest.is_zero() || rest.is_positive()) {
                 return self.fail(environment, PartError::PeriodShort { span, named, covered: covered.to_f64() });
             }
-            // The next row of a signal that is sampled is one step later; a longer gap has no course that the table says.
+            // The rows of a sampled signal are one step apart; a table does not say what the signal does in a longer
+            // gap.
             if rest.to_f64() > longest * (1.0 + f64::EPSILON) {
                 return self.fail(environment, PartError::PeriodLong { span, named, rest: rest.to_f64(), longest });
             }

@@ -4,7 +4,7 @@
 use super::Check;
 use super::error::{NameError, QuestionError};
 use super::evaluate::{Evaluated, Stop};
-use super::overrides::{coerce_to, trimmed};
+use super::overrides::{coerce_to, trimmed_span};
 use super::scene::{Parameter, Written};
 use super::scope::{DefinitionId, DefinitionKind, Environment, State};
 use super::value::{Scalar, Value};
@@ -98,14 +98,14 @@ impl<'a> Check<'a> {
             let from = start;
             start += line.len();
             let Some(at) = line.find('=') else {
-                self.report(Environment::TOP, NameError::NoEqualsSign { span: trimmed(file, from, line) });
+                self.report(Environment::TOP, NameError::NoEqualsSign { span: trimmed_span(file, from, line) });
                 continue;
             };
-            let (word, span) = (line[..at].trim(), trimmed(file, from, &line[..at]));
+            let (word, span) = (line[..at].trim(), trimmed_span(file, from, &line[..at]));
             match self.read_name(word) {
                 Some(name) => {
                     self.overrides.mention(name, word, span);
-                    lines.push(Line { name, values: trimmed(file, from + at + 1, &line[at + 1..]) });
+                    lines.push(Line { name, values: trimmed_span(file, from + at + 1, &line[at + 1..]) });
                 }
                 None => self.report(Environment::TOP, NameError::SettingName { span }),
             }
@@ -114,7 +114,7 @@ impl<'a> Check<'a> {
     }
 
     /// The values of the lines. Names that are no parameters have been reported.
-    pub(super) fn swept(&mut self, lines: &[Line]) -> Vec<Swept> {
+    pub(super) fn sweep_lines(&mut self, lines: &[Line]) -> Vec<Swept> {
         lines.iter().filter_map(|line| self.swept_line(line).ok()).collect()
     }
 
@@ -124,8 +124,9 @@ impl<'a> Check<'a> {
         let Ok(shape) = shape_of_values(text) else {
             return self.fail(Environment::TOP, NameError::SettingValue { span });
         };
-        let place =
-            |part: &str| trimmed(span.file(), span.start() + (part.as_ptr() as usize - text.as_ptr() as usize), part);
+        let place = |part: &str| {
+            trimmed_span(span.file(), span.start() + (part.as_ptr() as usize - text.as_ptr() as usize), part)
+        };
         let mut parameter = self.parameter(id, &declared);
         let texts = match &shape {
             Shape::Range { low, high, .. } => vec![*low, *high],
@@ -174,7 +175,7 @@ impl<'a> Check<'a> {
     }
 
     /// The measures that are asked for from outside.
-    pub(super) fn asked(&mut self) {
+    pub(super) fn check_asked_measures(&mut self) {
         for &expr in &self.tree.asked {
             self.walk.varies = false;
             if let Ok(question) = self.objective(expr, Environment::TOP) {

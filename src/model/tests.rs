@@ -19,19 +19,19 @@ fn checked_with(text: &str, arguments: &str, settings: &str) -> Checked {
     check(&sources, &parsed.tree, &Overrides { arguments, settings, ..Overrides::default() })
 }
 
-fn checked(text: &str) -> Checked {
+fn check_text(text: &str) -> Checked {
     checked_with(text, "", "")
 }
 
 /// The codes of the findings, in order of place.
 fn codes(checked: &Checked) -> Vec<&'static str> {
-    let found = checked.diagnostics.clone().sorted();
+    let found = checked.diagnostics.clone().into_sorted();
     found.iter().map(|diagnostic| diagnostic.code.0).collect()
 }
 
 /// The message and the help of a finding.
 fn messages(checked: &Checked) -> String {
-    let shown = checked.diagnostics.clone().sorted();
+    let shown = checked.diagnostics.clone().into_sorted();
     let line = |d: &crate::base::Diagnostic| {
         format!("{} [{}] ({})", d.message, d.primary.text, d.help.as_deref().unwrap_or_default())
     };
@@ -60,8 +60,8 @@ fn mass(expression: &str) -> Number {
 }
 
 /// The code with which an expression is refused as a mass.
-fn refused(expression: &str) -> &'static str {
-    let found = codes(&checked(&format!("body b {{ mass = {expression}, moves x }}")));
+fn refusal_code(expression: &str) -> &'static str {
+    let found = codes(&check_text(&format!("body b {{ mass = {expression}, moves x }}")));
     assert_eq!(found.len(), 1, "{expression}: {found:?}");
     found[0]
 }
@@ -72,7 +72,7 @@ fn hertz(expression: &str) -> Result<Number, Vec<&'static str>> {
         "param fn = 10 Hz\nparam k = 16 N/m\nparam m = 4 kg\nlet unused = fn*k*m\nbody b {{ mass = 1 kg, moves x }}
          force F: b = harmonic(1 N, {expression})"
     );
-    let checked = checked(&text);
+    let checked = check_text(&text);
     let codes = codes(&checked);
     let Some(scene) = checked.scene else { return Err(codes) };
     match &scene.scene.inputs[0].signal[0] {
@@ -136,40 +136,40 @@ fn functions_of_angles_take_angles_and_plain_numbers() {
 
 #[test]
 fn dimensions_are_checked_in_every_expression() {
-    assert_eq!(refused("1 kg + 1 m"), "vib::unit::mismatch");
-    assert_eq!(refused("1 kg + 1"), "vib::unit::mismatch");
-    assert_eq!(refused("sin(1 m) * 1 kg"), "vib::unit::mismatch");
-    assert_eq!(refused("2^(1 s) * 1 kg"), "vib::unit::mismatch");
-    assert_eq!(refused("atan2(1 m, 1 s) * 1 kg"), "vib::unit::mismatch");
-    assert_eq!(refused("max(1 kg, 1 m)"), "vib::unit::mismatch");
-    assert_eq!(refused("sqrt(4 kg)"), "vib::unit::mismatch");
-    assert_eq!(refused("1 N"), "vib::unit::mismatch");
-    assert_eq!(refused("3"), "vib::unit::missing");
-    assert_eq!(refused("3 %"), "vib::unit::mismatch");
-    assert_eq!(refused("(1 kg)^pi"), "vib::unit::exponent");
-    assert_eq!(refused("(0, 1 kg)"), "vib::value::kind");
-    assert_eq!(refused("(1 kg, 1 m)"), "vib::unit::mismatch");
-    assert_eq!(refused("1 kg * (1, 0)"), "vib::value::kind");
-    assert_eq!(refused("\"file\""), "vib::value::kind");
+    assert_eq!(refusal_code("1 kg + 1 m"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("1 kg + 1"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("sin(1 m) * 1 kg"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("2^(1 s) * 1 kg"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("atan2(1 m, 1 s) * 1 kg"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("max(1 kg, 1 m)"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("sqrt(4 kg)"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("1 N"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("3"), "vib::unit::missing");
+    assert_eq!(refusal_code("3 %"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("(1 kg)^pi"), "vib::unit::exponent");
+    assert_eq!(refusal_code("(0, 1 kg)"), "vib::value::kind");
+    assert_eq!(refusal_code("(1 kg, 1 m)"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("1 kg * (1, 0)"), "vib::value::kind");
+    assert_eq!(refusal_code("\"file\""), "vib::value::kind");
 }
 
 #[test]
 fn expressions_without_a_value_are_refused() {
-    assert_eq!(refused("1 kg / 0"), "vib::number::division_by_zero");
-    assert_eq!(refused("1 kg / (0.1 + 0.2 - 0.3)"), "vib::number::division_by_zero");
-    assert_eq!(refused("1 kg * 0^-1"), "vib::number::division_by_zero");
-    assert_eq!(refused("tan(pi/2) * 1 kg"), "vib::number::division_by_zero");
-    assert_eq!(refused("sqrt(-1 kg^2)"), "vib::number::root_of_negative");
-    assert_eq!(refused("(-1)^0.5 * 1 kg"), "vib::number::root_of_negative");
-    assert_eq!(refused("ln(0) * 1 kg"), "vib::number::domain");
-    assert_eq!(refused("acos(1.5) * 1 kg"), "vib::number::domain");
-    assert_eq!(refused("atan2(0, 0) * 1 kg"), "vib::number::domain");
-    assert_eq!(refused("1e400 kg"), "vib::number::overflow");
-    assert_eq!(refused("1e200 kg * 1e200"), "vib::number::overflow");
-    assert_eq!(refused("1e-200 kg / 1e200"), "vib::number::overflow");
-    assert_eq!(refused("exp(1e6) * 1 kg"), "vib::number::overflow");
-    assert_eq!(refused("10^10^10 * 1 kg"), "vib::number::overflow");
-    assert_eq!(refused("-1 kg"), "vib::value::negative");
+    assert_eq!(refusal_code("1 kg / 0"), "vib::number::division_by_zero");
+    assert_eq!(refusal_code("1 kg / (0.1 + 0.2 - 0.3)"), "vib::number::division_by_zero");
+    assert_eq!(refusal_code("1 kg * 0^-1"), "vib::number::division_by_zero");
+    assert_eq!(refusal_code("tan(pi/2) * 1 kg"), "vib::number::division_by_zero");
+    assert_eq!(refusal_code("sqrt(-1 kg^2)"), "vib::number::root_of_negative");
+    assert_eq!(refusal_code("(-1)^0.5 * 1 kg"), "vib::number::root_of_negative");
+    assert_eq!(refusal_code("ln(0) * 1 kg"), "vib::number::domain");
+    assert_eq!(refusal_code("acos(1.5) * 1 kg"), "vib::number::domain");
+    assert_eq!(refusal_code("atan2(0, 0) * 1 kg"), "vib::number::domain");
+    assert_eq!(refusal_code("1e400 kg"), "vib::number::overflow");
+    assert_eq!(refusal_code("1e200 kg * 1e200"), "vib::number::overflow");
+    assert_eq!(refusal_code("1e-200 kg / 1e200"), "vib::number::overflow");
+    assert_eq!(refusal_code("exp(1e6) * 1 kg"), "vib::number::overflow");
+    assert_eq!(refusal_code("10^10^10 * 1 kg"), "vib::number::overflow");
+    assert_eq!(refusal_code("-1 kg"), "vib::value::negative");
 }
 
 #[test]
@@ -180,9 +180,9 @@ fn a_bare_zero_fits_any_dimension() {
     let scene = scene("param L = 0\nbody b { mass = 1 kg, at = (0, L), moves x }");
     assert!(scene.bodies[0].centre.as_ref().is_some_and(|centre| centre.is_zero()));
     // But a zero with a unit has the dimension of that unit.
-    assert_eq!(refused("0 m"), "vib::unit::mismatch");
-    assert_eq!(refused("1 kg + 0 m"), "vib::unit::mismatch");
-    assert_eq!(refused("0 %"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("0 m"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("1 kg + 0 m"), "vib::unit::mismatch");
+    assert_eq!(refusal_code("0 %"), "vib::unit::mismatch");
 }
 
 #[test]
@@ -213,11 +213,11 @@ fn a_frequency_is_in_cycles_or_radians_and_never_guessed() {
 #[test]
 fn a_unit_is_glued_and_a_product_has_spaces() {
     assert_eq!(mass_after("param L = 2", "3 kg * L"), Number::from(6));
-    let glued = checked("param L = 2 m\nbody b { mass = 3 kg*L, moves x }");
+    let glued = check_text("param L = 2 m\nbody b { mass = 3 kg*L, moves x }");
     assert_eq!(codes(&glued)[0], "vib::unit::unknown");
     assert!(messages(&glued).contains("write spaces around"));
-    assert!(messages(&checked("param k = 1/s\nbody b { mass = 1 kg, moves x }")).contains("`s` is a unit"));
-    assert_eq!(refused("1 kg/m*s"), "vib::unit::ambiguous");
+    assert!(messages(&check_text("param k = 1/s\nbody b { mass = 1 kg, moves x }")).contains("`s` is a unit"));
+    assert_eq!(refusal_code("1 kg/m*s"), "vib::unit::ambiguous");
 }
 
 // Names
@@ -229,7 +229,7 @@ fn parameters_may_be_declared_in_any_order() {
 
 #[test]
 fn a_cycle_names_its_members_once() {
-    let checked = checked("let a = b\nlet b = c\nlet c = b\nlet d = a\nbody e { mass = d, moves x }");
+    let checked = check_text("let a = b\nlet b = c\nlet c = b\nlet d = a\nbody e { mass = d, moves x }");
     assert_eq!(codes(&checked), ["vib::parameter::cycle"]);
     assert!(messages(&checked).contains("`b` -> `c` -> `b`"), "{}", messages(&checked));
 }
@@ -241,7 +241,7 @@ fn a_long_chain_of_parameters_needs_no_deep_stack() {
     text += &format!("let a{count} = 1\n");
     assert_eq!(mass_after(&text, "a0 * 1 kg"), Number::from(count + 1));
     let circle: String = (0..count).map(|i| format!("let a{i} = a{} + 1\n", (i + 1) % count)).collect();
-    assert_eq!(codes(&checked(&format!("{circle}body b {{ mass = 1 kg, moves x }}"))), ["vib::parameter::cycle"]);
+    assert_eq!(codes(&check_text(&format!("{circle}body b {{ mass = 1 kg, moves x }}"))), ["vib::parameter::cycle"]);
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn parts_and_values_have_separate_name_spaces() {
     let scene = scene("param k = 10 N/m\nbody b { mass = 1 kg, moves x }\nspring k: ground -- b { k = k }");
     assert_eq!(scene.words.display(scene.elements[0].name), "k");
     let twice =
-        checked("param k = 10 N/m\npoint k = (0, 0)\nbody b { mass = k, moves x }\nspring b: ground -- b { k = k }");
+        check_text("param k = 10 N/m\npoint k = (0, 0)\nbody b { mass = k, moves x }\nspring b: ground -- b { k = k }");
     let twice = codes(&twice);
     assert_eq!(twice.iter().filter(|code| **code == "vib::name::duplicate").count(), 2, "{twice:?}");
 }
@@ -257,7 +257,7 @@ fn parts_and_values_have_separate_name_spaces() {
 #[test]
 fn unknown_names_are_reported_with_the_nearest_known_one() {
     let model = "param stiffness = 10 N/m\nbody block { mass = 1 kg, moves x }\n";
-    let with = |line: &str| messages(&checked(&format!("{model}{line}")));
+    let with = |line: &str| messages(&check_text(&format!("{model}{line}")));
     assert!(with("spring s: ground -- block { k = stifness }").contains("did you mean `stiffness`?"));
     assert!(with("spring s: ground -- blok { k = stiffness }").contains("did you mean `block`?"));
     assert!(with("spring s: ground -- block { k = stiffness, prelod = 1 N }").contains("did you mean `preload`?"));
@@ -266,7 +266,7 @@ fn unknown_names_are_reported_with_the_nearest_known_one() {
     assert!(with("param a = 2 Newton").contains("did you mean `N`?"));
     assert!(with("param a = block").contains("`block` is a body"));
     assert!(with("param a = 1 m/(m/s^2)").contains("which stands without brackets"));
-    assert_eq!(codes(&checked(&format!("{model}param a = 1 m/(m + s)"))).len(), 2);
+    assert_eq!(codes(&check_text(&format!("{model}param a = 1 m/(m + s)"))).len(), 2);
     assert!(with("param a = rod(2)").contains("shape = rod(A, B)"));
 }
 
@@ -283,14 +283,14 @@ fn one_mistake_gives_one_error() {
         "body s { mass = 1 kg, moves x }\nspring t: ground -- s { k = 1 N/m }\nparam a = 1 m/(m/s^2)",
         "param n = 1.5\nrepeat i in 1..n {\nbody c[i] { mass = 1 kg, moves x }\n}\nspring s: c[1] -- c[2] { k = 1 N/m }\nbody d { mass = 1 kg, moves x }",
     ] {
-        assert_eq!(codes(&checked(text)).len(), 1, "{text}: {}", messages(&checked(text)));
+        assert_eq!(codes(&check_text(text)).len(), 1, "{text}: {}", messages(&check_text(text)));
     }
 }
 
 #[test]
 fn names_of_declarations_that_did_not_parse_are_not_unknown() {
     let text = "body a { mass = = 1 kg, moves x }\nparam k = = 3\nspring s: ground -- a { k = k }\nbody b { mass = 1 m, moves x }";
-    assert_eq!(codes(&checked(text)), ["vib::unit::mismatch"]);
+    assert_eq!(codes(&check_text(text)), ["vib::unit::mismatch"]);
 }
 
 // `repeat`
@@ -350,7 +350,7 @@ fn an_empty_repetition_is_none_and_a_reversed_one_an_error() {
     };
     assert_eq!(scene(&with("1..0")).bodies.len(), 1);
     assert_eq!(scene(&with("-1..1")).bodies.len(), 4);
-    assert_eq!(codes(&checked(&with("3..1"))), ["vib::repeat::reversed"]);
+    assert_eq!(codes(&check_text(&with("3..1"))), ["vib::repeat::reversed"]);
 }
 
 #[test]
@@ -358,14 +358,14 @@ fn too_many_repetitions_are_refused_before_any_work() {
     let nested = "repeat i in 1..100000 {\nrepeat j in 1..100000 {\nbody m[i][j] { mass = 1 kg, moves x }\n}\n}";
     let single = "repeat i in 1..1000000000000 {\nbody m[i] { mass = 1 kg, moves x }\n}";
     // If each repetition took any work, this test would not end.
-    assert_eq!(codes(&checked(nested)), ["vib::limit::repeat"]);
-    assert_eq!(codes(&checked(single)), ["vib::limit::repeat"]);
+    assert_eq!(codes(&check_text(nested)), ["vib::limit::repeat"]);
+    assert_eq!(codes(&check_text(single)), ["vib::limit::repeat"]);
 }
 
 #[test]
 fn an_index_out_of_range_names_those_declared() {
     let text = "repeat i in 1..3 {\nbody m[i] { mass = 1 kg, moves x }\nspring k[i]: m[i-1] -- m[i] { k = 1 N/m }\n}";
-    let found = checked(text);
+    let found = check_text(text);
     assert_eq!(codes(&found), ["vib::name::index"]);
     assert!(
         messages(&found).contains("there is no `m[0]` [i = 1] (the declared ones are `m[1..3]`)"),
@@ -455,7 +455,7 @@ fn shapes_give_centre_and_inertia() {
 fn an_inertia_about_a_point_is_reduced_to_the_centre() {
     let inertia = |value: &str| {
         let text = format!("body b {{ mass = 3 kg, at = (0.4 m, 0.3 m), inertia = {value}, free }}");
-        checked(&text).scene.map(|scene| *scene.scene.bodies[0].inertia.clone().expect("an inertia"))
+        check_text(&text).scene.map(|scene| *scene.scene.bodies[0].inertia.clone().expect("an inertia"))
     };
     assert_eq!(inertia("0.8 kg*m^2 about (0, 0)"), Some(exact("0.05")));
     assert_eq!(inertia("0.75 kg*m^2 about (0, 0)"), Some(Number::ZERO));
@@ -465,7 +465,7 @@ fn an_inertia_about_a_point_is_reduced_to_the_centre() {
 
 #[test]
 fn degrees_of_freedom_require_mass_or_inertia() {
-    let codes_of = |text: &str| codes(&checked(text));
+    let codes_of = |text: &str| codes(&check_text(text));
     assert_eq!(codes_of("body b { moves x }"), ["vib::mass::missing"]);
     assert_eq!(codes_of("body b { mass = 1 kg, free }"), ["vib::inertia::missing"]);
     assert_eq!(codes_of("body b { shape = disk(1 m), turns }"), ["vib::mass::missing"]);
@@ -487,13 +487,13 @@ fn a_body_on_a_ground_pivot_may_have_its_inertia_only_there() {
     let hinged = "body b { inertia = 0.8 kg*m^2 about (0, 1 m) }\npivot p: ground@(0, 1 m) -- b\nspring t: ground -- b { k = 1 N*m/rad }";
     assert_eq!(scene(hinged).bodies[0].inertia, Some(Box::new(exact("0.8"))));
     // Gravity would pull at its centre; and about another point the mass counts.
-    assert_eq!(codes(&checked(&format!("gravity 9.81 m/s^2\n{hinged}"))), ["vib::mass::missing"]);
-    assert_eq!(codes(&checked(&hinged.replace("about (0, 1 m)", "about (0, 0)"))), ["vib::mass::missing"]);
+    assert_eq!(codes(&check_text(&format!("gravity 9.81 m/s^2\n{hinged}"))), ["vib::mass::missing"]);
+    assert_eq!(codes(&check_text(&hinged.replace("about (0, 1 m)", "about (0, 0)"))), ["vib::mass::missing"]);
 }
 
 #[test]
 fn mass_without_a_degree_of_freedom_is_a_warning() {
-    let codes_of = |text: &str| codes(&checked(text));
+    let codes_of = |text: &str| codes(&check_text(text));
     assert_eq!(codes_of("body b { mass = 1 kg, inertia = 1 kg*m^2, moves x }"), ["vib::unused::property"]);
     assert_eq!(codes_of("body b { mass = 1 kg, shape = disk(1 m), moves x }"), ["vib::unused::property"]);
     assert_eq!(codes_of("body b { mass = 1 kg, shape = rod((0, 0), (1 m, 0)), moves x }"), [""; 0]);
@@ -519,8 +519,8 @@ fn directions_of_motion_are_kept_as_drawn() {
     assert_eq!(translations("moves y x"), [("x", 1.0, 0.0), ("y", 0.0, 1.0)]);
     assert_eq!(translations("moves along (3, 4)"), [("along", 3.0, 4.0)]);
     assert_eq!(translations("moves along x"), [("x", 1.0, 0.0)]);
-    assert_eq!(codes(&checked("body b { mass = 1 kg, moves z }")), ["vib::body::freedom"]);
-    assert_eq!(codes(&checked("body b { mass = 1 kg, moves x x }")), ["vib::body::freedom"]);
+    assert_eq!(codes(&check_text("body b { mass = 1 kg, moves z }")), ["vib::body::freedom"]);
+    assert_eq!(codes(&check_text("body b { mass = 1 kg, moves x x }")), ["vib::body::freedom"]);
 }
 
 // Joints
@@ -531,7 +531,7 @@ const TWO_RODS: &str = "body a { mass = 1 kg, shape = rod((0, 0), (0, -1 m)) }
 
 #[test]
 fn the_ends_of_a_pivot_coincide() {
-    let with = |line: &str| codes(&checked(&format!("{TWO_RODS}{line}")));
+    let with = |line: &str| codes(&check_text(&format!("{TWO_RODS}{line}")));
     assert_eq!(with("pivot q: a@(0, -1 m) -- b"), [""; 0]);
     assert_eq!(with("pivot q: a -- b@(0, -1 m)"), [""; 0]);
     assert_eq!(with("pivot q: a@(0, -1 m) -- b@(0, -0.3 m - 0.7 m)"), [""; 0]);
@@ -564,7 +564,7 @@ fn a_pivot_without_points_is_where_both_parts_are() {
 #[test]
 fn the_geometry_of_an_element_follows_from_its_ends() {
     let geometry = |bodies: &str, line: &str| {
-        let checked = checked(&format!("{bodies}\n{line}"));
+        let checked = check_text(&format!("{bodies}\n{line}"));
         let codes = codes(&checked);
         checked.scene.map(|scene| scene.scene.elements[0].geometry.clone()).ok_or(codes)
     };
@@ -596,12 +596,12 @@ fn joints_pass_lines_and_turning_on() {
     let scene = scene(&format!("{on_slides}spring s: a -- c {{ k = 1 N/m }}"));
     assert!(matches!(&scene.elements[0].geometry, Geometry::Along(line) if !line.y.is_zero() && line.x.is_zero()));
     let torsional = format!("{on_slides}spring s: a -- c {{ k = 1 N*m/rad }}");
-    assert_eq!(codes(&checked(&torsional)), ["vib::element::no_end_turns"]);
+    assert_eq!(codes(&check_text(&torsional)), ["vib::element::no_end_turns"]);
     let on_a_rod = "body r { mass = 1 kg, shape = rod((0, 0), (0, -1 m)) }\npivot p: ground@(0, 0) -- r
         body s { mass = 1 kg, at = (0, -1 m), inertia = 1 kg*m^2 }\nslide g: r -- s along (0, 1)\n";
-    assert_eq!(codes(&checked(&format!("{on_a_rod}spring t: ground -- s {{ k = 1 N*m/rad }}"))), [""; 0]);
+    assert_eq!(codes(&check_text(&format!("{on_a_rod}spring t: ground -- s {{ k = 1 N*m/rad }}"))), [""; 0]);
     assert_eq!(
-        codes(&checked(&format!("{on_a_rod}spring t: ground -- s {{ k = 1 N/m }}"))),
+        codes(&check_text(&format!("{on_a_rod}spring t: ground -- s {{ k = 1 N/m }}"))),
         ["vib::element::direction_unknown"]
     );
 }
@@ -612,7 +612,7 @@ fn a_spring_has_a_free_length_or_a_preload() {
         let text = format!(
             "body a {{ mass = 1 kg, at = (0, 0), moves x }}\nspring s: ground@(-1 m, 0) -- a {{ k = 1 N/m{fields} }}"
         );
-        let checked = checked(&text);
+        let checked = check_text(&text);
         let codes = codes(&checked);
         checked.scene.map(|scene| scene.scene.elements[0].law.rest.clone()).ok_or(codes)
     };
@@ -656,7 +656,7 @@ fn a_force_between_parts_of_one_line_pushes_them_apart() {
 #[test]
 fn signals_have_the_dimension_of_their_input() {
     let with = |line: &str| {
-        codes(&checked(&format!("body a {{ mass = 1 kg, at = (0, 0), free, inertia = 1 kg*m^2 }}\n{line}")))
+        codes(&check_text(&format!("body a {{ mass = 1 kg, at = (0, 0), free, inertia = 1 kg*m^2 }}\n{line}")))
     };
     for (line, expected) in [
         ("force F: a along x = impulse(1 N*s, 0 s)", None),
@@ -700,7 +700,7 @@ fn nonlinear_combinations_are_refused() {
     let with = |expression: &str| {
         let model =
             "body a { mass = 1 kg, at = (0, 0), moves x }\nspring s: ground -- a { k = 1 N/m }\nforce F: a along x";
-        codes(&checked(&format!("{model}\noutput o = {expression}")))
+        codes(&check_text(&format!("{model}\noutput o = {expression}")))
     };
     for (expression, code) in [
         ("a.x * a.x", "vib::motion::non_linear"),
@@ -727,7 +727,7 @@ fn nonlinear_combinations_are_refused() {
 #[test]
 fn couplings_and_initial_states_are_checked() {
     let model = "body a { mass = 1 kg, moves x }\nbody w { inertia = 1 kg*m^2, turns }\nbase f { moves x }\n";
-    let with = |line: &str| codes(&checked(&format!("{model}{line}")));
+    let with = |line: &str| codes(&check_text(&format!("{model}{line}")));
     assert_eq!(with("couple r: w.angle = -a.x / 0.3 m"), [""; 0]);
     assert_eq!(with("couple r: a.x - f.x = 0"), [""; 0]);
     assert_eq!(with("couple r: w.angle = a.x"), ["vib::unit::mismatch"]);
@@ -749,7 +749,7 @@ fn couplings_and_initial_states_are_checked() {
 fn measures_are_checked_in_names_and_units() {
     let model = "param k = 1 N/m\nbody a { mass = 1 kg, moves y }\nbase f { moves y }\nspring s: f -- a { k = k }
         force F: a\noutput o = a.y\n";
-    let with = |line: &str| codes(&checked(&format!("{model}{line}")));
+    let with = |line: &str| codes(&check_text(&format!("{model}{line}")));
     for line in [
         "require stable",
         "require frequency(1) > 2 Hz",
@@ -775,7 +775,7 @@ fn measures_are_checked_in_names_and_units() {
         "require load_factor > 2",
         "require 3 > load_factor / 2 > 1",
     ] {
-        assert_eq!(with(line), [""; 0], "{line}: {}", messages(&checked(&format!("{model}{line}"))));
+        assert_eq!(with(line), [""; 0], "{line}: {}", messages(&check_text(&format!("{model}{line}"))));
     }
     for (line, code) in [
         ("require frequency(1) > 2 m", "vib::unit::mismatch"),
@@ -805,23 +805,23 @@ fn measures_are_checked_in_names_and_units() {
         ("gravity 9.81 m/s", "vib::unit::mismatch"),
         ("gravity (0, 9.81 m)", "vib::unit::mismatch"),
     ] {
-        assert_eq!(with(line), [code], "{line}: {}", messages(&checked(&format!("{model}{line}"))));
+        assert_eq!(with(line), [code], "{line}: {}", messages(&check_text(&format!("{model}{line}"))));
     }
 }
 
 #[test]
 fn a_base_with_several_motions_is_named_with_one() {
     let model = "body a { mass = 1 kg, at = (0, 0), moves y }\nbase f { moves x y }\nspring s: f -- a { k = 1 N/m, along = y }\n";
-    let with = |line: &str| codes(&checked(&format!("{model}{line}")));
+    let with = |line: &str| codes(&check_text(&format!("{model}{line}")));
     assert_eq!(with("require gain(f -> a.y, 1 Hz) < 2"), ["vib::measure::input"]);
     assert_eq!(with("require gain(f.y -> a.y, 1 Hz) < 2"), [""; 0]);
 }
 
 #[test]
 fn a_scene_without_bodies_is_empty() {
-    assert_eq!(codes(&checked("")), ["vib::scene::empty"]);
-    assert_eq!(codes(&checked("// nothing\n")), ["vib::scene::empty"]);
-    assert_eq!(codes(&checked("gravity 9.81 m/s^2\nparam k = 3 N/m")), ["vib::scene::empty"]);
+    assert_eq!(codes(&check_text("")), ["vib::scene::empty"]);
+    assert_eq!(codes(&check_text("// nothing\n")), ["vib::scene::empty"]);
+    assert_eq!(codes(&check_text("gravity 9.81 m/s^2\nparam k = 3 N/m")), ["vib::scene::empty"]);
 }
 
 #[test]

@@ -176,8 +176,8 @@ impl<'a> Check<'a> {
         known: &[DefinitionId],
         environment: Environment,
     ) -> Evaluated<()> {
-        let one = self.correlated(first, known, environment);
-        let other = self.correlated(second, known, environment);
+        let one = self.correlated_tolerance(first, known, environment);
+        let other = self.correlated_tolerance(second, known, environment);
         let number = self.number(coefficient, environment, &COEFFICIENT)?;
         let (first, other) = (one?, other?);
         if first == other {
@@ -211,7 +211,12 @@ impl<'a> Check<'a> {
     }
 
     /// The tolerance of a correlated parameter: its index in the scene.
-    fn correlated(&mut self, path: Path, known: &[DefinitionId], environment: Environment) -> Evaluated<usize> {
+    fn correlated_tolerance(
+        &mut self,
+        path: Path,
+        known: &[DefinitionId],
+        environment: Environment,
+    ) -> Evaluated<usize> {
         let (id, _) = self.solved_parameter(path, environment)?;
         if let Some(index) = known.iter().position(|known| *known == id) {
             return Ok(index);

@@ -106,7 +106,7 @@ impl<'a> Check<'a> {
             return Some("a value from outside cannot use names of the model: write a number with its unit".into());
         }
         let place = self.place_of(environment);
-        let part = self.words.get(text).and_then(|symbol| self.parts.get(Name::plain(symbol).within(place)));
+        let part = self.words.get(text).and_then(|symbol| self.parts.get(Name::plain(symbol).in_place(place)));
         if let Some(Part::Place(_)) = part {
             return Some(format!("`{text}` is a place of a component: what is in it is written `{text}.k`"));
         }

@@ -1,5 +1,5 @@
 //! The expressions behind the numbers of a scene. In: a check that found no errors. Out: for each item of the scene, in
-//! the same order, the expressions of its numbers in terms of the names of the model. Clause: docs/equations.md.
+//! the same order, the expressions of its numbers in terms of the names of the model. See docs/equations.md.
 //!
 //! A `param` and a `let` of a number stay names; points are replaced by their components. A value without a form here (a
 //! level in dB, a chain of definitions that is nested too deep) becomes a name of its own with the value that the check
@@ -294,7 +294,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         }
         let inertia = match self.field(fields, "inertia") {
             Some(FieldValue::About(list)) => {
-                let (expr, about) = self.check.tree.about(list);
+                let (expr, about) = self.check.tree.about_parts(list);
                 let (given, about) = (self.number(expr, environment), self.place(about, environment));
                 Some(about_centre(given, &about, mass.as_ref(), centre.as_ref()))
             }
@@ -320,7 +320,7 @@ impl<'c, 'a> Writer<'c, 'a> {
                 // The axis of a component that is turned.
                 let word = tree.list(words).first().map(|word| self.check.sources.slice(tree.expr(*word).span));
                 let axis = if word == Some("x") { [Sum::one(), Sum::ZERO] } else { [Sum::ZERO, Sum::one()] };
-                self.turned(axis, environment)
+                self.rotate_to_scene(axis, environment)
             }
             _ => [Sum::ZERO, Sum::ZERO],
         };
@@ -336,12 +336,12 @@ impl<'c, 'a> Writer<'c, 'a> {
             ("rod", &[a, b]) => {
                 let (a, b) = (self.place(a, environment), self.place(b, environment));
                 let along = difference(&b, &a);
-                let squared = dot(&along, &along).scaled(&Rational::new(1, 12));
-                WrittenShape { middle: Some(sum(&a, &b).map(|part| part.halved())), squared, radius: None }
+                let squared = dot(&along, &along).scale(&Rational::new(1, 12));
+                WrittenShape { middle: Some(sum(&a, &b).map(|part| part.halve())), squared, radius: None }
             }
             ("disk", &[radius]) => {
                 let radius = self.number(radius, environment);
-                WrittenShape { middle: None, squared: radius.square().halved(), radius: Some(radius) }
+                WrittenShape { middle: None, squared: radius.square().halve(), radius: Some(radius) }
             }
             ("ring", &[radius]) => {
                 let radius = self.number(radius, environment);
@@ -349,7 +349,7 @@ impl<'c, 'a> Writer<'c, 'a> {
             }
             ("box", &[width, height]) => {
                 let (width, height) = (self.number(width, environment), self.number(height, environment));
-                let squared = (&width.square() + &height.square()).scaled(&Rational::new(1, 12));
+                let squared = (&width.square() + &height.square()).scale(&Rational::new(1, 12));
                 WrittenShape { middle: None, squared, radius: None }
             }
             _ => return None,
@@ -434,15 +434,15 @@ impl<'c, 'a> Writer<'c, 'a> {
         match node.kind {
             ExprKind::Name { .. } => Some(Powers::variable()),
             ExprKind::Negate { operand } => {
-                Some(self.law(operand, variable, environment)?.scaled(&Sum::fraction(-1, 1)))
+                Some(self.law(operand, variable, environment)?.scale(&Sum::fraction(-1, 1)))
             }
             ExprKind::Binary { operator, left, right } => {
                 let (a, b) = (self.law(left, variable, environment)?, self.law(right, variable, environment)?);
                 match operator {
                     Binary::Add => Some(a.plus(&b)),
-                    Binary::Subtract => Some(a.plus(&b.scaled(&Sum::fraction(-1, 1)))),
+                    Binary::Subtract => Some(a.plus(&b.scale(&Sum::fraction(-1, 1)))),
                     Binary::Multiply => a.times(&b),
-                    Binary::Divide => Some(a.scaled(&b.as_constant()?.inverse()?)),
+                    Binary::Divide => Some(a.scale(&b.as_constant()?.inverse()?)),
                     Binary::Power => a.power(u32::try_from(b.as_constant()?.as_number()?.to_i64()?).ok()?),
                     _ => None,
                 }
@@ -530,7 +530,7 @@ impl<'c, 'a> Writer<'c, 'a> {
             clockwise: clockwise != self.check.reverses(environment).ok()?,
         };
         for axis in [[Sum::one(), Sum::ZERO], [Sum::ZERO, Sum::one()]] {
-            let along = Some(self.turned(axis, environment));
+            let along = Some(self.rotate_to_scene(axis, environment));
             self.push_input((end, None), along, Sum::ZERO, environment)?;
             self.written.inputs.last_mut()?.rotation = Some(rotation.clone());
         }
@@ -543,7 +543,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         let written = self.number(expr, environment);
         let Ok(Value::Scalar(Scalar { quantity, .. })) = self.check.evaluate(expr, environment) else { return None };
         Some(match quantity.angle {
-            Angle::Cycles => (&Sum::pi() * &written).scaled(&Rational::from(2)),
+            Angle::Cycles => (&Sum::pi() * &written).scale(&Rational::from(2)),
             _ => written,
         })
     }
@@ -659,10 +659,10 @@ impl<'c, 'a> Writer<'c, 'a> {
     /// A direction in the scene.
     fn direction(&mut self, expr: ExprId, environment: Environment) -> Pair {
         let local = self.own_direction(expr, environment);
-        self.turned(local, environment)
+        self.rotate_to_scene(local, environment)
     }
 
-    fn turned(&mut self, local: Pair, environment: Environment) -> Pair {
+    fn rotate_to_scene(&mut self, local: Pair, environment: Environment) -> Pair {
         let frame = self.check.environments.frame(environment);
         match frame.and_then(|frame| self.placement(frame)) {
             Some(lying) => lying.scene.direction(&local),
@@ -737,7 +737,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         match value {
             Number::Exact(exact) => Sum::number(exact.clone()),
             Number::Pi(pi) => match (pi.factor().exact(), Sum::pi().power(pi.power())) {
-                (Some(factor), Some(power)) => power.scaled(factor),
+                (Some(factor), Some(power)) => power.scale(factor),
                 _ => self.named_number(value, dimension, span),
             },
             Number::Surd(_) | Number::Ball(_) | Number::Jet(_) => self.named_number(value, dimension, span),
@@ -814,7 +814,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         {
             return Some(Form::Number(Sum::number(Rational::from(i64::from(index)))));
         }
-        let name = self.check.indexed(symbol, indices, environment).ok()?;
+        let name = self.check.evaluate_indexed(symbol, indices, environment).ok()?;
         let DefinitionId(id) = self.check.values.get(name)?;
         self.definition(id as usize)
     }
@@ -894,7 +894,7 @@ impl<'c, 'a> Writer<'c, 'a> {
             "sqrt" => first.root(),
             "sin" => first.sine(),
             "cos" => first.cosine(),
-            _ => call(Function::named(name)?, values.into()),
+            _ => call(Function::function_by_name(name)?, values.into()),
         }))
     }
 }

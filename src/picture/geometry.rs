@@ -54,7 +54,7 @@ impl Point {
     }
 
     /// A quarter turn clockwise as seen on the page.
-    pub fn across(self) -> Point {
+    pub fn perpendicular(self) -> Point {
         Point { x: -self.y, y: self.x }
     }
 
@@ -63,7 +63,7 @@ impl Point {
     }
 
     /// Turned by an angle, counter-clockwise as seen on the page.
-    pub fn turned(self, turn: Turn) -> Point {
+    pub fn rotate(self, turn: Turn) -> Point {
         Point { x: self.x * turn.cosine + self.y * turn.sine, y: self.y * turn.cosine - self.x * turn.sine }
     }
 
@@ -102,12 +102,12 @@ pub fn arc(centre: Point, radius: f64, from: f64, to: f64, steps: usize) -> Vec<
 pub fn spiral(centre: Point, radii: (f64, f64), angles: (f64, f64), steps: usize) -> Vec<Point> {
     // One exact step, applied repeatedly: the error is a few last bits over some dozen steps.
     let step = Turn::from_angle((angles.1 - angles.0) / steps as f64);
-    let mut arm = Point::new(1.0, 0.0).turned(Turn::from_angle(angles.0));
+    let mut arm = Point::new(1.0, 0.0).rotate(Turn::from_angle(angles.0));
     let mut points = Vec::with_capacity(steps + 1);
     for k in 0..=steps {
         let share = k as f64 / steps as f64;
         points.push(centre.towards(arm, radii.0 + (radii.1 - radii.0) * share));
-        arm = arm.turned(step);
+        arm = arm.rotate(step);
     }
     points
 }
@@ -148,11 +148,11 @@ impl Bounds {
         if other.is_empty() { self } else { self.with(other.low).with(other.high) }
     }
 
-    pub fn shifted(self, by: Point) -> Bounds {
+    pub fn shift(self, by: Point) -> Bounds {
         Bounds { low: self.low.plus(by), high: self.high.plus(by) }
     }
 
-    pub fn grown(self, by: f64) -> Bounds {
+    pub fn grow(self, by: f64) -> Bounds {
         let by = Point::new(by, by);
         Bounds { low: self.low.minus(by), high: self.high.plus(by) }
     }

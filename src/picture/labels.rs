@@ -98,7 +98,7 @@ impl Wanted {
                     }
                     let (from, to) = self.leader(&label);
                     if room.is_clear(to, from, 5.0, clear) {
-                        return Some((label, Some(self.drawn(from, to))));
+                        return Some((label, Some(self.draw(from, to))));
                     }
                 }
             }
@@ -128,7 +128,7 @@ impl Wanted {
         (nearest(label.reserved_bounds(), to), to)
     }
 
-    fn drawn(&self, from: Point, to: Point) -> Glyph {
+    fn draw(&self, from: Point, to: Point) -> Glyph {
         let strokes = vec![Stroke::line([from, to], Pen::Thin)];
         let rides = vec![(0, self.ride)];
         Glyph {

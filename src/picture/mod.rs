@@ -134,7 +134,11 @@ pub fn figure(scene: &Scene, request: &Request) -> Result<Figure, Refusal> {
 }
 
 /// The figure at rest, and the data that move it.
-pub fn animated(scene: &Scene, poses: Poses, digits: &dyn Fn(&Number) -> String) -> Result<(Figure, Moving), Refusal> {
+pub fn animated_figure(
+    scene: &Scene,
+    poses: Poses,
+    digits: &dyn Fn(&Number) -> String,
+) -> Result<(Figure, Moving), Refusal> {
     let request = Request { digits, values: false, shown: Shown::AtRest(&poses) };
     let says = Says { scene, request: &request };
     let layout = layout::layout(scene, Detail::of(scene), &says)?;
@@ -147,7 +151,7 @@ fn of_layout(scene: &Scene, layout: &Layout, request: &Request) -> Figure {
     let detail = Detail::of(scene);
     let says = Says { scene, request };
     let (front, ghost) = match &request.shown {
-        Shown::AsDrawn => (Stage::drawn(layout), None),
+        Shown::AsDrawn => (Stage::as_drawn(layout), None),
         Shown::AtRest(poses) => (Stage::at(Parts::new(scene), layout, poses, 0.0), None),
         Shown::Mode(mode) => {
             let amount = stage::amount(Parts::new(scene), layout, mode.poses);
@@ -184,7 +188,7 @@ fn of_layout(scene: &Scene, layout: &Layout, request: &Request) -> Figure {
         notes.push(format!("names without room that are left out: {left_out}"));
     }
     let glyphs: Vec<Glyph> = behind.into_iter().chain(glyphs).chain(leaders).collect();
-    framed(scene, glyphs, labels, notes)
+    frame(scene, glyphs, labels, notes)
 }
 
 /// The lines below the figure.
@@ -217,13 +221,13 @@ const LINE: f64 = 17.0;
 const LEAST_WIDTH: f64 = 180.0;
 
 /// Moves everything into a frame that starts at the origin, with notes below.
-fn framed(scene: &Scene, mut glyphs: Vec<Glyph>, mut labels: Vec<Label>, notes: Vec<String>) -> Figure {
+fn frame(scene: &Scene, mut glyphs: Vec<Glyph>, mut labels: Vec<Label>, notes: Vec<String>) -> Figure {
     let mut bounds = glyphs.iter().fold(Bounds::EMPTY, |bounds, glyph| bounds.and(glyph.bounds()));
     bounds = labels.iter().fold(bounds, |bounds, label| bounds.and(label.reserved_bounds()));
     if bounds.is_empty() {
         bounds = Bounds::around(Point::default(), Point::new(20.0, 20.0));
     }
-    let bounds = bounds.grown(MARGIN);
+    let bounds = bounds.grow(MARGIN);
     let widest = notes.iter().map(|note| text::width(note) * text::SPARE + 2.0 * MARGIN).fold(LEAST_WIDTH, f64::max);
     let width = bounds.width().max(widest).ceil();
     let shift = Point::new((width - bounds.width()) / 2.0, 0.0).minus(bounds.low);

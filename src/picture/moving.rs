@@ -40,7 +40,7 @@ impl Moving {
 
     /// The factor by which a shape is multiplied so that it is clearly visible.
     pub fn amount(&self, shape: &[Displacement]) -> f64 {
-        stage::amount(self.numbers, &self.layout, &self.poses.displaced(shape))
+        stage::amount(self.numbers, &self.layout, &self.poses.displace(shape))
     }
 
     /// Displacements are drawn to scale.

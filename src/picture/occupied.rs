@@ -29,7 +29,7 @@ const NAME: Cell = 2;
 impl Occupied {
     pub fn of<'a>(glyphs: impl Iterator<Item = &'a Glyph> + Clone) -> Occupied {
         let bounds = glyphs.clone().fold(Bounds::EMPTY, |bounds, glyph| bounds.and(glyph.bounds()));
-        let bounds = if bounds.is_empty() { Bounds::of(&[Point::default()]) } else { bounds }.grown(AROUND);
+        let bounds = if bounds.is_empty() { Bounds::of(&[Point::default()]) } else { bounds }.grow(AROUND);
         let cell = CELL.max(bounds.width().max(bounds.height()) / MOST as f64);
         let side = |length: f64| (length / cell).ceil() as usize + 1;
         let (columns, rows) = (side(bounds.width()), side(bounds.height()));

@@ -37,7 +37,7 @@ struct Piece {
 }
 
 impl<'a> Stage<'a> {
-    pub fn drawn(layout: &'a Layout) -> Stage<'a> {
+    pub fn as_drawn(layout: &'a Layout) -> Stage<'a> {
         Stage { layout, moved: Vec::new(), amount: 0.0 }
     }
 
@@ -62,19 +62,19 @@ impl<'a> Stage<'a> {
     pub fn point(&self, part: usize, drawn: Point) -> Point {
         match self.moved.get(part) {
             None => drawn,
-            Some(Moved { from, to, turn }) => to.plus(drawn.minus(*from).turned(*turn)),
+            Some(Moved { from, to, turn }) => to.plus(drawn.minus(*from).rotate(*turn)),
         }
     }
 
     /// The position of a point that moves with a part but does not turn with it, such as the end of a shaft.
-    pub fn carried(&self, part: usize, drawn: Point) -> Point {
+    pub fn carry(&self, part: usize, drawn: Point) -> Point {
         let at = self.layout.parts[part].at;
         drawn.plus(self.point(part, at)).minus(at)
     }
 
     /// A vector that turns with a part.
     pub fn vector(&self, part: usize, drawn: Point) -> Point {
-        self.moved.get(part).map_or(drawn, |moved| drawn.turned(moved.turn))
+        self.moved.get(part).map_or(drawn, |moved| drawn.rotate(moved.turn))
     }
 
     /// The position of a part.
@@ -95,7 +95,7 @@ fn pieces(poses: &Poses, amount: f64) -> Vec<Piece> {
             .iter()
             .fold(Point::default(), |sum, ([x, y], value)| sum.towards(Point::new(*x, *y), value.at(amount)));
         // The scene's y runs upwards, which `turned` takes for downwards.
-        let turned = |v: Point, turn: Turn| v.turned(Turn { sine: -turn.sine, ..turn });
+        let turned = |v: Point, turn: Turn| v.rotate(Turn { sine: -turn.sine, ..turn });
         let slid = turned(slid, carrier.turn);
         let turn = Turn::from_angle(of.angle.at(amount));
         let anchor = of.anchor.map(|[x, y]| Point::new(x, y));

@@ -37,7 +37,7 @@ fn advance(c: char) -> f64 {
 const LONGEST: usize = 40;
 
 /// A text that fits beside a glyph.
-pub fn clipped(text: &str) -> String {
+pub fn clip(text: &str) -> String {
     if text.chars().count() <= LONGEST {
         return text.into();
     }

@@ -2,7 +2,7 @@
 //! In: a requirement that fails. Out: the parameter that changes its measure most, with a value if one was found. See
 //! docs/method/measures.md.
 
-use super::answer::{Requirement, Value, few_digits, shown, shown_text};
+use super::answer::{Requirement, Value, few_digits, shown_in, shown_text};
 use super::derivative::{slope, step};
 use super::error::ParameterChange;
 use super::require::holds_for;
@@ -135,7 +135,7 @@ impl Advice<'_> {
     }
 
     fn mover_at(&self, parameter: &Parameter, wanted: Option<Number>) -> ParameterChange {
-        let in_unit = |si: Number| shown_text(&shown(&si, &parameter.unit, false));
+        let in_unit = |si: Number| shown_text(&shown_in(&si, &parameter.unit, false));
         ParameterChange {
             name: parameter.name.clone(),
             declared: parameter.span,
@@ -165,12 +165,12 @@ impl Advice<'_> {
     }
 
     fn holds_at(&self, parameter: &Parameter, value: &Number) -> bool {
-        self.measured(parameter, value).is_some_and(|(question, measured)| {
+        self.measure(parameter, value).is_some_and(|(question, measured)| {
             holds_for(&measured, self.require.comparison, &question.value) == Some(true)
         })
     }
 
-    fn measured(&self, parameter: &Parameter, value: &Number) -> Option<(Question, Measurement)> {
+    fn measure(&self, parameter: &Parameter, value: &Number) -> Option<(Question, Measurement)> {
         let quantity = Quantity { si: value.clone(), ..parameter.value.clone() };
         let others = self.settings.iter().filter(|(name, _)| *name != parameter.name).cloned();
         let moved: Vec<Setting> = others.chain([(parameter.name.clone(), quantity)]).collect();
@@ -185,7 +185,7 @@ impl Advice<'_> {
     /// and is reported to three digits.
     fn slope(&self, parameter: &Parameter, here: Ball) -> Option<Ball> {
         let h = step(&parameter.value.si, &Number::ONE, here.relative_error());
-        let at = |si: Number| match self.measured(parameter, &si)? {
+        let at = |si: Number| match self.measure(parameter, &si)? {
             (_, Measurement::Value(value)) => Some(value),
             _ => None,
         };

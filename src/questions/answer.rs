@@ -126,20 +126,20 @@ impl From<crate::analysis::range::least::Everywhere> for Everywhere {
 
 impl Optimised {
     /// The value of the measure in its unit.
-    pub fn shown(&self) -> Shown<'_> {
-        shown(&Number::Ball(self.value), &self.unit, false)
+    pub fn in_unit(&self) -> Shown<'_> {
+        shown_in(&Number::Ball(self.value), &self.unit, false)
     }
 }
 
 impl OptimisedParameter {
     /// The value in the parameter's own unit.
-    pub fn shown(&self) -> Shown<'_> {
-        shown(&self.value, &self.unit, false)
+    pub fn in_unit(&self) -> Shown<'_> {
+        shown_in(&self.value, &self.unit, false)
     }
 
     /// The bound in the parameter's own unit.
     pub fn shown_bound(&self) -> Option<Bound> {
-        Some(self.unit.bound(Bound::proved(self.bound?)))
+        Some(self.unit.bound(Bound::by_proof(self.bound?)))
     }
 }
 
@@ -232,18 +232,18 @@ pub struct Shown<'a> {
 
 impl Solved {
     /// The value in the parameter's own unit.
-    pub fn shown(&self) -> Shown<'_> {
-        shown(&self.value, &self.unit, false)
+    pub fn in_unit(&self) -> Shown<'_> {
+        shown_in(&self.value, &self.unit, false)
     }
 
     /// The bound in the parameter's own unit.
     pub fn shown_bound(&self) -> Option<Bound> {
-        Some(self.unit.bound(Bound::proved(self.bound?)))
+        Some(self.unit.bound(Bound::by_proof(self.bound?)))
     }
 
     /// The target of the measure, as it was written.
     pub fn shown_target(&self) -> Shown<'_> {
-        shown(&self.target, &self.target_unit, self.in_radians)
+        shown_in(&self.target, &self.target_unit, self.in_radians)
     }
 
     /// (p / f) df/dp: the relative change of the measure for a relative change of the parameter.
@@ -273,7 +273,7 @@ impl Derivative {
         }
     }
 
-    pub fn scaled(&self, by: Ball) -> Derivative {
+    pub fn scale(&self, by: Ball) -> Derivative {
         match self {
             Derivative::Enclosed(ball) => Derivative::Enclosed(*ball * by),
             Derivative::Estimated(Unproven(x)) => Derivative::Estimated(Unproven(*x * by.to_f64())),
@@ -283,8 +283,8 @@ impl Derivative {
 
 impl Sensitivity {
     /// The value in the parameter's own unit.
-    pub fn shown(&self) -> Shown<'_> {
-        shown(&self.value, &self.unit, false)
+    pub fn in_unit(&self) -> Shown<'_> {
+        shown_in(&self.value, &self.unit, false)
     }
 }
 
@@ -292,14 +292,14 @@ impl Requirement {
     pub fn shown_value(&self) -> Option<Shown<'_>> {
         match &self.value {
             Value::Number(ball) if self.limit.is_some() => {
-                Some(shown(&Number::Ball(*ball), &self.unit, self.in_radians))
+                Some(shown_in(&Number::Ball(*ball), &self.unit, self.in_radians))
             }
             _ => None,
         }
     }
 
     pub fn shown_limit(&self) -> Option<Shown<'_>> {
-        self.limit.as_ref().map(|limit| shown(limit, &self.unit, self.in_radians))
+        self.limit.as_ref().map(|limit| shown_in(limit, &self.unit, self.in_radians))
     }
 
     /// The value of the measure as text.
@@ -314,7 +314,7 @@ impl Requirement {
 }
 
 /// A number (a frequency in Hz) in the unit that was written; a level if that was decibels.
-pub fn shown<'a>(si: &Number, unit: &'a Written, in_radians: bool) -> Shown<'a> {
+pub fn shown_in<'a>(si: &Number, unit: &'a Written, in_radians: bool) -> Shown<'a> {
     let turned = if in_radians { si * &(&Number::pi() * &Number::from(2)) } else { si.clone() };
     let number = match &unit.factor {
         Some(factor) => &turned / factor,
@@ -350,7 +350,7 @@ pub struct Column {
     pub holds: Holds,
 }
 
-/// What a column holds.
+/// The content of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Holds {
     /// The given values of a parameter.
@@ -360,7 +360,7 @@ pub enum Holds {
     Frequency,
     /// The frequency of a mode that is followed.
     Curve,
-    /// Whether it is proved that a curve goes on from the case before.
+    /// Whether it is proved that a curve continues from the previous case.
     Link,
     PoleRe,
     PoleIm,
@@ -381,12 +381,12 @@ pub enum Entry {
     Unproven(Unproven),
     /// Whether a requirement certainly holds or certainly fails.
     Verdict(bool),
-    /// There is no such number, or it is not known; the reason, if the case has one of its own.
+    /// There is no such number, or it is not known; with the reason, if this case has a reason of its own.
     None(Option<&'static str>),
 }
 
-/// Sequences of a study by Sobol's sequence, each with a scrambling of its own, so that their means tell how far they are off: the
-/// case with number k is of the sequence k mod 16.
+/// Replicates of a study by Sobol's sequence, each with its own scrambling, so that the spread of their means shows
+/// their error: case number k belongs to replicate k mod 16.
 pub const REPLICATES: u64 = 16;
 
 /// A row of the table of a study.

@@ -1,7 +1,8 @@
-//! The cases of a study: the model at other values of its parameters, each case with the answers that are asked for. In: the text, the
-//! values. Out: the columns of a table, and for each case its row. No case depends on another. See docs/method/studies.md.
+//! The cases of a study: the model at other values of its parameters, each with the answers that were requested. In:
+//! the text and the values. Out: the columns of a table, and a row for each case. No case depends on another. See
+//! docs/method/studies.md.
 
-use super::answer::{Case, Column, Entry, Holds, Value, shown};
+use super::answer::{Case, Column, Entry, Holds, Value, shown_in};
 use super::error::AskedError;
 use super::follow::{Unfollowed, follow};
 use super::followed::Followed;
@@ -19,26 +20,26 @@ use crate::model::scene::{Parameter, Question, Written};
 use crate::model::{self, CheckedScene, Overrides, Setting, Swept};
 use crate::syntax::tree::Tree;
 
-/// What is asked of each case, in addition to the requirements of the model.
+/// The answers requested for each case, in addition to the requirements of the model.
 #[derive(Clone, Debug, Default)]
 pub struct Asked {
     /// The number of lowest modes.
     pub modes: usize,
     pub poles: bool,
-    /// Parameters that the model determines keep the values that it gives them as declared.
+    /// Whether parameters that the model determines keep the values that they have in the declared model.
     pub hold_solved: bool,
     /// Simulated time for `peak` and `rms`, s; if not given, it follows from the poles and signals of each case.
     pub until: Option<Number>,
-    /// A relative bound that is good enough for a frequency.
+    /// A relative error bound that is small enough for a frequency.
     pub tolerance: f64,
 }
 
-/// Which parameters have other values, and which.
+/// The parameters that vary, and their values.
 #[derive(Clone, Debug)]
 pub enum Varied {
-    /// Every combination of these.
+    /// Every combination of these values.
     Over(Vec<Swept>),
-    /// Random ones.
+    /// Random values.
     Drawn(Samples),
 }
 
@@ -58,7 +59,7 @@ impl Varied {
         }
     }
 
-    /// The values of a case: of combinations, those of the last parameter change fastest.
+    /// The values of a case. In a study of combinations, the last parameter varies fastest.
     fn values(&self, number: u64) -> Vec<Setting> {
         let swept = match self {
             Varied::Over(swept) => swept,
@@ -93,20 +94,20 @@ pub struct Study<'a> {
     width: usize,
     /// The numbers of columns for frequencies and for poles.
     pub(super) sizes: (usize, usize),
-    /// Cases that differ in one parameter alone.
+    /// Cases that differ in a single parameter.
     pub(super) lines: Lines,
-    /// Whether the measure of each requirement has a column, and no other has it already.
+    /// Whether the measure of each requirement has its own column because no other column shows it.
     measured: Vec<bool>,
 }
 
-/// The reason of a value that only the answers about one case can give.
+/// The reason for a missing value, if only the answers for one case can give it.
 const ASK: &str = "`vibc analyze --set ...` with the values of the case says why";
 
-/// Why a case has no answers.
+/// The reason why a case has no answers.
 type Stopped = &'static str;
 
 impl<'a> Study<'a> {
-    /// A study of a scene as declared; its tree holds the measures that are asked for.
+    /// A study of a scene as declared; its tree holds the requested measures.
     pub fn new(
         (sources, tree, overrides): (&'a Sources, Tree, &'a Overrides),
         scene: &CheckedScene,
@@ -143,7 +144,8 @@ impl<'a> Study<'a> {
         self.varied.count()
     }
 
-    /// Follows the modes: their columns and rows are then those of curves. `orders`: of the parameter, a rate of rotation.
+    /// Follows the modes, so that columns and rows are those of curves. `orders`: multiples of the parameter, a rate of
+    /// rotation.
     pub fn follow(&mut self, orders: &[u32]) -> Result<(), Unfollowed> {
         let followed = follow(self, orders)?;
         self.columns = followed.columns(&self.columns, self.sizes.0);
@@ -202,7 +204,7 @@ impl<'a> Study<'a> {
         Column { name: one_line(self.sources.slice(question.span)), unit: question.unit.text.clone(), holds }
     }
 
-    /// Whether the lowest frequencies are all that is asked for.
+    /// Whether only the lowest frequencies are requested.
     pub(super) fn asks_frequencies_alone(&self) -> bool {
         self.columns
             .iter()
@@ -211,10 +213,10 @@ impl<'a> Study<'a> {
     }
 
     /// The columns of the parameters.
-    pub(super) fn given(&self, values: &[Setting]) -> Vec<Entry> {
+    pub(super) fn parameter_entries(&self, values: &[Setting]) -> Vec<Entry> {
         let parameters = self.varied.parameters();
         let entry = |(parameter, (_, quantity)): (&Parameter, &Setting)| {
-            Entry::Enclosed(shown(&quantity.si, &parameter.unit, false).number)
+            Entry::Enclosed(shown_in(&quantity.si, &parameter.unit, false).number)
         };
         parameters.into_iter().zip(values).map(entry).collect()
     }
@@ -222,11 +224,11 @@ impl<'a> Study<'a> {
     /// The row of a case, by the methods of `analyze`.
     pub fn case(&self, number: u64) -> Case {
         let values = self.values(number);
-        let mut entries = self.given(&values);
+        let mut entries = self.parameter_entries(&values);
         let code = match self.answers(&values, &mut entries) {
             Ok(warned) => warned,
             Err(code) => {
-                // An answer that came before the error is left out with the others.
+                // An answer found before the error is left out together with the others.
                 entries.truncate(values.len());
                 Some(code)
             }
@@ -235,7 +237,7 @@ impl<'a> Study<'a> {
         Case { number, entries, code }
     }
 
-    /// Adds the answers of a case; the code of a warning about them, if there is one.
+    /// Adds the answers for a case and returns the code of a warning about them, if there is one.
     fn answers(&self, values: &[Setting], entries: &mut Vec<Entry>) -> Result<Option<Stopped>, Stopped> {
         let all = [&self.held[..], values].concat();
         let text = Text {
@@ -258,19 +260,19 @@ impl<'a> Study<'a> {
             let settled = settle(&text, &scene, false).map_err(|errors| code_of(&errors))?;
             warned = settled.unsettled.first().map(|warning| warning.to_diagnostic().code.0);
             for solved in &settled.solved {
-                entries.push(determined(&solved.value, solved.bound, &solved.unit));
+                entries.push(determined_entry(&solved.value, solved.bound, &solved.unit));
             }
             for parameter in settled.optimised.iter().flat_map(|optimised| &optimised.parameters) {
-                entries.push(determined(&parameter.value, parameter.bound, &parameter.unit));
+                entries.push(determined_entry(&parameter.value, parameter.bound, &parameter.unit));
             }
             scene = settled.scene;
         }
-        self.measured(&text, &scene, entries)?;
+        self.measure(&text, &scene, entries)?;
         Ok(warned)
     }
 
     /// Adds the frequencies, poles and measures of a scene.
-    fn measured(&self, text: &Text, scene: &CheckedScene, entries: &mut Vec<Entry>) -> Result<(), Stopped> {
+    fn measure(&self, text: &Text, scene: &CheckedScene, entries: &mut Vec<Entry>) -> Result<(), Stopped> {
         let mut diagnostics = Diagnostics::new();
         let written = dynamics::lower_written_out(scene, &mut diagnostics);
         let mut written = written.ok_or_else(|| first_code(&diagnostics))?;
@@ -296,7 +298,7 @@ impl<'a> Study<'a> {
         let both = complete.and_then(|(modes, poles)| Some((modes, poles.as_ref()?)));
         let known = Facts { system: Some(&written), spectrum: both.filter(|(_, poles)| poles.left_out == 0) };
         if !scene_of.requires.is_empty() {
-            for (requirement, has_column) in require::judged(text, scene, known).iter().zip(&self.measured) {
+            for (requirement, has_column) in require::judge(text, scene, known).iter().zip(&self.measured) {
                 let value = match (&requirement.value, requirement.shown_value()) {
                     (_, Some(shown)) => Entry::Enclosed(shown.number),
                     (Value::Infinite, None) => Entry::Infinite,
@@ -312,7 +314,7 @@ impl<'a> Study<'a> {
             for (question, measured) in scene_of.asked.iter().zip(measured) {
                 entries.push(match measured {
                     Measurement::Value(value) => {
-                        Entry::Enclosed(shown(&Number::Ball(value), &question.unit, false).number)
+                        Entry::Enclosed(shown_in(&Number::Ball(value), &question.unit, false).number)
                     }
                     Measurement::Infinite => Entry::Infinite,
                     Measurement::None(reason) => Entry::None(Some(reason)),
@@ -346,10 +348,10 @@ fn pad(to: &mut Vec<Entry>, entries: impl Iterator<Item = Entry>, count: usize) 
 }
 
 /// A value that the model gives to a parameter, with the bound of its distance from the true one.
-fn determined(value: &Number, bound: Option<f64>, unit: &Written) -> Entry {
-    let exact = shown(value, unit, false).number;
+fn determined_entry(value: &Number, bound: Option<f64>, unit: &Written) -> Entry {
+    let exact = shown_in(value, unit, false).number;
     match bound {
-        Some(bound) => Entry::Enclosed(shown(&Number::Ball(value.to_ball().widen(bound)), unit, false).number),
+        Some(bound) => Entry::Enclosed(shown_in(&Number::Ball(value.to_ball().widen(bound)), unit, false).number),
         None => Entry::Unproven(Unproven(exact.to_f64())),
     }
 }

@@ -44,7 +44,7 @@ mod tests {
     use super::*;
     use crate::base::{Ball, Number};
 
-    fn measured(value: f64) -> Combined<Measurement> {
+    fn measure(value: f64) -> Combined<Measurement> {
         Combined::Measure(Measurement::Value(Ball::from(value).widen(0.25)))
     }
 
@@ -61,7 +61,7 @@ mod tests {
             (Arithmetic::Multiply, [5.75 * 1.75, 6.25 * 2.25]),
             (Arithmetic::Divide, [5.75 / 2.25, 6.25 / 1.75]),
         ] {
-            let Measurement::Value(found) = combine_both(operator, measured(6.0), measured(2.0)) else {
+            let Measurement::Value(found) = combine_both(operator, measure(6.0), measure(2.0)) else {
                 panic!("a value")
             };
             assert!(ends.iter().all(|end| (found - Ball::from(*end)).mignitude() < 1e-15), "{operator:?} {found:?}");
@@ -74,7 +74,7 @@ mod tests {
         let two = || Combined::Number(Number::from(2));
         assert_eq!(combine_both(Arithmetic::Subtract, infinite(), infinite()), INFINITE);
         assert_eq!(combine_both(Arithmetic::Add, two(), infinite()), INFINITE);
-        assert!(matches!(combine_both(Arithmetic::Divide, two(), measured(0.1)), Measurement::None(_)));
+        assert!(matches!(combine_both(Arithmetic::Divide, two(), measure(0.1)), Measurement::None(_)));
         let none = || Combined::Measure(Measurement::None("no such mode"));
         assert_eq!(combine_both(Arithmetic::Add, infinite(), none()), Measurement::None("no such mode"));
         assert_eq!(combine_both(Arithmetic::Add, none(), two()), Measurement::None("no such mode"));

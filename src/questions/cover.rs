@@ -159,7 +159,7 @@ mod tests {
     use super::*;
 
     /// The result of settling a range, for a measure with its derivative.
-    fn settled(low: f64, high: f64, most: usize, f: impl Fn(Ball) -> (Ball, Ball)) -> Covered {
+    fn settle_range(low: f64, high: f64, most: usize, f: impl Fn(Ball) -> (Ball, Ball)) -> Covered {
         let over = |x: Ball| {
             let (value, slope) = f(x);
             RangeEnclosure::sample(value, slope)
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_range_without_a_root_is_proven_to_have_none() {
-        let covered = settled(1.5, 40.0, 1000, square_less(2.0));
+        let covered = settle_range(1.5, 40.0, 1000, square_less(2.0));
         assert!(matches!(covered.rest, Rest::Empty(_)) && covered.missed.is_empty());
     }
 
@@ -198,7 +198,7 @@ mod tests {
     /// Both roots of x^2 = 2, whichever halves they are in.
     #[test]
     fn roots_that_were_not_known_are_missed() {
-        let covered = settled(-3.1, 4.3, 1000, square_less(2.0));
+        let covered = settle_range(-3.1, 4.3, 1000, square_less(2.0));
         for root in [2f64.sqrt(), -2f64.sqrt()] {
             assert!(hold(&covered.missed, root), "{:?}", covered.missed);
         }
@@ -209,7 +209,7 @@ mod tests {
     fn a_double_root_stays_open() {
         let touches = |x: Ball| ((x - Ball::ONE).square(), (x - Ball::ONE) * Ball::from(2.0));
         for most in [0, 1, 3, 20, 100_000] {
-            let covered = settled(-2.1, 3.3, most, touches);
+            let covered = settle_range(-2.1, 3.3, most, touches);
             let open = match covered.rest {
                 Rest::Open(parts) => hold(&parts, 1.0),
                 Rest::Unknown => most == 0,
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn uncertain_sides_decide_nothing() {
         let blurred = |x: Ball| ((x - Ball::ONE).widen(10.0), Ball::ONE);
-        let covered = settled(0.0, 2.0, 1000, blurred);
+        let covered = settle_range(0.0, 2.0, 1000, blurred);
         assert!(matches!(&covered.rest, Rest::Open(parts) if hold(parts, 1.0)), "{:?}", covered.rest);
     }
 

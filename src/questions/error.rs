@@ -238,7 +238,7 @@ impl AskedError {
                 let (least, others) = if *all { ("", "") } else { ("at least ", "; others are not excluded") };
                 let message = format!("{least}{} values of `{name}` make `{measure}` {target}", roots.len());
                 error(span, message)
-                    .label(format!("{name} = {}{others}", listed(roots)))
+                    .label(format!("{name} = {}{others}", enumeration(roots)))
                     .help("narrow the range around the one you want")
             }
             Touches { span, measure, target, name, at } => {
@@ -261,17 +261,17 @@ impl AskedError {
             }
             Independent { span, measure, at, name } => error(span, format!("`{measure}` does not depend on `{name}`"))
                 .label("the same for every value tried")
-                .related(*at, "this measure")
+                .with_related(*at, "this measure")
                 .help("solve for a parameter that the measure depends on"),
             NoValue { span, measure, name, range, why } => {
                 let message = format!("`{measure}` has no value for any `{name}` in {} .. {}", range.0, range.1);
                 error(span, message).label(why.clone()).help("ask for another measure, or search another range")
             }
             Twice { span, name, first } => error(span, format!("`{name}` is solved for twice"))
-                .related(*first, "here first")
+                .with_related(*first, "here first")
                 .help("let each `solve` line find a different parameter"),
             Singular { span, names, others } => {
-                let message = format!("these conditions do not determine {}", quoted(names));
+                let message = format!("these conditions do not determine {}", quote(names));
                 with_related(error(span, message), others)
                     .label("to first order, the parameters can change together without changing any measure")
                     .help("solve for parameters that change the measures in different ways, or ask for other values")
@@ -279,16 +279,16 @@ impl AskedError {
             Apart { span, names, others, nearest, left } => {
                 let message = format!(
                     "no values of {} in their ranges were found that meet these conditions together",
-                    quoted(names)
+                    quote(names)
                 );
                 let at: Vec<String> = nearest.iter().map(|(name, value)| format!("{name} = {value}")).collect();
                 with_related(error(span, message), others)
-                    .label(format!("nearest: {}, where the measures are {}", at.join(", "), listed(left)))
+                    .label(format!("nearest: {}, where the measures are {}", at.join(", "), enumeration(left)))
                     .help("ask for values that are reached together, or search other ranges")
             }
             SeveralTogether { span, names, others, roots } => {
                 let message =
-                    format!("at least {} sets of values of {} meet these conditions", roots.len(), quoted(names));
+                    format!("at least {} sets of values of {} meet these conditions", roots.len(), quote(names));
                 with_related(error(span, message), others)
                     .label(roots.join("; or "))
                     .help("narrow the ranges around the set you want")
@@ -296,7 +296,7 @@ impl AskedError {
             NoOptimum { span, measure, at, why } => {
                 error(span, format!("`{measure}` has no optimum over these ranges"))
                     .label(why.clone())
-                    .related(*at, "this measure")
+                    .with_related(*at, "this measure")
                     .help("ask for another measure, or search other ranges")
             }
             NeverMet { span, tried, grows, robust } => {
@@ -310,7 +310,7 @@ impl AskedError {
             Plateau { span, name, value, measure, at } => {
                 error(span, format!("`{measure}` does not determine `{name}`"))
                     .label(format!("near {name} = {value}, other values give exactly the same"))
-                    .related(*at, "this measure")
+                    .with_related(*at, "this measure")
                     .help("vary a parameter that changes the measure, or narrow the range to where it does")
             }
             AtAnEnd { span, name, value, is_low, highest } => {
@@ -322,7 +322,7 @@ impl AskedError {
                     .help("widen the range, unless this end is a limit of the design")
             }
             Unstable { span, names, optimum, proved } => {
-                let (with, found) = (quoted(names), if *optimum { "optimum" } else { "value" });
+                let (with, found) = (quote(names), if *optimum { "optimum" } else { "value" });
                 let message = match proved {
                     true => format!("with the {found} that was found for {with}, a free motion grows"),
                     false => {
@@ -340,7 +340,7 @@ impl AskedError {
                 others
                     .iter()
                     .fold(finding, |finding, other| {
-                        finding.related(*other, "this one depends on it, and it on this one")
+                        finding.with_related(*other, "this one depends on it, and it on this one")
                     })
                     .label("its measure changes with the parameters of the others, and theirs with its own")
                     .help("write one measure over all of these parameters")
@@ -377,25 +377,25 @@ fn with_change(finding: Diagnostic, change: &ParameterChange) -> Diagnostic {
         (Some(moves), None) => format!("{moves}; no value was found that makes it hold"),
         (None, None) => format!("`{name}` affects it, but no value was found that makes it hold"),
     };
-    finding.related(*declared, format!("{value} now")).help(help)
+    finding.with_related(*declared, format!("{value} now")).help(help)
 }
 
 fn with_related(finding: Diagnostic, others: &[Span]) -> Diagnostic {
-    others.iter().fold(finding, |finding, span| finding.related(*span, "together with this"))
+    others.iter().fold(finding, |finding, span| finding.with_related(*span, "together with this"))
 }
 
-fn quoted(names: &[String]) -> String {
+fn quote(names: &[String]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    listed(&quoted)
+    enumeration(&quoted)
 }
 
 /// `1 N/m .. 2 N/m and 5 N/m .. 6 N/m`
 fn ranges(parts: &[(Phrase, Phrase)]) -> String {
-    listed(&parts.iter().map(|(low, high)| format!("{low} .. {high}")).collect::<Vec<_>>())
+    enumeration(&parts.iter().map(|(low, high)| format!("{low} .. {high}")).collect::<Vec<_>>())
 }
 
 /// `a`, `a and b`, `a, b and c`.
-fn listed(items: &[String]) -> String {
+fn enumeration(items: &[String]) -> String {
     match items {
         [] => String::new(),
         [one] => one.clone(),

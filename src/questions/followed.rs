@@ -1,6 +1,6 @@
-//! What following the modes of a study gives: the curves, and where they come near each other.
+//! The results of following the modes of a study: the curves, and the places where they come near each other.
 
-use super::answer::{Proved, shown};
+use super::answer::{Proved, shown_in};
 use super::tolerated::hull;
 use crate::base::{Ball, Number};
 use crate::model::scene::Written;
@@ -12,7 +12,7 @@ pub struct Followed {
     pub curves: Vec<Curve>,
     /// In the order of the parameter.
     pub meetings: Vec<Meeting>,
-    /// The poles as curves, in the order of the first case; empty if they are not asked for, or not all of them are known.
+    /// The poles as curves, in the order of the first case; empty if they were not requested, or are not all known.
     pub loci: Vec<Locus>,
     pub onsets: Onsets,
     pub orders: Orders,
@@ -20,7 +20,7 @@ pub struct Followed {
     pub parameter: (String, Written),
     /// Its values, SI.
     pub places: Vec<f64>,
-    /// The number of classes: blocks of coordinates that nothing couples for any value of the parameter.
+    /// The number of classes: blocks of coordinates that are not coupled for any value of the parameter.
     pub classes: usize,
 }
 
@@ -31,7 +31,7 @@ pub struct Curve {
     pub class: usize,
     /// In Hz, for each case.
     pub points: Vec<Option<Ball>>,
-    /// Whether it is proved that the point of each case lies on the same curve as that of the case before.
+    /// Whether it is proved that the point of each case lies on the same curve as that of the previous case.
     pub links: Vec<Option<Proved>>,
 }
 
@@ -40,7 +40,7 @@ pub struct Curve {
 pub struct Locus {
     /// Real part, 1/s, and imaginary part, rad/s, for each case.
     pub points: Vec<[Ball; 2]>,
-    /// Whether it is proved that the point of each case lies on the same curve as that of the case before.
+    /// Whether it is proved that the point of each case lies on the same curve as that of the previous case.
     pub links: Vec<Option<Proved>>,
 }
 
@@ -55,22 +55,22 @@ pub struct Meeting {
 
 #[derive(Clone, Copy, Debug)]
 pub enum MeetingKind {
-    /// They come near and part again without touching: their distance, Hz, has a least value in that place, which is this. Both
-    /// frequencies lie in an enclosure there.
+    /// They veer: their distance has a least value, Hz, within that place, and both frequencies there lie in an
+    /// enclosure.
     Veering { distance: Ball, frequency: Ball, proof: Proved },
-    /// They cross there, at this frequency, Hz: they belong to blocks that nothing couples.
+    /// They cross there, at this frequency, Hz: they belong to blocks that are not coupled.
     Crossing { frequency: Ball, proof: Proved },
-    /// It is not proved what they do there; they come at least as near as this, Hz.
+    /// Neither is proved; they come at least as near as this, Hz.
     Undecided { distance: Option<Ball> },
 }
 
-/// Orders of the parameter, which is a rate of rotation, and where curves have their frequencies.
+/// Orders of the parameter, which is a rate of rotation, and the places where curves have their frequencies.
 #[derive(Clone, Debug, Default)]
 pub struct Orders {
     pub list: Vec<u32>,
     /// By order, curve and place.
     pub critical: Vec<Critical>,
-    /// The frequency of the first order in Hz for a rate of one in SI units.
+    /// The frequency of the first order, in Hz, per SI unit of the rate.
     pub per_unit: f64,
 }
 
@@ -80,24 +80,24 @@ pub struct Critical {
     pub curve: usize,
     pub order: u32,
     pub place: [f64; 2],
-    /// In Hz; `None` if it is not proved that it has.
+    /// In Hz; `None` if it is not proved.
     pub frequency: Option<Ball>,
 }
 
-/// Where the number of growing motions changes.
+/// The places where the number of growing motions changes.
 #[derive(Clone, Debug)]
 pub struct Onsets {
     pub of: Grows,
     /// In the order of the cases.
     pub list: Vec<Onset>,
-    /// The number of cases for which it is not known how many grow.
+    /// The number of cases for which the number of growing motions is not known.
     pub undecided: usize,
 }
 
-/// What may grow.
+/// The kind of motion that may grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grows {
-    /// Undamped modes: as many as K has negative eigenvalues.
+    /// Undamped modes: the number of negative eigenvalues of K.
     Modes,
     /// Poles with a positive real part.
     Poles,
@@ -118,29 +118,29 @@ impl Followed {
     /// An enclosed place in the unit of the parameter.
     pub fn place(&self, ends: [f64; 2]) -> Ball {
         let [low, high] = ends.map(Ball::from);
-        shown(&Number::Ball(hull(low, high)), &self.parameter.1, false).number
+        shown_in(&Number::Ball(hull(low, high)), &self.parameter.1, false).number
     }
 
     /// A value of the parameter in its unit.
     pub fn in_unit(&self, si: f64) -> Ball {
-        shown(&Number::Ball(Ball::from(si)), &self.parameter.1, false).number
+        shown_in(&Number::Ball(Ball::from(si)), &self.parameter.1, false).number
     }
 }
 
 impl Locus {
-    /// The cases whose link to the case before is not proved.
+    /// The cases whose link to the previous case is not proved.
     pub fn open_links(&self) -> impl Iterator<Item = usize> {
         (1..self.links.len()).filter(|&i| self.links[i].is_none())
     }
 }
 
 impl Curve {
-    /// The cases whose link to the case before is not proved.
+    /// The cases whose link to the previous case is not proved.
     pub fn open_links(&self) -> impl Iterator<Item = usize> {
         (1..self.points.len()).filter(|&i| self.has_link(i) && self.links[i].is_none())
     }
 
-    /// Whether there is a point of this case and of the one before.
+    /// Whether both this case and the previous one have a point.
     pub fn has_link(&self, case: usize) -> bool {
         case > 0 && self.points[case].is_some() && self.points[case - 1].is_some()
     }

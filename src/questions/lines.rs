@@ -1,7 +1,8 @@
-//! Cases of a study that differ in one parameter alone: where it only weighs terms of M and K, these depend linearly on it, and the
-//! frequencies of many cases are computed side by side. In: numbers of cases. Out: their rows. See docs/method/studies.md#lines.
+//! Cases of a study that differ in one parameter. If it only weighs terms of M and K, these matrices are linear in it,
+//! and the frequencies of many cases are computed side by side. In: numbers of cases. Out: their rows. See
+//! docs/method/studies.md#lines.
 
-use super::answer::{Case, Entry, shown};
+use super::answer::{Case, Entry, shown_in};
 use super::cases::{Study, Varied};
 use super::updates::{Changing, Part, Updates};
 use crate::base::number::jet;
@@ -14,17 +15,17 @@ use crate::system::{CoordinateId, Form, LinearSystem};
 use num_integer::Integer;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// Fewer values of a parameter are not worth a line.
+/// A line pays off from this number of values on.
 const FEW: u64 = 16;
 
 impl Study<'_> {
-    /// The rows of these cases, which are in ascending order. A row depends on the number of its case alone, not on the others.
+    /// The rows of these cases, which are in ascending order. A row depends only on the number of its case.
     pub fn cases(&self, numbers: &[u64]) -> Vec<Case> {
-        let Some(followed) = &self.followed else { return self.numbered(numbers) };
-        self.numbered(numbers).into_iter().map(|case| followed.row(case, self.sizes.0)).collect()
+        let Some(followed) = &self.followed else { return self.numbered_cases(numbers) };
+        self.numbered_cases(numbers).into_iter().map(|case| followed.row(case, self.sizes.0)).collect()
     }
 
-    fn numbered(&self, numbers: &[u64]) -> Vec<Case> {
+    fn numbered_cases(&self, numbers: &[u64]) -> Vec<Case> {
         let inner = match &self.varied {
             Varied::Over(swept) => swept.last().map_or(1, |swept| swept.points.count()),
             Varied::Drawn(_) => 1,
@@ -52,14 +53,14 @@ impl Study<'_> {
             }
         };
         let width = found.len() / numbers.len();
-        let mut given = self.given(&self.values(first));
+        let mut given = self.parameter_entries(&self.values(first));
         let row = |(&number, found): (&u64, &[f64])| {
             let mut entries = Vec::with_capacity(self.columns.len());
             if !self.frequencies(found, given.len(), &mut entries) {
                 return self.case(number);
             }
             if let Some(last) = given.last_mut() {
-                *last = Entry::Enclosed(line.steps.shown(number - first));
+                *last = Entry::Enclosed(line.steps.value_in_unit(number - first));
             }
             entries[..given.len()].copy_from_slice(&given);
             Case { number, entries, code: None }
@@ -71,8 +72,8 @@ impl Study<'_> {
         numbers.iter().map(|&number| self.case(number)).collect()
     }
 
-    /// Adds the lowest frequencies behind room for so many parameters, if all of them are as accurate as is asked for. Eigenvalues
-    /// alternate with their bounds.
+    /// Adds the lowest frequencies after the columns of this many parameters, if all of them are accurate enough.
+    /// Eigenvalues alternate with their bounds.
     fn frequencies(&self, found: &[f64], parameters: usize, entries: &mut Vec<Entry>) -> bool {
         entries.resize(parameters, Entry::None(None));
         let tolerance = self.asked.tolerance.min(1e-4);
@@ -82,9 +83,9 @@ impl Study<'_> {
                 entries.push(Entry::Enclosed(Ball::ZERO));
                 continue;
             }
-            // sqrt changes by half of a small relative change; three roundings and that of 1 / (2 pi) come on top.
+            // The square root halves a small relative change; three roundings and that of 1 / (2 pi) are added.
             let relative = 0.51 * (bound / square) + 4.0 * f64::EPSILON;
-            // NaN fails too.
+            // This comparison fails for NaN, too.
             if !(square > 0.0 && relative <= tolerance) {
                 return false;
             }
@@ -96,11 +97,11 @@ impl Study<'_> {
     }
 
     /// The system of a case without the damping that is declared for all of it, with another value of its last parameter.
-    pub(super) fn undamped(&self, case: u64, si: Number) -> Option<LinearSystem> {
+    pub(super) fn undamped_system(&self, case: u64, si: Number) -> Option<LinearSystem> {
         self.system(case, si, false)
     }
 
-    /// The same with or without that damping.
+    /// The system is the same with or without that damping.
     pub(super) fn system(&self, case: u64, si: Number, is_damped: bool) -> Option<LinearSystem> {
         let mut values = [&self.held[..], &self.values(case)].concat();
         values.last_mut()?.1.si = si;
@@ -121,13 +122,14 @@ impl Study<'_> {
         let centre = &(&ends[0] + &ends[1]) / &Number::from(2);
         let reach = (&ends[1] - &centre).to_ball().magnitude();
         let range = centre.to_ball().widen(reach * (1.0 + 4.0 * f64::EPSILON));
-        let at = |si: &Number| self.undamped(first, si.clone());
-        // The check and the lowering take the same way for every value of the range: none of them would stop.
-        let over = jet::undivided(|| at(&Jet::of_parameter(range)))??;
+        let at = |si: &Number| self.undamped_system(first, si.clone());
+        // The check and the lowering take the same branches for every value in the range, so none of them would fail.
+        let over = jet::without_division(|| at(&Jet::of_parameter(range)))??;
         if over.is_chained() {
             return None;
         }
-        // From one end, from which eigenvalues rise, if there are cases enough for the modes to be multiplied out.
+        // Starts at the end from which eigenvalues rise, if there are enough cases to make the modes in double-double
+        // worthwhile.
         let are_enough = swept.points.count() >= (over.n() / 25).pow(2) as u64;
         for from in (0..2).take_while(|_| are_enough) {
             let base = at(&ends[from])?;
@@ -144,7 +146,7 @@ impl Study<'_> {
         let fits = (1..=pencils::MOST).contains(&n) && !centred.is_chained() && over.n() == n;
         let slopes = |form: fn(&LinearSystem) -> &Form| slopes(form(&over), form(&centred), n);
         let (k, m) = if fits { (slopes(|system| &system.k)?, slopes(|system| &system.m)?) } else { return None };
-        // Mean value theorem: K at p is K at the centre, and p less the centre times a derivative in the range.
+        // By the mean value theorem, K at p is K at the centre plus (p - centre) times a derivative in the range.
         let first = |at_centre: Vec<Vec<Ball>>, slopes: &[Vec<Ball>]| {
             let entry = |(a, b): (&Ball, &Ball)| *a - *b * centre.to_ball();
             let row = |(a, b): (&Vec<Ball>, &Vec<Ball>)| a.iter().zip(b).map(entry).collect();
@@ -156,28 +158,28 @@ impl Study<'_> {
     }
 }
 
-/// Cases that differ in the last parameter alone.
+/// Cases that differ in the last parameter only.
 #[derive(Clone, Debug)]
 struct Line {
     way: Way,
     steps: Steps,
 }
 
-/// How their frequencies are computed.
+/// The method for their frequencies.
 #[derive(Clone, Debug)]
 enum Way {
     Updates(Updates),
     Pencils(pencils::Line),
 }
 
-/// The lines that were made last: the cases of one come in many pieces.
+/// The most recent lines: the cases of one line arrive in many pieces.
 #[derive(Debug, Default)]
 pub(super) struct Lines(Mutex<Vec<Kept>>);
 
-/// The first case of a line, and the line once it is made; `None` in it where there is none.
+/// The first case of a line and, once computed, the line; the inner `None` if there is none.
 type Kept = (u64, Arc<OnceLock<Arc<Option<Line>>>>);
 
-/// Lines that are kept: more than there are pieces at one time on few cores.
+/// Number of lines kept: more than the pieces in progress on a few cores.
 const MOST_KEPT: usize = 16;
 
 impl Lines {
@@ -200,7 +202,7 @@ impl Lines {
 }
 
 impl Clone for Lines {
-    /// A study that is changed begins anew.
+    /// A study that is changed starts with an empty list.
     fn clone(&self) -> Lines {
         Lines::default()
     }
@@ -212,9 +214,10 @@ struct Steps {
     points: Points,
     unit: Written,
     base: Number,
-    /// The number that `base` has, and the distance of neighbours, SI, where values are at equal distances from an end.
+    /// The number of the case at `base`, and the distance between neighbours, SI, if values are equally spaced from an
+    /// end.
     even: Option<(u64, f64)>,
-    /// Integers a, b and c such that the value with the number i is (a + i b) / c in its unit.
+    /// Integers a, b and c such that the value with number i is (a + i b) / c in its unit.
     fraction: Option<[i64; 3]>,
 }
 
@@ -235,7 +238,8 @@ impl Steps {
         steps
     }
 
-    /// The value with this number less the base, SI, with a relative error of a few roundings; NaN if it is not known so well.
+    /// The value with this number less the base, SI, with a relative error of a few roundings; NaN if it is not known
+    /// that accurately.
     fn change(&self, index: u64) -> f64 {
         if let Some((at, between)) = self.even {
             return (index as f64 - at as f64) * between;
@@ -245,11 +249,13 @@ impl Steps {
     }
 
     /// The value with this number in its unit.
-    fn shown(&self, index: u64) -> Ball {
-        let Some([a, b, c]) = self.fraction else { return shown(&self.points.value(index), &self.unit, false).number };
+    fn value_in_unit(&self, index: u64) -> Ball {
+        let Some([a, b, c]) = self.fraction else {
+            return shown_in(&self.points.value(index), &self.unit, false).number;
+        };
         let (number, divisor) = ((a + b * index as i64) as f64, c as f64);
         let quotient = number / divisor;
-        // What is left is exact in binary64.
+        // The remainder is exact in binary64.
         match (-quotient).mul_add(divisor, number) {
             0.0 => Ball::from(quotient),
             left => Ball::new(Dd::new(quotient, left / divisor), quotient.abs() * Dd::EPSILON),
@@ -257,7 +263,7 @@ impl Steps {
     }
 }
 
-/// Whether the relative error of a number is next to nothing in binary64.
+/// Whether the relative error of a number is negligible in binary64.
 fn is_known(x: Ball) -> bool {
     x.relative_error() <= f64::EPSILON / 8.0
 }
@@ -273,7 +279,7 @@ fn in_integers(of: [Option<Number>; 2], count: u64) -> Option<[i64; 3]> {
     fits.then_some([a as i64, b as i64, over as i64])
 }
 
-/// Eigenvalues alternating with their bounds; not numbers where there are none.
+/// Eigenvalues alternating with their bounds; NaN where there are none.
 fn in_pairs(found: Option<Eigenvalues>, n: usize) -> Vec<f64> {
     let pairs = found.map(|found| found.list.into_iter().zip(found.bounds).flat_map(|(x, bound)| [x, bound]).collect());
     pairs.unwrap_or_else(|| vec![f64::NAN; 2 * n])

@@ -7,7 +7,7 @@ use super::derivative::step;
 use super::error::AskedError;
 use super::range_enclosure::{Centre, Moved};
 use super::search::{Difference, Root, to_fraction};
-use super::unknowns::{Pairing, Unknowns, between, finite_value};
+use super::unknowns::{Pairing, Unknowns, finite_value, interpolate};
 use crate::base::{Ball, Dd, Jet, Number, two_to, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::Lu;
@@ -56,12 +56,12 @@ pub fn solve_group(unknowns: &mut Unknowns, group: &[Pairing]) -> Result<(), Vec
     }
     match roots[..] {
         [root] => {
-            let within = problem.proven(root);
+            let within = problem.prove(root);
             let (x, evaluations) = (root.x.clone(), problem.evaluations.get());
             for (i, &(equation, unknown)) in group.iter().enumerate() {
                 let root = match &within {
-                    Some(within) => Root::enclosed(x[i], within[i]),
-                    None => Root::seen(x[i], x[i].hi.abs() * two_to(-96)),
+                    Some(within) => Root::enclosed_root(x[i], within[i]),
+                    None => Root::seen_root(x[i], x[i].hi.abs() * two_to(-96)),
                 };
                 unknowns.take(equation, unknown, &root, evaluations, Others::Unknown);
             }
@@ -104,7 +104,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         for &(_, unknown) in self.group {
             let solve = &self.unknowns.solves[unknown];
             let places: Vec<Dd> =
-                (0..parts).map(|i| between(&solve.low, &solve.high, 2 * i + 1, 2 * parts).to_ball().mid).collect();
+                (0..parts).map(|i| interpolate(&solve.low, &solve.high, 2 * i + 1, 2 * parts).to_ball().mid).collect();
             let longer = |start: &Vec<Dd>| {
                 places.iter().map(|place| start.iter().copied().chain([*place]).collect()).collect::<Vec<Vec<Dd>>>()
             };
@@ -162,7 +162,7 @@ impl<'a, 'b> Problem<'a, 'b> {
             let Some(jacobian) = self.jacobian(&x, &here) else { break };
             singular = self.is_singular(&jacobian);
             let rhs: Vec<Dd> = here.iter().map(|d| d.mid).collect();
-            let Some(full) = factored(&jacobian).and_then(|lu| solve_step(&lu, rhs)) else {
+            let Some(full) = factor(&jacobian).and_then(|lu| solve_step(&lu, rhs)) else {
                 singular = true;
                 break;
             };
@@ -209,16 +209,16 @@ impl<'a, 'b> Problem<'a, 'b> {
             }
             row.iter_mut().for_each(|x| *x /= length);
         }
-        factored::<f64>(&scaled).is_none_or(|lu| lu.determinant().abs() < SINGULAR)
+        factor::<f64>(&scaled).is_none_or(|lu| lu.determinant().abs() < SINGULAR)
     }
 
     /// Distances from an end within which there is exactly one set of values, by Krawczyk's operator: with Y near the
     /// inverse of the derivatives J, |Y F| + |1 - Y J(box)| r < r. `None` if that could not be shown.
-    fn proven(&self, end: &End) -> Option<Vec<f64>> {
+    fn prove(&self, end: &End) -> Option<Vec<f64>> {
         let n = end.x.len();
         let middle = self.jacobian(&end.x, &end.differences)?;
         let unit = |e: usize| -> Vec<Dd> { (0..n).map(|i| if i == e { Dd::ONE } else { Dd::ZERO }).collect() };
-        let middle = factored(&middle)?;
+        let middle = factor(&middle)?;
         let columns: Option<Vec<Vec<Dd>>> = (0..n).map(|e| solve_step(&middle, unit(e))).collect();
         let y = columns?;
         // |Y F(m)|
@@ -258,7 +258,9 @@ impl<'a, 'b> Problem<'a, 'b> {
         };
         let centre = self.unknowns.centre(equation, &values(None))?;
         let moved = |centre: &Centre| -> Option<Vec<Moved>> {
-            (0..n).map(|i| self.unknowns.ask(equation, &values(Some(i)), |asked| asked.moved(centre))?).collect()
+            (0..n)
+                .map(|i| self.unknowns.ask(equation, &values(Some(i)), |asked| asked.derivative_in_centre(centre))?)
+                .collect()
         };
         let wide = centre.over_box(radius, moved)?;
         (0..n).map(|i| self.unknowns.ask(equation, &values(Some(i)), |asked| asked.slope(&wide))?).collect()
@@ -272,7 +274,7 @@ impl<'a, 'b> Problem<'a, 'b> {
             Some(end) => {
                 let text = |(i, &unknown): (usize, &usize)| self.unknowns.value_text(unknown, &to_fraction(end.x[i]));
                 let nearest = names.iter().cloned().zip(list.iter().enumerate().map(text)).collect();
-                let reached = |(e, d): (&usize, &Ball)| self.unknowns.reached(*e, &Difference::Known(*d));
+                let reached = |(e, d): (&usize, &Ball)| self.unknowns.reached_value(*e, &Difference::Known(*d));
                 let left = self.equations.iter().zip(&end.differences).map(reached).collect();
                 AskedError::Apart { span, names, others, nearest, left }
             }
@@ -310,7 +312,7 @@ fn is_contracted(inverse: &[Vec<Dd>], slopes: &[Vec<Ball>], step: &[f64], radius
 }
 
 /// The factors of a matrix given by rows.
-fn factored<T: Scalar>(rows: &[Vec<f64>]) -> Option<Lu<T>> {
+fn factor<T: Scalar>(rows: &[Vec<f64>]) -> Option<Lu<T>> {
     Lu::of(Matrix::from_fn(rows.len(), rows.len(), |i, j| T::of_f64(rows[i][j])))
 }
 
@@ -324,7 +326,7 @@ fn solve_step(a: &Lu<Dd>, mut b: Vec<Dd>) -> Option<Vec<Dd>> {
 mod tests {
     use super::*;
 
-    fn contracted(slopes: [[(f64, f64); 2]; 2], step: [f64; 2], radius: [f64; 2]) -> bool {
+    fn is_contraction(slopes: [[(f64, f64); 2]; 2], step: [f64; 2], radius: [f64; 2]) -> bool {
         let ball = |(middle, radius): (f64, f64)| Ball::from(middle).widen(radius);
         let slopes: Vec<Vec<Ball>> = slopes.iter().map(|row| row.iter().copied().map(ball).collect()).collect();
         let identity = [vec![Dd::ONE, Dd::ZERO], vec![Dd::ZERO, Dd::ONE]];
@@ -335,17 +337,17 @@ mod tests {
     #[test]
     fn a_box_is_proved_only_if_its_image_lies_within_it() {
         let exact = [[(1.0, 0.0), (0.0, 0.0)], [(0.0, 0.0), (1.0, 0.0)]];
-        assert!(contracted(exact, [0.9; 2], [1.0; 2]));
+        assert!(is_contraction(exact, [0.9; 2], [1.0; 2]));
         // An image that reaches the boundary, or leaves through one side alone.
-        assert!(!contracted(exact, [1.0, 0.0], [1.0; 2]));
-        assert!(!contracted(exact, [0.0, 1.1], [1.0; 2]));
+        assert!(!is_contraction(exact, [1.0, 0.0], [1.0; 2]));
+        assert!(!is_contraction(exact, [0.0, 1.1], [1.0; 2]));
         // A slope that varies by a half in the box leaves half of it for the step.
         let varying = [[(1.0, 0.5), (0.0, 0.0)], [(0.0, 0.0), (1.0, 0.0)]];
-        assert!(contracted(varying, [0.4; 2], [1.0; 2]) && !contracted(varying, [0.6; 2], [1.0; 2]));
+        assert!(is_contraction(varying, [0.4; 2], [1.0; 2]) && !is_contraction(varying, [0.6; 2], [1.0; 2]));
         // A slope that may be zero, as at a double root, and one by the other unknown, whose range is wider.
         let double = [[(1.0, 1.0), (0.0, 0.0)], [(0.0, 0.0), (1.0, 0.0)]];
-        assert!(!contracted(double, [0.0; 2], [1.0; 2]));
+        assert!(!is_contraction(double, [0.0; 2], [1.0; 2]));
         let coupled = [[(1.0, 0.0), (0.0, 0.5)], [(0.0, 0.0), (1.0, 0.0)]];
-        assert!(contracted(coupled, [0.1; 2], [1.0, 1.0]) && !contracted(coupled, [0.1; 2], [1.0, 2.0]));
+        assert!(is_contraction(coupled, [0.1; 2], [1.0, 1.0]) && !is_contraction(coupled, [0.1; 2], [1.0, 2.0]));
     }
 }

@@ -29,7 +29,7 @@ impl Unknowns<'_> {
         let mut search =
             Search { unknowns: self, equation, unknown, seen: SearchResult::default(), rest: Rest::Unknown };
         search.run();
-        let (seen, others) = search.judged().map_err(|error| vec![*error])?;
+        let (seen, others) = search.judge().map_err(|error| vec![*error])?;
         self.take(equation, unknown, &seen.roots[0], seen.count, others);
         Ok(())
     }
@@ -159,7 +159,7 @@ impl Search<'_, '_> {
     }
 
     /// The value, or the error.
-    fn judged(self) -> Result<(SearchResult, Others), Box<AskedError>> {
+    fn judge(self) -> Result<(SearchResult, Others), Box<AskedError>> {
         let Search { unknowns, equation, unknown, seen, rest } = self;
         let proven = matches!(rest, Rest::Empty(_));
         if constant(&seen.evaluations) {

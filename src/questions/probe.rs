@@ -191,7 +191,7 @@ impl Probe {
         })
     }
 
-    /// Whether it is of the way to the final value.
+    /// Whether it concerns the approach to the final value.
     fn is_of_approach(&self) -> bool {
         matches!(self, Probe::Settling(..) | Probe::Overshoot(_))
     }
@@ -215,7 +215,7 @@ impl Probe {
         })
     }
 
-    /// Whether it is of the motion that is left when every free motion has decayed.
+    /// Whether it concerns the motion that remains when every free motion has decayed.
     fn of_settled_motion(&self) -> bool {
         self.any(|probe| {
             probe.is_of_approach() || matches!(probe, Probe::Amplitude(_) | Probe::Static(_) | Probe::Psd(..))
@@ -232,7 +232,8 @@ impl Probe {
         self.any(|probe| matches!(probe, Probe::Peak(_) | Probe::Rms(_, Cause::Time | Cause::Either)))
     }
 
-    /// Whether it is computed where springs have loss factors: of harmonic motion and noise, of rest, or of motion without damping.
+    /// Whether it is computed if springs have loss factors: measures of harmonic motion, noise, rest, and undamped
+    /// motion are.
     fn takes_losses(&self) -> bool {
         matches!(
             self,
@@ -374,8 +375,9 @@ impl Measured<'_> {
             Probe::RmsWithin(output, [low, high]) => {
                 self.under_noise(system, |random| random.rms_within(&system.outputs[*output], [low, high]))
             }
-            Probe::Psd(output, at) => transfer
-                .map_or(NONE, |transfer| spread(random::density(transfer, system, &self.context.noises, *output, at))),
+            Probe::Psd(output, at) => transfer.map_or(NONE, |transfer| {
+                spread_measurement(random::density(transfer, system, &self.context.noises, *output, at))
+            }),
             Probe::Crossings(output) => self.under_noise(system, |random| random.crossings(&system.outputs[*output])),
             Probe::Rms(output, Cause::Noise) => self.under_noise(system, |random| random.rms(&system.outputs[*output])),
             Probe::Rms(output, Cause::Either) => {
@@ -428,7 +430,7 @@ impl Measured<'_> {
             Probe::Gain(.., at) => measures::gain(&transfer, last, 0, at),
             Probe::Phase(.., at) => measures::phase(&transfer, last, 0, at),
             Probe::PeakGain(.., range) => {
-                // With a coordinate more, the poles are others.
+                // A further coordinate would change the poles.
                 let poles = self.poles.filter(|_| driven.n() == system.n());
                 measures::peak_gain(&transfer, poles, last, 0, range.as_ref().map(|[low, high]| (low, high)))
             }
@@ -448,7 +450,7 @@ impl Measured<'_> {
         self.context.noises.iter().any(|noise| reach.from_noise(system, noise, &system.outputs[output]))
     }
 
-    /// Why nothing settles, or may not.
+    /// The reason why nothing settles, or may not settle.
     fn growth(&self) -> Option<&'static str> {
         match self.stability() {
             Stability::Stable | Stability::Neutral => None,
@@ -479,17 +481,17 @@ impl Measured<'_> {
 
     fn under_noise(&self, system: &LinearSystem, of: impl Fn(&Random) -> Spread) -> Measurement {
         match self.modes {
-            Some(modes) => spread(of(&Random::of(system, modes, &self.context.noises))),
+            Some(modes) => spread_measurement(of(&Random::of(system, modes, &self.context.noises))),
             None => Measurement::None("it could not be computed"),
         }
     }
 
-    /// What each input becomes in the end, c0 + c1 t + c2 t^2 / 2; `None` if that is not computed for one of them.
+    /// The final course of each input, c0 + c1 t + c2 t^2 / 2; `None` if that is not computed for one of them.
     fn ends(&self) -> Option<Vec<(usize, [Number; 3])>> {
         let constants = self.constants().chain(std::iter::repeat(Number::ZERO));
         let swings = |signal: &DrivenBy| matches!(signal, DrivenBy::Harmonic { .. });
         let of_input = |(signals, constant): (&Vec<DrivenBy>, Number)| {
-            // A base that swings by its acceleration drifts as it started, which is nothing to settle at.
+            // A base that swings by its acceleration keeps its initial drift, so nothing settles.
             if signals.iter().any(swings) && signals.iter().any(|signal| signal.final_value().is_none()) {
                 return None;
             }
@@ -523,7 +525,7 @@ impl Measured<'_> {
     }
 }
 
-fn spread(found: Spread) -> Measurement {
+fn spread_measurement(found: Spread) -> Measurement {
     match found {
         Spread::Finite(value) => Measurement::Value(value),
         Spread::Infinite(_) => Measurement::Infinite,

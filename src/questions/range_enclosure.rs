@@ -95,14 +95,15 @@ pub enum Moved {
 }
 
 impl Centre {
-    /// An enclosure of the eigenvalue or pole over a whole box about the values at which it lies in this one; `moved` are
-    /// its derivatives over the box wherever it lies in an enclosure, and is simple. `None` if it may leave what is tried.
+    /// An enclosure of the eigenvalue or pole over a whole box about the values for which this one holds; `moved` are
+    /// its derivatives over the box, valid wherever it lies in an enclosure and is simple. `None` if it may leave the
+    /// enclosures tried.
     pub fn over_box(&self, radius: &[f64], moved: impl Fn(&Centre) -> Option<Vec<Moved>>) -> Option<Centre> {
-        let wide = self.widened(&moved(self)?, radius, 4.0);
+        let wide = self.widen(&moved(self)?, radius, 4.0);
         wide.holds(self, &moved(&wide)?, radius).then_some(wide)
     }
 
-    /// Like [`Self::over_box`], tried with wider and wider enclosures, and as narrow as the derivatives allow in the end, with these.
+    /// Like [`Self::over_box`], with wider and wider enclosures, and in the end one as narrow as the derivatives allow.
     pub fn over_box_narrow(
         &self,
         radius: &[f64],
@@ -111,7 +112,7 @@ impl Centre {
         let mut slopes = moved(self)?;
         let mut found = None;
         for _ in 0..WIDENED {
-            let wide = self.widened(&slopes, radius, 2.0);
+            let wide = self.widen(&slopes, radius, 2.0);
             slopes = moved(&wide)?;
             if wide.holds(self, &slopes, radius) {
                 found = Some((wide, slopes));
@@ -121,7 +122,7 @@ impl Centre {
         let mut known = found?;
         for _ in 0..NARROWED {
             // From the middle it moves by no more than the derivatives in the enclosure allow.
-            let narrow = self.widened(&known.1, radius, up::THOUSANDS);
+            let narrow = self.widen(&known.1, radius, up::THOUSANDS);
             let Some(slopes) = moved(&narrow) else { break };
             known = (narrow, slopes);
         }
@@ -129,7 +130,7 @@ impl Centre {
     }
 
     /// The enclosure widened by `times` the change that these derivatives allow over a box of these radii.
-    fn widened(&self, moved: &[Moved], radius: &[f64], times: f64) -> Centre {
+    fn widen(&self, moved: &[Moved], radius: &[f64], times: f64) -> Centre {
         let by = reach(moved, radius);
         match *self {
             Centre::Eigenvalue(square) => Centre::Eigenvalue(square.widen(times * by.0)),
@@ -184,18 +185,18 @@ impl QuestionOverRange<'_> {
             Probe::Critical(1) => test(jet(self.family.and_then(Family::single_discriminant))),
             Probe::Damping(1) => test(jet(self.family.and_then(Family::single_ratio).map(|ratio| &ratio - target))),
             Probe::Gain(..) | Probe::Amplitude(_) => {
-                let direct = || Some(&self.phasor()?.squared() - &target.square());
+                let direct = || Some(&self.phasor()?.square() - &target.square());
                 // Near a resonance: the force that would bring the motion to the target, minus the actual force.
                 let inverse = || {
                     let (z, force) = self.inverse()?;
                     let wanted = force.checked_div(target)?;
-                    Some(&z.squared() - &wanted.square())
+                    Some(&z.square() - &wanted.square())
                 };
                 test(jet(direct().or_else(inverse)))
             }
             Probe::Phase(..) => {
-                let direct = || self.phasor()?.turned(&Number::ONE, &-target);
-                let turned = direct().or_else(|| self.inverse()?.0.turned(&Number::ONE, target));
+                let direct = || self.phasor()?.rotate(&Number::ONE, &-target);
+                let turned = direct().or_else(|| self.inverse()?.0.rotate(&Number::ONE, target));
                 let apart = turned.as_ref().is_some_and(|z| z.re.is_negative());
                 RangeEnclosure { apart, ..test(jet(turned.map(|z| z.im))) }
             }
@@ -306,7 +307,7 @@ impl QuestionOverRange<'_> {
     }
 
     /// The derivative of an eigenvalue or a pole in the centre, if it is simple.
-    pub fn moved(&self, centre: &Centre) -> Option<Moved> {
+    pub fn derivative_in_centre(&self, centre: &Centre) -> Option<Moved> {
         match *centre {
             Centre::Eigenvalue(square) => {
                 let family = self.family?;
@@ -323,7 +324,7 @@ impl QuestionOverRange<'_> {
     /// The derivative of the measure, over the family; the centre contains the eigenvalue or pole that the measure
     /// depends on.
     pub fn slope(&self, centre: &Centre) -> Option<Ball> {
-        let slope = match (self.probe, *centre, self.moved(centre)?) {
+        let slope = match (self.probe, *centre, self.derivative_in_centre(centre)?) {
             (Probe::Frequency(_), Centre::Eigenvalue(square), Moved::Eigenvalue(slope)) => {
                 frequency_slope(square, slope)
             }
@@ -381,7 +382,7 @@ fn harmonic_response(family: &Family, signals: &[Vec<Signal>], output: usize) ->
             }
             known = Some(frequency);
             let response = family.response(input, output, &(frequency * &two_pi()))?;
-            sum = sum.plus(&response.turned(value, phase)?);
+            sum = sum.plus(&response.rotate(value, phase)?);
         }
     }
     known.map(|_| sum)
@@ -398,8 +399,8 @@ fn amplitude(family: &Family, signals: &[Vec<Signal>], output: usize) -> Option<
                 Signal::Delayed { .. } => return None,
                 _ => continue,
             };
-            let own = family.response(input, output, &(frequency * &two_pi()))?.turned(value, phase)?;
-            if own.squared().is_zero() {
+            let own = family.response(input, output, &(frequency * &two_pi()))?.rotate(value, phase)?;
+            if own.square().is_zero() {
                 continue;
             }
             let certain = |(known, _): &(&Number, Phasor)| known.exact().is_some() && frequency.exact().is_some();

@@ -3,7 +3,7 @@
 //! docs/method/measures.md.
 
 use super::advice::Advice;
-use super::answer::{Requirement, Value, few_digits, shown, shown_text};
+use super::answer::{Requirement, Value, few_digits, shown_in, shown_text};
 use super::error::{AskedError, Remedy};
 use super::trial::{Facts, Text};
 use crate::analysis::Measurement;
@@ -14,9 +14,9 @@ use crate::model::{CheckedScene, Setting};
 use crate::system::Signal;
 use std::cmp::Ordering;
 
-/// From so many times its limit on, a value is compared with it by a factor.
+/// A value beyond this multiple of its limit is compared with it by a factor.
 const MANY_TIMES: f64 = 10.0;
-/// The verdict on a rest at which nothing grows, and some motion does not return.
+/// The verdict on a rest at which nothing grows, but some motion does not return.
 const NEUTRAL: &str = "neutral";
 
 /// Every requirement of a scene.
@@ -27,9 +27,9 @@ pub fn requirements(
     known: Facts,
 ) -> (Vec<Requirement>, Vec<AskedError>) {
     let requires = &scene.scene().requires;
-    let list = judged(text, scene, known);
+    let list = judge(text, scene, known);
     // Parameters that are solved for cannot be changed.
-    let solved = |parameter: &Parameter| scene.scene().determined().any(|name| name == parameter.name);
+    let solved = |parameter: &Parameter| scene.scene().determined_names().any(|name| name == parameter.name);
     let fails = list.iter().any(|requirement| requirement.holds == Some(false));
     let mut parameters = if fails { text.parameters(settings) } else { Vec::new() };
     parameters.retain(|parameter| !solved(parameter));
@@ -45,7 +45,7 @@ pub fn requirements(
 }
 
 /// The value of each requirement of a scene, and whether it holds.
-pub fn judged(text: &Text, scene: &CheckedScene, known: Facts) -> Vec<Requirement> {
+pub fn judge(text: &Text, scene: &CheckedScene, known: Facts) -> Vec<Requirement> {
     let requires = &scene.scene().requires;
     let questions: Vec<Question> = requires.iter().map(|require| require.question.clone()).collect();
     let measured = text.measure_scene(scene, &questions, known).unwrap_or_else(|why| {
@@ -78,7 +78,7 @@ fn requirement(
     };
     let mut measured = measured;
     if let (None, Some(_), Some(comparison)) = (holds, &margin, require.comparison) {
-        let order = text.compared(scene, question, known);
+        let order = text.compare(scene, question, known);
         holds = order.map(|order| keeps(order, comparison));
         if order == Some(Ordering::Equal) {
             (measured, margin) = (Measurement::Value(question.value.to_ball()), Some(Ball::ZERO));
@@ -196,7 +196,7 @@ fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Remedy) -> Option
 fn missed_by(requirement: &Requirement) -> Option<String> {
     match (&requirement.value, &requirement.margin) {
         (Value::Number(_), Some(margin)) => {
-            let by = shown_text(&shown(&Number::Ball(-*margin), &requirement.unit, requirement.in_radians));
+            let by = shown_text(&shown_in(&Number::Ball(-*margin), &requirement.unit, requirement.in_radians));
             Some(format!("off by {by}"))
         }
         (Value::Verdict(verdict), _) if verdict == NEUTRAL => Some("no stiffness restrains some motion".to_string()),

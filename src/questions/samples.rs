@@ -1,5 +1,6 @@
-//! Random values of the parameters that have a tolerance or a spread. In: tolerances, their correlations, a seed. Out: for each case
-//! the values, which depend on the seed and the number of the case alone. See docs/method/studies.md#samples.
+//! Random values of the parameters that have a tolerance or a spread. In: tolerances, their correlations, a seed. Out:
+//! the values of each case, which depend only on the seed and the number of the case. See
+//! docs/method/studies.md#samples.
 
 use super::answer::REPLICATES;
 use crate::base::{Number, Quantity, Rational};
@@ -9,12 +10,12 @@ use crate::kernel::sobol;
 use crate::model::Setting;
 use crate::model::scene::{Scene, Spread, Tolerance};
 
-/// How many random values a study has, and which.
+/// The number and kind of the random values of a study.
 #[derive(Clone, Copy, Debug)]
 pub struct Draws {
     pub count: u64,
     pub seed: u64,
-    /// Whether the values are those of `REPLICATES` scrambled Sobol sequences in turn.
+    /// Whether the values are taken from `REPLICATES` scrambled Sobol sequences in turn.
     pub sobol: bool,
 }
 
@@ -27,11 +28,11 @@ pub struct Samples {
     rows: Vec<Option<Vec<f64>>>,
 }
 
-/// The streams of random numbers of other purposes have other numbers here.
+/// Random streams for other purposes use other numbers here.
 const STREAM: u32 = 0x7661_7279;
 
 impl Samples {
-    /// The draws of a scene; of parameters that are held none.
+    /// The draws of a scene; parameters that are held get none.
     pub fn of(scene: &Scene, held: &[Setting], draws: Draws) -> Samples {
         let is_free = |tolerance: &Tolerance| held.iter().all(|(name, _)| *name != tolerance.parameter.name);
         let places: Vec<usize> = (0..scene.tolerances.len()).filter(|&i| is_free(&scene.tolerances[i])).collect();
@@ -55,7 +56,7 @@ impl Samples {
                 None => Place::Probability(uniform[i]),
                 Some(row) => Place::Normal(row.iter().zip(&uniform).map(|(l, u)| l * quantile(*u)).sum()),
             };
-            let value = drawn(tolerance, place).clamp(-f64::MAX, f64::MAX);
+            let value = draw(tolerance, place).clamp(-f64::MAX, f64::MAX);
             let parameter = &tolerance.parameter;
             let si = Rational::from_f64(value).map_or(parameter.value.si.clone(), Number::from);
             (parameter.name.clone(), Quantity { si, ..parameter.value.clone() })
@@ -69,7 +70,7 @@ impl Samples {
         let key = words(self.draws.seed);
         if self.draws.sobol {
             let (index, replicate) = (case / REPLICATES, case % REPLICATES);
-            return sobol::scrambled(index as u32, parameter, key, [replicate as u32, STREAM]);
+            return sobol::scramble_point(index as u32, parameter, key, [replicate as u32, STREAM]);
         }
         let [low, high] = words(case);
         let counter = [low, high, parameter as u32, STREAM];
@@ -79,11 +80,11 @@ impl Samples {
     }
 }
 
-/// Where in its distribution a value lies.
+/// The position of a value in its distribution.
 #[derive(Clone, Copy)]
 enum Place {
     Probability(f64),
-    /// The standard normal variable that is exceeded with the same probability.
+    /// The standard normal variable that has the same probability of being exceeded.
     Normal(f64),
 }
 
@@ -104,42 +105,43 @@ impl Place {
 }
 
 /// The value of a parameter at a place of its distribution, in SI units.
-fn drawn(tolerance: &Tolerance, place: Place) -> f64 {
+fn draw(tolerance: &Tolerance, place: Place) -> f64 {
     let centre = tolerance.parameter.value.si.to_f64();
     let ends = tolerance.within.as_ref().map(|ends| ends.each_ref().map(Number::to_f64));
     match (&tolerance.spread, ends) {
         (Some(Spread::Normal { deviation }), _) => {
             let deviation = deviation.to_f64();
             let within = ends.map(|ends| ends.map(|end| (end - centre) / deviation));
-            inside(ends, centre + deviation * truncated(within, place))
+            clamp(ends, centre + deviation * truncated_normal(within, place))
         }
         (Some(Spread::Lognormal { deviation }), _) => {
             let deviation = deviation.to_f64();
             let log = |end: f64| if end > 0.0 { libm::log(end / centre) / deviation } else { f64::NEG_INFINITY };
-            inside(ends, centre * libm::exp(deviation * truncated(ends.map(|ends| ends.map(log)), place)))
+            clamp(ends, centre * libm::exp(deviation * truncated_normal(ends.map(|ends| ends.map(log)), place)))
         }
-        (Some(Spread::Uniform) | None, Some([low, high])) => inside(ends, low + (high - low) * place.probability()),
+        (Some(Spread::Uniform) | None, Some([low, high])) => clamp(ends, low + (high - low) * place.probability()),
         (Some(Spread::Uniform) | None, None) => centre,
     }
 }
 
 /// A standard normal variable that lies within the ends.
-fn truncated(ends: Option<[f64; 2]>, place: Place) -> f64 {
+fn truncated_normal(ends: Option<[f64; 2]>, place: Place) -> f64 {
     match ends.map(|ends| ends.map(cumulative)) {
         None => place.normal(),
         Some([low, high]) => quantile(low + (high - low) * place.probability()),
     }
 }
 
-/// Rounding leaves no range.
-fn inside(ends: Option<[f64; 2]>, value: f64) -> f64 {
+/// Rounding does not leave the range.
+fn clamp(ends: Option<[f64; 2]>, value: f64) -> f64 {
     match ends {
         Some([low, high]) => value.max(low).min(high),
         None => value,
     }
 }
 
-/// The rows of L, L L^T being the matrix with ones on its diagonal whose lower triangle is given; none where nothing is left of it.
+/// The rows of L, where L L^T is the matrix with ones on its diagonal and this lower triangle; zero for a row of which
+/// rounding leaves nothing.
 fn factor(mut matrix: Vec<Vec<f64>>) -> Vec<Option<Vec<f64>>> {
     for i in 0..matrix.len() {
         let (before, rest) = matrix.split_at_mut(i);

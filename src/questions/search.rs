@@ -48,12 +48,12 @@ impl Crossing {
 
 impl Root {
     /// A root that Krawczyk's operator encloses.
-    pub(super) fn enclosed(near: Dd, within: f64) -> Root {
+    pub(super) fn enclosed_root(near: Dd, within: f64) -> Root {
         Root { near, within, proof: Some(Crossing(())) }
     }
 
     /// A root that was found without a proof.
-    pub fn seen(near: Dd, within: f64) -> Root {
+    pub fn seen_root(near: Dd, within: f64) -> Root {
         Root { near, within, proof: None }
     }
 }
@@ -88,7 +88,7 @@ pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Differen
     let mut seen = SearchResult::default();
     search.interpolate(&evaluations[0], &evaluations[1], &mut seen);
     for evaluation in evaluations.iter().filter(|evaluation| sign(&evaluation.difference) == Some(Ordering::Equal)) {
-        seen.add(search.certified(evaluation));
+        seen.add(search.certify(evaluation));
     }
     (seen.evaluations, seen.count) = (evaluations, search.count);
     seen
@@ -103,7 +103,7 @@ pub fn search(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Differen
         search.interpolate(&pair[0], &pair[1], &mut seen);
     }
     for evaluation in evaluations.iter().filter(|evaluation| sign(&evaluation.difference) == Some(Ordering::Equal)) {
-        seen.add(search.certified(evaluation));
+        seen.add(search.certify(evaluation));
     }
     for three in evaluations.windows(3) {
         search.turn([&three[0], &three[1], &three[2]], &mut seen);
@@ -175,11 +175,11 @@ impl Search<'_> {
             return;
         }
         let near = if size(&a) <= size(&b) { a } else { b };
-        seen.add(self.certified(&near));
+        seen.add(self.certify(&near));
     }
 
     /// The narrowest pair of numbers around this one, on different sides, that the enclosures allow.
-    fn certified(&mut self, near: &Evaluation) -> Option<Root> {
+    fn certify(&mut self, near: &Evaluation) -> Option<Root> {
         let x = near.at.to_ball().mid;
         let mut within = (x.hi.abs() * two_to(-100)).max(f64::MIN_POSITIVE * two_to(60));
         for _ in 0..30 {
@@ -197,7 +197,7 @@ impl Search<'_> {
             within *= 16.0;
         }
         // The measure touches its target, or cannot be distinguished from it over a whole range.
-        Some(Root::seen(x, within))
+        Some(Root::seen_root(x, within))
     }
 
     /// Follows |difference| down to where it turns, and checks whether it reaches the other side there.
@@ -217,7 +217,7 @@ impl Search<'_> {
             let c = self.evaluate_at(best_at + (end_at - best_at) * 0.381_966_011_250_105);
             match sign(&c.difference) {
                 Some(found) if found == side => {}
-                Some(Ordering::Equal) => return seen.add(self.certified(&c)),
+                Some(Ordering::Equal) => return seen.add(self.certify(&c)),
                 Some(_) => {
                     self.interpolate(&low, &c, seen);
                     self.interpolate(&c, &high, seen);
@@ -236,7 +236,7 @@ impl Search<'_> {
                 break;
             }
         }
-        seen.turns.push(Root::seen(best.at.enclosure().mid, (high.x - best.x).max(best.x - low.x)));
+        seen.turns.push(Root::seen_root(best.at.enclosure().mid, (high.x - best.x).max(best.x - low.x)));
     }
 }
 
@@ -299,11 +299,11 @@ fn middle(a: &Evaluation, b: &Evaluation, step: usize) -> Option<Dd> {
     let part = if part.to_f64() > 0.0 && part.to_f64() < 1.0 { part } else { Dd::from(0.5) };
     let x = left + width * part;
     // If rounding moves the number out of the interval, the number itself is taken.
-    [rounded(x, width.to_f64()), x].into_iter().find(|x| *x > left && *x < right)
+    [round(x, width.to_f64()), x].into_iter().find(|x| *x > left && *x < right)
 }
 
 /// Rounds to few digits while the bracket is wide, because exact arithmetic is then fast.
-fn rounded(x: Dd, width: f64) -> Dd {
+fn round(x: Dd, width: f64) -> Dd {
     let relative = width / x.hi.abs();
     if relative > 1e-4 {
         Dd::from(f64::from(x.hi as f32))
@@ -341,14 +341,14 @@ fn grid(low: &Number, high: &Number) -> Vec<Number> {
 mod tests {
     use super::*;
 
-    fn found(low: i64, high: i64, f: impl Fn(Ball) -> Ball) -> SearchResult {
+    fn search_range(low: i64, high: i64, f: impl Fn(Ball) -> Ball) -> SearchResult {
         let measure = |x: &Number| Difference::Known(f(x.to_ball()));
         search(&Number::from(low), &Number::from(high), &measure)
     }
 
     #[test]
     fn a_root_is_found_to_the_last_digit() {
-        let seen = found(0, 3, |x| x * x - Ball::from(2.0));
+        let seen = search_range(0, 3, |x| x * x - Ball::from(2.0));
         let [root] = seen.roots[..] else { panic!("{:?}", seen.roots) };
         assert!((root.near - Dd::from(2.0).sqrt()).abs().to_f64() <= root.within, "{root:?}");
         assert!(root.within < 1e-28, "{root:?}");
@@ -358,38 +358,38 @@ mod tests {
     #[test]
     fn every_root_is_seen() {
         let cubic = |x: Ball| (x - Ball::ONE) * (x - Ball::from(2.0)) * (x - Ball::from(7.0));
-        assert_eq!(found(0, 10, cubic).roots.len(), 3);
+        assert_eq!(search_range(0, 10, cubic).roots.len(), 3);
         // Both roots between two of the first looks.
         let close = |x: Ball| (x - Ball::from(1.001)) * (x - Ball::from(1.002));
-        assert_eq!(found(0, 10, close).roots.len(), 2);
+        assert_eq!(search_range(0, 10, close).roots.len(), 2);
     }
 
     #[test]
     fn a_jump_is_no_root() {
-        let seen = found(0, 10, |x| if x.to_f64() < 3.3 { -Ball::ONE } else { Ball::ONE });
+        let seen = search_range(0, 10, |x| if x.to_f64() < 3.3 { -Ball::ONE } else { Ball::ONE });
         assert!(seen.roots.is_empty());
         assert!((seen.jumps[0] - 3.3).abs() < 1e-12);
     }
 
     #[test]
     fn a_pole_is_no_root() {
-        let seen = found(0, 10, |x| Ball::ONE / (x - Ball::from(3.3)));
+        let seen = search_range(0, 10, |x| Ball::ONE / (x - Ball::from(3.3)));
         assert!(seen.roots.is_empty(), "{:?}", seen.roots);
     }
 
     #[test]
     fn no_root_is_found_where_there_is_none() {
-        assert!(found(0, 10, |x| x * x + Ball::ONE).roots.is_empty());
+        assert!(search_range(0, 10, |x| x * x + Ball::ONE).roots.is_empty());
     }
 
     /// A measure that touches its target from one side does not cross it; a crossing lies between the two numbers
     /// reported.
     #[test]
     fn a_crossing_changes_sides() {
-        let touches = found(0, 3, |x| (x - Ball::from(1.5)) * (x - Ball::from(1.5)));
+        let touches = search_range(0, 3, |x| (x - Ball::from(1.5)) * (x - Ball::from(1.5)));
         assert!(touches.roots.iter().all(|root| root.proof.is_none()), "{:?}", touches.roots);
         // The root of x^3 = 2 is not a double-double.
-        let seen = found(0, 3, |x| x * x * x - Ball::from(2.0));
+        let seen = search_range(0, 3, |x| x * x * x - Ball::from(2.0));
         let [root] = seen.roots[..] else { panic!("{:?}", seen.roots) };
         let cubic = |x: Dd| (x * x * x - Dd::from(2.0)).to_f64();
         let ends = [root.near - Dd::from(root.within), root.near + Dd::from(root.within)];

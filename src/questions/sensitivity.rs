@@ -191,7 +191,7 @@ impl SlopeComputation<'_> {
     }
 
     fn smooth(&self, slope: Derivative, known: Ball) -> Slope {
-        Slope::Smooth { absolute: slope, relative: slope.scaled(self.parameter.value.si.to_ball() / known) }
+        Slope::Smooth { absolute: slope, relative: slope.scale(self.parameter.value.si.to_ball() / known) }
     }
 
     /// The enclosed slope of a frequency.
@@ -227,7 +227,7 @@ impl SlopeComputation<'_> {
         let at = |si: Number| {
             let settings = self.settings_at(si);
             if self.n > MOST_BY_DIFFERENCES && !self.here.motions.is_empty() {
-                let modes = self.text.undamped(&settings, self.request).ok()?;
+                let modes = self.text.undamped_modes(&settings, self.request).ok()?;
                 return Some(Spectrum::of(&modes, &Poles::default()));
             }
             let modal = self.text.modal(&settings, self.request).ok()?;

@@ -137,7 +137,7 @@ impl Text<'_> {
         choose: impl Fn(&CheckedScene) -> Option<Question>,
         tell: impl FnOnce(&QuestionOverRange) -> T,
     ) -> Option<T> {
-        let (prepared, lost) = jet::watched(|| self.prepared(values, choose));
+        let (prepared, lost) = jet::watch_divisions(|| self.prepare(values, choose));
         let (scene, question, probe, lowered, context) = prepared?;
         let family = Family::of(&lowered.system, lost);
         let measured =
@@ -156,15 +156,15 @@ impl Text<'_> {
         values: &[Setting],
         choose: impl Fn(&CheckedScene) -> Option<Question>,
     ) -> Option<(LinearSystem, Probe)> {
-        let (prepared, lost) = jet::watched(|| self.prepared(values, choose));
+        let (prepared, lost) = jet::watch_divisions(|| self.prepare(values, choose));
         let (_, _, probe, lowered, _) = prepared.filter(|_| !lost)?;
         Some((lowered.system, probe))
     }
 
     /// A scene with values that are ranges, its system and the probes of some questions. `None` if a derivative is lost on the way, or
     /// a question about a number has not one answer for all values.
-    pub fn ranged(&self, values: &[Setting], choose: impl Fn(&Scene) -> Vec<Question>) -> Option<Ranged> {
-        jet::undivided(|| {
+    pub fn with_ranges(&self, values: &[Setting], choose: impl Fn(&Scene) -> Vec<Question>) -> Option<Ranged> {
+        jet::without_division(|| {
             let scene = self.scene(values).ok()?;
             let questions = choose(scene.scene());
             let Plan { probes, readouts } = prepare(scene.scene(), &questions);
@@ -193,7 +193,7 @@ impl Text<'_> {
     }
 
     /// A scene with values that are ranges, its question and its system.
-    fn prepared(
+    fn prepare(
         &self,
         values: &[Setting],
         choose: impl Fn(&CheckedScene) -> Option<Question>,
@@ -245,7 +245,7 @@ impl Text<'_> {
     }
 
     /// How the measure of a question compares with its value, decided exactly; `None` if that is not possible.
-    pub fn compared(&self, scene: &CheckedScene, question: &Question, known: Facts) -> Option<Ordering> {
+    pub fn compare(&self, scene: &CheckedScene, question: &Question, known: Facts) -> Option<Ordering> {
         let questions = std::slice::from_ref(question);
         self.with_measured(scene, questions, known, &prepare, |measured, probes| {
             exact::compare(measured, &probes[0], question)
@@ -294,7 +294,7 @@ impl Text<'_> {
     }
 
     /// The modes without damping with some parameters at these values.
-    pub fn undamped(&self, values: &[Setting], request: &Request) -> Result<Modes, String> {
+    pub fn undamped_modes(&self, values: &[Setting], request: &Request) -> Result<Modes, String> {
         let scene = self.scene(values)?.without_damping();
         let mut diagnostics = Diagnostics::new();
         let system = dynamics::lower_written_out(&scene, &mut diagnostics)
@@ -308,7 +308,7 @@ impl Text<'_> {
     /// system that cannot be enclosed.
     pub fn family(&self, values: &[Setting], tell: impl FnOnce(Option<&Family>, Option<&Family>)) {
         let lowered = |damped: bool| {
-            jet::watched(|| {
+            jet::watch_divisions(|| {
                 let scene = self.scene(values).ok()?;
                 if damped && matches!(scene.scene().damping, Some(Damping::Modal { .. })) {
                     // The mode shapes that define this damping cannot be enclosed with their derivatives.

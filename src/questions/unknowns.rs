@@ -1,7 +1,7 @@
 //! The lines `solve`: finds every unknown, on its own if possible, otherwise in a group. In: the text and its scene.
 //! Out: a value for each unknown, or an error. See docs/method/measures.md.
 
-use super::answer::{Derivative, Optimised, Others, Shown, Solved, shown, shown_text};
+use super::answer::{Derivative, Optimised, Others, Shown, Solved, shown_in, shown_text};
 use super::derivative::{slope, step};
 use super::error::{AskedError, Phrase, ReachedRange};
 use super::newton;
@@ -46,7 +46,7 @@ pub fn solve(text: &Text, scene: &CheckedScene) -> Result<Settled, Vec<AskedErro
     let settings = unknowns.settings();
     match text.scene(&settings) {
         Ok(scene) => Ok(Settled { scene, settings, solved, optimised: Vec::new(), unsettled }),
-        Err(why) => Err(vec![unknowns.refused(why)]),
+        Err(why) => Err(vec![unknowns.refused_error(why)]),
     }
 }
 
@@ -85,7 +85,7 @@ impl<'a> Unknowns<'a> {
         let start = |solve: &Solve| {
             let declared = &solve.parameter.value.si;
             let inside = !(declared - &solve.low).is_negative() && !(&solve.high - declared).is_negative();
-            if inside { declared.clone() } else { between(&solve.low, &solve.high, 1, 2) }
+            if inside { declared.clone() } else { interpolate(&solve.low, &solve.high, 1, 2) }
         };
         Unknowns {
             text,
@@ -157,7 +157,7 @@ impl<'a> Unknowns<'a> {
         values[unknown] = value.clone();
         let Ok(scene) = self.text.scene(&self.settings_at(&values)) else { return false };
         let Some(solve) = scene.scene().solves.get(equation) else { return false };
-        self.text.compared(&scene, &solve.question, Facts::default()) == Some(std::cmp::Ordering::Equal)
+        self.text.compare(&scene, &solve.question, Facts::default()) == Some(std::cmp::Ordering::Equal)
     }
 
     /// Limit on the evaluations over parts of a range, for a scene of this size.
@@ -172,8 +172,8 @@ impl<'a> Unknowns<'a> {
             return Ok(vec![vec![(0, 0)]]);
         }
         let depends = self.dependence();
-        let Some(paired) = pairing(&depends) else { return Err(vec![self.unsettled(&depends)]) };
-        Ok(ordered(&depends, &paired))
+        let Some(paired) = pairing(&depends) else { return Err(vec![self.unsettled_error(&depends)]) };
+        Ok(order_groups(&depends, &paired))
     }
 
     /// Whether each equation depends on each unknown, found by evaluating its measure at several values of the unknown.
@@ -183,11 +183,11 @@ impl<'a> Unknowns<'a> {
         let mut depends = vec![vec![false; count]; count];
         for places in [[1, 3], [2, 5]] {
             let start: Vec<Number> =
-                self.solves.iter().map(|solve| between(&solve.low, &solve.high, places[0], places[1])).collect();
+                self.solves.iter().map(|solve| interpolate(&solve.low, &solve.high, places[0], places[1])).collect();
             let here = self.differences(&all, &start);
             for unknown in 0..count {
                 let mut values = start.clone();
-                values[unknown] = between(&self.solves[unknown].low, &self.solves[unknown].high, 3, 4);
+                values[unknown] = interpolate(&self.solves[unknown].low, &self.solves[unknown].high, 3, 4);
                 let there = self.differences(&all, &values);
                 for equation in 0..count {
                     let known = |d: &Difference| matches!(d, Difference::Known(_));
@@ -200,7 +200,7 @@ impl<'a> Unknowns<'a> {
     }
 
     /// The error if some equation depends on no unknown, or several depend on too few.
-    fn unsettled(&self, depends: &[Vec<bool>]) -> AskedError {
+    fn unsettled_error(&self, depends: &[Vec<bool>]) -> AskedError {
         let idle = depends.iter().position(|row| !row.contains(&true));
         match idle {
             Some(equation) => {
@@ -259,7 +259,7 @@ impl<'a> Unknowns<'a> {
     }
 
     /// The error if the model is refused with the values that were found.
-    fn refused(&self, why: String) -> AskedError {
+    fn refused_error(&self, why: String) -> AskedError {
         let Solve { parameter, span, question, low, high } = &self.solves[0];
         let range = (self.value_text(0, low), self.value_text(0, high));
         let (measure, name) = (self.measure(question), parameter.name.clone());
@@ -283,7 +283,7 @@ impl<'a> Unknowns<'a> {
             return self.independent(equation, unknown);
         }
         let at = |evaluation: &Evaluation| {
-            (self.reached(equation, &evaluation.difference), self.value_text(unknown, &evaluation.at))
+            (self.reached_value(equation, &evaluation.difference), self.value_text(unknown, &evaluation.at))
         };
         let jump = seen.jumps.first();
         let reach = ReachedRange {
@@ -299,7 +299,7 @@ impl<'a> Unknowns<'a> {
 
     /// A value of an unknown as text, in its own unit.
     pub fn value_text(&self, unknown: usize, value: &Number) -> Phrase {
-        shown_text(&shown(value, &self.solves[unknown].parameter.unit, false))
+        shown_text(&shown_in(value, &self.solves[unknown].parameter.unit, false))
     }
 
     /// The measure as it is written.
@@ -313,7 +313,7 @@ impl<'a> Unknowns<'a> {
     }
 
     /// The value of a measure that differs from its target by this much, as text.
-    pub fn reached(&self, equation: usize, difference: &Difference) -> Phrase {
+    pub fn reached_value(&self, equation: usize, difference: &Difference) -> Phrase {
         let question = &self.solves[equation].question;
         match difference {
             // The difference is of a quantity that changes sign in place of the measure.
@@ -339,7 +339,7 @@ impl<'a> Unknowns<'a> {
 
     fn in_unit(&self, equation: usize, value: &Number) -> Shown<'_> {
         let question = &self.solves[equation].question;
-        shown(value, &question.unit, question.radians.is_some())
+        shown_in(value, &question.unit, question.radians.is_some())
     }
 
     /// The report on an unknown, once all of them are found.
@@ -452,7 +452,7 @@ pub fn constant(evaluations: &[Evaluation]) -> bool {
 }
 
 /// low + (high - low) part / whole
-pub fn between(low: &Number, high: &Number, part: i64, whole: i64) -> Number {
+pub fn interpolate(low: &Number, high: &Number, part: i64, whole: i64) -> Number {
     low + &(&(high - low) * &Number::from(Rational::new(part, whole)))
 }
 
@@ -521,7 +521,7 @@ fn assign_unknown(depends: &[Vec<bool>], equation: usize, owner: &mut [Option<us
 }
 
 /// Groups of equations that depend on each other's unknowns; each group comes after those that it depends on.
-fn ordered(depends: &[Vec<bool>], unknown_of: &[usize]) -> Vec<Vec<Pairing>> {
+fn order_groups(depends: &[Vec<bool>], unknown_of: &[usize]) -> Vec<Vec<Pairing>> {
     let count = depends.len();
     // reaches[i][j]: equation i needs the unknown of equation j, directly or not (Warshall).
     let mut reaches: Vec<Vec<bool>> =
@@ -549,9 +549,9 @@ mod tests {
 
     #[test]
     fn the_shortest_number_within_the_bound_is_printed() {
-        let root = Root::seen(Dd::from(800.0) + Dd::from(1e-26), 1e-25);
+        let root = Root::seen_root(Dd::from(800.0) + Dd::from(1e-26), 1e-25);
         assert_eq!(shortest(&root, None), Number::from(800));
-        let third = Root::seen(Dd::ONE / Dd::from(3.0), 1e-6);
+        let third = Root::seen_root(Dd::ONE / Dd::from(3.0), 1e-6);
         assert_eq!(shortest(&third, None), Number::from(Rational::from_decimal("0.333333").unwrap()));
     }
 
@@ -560,9 +560,9 @@ mod tests {
         // The second depends on both unknowns, the first on the second alone.
         let depends = vec![vec![false, true], vec![true, true]];
         let paired = pairing(&depends).expect("a pairing");
-        assert_eq!(ordered(&depends, &paired), [vec![(0, 1)], vec![(1, 0)]]);
+        assert_eq!(order_groups(&depends, &paired), [vec![(0, 1)], vec![(1, 0)]]);
         assert_eq!(pairing(&[vec![true, false], vec![true, false]]), None);
         let both = vec![vec![true, true], vec![true, true]];
-        assert_eq!(ordered(&both, &pairing(&both).unwrap()).len(), 1);
+        assert_eq!(order_groups(&both, &pairing(&both).unwrap()).len(), 1);
     }
 }

@@ -1,10 +1,10 @@
-//! Frequencies of many cases in which one parameter weighs a few squares w a a^T of M and K, in coordinates of the modes of one of the
-//! cases: for each square a diagonal matrix and one square, whose eigenvalues are roots of an equation of one unknown. In: the system
-//! of that case, the squares, the changes of the parameter. Out: enclosures of the lowest eigenvalues. See
-//! docs/method/studies.md#one-weight.
+//! Frequencies of many cases in which one parameter weighs a few squares w a a^T of M and K, in coordinates of the
+//! modes of one of the cases: each square adds a single square to a diagonal matrix, whose eigenvalues are the roots of
+//! an equation in one unknown. In: the system of that case, the squares, the changes of the parameter. Out: enclosures
+//! of the lowest eigenvalues. See docs/method/studies.md#one-weight.
 
 use crate::analysis::modes::request::DEFAULT_TOLERANCE;
-use crate::analysis::projection::{ABOVE, beside, projected};
+use crate::analysis::projection::{ABOVE, off_diagonal_norm, project};
 use crate::analysis::{self, ModeKind, Request, Which};
 use crate::base::{Ball, Dd};
 use crate::kernel::secular::{Factor, Secular};
@@ -14,9 +14,10 @@ use crate::system::LinearSystem;
 const U: f64 = f64::EPSILON / 2.0;
 /// The relative error that a change of the parameter may have.
 pub const ROUNDING_OF_CHANGE: f64 = 4.0 * U;
-/// Parts of the largest eigenvalue below which two of them are taken as one, and parts of a row below which a mode does not feel it.
+/// Eigenvalues that differ by less than this share of the largest one count as equal, and a mode with less than this
+/// share of a row is not affected by it.
 const NEGLIGIBLE: f64 = 1e-24;
-/// The most coordinates: the modes are multiplied out in double-double.
+/// Limit on the coordinates, because the modes are computed in double-double.
 pub const MOST: usize = 200;
 
 /// The matrix that a square belongs to.
@@ -36,7 +37,7 @@ pub struct Changing {
     pub slope: Ball,
 }
 
-/// A square and the modes that feel it; no other square is felt by these.
+/// A square and the modes that it affects; no other square affects these.
 #[derive(Clone, Debug)]
 struct Update {
     part: Part,
@@ -52,19 +53,20 @@ struct Update {
 #[derive(Clone, Debug)]
 pub struct Updates {
     list: Vec<Update>,
-    /// The eigenvalues of modes that feel no change, ascending.
+    /// The eigenvalues of unaffected modes, ascending.
     constant: Vec<Dd>,
     /// The number of eigenvalues that are exactly zero in all cases.
     rigid: usize,
-    /// Bounds of the errors of all eigenvalues: an absolute one, and one relative to each.
+    /// Bounds of the errors of all eigenvalues: an absolute one, and one relative to each eigenvalue.
     off: [f64; 2],
-    /// The number of eigenvalues that are asked for.
+    /// The number of eigenvalues that are requested.
     pub count: usize,
 }
 
 impl Updates {
-    /// In coordinates of the modes of `base`; `reach` is the largest change of the parameter in size, and changes have the sign of
-    /// `reach`. `None` if a mode feels several squares, a change would lower an eigenvalue, or a number is not known well enough.
+    /// In coordinates of the modes of `base`; `reach` is the change of the parameter with the largest magnitude, and
+    /// all changes have its sign. `None` if several squares affect one mode, a change would lower an eigenvalue, or a
+    /// number is not known accurately enough.
     pub fn of(base: &LinearSystem, changing: &[Changing], reach: f64, count: usize) -> Option<Updates> {
         let n = base.n();
         let raises = |of: &Changing| {
@@ -80,7 +82,7 @@ impl Updates {
         let modal = Modal::of(base)?;
         let largest = modal.d.iter().fold(0.0f64, |most, d| most.max(d.hi.abs()));
         let mut d = modal.d.clone();
-        // Squares of the distances of both matrices from the diagonal ones, in the norm of Frobenius; then bounds of norms.
+        // Squared distances of both matrices from the diagonal ones, in the Frobenius norm; then bounds of norms.
         let (mut of_k, mut within_k, mut within_m) = (0.0, modal.off[0], modal.off[1]);
         for x in d.iter_mut().filter(|x| x.hi.abs() <= NEGLIGIBLE * largest) {
             of_k += x.hi * x.hi;
@@ -111,7 +113,8 @@ impl Updates {
                 size = size + square;
                 match poles.last() {
                     Some(last) if (d[i] - *last).hi <= NEGLIGIBLE * largest => {
-                        // A double eigenvalue: turned so that one mode feels all of the row, and the other none.
+                        // A double eigenvalue: its modes are rotated so that one of them takes all of the row, and the
+                        // other none.
                         let apart = (d[i] - *last).to_f64();
                         of_k += apart * apart;
                         d[i] = *last;
@@ -133,7 +136,8 @@ impl Updates {
                 Part::Mass => {
                     within_m += of_square;
                     least = least.min((1.0 - most * size.magnitude()) * (1.0 - 1e-12));
-                    // The squares of this equation are those of the row, times the poles: a pole at zero stays.
+                    // The squares in this equation are those of the row times the poles, so a pole at zero stays where
+                    // it is.
                     let felt: Vec<(Dd, Ball)> =
                         poles.iter().zip(&squares).map(|(d, g)| (*d, *g * Ball::exact(*d))).collect();
                     let moving = felt.iter().filter(|(d, _)| !d.is_zero());
@@ -141,7 +145,8 @@ impl Updates {
                     is_constant.iter_mut().zip(&d).for_each(|(constant, d)| *constant |= d.is_zero());
                 }
             }
-            // Each is within the radius and a rounding of the true one, and the errors of products that are left are far smaller.
+            // Each is within the radius and one rounding of the true root, and the errors of the products left out are
+            // far smaller.
             let numbers = squares.iter().map(|square| square.to_f64()).collect();
             let relative = |x: Ball| if x.is_zero() { 0.0 } else { x.relative_error() + 2.0 * U };
             let is_known = squares.iter().all(|square| square.relative_error() < U);
@@ -169,8 +174,8 @@ impl Updates {
         Some(Updates { list, constant, rigid, off, count: count.min(n) })
     }
 
-    /// For each change of the parameter the lowest eigenvalues, ascending, each followed by a bound of its error; NaN where it is not
-    /// known. A change may have an error of [`ROUNDING_OF_CHANGE`].
+    /// The lowest eigenvalues for each change of the parameter, ascending, each followed by its error bound; NaN where
+    /// it is not known. A change may have an error of [`ROUNDING_OF_CHANGE`].
     pub fn lowest(&self, changes: &[f64]) -> Vec<f64> {
         let width = 2 * self.count;
         let of_lists: Vec<(usize, Vec<f64>)> = self
@@ -190,7 +195,7 @@ impl Updates {
                 let (size, list) = &of_lists[0];
                 found.extend_from_slice(&list[case * size..][..*size]);
             } else {
-                // The i-th eigenvalue lies between the i-th of all lower and the i-th of all upper ends.
+                // The i-th eigenvalue lies between the i-th smallest lower end and the i-th smallest upper end.
                 lows.clear();
                 highs.clear();
                 for (size, list) in &of_lists {
@@ -201,7 +206,7 @@ impl Updates {
                 }
                 lows.extend(self.constant.iter().map(|d| d.hi));
                 highs.extend(self.constant.iter().map(|d| d.hi));
-                // A root that is not known may lie anywhere, and so may all others in the order.
+                // A root that is not known may lie anywhere, which leaves the order of all others unknown.
                 if lows.iter().any(|low| low.is_nan()) {
                     found.extend(std::iter::repeat_n(f64::NAN, width));
                     continue;
@@ -245,8 +250,8 @@ impl Update {
     }
 }
 
-/// The number of eigenvalues that are exactly zero, whatever the change: where no weight of K is negative, its null space is that of all
-/// its rows.
+/// The number of eigenvalues that are exactly zero for every change: if no weight of K is negative, the null space of K
+/// is that of all its rows.
 fn rigid(base: &LinearSystem, modal: &Modal) -> usize {
     let is_semidefinite = base.k.terms().iter().all(|term| term.weight.is_positive());
     if is_semidefinite { modal.rigid } else { 0 }
@@ -264,9 +269,9 @@ struct Modal {
     rigid: usize,
 }
 
-/// Parts of the largest entry beside a diagonal that are small enough.
+/// Entries beside a diagonal below this share of the largest one are small enough.
 const BESIDE: f64 = 1e-20;
-/// Steps that make entries beside a diagonal smaller: each squares them.
+/// Steps that reduce the entries beside a diagonal: each of them squares these.
 const MOST_STEPS: usize = 2;
 
 impl Modal {
@@ -284,9 +289,9 @@ impl Modal {
         });
         let mut vectors: Vec<Vec<Dd>> = vectors.collect();
         for step in 0..=MOST_STEPS {
-            let [k, m] = [&base.k, &base.m].map(|form| projected(form, &vectors));
+            let [k, m] = [&base.k, &base.m].map(|form| project(form, &vectors));
             let d: Vec<Dd> = (0..n).map(|i| k[i * n + i].mid).collect();
-            let off = [beside(&k, &d), beside(&m, &vec![Dd::from(1.0); n])];
+            let off = [off_diagonal_norm(&k, &d), off_diagonal_norm(&m, &vec![Dd::from(1.0); n])];
             let largest = d.iter().fold(0.0f64, |most, d| most.max(d.hi.abs()));
             if off[0] <= BESIDE * largest && off[1] <= BESIDE {
                 let mut order: Vec<usize> = (0..n).collect();

@@ -76,7 +76,7 @@ impl Factor {
                 match lengths.of(*symbol).filter(|_| *symbol != by) {
                     // d l^n = n l^(n-2) d(l^2)/2
                     Some(Dependence::Root(square)) => {
-                        &Sum::term(lowered(2), times) * &square.derivative(by, lengths).halved()
+                        &Sum::term(lowered(2), times) * &square.derivative(by, lengths).halve()
                     }
                     Some(Dependence::Form { gradient, .. }) => {
                         let slope = gradient
@@ -88,7 +88,7 @@ impl Factor {
                 }
             }
             Factor::Root(sum) => {
-                let power = Sum::term(Product::of(self.clone(), exponent), times).halved();
+                let power = Sum::term(Product::of(self.clone(), exponent), times).halve();
                 let inner = sum.derivative(by, lengths);
                 &(&power * &inner) * &sum.inverse().unwrap_or_default()
             }

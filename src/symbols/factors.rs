@@ -55,13 +55,13 @@ pub(super) fn content(terms: &[(Product, Rational)]) -> (Sum, Sum) {
     }
     let inverse: Vec<(Factor, i32)> = shared.iter().map(|(factor, exponent)| (factor.clone(), -exponent)).collect();
     let (inverse, per) = (Product(inverse), number.recip().unwrap_or(Rational::ONE));
-    let rest = Sum::of_terms(terms.iter().map(|(product, c)| (product.merged(&inverse), c * &per)).collect());
+    let rest = Sum::of_terms(terms.iter().map(|(product, c)| (product.merge(&inverse), c * &per)).collect());
     (Sum::term(Product(shared), number), rest)
 }
 
 impl Sum {
     /// Cancels the divisors that divide the sum without remainder.
-    pub fn simplified(&self) -> Sum {
+    pub fn simplify(&self) -> Sum {
         let divisors = self.terms.iter().flat_map(|(product, _)| product.factors());
         let whole = divisors.filter_map(|(factor, _)| match factor {
             Factor::Whole(whole) => Some(whole.clone()),
@@ -70,9 +70,9 @@ impl Sum {
         for whole in whole.collect::<std::collections::BTreeSet<_>>() {
             let factor = Factor::Whole(whole.clone());
             let most = self.terms.iter().map(|(product, _)| -product.exponent(&factor)).max().unwrap_or(0);
-            if let Some(quotient) = self.times_whole(&whole, most).and_then(|numerator| numerator.divided(&whole)) {
+            if let Some(quotient) = self.times_whole(&whole, most).and_then(|numerator| numerator.divide(&whole)) {
                 let left = whole.power(1 - most).unwrap_or_default();
-                return (&quotient * &left).simplified();
+                return (&quotient * &left).simplify();
             }
         }
         self.clone()
@@ -91,7 +91,7 @@ impl Sum {
     }
 
     /// The quotient of two sums, if there is no remainder and the divisor contains no sine or cosine.
-    fn divided(&self, by: &Sum) -> Option<Sum> {
+    fn divide(&self, by: &Sum) -> Option<Sum> {
         /// Terms of a quotient that are looked for.
         const MOST_TERMS: usize = 64;
         let greatest = |sum: &Sum| sum.terms.iter().max_by(|a, b| a.0.by_degree(&b.0)).cloned();

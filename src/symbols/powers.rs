@@ -29,7 +29,7 @@ impl Power {
     /// Its derivative at a sum: n x^(n-1), or n |x| x^(n-2). Zero if that would divide by zero.
     pub fn slope(self, at: &Sum) -> Sum {
         let slope = self.with_exponent(at, self.exponent as i32 - 1).unwrap_or_default();
-        slope.scaled(&Rational::from(i64::from(self.exponent)))
+        slope.scale(&Rational::from(i64::from(self.exponent)))
     }
 
     fn with_exponent(self, sum: &Sum, exponent: i32) -> Option<Sum> {
@@ -94,7 +94,7 @@ impl Powers {
         sum
     }
 
-    pub fn scaled(&self, by: &Sum) -> Powers {
+    pub fn scale(&self, by: &Sum) -> Powers {
         let mut scaled = Powers::default();
         self.terms().for_each(|(power, coefficient)| scaled.add(power, &(coefficient * by)));
         scaled

@@ -36,7 +36,7 @@ pub enum Function {
 }
 
 impl Function {
-    pub fn named(name: &str) -> Option<Function> {
+    pub fn function_by_name(name: &str) -> Option<Function> {
         let all = [
             Function::Abs,
             Function::Min,
@@ -97,7 +97,7 @@ impl Product {
     }
 
     /// The product with added exponents; not made canonical in any other way.
-    pub(super) fn merged(&self, other: &Product) -> Product {
+    pub(super) fn merge(&self, other: &Product) -> Product {
         let (mut a, mut b) = (self.0.iter().peekable(), other.0.iter().peekable());
         let mut merged = Vec::with_capacity(self.0.len() + other.0.len());
         while let (Some(first), Some(second)) = (a.peek(), b.peek()) {
@@ -143,7 +143,7 @@ impl Product {
 
     /// The product of two that share no factor.
     pub fn times(&self, other: &Product) -> Product {
-        self.merged(other)
+        self.merge(other)
     }
 
     /// The factors that are chosen, and the others.

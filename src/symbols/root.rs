@@ -30,7 +30,7 @@ impl Sum {
         } else {
             Sum::factor(Factor::Root(Arc::new(inside)))
         };
-        root.scaled(&outside)
+        root.scale(&outside)
     }
 
     /// The root of a perfect square, up to its sign; `None` for any other sum.
@@ -58,7 +58,7 @@ fn root_of_several(square: &Sum, terms: &[(Product, Rational)]) -> Option<Sum> {
     // The greatest product is the square of the greatest.
     let greatest = |terms: &[(Product, Rational)]| terms.iter().max_by(|a, b| a.0.by_degree(&b.0)).cloned();
     let leading = Sum { terms: vec![greatest(terms)?] }.exact_root()?;
-    let twice = leading.scaled(&Rational::from(2)).inverse()?;
+    let twice = leading.scale(&Rational::from(2)).inverse()?;
     let mut root = leading;
     for _ in 0..MOST_TERMS {
         let left = square - &root.square();

@@ -85,15 +85,15 @@ impl Sum {
         }
     }
 
-    pub fn scaled(&self, by: &Rational) -> Sum {
+    pub fn scale(&self, by: &Rational) -> Sum {
         if by.is_zero() {
             return Sum::ZERO;
         }
         Sum { terms: self.terms.iter().map(|(product, c)| (product.clone(), c * by)).collect() }
     }
 
-    pub fn halved(&self) -> Sum {
-        self.scaled(&Rational::new(1, 2))
+    pub fn halve(&self) -> Sum {
+        self.scale(&Rational::new(1, 2))
     }
 
     pub fn square(&self) -> Sum {
@@ -136,7 +136,7 @@ impl Sum {
 
     /// Whether the sum is zero for all values of its names, with denominators cleared.
     pub fn vanishes(&self) -> bool {
-        let mut sum = self.evaluated();
+        let mut sum = self.evaluate();
         loop {
             let divisor =
                 sum.terms.iter().flat_map(|(product, _)| &product.0).find_map(|(factor, exponent)| match factor {
@@ -171,7 +171,7 @@ impl Sum {
     }
 
     /// Terms by one part of their products: each part with the sum that it is multiplied with, in ascending order.
-    pub fn collected(&self, part: impl Fn(&Factor) -> bool) -> Vec<(Product, Sum)> {
+    pub fn collect_by(&self, part: impl Fn(&Factor) -> bool) -> Vec<(Product, Sum)> {
         let mut parts: Vec<(Product, Vec<(Product, Rational)>)> = Vec::new();
         let mut split: Vec<(Product, (Product, Rational))> = self
             .terms
@@ -192,7 +192,7 @@ impl Sum {
     }
 
     /// The sum with names replaced.
-    pub fn replaced(&self, by: &impl Fn(Symbol) -> Option<Sum>) -> Sum {
+    pub fn replace(&self, by: &impl Fn(Symbol) -> Option<Sum>) -> Sum {
         let mentioned = |symbol: Symbol| by(symbol).is_some();
         let mut kept = Vec::new();
         let mut made = Sum::ZERO;
@@ -203,7 +203,7 @@ impl Sum {
             }
             let mut value = Sum::number(coefficient.clone());
             for (factor, exponent) in &product.0 {
-                let factor = factor.replaced(by);
+                let factor = factor.replace(by);
                 value = &value * &factor.power(*exponent).unwrap_or_default();
             }
             made = &made + &value;
@@ -223,18 +223,18 @@ impl Factor {
     }
 
     /// The factor as a sum, with names replaced; a whole sum is a divisor through its exponent.
-    fn replaced(&self, by: &impl Fn(Symbol) -> Option<Sum>) -> Sum {
+    fn replace(&self, by: &impl Fn(Symbol) -> Option<Sum>) -> Sum {
         match self {
             Factor::Pi => Sum::pi(),
             Factor::Name(symbol) => by(*symbol).unwrap_or_else(|| Sum::name(*symbol)),
             Factor::Call(function, arguments) => {
-                let arguments = arguments.iter().map(|argument| argument.replaced(by)).collect();
+                let arguments = arguments.iter().map(|argument| argument.replace(by)).collect();
                 Sum::factor(Factor::Call(*function, arguments))
             }
-            Factor::Root(sum) => sum.replaced(by).root(),
-            Factor::Whole(sum) => sum.replaced(by),
-            Factor::Cosine(angle) => angle.replaced(by).cosine(),
-            Factor::Sine(angle) => angle.replaced(by).sine(),
+            Factor::Root(sum) => sum.replace(by).root(),
+            Factor::Whole(sum) => sum.replace(by),
+            Factor::Cosine(angle) => angle.replace(by).cosine(),
+            Factor::Sine(angle) => angle.replace(by).sine(),
         }
     }
 }
@@ -302,15 +302,15 @@ fn multiply(a: &(Product, Rational), b: &(Product, Rational), terms: &mut Vec<(P
     let coefficient = &a.1 * &b.1;
     if let (Some(first), Some(second)) = (a.0.wave(), b.0.wave()) {
         let waves = super::trigonometry::product(first, second);
-        let rest = Product(a.0.0[..a.0.0.len() - 1].to_vec()).merged(&Product(b.0.0[..b.0.0.len() - 1].to_vec()));
-        let rest = settled(rest, coefficient);
+        let rest = Product(a.0.0[..a.0.0.len() - 1].to_vec()).merge(&Product(b.0.0[..b.0.0.len() - 1].to_vec()));
+        let rest = multiply_out(rest, coefficient);
         return terms.extend((&rest * &waves).terms);
     }
-    let merged = a.0.merged(&b.0);
+    let merged = a.0.merge(&b.0);
     if is_settled(&merged) {
         terms.push((merged, coefficient));
     } else {
-        terms.extend(settled(merged, coefficient).terms);
+        terms.extend(multiply_out(merged, coefficient).terms);
     }
 }
 
@@ -323,7 +323,7 @@ fn is_settled(product: &Product) -> bool {
 }
 
 /// Roots of exponents beyond one and whole sums that are multiplied with, multiplied out.
-fn settled(product: Product, coefficient: Rational) -> Sum {
+fn multiply_out(product: Product, coefficient: Rational) -> Sum {
     if is_settled(&product) {
         return Sum::term(product, coefficient);
     }

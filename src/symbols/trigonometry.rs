@@ -39,7 +39,7 @@ fn wave(angle: &Sum, is_sine: bool) -> Sum {
         true if is_sine => Sum::ZERO,
         true => Sum::one(),
         false => {
-            let angle = Arc::new(&rest + &Sum::pi().scaled(&turns));
+            let angle = Arc::new(&rest + &Sum::pi().scale(&turns));
             Sum::factor(if is_sine { Factor::Sine(angle) } else { Factor::Cosine(angle) })
         }
     };
@@ -62,7 +62,7 @@ fn quarters(turns: &Rational) -> (u8, Rational) {
 impl Sum {
     /// The sum with sines of 30, 45 and 60 degrees written as numbers and roots. Before, they are kept: products with other sines
     /// then find the angles that add up.
-    pub fn evaluated(&self) -> Sum {
+    pub fn evaluate(&self) -> Sum {
         let is_constant =
             |factor: &Factor| matches!(factor, Factor::Sine(a) | Factor::Cosine(a) if turns_of(a).is_some());
         if !self.terms.iter().any(|(product, _)| product.wave().is_some_and(is_constant)) {
@@ -99,7 +99,7 @@ fn turns_of(angle: &Sum) -> Option<Rational> {
 /// The sine or cosine of a fraction of pi, if it is a fraction or a root of one.
 fn constant(turns: &Rational, is_sine: bool) -> Option<Sum> {
     let (size, is_negative) = if turns.signum() < 0 { (-turns, true) } else { (turns.clone(), false) };
-    let half_root = |of: i64| Sum::number(Rational::from(of)).root().halved();
+    let half_root = |of: i64| Sum::number(Rational::from(of)).root().halve();
     let sixth = size == Rational::new(1, 6);
     let value = match (is_sine, size) {
         (true, size) if size.is_zero() => Sum::ZERO,
@@ -124,7 +124,7 @@ pub(super) fn product(first: &Factor, second: &Factor) -> Sum {
         }
         _ => unreachable_waves(first, second),
     };
-    doubled.halved()
+    doubled.halve()
 }
 
 /// Only called with sines and cosines, which `wave` returns.

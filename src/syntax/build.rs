@@ -325,7 +325,7 @@ impl Build<'_> {
         Formal { name, kind: FormalKind::Number { unit, default } }
     }
 
-    fn placed(&mut self) -> Rare {
+    fn place_declaration(&mut self) -> Rare {
         let name = self.name();
         let component = self.word();
         let arguments = self.actuals();
@@ -385,7 +385,7 @@ impl Build<'_> {
             Shape::Solve => self.solve(),
             Shape::Minimise => self.optimum(false),
             Shape::Maximise => self.optimum(true),
-            Shape::Place => self.placed(),
+            Shape::Place => self.place_declaration(),
             Shape::Use => self.import(),
             Shape::Correlate => {
                 Rare::Correlate { first: self.path(), second: self.path(), coefficient: self.expression().id }
@@ -541,7 +541,7 @@ impl Build<'_> {
         let base = self.yard.items.len();
         let mut depth = 0;
         while let Some(rule @ (Rule::expression | Rule::named | Rule::white)) = self.next {
-            let mut item = if rule == Rule::expression { self.expression() } else { self.named() };
+            let mut item = if rule == Rule::expression { self.expression() } else { self.named_operand() };
             if self.next == Some(Rule::upper) {
                 item = self.range(item);
             }
@@ -564,7 +564,7 @@ impl Build<'_> {
     }
 
     /// `speed = 20 m/s`, `white 3 N^2/Hz`
-    fn named(&mut self) -> Operand {
+    fn named_operand(&mut self) -> Operand {
         let start = self.step();
         let name_len = self.word_at(start).len() as u16;
         let value = self.expression();

@@ -5,7 +5,7 @@
 
 use super::limits;
 use crate::base::{Change, Code, Diagnostic, Span};
-use crate::kinds::{DECLARATIONS, Declaration, Piece, Shape, listed};
+use crate::kinds::{DECLARATIONS, Declaration, Piece, Shape, enumeration};
 
 const UNKNOWN_KEYWORD: Code = Code::model("vib::syntax::unknown_keyword");
 const UNEXPECTED: Code = Code::model("vib::syntax::unexpected");
@@ -210,9 +210,11 @@ impl SyntaxError {
             SyntaxError::UnknownKeyword { found, meant, .. } => {
                 let diagnostic =
                     error(UNKNOWN_KEYWORD, format!("{found} does not start a declaration")).help(meant.help());
-                meant.fixed(diagnostic)
+                meant.with_fix(diagnostic)
             }
-            SyntaxError::Unexpected { found, expected, remark, .. } => unexpected(self.at(), found, *expected, remark),
+            SyntaxError::Unexpected { found, expected, remark, .. } => {
+                unexpected_token(self.at(), found, *expected, remark)
+            }
             SyntaxError::Unclosed { bracket, before, of, .. } => {
                 let of = of.map_or(String::new(), |keyword| format!(" of `{keyword}`"));
                 let closing = closing(*bracket);
@@ -221,13 +223,13 @@ impl SyntaxError {
                     .help(format!("write `{closing}` before {end}"));
                 let diagnostic = diagnostic.fix(self.at(), Change::Close(closing));
                 match before {
-                    Some(span) => diagnostic.related(*span, "the next declaration starts here"),
+                    Some(span) => diagnostic.with_related(*span, "the next declaration starts here"),
                     None => diagnostic,
                 }
             }
             SyntaxError::Mismatch { bracket, close, found, .. } => {
                 error(UNCLOSED, format!("the `{bracket}` is not closed before `{found}`"))
-                    .related(*close, format!("`{}` is missing before this", closing(*bracket)))
+                    .with_related(*close, format!("`{}` is missing before this", closing(*bracket)))
                     .help(format!("write `{}` where the bracket ends", closing(*bracket)))
                     .fix(self.at(), Change::Close(closing(*bracket)))
             }
@@ -277,7 +279,7 @@ impl SyntaxError {
     }
 }
 
-fn unexpected(at: Span, found: &Option<String>, expected: Expected, remark: &Remark) -> Diagnostic {
+fn unexpected_token(at: Span, found: &Option<String>, expected: Expected, remark: &Remark) -> Diagnostic {
     let (wanted, expected) = (expected, expected.words());
     let message = match found {
         Some(found) => format!("expected {expected}, found {found}"),
@@ -296,7 +298,7 @@ impl Expected {
             Expected::Blank(keyword) => format!("a blank after `{keyword}`"),
             Expected::Name(whose) => format!("the name of {whose}"),
             Expected::Sign(sign, place) => format!("`{sign}` {place}"),
-            Expected::OneOf(words, place) => format!("{} {place}", listed(&quoted(words), "or")),
+            Expected::OneOf(words, place) => format!("{} {place}", enumeration(&quote(words), "or")),
             Expected::Value(which) => which.into(),
             Expected::Motion => "a direction of motion: `x`, `y` or `along (a, b)`".into(),
             Expected::Field => "a field".into(),
@@ -309,7 +311,7 @@ impl Expected {
 }
 
 impl Intent {
-    fn fixed(&self, diagnostic: Diagnostic) -> Diagnostic {
+    fn with_fix(&self, diagnostic: Diagnostic) -> Diagnostic {
         let at = diagnostic.primary.span;
         let start = Span::new(at.file(), at.start(), at.start());
         match self {
@@ -331,7 +333,7 @@ impl Intent {
                 let elements = of(|shape| matches!(shape, Shape::Element(_)));
                 let joints = of(|shape| matches!(shape, Shape::Joint(_)));
                 let keywords: Vec<&str> = elements.chain(joints).chain(of(|shape| shape == Shape::Force)).collect();
-                format!("start the line with its kind: {}, ...", quoted(&keywords).join(", "))
+                format!("start the line with its kind: {}, ...", quote(&keywords).join(", "))
             }
             Intent::Comment => Remark::Hash.help(),
             Intent::Nothing => {
@@ -408,7 +410,7 @@ impl Remark {
     }
 }
 
-fn quoted(words: &[&str]) -> Vec<String> {
+fn quote(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| format!("`{word}`")).collect()
 }
 

@@ -316,7 +316,7 @@ impl Reader<'_> {
             Piece::Arguments(place, what) => self.arguments(place, what),
             Piece::End(which) => self.end(which),
             Piece::OtherEnd(which) => self.other_end(which),
-            Piece::Along => self.along(),
+            Piece::Along => self.along_clause(),
             Piece::Signal(_) => self.signal(),
             Piece::InUnit(whose) => self.in_unit(whose),
             Piece::Fields => self.fields(),
@@ -325,7 +325,7 @@ impl Reader<'_> {
             Piece::Placing => self.read_placement(),
             Piece::Text(which) => self.text(which),
             Piece::Path(_, whose) => self.path(whose),
-            Piece::Varied => self.varied(),
+            Piece::Varied => self.varied_parameters(),
             Piece::Limits => self.limits(),
             Piece::Tolerance => self.tolerance(),
         }
@@ -400,11 +400,11 @@ impl Reader<'_> {
 
     /// Values up to the closing bracket.
     fn list(&mut self, what: &'static str, closing: char) -> Read {
-        self.separated(closing, |reader| reader.expression(what))
+        self.comma_separated(closing, |reader| reader.expression(what))
     }
 
     /// At least one item, with commas between items, up to the closing bracket.
-    fn separated(&mut self, closing: char, mut item: impl FnMut(&mut Self) -> Read) -> Read {
+    fn comma_separated(&mut self, closing: char, mut item: impl FnMut(&mut Self) -> Read) -> Read {
         loop {
             item(self)?;
             self.blanks();
@@ -463,7 +463,7 @@ impl Reader<'_> {
     /// Any number of items, separated by commas, up to the closing bracket.
     fn read_list(&mut self, item: fn(&mut Self) -> Read) -> Read {
         self.blanks();
-        if self.eat(")") { Ok(()) } else { self.separated(')', item) }
+        if self.eat(")") { Ok(()) } else { self.comma_separated(')', item) }
     }
 
     fn formal(&mut self) -> Read {
@@ -559,7 +559,7 @@ impl Reader<'_> {
     }
 
     /// `c in 1 N*s/m .. 100 N*s/m, k in 1 N/m .. 50 N/m`
-    fn varied(&mut self) -> Read {
+    fn varied_parameters(&mut self) -> Read {
         loop {
             self.path("the parameter")?;
             self.skip_blank()?;
@@ -658,7 +658,7 @@ impl Reader<'_> {
         self.path("a point")
     }
 
-    fn along(&mut self) -> Read {
+    fn along_clause(&mut self) -> Read {
         let before = self.at;
         if self.blanks() && self.eat_word("along") {
             self.are_separated()?;
@@ -717,7 +717,7 @@ impl Reader<'_> {
         if self.eat("=") {
             self.blanks();
             self.expression("the field's value")?;
-            return self.about();
+            return self.about_clause();
         }
         if moves && apart && self.next().is_some_and(words::is_letter) {
             return self.moves();
@@ -751,7 +751,7 @@ impl Reader<'_> {
         }
     }
 
-    fn about(&mut self) -> Read {
+    fn about_clause(&mut self) -> Read {
         let before = self.at;
         if self.blanks() && self.eat_word("about") {
             self.are_separated()?;
@@ -820,7 +820,7 @@ impl Reader<'_> {
 
     /// Arguments up to the closing bracket.
     fn call(&mut self) -> Read {
-        self.separated(')', |reader| {
+        self.comma_separated(')', |reader| {
             reader.argument_name();
             reader.expression("an argument")?;
             reader.optional("..", |reader| reader.expression("the upper end of the range"))

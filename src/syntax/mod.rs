@@ -45,7 +45,7 @@ pub fn parse(sources: &Sources, file: FileId) -> Parsed {
     let mut next = 0;
     while let Some(using) = parsed.tree.uses.get(next) {
         next += 1;
-        let Some(used) = sources.used(using.text).filter(|used| !read.contains(used)) else { continue };
+        let Some(used) = sources.used_file(using.text).filter(|used| !read.contains(used)) else { continue };
         read.push(used);
         // Only the components of a used file are added.
         let declarations = std::mem::take(&mut parsed.tree.decls);

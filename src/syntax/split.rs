@@ -140,7 +140,7 @@ impl<'a> Pieces<'a> {
 
     /// A forbidden character at `at`: a control character, which terminals obey, or one that reverses the display order,
     /// so that a reviewer sees a different text from the compiler (CVE-2021-42574).
-    fn forbidden(&self, at: usize) -> Option<Range<usize>> {
+    fn forbidden_character(&self, at: usize) -> Option<Range<usize>> {
         let len = match (class(self.byte(at)), self.byte(at)) {
             (Class::Control, b'\r') if self.byte(at + 1) == b'\n' => return None,
             (Class::Control, _) => 1,
@@ -164,7 +164,7 @@ impl<'a> Pieces<'a> {
         let mut found = None;
         while self.at < self.bytes.len() && !ends(self.bytes[self.at]) {
             if found.is_none() && matches!(class(self.bytes[self.at]), Class::Control | Class::High) {
-                found = self.forbidden(self.at);
+                found = self.forbidden_character(self.at);
             }
             self.at += 1;
         }
@@ -293,7 +293,7 @@ impl<'a> Pieces<'a> {
                     }
                 }
                 Class::Control | Class::High => {
-                    if let Some(range) = self.forbidden(at) {
+                    if let Some(range) = self.forbidden_character(at) {
                         self.at = range.end;
                         end = self.at;
                         error.get_or_insert(SplitError::Character { range });

@@ -438,7 +438,7 @@ impl Tree {
     }
 
     /// The value and the point of a [`FieldValue::About`].
-    pub fn about(&self, list: ExprList) -> (ExprId, ExprId) {
+    pub fn about_parts(&self, list: ExprList) -> (ExprId, ExprId) {
         let items = self.list(list);
         (items[0], items[1])
     }
@@ -472,7 +472,7 @@ impl Tree {
     }
 
     /// The parameters that a [`Rare::Optimum`] varies.
-    pub fn varied(&self, (start, end): (u32, u32)) -> &[Varied] {
+    pub fn varied_parameters(&self, (start, end): (u32, u32)) -> &[Varied] {
         &self.varied[start as usize..end as usize]
     }
 

@@ -25,7 +25,7 @@ impl LinearSystem {
     }
 
     /// Rewrites the system with rows over coordinates alone; an error if they have more than `most` entries.
-    pub fn flattened(mut self, most: u64) -> Result<LinearSystem, TooLong> {
+    pub fn into_flat(mut self, most: u64) -> Result<LinearSystem, TooLong> {
         self.flatten(most)?;
         Ok(self)
     }

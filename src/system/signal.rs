@@ -97,7 +97,7 @@ impl Table {
             None => spline::natural(&self.times, &self.values),
             Some(_) => {
                 let steps = self.steps();
-                let mut bends = spline::closed(&steps, &self.values[..steps.len()]);
+                let mut bends = spline::closed_derivatives(&steps, &self.values[..steps.len()]);
                 // Where the last row is the first one of the next period.
                 bends.extend((bends.len() < self.values.len()).then(|| bends[0].clone()));
                 bends
@@ -156,7 +156,7 @@ fn sum(a: &[Number; 3], b: &[Number; 3]) -> [Number; 3] {
 }
 
 /// c(t - by)
-fn later([c0, c1, c2]: &[Number; 3], by: &Number) -> [Number; 3] {
+fn delay_polynomial([c0, c1, c2]: &[Number; 3], by: &Number) -> [Number; 3] {
     let half = &by.square() * &Number::from(Rational::new(1, 2));
     [&(c0 - &(c1 * by)) + &(c2 * &half), c1 - &(c2 * by), c2.clone()]
 }
@@ -165,7 +165,7 @@ fn later([c0, c1, c2]: &[Number; 3], by: &Number) -> [Number; 3] {
 fn integrals_of_step(value: &Number, at: &Number) -> [[Number; 3]; 3] {
     let zero = || Number::ZERO;
     let powers = [[value.clone(), zero(), zero()], [zero(), value.clone(), zero()], [zero(), zero(), value.clone()]];
-    powers.map(|course| later(&course, at))
+    powers.map(|course| delay_polynomial(&course, at))
 }
 
 impl Signal {
@@ -194,7 +194,7 @@ impl Signal {
                     _ => Some(twice),
                 }
             }
-            Signal::Delayed { of, by } => of.in_the_end().map(|course| later(&course, by)),
+            Signal::Delayed { of, by } => of.in_the_end().map(|course| delay_polynomial(&course, by)),
             signal => signal.final_value().map(constant),
         }
     }
@@ -216,7 +216,7 @@ impl Signal {
                 Some([at_once, once, twice])
             }
             Signal::Table(table) => table.integrals(),
-            Signal::Delayed { of, by } => of.integrals().map(|ends| ends.map(|course| later(&course, by))),
+            Signal::Delayed { of, by } => of.integrals().map(|ends| ends.map(|course| delay_polynomial(&course, by))),
             _ => None,
         }
     }
@@ -231,7 +231,7 @@ impl Signal {
     }
 
     /// The signal with the opposite sign.
-    pub fn negated(&self) -> Signal {
+    pub fn negate(&self) -> Signal {
         let mut signal = self.clone();
         match &mut signal {
             Signal::Step { value, .. }
@@ -241,7 +241,7 @@ impl Signal {
             | Signal::Harmonic { value, .. }
             | Signal::Chirp { value, .. } => *value = -&*value,
             Signal::Table(table) => table.values.iter_mut().for_each(|value| *value = -&*value),
-            Signal::Integral { of, .. } | Signal::Delayed { of, .. } => **of = of.negated(),
+            Signal::Integral { of, .. } | Signal::Delayed { of, .. } => **of = of.negate(),
         }
         signal
     }

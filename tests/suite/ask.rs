@@ -25,16 +25,16 @@ pub fn try_ask(text: &str) -> Result<Answer, Vec<Diagnostic>> {
     let mut diagnostics = parsed.errors;
     diagnostics.extend(checked.diagnostics);
     let (Some(scene), false) = (checked.scene, diagnostics.has_errors()) else {
-        return Err(diagnostics.sorted());
+        return Err(diagnostics.into_sorted());
     };
     let outcome = vibc::lower::lower(&scene);
     diagnostics.extend(outcome.diagnostics);
     let (Some(lowered), false) = (outcome.lowered, diagnostics.has_errors()) else {
-        return Err(diagnostics.sorted());
+        return Err(diagnostics.into_sorted());
     };
     let modes = vibc::analysis::modes(&lowered.system).expect("modes of a small system");
     let poles = vibc::analysis::poles(&lowered.system, &modes).expect("poles of a small system");
-    Ok(Answer { scene, lowered, modes, poles, remarks: diagnostics.sorted() })
+    Ok(Answer { scene, lowered, modes, poles, remarks: diagnostics.into_sorted() })
 }
 
 /// The answer to a text that must be accepted.

@@ -372,7 +372,7 @@ fn a_parameter_of_a_place_is_solved_for() {
     let solved = &answer.solved[0];
     assert_eq!(solved.parameter, "a.n");
     let truth = (2.0 * std::f64::consts::PI).powi(2) / 10.0;
-    assert!((solved.shown().number.to_f64() / truth - 1.0).abs() < 1e-14, "{solved:?}");
+    assert!((solved.in_unit().number.to_f64() / truth - 1.0).abs() < 1e-14, "{solved:?}");
 }
 
 /// Both elements of the component would have both ends on one body: because of what this place ties the port to.

@@ -254,7 +254,7 @@ const SPRINGS: &str = "param k = 300 N/m\nbody a { mass = 2 kg, moves x }\nbody 
 pub fn parameterised(text: &str, name: &str) -> Result<Parameterised, String> {
     let mut sources = Sources::new();
     let model = sources.add(SourceFile::decode(SourceKind::Model, "par.vib", text.as_bytes().to_vec()));
-    vibc::parameterised(&sources, model, &Overrides::default(), name).answer.expect("a model").1
+    vibc::over_parameter(&sources, model, &Overrides::default(), name).answer.expect("a model").1
 }
 
 /// A parameter set at run time gives the motion of the model with that value, both in C and in Rust; a parameter that

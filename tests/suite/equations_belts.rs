@@ -113,7 +113,7 @@ impl State<'_> {
     /// k e^2/2 + T e of every spring.
     fn energy(&self) -> f64 {
         let of = |element: &Element| {
-            let stretched = self.value(&element.stretched());
+            let stretched = self.value(&element.elongation());
             0.5 * self.value(&element.coefficient) * stretched * stretched + self.value(&element.tension) * stretched
         };
         self.equations.energies.elements.iter().map(of).sum::<f64>()
@@ -221,7 +221,7 @@ fn generated_belts_have_the_energy_of_their_normals() {
             let point = State { equations: &equations, given };
             let held = |element: &Element| {
                 let is_belt = element.name == "q";
-                if is_belt { 0.0 } else { point.value(&element.tension) * point.value(&element.stretched()) }
+                if is_belt { 0.0 } else { point.value(&element.tension) * point.value(&element.elongation()) }
             };
             energies[state] = point.energy() - equations.energies.elements.iter().map(held).sum::<f64>();
         }
@@ -327,9 +327,9 @@ fn ten_faults_in_what_a_belt_is_written_from_are_reported() {
         ("factor of the preload", |w| w.elements[4].preload.iter_mut().for_each(doubled)),
         ("first radius", |w| w.bodies[0].radius.iter_mut().for_each(doubled)),
         ("sign of the first radius", |w| w.bodies[0].radius = w.bodies[0].radius.as_ref().map(|sum| -sum)),
-        ("second radius", |w| w.bodies[1].radius = w.bodies[1].radius.as_ref().map(Sum::halved)),
+        ("second radius", |w| w.bodies[1].radius = w.bodies[1].radius.as_ref().map(Sum::halve)),
         ("sign of the second radius", |w| w.bodies[1].radius = w.bodies[1].radius.as_ref().map(|sum| -sum)),
-        ("a centre", |w| pair(&mut w.bodies[1].centre, |sum| sum.scaled(&Rational::new(11, 10)))),
+        ("a centre", |w| pair(&mut w.bodies[1].centre, |sum| sum.scale(&Rational::new(11, 10)))),
         ("the other side", |w| pair(&mut w.bodies[1].centre, |sum| -sum)),
     ];
     for (name, fault) in faults {

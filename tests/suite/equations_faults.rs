@@ -173,7 +173,7 @@ fn ten_faults_in_the_lowered_system_are_reported_where_they_are() {
 
 #[test]
 fn ten_faults_in_the_symbols_are_reported() {
-    let twice = |sum: &Sum| sum.scaled(&Rational::from(2));
+    let twice = |sum: &Sum| sum.scale(&Rational::from(2));
     type Fault = Box<dyn Fn(&mut Written)>;
     let faults: Vec<(&str, Fault, &str)> = vec![
         ("mass", Box::new(move |w| w.bodies[0].mass = w.bodies[0].mass.as_ref().map(twice)), "cart"),
@@ -189,7 +189,7 @@ fn ten_faults_in_the_symbols_are_reported() {
         (
             "lever",
             Box::new(move |w| {
-                w.elements[1].ends[1] = w.elements[1].ends[1].as_ref().map(|p| p.each_ref().map(|c| c.halved()))
+                w.elements[1].ends[1] = w.elements[1].ends[1].as_ref().map(|p| p.each_ref().map(|c| c.halve()))
             }),
             "v",
         ),
@@ -205,7 +205,7 @@ fn ten_faults_in_the_symbols_are_reported() {
         (
             "lever of a force",
             Box::new(move |w| {
-                w.inputs[0].ends[0] = w.inputs[0].ends[0].as_ref().map(|p| p.each_ref().map(|c| c.halved()))
+                w.inputs[0].ends[0] = w.inputs[0].ends[0].as_ref().map(|p| p.each_ref().map(|c| c.halve()))
             }),
             "rod",
         ),
@@ -225,7 +225,7 @@ fn ten_faults_in_the_symbols_are_reported() {
 pub type Fault = (&'static str, fn(&mut Equations), &'static str);
 
 pub fn doubled(sum: &mut Sum) {
-    *sum = sum.scaled(&Rational::from(2));
+    *sum = sum.scale(&Rational::from(2));
 }
 
 pub fn assert_reported(scene: &Scene, faults: &[Fault]) {
@@ -307,7 +307,7 @@ fn faults_in_the_equations_of_motion_are_reported() {
         }
         let mut faulty = sound.clone();
         for line in &mut faulty.nonlinear[index].lines {
-            line.slope = line.slope.scaled(&Rational::from(2));
+            line.slope = line.slope.scale(&Rational::from(2));
         }
         if !faulty.nonlinear[index].lines.is_empty() {
             assert_eq!(scene.place(verify(&faulty).expect_err("changed slopes")), body);
@@ -373,7 +373,7 @@ fn faults_in_the_force_of_an_unbalance_are_reported() {
         ("sense", 1, |own| own.rotation.as_mut().expect("a rotation").clockwise = false, "U"),
         ("sense of the free rotor", 3, |own| own.rotation.as_mut().expect("a rotation").clockwise = true, "V"),
         ("axis", 0, |own| own.along = own.along.as_ref().map(|along| along.each_ref().map(|part| -part)), "frame"),
-        ("place", 2, |own| own.ends[0] = own.ends[0].as_ref().map(|at| at.each_ref().map(Sum::halved)), "frame"),
+        ("place", 2, |own| own.ends[0] = own.ends[0].as_ref().map(|at| at.each_ref().map(Sum::halve)), "frame"),
     ];
     for (name, input, change, place) in changes {
         let mut written = scene.written.clone();

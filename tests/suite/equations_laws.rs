@@ -109,7 +109,7 @@ fn faults_in_laws_are_reported_where_they_are() {
     let lowered = scene.lowered();
     for by in [Sum::fraction(-1, 1), Sum::fraction(101, 100)] {
         let mut written = scene.written.clone();
-        written.elements[0].law = written.elements[0].law.as_ref().map(|law: &Powers| law.scaled(&by));
+        written.elements[0].law = written.elements[0].law.as_ref().map(|law: &Powers| law.scale(&by));
         assert_eq!(scene.place(scene.derive(&written, &lowered).expect_err("a law")), "s");
     }
     // In what is derived.

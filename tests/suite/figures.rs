@@ -449,7 +449,7 @@ fn parts_without_coordinates_beside_others_are_laid_out() {
             let bounds = found.bounds();
             assert!(bounds.height() > 2.0 * bounds.width(), "{name}: {element} runs along y: {bounds:?}");
             for part in column {
-                assert!(!body(part).grown(-4.0).overlaps(&bounds), "{name}: {element} lies over {part}");
+                assert!(!body(part).grow(-4.0).overlaps(&bounds), "{name}: {element} lies over {part}");
             }
         }
         // The column covers nothing that has coordinates.
@@ -469,7 +469,7 @@ fn loops_stay_together_to_second_order() {
     let checked = vibc::model::check(&sources, &tree, &Overrides::default()).scene.expect("a sound model");
     let lowered = vibc::lower::lower(&checked).lowered.expect("a sound scene");
     let at_rest = lowered.mechanism.poses();
-    let poses = at_rest.displaced(&lowered.mechanism.displacements(&at_rest, &[1.0]));
+    let poses = at_rest.displace(&lowered.mechanism.displacements(&at_rest, &[1.0]));
     let piece = |body: u32| &poses.pieces[poses.piece(Part::Body(BodyId(body)))];
     let (crank, rod, piston) = (&piece(0).angle, &piece(1).angle, &piece(2).slides[0].1);
     let (r, l) = (0.5f64, 0.65f64.sqrt());

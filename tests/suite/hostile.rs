@@ -308,7 +308,7 @@ fn checked(text: &str) -> Vec<vibc::base::Diagnostic> {
     let parsed = vibc::syntax::parse(&sources, file);
     let mut found = model::check(&sources, &parsed.tree, &Overrides::default()).diagnostics;
     found.extend(parsed.errors);
-    found.sorted()
+    found.into_sorted()
 }
 
 /// Regression: each level was stored with all levels inside it, and each byte was read once for every enclosing level.

@@ -344,7 +344,7 @@ fn enclosures_of_bare_numbers(code: &str) -> Vec<&str> {
     /// Numbers that are exact as they stand: the ends of a range that was asked for or is named by a grid, a factor, and
     /// the decimal that is printed for a sample, whose distance from the sample is added to its radius.
     const EXACT: [&str; 4] = ["hertz", "*end", "factor", "settled"];
-    let constructors = ["Ball::exact", "Ball::new", "Ball {", "Ball::from", "Bound::proved"];
+    let constructors = ["Ball::exact", "Ball::new", "Ball {", "Ball::from", "Bound::by_proof"];
     let mut found = Vec::new();
     for constructor in constructors {
         for (at, _) in code.match_indices(constructor) {
@@ -362,7 +362,7 @@ fn enclosures_of_bare_numbers(code: &str) -> Vec<&str> {
 
 #[test]
 fn every_way_to_call_a_number_proved_is_seen() {
-    let code = "Ball::exact(mid)\nBall::new(mid, 0.0)\nBall { mid, rad }\nBall::from(x)\nf(Bound::proved(x))";
+    let code = "Ball::exact(mid)\nBall::new(mid, 0.0)\nBall { mid, rad }\nBall::from(x)\nf(Bound::by_proof(x))";
     assert_eq!(enclosures_of_bare_numbers(code).len(), 5);
     let code = "Ball::from(100.0)\nBall::from(hertz)\nBound::relative(ball)\nFigure::bound(bound)";
     assert!(enclosures_of_bare_numbers(code).is_empty());
@@ -382,4 +382,74 @@ fn bounds_of_the_modal_report_know_whether_the_rest_is_proven() {
             assert!(!modal || uses <= usize::from(word == "certain("), "{}: {word}", source.path.display());
         }
     }
+}
+
+/// Participles and adverbs that do not end in `ed` or `ly`. Words that are verbs or prepositions as well are not among them: `read`,
+/// `set`, `over`.
+const IRREGULAR: [&str; 32] = [
+    "again",
+    "alone",
+    "apart",
+    "broken",
+    "built",
+    "chosen",
+    "drawn",
+    "felt",
+    "forbidden",
+    "found",
+    "given",
+    "grown",
+    "held",
+    "hidden",
+    "kept",
+    "known",
+    "left",
+    "lost",
+    "made",
+    "met",
+    "nothing",
+    "proven",
+    "said",
+    "seen",
+    "several",
+    "shown",
+    "still",
+    "swept",
+    "taken",
+    "together",
+    "told",
+    "written",
+];
+
+/// Verbs and nouns that look like participles or adverbs.
+const NO_PARTICIPLES: [&str; 7] = ["apply", "embed", "family", "feed", "multiply", "seed", "speed"];
+
+fn is_participle(name: &str) -> bool {
+    let looks = name.ends_with("ed") || name.ends_with("ly") || IRREGULAR.contains(&name);
+    looks && !name.contains('_') && !NO_PARTICIPLES.contains(&name)
+}
+
+/// The names of the functions that a text declares.
+fn functions(code: &str) -> impl Iterator<Item = &str> {
+    code.split("fn ").skip(1).map(|rest| {
+        let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
+        &rest[..end]
+    })
+}
+
+/// docs/style.md: functions are verbs or name their result.
+#[test]
+fn no_function_is_a_bare_participle_or_adverb() {
+    for source in sources() {
+        for name in functions(&source.code) {
+            assert!(!is_participle(name), "{}: `fn {name}`", source.path.display());
+        }
+    }
+}
+
+#[test]
+fn participles_are_seen() {
+    assert_eq!(functions("pub fn told(x: u8) {}\nfn to_told<T>() {}").collect::<Vec<_>>(), ["told", "to_told"]);
+    assert!(["together", "lowered", "exactly", "shown"].iter().all(|name| is_participle(name)));
+    assert!(!["apply", "read", "lowered_system", "over", "seed"].iter().any(|name| is_participle(name)));
 }

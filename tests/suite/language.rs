@@ -91,7 +91,7 @@ fn messages(text: &str) -> Vec<String> {
             d.help.as_deref().unwrap_or("")
         )
     };
-    parsed.errors.sorted().iter().map(tell).collect()
+    parsed.errors.into_sorted().iter().map(tell).collect()
 }
 
 const MISTAKES: &[&str] = &[

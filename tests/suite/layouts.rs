@@ -313,7 +313,7 @@ fn report_and_json_have_the_same_numbers() {
     assert_eq!(modes.rows.len(), 6);
     for (row, mode) in modes.rows.iter().zip(object["modes"].as_array().expect("modes")) {
         let number = |at: usize| row[at].longest();
-        let rounded = |at: usize| figures(&number(at)).next().and_then(Figure::rounded).expect("a number");
+        let rounded = |at: usize| figures(&number(at)).next().and_then(Figure::to_rounded).expect("a number");
         assert_eq!(rounded(1).value(), mode["frequency_hz"].as_f64().expect("a frequency"));
         assert_eq!(rounded(2).value(), mode["omega"].as_f64().expect("an angular frequency"));
         let bound = match figures(&number(4)).next().map(|figure| figure.value.clone()) {

@@ -25,7 +25,7 @@ fn report(name: &str) -> ModalAnswer {
 /// A solved parameter, in its own unit: its value is within its bound of the closed form, and the bound is small.
 fn solved(report: &ModalAnswer, parameter: &str, unit: &str, truth: f64) {
     let found = report.solved.iter().find(|solved| solved.parameter == parameter).expect("solved for");
-    let shown = found.shown();
+    let shown = found.in_unit();
     assert_eq!(shown.unit, unit);
     let off = (shown.number.to_f64() - truth).abs();
     // The closed form is rounded to binary64.

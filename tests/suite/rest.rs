@@ -545,7 +545,7 @@ fn deep_chains_keep_short_rows() {
     assert!(entries < 10 * n, "{entries} numbers for {n} links");
     assert!(lowered.rest.is_proven() && lowered.rest.displacement.iter().all(|q| !q.is_zero()));
     // Hanging straight down, M_ij = m l^2 (n - max(i, j)), i and j from 0.
-    let flat = system.clone().flattened(10_000_000).expect("room");
+    let flat = system.clone().into_flat(10_000_000).expect("room");
     assert!(!flat.is_chained());
     for (i, j) in [(0, 0), (0, 5), (7, 3), (599, 0), (599, 599), (300, 299)] {
         let product = |term| {
@@ -557,7 +557,7 @@ fn deep_chains_keep_short_rows() {
         let truth = (n - i.max(j)) as f64;
         assert!((entry - truth).abs() < 1e-12 * truth, "M[{i}][{j}] = {entry}, {truth}");
     }
-    assert!(system.clone().flattened(1000).is_err());
+    assert!(system.clone().into_flat(1000).is_err());
 }
 
 /// Links of 1 kg and 1 m, one under another.
@@ -775,7 +775,7 @@ fn no_stage_continues_from_an_unproven_rest() {
         assert_eq!(messages, [("vib::rest::unproven", true)]);
         assert_eq!(outcome.failure(), Some(vibc::Failure::Limit));
     }
-    let over = vibc::parameterised(&sources, file, &none, "k").answer.expect("a model without errors").1;
+    let over = vibc::over_parameter(&sources, file, &none, "k").answer.expect("a model without errors").1;
     assert!(over.is_err_and(|reason| reason.contains("no rest that is proven")));
     let drawn = vibc::FigureOptions { mode: Some(2), ..vibc::FigureOptions::default() };
     let figure = vibc::draw(&sources, file, &none, &drawn).answer.expect("an answer").expect("a figure");

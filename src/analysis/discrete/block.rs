@@ -116,7 +116,7 @@ pub fn add(a: &mut Matrix<Dd>, b: &Matrix<Dd>) {
 
 impl Block {
     /// The block in other coordinates s w.
-    pub fn transformed(&self, s: &Matrix<Dd>, inverse: &Matrix<Dd>) -> Block {
+    pub fn transform(&self, s: &Matrix<Dd>, inverse: &Matrix<Dd>) -> Block {
         Block {
             name: self.name.clone(),
             rate: self.rate,
@@ -139,7 +139,7 @@ impl Block {
         Block {
             name: self.name.clone(),
             rate: self.a[(at, at)].hi.abs(),
-            a: Matrix::filled(1, 1, self.a[(at, at)]),
+            a: Matrix::fill_with(1, 1, self.a[(at, at)]),
             b: row(&self.b),
             c: column(&self.c),
             to: row(&self.to),

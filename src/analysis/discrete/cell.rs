@@ -188,7 +188,7 @@ impl Maker<'_> {
             Some(lifted) => (Form::Pair(lifted.lift), lifted.s),
             None => {
                 let sign = if turn.turned { -Dd::ONE } else { Dd::ONE };
-                let rows = self.rounded(&turn.change.map(|x| sign * x));
+                let rows = self.round(&turn.change.map(|x| sign * x));
                 (Form::Dense { turned: turn.turned, rows }, Matrix::identity(2))
             }
         }
@@ -197,10 +197,10 @@ impl Maker<'_> {
     fn dense(&self, f: &Matrix<Dd>) -> Form {
         let one = |i, j| if i == j { Dd::ONE } else { Dd::ZERO };
         let change = Matrix::from_fn(f.rows(), f.rows(), |i, j| f[(i, j)] - one(i, j));
-        Form::Dense { turned: false, rows: self.rounded(&change) }
+        Form::Dense { turned: false, rows: self.round(&change) }
     }
 
-    fn rounded(&self, m: &Matrix<Dd>) -> Vec<Vec<f64>> {
+    fn round(&self, m: &Matrix<Dd>) -> Vec<Vec<f64>> {
         (0..m.rows()).map(|i| (0..m.columns()).map(|j| self.precision.round(m[(i, j)])).collect()).collect()
     }
 
@@ -214,7 +214,7 @@ impl Maker<'_> {
         start: &[Dd],
     ) -> Option<Made> {
         let inverse = inverse(&s);
-        let mut drive = transformed(&s, drive);
+        let mut drive = transform(&s, drive);
         let by_state = |drive: &Columns, i: usize| {
             drive.iter().map(|(operand, column)| (*operand, column[i])).filter(|(_, g)| !g.is_zero()).collect()
         };
@@ -253,7 +253,7 @@ impl Maker<'_> {
             back: (0..tabled).map(|j| back.column(j).iter().map(|&x| round(x)).collect()).collect(),
             start: (0..size).map(|i| round(at_start[(i, 0)])).collect(),
         };
-        let (seen, moved) = (transformed(&block.c, shift), transformed(&block.back, shift));
+        let (seen, moved) = (transform(&block.c, shift), transform(&block.back, shift));
         let f = product(&s, &product(&f, &inverse));
         let exact = ExactCell { f, input };
         let start = at_start.column(0).to_vec();
@@ -346,7 +346,7 @@ pub fn add_columns(rows: &mut [Vec<(Operand, Dd)>], columns: &Columns) {
     }
 }
 
-fn transformed(s: &Matrix<Dd>, columns: &Columns) -> Columns {
+fn transform(s: &Matrix<Dd>, columns: &Columns) -> Columns {
     let image = |column: &Vec<Dd>| {
         let column = Matrix::from_fn(column.len(), 1, |i, _| column[i]);
         clean_product(s, &column).column(0).to_vec()

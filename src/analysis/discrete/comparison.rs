@@ -22,7 +22,7 @@ pub struct Exact {
     pub events: Vec<Vec<Dd>>,
 }
 
-/// The most products in double-double that a run may take.
+/// Limit on the products in double-double that a run may take.
 const MOST_PRODUCTS: f64 = 4e6;
 /// Numbers of steps whose errors are reported.
 const FEW: u64 = 1000;
@@ -43,7 +43,7 @@ pub fn measure_rounding(system: &DiscreteSystem, exact: &Exact, last: Option<u64
     for step in 1..=most {
         run.step();
         if step == most || step == FEW {
-            found.push(Measured { steps: step, error: Bound::proved(run.error()) });
+            found.push(Measured { steps: step, error: Bound::by_proof(run.error()) });
         }
     }
     found

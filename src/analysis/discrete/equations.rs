@@ -69,7 +69,7 @@ impl fmt::Display for NoEquations {
     }
 }
 
-/// The most numbers of L that are written out.
+/// Limit on the entries of L that are written out.
 const MOST_NUMBERS: usize = 1_000_000;
 
 type Row = Vec<(CoordinateId, Number)>;

@@ -43,7 +43,7 @@ pub fn changes(
         let mut change = Vec::new();
         for (chain, signal) in signals.chains.iter().zip(made_signals) {
             change.extend(match signal.set {
-                true => image(&signal.s, &chain.used(tick, seen(chain.input))),
+                true => image(&signal.s, &chain.states_used(tick, seen(chain.input))),
                 false => vec![Dd::ZERO; chain.size()],
             });
         }

@@ -39,7 +39,7 @@ pub fn propagator(a: &Matrix<Dd>, h: Dd) -> Option<Propagator> {
 
 /// The effect of a source on w' = A w + drive s, s' = (R / h) s, in `steps` steps of h: the corner of exp([A, drive; 0,
 /// R / h] t).
-pub fn coupled(a: &Matrix<Dd>, drive: &Matrix<Dd>, r: &Matrix<Dd>, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
+pub fn source_effect(a: &Matrix<Dd>, drive: &Matrix<Dd>, r: &Matrix<Dd>, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
     let (n, m) = (a.rows(), r.rows());
     let scale = balance(a);
     // A power of two brings the drive, which has its own unit, near one.

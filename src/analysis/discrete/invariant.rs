@@ -217,8 +217,8 @@ fn groups(poles: &[Pole]) -> Vec<Group> {
 type Basis = (Matrix<Dd>, Matrix<Dd>, Matrix<Dd>);
 
 fn basis(a: &Matrix<Dd>, groups: &[Group]) -> Option<Basis> {
-    let precise = || refined(a, groups, vectors::<Dd>(a, groups)?);
-    if a.rows() <= MOST_PRECISE { precise() } else { refined(a, groups, vectors::<f64>(a, groups)?) }
+    let precise = || refine(a, groups, vectors::<Dd>(a, groups)?);
+    if a.rows() <= MOST_PRECISE { precise() } else { refine(a, groups, vectors::<f64>(a, groups)?) }
 }
 
 /// Columns that span the motions of each group.
@@ -243,7 +243,7 @@ where
         });
         let factors = Lu::of(matrix)?;
         let mut space: Vec<Vec<Complex<T>>> =
-            (0..group.poles.len()).map(|k| (0..n).map(|i| scrambled(i, 31 * seed + k)).collect()).collect();
+            (0..group.poles.len()).map(|k| (0..n).map(|i| scrambled_number(i, 31 * seed + k)).collect()).collect();
         for _ in 0..4 {
             space.iter_mut().for_each(|x| factors.solve(x));
             orthonormal(&mut space)?;
@@ -299,7 +299,7 @@ fn confine<T: Float>(space: &mut [Vec<Complex<T>>], parts: &[usize]) {
 }
 
 /// Numbers without a pattern, so that no vector starts orthogonal to what is looked for.
-fn scrambled<T: Float>(i: usize, seed: usize) -> Complex<T> {
+fn scrambled_number<T: Float>(i: usize, seed: usize) -> Complex<T> {
     let mixed =
         (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (seed as u64 + 7).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -358,7 +358,7 @@ fn unit(mut x: Vec<Dd>) -> Vec<Dd> {
 }
 
 /// Corrects the columns until the off-diagonal blocks are negligible.
-fn refined(a: &Matrix<Dd>, groups: &[Group], mut t: Matrix<Dd>) -> Option<Basis> {
+fn refine(a: &Matrix<Dd>, groups: &[Group], mut t: Matrix<Dd>) -> Option<Basis> {
     let n = a.rows();
     let places: Vec<(usize, usize)> = groups
         .iter()
@@ -407,9 +407,9 @@ fn sylvester(a: &Matrix<f64>, b: &Matrix<f64>, c: &Matrix<f64>) -> Option<Matrix
     let (m, n) = (a.rows(), b.rows());
     let size = m * n;
     if size == 1 {
-        return Some(Matrix::filled(1, 1, c[(0, 0)] / (a[(0, 0)] - b[(0, 0)])));
+        return Some(Matrix::fill_with(1, 1, c[(0, 0)] / (a[(0, 0)] - b[(0, 0)])));
     }
-    let mut matrix = Matrix::filled(size, size, 0.0);
+    let mut matrix = Matrix::fill_with(size, size, 0.0);
     let mut x = vec![0.0; size];
     for i in 0..m {
         for j in 0..n {

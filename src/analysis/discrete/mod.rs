@@ -93,7 +93,7 @@ pub struct Event {
     pub change: Vec<f64>,
 }
 
-/// After the last event, those from number `first` on come again, each so many samples later.
+/// After the last event, the events from number `first` on repeat, each delayed by this many samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Again {
     pub first: usize,
@@ -128,16 +128,16 @@ pub struct DiscreteSystem {
     pub signals: usize,
     /// Changes of all states at certain samples, ascending.
     pub events: Vec<Event>,
-    /// What follows the last event, if it is not the end of all.
+    /// The continuation after the last event, if events repeat.
     pub repeat: Option<Again>,
     /// For each state, whether events set it instead of adding to it.
     pub set: Vec<bool>,
     /// Outputs that would follow the derivative of an input; an input that is held has none.
     pub without_slope: Vec<usize>,
-    /// The elements whose laws the code replaces by their tangents at rest.
+    /// The elements whose nonlinear laws the code replaces by their tangents at rest.
     pub laws: Vec<String>,
     pub left: Vec<DroppedBlock>,
-    /// A bound of the effect of rounding whatever the inputs are; none where signals are built in beside them.
+    /// A bound of the effect of rounding for any inputs; none if there are built-in signals too.
     pub rounding: Option<Rounding>,
     /// The effect of rounding on code without inputs, run from its start.
     pub measured: Vec<Measured>,
@@ -184,7 +184,7 @@ impl DiscreteSystem {
 
 /// With more states, poles take minutes.
 pub const MOST_STATES: usize = 2000;
-/// With more states, the tables of the states in the model's coordinates would fill files: the code goes without them.
+/// With more states, the tables for the states in the model's coordinates would fill files, so the code omits them.
 const MOST_TABLED: usize = 800;
 /// From this many coordinates on, poles are used where modes are coupled; below, vectors of the first-order system cost less.
 const FROM_POLES: usize = 12;

@@ -72,7 +72,7 @@ fn gram_of_many(form: &Squares, x: &Matrix<Dd>) -> Option<Matrix<Ball>> {
     if form.len() < 4 * n {
         return None;
     }
-    let mut a = Matrix::filled(n, n, Ball::ZERO);
+    let mut a = Matrix::fill_with(n, n, Ball::ZERO);
     for t in 0..form.len() {
         let (indices, values) = form.row(t);
         for (&i, &p) in indices.iter().zip(values) {
@@ -89,7 +89,7 @@ fn gram_of_many(form: &Squares, x: &Matrix<Dd>) -> Option<Matrix<Ball>> {
             .fold(Ball::ZERO, |sum, (i, &y)| if y.is_zero() { sum } else { sum + of(i) * Ball::exact(y) })
     };
     let ax = Matrix::from_fn(n, n, |i, j| sum(&|k| a[(i, k)], x.column(j)));
-    let mut gram = Matrix::filled(n, n, Ball::ZERO);
+    let mut gram = Matrix::fill_with(n, n, Ball::ZERO);
     for j in 0..n {
         for i in 0..=j {
             let entry = sum(&|k| ax[(k, j)], x.column(i));
@@ -235,7 +235,7 @@ fn split_real_rates(block: Block, k: Dd, c: Dd) -> Vec<Block> {
         let sign = if i == 0 { Dd::ONE } else { -Dd::ONE };
         sign * (if j == 0 { other } else { -Dd::ONE }) / (det * scale[i])
     });
-    let mut diagonal = block.transformed(&s, &inverse);
+    let mut diagonal = block.transform(&s, &inverse);
     diagonal.a = Matrix::from_fn(2, 2, |i, j| if i == j { rates[i] } else { Dd::ZERO });
     vec![diagonal.state(0), diagonal.state(1)]
 }

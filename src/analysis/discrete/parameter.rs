@@ -39,7 +39,7 @@ pub const MOST_COORDINATES: usize = 8;
 pub const MULTIPLES: [(i64, i64); 8] = [(1, 1), (2, 1), (5, 1), (1, 16), (1, 3), (7, 1), (11, 1), (16, 1)];
 
 /// The polynomials; `Err` says why they do not exist.
-pub fn parameterised(name: &str, value: &Number, systems: &[LinearSystem]) -> Result<Parameterised, String> {
+pub fn fit(name: &str, value: &Number, systems: &[LinearSystem]) -> Result<Parameterised, String> {
     let Some(first) = systems.first() else { return Err("there is no system".into()) };
     let n = first.n();
     if n > MOST_COORDINATES {

@@ -9,7 +9,7 @@
 //! that outputs read are kept for that step, and the blocks get the rest at its end.
 
 use crate::analysis::discrete::block::Block;
-use crate::analysis::discrete::hold::{coupled, propagate};
+use crate::analysis::discrete::hold::{propagate, source_effect};
 use crate::analysis::response::signal::{self, Piece, Source};
 use crate::base::{Dd, Number};
 use crate::kernel::dense::Matrix;
@@ -151,7 +151,7 @@ impl Chain {
     /// The effect of the chain's states on those of a block in `steps` steps.
     pub fn effect_on(&self, block: &Block, steps: Dd, h: Dd) -> Option<Matrix<Dd>> {
         let drive = Matrix::from_fn(block.size(), self.size(), |i, j| block.b[(i, self.input)] * self.rows[0][j]);
-        coupled(&block.a, &drive, &self.generator, steps, h)
+        source_effect(&block.a, &drive, &self.generator, steps, h)
     }
 
     /// The knots strictly between a sample and the next one.
@@ -166,13 +166,13 @@ impl Chain {
     fn at(&self, tick: u64) -> Vec<Dd> {
         let count = self.knots.partition_point(|knot| knot.when.tick <= tick);
         match count.checked_sub(1).map(|i| &self.knots[i]) {
-            Some(knot) => shifted(&knot.states, Dd::from((tick - knot.when.tick) as f64) + knot.when.before),
-            None => shifted(&self.start, Dd::from(tick as f64)),
+            Some(knot) => shift(&knot.states, Dd::from((tick - knot.when.tick) as f64) + knot.when.before),
+            None => shift(&self.start, Dd::from(tick as f64)),
         }
     }
 
-    /// Whether the states at a sample are there again so many samples later: a motion that drifts away is not. They differ by
-    /// the rounding of their times alone, which is some 1e-31 of their sizes.
+    /// Whether the states at a sample occur again this many samples later; those of a motion that drifts away do not.
+    /// They differ only by the rounding of their times, about 1e-31 of their magnitudes.
     pub fn comes_again(&self, tick: u64, ticks: u64) -> bool {
         let (now, later) = (self.at(tick), self.at(tick + ticks));
         let sizes = self.knots.iter().map(|knot| &knot.states).chain([&now, &later]);
@@ -189,7 +189,7 @@ impl Chain {
     }
 
     /// The states with which a step begins.
-    pub fn used(&self, tick: u64, seen: FeedThroughOrders) -> Vec<Dd> {
+    pub fn states_used(&self, tick: u64, seen: FeedThroughOrders) -> Vec<Dd> {
         let mut states = self.at(tick);
         if self.is_cut(tick) {
             let keep = |k: usize| k == 0 || seen.get(k).is_some_and(|&seen| seen);
@@ -215,7 +215,7 @@ impl Chain {
         let within = self.knots_within(last);
         if !self.is_cut(last) {
             for knot in within {
-                let own = self.forced(block, vec![Dd::ZERO; block.size()], &knot.jump, knot.when.before, h)?;
+                let own = self.solve_forced(block, vec![Dd::ZERO; block.size()], &knot.jump, knot.when.before, h)?;
                 sum = add(sum, own, Dd::ONE);
             }
             return Some(sum);
@@ -224,16 +224,17 @@ impl Chain {
         let mut time = Dd::ZERO;
         for knot in within {
             let next = Dd::ONE - knot.when.before;
-            sum = self.forced(block, sum, &states, next - time, h)?;
+            sum = self.solve_forced(block, sum, &states, next - time, h)?;
             (time, states) = (next, knot.states.clone());
         }
-        sum = self.forced(block, sum, &states, Dd::ONE - time, h)?;
-        let given = self.forced(block, vec![Dd::ZERO; block.size()], &self.used(last, seen), Dd::ONE, h)?;
+        sum = self.solve_forced(block, sum, &states, Dd::ONE - time, h)?;
+        let given =
+            self.solve_forced(block, vec![Dd::ZERO; block.size()], &self.states_used(last, seen), Dd::ONE, h)?;
         Some(add(sum, given, -Dd::ONE))
     }
 
     /// Solves w' = A w + b u over `steps` steps, from w and the states of u.
-    fn forced(&self, block: &Block, w: Vec<Dd>, states: &[Dd], steps: Dd, h: Dd) -> Option<Vec<Dd>> {
+    fn solve_forced(&self, block: &Block, w: Vec<Dd>, states: &[Dd], steps: Dd, h: Dd) -> Option<Vec<Dd>> {
         let size = block.size();
         let drive: Vec<Dd> = (0..size).map(|i| block.b[(i, self.input)] * h).collect();
         let rate = (0..size).flat_map(|i| (0..size).map(move |j| (i, j))).map(|(i, j)| match i == j {
@@ -243,7 +244,7 @@ impl Chain {
         let turned = (rate.sum::<f64>() * (h * steps).hi).ceil().max(1.0);
         if turned > MOST_PARTS {
             let forces = Matrix::from_fn(size, self.size(), |i, j| block.b[(i, self.input)] * self.rows[0][j]);
-            let forced = coupled(&block.a, &forces, &self.generator, steps, h)?;
+            let forced = source_effect(&block.a, &forces, &self.generator, steps, h)?;
             let own = propagate(&block.a, &w, steps * h)?;
             let of = |i: usize| (0..self.size()).fold(Dd::ZERO, |sum, j| sum + forced[(i, j)] * states[j]);
             return Some(own.into_iter().enumerate().map(|(i, x)| x + of(i)).collect());
@@ -253,13 +254,13 @@ impl Chain {
         let (mut w, mut states) = (w, states.to_vec());
         for _ in 0..turned as usize {
             w = series(&a, &drive, w, &states, part);
-            states = shifted(&states, part);
+            states = shift(&states, part);
         }
         w.iter().all(|x| x.is_finite()).then_some(w)
     }
 }
 
-/// The most parts into which a step is divided; beyond that, squaring is faster.
+/// Limit on the parts into which a step is divided; beyond that, squaring is faster.
 const MOST_PARTS: f64 = 64.0;
 /// Number of terms beyond those of the polynomial: 1/30! is 4e-33.
 const TERMS: usize = 30;
@@ -282,7 +283,7 @@ fn series(a: &Matrix<Dd>, drive: &[Dd], w: Vec<Dd>, states: &[Dd], s: Dd) -> Vec
 }
 
 /// The coefficients of a polynomial of s + by, by repeated Horner steps.
-fn shifted(states: &[Dd], by: Dd) -> Vec<Dd> {
+fn shift(states: &[Dd], by: Dd) -> Vec<Dd> {
     let mut states = states.to_vec();
     if by.is_zero() {
         return states;

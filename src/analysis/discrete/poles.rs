@@ -1,6 +1,7 @@
-//! A system whose damping couples its modes, as one block for each pole: eta_j' = s_j eta_j + x_j . f / Lambda_j, two real states
-//! for a conjugate pair. In: the system and the coordinates of its poles. Out: blocks, or nothing where the vectors are not known
-//! to enough digits, or so close to each other that blocks would cancel. See docs/method/emit.md#blocks.
+//! A system whose damping couples its modes, as one block for each pole: eta_j' = s_j eta_j + x_j . f / Lambda_j, two
+//! real states for a conjugate pair. In: the system and the coordinates of its poles. Out: blocks, or nothing if the
+//! vectors are not known to enough digits or are so close to each other that blocks would cancel. See
+//! docs/method/emit.md#blocks.
 
 use crate::analysis::discrete::block::{Block, Direct, NOTHING, Split, add, product, without_derivatives};
 use crate::analysis::poles::coordinates::PoleCoordinates;
@@ -12,7 +13,7 @@ use crate::system::{CoordinateId, LinearSystem};
 
 /// Coefficients need some twenty digits.
 const DIGITS: f64 = 1e-21;
-/// What the blocks add up to may be this much smaller than each of them: two digits of the target.
+/// The sum of the blocks may be smaller than each of them by this factor: two digits of the target.
 const MOST_CANCELLED: f64 = 100.0;
 
 /// The blocks of a system.
@@ -40,7 +41,7 @@ pub fn split(system: &LinearSystem, of: &PoleCoordinates) -> Option<Split> {
     Some(split)
 }
 
-/// Whether what inputs excite is known to enough digits of the largest of each.
+/// Whether the excitations by the inputs are known to enough digits of the largest one.
 fn is_precise(of: &PoleCoordinates) -> bool {
     of.inputs.iter().flatten().flatten().all(|list| {
         let largest = list.iter().map(|z| z.magnitude()).fold(0.0, f64::max);
@@ -95,7 +96,7 @@ impl Maker<'_> {
         let of_rates = Matrix::from_fn(outputs, size, |output, i| row(at(output, 2) * s, i));
         let at_once = [0, 1, 2].map(|power: usize| product(&of_rates, &forces[power]));
         let (b, [e0, e1]) = without_derivatives(&a, forces);
-        let (to, back) = (self.to(j), self.back(j, &row));
+        let (to, back) = (self.to(j), self.to_coordinates(j, &row));
         direct.outputs.iter_mut().zip(&at_once).for_each(|(sum, term)| sum.add(term));
         for (power, offset) in [&e0, &e1].into_iter().enumerate().filter(|(_, offset)| !is_zero(offset)) {
             direct.outputs[power].add(&product(&c, offset));
@@ -128,7 +129,7 @@ impl Maker<'_> {
     }
 
     /// Displacements and velocities: x_j eta_j and s_j x_j eta_j.
-    fn back(&self, j: usize, row: &dyn Fn(Complex<Dd>, usize) -> Dd) -> Matrix<Dd> {
+    fn to_coordinates(&self, j: usize, row: &dyn Fn(Complex<Dd>, usize) -> Dd) -> Matrix<Dd> {
         let (pair, n) = (&self.of.pairs[j], self.system.n());
         let size = if pair.is_real() { 1 } else { 2 };
         let of = |k: usize| if k < n { pair.x.entry(k) } else { pair.s * pair.x.entry(k - n) };
@@ -141,7 +142,7 @@ fn size_of(column: &[(CoordinateId, Number)]) -> f64 {
     column.iter().map(|(_, value)| value.to_ball().magnitude()).fold(0.0, f64::max)
 }
 
-/// Direct effects as sums over the blocks, which cancel where there are none.
+/// Direct effects as sums over the blocks, which cancel if there are no direct effects.
 struct DirectSums {
     outputs: [Sum; 3],
     state: [Sum; 2],
@@ -156,7 +157,7 @@ struct Sum {
 impl DirectSums {
     fn none(system: &LinearSystem) -> DirectSums {
         let (n, inputs, outputs) = (system.n(), system.inputs.len(), system.outputs.len());
-        let of = |rows: usize| Sum { value: Matrix::zeros(rows, inputs), size: Matrix::filled(rows, inputs, 0.0) };
+        let of = |rows: usize| Sum { value: Matrix::zeros(rows, inputs), size: Matrix::fill_with(rows, inputs, 0.0) };
         DirectSums { outputs: [0; 3].map(|_| of(outputs)), state: [0; 2].map(|_| of(2 * n)) }
     }
 

@@ -115,7 +115,7 @@ fn drop_small(split: &mut Split, start: &[Dd], tolerance: f64, highest: f64, lef
 /// The largest |H| of each output and input over the frequencies.
 fn whole(split: &Split, frequencies: &[f64]) -> Matrix<f64> {
     let [d0, d1, d2] = &split.direct.outputs;
-    let mut sizes = Matrix::filled(d0.rows(), d0.columns(), 0.0f64);
+    let mut sizes = Matrix::fill_with(d0.rows(), d0.columns(), 0.0f64);
     for &w in frequencies {
         let mut sum = Matrix::from_fn(d0.rows(), d0.columns(), |i, j| {
             Complex::new(d0[(i, j)].hi - w * w * d2[(i, j)].hi, w * d1[(i, j)].hi)

@@ -9,8 +9,8 @@
 //! pair of complex poles has such a norm, the modulus of its modal coordinate; for other cells the powers of F are
 //! bounded by squaring.
 //!
-//! An output feels an error e of a state in all phases only after long, and never all of it: over the first steps
-//! the sum of |c F^j e| is computed as it is. What that computation itself rounds is in the sum too.
+//! An error e of a state reaches an output in all phases only after a long time, and never completely: over the first
+//! steps the sum of |c F^j e| is computed directly, including the rounding errors of that computation.
 
 use crate::analysis::discrete::cell::{Cell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
@@ -34,16 +34,16 @@ struct CellRounding {
     /// The error of one step, and how errors of earlier steps add up.
     step: f64,
     growth: Growth,
-    /// What outputs feel of errors of the latest steps; none if no output sees the cell, or too many do.
+    /// The effect on outputs of errors of the latest steps; none if no output sees the cell, or too many do.
     felt: Option<Felt>,
 }
 
 /// The error of the outputs that see a cell, relative to the largest size of its part.
 #[derive(Clone, Debug, PartialEq)]
 struct Felt {
-    /// By the errors of the last 1, 2, 4, ..., 2^[`FOLLOWED`] steps, for the output that feels most.
+    /// By the errors of the last 1, 2, 4, ..., 2^[`FOLLOWED`] steps, for the output with the largest effect.
     sums: Vec<f64>,
-    /// |F^j| of the number of steps that the last sum speaks of.
+    /// |F^j| for the number of steps of the last sum.
     kept: f64,
 }
 
@@ -60,7 +60,7 @@ enum Growth {
 const DOUBLINGS: usize = 40;
 /// Errors are followed into the outputs for 2^10 steps.
 const FOLLOWED: usize = 10;
-/// The number of products of one step, over all cells and outputs, beyond which errors are not followed: a tenth of a second.
+/// Limit on the products of one step, over all cells and outputs, up to which errors are followed: a tenth of a second.
 const MOST_FOLLOWED: usize = 50_000;
 /// Products of several rounding errors, and the rounding of the bound itself.
 const UP: f64 = 1.000_01;
@@ -83,13 +83,13 @@ impl Rounding {
     /// The error of the states of a cell, and of the sum of an output.
     fn relative(&self, of_states: f64) -> Bound {
         let bound = (self.output + of_states) * UP;
-        // The roundings are those of the emitted states, which are larger than the exact ones by the error itself.
-        Bound::proved(if bound < 1.0 { bound / (1.0 - bound) * UP } else { f64::INFINITY })
+        // The roundings are those of the emitted states, which exceed the exact ones by the error itself.
+        Bound::by_proof(if bound < 1.0 { bound / (1.0 - bound) * UP } else { f64::INFINITY })
     }
 }
 
 impl CellRounding {
-    /// The error that errors of so many steps make.
+    /// The accumulated effect of the errors of this many steps.
     fn after(&self, steps: u64) -> f64 {
         let whole = self.step * self.growth.after(steps);
         let Some(felt) = &self.felt else { return whole };
@@ -154,7 +154,7 @@ pub fn rounding(cells: &[Cell], direct: &[Vec<(Operand, f64)>], precision: Preci
     let of_cell = |(cell, frame): (&Cell, Frame)| CellRounding {
         name: cell.name.clone(),
         step: frame.step(cell) * unit,
-        felt: if follow { frame.felt(cell, direct.len(), unit) } else { None },
+        felt: if follow { frame.felt_errors(cell, direct.len(), unit) } else { None },
         growth: frame.growth,
     };
     Rounding { output, cells: cells.iter().zip(frames).map(of_cell).collect() }
@@ -247,7 +247,7 @@ impl Frame {
             return frame;
         }
         match &cell.form {
-            Form::Keep(r) => whole(Matrix::filled(1, 1, *r)),
+            Form::Keep(r) => whole(Matrix::fill_with(1, 1, *r)),
             Form::Lose(d) => Frame::new(Norm::Euclidean, Growth::Geometric(*d), 1.0 + (1.0 - d).abs(), 1),
             Form::Pair(lift) => whole(lift.matrix().map(Dd::to_f64)),
             Form::Dense { turned, rows: e } => {
@@ -299,10 +299,10 @@ impl Frame {
         }
     }
 
-    /// What the outputs feel of the errors of the latest steps.
-    fn felt(&self, cell: &Cell, outputs: usize, unit: f64) -> Option<Felt> {
+    /// The effect on the outputs of the errors of the latest steps.
+    fn felt_errors(&self, cell: &Cell, outputs: usize, unit: f64) -> Option<Felt> {
         let errors = self.errors(cell);
-        // The directions in which the states are off, their sizes, and their lengths.
+        // The directions in which the states are off, their magnitudes, and their lengths.
         let directions: Vec<(Vec<f64>, f64, f64)> = (errors.iter().enumerate())
             .map(|(i, error)| {
                 let mut direction = vec![0.0; errors.len()];
@@ -323,10 +323,10 @@ impl Frame {
             }
             let whole = self.norm.dual(&row);
             if whole < 1e-280 {
-                // Roundings below the range of normal numbers are larger than they are taken for.
+                // Rounding errors below the range of normal numbers are larger than assumed here.
                 return None;
             }
-            // What the row has lost by its own roundings, and the size that they have at most in later steps.
+            // The rounding errors of the row itself, and a bound of its magnitude in later steps.
             let (mut row, mut lost, mut sum) = (row, 0.0, 0.0);
             let (mut before, mut rounded) = (row.clone(), row.clone());
             let lengths: f64 = directions.iter().map(|(.., length)| length).sum();
@@ -400,7 +400,7 @@ impl Frame {
             column
         };
         let lengths = [true, false].map(column).map(|column| self.norm.length(&column));
-        // Where nothing is added at first, nothing is rounded.
+        // If nothing is added at first, nothing is rounded.
         if lengths[0] == 0.0 { lengths[1] } else { lengths[0].min(lengths[1]) }
     }
 }
@@ -447,7 +447,7 @@ impl Form {
     }
 }
 
-/// The inputs that act on a cell. States of signals are all one.
+/// The inputs that act on a cell. All states of signals count as one.
 fn inputs(cell: &Cell) -> Vec<Option<usize>> {
     let mut found: Vec<Option<usize>> = cell.input.iter().flatten().map(|(operand, _)| index(*operand)).collect();
     found.sort_unstable();
@@ -525,7 +525,7 @@ fn norm(f: &Matrix<f64>) -> f64 {
     let squares = (0..4).map(|i| f[(i / 2, i % 2)].power(2)).sum::<f64>();
     let det = f[(0, 0)] * f[(1, 1)] - f[(0, 1)] * f[(1, 0)];
     let apart = (squares * squares - 4.0 * det * det).max(0.0).sqrt();
-    // A root of a difference that cancels is off by 1e-7 of the whole at most.
+    // A root of a difference that cancels is off by at most 1e-7 of the whole.
     bound.min(((squares + apart) / 2.0).sqrt() * UP)
 }
 
@@ -628,7 +628,7 @@ mod tests {
     }
 
     /// One step as it is emitted, in binary64 or in double-double.
-    fn advanced<T>(cell: &Cell, w: &[T], u: f64) -> Vec<T>
+    fn advance<T>(cell: &Cell, w: &[T], u: f64) -> Vec<T>
     where
         T: Copy + From<f64> + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
     {
@@ -673,7 +673,7 @@ mod tests {
             let trials = (0..8).map(|_| {
                 bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
                 let u = (bits >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
-                (advanced(&cell, &w, u), advanced(&cell, &truth, u))
+                (advance(&cell, &w, u), advance(&cell, &truth, u))
             });
             let badness = |(w, truth): &(Vec<f64>, Vec<Dd>)| frame.norm.length(&errors(w, truth));
             let worst = trials.max_by(|a, b| badness(a).total_cmp(&badness(b)));
@@ -796,7 +796,7 @@ mod tests {
             bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let u = (bits >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
             for (i, cell) in [&pair, &keep].into_iter().enumerate() {
-                (w[i], truth[i]) = (advanced(cell, &w[i], u), advanced(cell, &truth[i], u));
+                (w[i], truth[i]) = (advance(cell, &w[i], u), advance(cell, &truth[i], u));
                 let length = frames[i].norm.length(&truth[i].iter().map(|x| x.to_f64()).collect::<Vec<f64>>());
                 sizes[i] = sizes[i].max(length * frames[i].most[0] * [1e-9, 1.0][i]);
             }

@@ -29,7 +29,7 @@ pub struct Signals {
     pub repeat: Option<Repeat>,
 }
 
-/// After the sample `from` everything comes again, every so many samples.
+/// After the sample `from`, everything repeats with this period in samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Repeat {
     pub from: u64,
@@ -39,9 +39,9 @@ pub struct Repeat {
 /// Error: the signal of this input has no form for emitted code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// It needs too many pieces.
+    /// The signal needs too many pieces.
     TooLong { input: usize },
-    /// It comes again, but not after whole steps, or not with the same motion.
+    /// The signal is periodic, but its period is not a whole number of steps, or its motion does not repeat.
     NeverRepeats { input: usize },
 }
 
@@ -107,10 +107,10 @@ impl Signals {
     }
 }
 
-/// Samples after the last one that comes again, whose pieces decide how the last step is taken.
+/// Number of samples after the last one that repeats; their pieces decide how the last step is taken.
 const AFTER: i64 = 3;
 
-/// When everything comes again, if some signal does.
+/// The period of everything, if some signal is periodic.
 fn repeat(drives: &[Vec<Signal>], step: &Number) -> Result<Option<Repeat>, Fault> {
     let mut ticks: Option<u64> = None;
     let mut from: u64 = 0;
@@ -138,7 +138,7 @@ fn repeat(drives: &[Vec<Signal>], step: &Number) -> Result<Option<Repeat>, Fault
 /// Beyond this the counter of samples would overflow.
 const MOST_TICKS: u64 = 1_000_000_000;
 
-/// The period of a signal that comes again, and the time at which it begins, s.
+/// The period of a periodic signal, and the time at which it begins, s.
 fn period(signal: &Signal) -> Option<(&Number, f64)> {
     match signal {
         Signal::Table(table) => table.period.as_ref().map(|period| (period, 0.0)),
@@ -148,7 +148,7 @@ fn period(signal: &Signal) -> Option<(&Number, f64)> {
     }
 }
 
-/// The steps after which a period and a sample begin together.
+/// The number of steps after which a period and a sample begin together.
 fn steps_of(period: &Number, step: &Number) -> Option<u64> {
     let steps = period / step;
     let steps = steps.exact()?;

@@ -52,9 +52,9 @@ pub fn turn(a: &Matrix<Dd>, angle: Option<Dd>) -> Option<Turn> {
     if square.hi < 0.0 {
         let w = (-square).sqrt();
         let gone = half.hi < GONE;
-        let (turned, reduced) = reduced(if gone { Dd::ZERO } else { angle.unwrap_or(w) })?;
+        let (turned, reduce_angle) = reduce_angle(if gone { Dd::ZERO } else { angle.unwrap_or(w) })?;
         let keep = Dd::ONE + exp_minus_one(half)?;
-        let (sine, cosine_lost) = sine_and_versine(reduced)?;
+        let (sine, cosine_lost) = sine_and_versine(reduce_angle)?;
         let shrunk = exp_minus_one(half)?;
         let along = keep * sine / w;
         let own = shrunk - keep * cosine_lost;
@@ -73,7 +73,7 @@ pub fn turn(a: &Matrix<Dd>, angle: Option<Dd>) -> Option<Turn> {
 }
 
 /// An angle minus whole turns, or minus an odd number of half turns if that is nearer.
-fn reduced(angle: Dd) -> Option<(bool, Dd)> {
+fn reduce_angle(angle: Dd) -> Option<(bool, Dd)> {
     if !angle.is_finite() {
         return None;
     }

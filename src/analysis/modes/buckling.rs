@@ -14,7 +14,7 @@
 use crate::analysis::modes::MAX_UNASKED;
 use crate::analysis::modes::eigen::{Failure, eigenpairs};
 use crate::analysis::modes::pair::{Eigenvalue, Pair};
-use crate::analysis::modes::parts::{Part, chosen, independent_undamped};
+use crate::analysis::modes::parts::{Part, choose_terms, independent_undamped};
 use crate::analysis::{modes::certificate, modes::shape};
 use crate::base::{Ball, Unproven};
 use crate::system::{Form, LinearSystem, Nature, Term};
@@ -41,7 +41,7 @@ pub fn buckling(system: &LinearSystem) -> Option<Buckling> {
     let mut least: Option<Buckling> = None;
     for part in independent_undamped(system) {
         part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
-        let k = chosen(&system.k, &part.k, &local);
+        let k = choose_terms(&system.k, &part.k, &local);
         if part.coordinates.len() > MAX_UNASKED || !k.terms().iter().any(softened) {
             continue;
         }
@@ -62,7 +62,7 @@ pub fn least_load_factor(system: &LinearSystem) -> Result<Option<Ball>, &'static
     let mut least: Option<Ball> = None;
     for part in independent_undamped(system) {
         part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
-        let k = chosen(&system.k, &part.k, &local);
+        let k = choose_terms(&system.k, &part.k, &local);
         if !k.terms().iter().any(|term| term.nature == Nature::Geometric && term.weight.is_negative()) {
             continue;
         }

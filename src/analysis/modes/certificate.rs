@@ -287,7 +287,7 @@ mod tests {
         (Terms::of(&system.k), Terms::of(&system.m))
     }
 
-    fn enclosed(x: &Matrix<Triple>) -> Vec<Enclosure> {
+    fn enclose_all(x: &Matrix<Triple>) -> Vec<Enclosure> {
         let (k, m) = row();
         enclose(&Gram::of(&k, x), &Gram::of(&m, x))
     }
@@ -307,7 +307,7 @@ mod tests {
         let root = Dd::from(2.0).sqrt();
         let truth = [Dd::from(2.0) - root, Dd::from(2.0), Dd::from(2.0) + root];
         for slip in [0.0, 1e-12, 1e-6, 1e-3] {
-            for (found, truth) in enclosed(&modes(slip)).iter().zip(truth) {
+            for (found, truth) in enclose_all(&modes(slip)).iter().zip(truth) {
                 let error = (found.lambda - Triple::from(truth)).hi().abs();
                 assert!(
                     error <= found.radius + 1e-31 && found.radius <= 100.0 * slip * slip + 1e-28,
@@ -324,7 +324,7 @@ mod tests {
     fn vectors_that_depend_on_each_other_certify_nothing() {
         let modes = modes(0.0);
         let twice = Matrix::from_fn(3, 3, |i, j| modes[(i, j.min(1))]);
-        assert!(enclosed(&twice).iter().all(|found| found.radius == f64::INFINITY));
+        assert!(enclose_all(&twice).iter().all(|found| found.radius == f64::INFINITY));
     }
 
     #[test]

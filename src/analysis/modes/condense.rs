@@ -120,7 +120,7 @@ impl Condensed {
     }
 
     /// The motion over all coordinates in which the remaining ones move like `x`.
-    pub fn expanded(&self, n: usize, x: &[Triple]) -> Vec<Triple> {
+    pub fn expand(&self, n: usize, x: &[Triple]) -> Vec<Triple> {
         let mut whole = vec![Triple::ZERO; n];
         for (&i, &x) in self.kept.iter().zip(x) {
             whole[i] = x;

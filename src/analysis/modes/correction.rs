@@ -63,7 +63,7 @@ pub fn newton_step(x: &Matrix<Triple>, k: &Gram, m: &Gram, estimates: Option<&[f
     let mut result = groups.rotate_groups(x, k, m);
     for j in 0..n {
         let mut change = vec![Dd::ZERO; x.rows()];
-        for i in (0..n).filter(|&i| !groups.joined(i, j)) {
+        for i in (0..n).filter(|&i| !groups.is_joined(i, j)) {
             let w = step(i, j);
             if !w.is_zero() && w.hi.abs() < 0.5 {
                 for (change, x) in change.iter_mut().zip(x.column(i)) {
@@ -126,7 +126,7 @@ impl Groups {
         Groups { members, group }
     }
 
-    fn joined(&self, i: usize, j: usize) -> bool {
+    fn is_joined(&self, i: usize, j: usize) -> bool {
         self.group[i] == self.group[j]
     }
 
@@ -152,7 +152,7 @@ fn turn(result: &mut Matrix<Triple>, x: &Matrix<Triple>, k: &Gram, m: &Gram, mem
     let size = members.len();
     let block = |gram: &Gram| Matrix::from_fn(size, size, |i, j| gram.mid[(members[i], members[j])]);
     let mut z = orthonormal(&block(m));
-    let mut reduced = conjugated(&block(k), &z);
+    let mut reduced = congruent(&block(k), &z);
     jacobi::diagonalise(&mut reduced, &mut z);
     for (j, &column) in members.iter().enumerate() {
         for row in 0..x.rows() {
@@ -187,7 +187,7 @@ fn product(m: &Matrix<Dd>, x: &[Dd]) -> Vec<Dd> {
 }
 
 /// Z^T K Z
-fn conjugated(k: &Matrix<Dd>, z: &Matrix<Dd>) -> Matrix<Dd> {
+fn congruent(k: &Matrix<Dd>, z: &Matrix<Dd>) -> Matrix<Dd> {
     let images: Vec<Vec<Dd>> = (0..z.columns()).map(|j| product(k, z.column(j))).collect();
     Matrix::from_fn(z.columns(), z.columns(), |i, j| dot(z.column(i), &images[j]))
 }

@@ -55,12 +55,12 @@ pub fn eigenpairs(k: &Form, m: &Form, n: usize, tolerance: f64) -> Result<Vec<Pa
     let (stiffness, masses) = (Terms::of(k), Terms::of(m));
     let Some(scale) = Scale::of(&stiffness, &masses) else {
         let pairs = eigenpairs_of(k, &stiffness, &masses, n, tolerance)?;
-        return Ok(exact::sharpened(pairs, k, m, tolerance));
+        return Ok(exact::sharpen(pairs, k, m, tolerance));
     };
     let (k, m) = scale.forms(k, m).ok_or(Failure::Range)?;
     let pairs = eigenpairs_of(&k, &Terms::of(&k), &Terms::of(&m), n, tolerance)?;
-    let pairs = exact::sharpened(pairs, &k, &m, tolerance);
-    pairs.into_iter().map(|pair| scale.unscaled(pair).ok_or(Failure::Range)).collect()
+    let pairs = exact::sharpen(pairs, &k, &m, tolerance);
+    pairs.into_iter().map(|pair| scale.unscale(pair).ok_or(Failure::Range)).collect()
 }
 
 /// Like [`eigenpairs`], for prepared terms of `form` and of M that are of ordinary size.
@@ -86,7 +86,7 @@ pub fn eigenpairs_of(
     {
         return Ok(pairs);
     }
-    let matrix = mass::assembled(masses, n);
+    let matrix = mass::assemble(masses, n);
     let lower = cholesky::factor(matrix.clone(), cholesky::rounding(n)).map_err(Failure::Mass)?;
     if n > MAX_SLOW {
         return Err(Failure::Size);
@@ -100,7 +100,7 @@ pub fn eigenpairs_of(
         rigid: structure::null_space(form, n),
         tolerance,
     };
-    problem.solved().ok_or(Failure::Range)
+    problem.solve().ok_or(Failure::Range)
 }
 
 /// The input from which the modes are computed.
@@ -125,10 +125,10 @@ struct Candidate<'a> {
 impl<'a> Problem<'a> {
     /// Tries one method after another until one is certified to the tolerance; otherwise returns the best result.
     /// `None` if numbers overflowed.
-    fn solved(&self) -> Option<Vec<Pair>> {
+    fn solve(&self) -> Option<Vec<Pair>> {
         let mut best: Option<(f64, Candidate)> = None;
         for method in [Problem::first, Problem::second] {
-            let candidate = self.refined(method(self));
+            let candidate = self.refine(method(self));
             let worst = self.worst_bound(&candidate);
             if best.as_ref().is_none_or(|(other, _)| worst < *other) {
                 best = Some((worst, candidate));
@@ -168,7 +168,7 @@ impl<'a> Problem<'a> {
         if self.stiffness.all_positive() {
             start::positive_in_double_double(self.stiffness, &self.inertia, &self.rigid)
         } else {
-            start::assembled(self.stiffness, &self.inertia, &self.rigid)
+            start::assemble(self.stiffness, &self.inertia, &self.rigid)
         }
     }
 
@@ -177,7 +177,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Newton steps until the couplings are negligible or stop shrinking, then the certificate.
-    fn refined(&self, mut start: Start) -> Candidate<'a> {
+    fn refine(&self, mut start: Start) -> Candidate<'a> {
         let target = if self.n <= ALL_DIGITS { NEGLIGIBLE } else { (self.tolerance * 1e-3).max(NEGLIGIBLE) };
         let (mut k, mut m) = self.pencil(&start.x);
         let mut distance = self.distance(&k, &m);
@@ -237,7 +237,7 @@ impl<'a> Problem<'a> {
                 false => Eigenvalue::Near { value: e.lambda, radius, positive },
             };
             let route = if rigid { Route::Exact } else { candidate.start.route };
-            Pair { value, x: normalised(&x, &candidate.m, e.column), route }
+            Pair { value, x: normalise(&x, &candidate.m, e.column), route }
         };
         let mut pairs: Vec<Pair> = candidate.list.iter().map(pair).collect();
         pairs.sort_by(|a, b| ascending(&a.value, &b.value));
@@ -252,7 +252,7 @@ impl Candidate<'_> {
     }
 }
 
-fn normalised(x: &Matrix<Triple>, m: &Gram, column: usize) -> Displacements {
+fn normalise(x: &Matrix<Triple>, m: &Gram, column: usize) -> Displacements {
     let scale = Triple::from(m.mid[(column, column)].sqrt().recip());
     Displacements::Precise(x.column(column).iter().map(|&x| x * scale).collect())
 }

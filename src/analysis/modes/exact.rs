@@ -4,7 +4,7 @@
 
 use crate::analysis::answer::Route;
 use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair};
-use crate::analysis::poles::exact::{assembled, roots};
+use crate::analysis::poles::exact::{assemble, roots};
 use crate::base::{Ball, Dd, Rational};
 use crate::kernel::big_float::Float;
 use crate::kernel::polynomial::{Polynomial, determinant};
@@ -24,7 +24,7 @@ const STEPS: usize = 2;
 
 /// The modes with exact eigenvalues where one of them is not certain to the tolerance; as they are if they are too many, or a number is
 /// not rational.
-pub fn sharpened(pairs: Vec<Pair>, k: &Form, m: &Form, tolerance: f64) -> Vec<Pair> {
+pub fn sharpen(pairs: Vec<Pair>, k: &Form, m: &Form, tolerance: f64) -> Vec<Pair> {
     let n = pairs.len();
     // NaN is not certain either.
     let is_certain = |pair: &Pair| match pair.value {
@@ -89,7 +89,7 @@ impl Pencil {
         let local: Vec<u32> = (0..n as u32).collect();
         let matrix = |form: &Form| {
             let all: Vec<u32> = (0..form.terms().len() as u32).collect();
-            assembled(form, &all, &local, n)
+            assemble(form, &all, &local, n)
         };
         let (k, m) = (matrix(k)?, matrix(m)?);
         let entries = || [&k, &m].into_iter().flatten().flatten();
@@ -170,7 +170,7 @@ impl Pencil {
             vector = found.into_iter().map(|x| x.times_power_of_two(-largest)).collect();
         }
         let norm = (0..n).fold(Float::zero(), |sum, i| &sum + &(&vector[i] * &self.momentum(&vector, i)));
-        Some(scaled(&vector, &norm.divided_by(&Float::from(self.common.clone()), bits)))
+        Some(scale(&vector, &norm.divided_by(&Float::from(self.common.clone()), bits)))
     }
 
     /// An entry of M x.
@@ -201,7 +201,7 @@ fn in_order(values: Vec<Value>) -> Vec<Value> {
 }
 
 /// A vector over the root of a number, to three words.
-fn scaled(vector: &[Float], norm: &Float) -> Vec<Triple> {
+fn scale(vector: &[Float], norm: &Float) -> Vec<Triple> {
     let factor = Triple::from(norm.to_ball(0.0).mid.sqrt().recip());
     let words = |x: &Float| {
         let hi = x.to_f64();
@@ -257,7 +257,7 @@ mod tests {
         };
         let zero = Pair { value: Eigenvalue::Zero, ..pair(0.0, 0.0) };
         let pairs = vec![zero, pair(3.0, f64::INFINITY), pair(2e60, 1e45)];
-        let found = sharpened(pairs, &system.k, &system.m, 1e-12);
+        let found = sharpen(pairs, &system.k, &system.m, 1e-12);
         assert!(matches!(found[0].value, Eigenvalue::Zero) && found[0].route == Route::Factored);
         assert!(matches!(found[2].value, Eigenvalue::Near { radius: 1e45, .. }) && found[2].route == Route::Factored);
         assert!(found[1].route == Route::Exact && found[1].x.to_f64().iter().all(|x| x.is_finite()));

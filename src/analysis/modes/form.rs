@@ -66,11 +66,11 @@ impl ModalForm {
             return None;
         }
         let (m, k) = (Squares::of_form(&system.m), Squares::of_form(&system.k));
-        Some(ModalForm::refined(shapes(&modes.list), &kinds(&modes.list), &m, &k, gram))
+        Some(ModalForm::from_shapes(shapes(&modes.list), &kinds(&modes.list), &m, &k, gram))
     }
 
     /// The form from shapes as computed, one column for each mode, and the kinds of these modes.
-    pub fn refined(
+    pub fn from_shapes(
         shapes: Matrix<Dd>,
         kinds: &[ModeKind],
         m: &Squares,
@@ -192,7 +192,7 @@ simd! {
     /// X^T (sum w a a^T) X, term by term.
     pub(in crate::analysis) fn gram(squares: &Squares, x: &Matrix<Dd>) -> Matrix<Ball> {
         let n = x.columns();
-        let mut gram = Matrix::filled(n, n, Ball::ZERO);
+        let mut gram = Matrix::fill_with(n, n, Ball::ZERO);
         for t in 0..squares.len() {
             let stretch: Vec<Ball> = (0..n).map(|j| squares.stretch(t, x.column(j))).collect();
             for j in 0..n {
@@ -219,7 +219,7 @@ pub(in crate::analysis) fn damping_clearly_couples(system: &LinearSystem, modes:
         return false;
     }
     let c = Squares::of_form(&system.c);
-    let (mut sums, mut sizes) = (Matrix::filled(n, n, 0.0), vec![0.0; n]);
+    let (mut sums, mut sizes) = (Matrix::fill_with(n, n, 0.0), vec![0.0; n]);
     let mut stretches = vec![0.0; n];
     for t in 0..c.len() {
         let weight = c.weights[t].to_f64();

@@ -55,7 +55,7 @@ pub fn modes(system: &LinearSystem, request: &Request) -> Result<Modes, Analysis
 /// Rewrites the system with rows over coordinates alone, if no faster method applies and the rows are not too long.
 pub fn write_out_rows(system: &LinearSystem) -> Result<LinearSystem, AnalysisError> {
     let (count, limit, at) = (system.n(), MAX_DENSE, place(system, 0));
-    system.clone().flattened(MOST_WRITTEN_OUT).map_err(|_| AnalysisError::NotSparse { count, limit, at })
+    system.clone().into_flat(MOST_WRITTEN_OUT).map_err(|_| AnalysisError::NotSparse { count, limit, at })
 }
 
 /// Coordinates q and chained motions z as rows over new coordinates p.
@@ -81,7 +81,7 @@ impl Places {
             places.follow(row, own, system, &stands_for)?;
             let z = match own {
                 Some(j) => vec![(CoordinateId(j), Number::ONE)],
-                None => places.written(row, n)?,
+                None => places.over_reduced(row, n)?,
             };
             entries += z.len();
             places.z.push(z);
@@ -129,14 +129,15 @@ impl Places {
         let (_, a) = row.iter().find(|(i, _)| i.index() == j)?;
         let factor = a.recip()?;
         let rest: ChainedRow = row.iter().filter(|(i, _)| i.index() != j).cloned().collect();
-        let mut solved: ChainedRow = self.written(&rest, n)?.into_iter().map(|(i, x)| (i, -&(&x * &factor))).collect();
+        let mut solved: ChainedRow =
+            self.over_reduced(&rest, n)?.into_iter().map(|(i, x)| (i, -&(&x * &factor))).collect();
         solved.push((CoordinateId(j as u32), factor));
-        self.q[j] = summed(solved);
+        self.q[j] = sum_terms(solved);
         Some(())
     }
 
     /// Rewrites a row over q and z as one over p; `None` if it refers to rows that are not known yet.
-    fn written(&self, row: &[(CoordinateId, Number)], n: usize) -> Option<ChainedRow> {
+    fn over_reduced(&self, row: &[(CoordinateId, Number)], n: usize) -> Option<ChainedRow> {
         let mut own = ChainedRow::new();
         for (i, value) in row {
             let part = match i.index().checked_sub(n) {
@@ -148,7 +149,7 @@ impl Places {
             }
             own.extend(part.iter().map(|(k, factor)| (*k, factor * value)));
         }
-        Some(summed(own))
+        Some(sum_terms(own))
     }
 
     /// The system over the coordinates p, without inputs and outputs.
@@ -174,7 +175,7 @@ impl Places {
         }
         let mut entries = 0;
         for term in form.terms() {
-            let row = self.written(form.row(term), n)?;
+            let row = self.over_reduced(form.row(term), n)?;
             entries += row.len();
             if entries > MOST_ENTRIES * n.max(form.terms().len()) {
                 return None;
@@ -267,7 +268,7 @@ fn followers(system: &LinearSystem) -> Vec<u32> {
 }
 
 /// Sorted, each coordinate once, without zeros.
-fn summed(mut row: ChainedRow) -> ChainedRow {
+fn sum_terms(mut row: ChainedRow) -> ChainedRow {
     row.sort_by_key(|(i, _)| *i);
     row.dedup_by(|(i, value), (last, sum)| {
         let same = i == last;
@@ -415,7 +416,7 @@ mod tests {
     }
 
     fn dense(system: &LinearSystem) -> Vec<(crate::kernel::triple::Triple, f64)> {
-        let flat = system.clone().flattened(u64::MAX).expect("small");
+        let flat = system.clone().into_flat(u64::MAX).expect("small");
         let pairs = eigenpairs(&flat.k, &flat.m, flat.n(), 1e-20).expect("a regular system");
         let value = |eigenvalue: Eigenvalue| match eigenvalue {
             Eigenvalue::Near { value, radius, .. } => (value, radius),
@@ -479,7 +480,7 @@ mod tests {
     #[test]
     fn modes_are_reported_in_link_angles() {
         let system = hanging_links(&row(9));
-        let flat = system.clone().flattened(u64::MAX).expect("small");
+        let flat = system.clone().into_flat(u64::MAX).expect("small");
         let request = Request::default();
         let (found, known) = (modes_as(&system, &request).expect("modes"), modes_as(&flat, &request).expect("modes"));
         for (a, b) in found.list.iter().zip(&known.list) {
@@ -496,7 +497,7 @@ mod tests {
     fn damped_poles_are_those_of_the_rows_written_out() {
         let mut system = hanging_links(&row(9));
         push(&mut system.c, "0.03", 4, Some(5));
-        let flat = system.clone().flattened(u64::MAX).expect("small");
+        let flat = system.clone().into_flat(u64::MAX).expect("small");
         let of = |system: &LinearSystem| modal(system, &Request::default()).expect("poles").poles.list;
         let (found, known) = (of(&system), of(&flat));
         assert_eq!(found.len(), 18);

@@ -5,7 +5,7 @@ use crate::base::Dd;
 use crate::kernel::dense::Matrix;
 
 /// sum w a a^T in double-double.
-pub fn assembled(terms: &Terms, n: usize) -> Matrix<Dd> {
+pub fn assemble(terms: &Terms, n: usize) -> Matrix<Dd> {
     let mut matrix = Matrix::zeros(n, n);
     for t in 0..terms.len() {
         let (indices, factors) = terms.row(t);
@@ -51,7 +51,7 @@ mod tests {
 
     #[test]
     fn off_diagonal_entries_are_seen() {
-        assert!(!is_diagonal(&Matrix::filled(2, 2, Dd::ONE)) && is_diagonal(&Matrix::identity(2)));
+        assert!(!is_diagonal(&Matrix::fill_with(2, 2, Dd::ONE)) && is_diagonal(&Matrix::identity(2)));
     }
 
     /// It is found wherever the midpoint of its enclosure happens to be.

@@ -38,7 +38,7 @@ use crate::analysis::modes::condense::{Condensed, Stuck, condense};
 use crate::analysis::modes::eigen::{Failure, eigenpairs, eigenpairs_of};
 use crate::analysis::modes::pair::Found;
 use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair, ascending};
-use crate::analysis::modes::parts::{Part, chosen, independent_chained, independent_undamped};
+use crate::analysis::modes::parts::{Part, choose_terms, independent_chained, independent_undamped};
 use crate::analysis::modes::request::{FEW, Request, Which};
 use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::shape::Roots;
@@ -94,7 +94,7 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
             part_pairs(system, part, &whole, request)?
         } else {
             part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
-            let (k, m) = (chosen(&system.k, &part.k, &local), chosen(&system.m, &part.m, &local));
+            let (k, m) = (choose_terms(&system.k, &part.k, &local), choose_terms(&system.m, &part.m, &local));
             let own = Forms { k: &k, m: &m, stiffness: &Terms::of(&k), masses: &Terms::of(&m) };
             part_pairs(system, part, &own, request)?
         };
@@ -164,7 +164,7 @@ fn part_pairs(
     let (k, m) = scale.forms(forms.k, forms.m).ok_or_else(out_of_range)?;
     let scaled = Forms { k: &k, m: &m, stiffness: &Terms::of(&k), masses: &Terms::of(&m) };
     let found = ordinary_pairs(system, part, &scaled, &scale.request(request))?;
-    let pairs: Option<Vec<Pair>> = found.pairs.into_iter().map(|pair| scale.unscaled(pair)).collect();
+    let pairs: Option<Vec<Pair>> = found.pairs.into_iter().map(|pair| scale.unscale(pair)).collect();
     Ok(PartPairs { pairs: pairs.ok_or_else(out_of_range)?, ..found })
 }
 
@@ -198,7 +198,7 @@ fn ordinary_pairs(
         });
     }
     let pairs = match eigenpairs_of(forms.k, forms.stiffness, forms.masses, n, request.tolerance) {
-        Ok(pairs) => exact::sharpened(pairs, forms.k, forms.m, request.tolerance),
+        Ok(pairs) => exact::sharpen(pairs, forms.k, forms.m, request.tolerance),
         Err(Failure::Range) => return Err(AnalysisError::OutOfRange { at: place(system, first) }),
         Err(Failure::Size) => return Err(too_many(system, first, n)),
         Err(Failure::Mass(at)) => without_massless_motions(system, part, forms.k, forms.m, at, request.tolerance)?,
@@ -250,11 +250,11 @@ fn without_massless_motions(
         Failure::Range => AnalysisError::OutOfRange { at: place(system, global(0)) },
         Failure::Size => too_many(system, global(0), n),
     })?;
-    Ok(pairs.into_iter().map(|pair| expanded(pair, &condensed, n)).collect())
+    Ok(pairs.into_iter().map(|pair| expand(pair, &condensed, n)).collect())
 }
 
-fn expanded(pair: Pair, condensed: &Condensed, n: usize) -> Pair {
-    Pair { x: Displacements::Precise(condensed.expanded(n, &pair.x.to_triple())), ..pair }
+fn expand(pair: Pair, condensed: &Condensed, n: usize) -> Pair {
+    Pair { x: Displacements::Precise(condensed.expand(n, &pair.x.to_triple())), ..pair }
 }
 
 /// Whether some damper may act on this motion of the part.

@@ -60,7 +60,7 @@ pub fn joined_by(n: usize, forms: &[&Form]) -> Vec<Part> {
 
 /// The sets of the first n members; every later member belongs to one of them.
 fn parts_of(joined: Joined, n: usize) -> Vec<Part> {
-    let (number, count) = joined.numbered();
+    let (number, count) = joined.number_sets();
     let mut parts = vec![Part::default(); count];
     for (coordinate, &part) in number[..n].iter().enumerate() {
         parts[part].coordinates.push(coordinate as u32);
@@ -82,9 +82,9 @@ pub fn as_system(system: &LinearSystem, part: &Part, local: &[u32]) -> LinearSys
     LinearSystem {
         words: system.words.clone(),
         coordinates: part.coordinates.iter().map(|&c| system.coordinates[c as usize].clone()).collect(),
-        m: chosen(&system.m, &part.m, local),
-        c: chosen(&system.c, &part.c, local),
-        k: chosen(&system.k, &part.k, local),
+        m: choose_terms(&system.m, &part.m, local),
+        c: choose_terms(&system.c, &part.c, local),
+        k: choose_terms(&system.k, &part.k, local),
         chain: Vec::new(),
         inputs: Vec::new(),
         outputs: Vec::new(),
@@ -114,7 +114,7 @@ pub fn undamped_block(system: &LinearSystem, coordinates: &[u32]) -> Option<Line
 }
 
 /// The chosen terms, with their coordinates numbered by `local`.
-pub fn chosen(form: &Form, terms: &[u32], local: &[u32]) -> Form {
+pub fn choose_terms(form: &Form, terms: &[u32], local: &[u32]) -> Form {
     let mut result = Form::new();
     for &index in terms {
         let term = &form.terms()[index as usize];
@@ -165,7 +165,7 @@ impl Joined {
     }
 
     /// The number of each member's set, counted in the order of first members, and the number of sets.
-    fn numbered(mut self) -> (Vec<usize>, usize) {
+    fn number_sets(mut self) -> (Vec<usize>, usize) {
         let mut number = vec![0; self.above.len()];
         let mut count = 0;
         for i in 0..self.above.len() {

@@ -53,11 +53,11 @@ impl Scale {
 
     /// Converts an eigenpair of the scaled forms to one of the originals; `None` if it lies outside the range of
     /// binary64.
-    pub fn unscaled(self, pair: Pair) -> Option<Pair> {
+    pub fn unscale(self, pair: Pair) -> Option<Pair> {
         let value = match pair.value {
             Eigenvalue::Zero => Eigenvalue::Zero,
             Eigenvalue::Near { value, radius, positive } => {
-                let (value, radius) = scaled(value, radius, self.masses - self.stiffness)?;
+                let (value, radius) = scale(value, radius, self.masses - self.stiffness)?;
                 Eigenvalue::Near { value, radius, positive }
             }
         };
@@ -120,7 +120,7 @@ const UNDERFLOW: f64 = 1e-322;
 
 /// A certified number times 2^e; `None` if it is too large for binary64. Near the lower end of the range the relative
 /// bound grows until the number is all error.
-fn scaled(value: Triple, radius: f64, e: i32) -> Option<(Triple, f64)> {
+fn scale(value: Triple, radius: f64, e: i32) -> Option<(Triple, f64)> {
     let (result, bound) = (value.by_power(e), by_power(radius, e));
     if !radius.is_finite() {
         return Some((result, f64::INFINITY));
@@ -187,19 +187,19 @@ mod tests {
     #[test]
     fn underflow_is_in_the_bound() {
         let value = Triple::from(1.0 + f64::EPSILON) + Triple::from(1e-30);
-        let (back, bound) = scaled(value, 1e-31, -1000).expect("a normal number");
+        let (back, bound) = scale(value, 1e-31, -1000).expect("a normal number");
         assert_eq!(back.hi(), (1.0 + f64::EPSILON) * by_power(1.0, -1000));
         // 1e-30 2^-1000 is below all numbers: it is lost, and the bound contains it.
         let lost = by_power(1e-30, -1000);
         assert!(bound >= lost && bound >= by_power(1e-31, -1000), "{bound:e} {lost:e}");
-        assert!(scaled(value, 1e-31, 2000).is_none());
-        let (few, bound) = scaled(value, 1e-31, -1070).expect("four bits are left");
+        assert!(scale(value, 1e-31, 2000).is_none());
+        let (few, bound) = scale(value, 1e-31, -1070).expect("four bits are left");
         assert!(few.hi() == by_power(1.0, -1070) && bound >= UNDERFLOW);
-        let (none, bound) = scaled(value, 1e-31, -1100).expect("a bound is left");
+        let (none, bound) = scale(value, 1e-31, -1100).expect("a bound is left");
         assert!(none.is_zero() && bound > 0.0);
-        assert_eq!(scaled(value, f64::INFINITY, -10).map(|(_, bound)| bound), Some(f64::INFINITY));
+        assert_eq!(scale(value, f64::INFINITY, -10).map(|(_, bound)| bound), Some(f64::INFINITY));
         // A number that may be zero may still be zero after scaling.
-        let (zero, bound) = scaled(Triple::from(1e-20), 1e-19, -1060).expect("may be zero");
+        let (zero, bound) = scale(Triple::from(1e-20), 1e-19, -1060).expect("may be zero");
         assert!(zero.hi() <= bound);
     }
 
@@ -247,7 +247,7 @@ mod tests {
         let Which::Within(found) = (Scale { masses: 0, stiffness: 200 }).request(&band).which else { panic!("a band") };
         assert_eq!((found.from, found.to), (0.0, 3.0 * power));
         let pair = Pair { value: Eigenvalue::Zero, x: Displacements::Plain(vec![1.0]), route: Route::Exact };
-        let found = Scale { masses: 200, stiffness: 200 }.unscaled(pair).expect("in range");
+        let found = Scale { masses: 200, stiffness: 200 }.unscale(pair).expect("in range");
         assert_eq!(found.x.to_f64(), [power]);
     }
 }

@@ -18,7 +18,7 @@ fn of_tree(stiffness: &Terms, masses: &Terms, n: usize, request: &Request) -> Op
     let forest = Forest::of(masses, stiffness, n)?;
     let rigid = usize::from(forest.floats);
     let (before, modes) = match request.which {
-        Which::Within(band) => tree::within(&forest, band, request.tolerance)?,
+        Which::Within(band) => tree::modes_within(&forest, band, request.tolerance)?,
         which => (0, tree::lowest(&forest, which.limit().saturating_sub(rigid), request.tolerance)?),
     };
     let wants_rigid = match request.which {

@@ -23,7 +23,7 @@ pub struct Split {
 /// All close neighbours, ascending. Neighbours whose enclosures overlap are a cluster, and are reported as such
 /// instead.
 pub fn splits(modes: &Modes) -> Vec<Split> {
-    let neighbours = modes.numbered().zip(modes.list.iter().skip(1));
+    let neighbours = modes.with_numbers().zip(modes.list.iter().skip(1));
     let close = |((lower, a), b): ((usize, &Mode), &Mode)| {
         let oscillate = a.kind == ModeKind::Oscillation && b.kind == ModeKind::Oscillation;
         let omega = b.omega - a.omega;

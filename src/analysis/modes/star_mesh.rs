@@ -25,7 +25,7 @@ pub struct Network {
 impl Network {
     /// The network of the terms, if each row has one coordinate, or two with factors that differ only in sign.
     pub fn of(terms: &Terms, n: usize) -> Option<Network> {
-        let mut network = Network { couplings: Matrix::filled(n, n, 0.0), ground: vec![0.0; n] };
+        let mut network = Network { couplings: Matrix::fill_with(n, n, 0.0), ground: vec![0.0; n] };
         for t in 0..terms.len() {
             let weight = terms.weights[t].value.hi();
             match terms.row(t) {

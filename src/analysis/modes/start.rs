@@ -58,7 +58,7 @@ pub fn positive(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
         }
         None => {
             let basis = cholesky::inverse_transpose(&inertia.lower);
-            let g = factored(terms, &basis).map(|x| x.hi);
+            let g = factor_columns(terms, &basis).map(|x| x.hi);
             (pivoted_qr::factor(g, inertia.n() - rigid.vectors.len()), Basis::Full(basis), Route::Factored)
         }
     };
@@ -79,7 +79,7 @@ pub fn positive(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
 pub fn positive_in_double_double(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
     let (mut x, rigid) = deflated_basis(inertia, rigid);
     let mut elastic = x.select_columns(&(rigid..inertia.n()).collect::<Vec<_>>());
-    let mut g = factored(terms, &elastic);
+    let mut g = factor_columns(terms, &elastic);
     jacobi::orthogonalise_columns(&mut g, Some(&mut elastic));
     for j in rigid..inertia.n() {
         x.column_mut(j).copy_from_slice(elastic.column(j - rigid));
@@ -94,7 +94,7 @@ pub fn of_both_signs(terms: &Terms, positive: Start, rigid: usize) -> Start {
     let mut k = Gram::of(terms, &positive.x).mid;
     let mut z = Matrix::identity(n);
     jacobi::diagonalise(&mut k, &mut z);
-    let mut result = Matrix::filled(n, n, Dd::ZERO);
+    let mut result = Matrix::fill_with(n, n, Dd::ZERO);
     for j in 0..n {
         for i in 0..n {
             add_scaled(result.column_mut(j), z[(i, j)], x.column(i));
@@ -104,7 +104,7 @@ pub fn of_both_signs(terms: &Terms, positive: Start, rigid: usize) -> Start {
 }
 
 /// Starts from terms of both signs, directly in double-double.
-pub fn assembled(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
+pub fn assemble(terms: &Terms, inertia: &Inertia, rigid: &NullSpace) -> Start {
     let (x, count) = deflated_basis(inertia, rigid);
     let n = inertia.n();
     let mut elastic = x.select_columns(&(count..n).collect::<Vec<_>>());
@@ -128,7 +128,7 @@ fn rigid_first(x: Matrix<Dd>, k: &Matrix<Dd>, rigid: usize) -> Matrix<Dd> {
 }
 
 /// sqrt(w) a . x for each term and column.
-fn factored(terms: &Terms, x: &Matrix<Dd>) -> Matrix<Dd> {
+fn factor_columns(terms: &Terms, x: &Matrix<Dd>) -> Matrix<Dd> {
     let x = x.map(Triple::from);
     let roots: Vec<Dd> = terms.weights.iter().map(|w| w.value.dd().abs().sqrt()).collect();
     Matrix::from_fn(terms.len(), x.columns(), |t, j| roots[t] * terms.stretch(t, x.column(j)).value.dd())

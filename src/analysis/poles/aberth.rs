@@ -13,7 +13,7 @@ const MOST_SWEEPS: usize = 60;
 
 /// Improves a list of one value of each conjugate pair (im > 0) and the real values; returns such a list.
 pub fn aberth(basis: &Basis, starts: &[Complex<f64>]) -> Vec<Complex<f64>> {
-    let mut values = spread(starts, 2 * basis.n() - basis.zeros());
+    let mut values = spread_starts(starts, 2 * basis.n() - basis.zeros());
     for _ in 0..MOST_SWEEPS {
         let mut largest = 0.0f64;
         for i in 0..values.len() {
@@ -30,7 +30,7 @@ pub fn aberth(basis: &Basis, starts: &[Complex<f64>]) -> Vec<Complex<f64>> {
 
 /// As many values as there are poles, conjugates included, each rotated a little by a different angle: otherwise equal
 /// values would stay equal, and real ones real.
-fn spread(starts: &[Complex<f64>], count: usize) -> Vec<Complex<f64>> {
+fn spread_starts(starts: &[Complex<f64>], count: usize) -> Vec<Complex<f64>> {
     let both = starts.iter().flat_map(|&z| if z.im > 0.0 { vec![z, z.conj()] } else { vec![z] });
     let mut values: Vec<Complex<f64>> = both.collect();
     let size = values.iter().map(|z| z.abs()).fold(0.0, f64::max);

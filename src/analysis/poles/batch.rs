@@ -53,8 +53,8 @@ enum State {
 
 fn side_by_side(pencil: &Pencil<Dd>, basis: &Basis, family: &Family) -> Vec<Option<Pair>> {
     let starts: Vec<Complex<f64>> = family.list.iter().map(|&(s, _)| s).collect();
-    let y = normalised(displacements(basis, &starts, &family.vectors()));
-    let mut pairs = expanded(basis, &starts, &y);
+    let y = normalise(displacements(basis, &starts, &family.vectors()));
+    let mut pairs = expand(basis, &starts, &y);
     let neighbours: Vec<Complex<f64>> = starts.iter().map(|&s| next_to(s)).collect();
     let v = solve(basis, family, &neighbours, slopes(basis, &starts, &y));
     // Before the first step the relative error is at most one.
@@ -65,7 +65,7 @@ fn side_by_side(pencil: &Pencil<Dd>, basis: &Basis, family: &Family) -> Vec<Opti
         }
         let u = solve(basis, family, &neighbours, residuals(pencil, basis, &pairs, &states));
         let (dy, ds) = corrections(&y, &u, &v);
-        let dx = dy.after(View::of(&basis.shapes));
+        let dx = dy.times(View::of(&basis.shapes));
         for (j, state) in states.iter_mut().enumerate() {
             if let State::Moving { last } = *state {
                 apply(&mut pairs[j], &dx, ds[j], j);
@@ -146,7 +146,7 @@ fn solve(basis: &Basis, family: &Family, shifts: &[Complex<f64>], r: ComplexColu
 
 /// The derivative of Phi^T Q(s) Phi with respect to s, times y.
 fn slopes(basis: &Basis, shifts: &[Complex<f64>], y: &ComplexColumns) -> ComplexColumns {
-    let mut slope = y.after(View::of(&basis.damping));
+    let mut slope = y.times(View::of(&basis.damping));
     for (j, s) in shifts.iter().enumerate() {
         for i in 0..basis.n() {
             let value = match i {
@@ -174,7 +174,7 @@ fn residuals(pencil: &Pencil<Dd>, basis: &Basis, pairs: &[Pair], states: &[State
             rigid.set(i, j, rigid_residual(basis, pair.s, &applied, i).unwrap_or(Complex::ZERO));
         }
     }
-    let mut residual = force.after(View::of(&basis.shapes).transposed());
+    let mut residual = force.times(View::of(&basis.shapes).transpose());
     for j in 0..pairs.len() {
         (0..basis.rigid()).for_each(|i| residual.set(i, j, rigid.at(i, j)));
     }
@@ -197,7 +197,7 @@ fn corrections(y: &ComplexColumns, u: &ComplexColumns, v: &ComplexColumns) -> (C
 }
 
 /// Scales each column so that its largest entry is one.
-fn normalised(mut y: ComplexColumns) -> ComplexColumns {
+fn normalise(mut y: ComplexColumns) -> ComplexColumns {
     let sizes: Vec<f64> = (0..y.columns()).map(|j| column_norm(&y, j)).collect();
     y.scale(|j| Complex::real(1.0 / sizes[j]));
     y
@@ -209,8 +209,8 @@ fn column_norm(y: &ComplexColumns, j: usize) -> f64 {
 }
 
 /// The pairs at the starts, x = Phi y.
-fn expanded(basis: &Basis, starts: &[Complex<f64>], y: &ComplexColumns) -> Vec<Pair> {
-    let x = y.after(View::of(&basis.shapes));
+fn expand(basis: &Basis, starts: &[Complex<f64>], y: &ComplexColumns) -> Vec<Pair> {
+    let x = y.times(View::of(&basis.shapes));
     let words = |m: &Matrix<f64>, j: usize| m.column(j).iter().map(|&x| Dd::from(x)).collect::<Vec<Dd>>();
     let pair = |(j, &s): (usize, &Complex<f64>)| {
         let im = if s.im == 0.0 { Vec::new() } else { words(&x.im, j) };

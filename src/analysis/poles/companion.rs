@@ -9,7 +9,7 @@
 
 use crate::analysis::answer::{ModeKind, Modes};
 use crate::analysis::poles::pencil::Pencil;
-use crate::analysis::poles::refinement::scrambled;
+use crate::analysis::poles::refinement::scrambled_number;
 use crate::analysis::poles::rigid::RigidMotions;
 use crate::analysis::poles::schur::{ComplexColumns, Eigenvalue, SchurForm};
 use crate::base::Dd;
@@ -114,7 +114,7 @@ impl Basis {
         let signs: Vec<f64> = (0..n).map(|i| if i < moving { self.signed_rate(i).1 } else { -1.0 }).collect();
         let s = Matrix::from_fn(n, n, |i, j| signs[i] * matrix[(i, j)]);
         // Velocities alone, so that the vector has a length; pseudo-random, so that it has a part along each motion.
-        let start: Vec<f64> = (0..n).map(|i| if i < moving { 0.0 } else { scrambled(i) }).collect();
+        let start: Vec<f64> = (0..n).map(|i| if i < moving { 0.0 } else { scrambled_number(i) }).collect();
         pseudosymmetric::eigen(&s, &signs, &start)
     }
 
@@ -299,7 +299,7 @@ impl Family {
             return z;
         };
         let reciprocals: Vec<Complex<f64>> = shifts.iter().map(|s| s.recip()).collect();
-        b = b.after(View::of(inverse));
+        b = b.times(View::of(inverse));
         let mut z = self.form.solve(&reciprocals, &b);
         z.scale(|j| reciprocals[j]);
         z
@@ -416,7 +416,7 @@ fn damping(pencil: &Pencil<Dd>, shapes: &Matrix<f64>, free: usize) -> Matrix<f64
     };
     let stretches = Matrix::from_fn(terms, n - free, stretch);
     let tensions = Matrix::from_fn(terms, n - free, |t, j| pencil.c.weights[t].to_f64() * stretches[(t, j)]);
-    let moving = product(View::of(&stretches).transposed(), View::of(&tensions));
+    let moving = product(View::of(&stretches).transpose(), View::of(&tensions));
     // Exactly symmetric, whatever the order of the sums.
     Matrix::from_fn(n, n, |i, j| match i.min(j).checked_sub(free) {
         Some(least) => moving[(least, i.max(j) - free)],

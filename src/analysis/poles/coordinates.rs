@@ -9,7 +9,7 @@
 
 use crate::analysis::poles::disc_columns::UP;
 use crate::analysis::poles::refinement::Pair;
-use crate::analysis::poles::residues::{Proof, norm, seen};
+use crate::analysis::poles::residues::{Proof, norm, row_product};
 use crate::base::{Ball, Number, larger};
 use crate::kernel::complex::Complex;
 use crate::kernel::real::Real;
@@ -40,7 +40,7 @@ pub struct PoleCoordinates {
 impl PoleCoordinates {
     /// row . x_j of each pole.
     pub(in crate::analysis) fn sees(&self, row: &[(usize, Ball)]) -> Vec<Complex<Ball>> {
-        self.pairs.iter().map(|pair| seen(pair, row)).collect()
+        self.pairs.iter().map(|pair| row_product(pair, row)).collect()
     }
 }
 
@@ -57,7 +57,7 @@ impl Proof<'_> {
         let excited = |seen: &[Complex<Ball>]| self.coordinates_of(seen, &norms, &scale);
         let sees = |list: &Vec<(CoordinateId, Number)>| {
             let row: Vec<(usize, Ball)> = list.iter().map(|(i, value)| (i.index(), value.to_ball())).collect();
-            (!row.is_empty()).then(|| self.pairs.iter().map(|pair| seen(pair, &row)).collect::<Vec<_>>())
+            (!row.is_empty()).then(|| self.pairs.iter().map(|pair| row_product(pair, &row)).collect::<Vec<_>>())
         };
         let powers = |b: &[Vec<(CoordinateId, Number)>; 3]| {
             [0, 1, 2].map(|power: usize| sees(&b[power]).map(|seen| excited(&seen)))
@@ -106,7 +106,7 @@ impl Proof<'_> {
         let (m, c) = (Squares::of_form(&system.m), Squares::of_form(&system.c));
         let momentum: Vec<Ball> = c.image(&q).into_iter().zip(m.image(&v)).map(|(a, b)| a + b).collect();
         let (row, of_rates) = (sparse(&momentum), sparse(&m.image(&q)));
-        let of = |pair: &Pair| seen(pair, &row) + pair.s.to_ball() * seen(pair, &of_rates);
+        let of = |pair: &Pair| row_product(pair, &row) + pair.s.to_ball() * row_product(pair, &of_rates);
         self.pairs.iter().map(of).collect()
     }
 

@@ -55,7 +55,7 @@ impl Tally {
     }
 
     /// The count of a system with this many coordinates.
-    pub fn counted(&self, coordinates: usize) -> Option<PoleCount> {
+    pub fn certain_count(&self, coordinates: usize) -> Option<PoleCount> {
         let whole = !self.broken && self.coordinates == coordinates;
         whole.then_some(PoleCount { finite: self.finite, infinite: self.infinite })
     }
@@ -69,9 +69,9 @@ mod tests {
     fn two_poles_for_each_coordinate_are_a_count() {
         let mut tally = Tally::default();
         tally.part(2, 3, 1);
-        assert_eq!(tally.counted(5), None, "a part is missing");
+        assert_eq!(tally.certain_count(5), None, "a part is missing");
         tally.part(3, 6, 0);
-        assert_eq!(tally.counted(5), Some(PoleCount { finite: 9, infinite: 1 }));
+        assert_eq!(tally.certain_count(5), Some(PoleCount { finite: 9, infinite: 1 }));
     }
 
     #[test]
@@ -82,7 +82,7 @@ mod tests {
             if doubt {
                 tally.add_uncertain();
             }
-            assert_eq!(tally.counted(2), None, "{finite} {infinite} {doubt}");
+            assert_eq!(tally.certain_count(2), None, "{finite} {infinite} {doubt}");
         }
     }
 }

@@ -146,7 +146,7 @@ pub fn dot_products(columns: &Columns, forces: &[Vec<Bounded>]) -> Matrix<f64> {
     let f: Vec<&[Bounded]> = forces.iter().map(Vec::as_slice).collect();
     let (re, im): (Part, Part) = (|near| near.value.re, |near| near.value.im);
     let (x_re, x_im, f_re, f_im) = (table(&x, re), table(&x, im), table(&f, re), table(&f, im));
-    let times = |a: &Matrix<f64>, b: &Matrix<f64>| product(View::of(a).transposed(), View::of(b));
+    let times = |a: &Matrix<f64>, b: &Matrix<f64>| product(View::of(a).transpose(), View::of(b));
     let (rr, ii, ri, ir) = (times(&x_re, &f_re), times(&x_im, &f_im), times(&x_re, &f_im), times(&x_im, &f_re));
     // The error of each of the four sums, relative to the sum of the magnitudes.
     let gamma = 4.0 * error(x_re.rows()) + 16.0 * U;

@@ -363,7 +363,7 @@ mod tests {
         (pencil, pairs.collect())
     }
 
-    fn certified(pencil: &Pencil<Precise>, pairs: &[Pair], count: usize) -> Vec<PoleEnclosure> {
+    fn certify(pencil: &Pencil<Precise>, pairs: &[Pair], count: usize) -> Vec<PoleEnclosure> {
         discs(pencil, &RigidMotions::default(), pairs, count, |_| ()).0
     }
 
@@ -376,7 +376,7 @@ mod tests {
     #[test]
     fn good_pairs_are_certified_each_by_itself() {
         let (pencil, pairs) = chain();
-        let discs = certified(&pencil, &pairs, 8);
+        let discs = certify(&pencil, &pairs, 8);
         assert_eq!(discs.len(), 4);
         assert!(discs.iter().all(|disc| disc.clusters == [None; 2] && disc.s.re.rad < 1e-28), "{discs:?}");
     }
@@ -386,7 +386,7 @@ mod tests {
     #[test]
     fn poles_that_are_not_counted_are_not_certified() {
         let (pencil, pairs) = chain();
-        let nothing = |pairs: &[Pair], count: usize| certified(&pencil, pairs, count).iter().all(|d| !d.is_certified());
+        let nothing = |pairs: &[Pair], count: usize| certify(&pencil, pairs, count).iter().all(|d| !d.is_certified());
         assert!(nothing(&pairs[..3], 8), "one is missing");
         assert!(nothing(&[pairs.clone(), pairs[..1].to_vec()].concat(), 8), "one is there twice besides");
         assert!(nothing(&[&pairs[..3], &pairs[..1]].concat(), 8), "one is there twice, one is missing");
@@ -398,7 +398,7 @@ mod tests {
     fn vectors_that_depend_on_each_other_certify_nothing() {
         let (pencil, mut pairs) = chain();
         pairs[1].x = pairs[0].x.clone();
-        assert!(certified(&pencil, &pairs, 8).iter().all(|disc| !disc.is_certified()));
+        assert!(certify(&pencil, &pairs, 8).iter().all(|disc| !disc.is_certified()));
     }
 
     /// One vector is wrong and all other pairs are exact. Then the other columns of R vanish and so does Gershgorin's
@@ -406,7 +406,7 @@ mod tests {
     #[test]
     fn a_wrong_vector_widens_its_disc_by_the_square() {
         let (pencil, pairs) = chain();
-        let (truth, mut felt) = (certified(&pencil, &pairs, 8), 0);
+        let (truth, mut felt) = (certify(&pencil, &pairs, 8), 0);
         for at in 0..4 {
             for slip in [1e-3, 1e-5, 1e-7] {
                 let mut wrong = pairs.clone();
@@ -414,7 +414,7 @@ mod tests {
                     let size = slip * [0.7, -1.0, 0.4, 0.9][(i + at) % 4];
                     wrong[at].x.add(i, Complex::new(size, 0.6 * size));
                 }
-                let discs = certified(&pencil, &wrong, 8);
+                let discs = certify(&pencil, &wrong, 8);
                 let (error, radius) = error(&discs[at], &truth[at]);
                 assert!(error <= radius && radius < 1e4 * slip * slip, "{at} {slip:e}: {error:e} {radius:e}");
                 felt += usize::from(error > 1e-3 * slip * slip);
@@ -427,7 +427,7 @@ mod tests {
     #[test]
     fn wrong_pairs_have_discs_that_hold_the_truth() {
         let (pencil, pairs) = chain();
-        let truth = certified(&pencil, &pairs, 8);
+        let truth = certify(&pencil, &pairs, 8);
         for slip in [3e-2, 1e-2, 1e-4] {
             let mut wrong = pairs.clone();
             for (at, pair) in wrong.iter_mut().enumerate() {
@@ -435,7 +435,7 @@ mod tests {
                 (0..4)
                     .for_each(|i| pair.x.add(i, Complex::new(slip * 0.3, slip * [0.2, -0.4, 0.1, 0.3][(i + at) % 4])));
             }
-            for (disc, truth) in certified(&pencil, &wrong, 8).iter().zip(&truth) {
+            for (disc, truth) in certify(&pencil, &wrong, 8).iter().zip(&truth) {
                 let (error, radius) = error(disc, truth);
                 assert!(error <= radius, "{slip:e}: {error:e} {radius:e}");
                 assert!(slip > 1e-3 || radius < 1e-4, "{slip:e}: {radius:e}");

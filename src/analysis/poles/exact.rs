@@ -33,7 +33,7 @@ pub struct ExactPoles {
 
 impl ExactPoles {
     /// `None` if the number of roots and zeros is not the degree.
-    pub(super) fn counted(zeros: usize, roots: Vec<ExactRoot>, degree: usize) -> Option<ExactPoles> {
+    pub(super) fn with_count(zeros: usize, roots: Vec<ExactRoot>, degree: usize) -> Option<ExactPoles> {
         let sides = |root: &ExactRoot| if root.real { root.multiplicity } else { 2 * root.multiplicity };
         let count = zeros + roots.iter().map(sides).sum::<usize>();
         (count == degree).then_some(ExactPoles { zeros, roots, degree })
@@ -89,7 +89,7 @@ pub fn exact_poles(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<
             roots.extend(with_multiplicity(factor, index + 1, &matrices)?);
         }
     }
-    Some(Exact::Poles(ExactPoles::counted(zeros, roots, polynomial.degree())?))
+    Some(Exact::Poles(ExactPoles::with_count(zeros, roots, polynomial.degree())?))
 }
 
 /// The number of poles of a part to the left of the imaginary axis, on it and to its right, without computing any of
@@ -128,9 +128,9 @@ struct Matrices {
 impl Matrices {
     fn of(system: &LinearSystem, part: &Part, local: &[u32]) -> Option<Matrices> {
         let n = part.coordinates.len();
-        let m = assembled(&system.m, &part.m, local, n)?;
-        let c = assembled(&system.c, &part.c, local, n)?;
-        let k = assembled(&system.k, &part.k, local, n)?;
+        let m = assemble(&system.m, &part.m, local, n)?;
+        let c = assemble(&system.c, &part.c, local, n)?;
+        let k = assemble(&system.k, &part.k, local, n)?;
         let denominators = [&m, &c, &k].into_iter().flatten().flatten().map(|x| x.to_big().denom().clone());
         let common = denominators.fold(BigInt::one(), |lcm, d| lcm.lcm(&d));
         let cleared = |matrix: &[Vec<Rational>]| {
@@ -161,12 +161,7 @@ impl Matrices {
 }
 
 /// sum w a a^T of the chosen terms.
-pub(in crate::analysis) fn assembled(
-    form: &Form,
-    terms: &[u32],
-    local: &[u32],
-    n: usize,
-) -> Option<Vec<Vec<Rational>>> {
+pub(in crate::analysis) fn assemble(form: &Form, terms: &[u32], local: &[u32], n: usize) -> Option<Vec<Vec<Rational>>> {
     let mut matrix = vec![vec![Rational::ZERO; n]; n];
     for &index in terms {
         let term = &form.terms()[index as usize];
@@ -323,7 +318,7 @@ pub(super) struct Rooted {
 impl Rooted {
     /// The disc around z; if that meets the real axis, the disc around the real part of z instead: a disc around a real
     /// centre that contains one root contains a real one.
-    fn around(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<Rooted> {
+    fn disc_around(f: &Polynomial, slope: &Polynomial, z: &ComplexFloat) -> Option<Rooted> {
         let disc = Rooted { z: z.clone(), radius: radius(f, slope, z, f.degree())? };
         if disc.is_clear_of_the_axis() {
             return Some(disc);
@@ -370,7 +365,7 @@ fn is_less(a: &Float, b: &Float) -> bool {
 /// conjugate pair. Sturm's chain counts the real roots independently. `None` if discs touch, or leave digits open that
 /// double-double can represent.
 fn disjoint_discs(f: &Polynomial, slope: &Polynomial, values: &[ComplexFloat]) -> Option<Vec<(Complex<Ball>, bool)>> {
-    let discs: Vec<Rooted> = values.iter().map(|z| Rooted::around(f, slope, z)).collect::<Option<_>>()?;
+    let discs: Vec<Rooted> = values.iter().map(|z| Rooted::disc_around(f, slope, z)).collect::<Option<_>>()?;
     let apart = |(i, a): (usize, &Rooted)| discs[..i].iter().all(|b| a.is_apart_from(b));
     let on_or_off_the_axis = |disc: &Rooted| disc.is_real() || disc.is_clear_of_the_axis();
     let hold_one_each = discs.len() == f.degree() && discs.iter().enumerate().all(apart);
@@ -491,7 +486,7 @@ mod tests {
     #[test]
     fn a_disc_that_is_moved_to_the_axis_still_holds_a_root() {
         let f = polynomial(&[1, 0, 1]);
-        let disc = Rooted::around(&f, &f.derivative(), &value(0.01, 0.7)).expect("a slope");
+        let disc = Rooted::disc_around(&f, &f.derivative(), &value(0.01, 0.7)).expect("a slope");
         let to_a_root = &disc.z - &value(0.0, 1.0);
         assert!(!is_less(&(&disc.radius * &disc.radius), &to_a_root.norm()), "{:?}", disc.radius);
     }
@@ -499,8 +494,8 @@ mod tests {
     #[test]
     fn roots_that_are_not_as_many_as_the_degree_are_no_list() {
         let root = ExactRoot { s: Complex::new(Ball::ZERO, Ball::ONE), multiplicity: 2, real: false, defective: false };
-        assert!(ExactPoles::counted(1, vec![root.clone()], 5).is_some());
-        assert!(ExactPoles::counted(1, vec![root.clone()], 6).is_none());
-        assert!(ExactPoles::counted(1, vec![root], 4).is_none());
+        assert!(ExactPoles::with_count(1, vec![root.clone()], 5).is_some());
+        assert!(ExactPoles::with_count(1, vec![root.clone()], 6).is_none());
+        assert!(ExactPoles::with_count(1, vec![root], 4).is_none());
     }
 }

@@ -47,7 +47,7 @@ struct PoleFacts {
 
 impl PoleList {
     /// Adds the poles of modes without damping.
-    pub fn undamped(&mut self, modes: &Modes) {
+    pub fn add_undamped(&mut self, modes: &Modes) {
         let first = self.next_cluster;
         for mode in &modes.list {
             self.undamped_mode(mode, first);
@@ -56,7 +56,7 @@ impl PoleList {
 
     /// `first` is the first cluster number of this part.
     fn undamped_mode(&mut self, mode: &Mode, first: u32) {
-        let sides = [0, 1].map(|side| self.numbered(first, mode.cluster.map(|number| 2 * number + side)));
+        let sides = [0, 1].map(|side| self.renumber(first, mode.cluster.map(|number| 2 * number + side)));
         let zero = Ball::ZERO;
         let ends = match mode.kind {
             ModeKind::Rigid => return self.zeros(2),
@@ -134,7 +134,7 @@ impl PoleList {
     }
 
     /// Adds a root that `count` motions share.
-    pub fn repeated(&mut self, root: Root, count: usize, passive: Passive) {
+    pub fn add_repeated(&mut self, root: Root, count: usize, passive: Passive) {
         let cluster = (count > 1).then(|| self.new_cluster());
         (0..count).for_each(|_| self.root(root, cluster, false, passive));
         self.ends.push(self.list.len());
@@ -152,10 +152,10 @@ impl PoleList {
     }
 
     /// Adds the discs of a part's pairs, each marked if its centre is real.
-    pub fn refined(&mut self, discs: impl Iterator<Item = (bool, PoleEnclosure)>, passive: Passive) {
+    pub fn add_refined(&mut self, discs: impl Iterator<Item = (bool, PoleEnclosure)>, passive: Passive) {
         let first = self.next_cluster;
         for (real, disc) in discs {
-            let [cluster, conjugate] = disc.clusters.map(|cluster| self.numbered(first, cluster));
+            let [cluster, conjugate] = disc.clusters.map(|cluster| self.renumber(first, cluster));
             // A disc around a real centre that contains one pole also contains its conjugate: so the pole is real.
             let im = if real && cluster.is_none() { Ball::ZERO } else { disc.s.im };
             let known = |im: Ball, cluster: Option<u32>| PoleFacts {
@@ -202,7 +202,7 @@ impl PoleList {
     }
 
     /// Renumbers a cluster so that it follows those of earlier parts, whose numbers are below `first`.
-    fn numbered(&mut self, first: u32, cluster: Option<u32>) -> Option<u32> {
+    fn renumber(&mut self, first: u32, cluster: Option<u32>) -> Option<u32> {
         let number = first + cluster?;
         self.next_cluster = self.next_cluster.max(number + 1);
         Some(number)
@@ -231,7 +231,7 @@ impl PoleList {
 
     /// Sorts the poles by |s|, re, im, and numbers the clusters in that order. `coordinates`: those of the system, each
     /// of which has two poles, some of them infinite.
-    pub fn sorted(mut self, coordinates: usize) -> Poles {
+    pub fn into_sorted(mut self, coordinates: usize) -> Poles {
         self.join_parts();
         let order = |a: Dd, b: Dd| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
         self.list.sort_by(|a, b| {
@@ -246,7 +246,7 @@ impl PoleList {
             *cluster = at as u32;
         }
         Poles {
-            count: self.tally.counted(coordinates),
+            count: self.tally.certain_count(coordinates),
             list: self.list,
             residues: self.residues.map(Arc::new),
             coordinates: self.coordinates.map(Arc::new),
@@ -382,10 +382,10 @@ mod tests {
     #[test]
     fn a_list_with_a_pole_of_which_nothing_is_known_is_not_counted() {
         let mut found = PoleList::default();
-        found.repeated(root(-1.0, 1e-20), 1, PASSIVE);
+        found.add_repeated(root(-1.0, 1e-20), 1, PASSIVE);
         found.unknown(1);
         found.end_part(1);
-        let poles = found.sorted(1);
+        let poles = found.into_sorted(1);
         assert_eq!((poles.list.len(), poles.count), (2, None));
         assert!(poles.is_uncounted());
     }
@@ -395,28 +395,28 @@ mod tests {
         let mut found = PoleList::default();
         found.zeros(2);
         found.end_part(1);
-        found.repeated(root(-1.0, 1e-20), 1, PASSIVE);
+        found.add_repeated(root(-1.0, 1e-20), 1, PASSIVE);
         found.infinite(1);
         found.end_part(1);
-        assert_eq!(found.sorted(2).infinite(), Some(1));
+        assert_eq!(found.into_sorted(2).infinite(), Some(1));
         // Three in one part and one in the other also make four, but are wrong.
         let mut found = PoleList::default();
         found.zeros(3);
         found.end_part(1);
         found.zeros(1);
         found.end_part(1);
-        assert_eq!(found.sorted(2).count, None);
+        assert_eq!(found.into_sorted(2).count, None);
     }
 
     #[test]
     fn poles_that_meet_are_joined_with_their_clusters() {
         let mut found = PoleList::default();
-        found.repeated(root(-1.0, 1e-20), 2, PASSIVE);
-        found.repeated(root(-1.0 - 1e-15, 1e-12), 1, PASSIVE);
-        found.repeated(root(-2.0, 1e-12), 1, PASSIVE);
-        found.repeated(root(-2.0 - 1e-11, 1e-12), 1, PASSIVE);
+        found.add_repeated(root(-1.0, 1e-20), 2, PASSIVE);
+        found.add_repeated(root(-1.0 - 1e-15, 1e-12), 1, PASSIVE);
+        found.add_repeated(root(-2.0, 1e-12), 1, PASSIVE);
+        found.add_repeated(root(-2.0 - 1e-11, 1e-12), 1, PASSIVE);
         found.end_part(3);
-        let clusters: Vec<Option<u32>> = found.sorted(3).list.iter().map(|pole| pole.cluster).collect();
+        let clusters: Vec<Option<u32>> = found.into_sorted(3).list.iter().map(|pole| pole.cluster).collect();
         assert_eq!(clusters, [Some(0), Some(0), Some(0), None, None]);
     }
 

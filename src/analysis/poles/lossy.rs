@@ -3,7 +3,7 @@
 //! rational. Out: all of these poles. See docs/method/poles.md#loss-factors.
 
 use super::exact::{
-    self, ExactPoles, ExactRoot, FIRST_BITS, Holomorphic, MOST_BITS, MOST_COORDINATES, Rooted, assembled, circles,
+    self, ExactPoles, ExactRoot, FIRST_BITS, Holomorphic, MOST_BITS, MOST_COORDINATES, Rooted, assemble, circles,
     iterate, radius, roots_of_factor,
 };
 use crate::analysis::modes::parts::Part;
@@ -45,9 +45,9 @@ pub fn lossy_poles(
     let forms = [(&system.k, &part.k[..]), (&system.c, &part.c), (&system.m, &part.m), (&losses.h, terms)];
     let mut matrices = Vec::with_capacity(forms.len());
     for (form, terms) in forms {
-        matrices.push(assembled(form, terms, local, n)?);
+        matrices.push(assemble(form, terms, local, n)?);
     }
-    let Gaussian { re, im } = characteristic(&cleared(&matrices), n);
+    let Gaussian { re, im } = characteristic(&clear_denominators(&matrices), n);
     // The common factor of both parts has the poles of motions without losses, with their conjugates.
     let common = re.gcd(&im)?;
     let lossy = Gaussian { re: re.divided_by(&common)?, im: im.divided_by(&common)? };
@@ -61,11 +61,11 @@ pub fn lossy_poles(
         return None;
     }
     roots.extend(upper);
-    ExactPoles::counted(zeros, roots, common.degree() + lossy.degree())
+    ExactPoles::with_count(zeros, roots, common.degree() + lossy.degree())
 }
 
 /// Matrices of fractions, multiplied by one integer that clears all denominators.
-fn cleared(matrices: &[Vec<Vec<Rational>>]) -> Vec<Vec<Vec<BigInt>>> {
+fn clear_denominators(matrices: &[Vec<Vec<Rational>>]) -> Vec<Vec<Vec<BigInt>>> {
     let entries = matrices.iter().flatten().flatten();
     let common = entries.map(|x| x.to_big().denom().clone()).fold(BigInt::one(), |lcm, d| lcm.lcm(&d));
     let whole = |x: &Rational| x.to_big().numer() * (&common / x.to_big().denom());

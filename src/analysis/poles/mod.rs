@@ -33,7 +33,7 @@ use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::certificate::ball;
 use crate::analysis::modes::eigen::eigenpairs;
 use crate::analysis::modes::pair::Eigenvalue;
-use crate::analysis::modes::parts::{Part, as_system, chosen, independent};
+use crate::analysis::modes::parts::{Part, as_system, choose_terms, independent};
 use crate::analysis::modes::request::{DEFAULT_TOLERANCE, Request, Which};
 use crate::analysis::poles::aberth::aberth;
 use crate::analysis::poles::batch::refine_all;
@@ -50,8 +50,8 @@ use crate::analysis::poles::quadratic::{Roots, real_root, roots};
 use crate::analysis::poles::refinement::{Pair, refine};
 use crate::analysis::poles::residues::{Proof, Residues};
 use crate::analysis::poles::rigid::{RigidMotions, rigid_motions};
-use crate::analysis::poles::scaling::scaled;
-use crate::analysis::poles::targeted::targeted;
+use crate::analysis::poles::scaling::scale;
+use crate::analysis::poles::targeted::lowest_poles;
 use crate::analysis::poles::together::refine_together;
 use crate::base::{Number, runs};
 use crate::kernel::complex::Complex;
@@ -73,28 +73,29 @@ pub fn poles(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisErro
     runs::begins("poles");
     if system.losses.is_some() {
         let is_small = system.n() <= MOST_BESIDE_LOSSES;
-        let found = is_small.then(|| unscaled(system, modes, Also::Nothing).and_then(|found| in_range(system, found)));
+        let found = is_small
+            .then(|| poles_without_scaling(system, modes, Also::Nothing).and_then(|found| in_range(system, found)));
         return Ok(found.and_then(Result::ok).unwrap_or_default());
     }
     if system.c.is_empty() {
         let mut found = PoleList::default();
-        found.undamped(modes);
+        found.add_undamped(modes);
         found.infinite(2 * modes.infinite);
         found.end_part(system.n());
-        return Ok(found.sorted(system.n()));
+        return Ok(found.into_sorted(system.n()));
     }
-    if let Some(near_one) = scaled(system)
+    if let Some(near_one) = scale(system)
         && let Ok(modes) = all_modes(&near_one.system)
     {
-        return in_range(system, near_one.back(unscaled(&near_one.system, &modes, Also::Nothing)?));
+        return in_range(system, near_one.unscale(poles_without_scaling(&near_one.system, &modes, Also::Nothing)?));
     }
-    in_range(system, unscaled(system, modes, Also::Nothing)?)
+    in_range(system, poles_without_scaling(system, modes, Also::Nothing)?)
 }
 
 /// All poles, and transfer functions as sums over them if the proof bounds the error of such sums: for a system that is
 /// one part with general damping and has no pole on the imaginary axis.
 pub fn poles_and_residues(system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
-    if system.losses.is_some() || system.c.is_empty() || scaled(system).is_some() || !is_one_part(system) {
+    if system.losses.is_some() || system.c.is_empty() || scale(system).is_some() || !is_one_part(system) {
         return poles(system, modes);
     }
     poles_and(Also::Residues, system, modes)
@@ -105,7 +106,7 @@ pub fn poles_and_residues(system: &LinearSystem, modes: &Modes) -> Result<Poles,
 pub fn pole_coordinates(system: &LinearSystem, modes: &Modes) -> Option<Arc<PoleCoordinates>> {
     let swings = |mode: &Mode| matches!(mode.kind, ModeKind::Oscillation | ModeKind::Divergence);
     let suits = system.n() <= MAX_DAMPED && modes.list.len() == system.n() && modes.list.iter().all(swings);
-    if !suits || system.losses.is_some() || scaled(system).is_some() || !is_one_part(system) {
+    if !suits || system.losses.is_some() || scale(system).is_some() || !is_one_part(system) {
         return None;
     }
     poles_and(Also::Coordinates, system, modes).ok()?.coordinates
@@ -117,7 +118,7 @@ fn is_one_part(system: &LinearSystem) -> bool {
 
 fn poles_and(also: Also, system: &LinearSystem, modes: &Modes) -> Result<Poles, AnalysisError> {
     runs::begins("poles");
-    in_range(system, unscaled(system, modes, also)?)
+    in_range(system, poles_without_scaling(system, modes, also)?)
 }
 
 /// A result of the poles' proof that is wanted besides their discs.
@@ -147,7 +148,7 @@ fn in_range(system: &LinearSystem, poles: Poles) -> Result<Poles, AnalysisError>
 }
 
 /// All poles of a damped system whose numbers are not rescaled, with what else is wanted of their proof.
-fn unscaled(system: &LinearSystem, modes: &Modes, also: Also) -> Result<Poles, AnalysisError> {
+fn poles_without_scaling(system: &LinearSystem, modes: &Modes, also: Also) -> Result<Poles, AnalysisError> {
     let mut found = PoleList::default();
     let parts = independent(system);
     let mut local = vec![0u32; system.n()];
@@ -174,18 +175,18 @@ fn unscaled(system: &LinearSystem, modes: &Modes, also: Also) -> Result<Poles, A
         }
         found.end_part(coordinates.coordinates.len());
     }
-    Ok(found.sorted(system.n()))
+    Ok(found.into_sorted(system.n()))
 }
 
 /// The poles of the listed modes; none if damping couples the modes. `whole` is the system as one part.
 pub fn poles_of(system: &LinearSystem, whole: &Part, modes: &Modes) -> Poles {
     let mut found = PoleList::default();
     if system.c.is_empty() {
-        found.undamped(modes);
+        found.add_undamped(modes);
         found.infinite(2 * modes.infinite);
     } else if let Some(damping) = proportional(system, whole) {
         let passive = Passive::of(system, whole, modes);
-        decoupled(modes, &damping).into_iter().for_each(|roots| found.quadratic(roots, passive));
+        decoupled_roots(modes, &damping).into_iter().for_each(|roots| found.quadratic(roots, passive));
         without_inertia(modes, &damping, passive, &mut found);
     }
     finish_partial(found, system, modes)
@@ -227,7 +228,7 @@ fn without_inertia(modes: &Modes, damping: &Proportional, passive: Passive, foun
         return found.infinite(2 * modes.infinite);
     }
     let root = real_root((-&(&Number::ONE / &damping.beta)).to_ball());
-    found.repeated(root, modes.infinite, passive);
+    found.add_repeated(root, modes.infinite, passive);
     found.infinite(modes.infinite);
 }
 
@@ -237,7 +238,7 @@ fn finish_partial(mut found: PoleList, system: &LinearSystem, modes: &Modes) -> 
     if modes.is_complete() {
         found.end_part(system.n());
     }
-    Poles { left_out, ..found.sorted(system.n()) }
+    Poles { left_out, ..found.into_sorted(system.n()) }
 }
 
 /// The poles that the first `wanted` modes (the lowest of all) become with damping: computed one by one, each with its
@@ -249,19 +250,19 @@ pub fn poles_followed(
     wanted: usize,
     tolerance: f64,
 ) -> Option<Poles> {
-    let Some(near_one) = scaled(system) else { return followed(system, whole, modes, wanted, tolerance) };
-    let poles = followed(&near_one.system, whole, &near_one.modes(modes), wanted, tolerance)?;
-    Some(near_one.back(poles))
+    let Some(near_one) = scale(system) else { return follow(system, whole, modes, wanted, tolerance) };
+    let poles = follow(&near_one.system, whole, &near_one.modes(modes), wanted, tolerance)?;
+    Some(near_one.unscale(poles))
 }
 
-fn followed(system: &LinearSystem, whole: &Part, modes: &Modes, wanted: usize, tolerance: f64) -> Option<Poles> {
+fn follow(system: &LinearSystem, whole: &Part, modes: &Modes, wanted: usize, tolerance: f64) -> Option<Poles> {
     let mut found = PoleList::default();
-    let discs = targeted(system, whole, &modes.list, wanted, tolerance)?;
+    let discs = lowest_poles(system, whole, &modes.list, wanted, tolerance)?;
     let rigid = modes.list.iter().take(wanted).filter(|mode| mode.kind == ModeKind::Rigid).count();
     // K N = 0 means a pole at zero, and C N = 0 in addition a double one.
     let free = rigid == 1 && [&system.k, &system.c].iter().all(|form| ignores_translation(form));
     found.zeros(if free { 2 } else { rigid });
-    found.refined(discs.into_iter().map(|disc| (false, disc)), Passive::of(system, whole, modes));
+    found.add_refined(discs.into_iter().map(|disc| (false, disc)), Passive::of(system, whole, modes));
     Some(Poles { followed: true, ..finish_partial(found, system, modes) })
 }
 
@@ -276,7 +277,7 @@ pub fn are_of_modes(system: &LinearSystem, whole: &Part) -> bool {
 }
 
 /// s^2 + (alpha + beta omega^2) s + omega^2 for each mode.
-fn decoupled(modes: &Modes, damping: &Proportional) -> Vec<Roots> {
+fn decoupled_roots(modes: &Modes, damping: &Proportional) -> Vec<Roots> {
     let quadratic = |omega_squared: Number| roots(&Number::ONE, &damping.of_mode(&omega_squared), &omega_squared);
     modes.list.iter().map(|mode| quadratic(Number::Ball(mode.omega_squared))).collect()
 }
@@ -295,7 +296,7 @@ impl Portion<'_> {
         if self.also == Also::Coordinates {
             self.general(modes, found)?;
         } else if self.part.c.is_empty() {
-            found.undamped(modes);
+            found.add_undamped(modes);
             found.infinite(2 * modes.infinite);
         } else if self.part.k.is_empty() && modes.list.len() == self.part.coordinates.len() {
             self.dampers_alone(found)?;
@@ -313,7 +314,7 @@ impl Portion<'_> {
                 }
             }
         } else if let Some(damping) = proportional(self.system, self.part) {
-            self.decoupled(modes, &damping, found);
+            self.add_decoupled(modes, &damping, found);
         } else {
             self.general(modes, found)?;
         }
@@ -359,7 +360,7 @@ impl Portion<'_> {
     fn dampers_alone(&self, found: &mut PoleList) -> Result<(), AnalysisError> {
         let n = self.part.coordinates.len();
         let [c, m] = [(&self.system.c, &self.part.c), (&self.system.m, &self.part.m)]
-            .map(|(form, terms)| chosen(form, terms, self.local));
+            .map(|(form, terms)| choose_terms(form, terms, self.local));
         let pairs = eigenpairs(&c, &m, n, DEFAULT_TOLERANCE);
         let out_of_range = |_| AnalysisError::OutOfRange { at: place(self.system, self.part.coordinates[0] as usize) };
         let passive = Passive::of_springs(self.system, self.part);
@@ -368,15 +369,15 @@ impl Portion<'_> {
             match pair.value {
                 Eigenvalue::Zero => found.zeros(1),
                 Eigenvalue::Near { value, radius, .. } => {
-                    found.repeated(real_root(-ball(value, radius)), 1, passive);
+                    found.add_repeated(real_root(-ball(value, radius)), 1, passive);
                 }
             }
         }
         Ok(())
     }
 
-    fn decoupled(&self, modes: &Modes, damping: &Proportional, found: &mut PoleList) {
-        let list = decoupled(modes, damping);
+    fn add_decoupled(&self, modes: &Modes, damping: &Proportional, found: &mut PoleList) {
+        let list = decoupled_roots(modes, damping);
         // With omega^2 known only as a ball it may be open whether the damping is critical.
         if list.iter().any(|roots| matches!(roots, Roots::Unseparated(_))) && self.exact(modes, found) {
             return;
@@ -442,7 +443,7 @@ impl Portion<'_> {
         // Poles that were not found are listed nevertheless, as unknown, and no other pole is certified.
         found.unknown(lost);
         found.zeros(zeros);
-        found.refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));
+        found.add_refined(pairs.iter().map(Pair::is_real).zip(discs), self.passive(modes));
         (found.residues, found.coordinates, found.state) = (more.residues, more.coordinates, state);
         Ok(())
     }

@@ -98,19 +98,19 @@ impl Pencil<Precise> {
 
 simd! {
     fn in_double_double(pencil: &Pencil<Dd>, s: Complex<Dd>, x: &Vector) -> Application<Dd> {
-        pencil.applied(s, x)
+        pencil.application(s, x)
     }
 }
 
 simd! {
     fn in_triple_words(pencil: &Pencil<Precise>, s: Complex<Dd>, x: &Vector) -> Application<Precise> {
-        pencil.applied(s, x)
+        pencil.application(s, x)
     }
 }
 
 impl<T: Real> Pencil<T> {
     #[inline(always)]
-    fn applied(&self, s: Complex<Dd>, x: &Vector) -> Application<T> {
+    fn application(&self, s: Complex<Dd>, x: &Vector) -> Application<T> {
         let s = Complex::new(T::of_dd(s.re), T::of_dd(s.im));
         let words = |list: &[Dd]| -> Vec<T> { list.iter().map(|&x| T::of_dd(x)).collect() };
         let (re, im) = (words(&x.re), words(&x.im));

@@ -48,14 +48,14 @@ pub fn roots(m: &Number, c: &Number, k: &Number) -> Roots {
     let pair = match () {
         () if discriminant.is_negative() => complex_pair(m, c, &discriminant),
         () if discriminant.is_positive() => real_pair(m, c, k, &discriminant),
-        () => return undecided(m, c, &discriminant),
+        () => return undecided_roots(m, c, &discriminant),
     };
-    Roots::Distinct(sharpened(pair, [m, c, k].map(Precise::of)))
+    Roots::Distinct(sharpen(pair, [m, c, k].map(Precise::of)))
 }
 
 /// Sharpens the bounds of the roots: p(s) = m (s - s_1)(s - s_2), so any s is within |p(s)| / (m |s - s_2|) of s_1. p is
 /// evaluated in triple words; the balls above collect the rounding of every step in double-double.
-fn sharpened(roots: [Root; 2], [m, c, k]: [Precise; 3]) -> [Root; 2] {
+fn sharpen(roots: [Root; 2], [m, c, k]: [Precise; 3]) -> [Root; 2] {
     const UP: f64 = up::DOZENS;
     let bound = |own: &Root, other: &Root| {
         let s = Complex::new(Precise::of_dd(own.re.mid), Precise::of_dd(own.im.mid));
@@ -106,7 +106,7 @@ fn real_pair(m: &Number, c: &Number, k: &Number, discriminant: &Number) -> [Root
 }
 
 /// |s + c/2m| <= sqrt|d| / 2m for both, whatever the sign of d.
-fn undecided(m: &Number, c: &Number, discriminant: &Number) -> Roots {
+fn undecided_roots(m: &Number, c: &Number, discriminant: &Number) -> Roots {
     let twice = m + m;
     let re = (-&(c / &twice)).to_ball();
     let spread = Ball::new(Dd::from(discriminant.to_ball().magnitude()), 0.0).sqrt() / twice.to_ball();

@@ -145,15 +145,15 @@ fn residual(pencil: &Pencil<Dd>, basis: &Basis, pair: &Pair) -> Vec<Complex<f64>
 /// The row of a rigid motion, from inertia and dampers only; `None` for the other modes.
 pub fn rigid_residual(basis: &Basis, s: Complex<Dd>, applied: &Application<Dd>, row: usize) -> Option<Complex<f64>> {
     if row < basis.free {
-        return Some(weighted(&basis.rigid_inertia[row], &applied.m_stretch).to_f64());
+        return Some(weighted_sum(&basis.rigid_inertia[row], &applied.m_stretch).to_f64());
     }
     let drag = basis.rigid_drag.get(row)?;
-    let inertia = weighted(&basis.rigid_inertia[row], &applied.m_stretch);
-    Some((s * inertia + weighted(drag, &applied.c_stretch)).to_f64())
+    let inertia = weighted_sum(&basis.rigid_inertia[row], &applied.m_stretch);
+    Some((s * inertia + weighted_sum(drag, &applied.c_stretch)).to_f64())
 }
 
 /// sum factor_t stretch_t
-fn weighted(factors: &[Dd], stretches: &[Complex<Dd>]) -> Complex<Dd> {
+fn weighted_sum(factors: &[Dd], stretches: &[Complex<Dd>]) -> Complex<Dd> {
     factors.iter().zip(stretches).fold(Complex::ZERO, |sum, (&f, t)| sum + t.scale(f))
 }
 
@@ -162,7 +162,7 @@ fn weighted(factors: &[Dd], stretches: &[Complex<Dd>]) -> Complex<Dd> {
 fn inverse_iteration(basis: &Basis, s: Complex<f64>, seed: usize) -> Option<Vec<Complex<f64>>> {
     let n = basis.n();
     let factors = Lu::nearly_singular(Matrix::from_fn(n, n, |i, j| modal(basis, s, i, j)))?;
-    let mut y: Vec<Complex<f64>> = (0..n).map(|i| Complex::real(scrambled(i + 977 * seed))).collect();
+    let mut y: Vec<Complex<f64>> = (0..n).map(|i| Complex::real(scrambled_number(i + 977 * seed))).collect();
     for _ in 0..2 {
         y[..basis.free].fill(Complex::ZERO);
         factors.solve(&mut y);
@@ -176,7 +176,7 @@ fn inverse_iteration(basis: &Basis, s: Complex<f64>, seed: usize) -> Option<Vec<
 }
 
 /// Pseudo-random numbers between 1/2 and 3/2: the fractional parts of multiples of the golden ratio.
-pub fn scrambled(i: usize) -> f64 {
+pub fn scrambled_number(i: usize) -> f64 {
     let x = (i + 1) as f64 * 0.618_033_988_749_894_9;
     0.5 + (x - x.floor())
 }

@@ -59,7 +59,7 @@ impl Proof<'_> {
             (!list.is_empty()).then(|| {
                 let row: Vec<(usize, Ball)> =
                     list.iter().map(|(i, value)| (local[i.index()] as usize, value.to_ball())).collect();
-                self.pairs.iter().map(|pair| seen(pair, &row)).collect::<Vec<_>>()
+                self.pairs.iter().map(|pair| row_product(pair, &row)).collect::<Vec<_>>()
             })
         };
         let outputs = system.outputs.iter().map(|output| [0, 1, 2].map(|power| sees(&output.p[power]))).collect();
@@ -69,7 +69,7 @@ impl Proof<'_> {
             let mut powers = [None, None, None];
             for (power, excited) in powers.iter_mut().enumerate() {
                 let Some(seen) = sees(&input.b[power]) else { continue };
-                *excited = Some(self.excited(&seen, &norms, &slowest)?);
+                *excited = Some(self.excitation(&seen, &norms, &slowest)?);
             }
             inputs.push(powers);
         }
@@ -93,7 +93,7 @@ impl Proof<'_> {
         (largest < 0.5).then_some((nearness, largest))
     }
 
-    fn excited(
+    fn excitation(
         &self,
         seen: &[Complex<Ball>],
         norms: &[Complex<Ball>],
@@ -136,7 +136,7 @@ fn with_tail(first: Vec<f64>, theta: f64) -> Vec<f64> {
 }
 
 /// row . x
-pub(in crate::analysis::poles) fn seen(pair: &Pair, row: &[(usize, Ball)]) -> Complex<Ball> {
+pub(in crate::analysis::poles) fn row_product(pair: &Pair, row: &[(usize, Ball)]) -> Complex<Ball> {
     row.iter().fold(Complex::ZERO, |sum, (i, a)| sum + pair.x.entry(*i).to_ball().scale(*a))
 }
 

@@ -20,12 +20,12 @@ pub struct RigidMotions {
 /// The rigid motions of a part that has some, in a basis in which they are not coupled by inertia (the free ones) or by
 /// damping (the others).
 pub fn rigid_motions(part: &LinearSystem) -> RigidMotions {
-    uncoupled(part, any_basis(part))
+    uncouple(part, any_basis(part))
 }
 
 /// Gram-Schmidt with binary64 factors: combinations of exactly rigid motions are exactly rigid, and the discs only need
 /// nearly orthogonal ones.
-fn uncoupled(part: &LinearSystem, motions: RigidMotions) -> RigidMotions {
+fn uncouple(part: &LinearSystem, motions: RigidMotions) -> RigidMotions {
     let mut free: Vec<Vec<Number>> = Vec::new();
     for motion in motions.free {
         free.push(orthogonal_to(&part.m, motion, &free));

@@ -19,7 +19,7 @@ pub struct Scaled {
 }
 
 /// The scaled system; `None` if no number is far from one.
-pub fn scaled(system: &LinearSystem) -> Option<Scaled> {
+pub fn scale(system: &LinearSystem) -> Option<Scaled> {
     let [m, c, k] = [&system.m, &system.c, &system.k].map(range);
     let is_far = |range: Option<(f64, f64)>| range.is_some_and(|(low, high)| low < -FAR || high > FAR);
     if !(is_far(m) || is_far(c) || is_far(k)) {
@@ -59,7 +59,7 @@ impl Scaled {
     }
 
     /// The poles of the system from those of the scaled one.
-    pub fn back(&self, mut poles: Poles) -> Poles {
+    pub fn unscale(&self, mut poles: Poles) -> Poles {
         let factors = halves(self.rate);
         let back = |x: Ball| {
             let scaled = factors.iter().fold(x, |x, &by| Ball::new(x.mid.scale(by), x.rad * by));

@@ -41,7 +41,7 @@ pub struct SchurForm {
 
 impl ComplexColumns {
     pub fn zeros(rows: usize, columns: usize) -> ComplexColumns {
-        let zeros = Matrix::filled(rows, columns, 0.0);
+        let zeros = Matrix::fill_with(rows, columns, 0.0);
         ComplexColumns { re: zeros.clone(), im: zeros }
     }
 
@@ -70,7 +70,7 @@ impl ComplexColumns {
     }
 
     /// A X for a real A.
-    pub fn after(&self, a: View) -> ComplexColumns {
+    pub fn times(&self, a: View) -> ComplexColumns {
         ComplexColumns { re: product(a, View::of(&self.re)), im: product(a, View::of(&self.im)) }
     }
 }
@@ -89,12 +89,12 @@ impl SchurForm {
         if n == 0 {
             // All motions of the part are rigid, as far as binary64 can tell; nalgebra's Schur form does not handle an
             // empty matrix.
-            let empty = Matrix::filled(0, 0, 0.0);
+            let empty = Matrix::fill_with(0, 0, 0.0);
             return Some(SchurForm { q: empty.clone(), t: empty, least_pivot: 0.0 });
         }
         if n == 1 {
             // nalgebra does not handle this case either.
-            let (q, t) = (Matrix::filled(1, 1, 1.0), Matrix::filled(1, 1, a[(0, 0)]));
+            let (q, t) = (Matrix::fill_with(1, 1, 1.0), Matrix::fill_with(1, 1, a[(0, 0)]));
             return Some(SchurForm { q, t, least_pivot: (a[(0, 0)].abs() * f64::EPSILON).max(f64::MIN_POSITIVE) });
         }
         let (q, t) = SPLITS.iter().find_map(|split| Schur::try_new(a.clone(), *split, 100 * n))?.unpack();
@@ -145,15 +145,15 @@ impl SchurForm {
         let shifts: Vec<Complex<f64>> = list.iter().map(|eigenvalue| eigenvalue.value).collect();
         let places: Vec<usize> = list.iter().map(|eigenvalue| eigenvalue.place).collect();
         self.back_substitute(&shifts, &places, &mut w);
-        w.after(View::of(&self.q))
+        w.times(View::of(&self.q))
     }
 
     /// (A - s_j)^-1 b_j, column by column.
     pub fn solve(&self, shifts: &[Complex<f64>], b: &ComplexColumns) -> ComplexColumns {
         let q = View::of(&self.q);
-        let mut w = b.after(q.transposed());
+        let mut w = b.times(q.transpose());
         self.back_substitute(shifts, &vec![self.n(); shifts.len()], &mut w);
-        w.after(q)
+        w.times(q)
     }
 
     fn is_block(&self, k: usize) -> bool {
@@ -248,9 +248,9 @@ mod tests {
         DMatrix::from_fn(n, n, |i, j| ((i * n + j + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5)
     }
 
-    fn applied(a: &DMatrix<f64>, x: &ComplexColumns) -> ComplexColumns {
+    fn apply(a: &DMatrix<f64>, x: &ComplexColumns) -> ComplexColumns {
         let a = Matrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)]);
-        x.after(View::of(&a))
+        x.times(View::of(&a))
     }
 
     #[test]
@@ -261,7 +261,7 @@ mod tests {
         let count: usize = list.iter().map(|e| if e.value.im == 0.0 { 1 } else { 2 }).sum();
         assert_eq!(count, 23);
         let x = form.eigenvectors(&list);
-        let ax = applied(&a, &x);
+        let ax = apply(&a, &x);
         for (j, eigenvalue) in list.iter().enumerate() {
             let size = (0..23).map(|i| x.at(i, j).one_norm()).fold(0.0, f64::max);
             for i in 0..23 {
@@ -280,7 +280,7 @@ mod tests {
         assert_eq!(list[0].value, Complex::real(-3.0));
         assert_eq!(form.eigenvectors(&list).at(0, 0), Complex::real(1.0));
         // -3 x - 3 x = 12
-        assert_eq!(form.lyapunov(&Matrix::filled(1, 1, 12.0))[(0, 0)], -2.0);
+        assert_eq!(form.lyapunov(&Matrix::fill_with(1, 1, 12.0))[(0, 0)], -2.0);
         assert_eq!(SchurForm::of(DMatrix::zeros(0, 0)).expect("a form").eigenvalues().len(), 0);
     }
 
@@ -292,7 +292,7 @@ mod tests {
         let mut b = ComplexColumns::zeros(17, 11);
         (0..11).for_each(|j| (0..17).for_each(|i| b.set(i, j, Complex::new((i + j) as f64, (i * j) as f64))));
         let x = form.solve(&shifts, &b);
-        let ax = applied(&a, &x);
+        let ax = apply(&a, &x);
         for (j, &s) in shifts.iter().enumerate() {
             for i in 0..17 {
                 let residual = ax.at(i, j) - x.at(i, j) * s - b.at(i, j);

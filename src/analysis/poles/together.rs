@@ -51,7 +51,7 @@ struct Residual {
 
 /// Refines all starts; those few that do not converge are refined one by one. `None` if many do not.
 pub fn refine_together(pencil: &Pencil<Dd>, basis: &Basis, starts: &Starts) -> Option<Vec<Pair>> {
-    let mut pairs = expanded(basis, starts);
+    let mut pairs = expand(basis, starts);
     let drag = drag(basis)?;
     let mut slopes = vec![Complex::ZERO; pairs.len()];
     let mut last = vec![FAR; pairs.len()];
@@ -101,9 +101,9 @@ pub fn refine_together(pencil: &Pencil<Dd>, basis: &Basis, starts: &Starts) -> O
 }
 
 /// The pairs at the starts, x = Phi y.
-fn expanded(basis: &Basis, starts: &Starts) -> Vec<Pair> {
+fn expand(basis: &Basis, starts: &Starts) -> Vec<Pair> {
     let y = displacements(basis, &starts.values, &starts.states);
-    let x = y.after(View::of(&basis.shapes));
+    let x = y.times(View::of(&basis.shapes));
     let scale = |j: usize| {
         let size = size(&x, j);
         // Multiplying by a power of two causes no rounding.
@@ -159,12 +159,12 @@ fn along_others(
         Matrix::from_fn(x.re.rows(), moving.len(), |i, column| part(&residuals[column].force[i]))
     };
     let (f_re, f_im) = (force(|f| f.re), force(|f| f.im));
-    let times = |a: &Matrix<f64>, b: &Matrix<f64>| product(View::of(a).transposed(), View::of(b));
+    let times = |a: &Matrix<f64>, b: &Matrix<f64>| product(View::of(a).transpose(), View::of(b));
     let (rr, ii, ri, ir) = (times(&x.re, &f_re), times(&x.im, &f_im), times(&x.re, &f_im), times(&x.im, &f_re));
     let s: Vec<Complex<f64>> = pairs.iter().map(|pair| pair.s.to_f64()).collect();
     let inverse_slopes: Vec<Complex<f64>> = slopes.iter().map(|slope| slope.recip()).collect();
     // The sum over i and its conjugate, e x + e' conj(x), has the parts below.
-    let zeros = || Matrix::filled(pairs.len(), moving.len(), 0.0);
+    let zeros = || Matrix::fill_with(pairs.len(), moving.len(), 0.0);
     let (mut plus_re, mut minus_im, mut plus_im, mut minus_re) = (zeros(), zeros(), zeros(), zeros());
     for (column, &j) in moving.iter().enumerate() {
         for (i, (&other, inverse_slope)) in s.iter().zip(&inverse_slopes).enumerate() {

@@ -1,16 +1,16 @@
-//! Arguments of functions that are integrated over a band: complex numbers, and matrices of order two for two poles that are nearly
-//! one. Enclosures, with bounds of norms.
+//! Arguments of functions that are integrated over a band: complex numbers, and matrices of order two for a pair of
+//! poles that nearly coincide. All are enclosures, with bounds of their norms.
 
 use crate::base::{Ball, Number, up};
 use crate::kernel::complex::Complex;
 
 pub type Point = Complex<Ball>;
 
-/// A matrix of order two, its rows.
+/// A matrix of order two, by rows.
 #[derive(Clone, Copy, Debug)]
 pub struct Two(pub [[Point; 2]; 2]);
 
-/// An argument of functions that are power series, or contain a logarithm.
+/// An argument of functions that are power series or contain a logarithm.
 pub trait Argument: Copy {
     fn of(z: Point) -> Self;
     fn plus(self, other: Self) -> Self;
@@ -19,9 +19,9 @@ pub trait Argument: Copy {
     fn inverse(self) -> Self;
     /// An upper bound of the norm.
     fn size(self) -> f64;
-    /// Every entry widened.
+    /// The argument with every entry widened.
     fn widen(self, by: f64) -> Self;
-    /// The integral of 1 / (x - z) over -1 .. 1, if the upper half-plane holds z, or z is beyond one of the ends.
+    /// The integral of 1 / (x - z) over -1 .. 1, if z lies in the upper half-plane or beyond one of the ends.
     fn logarithm(self) -> Self;
 
     fn plus_number(self, x: Ball) -> Self {
@@ -29,7 +29,7 @@ pub trait Argument: Copy {
     }
 
     /// The product with -i.
-    fn turned(self) -> Self {
+    fn times_minus_i(self) -> Self {
         self.times(Self::of(Complex::new(Ball::ZERO, -Ball::ONE)))
     }
 }
@@ -126,7 +126,8 @@ impl Argument for Two {
         Two([[d, -b], [-c, a]]).map(|z| z * inverse)
     }
 
-    /// The size of the mean and Frobenius's norm of the rest: hardly more than the largest pole of two that are nearly one.
+    /// The magnitude of the mean plus the Frobenius norm of the rest: hardly more than the larger of two poles that
+    /// nearly coincide.
     fn size(self) -> f64 {
         let mean = self.mean();
         let square = |(i, j): (usize, usize)| {
@@ -192,8 +193,8 @@ mod tests {
         }
     }
 
-    /// Between the ends of the path, on it or on both sides of it, the integral is not known; below it neither, for which the
-    /// cut would be crossed; beyond an end it is that of real numbers.
+    /// On the path or on both sides of it, the integral is not known, nor below it, where the cut would be crossed;
+    /// beyond an end it is the integral of real numbers.
     #[test]
     fn a_logarithm_on_the_path_is_unknown() {
         let at = |re: f64, im: Ball| Complex::new(Ball::from(re), im).logarithm();

@@ -9,7 +9,7 @@ use crate::base::{Ball, Dd, Number, up};
 use crate::kernel::complex::Complex;
 
 const UP: f64 = up::THOUSANDS;
-/// Bands whose series are in memory at a time.
+/// Number of bands whose series are kept in memory at a time.
 const TOGETHER: usize = 256;
 
 /// A density times a power of the angular frequency, integrated over every pole of a system.
@@ -21,7 +21,8 @@ pub struct Bands {
     /// A bound of the mean square of the noise itself.
     whole: f64,
     near: Nearness,
-    /// Integrals over (i w - s_b) (i w + conj s_c) of the pairs of poles that are close for the bands, and of their conjugates.
+    /// Integrals over (i w - s_b) (i w + conj s_c) of the pairs of poles that these bands cannot tell apart, and of
+    /// their conjugates.
     of_close: Vec<[Point; 2]>,
 }
 
@@ -55,7 +56,7 @@ impl Bands {
     }
 
     /// The distances of the bands from the poles.
-    pub fn near(&self) -> &Nearness {
+    pub fn nearness(&self) -> &Nearness {
         &self.near
     }
 
@@ -94,7 +95,7 @@ impl Bands {
 }
 
 /// A mean square from an integral over angular frequencies and its error bound.
-pub fn settled(integral: Ball, off: f64) -> Option<Ball> {
+pub fn to_mean_square(integral: Ball, off: f64) -> Option<Ball> {
     let value = integral.widen(off) / (Ball::PI * Ball::from(2.0));
     if !value.is_finite() {
         return None;
@@ -130,7 +131,7 @@ impl Bands {
     }
 }
 
-/// Integrals over poles in binary64, in the order of the lines: a conjugate before its pole.
+/// Integrals over poles in binary64, in the order of the lines: each conjugate comes before its pole.
 pub fn of_lines(of_poles: &[[Value; 2]], resolvent: &Resolvent) -> Option<Vec<Complex<f64>>> {
     let mut integrals = Vec::with_capacity(2 * of_poles.len());
     for (b, [own, mirrored]) in of_poles.iter().enumerate() {
@@ -150,8 +151,8 @@ pub fn laurent(factors: &[f64; 5], s: Complex<f64>) -> Complex<f64> {
     (a * inverse - b) * inverse + c - (d - e * s) * s
 }
 
-/// Cuts power laws times w^more and the phase of a delay into panels, a few of them at a time, so that a long table does not take much
-/// memory; `None` where numbers leave their range.
+/// Cuts power laws, times w^more and the phase of a delay, into panels, a few at a time to limit the memory that a long
+/// table takes; `None` if numbers leave their range.
 pub fn in_parts(pieces: &[Piece], more: i32, delay: Ball, mut each: impl FnMut(&[Panels])) -> Option<()> {
     pieces.chunks(TOGETHER).try_for_each(|some| {
         let panels: Vec<Panels> = some.iter().map(|piece| piece.panels(more, delay)).collect::<Option<_>>()?;
@@ -175,7 +176,7 @@ pub fn over<A: Argument>(panels: &[Panels], d: A) -> A {
     panels.iter().fold(A::of(Complex::ZERO), |sum, panels| sum.plus(panels.over(d)))
 }
 
-/// Whether a band of the density begins at 0 Hz; `None` if numbers leave their range or do not decide.
+/// Whether a band of the density begins at 0 Hz; `None` if numbers leave their range or do not decide it.
 pub fn starts_at_zero(density: &Density, within: Option<[&Number; 2]>) -> Option<bool> {
     let pieces = pieces(density, within)?;
     let is_decided = pieces.iter().all(|piece| piece.from.is_zero() || piece.from.is_positive());

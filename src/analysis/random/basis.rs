@@ -1,16 +1,16 @@
-//! A system on some of its motions alone: q = B y with an exact B, whose columns the rest of the system does not couple with. In: a
-//! system, coordinates that are kept or columns of fractions. Out: the system of y, with the same inputs and outputs. See
-//! docs/method/random.md#undamped-motions.
+//! A system restricted to some of its motions: q = B y with an exact B, whose columns are not coupled with the rest of
+//! the system. In: a system, and the coordinates that are kept or columns of fractions. Out: the system of y, with the
+//! same inputs and outputs. See docs/method/random.md#undamped-motions.
 
 use crate::base::{Number, Rational};
 use crate::system::{CoordinateId, Form, Input, LinearSystem, Losses, Output};
 
 type Row = Vec<(CoordinateId, Number)>;
 
-/// The rows of B: what each coordinate has of y.
+/// The rows of B: the part of each coordinate in y.
 pub struct Basis {
     rows: Vec<Row>,
-    /// For each of y a coordinate, which lends it its name.
+    /// For each entry of y, the coordinate that it is named after.
     leading: Vec<usize>,
 }
 
@@ -70,7 +70,7 @@ impl Basis {
         }
     }
 
-    /// `None` where no spring on these motions has a loss factor.
+    /// `None` if no spring on these motions has a loss factor.
     fn losses(&self, losses: &Losses) -> Option<Losses> {
         let mut h = Form::new();
         for term in losses.h.terms() {

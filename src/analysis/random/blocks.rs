@@ -1,6 +1,6 @@
-//! Poles and their vectors as exact numbers, near the true ones: starts in binary64 and their refinement. Two poles that are nearly or
-//! exactly one, with nearly one vector, make a block. In: the system in modal coordinates. Out: blocks without a bound, which
-//! `resolvent` gives them. See docs/method/random.md#poles.
+//! Poles and their vectors as exact numbers near the true ones: starting values in binary64 and their refinement. Two
+//! poles that nearly or exactly coincide, with nearly one vector, form a block. In: the system in modal coordinates.
+//! Out: blocks without bounds; `resolvent` bounds them. See docs/method/random.md#poles.
 
 use super::gramian::Space;
 use crate::analysis::poles::schur::{ComplexColumns, SchurForm};
@@ -13,15 +13,15 @@ use nalgebra::DMatrix;
 type Short = Complex<f64>;
 type Long = Complex<Dd>;
 
-/// The most refinements of poles and vectors; each gains at least ten digits.
+/// Limit on the refinements of poles and vectors; each gains at least ten digits.
 const STEPS: usize = 6;
 /// A step that is smaller than this, relative to the vector, has no effect.
 const SETTLED: f64 = 1e-30;
-/// Blocks whose poles are nearer, relative to their size, are not separated by a refinement.
+/// Poles of different blocks that are nearer than this, relative to their magnitude, are not separated by a refinement.
 const CLOSE: f64 = 1e-12;
-/// Dampers that couple two modes less, relative to the damping of both, do not make them start together.
+/// Dampers that couple two modes by less than this, relative to the damping of both, are ignored for starting values.
 const UNCOUPLED: f64 = 1e-26;
-/// Poles nearer to each other than this, relative to their distance from the axis, make a block.
+/// Poles nearer to each other than this, relative to their distance from the axis, form a block.
 const NEAR: f64 = 1e-3;
 /// The coupling between the two vectors of a block, relative to that distance.
 const COUPLING: f64 = 1.0 / 64.0;
@@ -72,7 +72,7 @@ impl Block {
     }
 
     /// Multiplies the columns by a power of two.
-    fn scaled(mut self, space: &Space) -> Block {
+    fn scale(mut self, space: &Space) -> Block {
         let short = self.short();
         let slope = short.slope(space);
         let size = slope.iter().flatten().map(|z| z.one_norm()).fold(0.0, larger).sqrt();
@@ -132,19 +132,19 @@ fn dot(x: &[Short], y: &[Short]) -> Short {
 /// The poles of a system, refined.
 pub fn blocks(space: &Space) -> Option<Vec<Block>> {
     let mut list = Vec::with_capacity(2 * space.n);
-    for part in coupled(space) {
+    for part in coupled_modes(space) {
         match part[..] {
             [mode] => list.extend(of_mode(space, mode)),
             _ => list.extend(of_part(space, &part)?),
         }
     }
-    let mut list: Vec<Block> = list.into_iter().map(|block| block.scaled(space)).collect();
+    let mut list: Vec<Block> = list.into_iter().map(|block| block.scale(space)).collect();
     refine(space, &mut list);
     Some(list)
 }
 
 /// The modes that dampers couple, directly or by way of others.
-fn coupled(space: &Space) -> Vec<Vec<usize>> {
+fn coupled_modes(space: &Space) -> Vec<Vec<usize>> {
     let n = space.n;
     let c = |i: usize, j: usize| space.c[(i, j)].to_f64();
     let is_coupled = |i: usize, j: usize| c(i, j).abs() > UNCOUPLED * (c(i, i) * c(j, j)).sqrt();
@@ -168,7 +168,7 @@ fn coupled(space: &Space) -> Vec<Vec<usize>> {
     parts
 }
 
-/// The poles of a mode by itself, s^2 + c s + k = 0.
+/// The poles of a single mode, s^2 + c s + k = 0.
 fn of_mode(space: &Space, mode: usize) -> Vec<Block> {
     let (half, k) = (space.c[(mode, mode)].mid.scale(0.5), space.k[mode].mid);
     let square = half.square() - k;
@@ -213,13 +213,13 @@ fn of_part(space: &Space, part: &[usize]) -> Option<Vec<Block>> {
     while let Some((s, x)) = pairs.pop() {
         let reach = NEAR * s.re.abs();
         if s.im != 0.0 && s.im < reach {
-            blocks.push(joined([(s, &x), (s.conj(), &x.iter().map(|z| z.conj()).collect::<Vec<_>>())], true));
+            blocks.push(join_poles([(s, &x), (s.conj(), &x.iter().map(|z| z.conj()).collect::<Vec<_>>())], true));
             continue;
         }
         let near = pairs.iter().position(|(other, y)| (*other - s).one_norm() < reach && is_parallel(&x, y));
         if let Some(near) = near {
             let (other, y) = pairs.remove(near);
-            blocks.push(joined([(s, &x), (other, &y)], s.im == 0.0));
+            blocks.push(join_poles([(s, &x), (other, &y)], s.im == 0.0));
             continue;
         }
         // Vectors that are close but not parallel are made orthogonal, as those of a multiple pole may be.
@@ -261,11 +261,11 @@ fn is_parallel(x: &[Short], y: &[Short]) -> bool {
     apart < MOST
 }
 
-/// Two poles with nearly one vector: its mean, and the scaled difference.
-fn joined([(a, x), (b, y)]: [(Short, &[Short]); 2], is_real: bool) -> Block {
+/// Two poles with nearly one vector: the mean of their vectors, and the scaled difference.
+fn join_poles([(a, x), (b, y)]: [(Short, &[Short]); 2], is_real: bool) -> Block {
     let (mean, half) = ((a + b).scale(0.5), (a - b).scale(0.5));
     let coupling = COUPLING * mean.re.abs();
-    // Poles that are one in binary64 have no difference of vectors to go by.
+    // Poles that coincide in binary64 have no difference of vectors to start from.
     let half = if half.one_norm() > 0.0 { half } else { Complex::real(1.0) };
     let factor = half.scale(2.0).recip().scale(coupling);
     let exact = |z: Short| if is_real { Complex::real(Dd::from(z.re)) } else { Long::from(z) };

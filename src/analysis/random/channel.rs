@@ -1,10 +1,10 @@
-//! Inputs with one noise as a system that white noise of unit intensity w drives directly: M v'' + C v' + K v = f w, v' = u + h w, and
-//! what reaches an output without delay. In: a system, an input, and of which derivative of it the noise is. Out: forces, jumps
-//! and what is fed through, exact wherever the numbers are: a variance is infinite or not by a zero. See
-//! docs/method/random.md#direct-paths.
+//! Inputs with a common noise as a system that white noise w of unit intensity drives directly: M v'' + C v' + K v = f
+//! w, v' = u + h w, and the part that reaches an output without delay. In: a system, an input, the derivative of it
+//! that is noise. Out: forces, jumps and direct paths, exact wherever the numbers are, because a variance is infinite
+//! or finite depending on a zero. See docs/method/random.md#direct-paths.
 
 use crate::analysis::following::{Following, Known, less};
-use crate::analysis::forms::{applied, dense, dot, solution_on};
+use crate::analysis::forms::{apply, dense, dot, solution_on};
 use crate::base::Number;
 use crate::system::{LinearSystem, Losses, Output};
 
@@ -30,13 +30,13 @@ impl Channel {
     pub fn of(system: &LinearSystem, inputs: &[usize], derivative: u8) -> Option<Channel> {
         let (n, derivative) = (system.n(), usize::from(derivative));
         let Following { followed, forces } = Following::of(system, inputs, derivative, Known::Exactly)?;
-        // Only forces by w and its first two derivatives are left; a base whose displacement is given has no more of them.
+        // Only forces by w and its first two derivatives are left; a base whose displacement is given has no others.
         let mut left = forces.into_iter().skip(derivative).chain(std::iter::repeat_with(|| vec![Number::ZERO; n]));
         let [f0, f1, f2] = std::array::from_fn(|_| left.next().unwrap_or_default());
         let g = mass_solution(system, &f2)?;
-        let jump = less(&f1, &applied(&system.c, &g));
+        let jump = less(&f1, &apply(&system.c, &g));
         let h = mass_solution(system, &jump)?;
-        let force = less(&less(&f0, &applied(&system.k, &g)), &applied(&system.c, &h));
+        let force = less(&less(&f0, &apply(&system.k, &g)), &apply(&system.c, &h));
         let a = mass_solution(system, &force)?;
         Some(Channel { jump, force, direct: [g, h, a], followed, derivative, inputs: inputs.to_vec() })
     }
@@ -64,31 +64,32 @@ impl Channel {
         feed
     }
 
-    /// The force by loss factors, i times this; `None` where it is not certain that they are at rest in what follows a base.
-    pub fn lost(&self, losses: &Losses) -> Option<Vec<Number>> {
+    /// The force of the loss factors, divided by i; `None` if it is not certain that it is zero in the motion that
+    /// follows a base.
+    pub fn loss_force(&self, losses: &Losses) -> Option<Vec<Number>> {
         let [follows, changes] = &self.followed;
         let b = dense(follows.len(), self.inputs.iter().flat_map(|&input| &losses.b[input]));
-        let at_once = applied(&losses.h, &self.direct[0]);
+        let at_once = apply(&losses.h, &self.direct[0]);
         if self.derivative == 0 {
             return Some(less(&b, &at_once));
         }
-        let moved = less(&b, &applied(&losses.h, follows)).into_iter().chain(applied(&losses.h, changes));
+        let moved = less(&b, &apply(&losses.h, follows)).into_iter().chain(apply(&losses.h, changes));
         let is_at_rest = moved.into_iter().all(|force| force.is_zero());
         is_at_rest.then(|| at_once.iter().map(|force| -force).collect())
     }
 
     /// The force along a motion r that no spring resists, at 0 Hz: r . (f + C h). `drag`: C r.
-    pub fn along(&self, motion: &[Number], drag: &[Number]) -> Number {
+    pub fn force_along(&self, motion: &[Number], drag: &[Number]) -> Number {
         let across = |a: &[Number], b: &[Number]| a.iter().zip(b).fold(Number::ZERO, |sum, (a, b)| &sum + &(a * b));
         &across(motion, &self.force) + &across(drag, &self.direct[1])
     }
 
-    /// Whether an output has one of the inputs themselves in it.
+    /// Whether an output contains one of the inputs themselves.
     pub fn is_fed(&self, output: &Output) -> bool {
         output.d.iter().flatten().any(|(input, _)| self.inputs.contains(&(*input as usize)))
     }
 
-    /// Whether a base's rate, and not a force, is what reaches the velocities at once.
+    /// Whether the velocities are reached at once by the rate of a base, and not by a force.
     pub fn jumps(&self) -> bool {
         self.jump.iter().any(|jump| !jump.is_zero())
     }

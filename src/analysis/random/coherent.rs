@@ -1,8 +1,8 @@
-//! Noise that drives several inputs, each later than the other by a time: what two of them contribute together. In: the transfer
+//! Noise that drives several inputs at different times: the common contribution of each pair of them. In: the transfer
 //! functions as residues at poles, a delay, a density. Out: enclosures. See docs/method/random.md#delays.
 
 use super::argument::{Argument, Point, Two};
-use super::bands::{Bands, add_values, in_parts, laurent as direct_part, of_lines, pieces, settled};
+use super::bands::{Bands, add_values, in_parts, laurent as direct_part, of_lines, pieces, to_mean_square};
 use super::resolvent::{Line, Parts, Resolvent, Value, across};
 use super::weight::Piece;
 use crate::base::density::Density;
@@ -18,7 +18,7 @@ struct Turned {
     pieces: Vec<Piece>,
     more: i32,
     delay: Ball,
-    /// Integrals over (i w)^m, m from -4 to 4, once one is needed; `None` where there is none.
+    /// Integrals over (i w)^m, m from -4 to 4, computed on demand; `None` if an integral does not exist.
     powers: [OnceCell<Option<Point>>; 9],
 }
 
@@ -60,7 +60,7 @@ impl Turned {
     }
 }
 
-/// Two of the inputs that one noise drives in bands.
+/// Two of the inputs that a noise in bands drives.
 pub struct Pair {
     first: usize,
     second: usize,
@@ -68,7 +68,7 @@ pub struct Pair {
     turned: [Turned; 2],
 }
 
-/// All pairs of inputs with these delays, s; `None` where numbers leave their range, or a delay turns the phase too often.
+/// All pairs of inputs with these delays, s; `None` if numbers leave their range or a delay turns the phase too often.
 pub fn pairs(
     density: &Density,
     within: Option<[&Number; 2]>,
@@ -88,7 +88,7 @@ pub fn pairs(
     Some(list)
 }
 
-/// The mean square of an output that all inputs of a noise in bands reach: |sum H_j e^(-i w t_j)|^2 S.
+/// The mean square of an output reached by all inputs of a noise in bands: |sum H_j e^(-i w t_j)|^2 S.
 pub fn mean_square(bands: &Bands, pairs: &[Pair], resolvent: &Resolvent, parts: &[Parts]) -> Option<Ball> {
     let own: Vec<(Ball, f64)> = parts.iter().map(|parts| bands.integral(resolvent, parts)).collect::<Option<_>>()?;
     let mut sum = own.iter().fold(Ball::ZERO, |sum, (own, _)| sum + *own);
@@ -107,7 +107,7 @@ pub fn mean_square(bands: &Bands, pairs: &[Pair], resolvent: &Resolvent, parts: 
         // |H_j conj H_k| is off by |H_j| e_k + |H_k| e_j + e_j e_k at most (Schwarz).
         off += 2.0 * (a.slack * root(*second) + b.slack * root(*first) + a.slack * b.slack * bands.whole()) * UP;
     }
-    settled(sum, off * UP)
+    to_mean_square(sum, off * UP)
 }
 
 /// The coefficients of s^-4 .. s^4 in H_a(s) H_b(-s), apart from its poles.
@@ -147,15 +147,15 @@ fn beside_poles(resolvent: &Resolvent, a: &Parts, b: &Parts) -> [Ball; 9] {
     powers
 }
 
-/// The covariance of what two inputs contribute under white noise of unit intensity, the second one later by a time above zero:
-/// sum p_b e^(D_b t) g_b over the poles of the first. Nothing reaches the output directly.
+/// The covariance of the contributions of two inputs under white noise of unit intensity that reaches the second one
+/// later by a positive time: sum p_b e^(D_b t) g_b over the poles of the first. Nothing reaches the output directly.
 pub fn covariance(resolvent: &Resolvent, first: &Parts, second: &Parts, later: Ball) -> Ball {
     let of = |a: &Parts, b: &Parts, later: Ball| {
         let columns = resolvent.mirrored_all(a, b);
-        resolvent.over_blocks(|block, d| across(&a.p[block], &propagated(d, &columns[block], later)))
+        resolvent.over_blocks(|block, d| across(&a.p[block], &propagate(d, &columns[block], later)))
     };
-    // H is off by at most `slack` times what the resolvent is at most, whose mean square over the axis is half the distance of the
-    // poles from it.
+    // H is off by at most `slack` times a bound of the resolvent, whose mean square over the axis is half the distance
+    // of the poles from it.
     let root = |parts: &Parts| of(parts, parts, Ball::ZERO).magnitude().sqrt();
     let slack = |parts: &Parts| parts.slack * (0.5 * resolvent.farthest()).sqrt() * UP;
     let (a, b) = (slack(first), slack(second));
@@ -163,9 +163,9 @@ pub fn covariance(resolvent: &Resolvent, first: &Parts, second: &Parts, later: B
     of(first, second, later).widen(off)
 }
 
-/// The covariance of what each mode adds by one input with all that another adds, the second one later by a time, under white noise
-/// of unit intensity, in binary64.
-pub fn shared(one: &[Line], other: &[Line], later: f64) -> Vec<f64> {
+/// The covariance of each mode's contribution by one input with the whole contribution of another that is reached later
+/// by a time, under white noise of unit intensity, in binary64.
+pub fn shared_covariance(one: &[Line], other: &[Line], later: f64) -> Vec<f64> {
     let modes = one.first().map_or(0, |line| line.of_modes.len());
     let mut sum = vec![0.0; modes];
     for a in one {
@@ -181,15 +181,15 @@ pub fn shared(one: &[Line], other: &[Line], later: f64) -> Vec<f64> {
     sum
 }
 
-/// The same in bands, of both orders of each pair: the integral of re H_i conj H over what one input adds to the mode and another to
-/// the output. `direct`: what reaches the output at once by each.
+/// The same covariances for noise in bands, in both orders of each pair: the integral of re H_i conj H over the
+/// contribution of one input to the mode and of another to the output. `direct`: the direct paths of each.
 pub fn shared_in_bands(pairs: &[Pair], resolvent: &Resolvent, arms: &[(Vec<Line>, [f64; 5])]) -> Option<Vec<f64>> {
     let modes = arms.first()?.0.first()?.of_modes.len();
     let mut sum = vec![0.0; modes];
     for Pair { first, second, turned: [ahead, behind] } in pairs {
         for (turned, opposite, one, other) in [(ahead, behind, first, second), (behind, ahead, second, first)] {
             let ((one, _), (other, direct)) = (&arms[*one], &arms[*other]);
-            let part = turned.shared(opposite, resolvent, one, (other, direct))?;
+            let part = turned.shared_covariance(opposite, resolvent, one, (other, direct))?;
             sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part / (2.0 * std::f64::consts::PI));
         }
     }
@@ -197,9 +197,9 @@ pub fn shared_in_bands(pairs: &[Pair], resolvent: &Resolvent, arms: &[(Vec<Line>
 }
 
 impl Turned {
-    /// What each mode adds by the first of two inputs with all that the second one adds. `opposite`: the same integrals with the
-    /// opposite delay.
-    fn shared(
+    /// The covariance of each mode's contribution by the first of two inputs with the whole contribution of the second.
+    /// `opposite`: the same integrals with the opposite delay.
+    fn shared_covariance(
         &self,
         opposite: &Turned,
         resolvent: &Resolvent,
@@ -210,7 +210,7 @@ impl Turned {
         let mirrored = of_lines(&opposite.of_poles, resolvent)?;
         let power = |power: i32| Some(self.power(power)?.to_f64());
         let [a, b, _, d, e] = direct.map(Complex::real);
-        // 1 / ((i w - s) (-i w - z)) by partial fractions, and what is left of powers of i w over i w - s.
+        // 1 / ((i w - s) (-i w - z)) by partial fractions, and the remaining powers of i w over i w - s.
         let weight = |line: &Line, integral: Complex<f64>| -> Option<Complex<f64>> {
             let pairs = other.iter().zip(&mirrored).fold(Complex::ZERO, |sum: Complex<f64>, (other, back)| {
                 sum - other.p * other.q * (integral + *back) * (line.s + other.s).recip()
@@ -233,7 +233,7 @@ impl Turned {
 }
 
 /// e^(D t) q
-fn propagated(d: &[Vec<Point>], q: &[Point], t: Ball) -> Vec<Point> {
+fn propagate(d: &[Vec<Point>], q: &[Point], t: Ball) -> Vec<Point> {
     if t.is_zero() {
         return q.to_vec();
     }
@@ -247,7 +247,7 @@ fn propagated(d: &[Vec<Point>], q: &[Point], t: Ball) -> Vec<Point> {
     }
 }
 
-/// e^z of a number with a negative real part; where it is too small for a number, a bound.
+/// e^z of a number with a negative real part; a bound if it is too small for a number.
 fn exponential(z: Point) -> Point {
     const LEAST: f64 = -690.0;
     if z.re.mid.hi + z.re.rad < LEAST {
@@ -263,7 +263,7 @@ fn exponential(z: Point) -> Point {
     }
 }
 
-/// e^D as e^m e^N, m the middle of D and N what is left, by its power series.
+/// e^D as e^m e^N, where m is the mean of D and N the rest, by its power series.
 fn exponential_of_two(d: Two) -> Two {
     const MOST_TERMS: usize = 200;
     let mean = d.mean();

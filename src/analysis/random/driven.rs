@@ -1,6 +1,6 @@
-//! One system under noise, all of whose motions count: mean squares by Lyapunov's equation and by residues at poles. In: a linear
-//! system with all its modes, the noises of its inputs. Out: for each output a number, a proof that it is infinite, or what is
-//! missing. See docs/method/random.md.
+//! A system under noise, all of whose motions matter: mean squares by Lyapunov's equation and by residues at poles. In:
+//! a linear system with all its modes, the noises of its inputs. Out: for each output a number, a proof that it is
+//! infinite, or the reason why neither was found. See docs/method/random.md.
 
 use super::bands::{self, Bands};
 use super::coherent;
@@ -11,7 +11,7 @@ use super::source::{Arm, OPEN_BASE, Rigid, Source, Springs, direct, drift, inten
 use super::undamped::{Excited, Undamped};
 use super::{OPEN_RATE, Reach, Spread, finite, why};
 use crate::analysis::answer::{Mode, ModeKind, Modes};
-use crate::analysis::forms::{applied, is_certain};
+use crate::analysis::forms::{apply, is_certain};
 use crate::analysis::poles::companion::StateForm;
 use crate::analysis::transfer::{Frequency, Transfer};
 use crate::base::{Ball, Density, Number, Rational, Unproven};
@@ -33,7 +33,8 @@ const OPEN_INPUTS: &str = "the noise drives more than 64 inputs: that many are n
 const OPEN_LONG: &str =
     "the density has too many bands (the limit is 200,000 over the number of coordinates): give fewer rows or points";
 
-/// Limit on the inputs that one noise in bands drives: each two of them at different times are a term, some seconds in all.
+/// Limit on the inputs that one noise in bands drives: each pair of them at different times adds a term; some seconds
+/// in all.
 const MOST_INPUTS: usize = 64;
 /// Limit on bands times coordinates: some ten seconds.
 const MOST_BANDS: usize = 200_000;
@@ -42,18 +43,18 @@ const MOST_BANDS: usize = 200_000;
 pub struct Driven<'a> {
     system: Cow<'a, LinearSystem>,
     modes: Cow<'a, Modes>,
-    /// The numbers of these modes in the scene, from 1; empty where they are others.
+    /// The numbers of these modes in the scene, from 1; empty if they are the modes of the scene.
     numbers: Vec<usize>,
     noises: &'a [Noise],
     sources: Vec<Source<'a>>,
     reach: Reach,
     springs: OnceCell<Springs>,
     space: Result<Space, Obstacle>,
-    /// Under all white noises, where every motion decays.
+    /// For all white noises, where every motion decays.
     covariance: Option<Covariance>,
-    /// Needed for noise in bands alone.
+    /// Needed only for noise in bands.
     resolvent: OnceCell<Option<Resolvent>>,
-    /// Needed where motions do not decay.
+    /// Needed if some motions do not decay.
     undamped: OnceCell<Option<Undamped<'a>>>,
 }
 
@@ -85,25 +86,26 @@ impl<'a> Driven<'a> {
         self.space.as_ref().is_ok_and(Space::decays)
     }
 
-    /// The undamped motions, where some motions are not proved to decay and none grows.
-    fn undamped(&self) -> Option<&Undamped<'a>> {
+    /// The undamped motions, if some motions are not proved to decay and none grows.
+    fn undamped_motions(&self) -> Option<&Undamped<'a>> {
         if self.decays() || !self.space.as_ref().is_ok_and(|space| space.is_passive) {
             return None;
         }
         self.undamped.get_or_init(|| Undamped::of(&self.system, &self.modes, self.noises)).as_ref()
     }
 
-    /// The system without its undamped motions and the output there, if they have no part in the output under any noise.
+    /// The system without its undamped motions, and the output there, if these motions have no part in the output under
+    /// any noise.
     pub fn without_undamped(&self, output: &Output) -> Option<(&Driven<'a>, Output)> {
-        let undamped = self.undamped()?;
+        let undamped = self.undamped_motions()?;
         let (basis, rest) = undamped.rest.as_ref()?;
         let is_apart = self.reaching(output).all(|source| undamped.is_apart(source.noise, output));
         is_apart.then(|| (&**rest, basis.output(output)))
     }
 
-    /// A proof that a noise excites an undamped motion that an output shows, where it has power at its frequency.
+    /// A proof that a noise excites an undamped motion that an output shows, with power at its frequency.
     fn resonant(&self, source: &Source, output: &Output, within: Option<[&Number; 2]>) -> Result<Excited, Spread> {
-        let Some(undamped) = self.undamped() else { return Ok(Excited::Open) };
+        let Some(undamped) = self.undamped_motions() else { return Ok(Excited::Open) };
         match undamped.under(source.noise, output, within) {
             Excited::At(omega) => {
                 let is_it = |i: &usize| (self.modes.list[*i].omega - omega).contains_zero();
@@ -125,7 +127,7 @@ impl<'a> Driven<'a> {
         self.sources.iter().filter(move |source| self.reach.from_noise(&self.system, source.noise, output))
     }
 
-    /// The arms by which a noise reaches an output.
+    /// The arms through which a noise reaches an output.
     fn arms<'s>(&self, source: &'s Source, output: &Output) -> Result<Vec<&'s Arm>, &'static str> {
         let reaches = |input: &usize| self.reach.from_input(&self.system, *input, output);
         let all = source.arms.as_ref().map_err(|why| *why)?;
@@ -141,7 +143,7 @@ impl<'a> Driven<'a> {
         of_bands.fold(of_white, Spread::plus)
     }
 
-    /// What is not known under some noises, by exact quotients of polynomials.
+    /// The noises for which no result is known otherwise, by exact quotients of polynomials.
     fn or_exactly(&self, found: Spread, sources: &[&Source], output: &Output, part: Part) -> Spread {
         let Spread::Unknown(_) = &found else { return found };
         let within = if let Part::Within(within) = part { Some(within) } else { None };
@@ -152,7 +154,7 @@ impl<'a> Driven<'a> {
         all.map_or(found, |all| all.into_iter().fold(Spread::Finite(Ball::ZERO), Spread::plus))
     }
 
-    /// The mean square of an output by what it has between two frequencies, Hz.
+    /// The mean square of the part of an output between two frequencies, Hz.
     pub fn mean_square_within(&self, output: &Output, within: [&Number; 2]) -> Spread {
         let each = self.reaching(output).map(|source| self.under_bands(source, output, Part::Within(within)));
         each.fold(Spread::Finite(Ball::ZERO), Spread::plus)
@@ -200,7 +202,7 @@ impl<'a> Driven<'a> {
         }
     }
 
-    /// Twice the sum of the covariances of what the arms of a white noise contribute.
+    /// Twice the sum of the covariances of the contributions of a white noise through its arms.
     fn covariances(&self, source: &Source, arms: &[&Arm], output: &Output) -> Result<Ball, &'static str> {
         let space = self.space.as_ref().map_err(|obstacle| why(*obstacle))?;
         let resolvent = self.resolvent(space)?;
@@ -249,7 +251,7 @@ impl<'a> Driven<'a> {
             return Spread::Unknown(OPEN_DIGITS);
         };
         if starts_at_zero {
-            // The density of an output that drifts has no integral over a band from 0 Hz up.
+            // The density of an output that drifts cannot be integrated over a band that begins at 0 Hz.
             if source.left > 0 {
                 return Spread::Unknown(OPEN_BASE);
             }
@@ -261,7 +263,7 @@ impl<'a> Driven<'a> {
             Ok(space) => space,
             Err(obstacle) => return Spread::Unknown(why(*obstacle)),
         };
-        // Where something may not decay, a proved number needs that nothing grows and that no pole is in a band.
+        // If some motion may not decay, a proved number requires that none grows and that no pole lies in a band.
         let mut open = OPEN_DIGITS;
         if !self.decays() {
             open = match self.resonant(source, output, within) {
@@ -269,13 +271,13 @@ impl<'a> Driven<'a> {
                 Ok(Excited::Open) => OPEN_UNDAMPED,
                 Ok(_) => OPEN_DIGITS,
             };
-            if !space.is_passive || self.undamped().is_none() {
+            if !space.is_passive || self.undamped_motions().is_none() {
                 open = why(Obstacle::NotStable);
             }
             if !space.is_passive {
                 return Spread::Unknown(open);
             }
-            // Pairs of poles on the axis are not taken apart there.
+            // Pairs of poles on the axis are not separated there.
             if arms.len() > 1 {
                 return Spread::Unknown(OPEN_LATER);
             }
@@ -299,7 +301,7 @@ impl<'a> Driven<'a> {
         let Some(bands) = bands else { return Spread::Unknown(open) };
         let parts = |arm: &&Arm| {
             let direct = arm.channel.feed(output).map(|part| part.to_ball());
-            resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, direct, bands.near())
+            resolvent.parts(space, &space.drive(&arm.channel, Ball::ONE), &row, direct, bands.nearness())
         };
         let Some(parts) = arms.iter().map(parts).collect::<Option<Vec<Parts>>>() else {
             return Spread::Unknown(OPEN_DIGITS);
@@ -314,7 +316,7 @@ impl<'a> Driven<'a> {
         }
     }
 
-    /// A proof that the variance under white noise is infinite where no motion decays.
+    /// A proof that the variance under white noise is infinite, if no motion decays.
     fn endless(&self, source: &Source, arms: &[&Arm], output: &Output) -> Option<Spread> {
         if self.decays() {
             return None;
@@ -328,11 +330,11 @@ impl<'a> Driven<'a> {
             && !arms.iter().any(drifts)
         {
             let is_simple = rigid.drag.iter().all(Number::is_zero) || is_certain(&rigid.resistance);
-            if is_simple && is_certain(&rigid.excited(arms, output)) {
+            if is_simple && is_certain(&rigid.excitation_shown(arms, output)) {
                 return Some(Spread::Infinite(RIGID.into()));
             }
         }
-        // Without dampers every pole is on the axis, and a transfer function that is not zero has one.
+        // Without dampers every pole lies on the axis, and a nonzero transfer function has one.
         if self.system.c.is_empty() && self.modes.list.iter().all(|mode| mode.kind != ModeKind::Divergence) {
             let index = self.system.outputs.iter().position(|known| known.p == output.p && known.d == output.d)?;
             let [arm] = arms else { return None };
@@ -347,7 +349,7 @@ impl<'a> Driven<'a> {
         None
     }
 
-    /// The motions that the springs leave free.
+    /// The motions that springs do not hold.
     fn springs(&self) -> &Springs {
         self.springs.get_or_init(|| {
             let n = self.system.n();
@@ -359,7 +361,7 @@ impl<'a> Driven<'a> {
             }
             match self.only_rigid_motion().filter(|_| is_complete && free == 1) {
                 Some(motion) => {
-                    let drag = applied(&self.system.c, &motion);
+                    let drag = apply(&self.system.c, &motion);
                     let resistance = motion.iter().zip(&drag).fold(Number::ZERO, |sum, (r, c)| &sum + &(r * c));
                     Springs::One(Rigid { motion, drag, resistance })
                 }
@@ -368,7 +370,7 @@ impl<'a> Driven<'a> {
         })
     }
 
-    /// The only motion without stiffness, as a vector of simple fractions that is proved to be one.
+    /// The only motion without stiffness, as a vector of simple fractions, with proof.
     fn only_rigid_motion(&self) -> Option<Vec<Number>> {
         const LARGEST_DENOMINATOR: i64 = 64;
         let mut rigid = self.modes.list.iter().filter(|mode| mode.kind == ModeKind::Rigid);
@@ -382,7 +384,7 @@ impl<'a> Driven<'a> {
             })
         };
         let motion: Vec<Number> = mode.shape.iter().map(simple).collect::<Option<_>>()?;
-        applied(&self.system.k, &motion).iter().all(Number::is_zero).then_some(motion)
+        apply(&self.system.k, &motion).iter().all(Number::is_zero).then_some(motion)
     }
 
     /// The mean square of the rate of an output.
@@ -427,7 +429,7 @@ impl<'a> Driven<'a> {
             let of = |arm: &&Arm| {
                 let direct = arm.channel.feed(output).map(|part| part.to_ball());
                 let drive = space.drive(&arm.channel, Ball::ONE);
-                let parts = resolvent.parts(space, &drive, &row, direct, bands.near())?;
+                let parts = resolvent.parts(space, &drive, &row, direct, bands.nearness())?;
                 Some((resolvent.lines(space, &parts, &row)?, direct))
             };
             let lines: Vec<(Vec<Line>, [Ball; 5])> = arms.iter().map(of).collect::<Option<_>>()?;
@@ -446,8 +448,8 @@ impl<'a> Driven<'a> {
         Some(sum)
     }
 
-    /// What the modes contribute by inputs that one white noise of unit intensity drives at different times, beside what each input
-    /// does alone.
+    /// The contributions of the modes through inputs that one white noise of unit intensity drives at different times,
+    /// in addition to the contribution of each input alone.
     fn contributions_of_pairs(&self, space: &Space, arms: &[&Arm], row: &[Ball]) -> Option<Vec<f64>> {
         let resolvent = self.resolvent(space).ok()?;
         let near = resolvent.on_axis()?;
@@ -459,22 +461,22 @@ impl<'a> Driven<'a> {
         let mut sum = vec![0.0; self.system.n()];
         for (a, one) in arms.iter().zip(&lines) {
             for (b, other) in arms.iter().zip(&lines).filter(|(b, _)| !std::ptr::eq(**b, *a)) {
-                let part = coherent::shared(one, other, (&b.delay - &a.delay).to_f64());
+                let part = coherent::shared_covariance(one, other, (&b.delay - &a.delay).to_f64());
                 sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
             }
         }
         Some(sum)
     }
 
-    /// The contribution of each mode to the mean square, which is known: modes from 1, and shares that add up to one if no
-    /// noise reaches the output directly.
+    /// The contribution of each mode to a known mean square: the numbers of the modes from 1, and shares that add up to
+    /// one if no noise reaches the output directly.
     pub fn shares(&self, output: &Output, whole: Ball) -> Vec<(usize, Unproven)> {
         let Some(parts) = self.contributions(output) else { return Vec::new() };
         shares(self.numbers.iter().copied().zip(parts), whole)
     }
 }
 
-/// The modes that contribute to a mean square, the largest parts first.
+/// The modes that contribute to a mean square, in descending order of their shares.
 pub fn shares(parts: impl Iterator<Item = (usize, f64)>, whole: Ball) -> Vec<(usize, Unproven)> {
     let share = |(mode, part)| (mode, Unproven(if whole.is_zero() { 0.0 } else { part / whole.to_f64() }));
     let mut list: Vec<(usize, Unproven)> = parts.map(share).collect();
@@ -482,7 +484,7 @@ pub fn shares(parts: impl Iterator<Item = (usize, f64)>, whole: Ball) -> Vec<(us
     list
 }
 
-/// Whether K is regular, if exact arithmetic finds that out.
+/// Whether K is regular, if exact arithmetic decides it.
 fn has_regular_stiffness(system: &LinearSystem) -> bool {
     const MOST: usize = 24;
     let n = system.n();
@@ -501,7 +503,7 @@ enum Part<'n> {
     Within([&'n Number; 2]),
 }
 
-/// The rate of an output as an output; `None` where that takes the third derivative.
+/// The rate of an output as an output; `None` if that requires the third derivative.
 pub fn rate_of(output: &Output) -> Option<Output> {
     let [p0, p1, p2] = &output.p;
     let [d0, d1, d2] = &output.d;

@@ -1,8 +1,9 @@
-//! What searches and integrals without success may cost, all outputs together: a report must not take the limit of each.
+//! The effort that searches and integrals without success may take, for all outputs together, so that a report does not
+//! take the limit for each.
 
 use std::cell::Cell;
 
-/// Each may take half of what is left; what succeeds costs nothing of it.
+/// Each may take half of what is left; a successful one takes nothing from it.
 pub struct Effort(Cell<usize>);
 
 impl Effort {
@@ -10,12 +11,12 @@ impl Effort {
         Effort(Cell::new(2 * first))
     }
 
-    /// What the next one may take.
+    /// The effort that the next one may take.
     pub fn limit(&self) -> usize {
         self.0.get() / 2
     }
 
-    pub fn failed(&self, spent: usize) {
+    pub fn record_failure(&self, spent: usize) {
         self.0.set(self.0.get().saturating_sub(spent));
     }
 }

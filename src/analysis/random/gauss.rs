@@ -20,8 +20,8 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// The most that the rule is off by over -1 .. 1 for a function with |f| <= `largest` in the ellipse (Trefethen, Approximation
-    /// Theory and Approximation Practice, theorem 19.3).
+    /// A bound of the rule's error over -1 .. 1 for a function with |f| <= `largest` in the ellipse (Trefethen,
+    /// Approximation Theory and Approximation Practice, theorem 19.3).
     pub fn error(&self, largest: f64) -> f64 {
         let falls = (0..2 * (NODES - 1)).fold(1.0, |product, _| product / RHO);
         64.0 / 15.0 * largest * falls / (1.0 - 1.0 / (RHO * RHO)) * up::DOZENS
@@ -34,7 +34,7 @@ pub fn rule() -> &'static Rule {
     RULE.get_or_init(|| Rule { nodes: (0..NODES).map(node).collect() })
 }
 
-/// Where a range is cut that is too wide; `None` if it cannot be.
+/// The place at which a range is cut if it is too wide; `None` if it cannot be cut.
 pub fn cut(from: f64, to: f64) -> Option<f64> {
     let cut = if from > 0.0 && to > WIDE * from { (from * to).sqrt() } else { 0.5 * (from + to) };
     (from < cut && cut < to && to - from > 1e-13 * to).then_some(cut)
@@ -48,7 +48,7 @@ fn coefficients() -> Vec<BigInt> {
     (0..=NODES / 2).map(of).collect()
 }
 
-/// The Legendre polynomial and its derivative at an exact place, without a rounding error before the last one.
+/// The Legendre polynomial and its derivative at an exact place; only the last operation rounds.
 fn legendre(x: Dd) -> [Ball; 2] {
     let x = &Float::from(x.hi) + &Float::from(x.lo);
     let square = &x * &x;

@@ -1,10 +1,10 @@
 //! The covariance of the state under white noise, by Lyapunov's equation with a certificate. In: a system with all its modes,
 //! channels of noise. Out: covariances with a bound, and so mean squares. See docs/method/random.md#certificate.
 //!
-//! The state is z = (S eta, v) in modal coordinates q = X eta + .., v = eta' - h w: E z' = A z + b w, where E and A are known but for
-//! entries as small as double-double leaves them. With any symmetric P, R = A P E^T + E P A^T + B B^T is what is left over;
-//! if a certificate G has A G E^T + E G A^T = -Y, Y > 0, G > 0, then A is stable, and -e Y <= R <= e Y bounds the error of P by
-//! e G.
+//! The state is z = (S eta, v) in modal coordinates q = X eta + .., v = eta' - h w: E z' = A z + b w, where E and A are
+//! known up to the small entries that double-double leaves uncertain. For any symmetric P, R = A P E^T + E P A^T + B
+//! B^T is the residual. If a certificate G has A G E^T + E G A^T = -Y, Y > 0, G > 0, then A is stable, and -e Y <= R <=
+//! e Y bounds the error of P by e G.
 
 use super::channel::Channel;
 use crate::analysis::answer::{ModeKind, Modes};
@@ -23,7 +23,7 @@ use nalgebra::DMatrix;
 const UP: f64 = up::THOUSANDS;
 /// With more coordinates, the Schur form takes too long.
 pub const MOST: usize = 150;
-/// The most refinements of a solution.
+/// Limit on the refinements of a solution.
 const STEPS: usize = 5;
 /// The residual, relative to the certificate's right-hand side and to the solution, at which refinement ends.
 const SETTLED: f64 = 1e-24;
@@ -56,7 +56,7 @@ pub struct Space {
     /// Bounds of the entries of X^T M X - 1 and, divided by s_i s_j, of X^T K X - diag k.
     pub(super) of_m: f64,
     pub(super) of_k: f64,
-    /// Whether no damper has a negative coefficient, so that no motion grows.
+    /// Whether no damper has a negative coefficient; then no motion grows.
     pub(super) is_passive: bool,
     /// A proof that every motion decays.
     certificate: Option<Certificate>,
@@ -105,7 +105,7 @@ impl Space {
         }
         let s: Vec<f64> = mids.iter().map(|k| k.hi.sqrt()).collect();
         let squares: Vec<f64> = s.iter().map(|s| s * s).collect();
-        // Only the radius of the diagonal of X^T K X: the midpoints are k.
+        // Only the radius of the diagonal of X^T K X, because the midpoints are k.
         let of_k = off_diagonal(&form.k, &squares, false) * UP;
         let of_m = off_diagonal(&form.m, &vec![1.0; n], true) * UP;
         let is_small = n as f64 * (of_m + of_k) < 1e-6;
@@ -166,7 +166,7 @@ impl Space {
         let distance = |error: &Matrix<Ball>| scaled_norm(&scale, |i, j| error[(i, j)].magnitude());
         let mut theta = distance(&error);
         if theta.is_nan() || theta >= 0.5 {
-            // The sum, rounded, is another matrix, but not by much.
+            // The rounded sum is another matrix, but a close one.
             let step = symmetric(&schur.lyapunov(&error.map(|x| -x.to_f64())));
             g = Matrix::from_fn(size, size, |i, j| g[(i, j)] + step[(i, j)]);
             error = self.image(&g);
@@ -176,10 +176,10 @@ impl Space {
         (theta < 0.5 && is_positive_definite(&g)).then_some(Certificate { schur, g, scale, theta })
     }
 
-    /// A P E^T + E P A^T for a symmetric P, with all that E and A may be off by.
+    /// A P E^T + E P A^T for a symmetric P, including everything by which E and A may be off.
     fn image(&self, p: &Matrix<f64>) -> Matrix<Ball> {
         let n = self.n;
-        // C W^T beside C V.
+        // C W^T, and beside it C V.
         let columns = Matrix::from_fn(n, 2 * n, |k, j| if j < n { p[(j, n + k)] } else { p[(n + k, j)] });
         let products = self.panel.times(&columns);
         let off = self.uncertainty(p, &products);
@@ -208,7 +208,7 @@ impl Space {
     /// Bounds of what the errors of X^T M X - 1 and X^T K X - diag k may add to the blocks of the image beside and below the
     /// first one.
     fn uncertainty(&self, p: &Matrix<f64>, products: &Matrix<Ball>) -> [Matrix<f64>; 2] {
-        /// Products of two of the small entries are smaller than this part of the sums by far.
+        /// Products of two of the small entries are far smaller than this share of the sums.
         const MORE: f64 = 1.01;
         let n = self.n;
         let of_row = |i: usize, from: usize| (from..from + n).map(|j| p[(i, j)].abs()).sum::<f64>();
@@ -268,7 +268,7 @@ impl Space {
         (0..self.n).map(of).collect()
     }
 
-    /// The covariance under white noises that are independent; `None` where it is not proved that there is one.
+    /// The covariance under independent white noises; `None` if it is not proved that one exists.
     pub fn covariance(&self, drives: &[Drive]) -> Option<Covariance> {
         let Certificate { schur, scale, theta, .. } = self.certificate.as_ref()?;
         let size = 2 * self.n;
@@ -278,7 +278,7 @@ impl Space {
         let mut best = rest(&left);
         for _ in 0..STEPS {
             let step = symmetric(&schur.lyapunov(&left.map(|x| -x.to_f64())));
-            // A sum leaves over what its first part left over, and the image of the second one.
+            // The residual of a sum is the residual of its first part plus the image of the second.
             let after = sum(&left, &self.image(&step));
             let now = rest(&after);
             let is_better = now < best;
@@ -325,14 +325,14 @@ impl Space {
     /// The variance of an output.
     pub fn variance(&self, covariance: &Covariance, row: &[Ball]) -> Ball {
         let seen: Vec<usize> = (0..2 * self.n).filter(|&i| !row[i].is_zero()).collect();
-        let bound = self.certified(&seen, row) * covariance.epsilon * UP;
+        let bound = self.certified_bound(&seen, row) * covariance.epsilon * UP;
         let value = quadratic(&covariance.p, row, &seen).widen(bound);
         // A variance is not negative.
         if value.mid.hi < 0.0 { Ball::new(Dd::ZERO, value.magnitude()) } else { value }
     }
 
     /// A bound of row G row^T.
-    fn certified(&self, seen: &[usize], row: &[Ball]) -> f64 {
+    fn certified_bound(&self, seen: &[usize], row: &[Ball]) -> f64 {
         let size: Vec<f64> = seen.iter().map(|&i| row[i].magnitude()).collect();
         let Some(Certificate { g, .. }) = &self.certificate else { return f64::INFINITY };
         let column = |(j, size_j): (&usize, &f64)| {
@@ -355,7 +355,7 @@ impl Space {
 }
 
 simd! {
-    /// Puts the blocks of an image together: of P, of C W^T and C V, and of what is not certain.
+    /// Combines the blocks of an image: those of P, of C W^T and C V, and the uncertain part.
     fn combine(
         space: &Space,
         p: &Matrix<f64>,
@@ -382,7 +382,7 @@ simd! {
     }
 }
 
-/// Copies what is above the diagonal to below it.
+/// Copies the upper triangle to the lower one.
 fn mirror(x: &mut Matrix<Ball>) {
     for j in 0..x.columns() {
         for i in 0..j {
@@ -436,7 +436,7 @@ fn is_positive_definite(a: &Matrix<f64>) -> bool {
     let mut l = Matrix::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j] - if i == j { less } else { 0.0 });
     for j in 0..n {
         let root = l[(j, j)].sqrt();
-        // Nor a number that is none.
+        // This rejects NaN, too.
         if !(root > 0.0 && root.is_finite()) {
             return false;
         }
@@ -466,6 +466,6 @@ mod tests {
         assert!(is_positive_definite(&good));
         assert!(!is_positive_definite(&bad));
         // On the edge, where rounding would decide.
-        assert!(!is_positive_definite(&Matrix::filled(2, 2, 3.0)));
+        assert!(!is_positive_definite(&Matrix::fill_with(2, 2, 3.0)));
     }
 }

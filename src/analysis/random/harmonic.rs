@@ -1,6 +1,6 @@
-//! Transfer functions from a noise to an output in modal coordinates, by elimination at a frequency or over an interval of them, with
-//! loss factors too. In: a system in modal coordinates, how the noise drives it, what the output shows. Out: enclosures. See
-//! docs/method/random.md#loss-factors.
+//! Transfer functions from a noise to an output in modal coordinates, by elimination at a frequency or over an
+//! interval, also with loss factors. In: a system in modal coordinates, the forces of the noise, the rows of the
+//! output. Out: enclosures. See docs/method/random.md#loss-factors.
 
 use super::argument::Point;
 use super::gramian::Space;
@@ -13,12 +13,12 @@ use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::solve;
 
 const UP: f64 = up::THOUSANDS;
-/// Limit on intervals over which it is looked whether |H| decreases.
+/// Limit on the intervals over which |H| is tested for a decrease.
 const MOST_STEPS: usize = 32;
 const I: Point = Complex { re: Ball::ZERO, im: Ball::ONE };
 
-/// How an arm drives the modes: M q'' + C q' + (K + i H) q = force w, the rate jumping by h w; and what reaches the output at once, the
-/// factors of s^-2 .. s^2.
+/// The action of an arm on the modes: M q'' + C q' + (K + i H) q = force w, with the rate jumping by h w; and the
+/// direct path, the factors of s^-2 .. s^2.
 pub struct Drive {
     pub force: Vec<Point>,
     pub jump: Vec<Ball>,
@@ -53,15 +53,15 @@ impl Response<'_> {
         (2 * self.space.n).pow(3)
     }
 
-    /// H at an angular frequency: Q q = f + (C + s M) h, and q' = s q - h. What each mode adds to it, and last what reaches the output
-    /// at once.
+    /// H at an angular frequency: Q q = f + (C + s M) h, and q' = s q - h. First the contribution of each mode, and
+    /// last that of the direct path.
     pub fn by_frequency(&self, omega: Point) -> Option<Vec<Point>> {
         let (space, s) = (self.space, omega * I);
         let loads: Vec<Vec<Point>> = self.drives.iter().map(|drive| self.load(drive, s)).collect();
-        let places = solved(&self.stiffness(omega), &loads)?;
+        let places = solve_complex(&self.stiffness(omega), &loads)?;
         let mut parts = vec![Complex::ZERO; space.n + 1];
         for (drive, place) in self.drives.iter().zip(&places) {
-            let turn = delayed(omega, drive.later)?;
+            let turn = delay_factor(omega, drive.later)?;
             for i in 0..space.n {
                 let rate = s * place[i] - Complex::real(drive.jump[i]);
                 parts[i] = parts[i] + (self.row.place[i] * place[i] + self.row.rate[i] * rate) * turn;
@@ -71,26 +71,26 @@ impl Response<'_> {
         Some(parts)
     }
 
-    /// w H at a period 1 / w, without what reaches the output at once: (M - i C t - (K + i H) t^2) q / t = - t (f + C h) - i M h, and
-    /// the same of q' / t for - i f + t (K + i H) h.
+    /// w H at a period 1 / w, without the direct path: (M - i C t - (K + i H) t^2) q / t = - t (f + C h) - i M h, and
+    /// correspondingly q' / t with - i f + t (K + i H) h on the right.
     pub fn by_period(&self, period: Point) -> Option<Vec<Point>> {
         let [drive] = &self.drives[..] else { return None };
         let n = self.space.n;
-        let damped = self.damped(drive);
+        let damped = self.damping_forces(drive);
         let lost = |i: usize| (0..n).fold(Ball::ZERO, |sum, j| sum + self.h[(i, j)] * drive.jump[j]);
         let places =
             (0..n).map(|i| -(period * (drive.force[i] + Complex::real(damped[i]))) - I.scale(drive.impulse[i]));
         let rates = (0..n).map(|i| period * Complex::new(drive.held[i], lost(i)) - drive.force[i] * I);
-        let found = solved(&self.inertia(period), &[places.collect(), rates.collect()])?;
+        let found = solve_complex(&self.inertia(period), &[places.collect(), rates.collect()])?;
         let [place, rate] = &found[..] else { return None };
         Some((0..n).map(|i| self.row.place[i] * place[i] + self.row.rate[i] * rate[i]).collect())
     }
 
-    /// An angular frequency above which |H| times w^-left decreases; `None` where none is found.
+    /// An angular frequency above which |H| times w^-left decreases; `None` if none is found.
     pub fn falls_above(&self, left: i32) -> Option<f64> {
         let tail = self.tail.as_ref()?;
         let order = tail.order as f64 + f64::from(left);
-        // From 0 on, over intervals as wide as can be.
+        // Starts at 0, with intervals as wide as possible.
         let (mut period, mut step) = (0.0, 0.25 / self.space.s.iter().copied().fold(0.0, f64::max));
         for _ in 0..MOST_STEPS {
             let next = period + step;
@@ -108,7 +108,7 @@ impl Response<'_> {
         let (space, n) = (self.space, self.space.n);
         let t = Complex::real(Ball::from(0.5 * from + 0.5 * to).widen(0.5 * (to - from) * UP));
         let matrix = self.inertia(t);
-        let one = |load: Vec<Point>| solved(&matrix, &[load])?.pop();
+        let one = |load: Vec<Point>| solve_complex(&matrix, &[load])?.pop();
         let z = one((0..n).map(|i| tail.loads[i] + t * tail.slopes[i]).collect())?;
         // The slope of the load, and (i C + 2 t (K + i H)) z.
         let two = Ball::from(2.0);
@@ -116,7 +116,7 @@ impl Response<'_> {
         let load = |i: usize| {
             let held = (0..n).fold(z[i].scale(space.k[i]), |sum, j| sum + (z[j] * I).scale(self.h[(i, j)]));
             let damped = (0..n).fold(Complex::ZERO, |sum: Point, j| sum + z[j].scale(space.c[(i, j)]));
-            tail.slopes[i] + damped * I + (t * widened(held, space.s[i] * off)).scale(two)
+            tail.slopes[i] + damped * I + (t * widen(held, space.s[i] * off)).scale(two)
         };
         let slope = one((0..n).map(load).collect())?;
         let (place, rate) = (across(&self.row.place, &z), across(&self.row.rate, &z));
@@ -127,14 +127,14 @@ impl Response<'_> {
     }
 
     /// C h
-    fn damped(&self, drive: &Drive) -> Vec<Ball> {
+    fn damping_forces(&self, drive: &Drive) -> Vec<Ball> {
         let of = |i: usize| (0..self.space.n).fold(Ball::ZERO, |sum, j| sum + self.space.c[(i, j)] * drive.jump[j]);
         (0..self.space.n).map(of).collect()
     }
 
     /// f + (C + s M) h
     fn load(&self, drive: &Drive, s: Point) -> Vec<Point> {
-        let damped = self.damped(drive);
+        let damped = self.damping_forces(drive);
         (0..self.space.n).map(|i| drive.force[i] + Complex::real(damped[i]) + s.scale(drive.impulse[i])).collect()
     }
 
@@ -171,10 +171,10 @@ impl Response<'_> {
         let s = at * I;
         let stiffness = self.stiffness(at);
         let two = Ball::from(2.0);
-        // M, and Q1 = i C - 2 w M, of a vector.
+        // M, and Q1 = i C - 2 w M, times a vector.
         let inertia = |q: &[Point]| -> Vec<Point> {
             let slack = space.of_m * q.iter().map(|z| z.magnitude()).sum::<f64>() * UP;
-            q.iter().map(|q| widened(*q, slack)).collect()
+            q.iter().map(|q| widen(*q, slack)).collect()
         };
         let slope = |q: &[Point]| -> Vec<Point> {
             let of = |(i, moved): (usize, Point)| {
@@ -185,7 +185,7 @@ impl Response<'_> {
         };
         let mut total = [Complex::ZERO; 3];
         for drive in &self.drives {
-            let one = |load: Vec<Point>| solved(&stiffness, &[load])?.pop();
+            let one = |load: Vec<Point>| solve_complex(&stiffness, &[load])?.pop();
             let q = one(self.load(drive, s))?;
             let first: Vec<Point> = slope(&q)
                 .into_iter()
@@ -205,14 +205,15 @@ impl Response<'_> {
                 }
             }
             let [g, g1, g2] = sum;
-            let (turn, lag) = (delayed(at, drive.later)?, -(I.scale(drive.later)));
+            let (turn, lag) = (delay_factor(at, drive.later)?, -(I.scale(drive.later)));
             let parts = [g, g1 + g * lag, g2 + (g1 * lag).scale(two) + g * lag * lag];
             total = std::array::from_fn(|i| total[i] + parts[i] * turn);
         }
         total.iter().all(|z| z.magnitude().is_finite()).then_some(total)
     }
 
-    /// Whether |H|^2 is an even function of the frequency, so that its slope at zero is zero. With dampers beside loss factors it is not.
+    /// Whether |H|^2 is an even function of the frequency, so that its slope at zero is zero. It is not with both
+    /// dampers and loss factors.
     pub fn is_even(&self) -> bool {
         let (n, row, drives) = (self.space.n, &self.row, &self.drives);
         let none = |matrix: &Matrix<Ball>| (0..n).all(|j| matrix.column(j).iter().all(Ball::is_zero));
@@ -227,8 +228,8 @@ impl Response<'_> {
     }
 }
 
-/// The solutions of a complex system, as one of twice the size.
-fn solved(entries: &Matrix<Point>, loads: &[Vec<Point>]) -> Option<Vec<Vec<Point>>> {
+/// The solutions of a complex system, computed as a real one of twice the size.
+fn solve_complex(entries: &Matrix<Point>, loads: &[Vec<Point>]) -> Option<Vec<Vec<Point>>> {
     let n = entries.rows();
     let of = |i: usize, j: usize| {
         let z = entries[(i % n, j % n)];
@@ -257,7 +258,7 @@ fn fed_with_slopes(feed: &[Point; 5], omega: Ball) -> Option<[Point; 3]> {
     sum.iter().all(|z| z.magnitude().is_finite()).then_some(sum)
 }
 
-fn widened(z: Point, by: f64) -> Point {
+fn widen(z: Point, by: f64) -> Point {
     Complex::new(z.re.widen(by), z.im.widen(by))
 }
 
@@ -276,7 +277,7 @@ fn feed_at(feed: &[Point; 5], s: Point) -> Option<Point> {
 }
 
 /// e^(-i w t)
-fn delayed(omega: Point, later: Ball) -> Option<Point> {
+fn delay_factor(omega: Point, later: Ball) -> Option<Point> {
     if later.is_zero() {
         return Some(Complex::real(Ball::ONE));
     }

@@ -1,7 +1,7 @@
-//! Mean squares under noise where springs have loss factors: the transfer functions are not those of a system with poles in conjugate
-//! pairs, so |H|^2 S is integrated by Gauss's rule over panels of frequencies, with a bound from the largest value in a complex
-//! neighbourhood of each. In: a system with loss factors and its modes, noises. Out: as without loss factors. See
-//! docs/method/random.md#loss-factors.
+//! Mean squares under noise for springs with loss factors: the transfer functions have no conjugate pairs of poles, so
+//! |H|^2 S is integrated by Gauss's rule over panels of frequencies, with an error bound from the largest value in a
+//! complex neighbourhood of each panel. In: a system with loss factors and its modes, noises. Out: the same as without
+//! loss factors. See docs/method/random.md#loss-factors.
 
 use super::argument::Point;
 use super::bands;
@@ -33,11 +33,11 @@ const GROWS: &str = "a loss factor or a damper is negative: a motion may grow";
 
 /// Limit on the multiplications of all eliminations of one integral: some seconds.
 const MOST_WORK: usize = 100_000_000;
-/// A panel is fine enough if its error is below this part of the integral.
+/// A panel is narrow enough if its error is below this share of the integral.
 const FINE: f64 = 1e-20;
-/// The most that a phase turns in half a panel, rad.
+/// Limit on the phase turned in half a panel, rad.
 const TURN: f64 = 2.0;
-/// White noise above so many times the highest natural frequency is integrated over the period.
+/// White noise above this multiple of the highest natural frequency is integrated over the period.
 const BEYOND: f64 = 4.0;
 
 /// A system with loss factors under noise.
@@ -53,7 +53,7 @@ pub struct Lossy<'a> {
     effort: Effort,
 }
 
-/// An output, or its rate: what is real as with every output, and what the loss factors add times i.
+/// An output, or its rate: the real part that every output has, and the part that the loss factors add, divided by i.
 #[derive(Clone)]
 pub struct Seen {
     plain: Output,
@@ -61,13 +61,14 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Its rate; `None` where that takes the third derivative.
+    /// Its rate; `None` if that requires the third derivative.
     pub fn rate(&self) -> Option<Seen> {
         Some(Seen { plain: rate_of(&self.plain)?, lossy: rate_of(&self.lossy)? })
     }
 
-    /// That of which it is a derivative, of this order: what a system shows at 0 Hz of an acceleration is then exactly zero.
-    fn integrated(&self) -> (Cow<'_, Seen>, i32) {
+    /// The output of which this one is a derivative, and the order of that: the part of an acceleration at 0 Hz is then
+    /// exactly zero.
+    fn integral_seen(&self) -> (Cow<'_, Seen>, i32) {
         let Output { p, d, .. } = &self.plain;
         let is_rate = p[0].is_empty() && d[0].is_empty() && self.lossy.p[0].is_empty() && self.lossy.d[0].is_empty();
         let is_seen = p.iter().any(|p| !p.is_empty()) || d.iter().any(|d| !d.is_empty());
@@ -78,18 +79,18 @@ impl Seen {
         let [_, d1, d2] = d.clone();
         let plain = Output { p: [p1, p2, Vec::new()], d: [d1, d2, Vec::new()], ..self.plain.clone() };
         let seen = Seen { plain, lossy: self.lossy.clone() };
-        let (found, order) = seen.integrated();
+        let (found, order) = seen.integral_seen();
         (Cow::Owned(found.into_owned()), order + 1)
     }
 
-    /// What is real, and what the loss factors add times i.
+    /// The real part, and the part that the loss factors add, divided by i.
     pub fn rows(&self) -> [&Output; 2] {
         [&self.plain, &self.lossy]
     }
 }
 
 impl<'a> Lossy<'a> {
-    /// `numbers`: of the modes, from 1.
+    /// `numbers`: those of the modes, from 1.
     pub fn of(system: Cow<'a, LinearSystem>, modes: &Modes, noises: &'a [Noise], numbers: Vec<usize>) -> Lossy<'a> {
         let none = Losses::default();
         let losses = system.losses.as_deref().unwrap_or(&none);
@@ -113,7 +114,7 @@ impl<'a> Lossy<'a> {
     }
 
     /// An output by its number.
-    pub fn seen(&self, output: usize) -> Seen {
+    pub fn seen_output(&self, output: usize) -> Seen {
         let plain = self.system.outputs[output].clone();
         let of_losses =
             self.system.losses.as_deref().map(|losses| (losses.p[output].clone(), losses.d[output].clone()));
@@ -122,8 +123,8 @@ impl<'a> Lossy<'a> {
         Seen { plain, lossy }
     }
 
-    /// The mean square of an output, or of its rate, or of the part of it between two frequencies, Hz; and what each mode contributes to
-    /// it, with its number.
+    /// The mean square of an output, of its rate, or of its part between two frequencies, Hz; and the contribution of
+    /// each mode with its number.
     pub fn mean_square(&self, seen: &Seen, is_rate: bool, within: Option<[&Number; 2]>) -> (Spread, Vec<(usize, f64)>) {
         let rate = if is_rate { seen.rate() } else { None };
         let (seen, more) = rate.as_ref().map_or((seen, i32::from(is_rate)), |rate| (rate, 0));
@@ -140,7 +141,7 @@ impl<'a> Lossy<'a> {
         (square, by_modes)
     }
 
-    /// How each noise that reaches an output whose mean square is finite does.
+    /// The response for each noise that reaches an output with a finite mean square.
     pub fn shares<'s>(&'s self, seen: &Seen) -> Result<Vec<Share<'s>>, Spread> {
         let reaches = |source: &&Source| self.reach.from_noise(&self.system, source.noise, &seen.plain);
         let of = |source: &'s Source, (seen, rates): (&Seen, i32)| {
@@ -148,8 +149,8 @@ impl<'a> Lossy<'a> {
             let tail = self.tail(source, seen);
             Ok(Share::by_modes(source.noise, Response { tail, ..response }, source.left - rates))
         };
-        let (integrated, rates) = seen.integrated();
-        // What is integrated may drift with a base.
+        let (integrated, rates) = seen.integral_seen();
+        // An integrated quantity may drift with a base.
         let share = |source| of(source, (&*integrated, rates)).or_else(|_: Spread| of(source, (seen, 0)));
         self.sources.iter().filter(reaches).map(share).collect()
     }
@@ -161,7 +162,7 @@ impl<'a> Lossy<'a> {
         }
     }
 
-    /// H between a noise and an output, where it leaves the mean square finite.
+    /// H between a noise and an output, if the mean square is finite.
     fn response(&self, source: &Source, seen: &Seen, within: Option<[&Number; 2]>) -> Result<Response<'_>, Spread> {
         let space = self.space.as_ref().map_err(|why| Spread::Unknown(why))?;
         let all = source.arms.as_ref().map_err(|why| Spread::Unknown(why))?;
@@ -194,7 +195,7 @@ impl<'a> Lossy<'a> {
         Ok(Response { space, h: &self.h, row, drives, tail: None })
     }
 
-    /// `more`: the power of w^2 beside.
+    /// `more`: a further power of w^2.
     fn under(
         &self,
         source: &Source,
@@ -223,17 +224,18 @@ impl<'a> Lossy<'a> {
             }),
         };
         if done.is_none() {
-            self.effort.failed(integral.spent);
+            self.effort.record_failure(integral.spent);
             return Err(Spread::Unknown(OPEN));
         }
         let by_modes = integral.by_modes.iter().map(|part| part / (2.0 * std::f64::consts::PI)).collect();
-        match finite(bands::settled(integral.sum, 0.0)) {
+        match finite(bands::to_mean_square(integral.sum, 0.0)) {
             Spread::Unknown(_) => Err(Spread::Unknown(OPEN)),
             found => Ok((found, by_modes)),
         }
     }
 
-    /// An output over the places and rates of the modes; its accelerations by what moves them: M q'' = f w - C q' - (K + i H) q.
+    /// An output over the displacements and rates of the modes; accelerations follow from the forces: M q'' = f w - C
+    /// q' - (K + i H) q.
     fn row(&self, space: &Space, seen: &Seen) -> Row {
         let n = space.n;
         let [plain, lossy] = [&seen.plain, &seen.lossy].map(|output| {
@@ -246,7 +248,7 @@ impl<'a> Lossy<'a> {
         Row { place: (0..n).map(place).collect(), rate: (0..n).map(rate).collect() }
     }
 
-    /// `None` where it is not proved that the loss factors are at rest in what a base carries along.
+    /// `None` if it is not proved that the loss factors do not act in the motion that a base carries along.
     fn drive(
         &self,
         space: &Space,
@@ -257,19 +259,19 @@ impl<'a> Lossy<'a> {
     ) -> Option<Drive> {
         let n = space.n;
         let lost = match self.system.losses.as_deref() {
-            Some(losses) => channel.lost(losses)?,
+            Some(losses) => channel.loss_force(losses)?,
             None => vec![Number::ZERO; n],
         };
         let drive = space.drive(channel, Ball::ONE);
         let jump: Vec<Ball> = drive.jump.iter().zip(&space.s).map(|(x, s)| *x / Ball::from(*s)).collect();
-        // X^T M X is 1 and X^T K X diagonal but for small entries.
+        // X^T M X is 1 and X^T K X is diagonal, up to small entries.
         let (of_m, of_k) = (space.of_m * sum(&jump) * UP, space.of_k * sum(&drive.jump) * UP);
         let impulse = jump.iter().map(|x| x.widen(of_m)).collect();
         let held = (0..n).map(|i| (space.k[i] * jump[i]).widen(space.s[i] * of_k)).collect();
         let by_loss = space.in_modes(&lost);
         let force = drive.force.iter().zip(&by_loss).map(|(re, im)| Complex::new(*re, *im)).collect();
         let mut feed = std::array::from_fn(|i| Complex::new(plain[i].to_ball(), lossy[i].to_ball()));
-        // The accelerations of what the loss factors push at once.
+        // The accelerations caused directly by the forces of the loss factors.
         feed[2].im = feed[2].im + space.acceleration(&seen.plain, &by_loss);
         Some(Drive { force, jump, impulse, held, feed, later })
     }
@@ -282,27 +284,27 @@ fn sum(list: &[Ball]) -> f64 {
     list.iter().map(Ball::magnitude).sum::<f64>() * UP
 }
 
-/// What is integrated over a range: a power law, or constant density over frequencies or over periods 1 / w.
+/// The integrand over a range: a power law, or a constant density over frequencies or over periods 1 / w.
 enum Range<'p> {
     Law(&'p Piece),
     Flat(Ball),
     Periods(Ball),
 }
 
-/// The integral of |H|^2 S, as far as it is.
+/// The integral of |H|^2 S so far.
 struct Integral<'a> {
     response: Response<'a>,
-    /// The power of 1 / w^2 beside.
+    /// A further power of 1 / w^2.
     left: i32,
     spent: usize,
     most: usize,
     sum: Ball,
-    /// What each mode adds to the sum.
+    /// The contribution of each mode to the sum.
     by_modes: Vec<f64>,
 }
 
 impl Integral<'_> {
-    /// Whether the panels that delays take alone are too many.
+    /// Whether the panels that delays require are already too many.
     fn turns_too_often<'p>(&self, pieces: impl Iterator<Item = &'p Piece>) -> bool {
         let longest = self.response.drives.iter().map(|drive| drive.later.magnitude()).fold(0.0, f64::max);
         let panels = pieces.map(|piece| (piece.to - piece.from).magnitude()).sum::<f64>() * longest / (2.0 * TURN);
@@ -317,8 +319,9 @@ impl Integral<'_> {
         self.over(&Range::Periods(density), [Ball::ZERO, Ball::ONE / Ball::from(cut)])
     }
 
-    /// Adds the integral between two ends; `None` if the limit is exceeded. What is cut waits for all others: where the integrand is
-    /// next to nothing, a panel is fine enough once there is an integral beside which it is.
+    /// Adds the integral between two ends; `None` if the limit is exceeded. A panel that has been cut waits until all
+    /// others are done: where the integrand is negligible, a panel is narrow enough as soon as the integral is known
+    /// roughly.
     fn over(&mut self, range: &Range, ends: [Ball; 2]) -> Option<()> {
         let rule = gauss::rule();
         let mut waiting = VecDeque::from([ends]);
@@ -337,7 +340,7 @@ impl Integral<'_> {
         Some(())
     }
 
-    /// The integral over a panel; `None` if it is too wide.
+    /// The integral over a panel; `None` if the panel is too wide.
     fn panel(&mut self, rule: &Rule, range: &Range, middle: Ball, half: Ball) -> Option<Ball> {
         let turns = self.response.drives.iter().any(|drive| (drive.later * half).magnitude() > TURN);
         if turns {
@@ -366,7 +369,7 @@ impl Integral<'_> {
         Some(part.widen(error))
     }
 
-    /// What the modes add to H at an angular frequency or a period.
+    /// The contributions of the modes to H at an angular frequency or a period.
     fn parts(&mut self, range: &Range, at: Point) -> Option<Vec<Point>> {
         self.spent += self.response.work();
         match range {
@@ -375,7 +378,7 @@ impl Integral<'_> {
         }
     }
 
-    /// What |H|^2 is multiplied by, at an angular frequency or a period, or where that is the size of a complex one.
+    /// The factor of |H|^2 at an angular frequency or a period, or for complex ones its magnitude.
     fn density(&self, range: &Range, size: Ball) -> Option<Ball> {
         let density = match range {
             Range::Flat(density) | Range::Periods(density) => *density,

@@ -1,6 +1,7 @@
-//! Maxima of a density that is a sum over noises, each of its own course and of inputs that it drives at different times: where the
-//! density is smooth, intervals of frequency are cut until in each either its slope or its second derivative has one sign. In: zeros
-//! and poles of each path, noises. Out: the maxima between two frequencies. See docs/method/random.md#peaks.
+//! Maxima of a density that is a sum over noises, each with its own spectrum and with inputs that it drives at
+//! different times. Where the density is smooth, intervals of frequency are cut until the slope or the second
+//! derivative has one sign in each. In: zeros and poles of each path, noises. Out: the maxima between two frequencies.
+//! See docs/method/random.md#peaks.
 
 use super::effort::Effort;
 use super::harmonic::Response;
@@ -17,18 +18,18 @@ const LONG: &str = "the search for them takes too long";
 const ENDLESS: &str = "white noise that comes again later, or at several inputs, makes peaks without end";
 const EDGES: &str = "peaks under several noises are found where the ends of their bands are fractions";
 
-/// Limit on zeros and poles that are looked at, over all intervals: some seconds.
+/// Limit on the zeros and poles evaluated, over all intervals: some seconds.
 pub const MOST_TERMS: usize = 3_000_000;
-/// Multiplications of an elimination that take as long as a zero or a pole.
+/// Number of multiplications of an elimination that take as long as evaluating one zero or pole.
 const WORK_OF_ROOT: usize = 10;
-/// Where an interval is cut: not in the middle, where round numbers have their maxima.
+/// The place at which an interval is cut: not the middle, because maxima often lie at round numbers.
 const CUT: f64 = 0.4871;
-/// Intervals are not cut finer, relative to the frequency.
+/// Least width of an interval, relative to the frequency.
 const FINEST: f64 = 1e-13;
-/// Above so many times the largest zero or pole, sums that decay have no peak.
+/// Above this multiple of the largest zero or pole, a sum that decays has no peak.
 const BEYOND: f64 = 1000.0;
 
-/// A noise with its way to the output.
+/// A noise with its path to the output.
 pub struct Share<'a> {
     noise: &'a Noise,
     way: Way<'a>,
@@ -37,7 +38,7 @@ pub struct Share<'a> {
 enum Way<'a> {
     /// Paths by their zeros and poles, each with the delay at its input, s.
     Roots(Vec<(&'a Exactly, Ball)>),
-    /// By elimination in modal coordinates, and how often the noise is to be integrated beside.
+    /// By elimination in modal coordinates, with the number of times that the noise is to be integrated.
     Modes(Response<'a>, i32),
 }
 
@@ -52,7 +53,7 @@ impl<'a> Share<'a> {
         Share { noise, way: Way::Modes(response, left) }
     }
 
-    /// `None` where exact arithmetic does not find zeros and poles.
+    /// `None` if exact arithmetic does not find zeros and poles.
     pub fn all_by_roots(transfer: &'a Transfer, reaching: &[Reaching<'a>], output: usize) -> Option<Vec<Share<'a>>> {
         let of = |(noise, inputs): &Reaching<'a>| {
             let path =
@@ -62,7 +63,7 @@ impl<'a> Share<'a> {
         reaching.iter().map(of).collect()
     }
 
-    /// What a look at it costs, in zeros and poles.
+    /// The effort of one evaluation, counted in zeros and poles.
     fn terms(&self) -> usize {
         match &self.way {
             Way::Roots(paths) => paths.iter().map(|(path, _)| path.roots()).sum(),
@@ -71,8 +72,8 @@ impl<'a> Share<'a> {
     }
 }
 
-/// The frequencies in Hz of the maxima, not at the ends of bands, ascending.
-/// `effort`: of all ranges together; without it each has its own.
+/// The frequencies in Hz of the maxima, ascending, except those at the ends of bands. `effort`: that of all ranges
+/// together; without it each range has its own.
 pub fn maxima(shares: &[Share], effort: Option<&Effort>) -> Result<Vec<Ball>, &'static str> {
     let edges = edges(shares.iter().map(|share| share.noise)).ok_or(EDGES)?;
     let mut left = effort.map(Effort::limit);
@@ -97,7 +98,7 @@ pub fn maxima(shares: &[Share], effort: Option<&Effort>) -> Result<Vec<Ball>, &'
             let found = to.map_or_else(|| sum.top(low), |to| Ok(radians(to))).and_then(|high| sum.maxima(low, high));
             left = left.map(|_| sum.left);
             if let (Err(LONG), Some(effort)) = (&found, effort) {
-                effort.failed(effort.limit());
+                effort.record_failure(effort.limit());
             }
             list.extend(found?);
         }
@@ -110,17 +111,18 @@ fn radians(frequency: &Number) -> Ball {
     frequency.to_ball() * Ball::PI * Ball::from(2.0)
 }
 
-/// The density between two edges: the noises that are there, each with its band or none if it is white.
+/// The density between two edges: the noises present there, each with its band, or with none if it is white.
 struct Sum<'a> {
     parts: Vec<(&'a Share<'a>, Option<&'a Band>)>,
-    /// Zeros and poles of all parts.
+    /// Number of zeros and poles of all parts.
     terms: usize,
-    /// Of those that may still be looked at.
+    /// Number of these that may still be evaluated.
     left: usize,
 }
 
 impl Sum<'_> {
-    /// A frequency above which the density decreases: every part does, as w t / (t^2 + a^2) = 1 +- 2 / K for w >= K |z|.
+    /// A frequency above which the density decreases because each part does: w t / (t^2 + a^2) = 1 +- 2 / K for w >= K
+    /// |z|.
     fn top(&self, low: Ball) -> Result<Ball, &'static str> {
         let mut largest = 0.0f64;
         for (share, _) in &self.parts {
@@ -159,7 +161,7 @@ impl Sum<'_> {
     fn maxima(&mut self, low: Ball, high: Ball) -> Result<Vec<Ball>, &'static str> {
         let (low_end, high_end) = ((low.to_f64() - low.rad).next_down().max(0.0), (high.to_f64() + high.rad).next_up());
         let mut list = Vec::new();
-        // The lower half of an interval is on top, so that maxima come in order.
+        // The lower half of an interval is put on top, so that the maxima are found in order.
         let mut left = vec![[low_end, high_end]];
         while let Some([a, b]) = left.pop() {
             let half = (0.5 * (b - a)).next_up();
@@ -171,14 +173,14 @@ impl Sum<'_> {
                 continue;
             }
             if bend.is_finite() && bend.is_negative() {
-                // Downwards from a slope of zero at 0 Hz.
+                // Decreasing from a slope of zero at 0 Hz.
                 if a == 0.0 && self.is_even() {
                     continue;
                 }
                 let at_ends = [self.over(Ball::from(a))?[1], self.over(Ball::from(b))?[1]];
                 if at_ends.iter().all(has_sign) {
                     if at_ends[0].is_positive() && at_ends[1].is_negative() {
-                        list.push(self.sharpened(middle.widen(half))?);
+                        list.push(self.sharpen(middle.widen(half))?);
                     }
                     continue;
                 }
@@ -205,9 +207,10 @@ impl Sum<'_> {
         Ok(inside)
     }
 
-    /// The only zero of the slope in an interval over which it decreases, by Newton's method with the second derivative of the
-    /// interval: the zero is in each of the intervals that it makes. Where an interval is too wide for that, it is halved.
-    fn sharpened(&mut self, mut omega: Ball) -> Result<Ball, &'static str> {
+    /// The only zero of the slope in an interval over which the slope decreases, by Newton's method with the interval's
+    /// second derivative: each of the resulting intervals contains the zero. An interval that is too wide for that is
+    /// halved.
+    fn sharpen(&mut self, mut omega: Ball) -> Result<Ball, &'static str> {
         loop {
             let centre = Ball::exact(omega.mid);
             let (at, over) = (self.over(centre)?, self.over(omega)?);
@@ -241,14 +244,14 @@ impl Sum<'_> {
 }
 
 impl Share<'_> {
-    /// The density times |sum H e^(-i w t)|^2 / w^(2 derivative); `None` where an interval is too wide to know anything.
+    /// The density times |sum H e^(-i w t)|^2 / w^(2 derivative); `None` if an interval is too wide for any statement.
     fn over(&self, band: Option<&Band>, omega: Ball) -> Option<Jet> {
         let by_course = course(&self.noise.density, band, omega)?;
         let (square, exponent) = self.square(omega)?;
         Some(product(product(square, power(omega, exponent)), by_course))
     }
 
-    /// The same without the density, as a function times a power of the frequency.
+    /// The product without the density, as a function times a power of the frequency.
     fn square(&self, omega: Ball) -> Option<(Jet, i32)> {
         let rate = i32::from(self.noise.derivative);
         Some(match &self.way {
@@ -263,7 +266,7 @@ impl Share<'_> {
             Way::Roots(paths) => {
                 let mut sum = [Complex::<Ball>::ZERO; 3];
                 for (path, delay) in paths {
-                    let part = delayed(path, *delay, rate, omega)?;
+                    let part = delay_path(path, *delay, rate, omega)?;
                     sum = std::array::from_fn(|i| sum[i] + part[i]);
                 }
                 (square_of(sum), 0)
@@ -271,7 +274,7 @@ impl Share<'_> {
         })
     }
 
-    /// Whether it rises from zero at 0 Hz, over an interval that begins there: as w^p f with w |f'| < p f.
+    /// Whether it rises from zero at 0 Hz over an interval that begins there: like w^p f with w |f'| < p f.
     fn rises(&self, band: Option<&Band>, omega: Ball) -> Option<bool> {
         let (square, exponent) = self.square(omega)?;
         let exponent = Ball::from(f64::from(exponent));
@@ -294,7 +297,7 @@ fn square_of([g, g1, g2]: [Complex<Ball>; 3]) -> Jet {
 }
 
 /// H e^(-i w t) / (i w)^rate with its derivatives.
-fn delayed(path: &Exactly, delay: Ball, rate: i32, omega: Ball) -> Option<[Complex<Ball>; 3]> {
+fn delay_path(path: &Exactly, delay: Ball, rate: i32, omega: Ball) -> Option<[Complex<Ball>; 3]> {
     let Over { at_zero, above, below, slopes: [first, second], .. } = path.over(omega)?;
     let (sine, cosine) = Number::Ball(omega * delay).sin_cos()?;
     // The factor i of each root at zero, and -i t of each derivative of the delay.

@@ -60,7 +60,8 @@ const OPEN_RATE: &str = "the zero crossings of an acceleration need its derivati
 /// The relative bound of a mean square beyond which there is no number.
 const LEAST: f64 = 0.1;
 
-/// A system under noise. What an output shows goes by those independent parts alone that noise moves and that the output shows.
+/// A system under noise. Each output is computed from those independent parts only that noise moves and that the output
+/// shows.
 pub struct Random<'a> {
     system: &'a LinearSystem,
     modes: &'a Modes,
@@ -71,17 +72,17 @@ pub struct Random<'a> {
     driven: Vec<bool>,
     whole: OnceCell<Driven<'a>>,
     some: Vec<Subset<'a>>,
-    /// With loss factors in place of the other one, and for peaks where zeros and poles are not known.
+    /// Replaces the other one if there are loss factors, and for peaks if zeros and poles are not known.
     lossy: OnceCell<Lossy<'a>>,
-    /// Of the searches for peaks by elimination.
+    /// Effort of the searches for peaks by elimination.
     effort: Effort,
 }
 
-/// Parts of the system, but not all of them.
+/// Some parts of the system, but not all of them.
 struct Subset<'a> {
     parts: Vec<bool>,
     basis: Basis,
-    /// `None` where a mode moves others too.
+    /// `None` if a mode moves other parts too.
     driven: OnceCell<Option<Driven<'a>>>,
     lossy: OnceCell<Lossy<'a>>,
 }
@@ -93,7 +94,7 @@ impl<'a> Random<'a> {
         let mut some: Vec<Subset> = Vec::new();
         let is_divided = reach.count > 1 && !system.is_chained();
         for output in system.outputs.iter().filter(|_| is_divided) {
-            let parts = reach.shown(output, &driven);
+            let parts = reach.shown_parts(output, &driven);
             let is_new =
                 parts.contains(&true) && parts.contains(&false) && some.iter().all(|known| known.parts != parts);
             if is_new {
@@ -108,14 +109,14 @@ impl<'a> Random<'a> {
         Random { system, modes, noises, known: None, reach, driven, whole, some, lossy, effort }
     }
 
-    /// With what the search for these poles of the system has found.
+    /// Uses the results of an earlier search for the poles of the system.
     pub fn with(self, poles: &'a Poles) -> Random<'a> {
         Random { known: poles.state.as_deref(), ..self }
     }
 
-    /// The system by which an output goes, and the output there.
+    /// The system that determines an output, and the output there.
     fn place<'o>(&self, output: &'o Output) -> (&Driven<'a>, Cow<'o, Output>) {
-        let parts = self.reach.shown(output, &self.driven);
+        let parts = self.reach.shown_parts(output, &self.driven);
         let found = self.some.iter().find(|some| some.parts == parts).and_then(|some| {
             let of = || {
                 let (numbers, modes) = self.modes_of(&some.parts)?;
@@ -139,7 +140,7 @@ impl<'a> Random<'a> {
         }
     }
 
-    /// The modes of some parts with their numbers from 1; `None` where a mode moves others too.
+    /// The modes of some parts with their numbers from 1; `None` if a mode moves other parts too.
     fn modes_of(&self, parts: &[bool]) -> Option<(Vec<usize>, Modes)> {
         let kept: Vec<usize> = (0..self.system.n()).filter(|&i| parts[self.reach.part[i]]).collect();
         let (mut numbers, mut list) = (Vec::new(), Vec::new());
@@ -165,12 +166,12 @@ impl<'a> Random<'a> {
         self.noises.iter().any(|noise| self.reach.from_noise(self.system, noise, output))
     }
 
-    /// The mean square with loss factors of an output, or of its rate; `None` where no spring that matters has one.
+    /// The mean square of an output, or of its rate, with loss factors; `None` if no relevant spring has one.
     fn lossy(&self, output: &Output, is_rate: bool, within: Option<[&Number; 2]>) -> Option<Spread> {
         Some(self.lossy_with_modes(output, is_rate, within)?.0)
     }
 
-    /// The same, and what each mode contributes to it.
+    /// That mean square, and the contribution of each mode to it.
     fn lossy_with_modes(
         &self,
         output: &Output,
@@ -183,16 +184,16 @@ impl<'a> Random<'a> {
             return None;
         }
         let Some(index) = self.index(output) else { return Some((Spread::Unknown(OPEN_DIGITS), Vec::new())) };
-        Some(lossy.mean_square(&lossy.seen(index), is_rate, within))
+        Some(lossy.mean_square(&lossy.seen_output(index), is_rate, within))
     }
 
     fn index(&self, output: &Output) -> Option<usize> {
         self.system.outputs.iter().position(|known| std::ptr::eq(known, output))
     }
 
-    /// The parts that an output shows, or the whole system where they cannot be taken by themselves.
+    /// The parts that an output shows, or the whole system if they cannot be separated.
     fn modal(&self, output: &Output) -> &Lossy<'a> {
-        let parts = self.reach.shown(output, &self.driven);
+        let parts = self.reach.shown_parts(output, &self.driven);
         let found = self.some.iter().find(|some| some.parts == parts);
         if let Some((some, (numbers, modes))) = found.and_then(|some| Some((some, self.modes_of(&some.parts)?))) {
             let of = || Lossy::of(Cow::Owned(some.basis.system(self.system)), &modes, self.noises, numbers);
@@ -205,7 +206,7 @@ impl<'a> Random<'a> {
     /// The frequencies in Hz of the maxima of the density of an output, by elimination in modal coordinates.
     fn maxima(&self, output: usize) -> Result<Vec<Ball>, &'static str> {
         let modal = self.modal(&self.system.outputs[output]);
-        match modal.shares(&modal.seen(output)) {
+        match modal.shares(&modal.seen_output(output)) {
             Ok(shares) => maxima::maxima(&shares, Some(&self.effort)),
             Err(Spread::Unknown(why)) => Err(why),
             Err(Spread::Finite(_) | Spread::Infinite(_)) => Err(OPEN_DIGITS),
@@ -221,7 +222,7 @@ impl<'a> Random<'a> {
         driven.mean_square(&output).root()
     }
 
-    /// The same of what an output has between two frequencies, Hz.
+    /// The root mean square of the part of an output between two frequencies, Hz.
     pub fn rms_within(&self, output: &Output, within: [&Number; 2]) -> Spread {
         if let Some(square) = self.lossy(output, false, Some(within)) {
             return square.root();
@@ -261,7 +262,8 @@ impl<'a> Random<'a> {
 }
 
 impl Spread {
-    /// The upward zero crossings per second where this is the mean square of the rate: its root over 2 pi times the rms (Rice 1945).
+    /// The upward zero crossings per second, if this is the mean square of the rate: its root over 2 pi times the rms
+    /// (Rice 1945).
     fn crossings(self, mean_square: Spread) -> Spread {
         match (self, mean_square) {
             (Spread::Finite(_), Spread::Finite(square)) if square.is_zero() => Spread::Unknown("no noise moves it"),
@@ -307,13 +309,13 @@ pub struct Noisy {
     pub rms: Spread,
     /// Upward zero crossings, Hz.
     pub crossings: Spread,
-    /// The modes that contribute, from 1, the largest parts first; without bounds.
+    /// The modes that contribute, numbered from 1, in descending order of their shares; without bounds.
     pub shares: Vec<(usize, Unproven)>,
-    /// Every peak of its density, ascending, or why they are not known.
+    /// Every peak of its density, ascending, or the reason why they are not known.
     pub peaks: Result<Vec<Peak>, Cow<'static, str>>,
 }
 
-/// Every output that noise reaches.
+/// The results for every output that noise reaches.
 pub fn outputs(system: &LinearSystem, modes: &Modes, poles: &Poles, noises: &[Noise]) -> Vec<Noisy> {
     if noises.is_empty() {
         return Vec::new();

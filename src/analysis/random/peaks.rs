@@ -1,5 +1,6 @@
-//! Peaks of an output's power spectral density, all of them. In: a transfer function as zeros and poles, a noise. Out: frequencies and
-//! densities as enclosures, or why it is not proved that none is missing. See docs/method/random.md#peaks.
+//! Peaks of an output's power spectral density. In: a transfer function as zeros and poles, a noise. Out: the
+//! frequencies and densities of all peaks as enclosures, or the reason why completeness is not proved. See
+//! docs/method/random.md#peaks.
 
 use super::density::density;
 use super::maxima::{Reaching, Share, maxima};
@@ -22,9 +23,9 @@ pub struct Peak {
 
 const UNPROVED: &str = "it is not proved that no peak is missing";
 const MANY: &str = "peaks are found under densities of up to 64 bands";
-/// Each band is a search of its own.
+/// Limit on the bands, each of which is searched separately.
 const MOST_BANDS: usize = 64;
-/// Frequencies above so many times the largest zero or pole have no peak.
+/// Above this multiple of the largest zero or pole there is no peak.
 const BEYOND: f64 = 1000.0;
 
 /// Every peak of the density of an output, ascending.
@@ -72,7 +73,7 @@ pub fn peaks(
     list.into_iter().map(peak).collect()
 }
 
-/// Of one noise of one input.
+/// For one noise of one input.
 fn under_one(transfer: &Transfer, noise: &Noise, input: usize, output: usize) -> Result<Vec<Ball>, &'static str> {
     let exactly = transfer.zero_pole_form(input, output).ok_or(UNPROVED)?;
     let integrals = Ball::from(-f64::from(noise.derivative));
@@ -82,12 +83,12 @@ fn under_one(transfer: &Transfer, noise: &Noise, input: usize, output: usize) ->
         let whole = exactly.with_power(integrals);
         let half = Ball::from(0.5);
         let weighed = match &band.course {
-            // A line is a factor w - w0, w0 where it is zero; one through zero at 0 Hz is a power.
+            // A line contains a factor w - w0, where w0 is its zero; a line through zero at 0 Hz is a power law.
             Course::Line { low, high } if !(low - high).is_zero() => {
                 let apart = &(low * &band.to) - &(high * &band.from);
                 let root = apart.checked_div(&(low - high)).ok_or(UNPROVED)?;
                 match root.may_be_zero() {
-                    // At an end of the band the slope of the logarithm is infinite, that of the density is not.
+                    // At an end of the band the slope of the logarithm is infinite, but that of the density is not.
                     false if low.is_zero() || high.is_zero() => {
                         let own = Noise { density: Density::Bands(vec![band.clone()]), ..noise.clone() };
                         let own = [(&own, vec![(input, Number::ZERO)])];
@@ -108,7 +109,7 @@ fn under_one(transfer: &Transfer, noise: &Noise, input: usize, output: usize) ->
     Ok(list)
 }
 
-/// Of noises that drive their inputs at one time.
+/// For noises that drive all their inputs at the same time.
 fn under_several(
     system: &LinearSystem,
     reaching: &[(&Noise, Vec<(usize, Number)>)],
@@ -132,7 +133,7 @@ fn radians(frequency: &Number) -> Ball {
 fn above(exactly: &Exactly, power: Ball, low: Ball) -> Result<Vec<Ball>, &'static str> {
     let top = (BEYOND * exactly.largest()).max(2.0 * low.magnitude());
     let excess = exactly.excess().ok_or(UNPROVED)? as f64 + power.to_f64();
-    // For w >= K |z| each zero and pole has w t / (t^2 + a^2) = 1 +- 2 / K in the slope.
+    // For w >= K |z|, each zero or pole contributes w t / (t^2 + a^2) = 1 +- 2 / K to the slope.
     let is_settled = 4.0 * exactly.roots() as f64 <= BEYOND * excess.abs() && excess != 0.0;
     if !is_settled {
         return Err(UNPROVED);
@@ -140,7 +141,7 @@ fn above(exactly: &Exactly, power: Ball, low: Ball) -> Result<Vec<Ball>, &'stati
     between(&exactly.with_power(power), low, Ball::from(top))
 }
 
-/// The frequencies in Hz at which there is a maximum, between two angular ones.
+/// The frequencies in Hz of the maxima between two angular frequencies.
 fn between(weighed: &Exactly, low: Ball, high: Ball) -> Result<Vec<Ball>, &'static str> {
     let Extrema { list, complete, .. } = weighed.extrema(low, high);
     complete.ok_or(UNPROVED)?;

@@ -1,9 +1,9 @@
-//! Mean squares by the transfer function as an exact quotient of polynomials, where the equations of motion alone prove nothing:
-//! a motion that nothing holds, an undamped one or the drift of a base may cancel in an output, and here it does so exactly.
-//! In: a small system of rational numbers, a noise. Out: an enclosure, a proof that the mean square is infinite, or nothing. See
-//! docs/method/random.md#cancellations.
+//! Mean squares by the transfer function as an exact quotient of polynomials, for cases in which the equations of
+//! motion alone prove nothing: an unrestrained or undamped motion, or the drift of a base, may cancel in an output, and
+//! exact arithmetic decides whether it does. In: a small system of rational numbers, a noise. Out: an enclosure, a
+//! proof that the mean square is infinite, or nothing. See docs/method/random.md#cancellations.
 
-use super::bands::{in_parts, over, pieces, settled, starts_at_zero};
+use super::bands::{in_parts, over, pieces, starts_at_zero, to_mean_square};
 use super::source::intensity;
 use super::weight::Piece;
 use super::{Reach, Spread, finite};
@@ -22,7 +22,7 @@ const UNDAMPED: &str = "infinite: nothing damps what noise excites";
 
 type Point = Complex<Ball>;
 
-/// H = factor s^zeros above / below without common roots, and neither polynomial with a root at zero.
+/// H = factor s^zeros above / below, without common roots or roots at zero in either polynomial.
 struct Reduced {
     factor: Rational,
     zeros: i32,
@@ -30,7 +30,7 @@ struct Reduced {
     below: Polynomial,
 }
 
-/// The mean square of an output, or of its rate; of all the noise, or of its part between two frequencies, Hz.
+/// The mean square of an output, or of its rate, under all of the noise or its part between two frequencies, Hz.
 pub fn mean_square(
     system: &LinearSystem,
     reach: &Reach,
@@ -46,7 +46,7 @@ pub fn mean_square(
     }
     let inputs: Vec<usize> = reaching().map(|(input, _)| *input).collect();
     let quotient = Quotient::of(system, &inputs, output)?;
-    // What cancels may swing or drift for ever, but it must not grow.
+    // A motion that cancels may swing or drift for ever, but it must not grow.
     if half_planes(&quotient.below)?.right > 0 || quotient.above.is_zero() {
         return quotient.above.is_zero().then_some(Spread::Finite(Ball::ZERO));
     }
@@ -72,13 +72,13 @@ pub fn mean_square(
             if reduced.zeros < 0 && starts_at_zero(&noise.density, within)? {
                 return Some(Spread::Infinite(why.into()));
             }
-            Some(finite(reduced.banded(&pieces)))
+            Some(finite(reduced.band_mean_square(&pieces)))
         }
     }
 }
 
 impl Reduced {
-    /// H times s^more; H is not zero.
+    /// H times s^more, for a nonzero H.
     fn of(Quotient { factor, above, below }: &Quotient, more: i32) -> Option<Reduced> {
         let (zeros, above) = above.without_zero_roots();
         let (poles, below) = below.without_zero_roots();
@@ -88,8 +88,9 @@ impl Reduced {
         Some(Reduced { factor: factor.clone(), zeros, above, below })
     }
 
-    /// The integral of |H|^2 over the axis by 2 pi, for more poles than zeros, all poles on the left and none of H at zero: Routh's
-    /// scheme with a second row for the numerator (Astrom, Introduction to Stochastic Control Theory, 1970, chapter 5).
+    /// The integral of |H|^2 over the axis divided by 2 pi, if there are more poles than zeros, all poles lie on the
+    /// left, and none of H is zero: Routh's scheme with a second row for the numerator (Astrom, Introduction to
+    /// Stochastic Control Theory, 1970, chapter 5).
     fn white(&self) -> Option<Rational> {
         let mut a = descending(&self.below);
         let shift = usize::try_from(self.zeros).ok()?;
@@ -119,11 +120,11 @@ impl Reduced {
         Some(&sum * &(&self.factor * &self.factor))
     }
 
-    /// The mean square under noise in bands: |H|^2 by partial fractions at simple poles, all on the left.
-    fn banded(&self, pieces: &[Piece]) -> Option<Ball> {
+    /// The mean square under noise in bands: |H|^2 by partial fractions at simple poles, all of them on the left.
+    fn band_mean_square(&self, pieces: &[Piece]) -> Option<Ball> {
         let [above, below] = [&self.above, &self.below].map(balls);
         let slope = balls(&self.below.derivative());
-        // Poles with the residues there, and their conjugates.
+        // Poles with their residues, and the conjugates.
         let mut poles: Vec<(Point, Point)> = Vec::new();
         for root in near_and_far(&Coefficients::exact(self.below.clone()))?.list {
             if root.multiplicity > 1 || !matches!(root.place, Place::Real | Place::Pair) {
@@ -150,13 +151,13 @@ impl Reduced {
                 sum = sum + factor.to_ball() * integral;
             })?;
         }
-        settled(sum * self.factor.to_ball().square(), 0.0)
+        to_mean_square(sum * self.factor.to_ball().square(), 0.0)
     }
 
-    /// The factors of w^0, w^2, .. in what remains of |H|^2 / w^(2 zeros) without its partial fractions.
+    /// The factors of w^0, w^2, .. in |H|^2 / w^(2 zeros) less its partial fractions.
     fn left_over(&self) -> Option<Vec<Rational>> {
-        let mut rest = squared(&self.above);
-        let divisor = squared(&self.below);
+        let mut rest = square_on_axis(&self.above);
+        let divisor = square_on_axis(&self.below);
         let lead = divisor.last()?;
         let mut found = vec![Rational::ZERO; (rest.len() + 1).saturating_sub(divisor.len())];
         for place in (0..found.len()).rev() {
@@ -175,7 +176,7 @@ fn descending(f: &Polynomial) -> Vec<Rational> {
 }
 
 /// |f(i w)|^2 as a polynomial in w^2.
-pub(super) fn squared(f: &Polynomial) -> Vec<Rational> {
+pub(super) fn square_on_axis(f: &Polynomial) -> Vec<Rational> {
     let mut ascending = descending(f);
     ascending.reverse();
     let n = ascending.len();

@@ -1,10 +1,10 @@
-//! Which coordinates move together, and what leads from a noise to an output. In: a system. Out: its independent parts.
+//! Coordinates that move together, and paths from a noise to an output. In: a system. Out: its independent parts.
 
 use crate::analysis::modes::parts::independent;
 use crate::base::Number;
 use crate::system::{CoordinateId, LinearSystem, Noise, Output};
 
-/// Which coordinates move together.
+/// The independent parts of a system: coordinates that move together.
 pub struct Reach {
     /// The number of the part of each coordinate.
     pub part: Vec<usize>,
@@ -49,8 +49,8 @@ impl Reach {
         is_driven
     }
 
-    /// Those of some parts that an output shows.
-    pub fn shown(&self, output: &Output, parts: &[bool]) -> Vec<bool> {
+    /// Which of the given parts an output shows.
+    pub fn shown_parts(&self, output: &Output, parts: &[bool]) -> Vec<bool> {
         let mut is_shown = vec![false; self.count];
         for (i, _) in output.p.iter().flatten().filter(|(_, factor)| !factor.is_zero()) {
             let part = self.part[i.index()];

@@ -1,5 +1,6 @@
-//! A realisation of noise: the motion of every output under lines of random phases, which noise has kept up for ever. In: a stable
-//! system, noises in bands, a seed, times. Out: an enclosure for each output and time. See docs/method/random.md#realisations.
+//! A realisation of noise: the motion of every output under lines of random phases that have acted for ever. In: a
+//! stable system, noises in bands, a seed, times. Out: an enclosure for each output and time. See
+//! docs/method/random.md#realisations.
 
 use super::gramian::{Obstacle, Space};
 use super::why;
@@ -14,12 +15,12 @@ use crate::system::{LinearSystem, Noise};
 
 type Point = Complex<Ball>;
 
-/// A noise has at least so many lines.
+/// Least number of lines of a noise.
 const LEAST_LINES: i64 = 64;
 const MOST_LINES: f64 = 20_000.0;
-/// The most products of lines, samples and outputs.
+/// Limit on the product of lines, samples and outputs.
 const MOST_TERMS: f64 = 1e8;
-/// After so many steps the phase of a line is taken from the time again.
+/// Number of steps after which the phase of a line is computed from the time again.
 const RESTART: usize = 256;
 /// Spacings from 2^-40 to 2^40 Hz.
 const FINEST: i32 = 40;
@@ -31,7 +32,7 @@ struct Line {
     amplitudes: Vec<Point>,
 }
 
-/// The motion of every output at ascending times, s, that noise of this seed makes; or why there is none.
+/// The motion of every output at ascending times, s, under the noise of this seed; or the reason why there is none.
 pub fn realisation(
     system: &LinearSystem,
     modes: &Modes,
@@ -68,8 +69,9 @@ const WHITE: &str = "white noise has no realisation: its mean square is infinite
 const TOO_MANY: &str = "that takes too many lines: choose a shorter time or a narrower band";
 const RANGE: &str = "the numbers leave their range";
 
-/// The lines of a noise: frequencies in Hz, and amplitudes with their random phases. Each has the mean square that the density has
-/// about it, in the cell of a grid whose spacing is a power of two: fine enough that nothing repeats within the time.
+/// The lines of a noise: frequencies in Hz, and amplitudes with their random phases. Each has the mean square of the
+/// density in its cell of a grid, whose spacing is a power of two that is fine enough for the motion not to repeat
+/// within the time.
 fn phasors(noise: &Noise, seed: u64, until: &Number) -> Result<Vec<(Number, Point)>, &'static str> {
     let Density::Bands(bands) = &noise.density else { return Err(WHITE) };
     let (Some(first), Some(last)) = (bands.first(), bands.last()) else { return Ok(Vec::new()) };
@@ -99,7 +101,7 @@ fn phasors(noise: &Noise, seed: u64, until: &Number) -> Result<Vec<(Number, Poin
     Ok(list)
 }
 
-/// The largest power of two, Hz, whose period is not shorter than the time, and that leaves lines enough in a range.
+/// The largest power of two, Hz, whose period is at least the time and that gives enough lines in a range.
 fn spacing(range: &Number, until: &Number) -> Option<Number> {
     let fits = |spacing: &Number| {
         let lines = range / spacing;
@@ -108,7 +110,7 @@ fn spacing(range: &Number, until: &Number) -> Option<Number> {
     (-FINEST..=FINEST).rev().filter_map(|power| Number::from(2).powi(power)).find(fits)
 }
 
-/// The middle of what a cell of the grid has of a band, and twice the mean square there.
+/// The middle of the part of a band in a cell of the grid, and twice its mean square.
 fn line_of(band: &Band, cell: i64, spacing: &Number) -> Result<Option<(Number, Ball)>, &'static str> {
     let [below, above] = [cell, cell + 1].map(|cell| &Number::from(cell) * spacing);
     let from = if (&below - &band.from).is_positive() { below } else { band.from.clone() };
@@ -139,7 +141,7 @@ fn responses(
     }
     let mut sums = vec![Complex::ZERO; outputs.len()];
     for (row, (_, delay)) in transfer.between(&at, &inputs, outputs).iter().zip(&noise.inputs) {
-        let (sine, cosine) = turned(frequency, delay).ok_or(RANGE)?;
+        let (sine, cosine) = sine_and_cosine(frequency, delay).ok_or(RANGE)?;
         let own = own * Complex::new(cosine, -sine);
         for (sum, gain) in sums.iter_mut().zip(row) {
             let Gain::Finite(disc) = gain else { return Err("a gain is not known at the frequency of a line") };
@@ -152,7 +154,7 @@ fn responses(
 }
 
 /// Sine and cosine of 2 pi f t.
-fn turned(frequency: &Number, time: &Number) -> Option<(Ball, Ball)> {
+fn sine_and_cosine(frequency: &Number, time: &Number) -> Option<(Ball, Ball)> {
     let cycles = frequency * time;
     let angle = match cycles.exact() {
         Some(cycles) => Number::of_pi(&Rational::from(2i64) * cycles),
@@ -167,7 +169,7 @@ struct Steps<'t> {
     times: &'t [Number],
     /// The first step.
     step: Option<Number>,
-    /// Whether a time is one such step after the one before.
+    /// Whether a time follows the previous one by exactly such a step.
     is_next: Vec<bool>,
 }
 
@@ -186,14 +188,14 @@ impl<'t> Steps<'t> {
 }
 
 impl Line {
-    /// Adds the real parts of its amplitudes times e^(i w t), by turns of one step.
+    /// Adds the real parts of its amplitudes times e^(i w t), rotating them by one step at a time.
     fn add_to(&self, values: &mut [Vec<Ball>], steps: &Steps) -> Result<(), &'static str> {
         let point = |time: &Number| {
-            let (sine, cosine) = turned(&self.frequency, time).ok_or(RANGE)?;
+            let (sine, cosine) = sine_and_cosine(&self.frequency, time).ok_or(RANGE)?;
             Ok::<Point, &'static str>(Complex::new(cosine, sine))
         };
         let by = steps.step.as_ref().map(point).transpose()?.map(Disc::of);
-        // A rectangle would grow with each turn.
+        // A rectangle would grow with each rotation.
         let mut phase = Disc::ZERO;
         for ((time, is_next), row) in steps.times.iter().zip(&steps.is_next).zip(values) {
             phase = match by {

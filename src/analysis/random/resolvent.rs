@@ -1,10 +1,10 @@
-//! Transfer functions by poles: H(s) = sum p_b (s - D_b)^-1 q_b and a polynomial. In: the system in modal coordinates. Out: blocks of one
-//! or two poles as exact numbers, and a bound of what H differs from such a sum by, the same at all frequencies. See
-//! docs/method/random.md#poles.
+//! Transfer functions by poles: H(s) = sum p_b (s - D_b)^-1 q_b plus a polynomial. In: the system in modal coordinates.
+//! Out: blocks of one or two poles as exact numbers, and a bound of the difference between H and such a sum, valid at
+//! all frequencies. See docs/method/random.md#poles.
 //!
-//! With z = (X_b, X_b D_b) as columns of Z and L(s) = s [C M; M 0] + [K 0; 0 -M], Z^T L(s) Z = B (s - D) + R exactly, whatever D and X
-//! are: R_ab = X_a^T (K X_b + C X_b D_b + M X_b D_b^2) is small for good ones, and so are the blocks of B beside its diagonal. How far
-//! poles are from each other does not enter, how far they are from the axis does.
+//! With z = (X_b, X_b D_b) as columns of Z and L(s) = s [C M; M 0] + [K 0; 0 -M], Z^T L(s) Z = B (s - D) + R exactly,
+//! for any D and X: R_ab = X_a^T (K X_b + C X_b D_b + M X_b D_b^2) is small for accurate ones, and so are the
+//! off-diagonal blocks of B. The distances between poles do not enter, only their distances from the axis.
 
 use super::argument::{Argument, Point, Two};
 use super::blocks::{Block, blocks};
@@ -20,11 +20,11 @@ pub struct Resolvent {
     n: usize,
     blocks: Vec<Exact>,
     residuals: Vec<Residual>,
-    /// Of the single poles -1 / (s_b + s_c) and -1 / (s_b + conj s_c), row by row, once they are needed.
+    /// For the single poles -1 / (s_b + s_c) and -1 / (s_b + conj s_c), row by row, computed on demand.
     sums: OnceCell<Vec<[Point; 2]>>,
 }
 
-/// Bounds of an entry of B_d^-1 R and of B_d^-1 B - 1, in a row and a column of two blocks.
+/// Bounds of an entry of B_d^-1 R and of B_d^-1 B - 1, in the row of one block and the column of another.
 struct Residual {
     row: usize,
     column: usize,
@@ -32,13 +32,14 @@ struct Residual {
     skew: f64,
 }
 
-/// How far some frequencies are from every pole, and what follows from it.
+/// The distances of some frequencies from every pole, and the bounds that follow from them.
 pub struct Nearness {
-    /// A lower bound of the distance from the middle of each block.
+    /// A lower bound of the distance from the mean of each block.
     far: Vec<f64>,
     /// Relative error bound of a transfer function at these frequencies, in terms of the product of its scaled rows.
     relative: f64,
-    /// Pairs of blocks b, c with s_b nearly - conj s_c, for all the frequencies can tell: of poles that are nearly on the axis.
+    /// Pairs of blocks b, c with s_b nearly - conj s_c, as seen from the frequencies: poles that nearly lie on the
+    /// axis.
     close: Vec<(usize, usize)>,
 }
 
@@ -48,7 +49,7 @@ impl Nearness {
     }
 }
 
-/// A block as enclosures of radius zero, and what follows from it.
+/// A block as enclosures of radius zero, and the quantities that follow from it.
 struct Exact {
     is_real: bool,
     d: Vec<Vec<Point>>,
@@ -66,7 +67,7 @@ pub struct Parts {
     pub p: Vec<Vec<Point>>,
     q: Vec<Vec<Point>>,
     pub direct: [Ball; 5],
-    /// A bound of what is missing, on the axis.
+    /// A bound of the missing part, on the axis.
     pub slack: f64,
 }
 
@@ -140,10 +141,10 @@ impl Exact {
         };
         let (d, x) = (of(&block.d), of(&block.x));
         let mean = block.mean();
-        // Where noise in bands does not come near, a pole may lie on the axis.
+        // A pole may lie on the axis where no noise in bands comes near it.
         let is_swing = d.len() == 1 && mean.re.hi.abs() <= ON_AXIS * mean.im.hi;
         let far = if is_swing { (-mean.re.hi).max(0.0) } else { -mean.re.hi };
-        // How far D is from a multiple of one.
+        // The distance of D from a multiple of the unit matrix.
         let apart = (0..d.len()).flat_map(|i| {
             let d = &d;
             (0..d.len()).map(move |j| {
@@ -169,8 +170,8 @@ impl Exact {
         f(&self.d)
     }
 
-    /// The columns of K X + C X D + M X D^2 and of C X, with all that M and K may be off by.
-    fn applied(&self, space: &Space) -> [Vec<Vec<Point>>; 2] {
+    /// The columns of K X + C X D + M X D^2 and of C X, including everything by which M and K may be off.
+    fn apply(&self, space: &Space) -> [Vec<Vec<Point>>; 2] {
         let n = space.n;
         let twice = times(&self.rate, &self.d);
         let by_c = |x: &[Point]| -> Vec<Point> {
@@ -206,7 +207,7 @@ struct Row {
 }
 
 impl Resolvent {
-    /// `None` if poles or vectors are not good enough for any bound.
+    /// `None` if poles or vectors are not accurate enough for any bound.
     pub fn of(space: &Space) -> Option<Resolvent> {
         let found = blocks(space)?;
         let blocks: Vec<Exact> = found.iter().map(Exact::of).collect::<Option<_>>()?;
@@ -241,7 +242,7 @@ impl Resolvent {
         self.near(self.blocks.iter().map(far).collect())
     }
 
-    /// Rows and columns are weighed by the distances.
+    /// Rows and columns are weighted by the distances.
     fn near(&self, far: Vec<f64>) -> Option<Nearness> {
         let is_known = far.iter().all(|far| far.is_finite() && *far > 0.0);
         if !is_known {
@@ -270,7 +271,7 @@ impl Resolvent {
 
     /// Bounds the residuals.
     fn certify(&mut self, space: &Space) {
-        let applied: Vec<[Vec<Vec<Point>>; 2]> = self.blocks.iter().map(|block| block.applied(space)).collect();
+        let applied: Vec<[Vec<Vec<Point>>; 2]> = self.blocks.iter().map(|block| block.apply(space)).collect();
         let rows: Vec<Row> = (0..self.blocks.len())
             .flat_map(|block| {
                 let count = if self.blocks[block].is_real { 1 } else { 2 };
@@ -282,7 +283,8 @@ impl Resolvent {
             self.blocks[b].inverse = inverse(&self.slope(space, own, b, damped));
         }
         for (b, [force, damped]) in applied.iter().enumerate() {
-            // The columns of conjugates have the same sizes in another order of rows, and Frobenius's norm is taken.
+            // The columns of conjugates have the same magnitudes in another order of rows, and the bound is in the
+            // Frobenius norm.
             let count = if self.blocks[b].is_real { 1 } else { 2 };
             for &row in &rows {
                 let other = &self.blocks[row.block];
@@ -340,12 +342,12 @@ impl Resolvent {
         })
     }
 
-    /// Whether a block has no conjugate besides.
+    /// Whether a block is its own conjugate.
     pub fn is_real(&self, block: usize) -> bool {
         self.blocks[block].is_real
     }
 
-    /// The transfer function from a noise to the row of an output over the state, and what reaches it directly.
+    /// The transfer function from a noise to an output given as a row over the state, and its direct path.
     pub fn parts(
         &self,
         space: &Space,
@@ -357,7 +359,7 @@ impl Resolvent {
         let n = self.n;
         let jump: Vec<Ball> = drive.jump.iter().zip(&space.s).map(|(jump, s)| *jump / Ball::from(*s)).collect();
         let size = jump.iter().map(|h| h.magnitude()).sum::<f64>() * UP;
-        // f + C h and M h, where M is one but for small entries.
+        // f + C h and M h, where M is the unit matrix up to small entries.
         let force = |i: usize| (0..n).fold(drive.force[i], |sum, j| sum + space.c[(i, j)] * jump[j]);
         let force: Vec<Ball> = (0..n).map(force).collect();
         let moved: Vec<Ball> =
@@ -386,8 +388,8 @@ impl Resolvent {
 
     /// |H|^2 as H(s) H(-s), by partial fractions; without close pairs, see [`Resolvent::close_pairs`].
     pub fn square(&self, parts: &Parts, near: &Nearness) -> Square {
-        let columns = (0..self.blocks.len()).map(|b| self.mirrored(parts, parts, b, |c| near.is_close(b, c))).collect();
-        Square { rows: parts.p.clone(), columns, direct: self.even(parts), slack: parts.slack }
+        let columns = (0..self.blocks.len()).map(|b| self.mirror(parts, parts, b, |c| near.is_close(b, c))).collect();
+        Square { rows: parts.p.clone(), columns, direct: self.even_coefficients(parts), slack: parts.slack }
     }
 
     /// For each close pair b, c the matrix with s_b and - conj s_c on its diagonal and a corner: the corner of a function of it, over
@@ -409,11 +411,11 @@ impl Resolvent {
 
     /// The columns g_b with which H(s) G(-s) has the poles D_b of H, for every block: G(-D_b) q_b.
     pub fn mirrored_all(&self, own: &Parts, other: &Parts) -> Vec<Vec<Point>> {
-        (0..self.blocks.len()).map(|b| self.mirrored(own, other, b, |_| false)).collect()
+        (0..self.blocks.len()).map(|b| self.mirror(own, other, b, |_| false)).collect()
     }
 
-    /// `is_left_out`: whether the conjugate of a block is not taken account of.
-    fn mirrored(&self, own: &Parts, parts: &Parts, b: usize, is_left_out: impl Fn(usize) -> bool) -> Vec<Point> {
+    /// `is_left_out`: whether the conjugate of a block is ignored.
+    fn mirror(&self, own: &Parts, parts: &Parts, b: usize, is_left_out: impl Fn(usize) -> bool) -> Vec<Point> {
         let (is_seen, q) = (own.p[b].iter().any(|p| !(p.re.is_zero() && p.im.is_zero())), &own.q[b]);
         let mut sum = vec![Complex::ZERO; q.len()];
         if !is_seen {
@@ -431,10 +433,10 @@ impl Resolvent {
                 add(vec![both * *q]);
                 continue;
             }
-            add(coupled((&own.d, q), (&other.d, &parts.q[c]), &parts.p[c]));
+            add(coupled_product((&own.d, q), (&other.d, &parts.q[c]), &parts.p[c]));
             if !other.is_real {
                 let d: Vec<Vec<Point>> = other.d.iter().map(|row| conj(row)).collect();
-                add(coupled((&own.d, q), (&d, &conj(&parts.q[c])), &conj(&parts.p[c])));
+                add(coupled_product((&own.d, q), (&d, &conj(&parts.q[c])), &conj(&parts.p[c])));
             }
         }
         add(laurent(&parts.direct, &own.d, q));
@@ -449,7 +451,7 @@ impl Resolvent {
 
     /// The sum over all blocks of p f(D) q, f a power of D.
     pub fn sum(&self, parts: &Parts, power: i32) -> Ball {
-        self.over_blocks(|b, d| across(&parts.p[b], &raised(d, &parts.q[b], power)))
+        self.over_blocks(|b, d| across(&parts.p[b], &pow(d, &parts.q[b], power)))
     }
 
     /// The sum of a function of D_b over all blocks, conjugates too.
@@ -461,15 +463,15 @@ impl Resolvent {
         self.blocks.iter().enumerate().map(term).fold(Ball::ZERO, |sum, x| sum + x)
     }
 
-    /// How far from the axis the farthest poles are.
+    /// The largest distance of a pole from the axis.
     pub fn farthest(&self) -> f64 {
         self.blocks.iter().map(|block| block.far).fold(0.0, f64::max)
     }
 
     /// The coefficients of w^-4 .. w^4 in |H|^2.
-    fn even(&self, parts: &Parts) -> [Ball; 5] {
+    fn even_coefficients(&self, parts: &Parts) -> [Ball; 5] {
         let (two, direct) = (Ball::from(2.0), &parts.direct);
-        // Powers of s from -4 to 4: those of the direct parts among each other, then those with the poles.
+        // Powers of s from -4 to 4: products of the direct paths, then products with the poles.
         let mut powers = [Ball::ZERO; 9];
         for (k, a) in direct.iter().enumerate() {
             for (l, b) in direct.iter().enumerate() {
@@ -491,7 +493,7 @@ impl Resolvent {
     }
 }
 
-/// A pole or its conjugate in binary64, with what a noise and an output have of it, mode by mode.
+/// A pole or its conjugate in binary64, with its factors in a noise and an output, mode by mode.
 pub struct Line {
     pub s: Complex<f64>,
     /// The contribution of each mode to p.
@@ -501,7 +503,7 @@ pub struct Line {
 }
 
 impl Resolvent {
-    /// The lines of a transfer function; `None` where two poles are nearly one.
+    /// The lines of a transfer function; `None` if two poles nearly coincide.
     pub fn lines(&self, space: &Space, parts: &Parts, row: &[Ball]) -> Option<Vec<Line>> {
         let mut lines = Vec::with_capacity(2 * self.n);
         for (block, q) in self.blocks.iter().zip(&parts.q) {
@@ -539,7 +541,7 @@ fn relative(residual: f64, skew: f64) -> Option<f64> {
 }
 
 /// P p^T for D P + P E^T = - q r^T, where the blocks D and E have columns q and r.
-fn coupled((d, q): (&[Vec<Point>], &[Point]), (e, r): (&[Vec<Point>], &[Point]), p: &[Point]) -> Vec<Point> {
+fn coupled_product((d, q): (&[Vec<Point>], &[Point]), (e, r): (&[Vec<Point>], &[Point]), p: &[Point]) -> Vec<Point> {
     if let ([d], [e]) = (d, e) {
         return vec![-(q[0] * r[0] * p[0]) / (d[0] + e[0])];
     }
@@ -582,7 +584,7 @@ fn coupled((d, q): (&[Vec<Point>], &[Point]), (e, r): (&[Vec<Point>], &[Point]),
 const MOST_TERMS: usize = 60;
 
 /// D^power q
-fn raised(d: &[Vec<Point>], q: &[Point], power: i32) -> Vec<Point> {
+fn pow(d: &[Vec<Point>], q: &[Point], power: i32) -> Vec<Point> {
     let by = if power < 0 { inverse(d) } else { d.to_vec() };
     (0..power.abs()).fold(q.to_vec(), |q, _| by.iter().map(|row| across(row, &q)).collect())
 }
@@ -592,7 +594,7 @@ fn laurent(factors: &[Ball; 5], d: &[Vec<Point>], q: &[Point]) -> Vec<Point> {
     let mut sum = vec![Complex::ZERO; q.len()];
     for (place, factor) in factors.iter().enumerate().filter(|(_, factor)| !factor.is_zero()) {
         let signed = if place % 2 == 0 { *factor } else { -*factor };
-        let raised = raised(d, q, place as i32 - 2);
+        let raised = pow(d, q, place as i32 - 2);
         sum.iter_mut().zip(raised).for_each(|(sum, x)| *sum = *sum + Complex::scale(x, signed));
     }
     sum

@@ -1,8 +1,8 @@
-//! The density of an output under several independent noises as one square |G|^2 between the frequencies at which a density changes
-//! its course: sums of squares of polynomials, whose zeros are those of G. In: a small system of rational numbers, noises. Out:
-//! G for each range of frequencies. See docs/method/random.md#peaks.
+//! The density of an output under several independent noises as a single square |G|^2 between the frequencies at which
+//! a density changes its course: a sum of squared polynomials, whose zeros are those of G. In: a small system of
+//! rational numbers, noises. Out: G for each range of frequencies. See docs/method/random.md#peaks.
 
-use super::quotient::squared;
+use super::quotient::square_on_axis;
 use crate::analysis::transfer::extrema::{Exactly, Factored, Quotient};
 use crate::base::density::{Band, Course};
 use crate::base::{Ball, Density, Number, Rational};
@@ -16,7 +16,8 @@ use std::cmp::Ordering;
 const LARGE: &str = "peaks under several noises are found in up to 12 coordinates whose numbers are fractions";
 const SLOPES: &str = "peaks under several noises are found where all densities have one slope that is a whole number";
 
-/// G without its power of the frequency, and that power, between two frequencies in Hz; without an upper end under white noise.
+/// G without its power of the frequency, and that power, between two frequencies in Hz; under white noise there is no
+/// upper end.
 pub struct Range {
     pub from: Number,
     pub to: Option<Number>,
@@ -24,14 +25,14 @@ pub struct Range {
     pub power: Ball,
 }
 
-/// What a noise adds to the density: the noise times |N|^2 w^(-2 derivative) / |D|^2.
+/// The part of a noise in the density: the noise times |N|^2 w^(-2 derivative) / |D|^2.
 struct Part<'a> {
     noise: &'a Noise,
     /// |N|^2 by powers of w^2.
     square: Vec<Rational>,
 }
 
-/// In ascending frequency. `reaching`: noises with the inputs that they drive at one time.
+/// In ascending frequency. `reaching`: noises with the inputs that each drives at the same time.
 pub fn ranges(
     system: &LinearSystem,
     reaching: &[(&Noise, Vec<(usize, Number)>)],
@@ -45,11 +46,11 @@ pub fn ranges(
             continue;
         }
         let factor = &quotient.factor * &quotient.factor;
-        let square = squared(&quotient.above).iter().map(|a| a * &factor).collect();
+        let square = square_on_axis(&quotient.above).iter().map(|a| a * &factor).collect();
         parts.push(Part { noise, square });
-        below = squared(&quotient.below);
+        below = square_on_axis(&quotient.below);
     }
-    let below = cleared(&below);
+    let below = clear_denominators(&below);
     let mut list = Vec::new();
     let edges = edges(parts.iter().map(|part| part.noise)).ok_or(SLOPES)?;
     for (i, from) in edges.iter().enumerate() {
@@ -61,7 +62,7 @@ pub fn ranges(
     Ok(list)
 }
 
-/// 0 Hz and the ends of all bands, ascending; `None` if numbers do not decide.
+/// 0 Hz and the ends of all bands, ascending; `None` if numbers do not decide their order.
 pub fn edges<'a>(noises: impl Iterator<Item = &'a Noise>) -> Option<Vec<Number>> {
     let mut list = vec![Number::ZERO];
     for noise in noises {
@@ -77,7 +78,7 @@ pub fn edges<'a>(noises: impl Iterator<Item = &'a Noise>) -> Option<Vec<Number>>
     Some(list)
 }
 
-/// |G|^2 times |D|^2 and a power of w: a polynomial in w^2, and half of that power. `None` where there is no noise.
+/// |G|^2 times |D|^2 and a power of w: a polynomial in w^2, and half of that power. `None` if there is no noise.
 fn sum(parts: &[Part], from: &Number, to: Option<&Number>) -> Result<Option<(Polynomial, Ball)>, &'static str> {
     let most = parts.iter().map(|part| part.noise.derivative).max().unwrap_or(0);
     let mut whole: Vec<Rational> = Vec::new();
@@ -98,16 +99,16 @@ fn sum(parts: &[Part], from: &Number, to: Option<&Number>) -> Result<Option<(Pol
         }
     }
     let Some(slope) = common else { return Ok(None) };
-    Ok(Some((cleared(&whole), Ball::from(0.5 * f64::from(slope) - f64::from(most)))))
+    Ok(Some((clear_denominators(&whole), Ball::from(0.5 * f64::from(slope) - f64::from(most)))))
 }
 
-/// The band that holds the range between two neighbours among the edges.
+/// The band that contains the range between two neighbouring edges.
 pub fn band_between<'a>(bands: &'a [Band], from: &Number, to: &Number) -> Option<&'a Band> {
     let holds = |low: &Number, high: &Number| matches!(low.compare(high), Some(Ordering::Less | Ordering::Equal));
     bands.iter().find(|band| holds(&band.from, from) && holds(to, &band.to))
 }
 
-/// A density as size f^slope between two edges; `None` where it is zero.
+/// A density as size f^slope between two edges; `None` if it is zero.
 fn course(density: &Density, from: &Number, to: Option<&Number>) -> Result<Option<(Rational, i32)>, &'static str> {
     let known = |size: Number, slope: i32| size.exact().cloned().map(|size| Some((size, slope))).ok_or(SLOPES);
     let bands = match density {
@@ -126,7 +127,7 @@ fn course(density: &Density, from: &Number, to: Option<&Number>) -> Result<Optio
 }
 
 /// A polynomial with integer coefficients that has the same roots.
-fn cleared(list: &[Rational]) -> Polynomial {
+fn clear_denominators(list: &[Rational]) -> Polynomial {
     let big: Vec<_> = list.iter().map(Rational::to_big).collect();
     let common = big.iter().fold(BigInt::one(), |common, a| common.lcm(a.denom()));
     Polynomial::new(big.iter().map(|a| a.numer() * (&common / a.denom())).collect()).primitive()

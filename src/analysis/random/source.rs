@@ -1,5 +1,6 @@
-//! How a noise drives the coordinates: by one input, or by several at different times. In: a system, a noise. Out: channels, and
-//! whether what reaches an output without delay leaves its variance finite. See docs/method/random.md#direct-paths.
+//! The action of a noise on the coordinates, by one input or by several at different times. In: a system, a noise. Out:
+//! channels, and whether the direct path to an output leaves its variance finite. See
+//! docs/method/random.md#direct-paths.
 
 use super::Spread;
 use super::bands::Bands;
@@ -20,12 +21,12 @@ const OPEN_FREE: &str =
     "a motion is not held by springs: whether it takes the drift of the base from this output is not proved";
 const OPEN_TOGETHER: &str = "each base drifts, and whether the output does when one follows the other is not proved";
 
-/// A noise and how it drives the coordinates.
+/// A noise and its action on the coordinates.
 pub struct Source<'a> {
     pub noise: &'a Noise,
-    /// One for each delay; or why it is not known how it drives them.
+    /// One for each delay; or the reason why the action is not known.
     pub arms: Result<Vec<Arm>, &'static str>,
-    /// The derivatives of its inputs by which the channels do not go.
+    /// The derivatives of its inputs that the channels do not use.
     pub left: i32,
     /// Its integrals over the bands, and those times w^2.
     pub bands: [OnceCell<Option<Bands>>; 2],
@@ -34,12 +35,12 @@ pub struct Source<'a> {
 /// Inputs that a noise drives at once.
 pub struct Arm {
     pub channel: Channel,
-    /// How much later than the noise, s.
+    /// The delay after the noise, s.
     pub delay: Number,
 }
 
 impl<'a> Source<'a> {
-    /// Where it is not found what the coordinates follow of a base, noise in bands goes by the base's own motion.
+    /// If the static response to a base is not found, noise in bands acts by the base's own motion.
     pub fn of(system: &LinearSystem, noise: &'a Noise) -> Source<'a> {
         let of = |derivative: u8| Arm::all(system, noise, derivative);
         let (mut arms, mut left) = (of(noise.derivative), 0);
@@ -75,11 +76,11 @@ impl Arm {
     }
 }
 
-/// Which motions the springs of a system leave free.
+/// The motions that the springs of a system do not hold.
 pub enum Springs {
     /// None: K is regular.
     Hold,
-    /// The multiples of one.
+    /// The multiples of one motion.
     One(Rigid),
     /// Not known.
     Open,
@@ -95,27 +96,27 @@ pub struct Rigid {
 
 impl Rigid {
     /// p r: how much of the motion an output shows.
-    fn shown(&self, output: &Output) -> Number {
+    fn shown_motion(&self, output: &Output) -> Number {
         output.p[0].iter().fold(Number::ZERO, |sum, (i, a)| &sum + &(a * &self.motion[i.index()]))
     }
 
-    /// What of the motion an output shows times the force along it at 0 Hz, from all inputs of a noise. Delays make no difference
-    /// there.
-    pub fn excited(&self, arms: &[&Arm], output: &Output) -> Number {
-        let force = |arm: &&Arm| arm.channel.along(&self.motion, &self.drag);
+    /// The part of the motion that an output shows times the force along it at 0 Hz, from all inputs of a noise. Delays
+    /// make no difference there.
+    pub fn excitation_shown(&self, arms: &[&Arm], output: &Output) -> Number {
+        let force = |arm: &&Arm| arm.channel.force_along(&self.motion, &self.drag);
         let driven = arms.iter().map(force).fold(Number::ZERO, |sum, force| &sum + &force);
-        &driven * &self.shown(output)
+        &driven * &self.shown_motion(output)
     }
 }
 
 impl Springs {
-    /// The factor of 1 / s with which motions without stiffness are in an output; `None` if it is not found.
+    /// The factor of 1 / s with which motions without stiffness appear in an output; `None` if it is not found.
     fn residue(&self, arms: &[&Arm], output: &Output) -> Option<Number> {
         match self {
             Springs::Hold => Some(Number::ZERO),
-            // Near 0 Hz (M s^2 + C s + K)^-1 is r r^T / (s r.C r) and what is finite.
+            // Near 0 Hz (M s^2 + C s + K)^-1 is r r^T / (s r.C r) plus a finite part.
             Springs::One(rigid) if is_certain(&rigid.resistance) => {
-                rigid.excited(arms, output).checked_div(&rigid.resistance)
+                rigid.excitation_shown(arms, output).checked_div(&rigid.resistance)
             }
             Springs::One(_) | Springs::Open => None,
         }
@@ -123,7 +124,7 @@ impl Springs {
 }
 
 /// Whether white noise reaches an output without delay, and if so, why its variance is not finite. Direct paths at
-/// different times do not cancel, except at 0 Hz.
+/// different times cancel only at 0 Hz.
 pub fn direct(arms: &[&Arm], output: &Output, springs: &Springs) -> Result<(), Spread> {
     let mut open = false;
     for Arm { channel, .. } in arms {
@@ -131,7 +132,7 @@ pub fn direct(arms: &[&Arm], output: &Output, springs: &Springs) -> Result<(), S
         let [_, _, at_once @ ..] = &feed;
         if at_once.iter().any(is_certain) {
             let is_rate = channel.jumps() && output.p[2].is_empty() && !channel.is_fed(output);
-            // A drift, if there is one, is the first reason to name.
+            // A drift, if there is one, is reported first.
             drift(arms, output, springs).map_err(|drift| {
                 if matches!(drift, Spread::Infinite(_)) { drift } else { Spread::Infinite(DIRECT.into()) }
             })?;

@@ -1,12 +1,12 @@
-//! How a transfer function goes to zero above all natural frequencies. In: a system, with loss factors or without, what drives it and
-//! what an output shows. Out: with t = 1 / w, the first terms of its power series exactly, and by what the rest is driven. See
-//! docs/method/random.md#peaks.
+//! The decay of a transfer function above all natural frequencies. In: a system with or without loss factors, the
+//! forces on it and an output. Out: the first terms of its power series in t = 1 / w exactly, and the loads of the
+//! rest. See docs/method/random.md#peaks.
 
 use super::argument::Point;
 use super::channel::{Channel, mass_solution};
 use super::gramian::Space;
 use super::lossy::Seen;
-use crate::analysis::forms::{applied, dense, is_certain};
+use crate::analysis::forms::{apply, dense, is_certain};
 use crate::base::Number;
 use crate::kernel::complex::Complex;
 use crate::system::{CoordinateId, Form, LinearSystem};
@@ -27,29 +27,27 @@ struct Pair {
 }
 
 impl Tail {
-    /// q / t^2 is the sum of t^j y_j from j = -1: y_-1 = -i h, M y_0 = -f, M y_j = i C y_(j - 1) + (K + i H) y_(j - 2). `None` where
-    /// it is not decided which term is the first that the output shows.
+    /// q / t^2 is the sum of t^j y_j from j = -1: y_-1 = -i h, M y_0 = -f, M y_j = i C y_(j - 1) + (K + i H) y_(j - 2).
+    /// `None` if it is not decided which term is the first that the output shows.
     pub fn of(system: &LinearSystem, space: &Space, channel: &Channel, seen: &Seen) -> Option<Tail> {
         let n = system.n();
         let [plain, lossy] = seen.rows();
         let none = Form::default();
         let (h, lost) = match system.losses.as_deref() {
-            Some(losses) => (&losses.h, channel.lost(losses)?),
+            Some(losses) => (&losses.h, channel.loss_force(losses)?),
             None => (&none, vec![Number::ZERO; n]),
         };
-        // Accelerations by what moves them.
+        // Accelerations follow from the forces.
         let moved = mass_solution(system, &dense(n, &plain.p[2]))?;
-        let less = |row: &[(CoordinateId, Number)], form: &Form| with(&dense(n, row), &applied(form, &moved), -1);
+        let less = |row: &[(CoordinateId, Number)], form: &Form| with(&dense(n, row), &apply(form, &moved), -1);
         let (place, rate, turned) = (less(&plain.p[0], &system.k), less(&plain.p[1], &system.c), less(&lossy.p[0], h));
         let held = |y: &Pair| {
             let [k_re, k_im, h_re, h_im] =
-                [(&system.k, &y.re), (&system.k, &y.im), (h, &y.re), (h, &y.im)].map(|(form, x)| applied(form, x));
+                [(&system.k, &y.re), (&system.k, &y.im), (h, &y.re), (h, &y.im)].map(|(form, x)| apply(form, x));
             Pair { re: with(&k_re, &h_im, -1), im: with(&k_im, &h_re, 1) }
         };
-        let damped = |y: &Pair| Pair {
-            re: applied(&system.c, &y.im).iter().map(|x| -x).collect(),
-            im: applied(&system.c, &y.re),
-        };
+        let damped =
+            |y: &Pair| Pair { re: apply(&system.c, &y.im).iter().map(|x| -x).collect(), im: apply(&system.c, &y.re) };
         let mut load = Pair { re: channel.force.iter().map(|f| -f).collect(), im: lost.iter().map(|f| -f).collect() };
         let jump = mass_solution(system, &channel.jump)?;
         let mut before = Pair { re: vec![Number::ZERO; n], im: jump.iter().map(|h| -h).collect() };

@@ -1,6 +1,7 @@
-//! Motions that no damper takes part in: found exactly, and what noise does to them. In: a system that is not proved to decay. Out: its
-//! undamped motions as a system of their own, and for each noise whether it has power at the frequency of one that it excites
-//! and an output shows: then the variance is infinite. See docs/method/random.md#undamped-motions.
+//! Motions in which no damper takes part: found exactly, with the effect of noise on them. In: a system that is not
+//! proved to decay. Out: its undamped motions as a system of their own, and for each noise whether it has power at the
+//! frequency of a motion that it excites and an output shows: then the variance is infinite. See
+//! docs/method/random.md#undamped-motions.
 
 use super::basis::Basis;
 use super::driven::Driven;
@@ -14,17 +15,17 @@ use crate::kernel::dense::echelon::{Rationals, null_vectors, reduce};
 use crate::system::{CoordinateId, Form, LinearSystem, Noise, Output};
 use std::borrow::Cow;
 
-/// Up to so many coordinates undamped motions beside damped ones are searched for in fractions.
+/// Limit on the coordinates up to which undamped motions beside damped ones are searched for in fractions.
 const MOST: usize = 16;
 
 type Fractions = Vec<Vec<Rational>>;
 
-/// The undamped motions of a system, which nothing couples with the others.
+/// The undamped motions of a system, which are not coupled with the others.
 pub struct Undamped<'a> {
     basis: Basis,
     system: LinearSystem,
     modes: Modes,
-    /// All other motions, if there are some and every one of them oscillates.
+    /// All other motions, if there are any and every one of them oscillates.
     pub rest: Option<(Basis, Box<Driven<'a>>)>,
 }
 
@@ -33,14 +34,14 @@ pub struct Undamped<'a> {
 pub enum Excited {
     /// It has power at the frequency of one, rad/s.
     At(Ball),
-    /// It has none at the frequency of any.
+    /// It has no power at the frequency of any.
     Nowhere,
     /// Not decided.
     Open,
 }
 
 impl<'a> Undamped<'a> {
-    /// `None` where there are none, or none are found.
+    /// `None` if there are none, or none are found.
     pub fn of(system: &LinearSystem, all: &Modes, noises: &'a [Noise]) -> Option<Undamped<'a>> {
         let n = system.n();
         let does_swing =
@@ -72,7 +73,7 @@ impl<'a> Undamped<'a> {
         !is_seen || noise.inputs.iter().all(|(_, delay)| self.is_idle(noise, delay))
     }
 
-    /// Whether the inputs that a noise drives at one time leave the undamped motions at rest together.
+    /// Whether the inputs that a noise drives at the same time together leave the undamped motions at rest.
     fn is_idle(&self, noise: &Noise, delay: &Number) -> bool {
         let at_once = |later: &Number| (later - delay).is_zero();
         let inputs: Vec<usize> =
@@ -165,8 +166,8 @@ fn power(density: &Density, hertz: &Number, within: Option<[&Number; 2]>) -> Pow
     }
 }
 
-/// Bases of the motions x with C x = 0, C M^-1 K x = 0, and so on, and of those that M makes orthogonal to them: both stay among
-/// themselves. `None` where there are no such motions, or numbers are not fractions.
+/// Bases of the motions x with C x = 0, C M^-1 K x = 0, and so on, and of the motions that are orthogonal to them with
+/// respect to M: both subspaces are invariant. `None` if there are no such motions, or numbers are not fractions.
 fn split(system: &LinearSystem) -> Option<(Fractions, Fractions)> {
     let n = system.n();
     if n > MOST {
@@ -182,7 +183,7 @@ fn split(system: &LinearSystem) -> Option<(Fractions, Fractions)> {
     Some((still, null_vectors(&square(momenta, n))))
 }
 
-/// The rows of C, C A, C A^2, ..., as many as are independent.
+/// The independent rows among C, C A, C A^2, ...
 fn damped_rows(c: &Form, a: &[Vec<Rational>], n: usize) -> Option<Fractions> {
     let mut rows: Fractions = Vec::new();
     for term in c.terms() {
@@ -205,7 +206,7 @@ fn damped_rows(c: &Form, a: &[Vec<Rational>], n: usize) -> Option<Fractions> {
     }
 }
 
-/// M^-1 K; `None` where M is singular.
+/// M^-1 K; `None` if M is singular.
 fn inverse_times(m: &[Vec<Rational>], k: &[Vec<Rational>]) -> Option<Fractions> {
     let n = m.len();
     let mut rows: Fractions = m.iter().zip(k).map(|(m, k)| m.iter().chain(k).cloned().collect()).collect();
@@ -221,7 +222,7 @@ fn column_dot(x: &[Rational], a: &[Vec<Rational>], j: usize) -> Rational {
     x.iter().zip(a).fold(Rational::ZERO, |sum, (x, row)| &sum + &(x * &row[j]))
 }
 
-/// Rows of zeros below, so that there are n.
+/// Appends rows of zeros up to n rows.
 fn square(mut rows: Fractions, n: usize) -> Fractions {
     rows.resize(n, vec![Rational::ZERO; n]);
     rows

@@ -1,5 +1,5 @@
-//! Integrals over a band of frequencies of a power of the frequency, alone and divided by i w - s. In: a power law between two
-//! frequencies, a delay, a pole. Out: enclosures. See docs/method/random.md#integrals-over-a-band.
+//! Integrals over a band of frequencies of a power of the frequency, alone and divided by i w - s. In: a power law
+//! between two frequencies, a delay, a pole. Out: enclosures. See docs/method/random.md#integrals-over-a-band.
 //!
 //! A band is cut into panels w = m + h x, -1 <= x <= 1, in which the power, times the phase e^(-i w t) of a delay t, is a series
 //! in x with a bounded rest. Near a pole the series is divided by x - z, which leaves a logarithm; far from it 1 / (x - z) is a
@@ -28,17 +28,17 @@ pub enum Slope {
 
 /// h / m of a panel whose series does not end.
 const NARROW: f64 = 0.2;
-/// And h / m times the slope.
+/// The same ratio times the slope.
 const STEEP: f64 = 2.0;
 const MOST_PANELS: f64 = 10_000.0;
-/// The most that a phase turns in half a panel, rad: the series of it is e^4 times as large for |x| = 2 as for |x| = 0.
+/// Limit on the phase turned in half a panel, rad: its series is e^4 times as large for |x| = 2 as for |x| = 0.
 const TURN: f64 = 2.0;
 /// Bound of the remainder of a series, relative to its first term.
 const LEFT: f64 = 1e-34;
 const MOST_TERMS: usize = 600;
-/// Poles nearer than this, in half widths, are divided by; the others are expanded.
+/// The series is divided by poles nearer than this, in half widths; the others are expanded.
 const NEAR: f64 = 2.0;
-/// The inverse of any pole that is not certainly near is certainly smaller.
+/// The inverse of any pole that is not certainly near is smaller than this.
 const FAR: f64 = 1.0 / 1.8;
 /// 1.8^-130 is 6e-34.
 const MOMENTS: usize = 130;
@@ -48,9 +48,9 @@ struct Panel {
     mid: Ball,
     half: Ball,
     coefficients: Vec<Point>,
-    /// A bound of sum (k + 1) |a_k| 2^k over the terms that are left out: of the rest and its derivative for |x| <= 2.
+    /// A bound of sum (k + 1) |a_k| 2^k over the omitted terms: of the remainder and its derivative for |x| <= 2.
     rest: f64,
-    /// The integrals of x^k times the polynomial, once a pole needs them.
+    /// The integrals of x^k times the polynomial, computed on demand.
     moments: OnceCell<Vec<Point>>,
 }
 
@@ -77,7 +77,7 @@ impl Piece {
         for edges in self.edges(slope)? {
             for [from, to] in turning(edges, delay)? {
                 let panel = Panel::of([from, to], self.reference, size, slope)?;
-                list.push(if delay.is_zero() { panel } else { panel.turned(delay)? });
+                list.push(if delay.is_zero() { panel } else { panel.delay(delay)? });
             }
             let is_much = list.len() as f64 > MOST_PANELS;
             if is_much {
@@ -99,7 +99,7 @@ impl Piece {
         let part = NARROW.min(STEEP / steepness);
         let (low, high) = (libm::log(self.from.to_f64()), libm::log(self.to.to_f64()));
         let count = ((high - low) / (2.0 * part * down::FEW)).ceil().max(1.0);
-        // Nor of a count that is no number.
+        // Nor for a count that is NaN.
         if count.is_nan() || count > MOST_PANELS {
             return None;
         }
@@ -109,7 +109,7 @@ impl Piece {
     }
 }
 
-/// Cuts a panel so that the phase of a delay turns little in each part.
+/// Cuts a panel so that the phase of a delay turns little in each piece.
 fn turning([from, to]: [Ball; 2], delay: Ball) -> Option<Vec<[Ball; 2]>> {
     let (low, high) = (from.to_f64(), to.to_f64());
     let count = (0.5 * (high - low) * delay.magnitude() / (TURN * down::FEW)).ceil().max(1.0);
@@ -153,7 +153,7 @@ impl Panel {
                 rest = 0.0;
                 break;
             }
-            // The terms that follow shrink at least by this factor.
+            // Each of the following terms is smaller at least by this factor.
             let factor = growth(count) * up::DOZENS;
             if factor < 0.9 {
                 let first = (count + 1.0) * next.magnitude() * NEAR.power(k as i32) * up::DOZENS;
@@ -174,7 +174,7 @@ impl Panel {
 
     /// The panel times e^(-i w delay), a power series too. The norm sum (k + 1) |a_k| 2^k of a product of series is at most the
     /// product of their norms, so the rests multiply as their bounds do.
-    fn turned(self, delay: Ball) -> Option<Panel> {
+    fn delay(self, delay: Ball) -> Option<Panel> {
         let (sine, cosine) = Number::Ball(self.mid * delay).sin_cos()?;
         let step = -(self.half * delay);
         let mut series = vec![Complex::new(cosine.to_ball(), -sine.to_ball())];
@@ -182,7 +182,7 @@ impl Panel {
         for k in 1..MOST_TERMS {
             let count = k as f64;
             let next = series[k - 1] * Complex::new(Ball::ZERO, step / Ball::from(count));
-            // The terms of the norm that follow shrink at least by this factor.
+            // Each of the following terms of the norm is smaller at least by this factor.
             let factor = size * (count + 2.0) / ((count + 1.0) * (count + 1.0)) * up::DOZENS;
             if factor < 0.5 {
                 rest = 2.0 * (count + 1.0) * next.magnitude() * NEAR.power(k as i32) * up::DOZENS;
@@ -217,13 +217,13 @@ impl Panel {
     /// The integral of Q(x) / (i (x - z)) dx, z = -(m + i s) / h.
     fn over<A: Argument>(&self, s: A) -> A {
         // i s + m, times -1 / h
-        let z = s.turned().scale(-Ball::ONE).plus_number(self.mid).scale(-Ball::ONE / self.half);
-        let value = if z.size() <= NEAR { self.divided(z) } else { self.expanded(z) };
-        value.turned()
+        let z = s.times_minus_i().scale(-Ball::ONE).plus_number(self.mid).scale(-Ball::ONE / self.half);
+        let value = if z.size() <= NEAR { self.integral_by_division(z) } else { self.integral_by_expansion(z) };
+        value.times_minus_i()
     }
 
     /// Q(x) = Q(z) + (x - z) B(x): Q(z) ln((1 - z) / (-1 - z)) and the integral of B.
-    fn divided<A: Argument>(&self, z: A) -> A {
+    fn integral_by_division<A: Argument>(&self, z: A) -> A {
         let (mut value, mut integral) = (A::of(Complex::ZERO), A::of(Complex::ZERO));
         for (k, &coefficient) in self.coefficients.iter().enumerate().rev() {
             // `value` is the coefficient of x^k in B, known from those above it.
@@ -238,7 +238,7 @@ impl Panel {
     }
 
     /// - sum z^(-k-1) times the integral of x^k Q
-    fn expanded<A: Argument>(&self, z: A) -> A {
+    fn integral_by_expansion<A: Argument>(&self, z: A) -> A {
         let inverse = z.inverse();
         let ratio = inverse.size();
         let is_far = ratio < FAR;
@@ -271,7 +271,7 @@ fn moments(coefficients: &[Point]) -> Vec<Point> {
     (0..MOMENTS).map(|k| Complex::new(of(k, &re), if is_real { Ball::ZERO } else { of(k, &im) })).collect()
 }
 
-/// x^slope; `None` where the number leaves the range.
+/// x^slope; `None` if the number leaves the range.
 fn power(x: Ball, slope: Slope) -> Option<Ball> {
     let power = match slope {
         Slope::Whole(0) => return Some(Ball::ONE),

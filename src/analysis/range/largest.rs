@@ -87,7 +87,7 @@ pub fn largest(
     }
     let zones = zones((families, together), (first, last, band.1.is_none()), slowest, modes);
     let most = MOST_CELLS + CELLS_OF_A_ZONE * (zones.len() - 1);
-    let still: Vec<Family> = zones.iter().map(|zone| zone.families[0].still()).collect();
+    let still: Vec<Family> = zones.iter().map(|zone| zone.families[0].without_derivatives()).collect();
     let evaluations = Cell::new(0);
     let at = |zone: usize, ratio: Ball| {
         evaluations.set(evaluations.get() + 1);
@@ -198,7 +198,7 @@ fn zones<'f, 'a>(
         if !(first < least && most < last) {
             return None;
         }
-        Some((together?.led(families, squares, *middle)?, [least, most, omega]))
+        Some((together?.led_families(families, squares, *middle)?, [least, most, omega]))
     });
     let led: Vec<(Vec<Family>, [f64; 3])> = led.collect();
     let mut zones = Vec::new();
@@ -299,7 +299,7 @@ fn tail(family: &Family, Way { input, output, rate }: Way, from: f64) -> Option<
                 (0..n).fold(Number::ZERO, |sum, i| &sum + &part(i))
             };
             let z = Phasor { re: along(0), im: along(1) };
-            let bound = z.squared().enclosure().magnitude().sqrt() * up::FEW;
+            let bound = z.square().enclosure().magnitude().sqrt() * up::FEW;
             let factor = (0..power(j + k)?).fold(1.0, |product, _| product * largest_u);
             sum += bound * factor * up::FEW;
         }

@@ -62,7 +62,7 @@ pub fn solve(a: &JetMatrix, b: &JetMatrix) -> Option<JetMatrix> {
     let slope = if left.is_finite() {
         eliminated(&near_one, &product(&inverse, &left))?
     } else {
-        Matrix::filled(value.rows(), value.columns(), Ball::new(Dd::ZERO, f64::INFINITY))
+        Matrix::fill_with(value.rows(), value.columns(), Ball::new(Dd::ZERO, f64::INFINITY))
     };
     value.is_finite().then_some(JetMatrix { value, slope })
 }
@@ -91,13 +91,13 @@ pub struct Bordered {
 
 /// A symmetric matrix bordered by approximations of its last null vectors; `None` if the result cannot be shown to be
 /// regular. `sizes` gives the magnitude of the parts of each row, which may cancel.
-pub fn bordered(a: &JetMatrix, sizes: &[f64], count: usize) -> Option<Bordered> {
+pub fn border(a: &JetMatrix, sizes: &[f64], count: usize) -> Option<Bordered> {
     let n = a.rows();
     if count == 0 || count > n || !a.value.is_finite() {
         return None;
     }
     let scale = scales(sizes);
-    let scaled = scaled(a, &scale);
+    let scaled = scale_both_sides(a, &scale);
     let v = null_directions(&scaled.value, count)?;
     let border = |i: usize, j: usize| match (i < n, j < n) {
         (true, true) => scaled.entry(i, j),
@@ -131,7 +131,7 @@ fn scales(sizes: &[f64]) -> Vec<Ball> {
     sizes.iter().map(|size| Ball::from(two_to(power(*size)))).collect()
 }
 
-fn scaled(a: &JetMatrix, scale: &[Ball]) -> JetMatrix {
+fn scale_both_sides(a: &JetMatrix, scale: &[Ball]) -> JetMatrix {
     of_jets(a.rows(), a.rows(), |i, j| {
         let factor = scale[i] * scale[j];
         Jet { value: a.value[(i, j)] * factor, slope: a.slope[(i, j)] * factor }
@@ -188,7 +188,7 @@ mod tests {
         let s = |mid: f64, rad: f64| {
             let p = &ball(mid, rad) - &Number::from(3);
             let entries = [[p, Number::ZERO], [Number::ZERO, Number::from(5)]];
-            bordered(&JetMatrix::from_fn(2, 2, |i, j| entries[i][j].clone()), &[3.0, 5.0], 1)
+            border(&JetMatrix::from_fn(2, 2, |i, j| entries[i][j].clone()), &[3.0, 5.0], 1)
                 .expect("regular")
                 .s
                 .entry(0, 0)

@@ -15,7 +15,7 @@ use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::{self, product};
 use crate::kernel::dense::lu::inverse;
 use crate::system::{CoordinateId, Form, LinearSystem};
-use linear::{JetMatrix, bordered, solve};
+use linear::{JetMatrix, border, solve};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Limit of coordinates: the equations are dense, and solved in balls.
@@ -100,7 +100,7 @@ impl<'a> Family<'a> {
         let shifted = |i: usize, j: usize| &self.k[i][j] - &(omega_squared * &self.m[i][j]);
         let n = self.system.n();
         let sizes = self.sizes(omega_squared.enclosure().magnitude().sqrt());
-        Some(self.known_jet(bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.s.entry(0, 0)))
+        Some(self.known_jet(border(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.s.entry(0, 0)))
     }
 
     /// The null vectors of K - omega^2 M as columns, if it has `count` of them for the omega^2 in this ball; `None` if
@@ -110,12 +110,12 @@ impl<'a> Family<'a> {
         let square = Number::Ball(omega_squared);
         let shifted = |i: usize, j: usize| &self.k[i][j] - &(&square * &self.m[i][j]);
         let sizes = self.sizes(omega_squared.magnitude().sqrt());
-        Some(bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, count)?.x.value)
+        Some(border(&JetMatrix::from_fn(n, n, shifted), &sizes, count)?.x.value)
     }
 
     /// The derivative of a simple eigenvalue omega^2 of K, M that lies in a ball: x^T (K' - omega^2 M') x / x^T M x.
     pub fn eigenvalue_slope(&self, omega_squared: Ball, x: &Matrix<Ball>) -> Option<Ball> {
-        let (slope, mass) = self.reduced(omega_squared, x);
+        let (slope, mass) = self.reduce(omega_squared, x);
         let slope = slope[(0, 0)] / mass[(0, 0)];
         (!self.lost && slope.is_finite()).then_some(slope)
     }
@@ -124,7 +124,7 @@ impl<'a> Family<'a> {
     /// vectors. Returns a ball that contains them all, and their individual values without a bound.
     pub fn cluster_slopes(&self, omega_squared: Ball, x: &Matrix<Ball>) -> Option<(Ball, Vec<f64>)> {
         let count = x.columns();
-        let (slope, mass) = self.reduced(omega_squared, x);
+        let (slope, mass) = self.reduce(omega_squared, x);
         let still = |value: Matrix<Ball>| JetMatrix { slope: Matrix::none(value.rows(), value.columns()), value };
         let quotient = solve(&still(mass.clone()), &still(slope.clone()))?.value;
         let trace = (0..count).fold(Ball::ZERO, |sum, i| sum + quotient[(i, i)]);
@@ -141,7 +141,7 @@ impl<'a> Family<'a> {
     }
 
     /// X^T (K' - omega^2 M') X and X^T M X
-    fn reduced(&self, omega_squared: Ball, x: &Matrix<Ball>) -> (Matrix<Ball>, Matrix<Ball>) {
+    fn reduce(&self, omega_squared: Ball, x: &Matrix<Ball>) -> (Matrix<Ball>, Matrix<Ball>) {
         let (n, count) = (self.system.n(), x.columns());
         let (mut slope, mut mass) = (Matrix::none(count, count), Matrix::none(count, count));
         for i in 0..n {
@@ -173,7 +173,7 @@ impl<'a> Family<'a> {
         };
         let matrix = JetMatrix::from_fn(2 * n, 2 * n, |i, j| Number::Ball(entry(i, j)));
         let sizes = self.sizes((s.re.magnitude() + s.im.magnitude()) * 0.75);
-        let x = bordered(&matrix, &[sizes.clone(), sizes].concat(), 2)?.x.value;
+        let x = border(&matrix, &[sizes.clone(), sizes].concat(), 2)?.x.value;
         Some((0..n).map(|i| Complex::new(x[(i, 0)], x[(n + i, 0)])).collect())
     }
 
@@ -193,7 +193,7 @@ impl<'a> Family<'a> {
             _ => -&imaginary(i % n, j % n),
         });
         let sizes = self.sizes((re.value.magnitude() + im.value.magnitude()) * 0.75);
-        let x = bordered(&matrix, &[sizes.clone(), sizes].concat(), 2)?.x;
+        let x = border(&matrix, &[sizes.clone(), sizes].concat(), 2)?.x;
         let x: Vec<[Number; 2]> = (0..n).map(|i| [number(x.entry(i, 0)), number(x.entry(n + i, 0))]).collect();
         let of = |form: &[Vec<Number>]| {
             let mut sum = Number::ZERO;
@@ -278,7 +278,7 @@ impl<'a> Family<'a> {
         let shifted = |i: usize, j: usize| &self.k[i][j] - &(&square * &self.m[i][j]);
         let sizes = self.sizes(omega_squared.value.magnitude().sqrt());
         // Along the eigenvalue s vanishes, so that x and its derivative are those of the shape.
-        let x = bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.x;
+        let x = border(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.x;
         let x: Vec<Number> = (0..n).map(|i| number(x.entry(i, 0))).collect();
         let times = |v: &[Number], i: usize| (0..n).fold(Number::ZERO, |sum, j| &sum + &(&self.m[i][j] * &v[j]));
         let along = |i: usize| &x[i] * &(&times(&carried, i) - &inertia[i]);
@@ -366,7 +366,7 @@ impl<'a> Family<'a> {
         // Q x - b u = 0, p x + d u = 1
         let entry = |i: usize, j: usize| match (i < n, j < n) {
             (true, true) => self.dynamic(i, j, omega),
-            (true, false) => path.b[i].negated(),
+            (true, false) => path.b[i].negate(),
             (false, true) => path.p[j].clone(),
             (false, false) => path.d.clone(),
         };
@@ -429,7 +429,7 @@ impl Phasor {
         Phasor { re, im: &(&self.re * &other.im) + &(&self.im * &other.re) }
     }
 
-    pub fn negated(&self) -> Phasor {
+    pub fn negate(&self) -> Phasor {
         Phasor { re: -&self.re, im: -&self.im }
     }
 
@@ -438,7 +438,7 @@ impl Phasor {
     }
 
     /// Multiplies by size exp(i phase).
-    pub fn turned(&self, size: &Number, phase: &Number) -> Option<Phasor> {
+    pub fn rotate(&self, size: &Number, phase: &Number) -> Option<Phasor> {
         let (sine, cosine) = phase.sin_cos()?;
         let re = &(&self.re * &cosine) - &(&self.im * &sine);
         let im = &(&self.re * &sine) + &(&self.im * &cosine);
@@ -456,7 +456,7 @@ impl Phasor {
     }
 
     /// |z|^2
-    pub fn squared(&self) -> Number {
+    pub fn square(&self) -> Number {
         &self.re.square() + &self.im.square()
     }
 
@@ -474,7 +474,7 @@ impl Phasor {
         }
         let middle = 0.5 * (least + most);
         let wide = Ball::from(middle).widen((most - middle).max(middle - least) * up::FEW);
-        let narrow = self.squared().sqrt().map(|size| Jet::of(&size).value).filter(|size| size.rad < wide.rad);
+        let narrow = self.square().sqrt().map(|size| Jet::of(&size).value).filter(|size| size.rad < wide.rad);
         let value = narrow.unwrap_or(wide);
         if least <= 0.0 {
             return Some(Jet { value, slope: Ball::new(Dd::ZERO, f64::INFINITY) });

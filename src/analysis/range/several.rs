@@ -176,7 +176,7 @@ impl Affine {
         }
         let two = Ball::from(2.0);
         let slope = first.iter().map(|(h_a, ..)| (h.conj() * *h_a).re * two).collect();
-        let value = squared(h);
+        let value = modulus_squared(h);
         if !value.is_finite() {
             return None;
         }
@@ -319,7 +319,7 @@ fn minus(a: &[Complexes], b: &[Complexes]) -> Vec<Complexes> {
 }
 
 /// |z|^2
-fn squared(z: Complexes) -> Ball {
+fn modulus_squared(z: Complexes) -> Ball {
     square(z.re) + square(z.im)
 }
 

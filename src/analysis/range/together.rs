@@ -6,7 +6,7 @@
 //! of the modes in the middle, with the mean value theorem for each entry from the derivatives by all parameters, what is left of this
 //! is of the second order of the widths.
 
-use super::linear::{JetMatrix, bordered};
+use super::linear::{JetMatrix, border};
 use super::{Family, Lead, number};
 use crate::base::{Ball, Jet, Number, up};
 use crate::kernel::dense::Matrix;
@@ -44,7 +44,7 @@ impl Together {
         let basis = modes(&centre).unwrap_or_else(one);
         let narrowed = |pick: for<'a> fn(&'a Family) -> &'a Entries| {
             let forms: Vec<&Entries> = plain.iter().map(pick).collect();
-            narrowed(&forms, pick(&centre), &basis, radius)
+            narrow(&forms, pick(&centre), &basis, radius)
         };
         let [m, c, k] = [narrowed(|family| &family.m), narrowed(|family| &family.c), narrowed(|family| &family.k)];
         let forms = m.into_iter().zip(c).zip(k).map(|((m, c), k)| [m, c, k]).collect();
@@ -66,7 +66,7 @@ impl Together {
     }
 
     /// The families led by a mode ([`Family::led_by`]), whose omega^2 is enclosed with the derivative by each parameter, and in the middle.
-    pub fn led<'a>(&self, families: &[Family<'a>], squares: &[Jet], middle: Ball) -> Option<Vec<Family<'a>>> {
+    pub fn led_families<'a>(&self, families: &[Family<'a>], squares: &[Jet], middle: Ball) -> Option<Vec<Family<'a>>> {
         let led = families.iter().zip(squares).map(|(family, square)| family.led_by(square));
         let mut led = led.collect::<Option<Vec<Family>>>()?;
         let [m, c, k] = self.centre.clone();
@@ -136,7 +136,7 @@ impl<'a> Family<'a> {
     }
 
     /// The family without derivatives.
-    pub fn still(&self) -> Family<'a> {
+    pub fn without_derivatives(&self) -> Family<'a> {
         let of = |number: &Number| Number::Ball(number.enclosure());
         let all = |form: &Entries| -> Entries { form.iter().map(|row| row.iter().map(of).collect()).collect() };
         let lead = self.lead.as_ref().map(|lead| Lead { index: lead.index, omega: of(&lead.omega) });
@@ -158,7 +158,7 @@ impl<'a> Family<'a> {
         let shifted = |i: usize, j: usize| &self.k[i][j] - &(&square * &self.m[i][j]);
         let sizes = self.sizes(omega_squared.value.magnitude().sqrt());
         // Along the eigenvalue s vanishes, so that x and its derivative are those of the shape.
-        let x = bordered(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.x;
+        let x = border(&JetMatrix::from_fn(n, n, shifted), &sizes, 1)?.x;
         let moved = |i: &usize| x.value[(*i, 0)].mid.hi.abs() * self.m[*i][*i].enclosure().magnitude().sqrt();
         let index = (0..n).max_by(|a, b| moved(a).total_cmp(&moved(b)))?;
         // Of one sign, so that it is the same one over a part of the ranges.
@@ -226,7 +226,7 @@ fn narrower(a: Ball, b: Ball) -> Ball {
 }
 
 /// X^T A X of one of the matrices of all families, each entry by what is narrower: its own balls, or the middle and all derivatives.
-fn narrowed(forms: &[&Entries], centre: &Entries, basis: &Matrix<Ball>, radius: &[f64]) -> Vec<Entries> {
+fn narrow(forms: &[&Entries], centre: &Entries, basis: &Matrix<Ball>, radius: &[f64]) -> Vec<Entries> {
     let n = centre.len();
     let transposed = Matrix::from_fn(n, n, |i, j| basis[(j, i)]);
     let congruent = |form: &Entries, pick: fn(&Jet) -> Ball| {
@@ -318,7 +318,7 @@ mod tests {
         let together = Together::of(&over.each_ref(), &system(middle, None), &radius).expect("one form");
         let families: Vec<Family> = (0..2).map(|own| together.family(&over[own], own).expect("a family")).collect();
         let squares = [Ball::ONE, Ball::ZERO].map(|slope| Jet { value: wide[0], slope });
-        let led = together.led(&families, &squares, middle[0]).expect("simple");
+        let led = together.led_families(&families, &squares, middle[0]).expect("simple");
         let holds = |number: &Number, least: f64, largest: f64| {
             let ball = number.enclosure();
             let (low, high) = (ball.to_f64() - ball.rad, ball.to_f64() + ball.rad);

@@ -61,7 +61,7 @@ impl Channel {
             }
             Source::Pieces { pieces, .. } if pieces[piece].jump => {
                 let new = &pieces[piece];
-                let old = before.map(|i| pieces[i].after(&new.at));
+                let old = before.map(|i| pieces[i].values_after(&new.at));
                 let difference = |k: usize| {
                     let now = new.derivatives.get(k).cloned().unwrap_or(Number::ZERO);
                     let then = old.as_ref().map_or(Number::ZERO, |old| old[k].clone());

@@ -22,7 +22,7 @@ pub const ROUGH: usize = 18;
 pub const FINE: usize = 29;
 /// A motion with more pieces takes too long.
 pub(super) const MOST_PIECES: f64 = 4e6;
-/// And one that has more need not be begun, even if it may be over early.
+/// A motion with more pieces is not begun, even if it might end early.
 const MOST_COUNTED: f64 = 1e9;
 /// Number of pieces between two states in two words.
 pub(super) const BLOCK: usize = 64;
@@ -149,10 +149,10 @@ pub(super) struct Stretch {
     growth: f64,
 }
 
-/// What is needed of the rest of a stretch.
+/// The part of a stretch that is still needed.
 pub(super) enum Next {
     Block,
-    /// The state at its end alone.
+    /// Only the state at its end.
     Stop,
     Nothing,
 }
@@ -209,7 +209,7 @@ impl Stretch {
         is_steady && is_off && run.source_error == 0.0 && run.space.own_rate * self.whole.to_f64() < 0.5
     }
 
-    /// Takes the run through all blocks up to `to`; `visit` says what is needed of the rest.
+    /// Takes the run through all blocks up to `to`; `visit` returns what is needed of the rest.
     pub(super) fn follow(
         self: &Rc<Stretch>,
         run: &mut Run,

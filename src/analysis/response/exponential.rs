@@ -55,7 +55,7 @@ impl Generator {
     pub fn exponential(&self, t: Ball) -> Option<Exponential> {
         let Parts { mut power, squarings, .. } = self.parts(t)?;
         for k in 1..=squarings {
-            power = self.squared(&power, t, squarings - k);
+            power = self.square_of(&power, t, squarings - k);
         }
         power.f.column(0).iter().all(|x| x.is_finite()).then_some(power)
     }
@@ -92,7 +92,7 @@ impl Generator {
     }
 
     /// The square of a power; `left` squarings later it is exp(A t).
-    pub fn squared(&self, power: &Exponential, t: Ball, left: u32) -> Exponential {
+    pub fn square_of(&self, power: &Exponential, t: Ball, left: u32) -> Exponential {
         let time = t.magnitude() / two_to(left as i32);
         square(power, growth(self.rate * time))
     }

@@ -98,7 +98,7 @@ impl SampleStatistics {
 
 impl History {
     /// The outputs that are less accurate than binary64, relative to their own magnitude.
-    pub fn unsettled(&self) -> Vec<Unsettled> {
+    pub fn unsettled_outputs(&self) -> Vec<Unsettled> {
         let mut outputs = vec![SampleStatistics::default(); self.values.first().map_or(0, Vec::len)];
         // Row by row, in the order of memory.
         for (sample, row) in self.values.iter().enumerate() {
@@ -139,7 +139,7 @@ pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History
         let help = "drive the part of the model to which it belongs, or remove it";
         list.push(Diagnostic::warning(STILL, place, message).help(help));
     }
-    let reported = history.unsettled().into_iter().map(|found| {
+    let reported = history.unsettled_outputs().into_iter().map(|found| {
         let (name, place) = (name(found.output), places[found.output]);
         let at = found.at.to_f64();
         if found.unknown > 0 {
@@ -193,7 +193,7 @@ mod tests {
     fn bounds_outside_binary64_are_reported() {
         let rows = |radii: [f64; 2]| radii.iter().map(|&rad| vec![Ball::new(Ball::PI.mid, rad)]).collect();
         let times = vec![Number::ZERO, Number::ONE];
-        let of = |radii: [f64; 2]| History { times: times.clone(), values: rows(radii) }.unsettled();
+        let of = |radii: [f64; 2]| History { times: times.clone(), values: rows(radii) }.unsettled_outputs();
         assert!(of([0.0, 1e-15]).is_empty());
         assert_eq!(of([0.0, 1e-14])[0].at, Number::ONE);
         assert_eq!(of([f64::NAN, 1e-14])[0].unknown, 1);

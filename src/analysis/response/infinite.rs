@@ -3,10 +3,11 @@
 //!
 //! At an instant an input is u = j_0 + j_1 / s + j_2 / s^2 + ...: an impulse, a jump, a jump of the rate. The motion follows
 //! in powers of s from the highest one down, as each of the equations (M s^2 + C s + K) q = B u determines the next power of
-//! the coordinates that it accelerates, drags along or balances. What is left of an output in s^0 is an impulse, in s its
+//! the coordinates that it accelerates, drags along or balances. The part of an output that remains in s^0 is an
+//! impulse, the part in s its
 //! derivative, and so on: if any of them is not zero, the output is infinite.
 
-use crate::analysis::forms::{applied, dense, dot, solution_on};
+use crate::analysis::forms::{apply, dense, dot, solution_on};
 use crate::analysis::response::propagator::Parts;
 use crate::analysis::response::signal::{Piece, Source, chronological, order};
 use crate::base::{Ball, Number};
@@ -82,21 +83,21 @@ fn jumps_of(signal: &Signal, until: &Number) -> Vec<(Number, [Number; 3])> {
         Signal::Delayed { of, by } => jumps_of(of, until).into_iter().map(|(at, parts)| (&at + by, parts)).collect(),
         Signal::Step { .. } | Signal::Ramp { .. } | Signal::Pulse { .. } | Signal::Table(_) | Signal::Chirp { .. } => {
             match Source::of(signal, None, Some(until)) {
-                Ok(Source::Pieces { pieces, .. }) => between(&pieces),
+                Ok(Source::Pieces { pieces, .. }) => jumps(&pieces),
                 _ => Vec::new(),
             }
         }
     }
 }
 
-/// What jumps from one piece to the next.
-fn between(pieces: &[Piece]) -> Vec<(Number, [Number; 3])> {
+/// The jumps from one piece to the next.
+fn jumps(pieces: &[Piece]) -> Vec<(Number, [Number; 3])> {
     let before = |i: usize, at: &Number| match i.checked_sub(1) {
-        Some(last) => pieces[last].after(at),
+        Some(last) => pieces[last].values_after(at),
         None => [Number::ZERO, Number::ZERO],
     };
     let jumps = pieces.iter().enumerate().filter(|(_, piece)| piece.jump).map(|(i, piece)| {
-        let ([u, rate], [old, old_rate]) = (piece.after(&piece.at), before(i, &piece.at));
+        let ([u, rate], [old, old_rate]) = (piece.values_after(&piece.at), before(i, &piece.at));
         (piece.at.clone(), [Number::ZERO, &u - &old, &rate - &old_rate])
     });
     jumps.filter(|(_, parts)| parts.iter().any(|part| !part.is_zero())).collect()
@@ -105,7 +106,7 @@ fn between(pieces: &[Piece]) -> Vec<(Number, [Number; 3])> {
 /// The powers of s from 4 down to 0 in an output.
 type Content = [Number; 5];
 
-/// What an output has of unit jumps of each input.
+/// The parts of an output due to unit jumps of each input.
 struct Seen<'a> {
     system: &'a LinearSystem,
     output: usize,
@@ -125,7 +126,7 @@ impl Seen<'_> {
         if is_one_time {
             return self.of(instant);
         }
-        // They may come one after the other, or at once and cancel.
+        // They may happen one after the other, or at the same time and cancel.
         for jump in instant.chunks(1) {
             if self.of(jump)? != Verdict::Finite {
                 return Some(Verdict::Open);
@@ -156,7 +157,7 @@ impl Seen<'_> {
         })
     }
 
-    /// What u = s^-kind of one input leaves in the output.
+    /// The part of an output due to u = s^-kind of one input.
     fn of_unit(&self, input: usize, kind: usize) -> Option<Content> {
         // Index i stands for s^(2 - i).
         const POWERS: usize = 5;
@@ -172,12 +173,12 @@ impl Seen<'_> {
             Some(())
         };
         for i in 0..POWERS {
-            let mut rest = less(&force[i], &applied(&system.k, &q[i]));
+            let mut rest = less(&force[i], &apply(&system.k, &q[i]));
             put(&mut q[i], &system.k, &self.parts.following, &rest)?;
-            rest = less(&force[i], &applied(&system.k, &q[i]));
-            let dragged = less(&rest, &applied(&system.c, &q[i + 1]));
+            rest = less(&force[i], &apply(&system.k, &q[i]));
+            let dragged = less(&rest, &apply(&system.c, &q[i + 1]));
             put(&mut q[i + 1], &system.c, &self.parts.damped, &dragged)?;
-            let left = less(&rest, &applied(&system.c, &q[i + 1]));
+            let left = less(&rest, &apply(&system.c, &q[i + 1]));
             put(&mut q[i + 2], &system.m, &self.parts.heavy, &left)?;
         }
         let output = &system.outputs[self.output];
@@ -196,7 +197,7 @@ impl Seen<'_> {
     }
 }
 
-/// What jumps of each input at one time, in the order of inputs.
+/// The jumps of each input at one time, in the order of inputs.
 fn of_inputs(instant: &[Jump]) -> Vec<(usize, [Number; 3])> {
     let mut inputs: Vec<(usize, [Number; 3])> = Vec::new();
     for jump in instant {

@@ -153,7 +153,7 @@ fn respond_by_matrix_exponential(
     Ok(History { times: times.to_vec(), values })
 }
 
-/// Times of more samples than this are a slip of the hand.
+/// A request for more samples than this is probably a mistake.
 pub const MOST_SAMPLES: f64 = 4e6;
 
 /// Number of sample times.
@@ -407,7 +407,7 @@ impl Step {
 impl Powers {
     fn square(&mut self) {
         let n = self.last.rows();
-        let mut next = Matrix::filled(n, n, 0.0);
+        let mut next = Matrix::fill_with(n, n, 0.0);
         for j in 0..n {
             for k in 0..n {
                 let factor = self.last[(k, j)];

@@ -194,8 +194,8 @@ impl StateSpace {
 }
 
 impl StateSpace {
-    /// The forces on the coordinates that are states, with those that the others pass on to them through springs: where
-    /// q_f = -X q + ..., a force f on the coordinates that follow does the work of -X^T f.
+    /// The forces on the coordinates that are states, including those that the following coordinates pass on to them
+    /// through springs: since q_f = -X q + ..., a force f on the following coordinates does the work of -X^T f.
     fn passed_on(&self, force: &[Ball]) -> Vec<Ball> {
         let mut sum = force.to_vec();
         for (position, &i) in self.parts.states().iter().enumerate() {

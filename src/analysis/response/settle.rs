@@ -14,7 +14,7 @@ use crate::system::{LinearSystem, Signal};
 
 const UP: f64 = up::THOUSANDS;
 const UNIT: f64 = 2.0 * Dd::EPSILON;
-/// What can still come is no longer of interest below this part of the final value.
+/// Motion still to come below this share of the final value is ignored.
 const NEGLIGIBLE: f64 = 1e-20;
 /// Maximum number of blocks that may hold the last crossing.
 const MOST_CANDIDATES: usize = 256;
@@ -83,7 +83,7 @@ impl Approach<'_> {
         Ok(followed.unwrap_or_else(|| Found::Value(largest.ball() / self.end.abs())))
     }
 
-    /// Follows the course until `visit` returns true for what can still come; `None` if it did.
+    /// Follows the course until `visit` returns true for the motion still to come; `None` if it did.
     fn follow(&self, visit: &mut dyn FnMut(Step) -> bool) -> Result<Option<Found>, AnalysisError> {
         let mut known = Vec::new();
         let (mut pieces, mut is_done, mut is_open) = (0.0, false, false);
@@ -197,17 +197,17 @@ impl LastOutside {
                 let Some(last) = self.in_piece(terms, error) else { continue };
                 let high = *latest.get_or_insert_with(|| block.time(piece, last.latest));
                 if let Some(certain) = last.certain {
-                    return between(block.time(piece, certain), high);
+                    return hull(block.time(piece, certain), high);
                 }
             }
         }
         // Nothing is certainly outside: the beginning is not excluded.
-        latest.map_or(Ball::ZERO, |high| between(Ball::ZERO, high))
+        latest.map_or(Ball::ZERO, |high| hull(Ball::ZERO, high))
     }
 }
 
 /// A ball of everything between two numbers.
-fn between(low: Ball, high: Ball) -> Ball {
+fn hull(low: Ball, high: Ball) -> Ball {
     let half = (high.mid - low.mid).scale(0.5);
     let rounding = high.magnitude() * UNIT;
     Ball::new(low.mid + half, (half.hi.abs() + low.rad + high.rad + rounding) * UP)
@@ -257,7 +257,7 @@ struct Curve<'a> {
 
 impl Curve<'_> {
     /// |curve| - level
-    fn above(&self, x: Dd) -> f64 {
+    fn excess(&self, x: Dd) -> f64 {
         let value = self.terms.iter().rev().fold(Dd::ZERO, |sum, &term| sum * x + term);
         (value.abs() - self.level).hi
     }
@@ -265,14 +265,14 @@ impl Curve<'_> {
     /// The last place in [from, from + width].
     fn last(&self, from: Dd, width: f64, depth: usize, left: &mut usize) -> Option<Last> {
         let (middle, end) = (from + Dd::from(0.5 * width), from + Dd::from(width));
-        if self.above(end) > self.unsure {
+        if self.excess(end) > self.unsure {
             return Some(Last { latest: end, certain: Some(end) });
         }
         let slope = |x: f64| {
             let terms = self.rough.iter().enumerate().skip(1).rev();
             terms.fold(0.0, |sum, (j, term)| sum * x + j as f64 * term).abs() + self.slope_unsure
         };
-        let above = self.above(middle);
+        let above = self.excess(middle);
         let spread = (0.5 * slope(middle.hi) * width + self.bend * width * width / 8.0) * UP;
         if above + spread + self.unsure < 0.0 {
             return None;

@@ -38,12 +38,12 @@ const CHIRP_DEGREE: usize = 15;
 /// Phase that one polynomial of a chirp covers, rad.
 const CHIRP_PHASE: f64 = 0.25;
 const MOST_PIECES: usize = 1_000_000;
-/// Limit on the rows of a table that comes again, all periods together: some ten seconds of work, and a slip of the hand beyond.
+/// Limit on the rows of a periodic table, all periods together: some ten seconds of work; more is probably a mistake.
 const MOST_REPEATED: f64 = 200_000.0;
 
 impl Source {
-    /// A signal as a source; a chirp is cut so that `step`, if given, is a multiple of its pieces. What comes again is written
-    /// out up to `until`, without which it has no end.
+    /// A signal as a source; a chirp is cut so that `step`, if given, is a multiple of its pieces. A periodic signal is
+    /// written out up to `until`, without which it has no end.
     pub fn of(signal: &Signal, step: Option<&Number>, until: Option<&Number>) -> Result<Source, TooManyPieces> {
         Ok(match signal {
             Signal::Step { value, at } => polynomial(vec![jump(at, &[value])]),
@@ -56,12 +56,12 @@ impl Source {
             }
             Signal::Table(rows) => match &rows.period {
                 None => polynomial(table(rows)),
-                Some(period) => polynomial(repeated(rows, period, until.ok_or(TooManyPieces)?)?),
+                Some(period) => polynomial(repeat(rows, period, until.ok_or(TooManyPieces)?)?),
             },
             Signal::Integral { of, times } => {
                 (0..*times).fold(Source::of(of, step, until)?, |source, _| source.integral())
             }
-            Signal::Delayed { of, by } => Source::of(of, step, until)?.delayed(by),
+            Signal::Delayed { of, by } => Source::of(of, step, until)?.delay(by),
         })
     }
 }
@@ -104,7 +104,7 @@ impl Piece {
     }
 
     /// u and u' at a later time.
-    pub fn after(&self, time: &Number) -> [Number; 2] {
+    pub fn values_after(&self, time: &Number) -> [Number; 2] {
         let t = time - &self.at;
         [taylor(&self.derivatives, &t), taylor(self.derivatives.get(1..).unwrap_or_default(), &t)]
     }
@@ -259,8 +259,8 @@ fn table(rows: &Table) -> Vec<Piece> {
     pieces
 }
 
-/// The pieces of a table that comes again, up to a time.
-fn repeated(rows: &Table, period: &Number, until: &Number) -> Result<Vec<Piece>, TooManyPieces> {
+/// The pieces of a periodic table up to a time.
+fn repeat(rows: &Table, period: &Number, until: &Number) -> Result<Vec<Piece>, TooManyPieces> {
     let Some(first) = rows.times.first() else { return Ok(Vec::new()) };
     let once = between_rows(rows, &rows.steps());
     // The last period that certainly begins before t = 0.
@@ -274,7 +274,7 @@ fn repeated(rows: &Table, period: &Number, until: &Number) -> Result<Vec<Piece>,
         let shift = period * &Number::from(k);
         pieces.extend(once.iter().map(|piece| Piece { at: &piece.at + &shift, ..piece.clone() }));
     }
-    // The one that is on at t = 0 comes first: the signal jumps to it there.
+    // The period that contains t = 0 comes first: the signal jumps to it there.
     let on = pieces.iter().rposition(|piece| !piece.at.is_positive()).unwrap_or(0);
     pieces.drain(..on);
     if let Some(piece) = pieces.first_mut() {
@@ -307,7 +307,8 @@ fn between_rows(rows: &Table, steps: &[Number]) -> Vec<Piece> {
 }
 
 impl Source {
-    /// The integral of a piecewise source from zero at t = 0; of others the source itself, which `lower::drives` replaces.
+    /// The integral of a piecewise source from zero at t = 0; other sources are returned unchanged, because
+    /// `lower::drives` replaces them.
     ///
     /// The remainder of a piece grows to `error` times its length until the next one starts: there it goes into the value.
     /// Within a piece of length h the remainder r of the integral has |r| <= error h, and its derivatives are the remainder's.
@@ -319,7 +320,7 @@ impl Source {
         for (i, piece) in pieces.iter().enumerate() {
             if let Some(before) = made.last() {
                 let length = (&piece.at - &before.at).to_f64();
-                value = before.after(&piece.at)[0].clone();
+                value = before.values_after(&piece.at)[0].clone();
                 if error > 0.0 && before.derivatives.len() > 1 {
                     longest = longest.max(length);
                     value = Number::Ball(value.to_ball().widen(error * length * 1.01));
@@ -337,7 +338,7 @@ impl Source {
     }
 
     /// The signal delayed by a time.
-    fn delayed(self, by: &Number) -> Source {
+    fn delay(self, by: &Number) -> Source {
         match self {
             Source::Pieces { order, mut pieces, error, rise } => {
                 pieces.iter_mut().for_each(|piece| piece.at = &piece.at + by);
@@ -371,7 +372,7 @@ mod tests {
         let Source::Pieces { pieces, .. } = source else { panic!("pieces") };
         let t = Number::from(t);
         let piece = pieces.iter().rev().find(|piece| order(&piece.at, &t) != Ordering::Greater);
-        piece.map_or(0.0, |piece| piece.after(&t)[0].to_f64())
+        piece.map_or(0.0, |piece| piece.values_after(&t)[0].to_f64())
     }
 
     /// From 1 to 5 Hz in 10 s.
@@ -412,7 +413,7 @@ mod tests {
             let rate = &two_pi * &(&Number::ONE + &(&Number::from("0.4") * t));
             let (sine, cosine) = phase.sin_cos().expect("an angle");
             let truth = [&Number::from("3") * &sine, &(&Number::from("3") * &cosine) * &rate];
-            for (k, (found, truth)) in pair[0].after(t).iter().zip(&truth).enumerate() {
+            for (k, (found, truth)) in pair[0].values_after(t).iter().zip(&truth).enumerate() {
                 let off = (found - truth).to_ball();
                 assert!(off.mid.hi.abs() <= source.approximation(k) + off.rad, "{k} at {}: {off:?}", t.to_f64());
                 largest[k] = largest[k].max(off.mignitude() / source.approximation(k));

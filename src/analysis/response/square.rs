@@ -85,8 +85,8 @@ impl Square {
         let (mut q, mut error) = start(&generator, &row, parts.first);
         let mut power = parts.power;
         for k in 1..=parts.squarings {
-            error = doubled(&mut q, error, &power);
-            power = generator.squared(&power, t, parts.squarings - k);
+            error = double(&mut q, error, &power);
+            power = generator.square_of(&power, t, parts.squarings - k);
         }
         let size = (size_of(&q) + error) * UP;
         let row =
@@ -163,7 +163,7 @@ fn start(generator: &Generator, row: &[Ball], h: Ball) -> (Matrix<Dd>, f64) {
 }
 
 /// Replaces Q by Q + F^T Q F; returns a bound of its error.
-fn doubled(q: &mut Matrix<Dd>, error: f64, power: &Exponential) -> f64 {
+fn double(q: &mut Matrix<Dd>, error: f64, power: &Exponential) -> f64 {
     let n = q.rows();
     let image = power.f.transposed_times(&q.times(&power.f));
     let before = size_of(q);
@@ -200,7 +200,7 @@ mod tests {
     /// ten times as large as necessary.
     #[test]
     fn an_uncertain_row_is_in_the_bound() {
-        let generator = Generator { a: Matrix::filled(1, 1, Dd::from(-2.0)), error: 0.0, rate: -2.0, norm: 2.0 };
+        let generator = Generator { a: Matrix::fill_with(1, 1, Dd::from(-2.0)), error: 0.0, rate: -2.0, norm: 2.0 };
         let decay = Number::from(-4).checked_div(&Number::from(5)).and_then(|x| x.exp()).expect("a number");
         let truth = |c: f64| {
             let square = &Number::from(Ball::from(c * c)) * &(&Number::ONE - &decay);

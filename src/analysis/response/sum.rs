@@ -89,7 +89,7 @@ mod tests {
         let whole = sum(&parts);
         let value = |source: &Source, t: &Number| {
             let piece = pieces(source).iter().rev().find(|piece| !(t - &piece.at).is_negative());
-            piece.map_or([Number::ZERO, Number::ZERO], |piece| piece.after(t))
+            piece.map_or([Number::ZERO, Number::ZERO], |piece| piece.values_after(t))
         };
         for i in 0..80 {
             let t = &Number::from(i) / &n("20");

@@ -79,7 +79,7 @@ mod tests {
         assert!(trail.error >= 1e-3 && trail.error < 1.001e-3);
     }
 
-    /// Errors of steps that nothing reduces: sixteen of them add up to sixteen times as much, whatever happened to the
+    /// Errors that nothing reduces: those of sixteen steps add up to sixteen times as much, whatever happened to the
     /// anchor.
     #[test]
     fn errors_since_the_anchor_are_all_there() {

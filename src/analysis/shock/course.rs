@@ -69,7 +69,7 @@ impl<'a> Course<'a> {
     }
 
     /// With its pieces.
-    pub fn filled(mut self) -> Course<'a> {
+    pub fn fill(mut self) -> Course<'a> {
         let all: f64 = self.counts.iter().zip(&self.cuts).map(|(count, cuts)| count * cuts).sum();
         self.pieces.reserve(all as usize);
         let motion = self.motion;
@@ -157,7 +157,7 @@ fn describe(
     let length = h.magnitude();
     let (mut most, mut rise, mut off, mut power) = (0.0, 0.0, error, 1.0);
     for k in 0..terms {
-        let (value, size, error) = shifted(derivatives, k, f64::from(piece.part) * h.mid.hi);
+        let (value, size, error) = shift_derivative(derivatives, k, f64::from(piece.part) * h.mid.hi);
         match piece.line.get_mut(k) {
             Some(place) => *place = value,
             None => bend(k, value),
@@ -176,7 +176,7 @@ fn describe(
 }
 
 /// The k-th derivative after a time t that is rounded twice, a bound of its size, and one of its error.
-fn shifted(derivatives: &[Ball], k: usize, t: f64) -> (f64, f64, f64) {
+fn shift_derivative(derivatives: &[Ball], k: usize, t: f64) -> (f64, f64, f64) {
     let Some((last, others)) = derivatives.get(k..).and_then(<[Ball]>::split_last) else { return (0.0, 0.0, 0.0) };
     let own = |d: &Ball| (d.mid.hi, d.mid.hi.abs(), d.rad + d.mid.lo.abs());
     if t == 0.0 {

@@ -2,7 +2,7 @@
 //! pieces of the motion, which take one step each. See docs/method/shock.md#steps.
 
 use super::course::{Course, LIGHT, TINY};
-use super::oscillator::{Factorials, Step, doubled, step};
+use super::oscillator::{Factorials, Step, double_step, step};
 use crate::base::rounding::UNIT;
 use crate::base::{Ball, up};
 use crate::kernel::simd::{Eight, LANES};
@@ -99,7 +99,7 @@ impl Entries {
                 let mut own = step(omega, damping, length, terms, factorials);
                 put_short(entries.short.of_mut(class), lane, &own, [omega, damping, length]);
                 while count > 1.0 {
-                    own = doubled(&own, length, factorials);
+                    own = double_step(&own, length, factorials);
                     (length, count) = (length * Ball::from(2.0), 0.5 * count);
                 }
                 put_whole(entries.whole.of_mut(class), lane, &own, [omega, damping, length]);
@@ -161,7 +161,7 @@ fn decay(z: f64) -> f64 {
 
 /// The state after a step with the derivatives of the acceleration: the first two, and all others.
 #[inline(always)]
-pub fn after<V: Eight>(rows: &[Row], line: [f64; 2], bends: &[f64], [x, v]: [V; 2]) -> [V; 2] {
+pub fn state_after<V: Eight>(rows: &[Row], line: [f64; 2], bends: &[f64], [x, v]: [V; 2]) -> [V; 2] {
     let [a11, a12, a22, _, f0, g0, f1, g1, others @ ..] = rows else { return [x, v] };
     let (d0, d1) = (V::splat(line[0]), V::splat(line[1]));
     let mut x1 = V::load(&f1.0).mul_add(d1, V::load(&f0.0) * d0);

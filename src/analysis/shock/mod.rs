@@ -56,7 +56,7 @@ impl Sides {
         Sides { positive: of(self.positive), negative: of(self.negative) }
     }
 
-    fn exchanged(self) -> Sides {
+    fn exchange(self) -> Sides {
         Sides { positive: self.negative, negative: self.positive }
     }
 }
@@ -175,7 +175,7 @@ pub fn shock(signals: &[Signal], derivative: u8, request: &Request) -> Result<Sh
         let shown = |sides: Sides| match request.quantity {
             // Both are of omega times the lag of the mass.
             Quantity::PseudoAcceleration => sides.map(|x| x * omega),
-            Quantity::RelativeDisplacement => sides.map(|x| x / omega).exchanged(),
+            Quantity::RelativeDisplacement => sides.map(|x| x / omega).exchange(),
         };
         ShockRow { frequency, primary: shown(found.primary), residual: shown(residual) }
     });

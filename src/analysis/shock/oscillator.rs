@@ -82,7 +82,7 @@ pub fn step(omega: Ball, damping: Ball, h: Ball, derivatives: usize, factorials:
 }
 
 /// The step of twice the length h of a step: in its second half the derivatives are sum d_k h^(k - i) / (k - i)!.
-pub fn doubled(step: &Step, h: Ball, factorials: &Factorials) -> Step {
+pub fn double_step(step: &Step, h: Ball, factorials: &Factorials) -> Step {
     let [a11, a12, a22] = step.own;
     let cross = a12.square();
     let own = [a11.square() - cross, a12 * (a11 + a22), a22.square() - cross];
@@ -102,7 +102,7 @@ pub fn doubled(step: &Step, h: Ball, factorials: &Factorials) -> Step {
 
 /// x within a step as a polynomial in s = t / h, from 0 to 1, and a bound of the rest and of rounding; `shape`: 2 zeta omega h,
 /// (omega h)^2, omega h.
-pub fn within(state: [f64; 2], [damped, square, theta]: [f64; 3], h: f64, derivatives: &[f64]) -> (Vec<f64>, f64) {
+pub fn within_step(state: [f64; 2], [damped, square, theta]: [f64; 3], h: f64, derivatives: &[f64]) -> (Vec<f64>, f64) {
     let mut terms = vec![state[0], theta * state[1]];
     let mut parts = terms[0].abs() + 2.0 * terms[1].abs();
     let mut power = theta * h;

@@ -5,8 +5,8 @@
 
 use super::base_motion::BaseMotion;
 use super::course::{Course, INTO, OUT_OF, Piece, TINY, rounding};
-use super::entries::{Entries, after, row, short, whole};
-use super::oscillator::{Factorials, factorials_for, within};
+use super::entries::{Entries, row, short, state_after, whole};
+use super::oscillator::{Factorials, factorials_for, within_step};
 use super::{MOST_STEPS, Refusal, Sides};
 use crate::analysis::largest::{Curve, Largest};
 use crate::base::rounding::UNIT;
@@ -51,7 +51,7 @@ pub fn sweep(motion: &BaseMotion, damping: Ball, omegas: &[Ball]) -> Result<Vec<
     if steps > MOST_STEPS || steps.is_nan() {
         return Err(Refusal::TooLong { steps });
     }
-    let course = course.filled();
+    let course = course.fill();
     let factorials = Factorials::new(factorials_for(course.terms));
     let least = LANES * MOST_OF_ONE.div_ceil(course.pieces.len().max(1));
     let found = cores::in_pieces(omegas, least, LANES, |omegas| {
@@ -59,7 +59,7 @@ pub fn sweep(motion: &BaseMotion, damping: Ball, omegas: &[Ball]) -> Result<Vec<
         let mut found = Vec::with_capacity(omegas.len());
         for group in omegas.chunks(LANES) {
             blocks.clear();
-            found.extend(Group::of(&course, &factorials, damping, group).found(&mut blocks));
+            found.extend(Group::of(&course, &factorials, damping, group).into_found(&mut blocks));
         }
         found
     });
@@ -98,7 +98,7 @@ impl Lanes {
     }
 
     #[inline(always)]
-    fn loaded<V: Eight>(&self) -> (V, V, V) {
+    fn load<V: Eight>(&self) -> (V, V, V) {
         (V::load(&self.x), V::load(&self.v), V::load(&self.error))
     }
 }
@@ -141,18 +141,18 @@ impl<'a> Group<'a> {
     }
 
     /// `blocks`: room for those of the course.
-    fn found(mut self, blocks: &mut Vec<Block>) -> Vec<Result<Found, Refusal>> {
+    fn into_found(mut self, blocks: &mut Vec<Block>) -> Vec<Result<Found, Refusal>> {
         let course = self.course;
         let mut from = 0;
         for jump in &course.jumps {
-            forward(&mut self, from, jump.piece, blocks);
+            advance(&mut self, from, jump.piece, blocks);
             self.jump(jump.displacement, jump.velocity);
             from = jump.piece;
         }
-        forward(&mut self, from, course.pieces.len(), blocks);
+        advance(&mut self, from, course.pieces.len(), blocks);
         let mut bends = vec![0.0; course.terms - 2];
         for block in blocks.iter() {
-            again(&mut self, block, &mut bends);
+            repeat_block(&mut self, block, &mut bends);
         }
         (0..self.omegas.len()).map(|lane| self.of_lane(lane, &mut bends)).collect()
     }
@@ -197,11 +197,11 @@ impl<'a> Group<'a> {
         let theta = self.omegas[lane] * h;
         let shape = [(self.damping * theta).mid.hi * 2.0, theta.square().mid.hi, theta.mid.hi];
         let derivatives: Vec<f64> = line.iter().chain(&*bends).copied().collect();
-        let (mut terms, off) = within(candidate.state, shape, h.mid.hi, &derivatives);
+        let (mut terms, off) = within_step(candidate.state, shape, h.mid.hi, &derivatives);
         if negative {
             terms.iter_mut().for_each(|term| *term = -*term);
         }
-        largest.bound_fine(&Curve::rough(&terms, off + candidate.error).signed());
+        largest.bound_fine(&Curve::rough(&terms, off + candidate.error).signed_curve());
     }
 
     /// The base jumps by a displacement and a velocity, and the mass lags behind by them: y += d, y' += v - 2 zeta omega d.
@@ -240,12 +240,12 @@ impl<'a> Group<'a> {
 
 simd! {
 /// Goes over some pieces in whole steps.
-fn forward<V: Eight>(group: &mut Group, from: usize, to: usize, blocks: &mut Vec<Block>) {
+fn advance<V: Eight>(group: &mut Group, from: usize, to: usize, blocks: &mut Vec<Block>) {
     let (course, entries) = (group.course, &group.entries);
     let bent = course.terms - 2;
     let rounded = V::splat(rounding(course.terms) * INTO);
     let (grown, lost) = (V::splat(OUT_OF * up::FEW), V::splat(LOST));
-    let (mut x, mut v, mut error) = group.now.loaded::<V>();
+    let (mut x, mut v, mut error) = group.now.load::<V>();
     let (mut above, mut below) = (V::load(&group.low[0]), V::load(&group.low[1]));
     for start in (from..to).step_by(BLOCK) {
         let end = (start + BLOCK).min(to);
@@ -257,7 +257,7 @@ fn forward<V: Eight>(group: &mut Group, from: usize, to: usize, blocks: &mut Vec
             let size = x.abs() + v.abs();
             largest = largest.max(x.mul_add(x, v * v));
             error = V::load(&rows[row::DECAY].0).mul_add(error, rounded.mul_add(size, V::splat(piece.added)));
-            [x, v] = after::<V>(rows, piece.line, bends, [x, v]);
+            [x, v] = state_after::<V>(rows, piece.line, bends, [x, v]);
             highest = highest.max(x);
             lowest = lowest.max(-x);
             worst = worst.max(error);
@@ -279,7 +279,7 @@ fn forward<V: Eight>(group: &mut Group, from: usize, to: usize, blocks: &mut Vec
 simd! {
 /// Goes over the pieces of a block once more if the motion may exceed in them what is certainly reached, and takes those in which
 /// it may in short steps.
-fn again<V: Eight>(group: &mut Group, block: &Block, bends: &mut [f64]) {
+fn repeat_block<V: Eight>(group: &mut Group, block: &Block, bends: &mut [f64]) {
     let least = V::load(&group.low[0]).min(V::load(&group.low[1]));
     if V::load(&block.most).exceeds(least) == 0 {
         return;
@@ -288,7 +288,7 @@ fn again<V: Eight>(group: &mut Group, block: &Block, bends: &mut [f64]) {
     let bent = course.terms - 2;
     let rounded = V::splat(rounding(course.terms) * INTO);
     let (grown, lost) = (V::splat(OUT_OF), V::splat(LOST));
-    let (mut x, mut v, mut error) = block.start.loaded::<V>();
+    let (mut x, mut v, mut error) = block.start.load::<V>();
     for at in block.from..block.to {
         let piece = &course.pieces[at];
         let (rows, more) = group.entries.whole.of(piece.class);
@@ -309,7 +309,7 @@ fn again<V: Eight>(group: &mut Group, block: &Block, bends: &mut [f64]) {
             let swing = entry(whole::SLACK).mul_add(V::splat(piece.most), dx.mul_add(dx, dv * dv).sqrt() + lost + off);
             may = (rest.max(later) + swing).exceeds(above) | (swing - rest.min(later)).exceeds(below);
         }
-        let next = after::<V>(rows, piece.line, &course.bends[at * bent..][..bent], [x, v]);
+        let next = state_after::<V>(rows, piece.line, &course.bends[at * bent..][..bent], [x, v]);
         if may != 0 {
             in_short_steps::<V>(group, piece, Lanes::of(x, v, error), bends);
         }
@@ -326,14 +326,14 @@ fn in_short_steps<V: Eight>(group: &mut Group, piece: &Piece, now: Lanes, bends:
     let h = course.length(piece.class as usize, steps);
     let rounded = V::splat(rounding(course.terms) * INTO);
     let (zero, one, half, grown) = (V::splat(0.0), V::splat(1.0), V::splat(0.5), V::splat(OUT_OF));
-    let (mut x, mut v, mut error) = now.loaded::<V>();
+    let (mut x, mut v, mut error) = now.load::<V>();
     let (mut above, mut below) = (V::load(&group.low[0]), V::load(&group.low[1]));
     for step in 0..steps as u32 {
         let step = course.step(piece.class, piece.segment, piece.part * steps as u32 + step, h, bends);
         let (rows, more) = group.entries.short.of(piece.class);
         let entry = |row: usize| V::load(&more[row].0);
         let size = x.abs() + v.abs();
-        let [x1, v1] = after::<V>(rows, step.line, bends, [x, v]);
+        let [x1, v1] = state_after::<V>(rows, step.line, bends, [x, v]);
         let error1 = V::load(&rows[row::DECAY].0).mul_add(error, rounded.mul_add(size, V::splat(step.added)));
         let off = (error + error1) * grown;
         let most = V::splat(step.most);

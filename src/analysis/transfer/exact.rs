@@ -209,16 +209,16 @@ impl Pencil {
                 force.iter_mut().zip(&load[step - 2]).for_each(|(row, b)| row[unknowns + column] = b.clone());
             }
             for (q, motion) in self.q[1..].iter().zip(motions.iter().rev()) {
-                force.iter_mut().zip(q).for_each(|(row, q)| subtract(row, &combined(q, motion)));
+                force.iter_mut().zip(q).for_each(|(row, q)| subtract(row, &combine(q, motion)));
             }
-            requirements.extend(statics.left_null.iter().map(|vector| combined(vector, &force)));
+            requirements.extend(statics.left_null.iter().map(|vector| combine(vector, &force)));
             if step + 1 < LAST {
                 motions.push(statics.answer(&force, step * nullity));
             } else {
                 requirements.extend(self.last_requirements(&statics, &force, &motions, loads));
             }
         }
-        let amplitudes = settled(requirements, needed, unknowns)?;
+        let amplitudes = settle(requirements, needed, unknowns)?;
         let value = |row: &Row, load: usize| &dot(row, &amplitudes[load]) + &row[unknowns + load];
         let power = |load: usize, step: usize| motions[step].iter().map(|row| value(row, load)).collect();
         Some((0..loads.len()).map(|load| Series([0, 1, 2].map(|step| power(load, step)))).collect())
@@ -230,15 +230,15 @@ impl Pencil {
         let [_, q1, q2] = &self.q;
         let first = force[0].len() - loads.len();
         let of_vector = |vector: &Row| {
-            let (seen, before) = (combined(vector, q1), combined(vector, q2));
+            let (seen, before) = (combine(vector, q1), combine(vector, q2));
             let mut row = vec![Rational::ZERO; force[0].len()];
             row.iter_mut().skip(first).zip(loads).for_each(|(entry, load)| *entry = dot(vector, &load[2]));
-            subtract(&mut row, &combined(&statics.seen_of_answers(&seen), force));
+            subtract(&mut row, &combine(&statics.seen_of_answers(&seen), force));
             for (amplitude, vector) in row[first - statics.null.len()..].iter_mut().zip(&statics.null) {
                 *amplitude = &*amplitude - &dot(&seen, vector);
             }
             if let Some(motion) = motions.last() {
-                subtract(&mut row, &combined(&before, motion));
+                subtract(&mut row, &combine(&before, motion));
             }
             row
         };
@@ -273,7 +273,7 @@ impl Statics {
     fn seen_of_answers(&self, seen: &[Rational]) -> Row {
         let (seen, rows): (Row, Matrix) =
             self.inverse.iter().map(|(coordinate, row)| (seen[*coordinate].clone(), row.clone())).unzip();
-        combined(&seen, &rows)
+        combine(&seen, &rows)
     }
 
     /// The motions under forces that the left null vectors do not see, and null motions whose amplitudes begin at `first`.
@@ -281,7 +281,7 @@ impl Statics {
         let width = force.first().map_or(0, Vec::len);
         let mut motion = vec![vec![Rational::ZERO; width]; force.len()];
         for (coordinate, factors) in &self.inverse {
-            motion[*coordinate] = combined(factors, force);
+            motion[*coordinate] = combine(factors, force);
         }
         for (number, vector) in self.null.iter().enumerate() {
             motion.iter_mut().zip(vector).for_each(|(row, v)| row[first + number] = v.clone());
@@ -292,7 +292,7 @@ impl Statics {
 
 /// For each load, the unknowns that make all requirements zero, if the first `needed` are determined; those after them may
 /// not be, and are zero.
-fn settled(mut requirements: Matrix, needed: usize, unknowns: usize) -> Option<Matrix> {
+fn settle(mut requirements: Matrix, needed: usize, unknowns: usize) -> Option<Matrix> {
     let width = requirements.first()?.len();
     let pivots = reduce(&Rationals, &mut requirements, unknowns);
     let (determining, rest) = requirements.split_at(pivots.len());
@@ -331,7 +331,7 @@ fn subtract(row: &mut [Rational], other: &[Rational]) {
 }
 
 /// The sum of rows with factors.
-fn combined(factors: &[Rational], rows: &Matrix) -> Row {
+fn combine(factors: &[Rational], rows: &Matrix) -> Row {
     let mut sum = vec![Rational::ZERO; rows.first().map_or(0, Vec::len)];
     for (factor, row) in factors.iter().zip(rows).filter(|(factor, _)| !factor.is_zero()) {
         add(&mut sum, factor, row);

@@ -219,7 +219,7 @@ impl<'a> Transfer<'a> {
         }
         let mut gains = self.in_own_units(frequency, inputs, outputs);
         if gains.iter().flatten().any(|gain| *gain == Gain::Unknown)
-            && let Some((system, frequency)) = scaled::scaled(self.system, frequency)
+            && let Some((system, frequency)) = scaled::scale(self.system, frequency)
         {
             let others = Transfer::of(&system).in_own_units(&frequency, inputs, outputs);
             let pairs = gains.iter_mut().flatten().zip(others.into_iter().flatten());
@@ -283,7 +283,7 @@ impl<'a> Transfer<'a> {
         let method = TwoSided::of(self);
         let pairs = inputs.len() * outputs.len();
         in_pieces(frequencies, self.system.n(), |some| {
-            let mut gains = self.swept(method.as_ref(), some, inputs, outputs, tolerance);
+            let mut gains = self.sweep_table(method.as_ref(), some, inputs, outputs, tolerance);
             for (frequency, gains) in some.iter().zip(gains.chunks_mut(pairs.max(1))) {
                 if worst_radius(gains) > tolerance {
                     gains.copy_from_slice(&self.between(frequency, inputs, outputs).concat());
@@ -302,10 +302,12 @@ impl<'a> Transfer<'a> {
         tolerance: f64,
     ) -> Vec<Gain> {
         let method = TwoSided::of(self);
-        in_pieces(frequencies, self.system.n(), |some| self.swept(method.as_ref(), some, inputs, outputs, tolerance))
+        in_pieces(frequencies, self.system.n(), |some| {
+            self.sweep_table(method.as_ref(), some, inputs, outputs, tolerance)
+        })
     }
 
-    fn swept(
+    fn sweep_table(
         &self,
         method: Option<&TwoSided>,
         frequencies: &[Frequency],
@@ -528,7 +530,7 @@ fn assemble(system: &LinearSystem) -> Vec<MatrixEntry> {
     for (which, form) in [&system.m, &system.c, &system.k].into_iter().enumerate() {
         collect(form, which, &mut parts);
     }
-    summed(&mut parts);
+    sum_parts(&mut parts);
     // A coordinate may have no term: a row of zeros, singular at every frequency.
     let mut entries: Vec<MatrixEntry> = Vec::new();
     for (i, j, which, sum) in parts {
@@ -547,7 +549,7 @@ fn assemble(system: &LinearSystem) -> Vec<MatrixEntry> {
 type Part = (u32, u32, usize, Number);
 
 /// Sorts the contributions and adds up those of each entry, in their order.
-fn summed(parts: &mut Vec<Part>) {
+fn sum_parts(parts: &mut Vec<Part>) {
     parts.sort_by_key(|(i, j, which, _)| (*i, *j, *which));
     parts.dedup_by(|part, sum| {
         let is_same = (part.0, part.1, part.2) == (sum.0, sum.1, sum.2);
@@ -571,7 +573,7 @@ fn collect(form: &Form, which: usize, parts: &mut Vec<Part>) {
             parts.extend(row.iter().map(|(j, b)| (index(i), index(j), which, &weighted * b)));
         }
         if parts.len() > room {
-            summed(parts);
+            sum_parts(parts);
             room = 2 * parts.len() + WAITING;
         }
     }

@@ -10,7 +10,7 @@ use crate::base::Number;
 use crate::system::{CoordinateId, Form, LinearSystem, Term};
 
 /// `None` if all numbers are of ordinary size.
-pub fn scaled(system: &LinearSystem, frequency: &Frequency) -> Option<(LinearSystem, Frequency)> {
+pub fn scale(system: &LinearSystem, frequency: &Frequency) -> Option<(LinearSystem, Frequency)> {
     let time = exponent(frequency.omega.mid.hi)?;
     let forms = [&system.k, &system.c, &system.m];
     let sizes = forms.iter().zip([0, time, 2 * time]).filter_map(|(form, moved)| Some(largest(form)? + moved));

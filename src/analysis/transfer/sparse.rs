@@ -121,7 +121,7 @@ fn rows_of(column: &[(usize, usize)]) -> impl Iterator<Item = u32> + use<'_> {
 }
 
 #[inline(always)]
-fn eliminated<T: Scalar>(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<T>> {
+fn eliminate_entries<T: Scalar>(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<T>> {
     let (n, starts) = (pattern.n, pattern.tree.starts());
     let mut filled = starts[..n].to_vec();
     let (mut rows, mut l) = (vec![0u32; starts[n]], vec![T::ZERO; starts[n]]);
@@ -152,7 +152,7 @@ fn eliminated<T: Scalar>(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<T
 
 /// x <- (L D L^T)^-1 x, in the order of elimination.
 #[inline(always)]
-fn substituted<T: Scalar>(pattern: &Pattern, lower: &Lower<T>, x: &mut [T]) {
+fn substitute_one<T: Scalar>(pattern: &Pattern, lower: &Lower<T>, x: &mut [T]) {
     let starts = pattern.tree.starts();
     for j in 0..pattern.n {
         if x[j].is_zero() {
@@ -174,13 +174,13 @@ fn substituted<T: Scalar>(pattern: &Pattern, lower: &Lower<T>, x: &mut [T]) {
 
 simd! {
     fn eliminate_discs(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<Disc>> {
-        eliminated(pattern, entries)
+        eliminate_entries(pattern, entries)
     }
 }
 
 simd! {
     fn substitute_discs(pattern: &Pattern, lower: &Lower<Disc>, x: &mut [Disc]) {
-        substituted(pattern, lower, x)
+        substitute_one(pattern, lower, x)
     }
 }
 
@@ -267,11 +267,11 @@ impl Scalar for Complex<f64> {
     }
 
     fn eliminate(pattern: &Pattern, entries: &[Entry]) -> Option<Lower<Complex<f64>>> {
-        eliminated(pattern, entries)
+        eliminate_entries(pattern, entries)
     }
 
     fn substitute(pattern: &Pattern, lower: &Lower<Complex<f64>>, x: &mut [Complex<f64>]) {
-        substituted(pattern, lower, x);
+        substitute_one(pattern, lower, x);
     }
 }
 

@@ -10,7 +10,7 @@ use crate::analysis::modes::modes_as;
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::poles::{MAX_DAMPED, poles, poles_and_residues};
 use crate::analysis::transfer::extrema::{
-    Exactly, Extrema, Extremum, MOST_ENCLOSED, bracketed, expanded, factored, sharpened,
+    Exactly, Extrema, Extremum, MOST_ENCLOSED, bracket, by_expansion, by_path, sharpen,
 };
 use crate::analysis::transfer::modal::{ModalPair, ModalSum};
 use crate::analysis::transfer::partial_fractions::PartialFractions;
@@ -239,10 +239,10 @@ fn from_roots(
         let found = pairs[i][o].exactly.map(|method| method.extrema(low, high));
         if let Some(found) = found.as_ref().filter(|found| found.is_complete()) {
             let is_loose = pairs[i][o].exactly.is_some_and(Exactly::has_loose_roots);
-            let sharper = || sharpened(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found.clone());
+            let sharper = || sharpen(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found.clone());
             return if is_loose { sharper() } else { found.clone() };
         }
-        let of_poles = pairs[i][o].fractions.as_ref().map(|sum| expanded(sum, low, high));
+        let of_poles = pairs[i][o].fractions.as_ref().map(|sum| by_expansion(sum, low, high));
         let sharp = |extrema: &&Extrema| {
             let is_sharp = |extremum: &Extremum| match extremum.gain {
                 Gain::Finite(disc) => disc.relative_error() <= TO_THE_LAST_DIGIT,
@@ -255,12 +255,12 @@ fn from_roots(
             return found.clone();
         }
         let along_path = || {
-            let factored = factored(&methods.transfer, poles, sweep.inputs[i], sweep.outputs[o])?;
+            let factored = by_path(&methods.transfer, poles, sweep.inputs[i], sweep.outputs[o])?;
             let found = Exactly::of(&factored)?.extrema(low, high);
             found.is_complete().then_some(found)
         };
         match along_path() {
-            Some(found) => sharpened(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found),
+            Some(found) => sharpen(&methods.transfer, sweep.inputs[i], sweep.outputs[o], found),
             None => of_poles.or(found).unwrap_or_default(),
         }
     };
@@ -283,7 +283,7 @@ fn beside_brackets(
         let gains: Vec<(f64, Gain)> = rows.iter().map(|row| (row.frequency.to_f64(), row.gains[i][o])).collect();
         let by_modes = methods.sum.as_ref().zip(pairs[i][o].modal.as_ref());
         let places = (sweep.inputs[i], sweep.outputs[o]);
-        let others = bracketed(&methods.transfer, places, by_modes, poles, &gains, &found.open);
+        let others = bracket(&methods.transfer, places, by_modes, poles, &gains, &found.open);
         if found.list.is_empty() && found.open.is_empty() { others } else { found.with(others.list) }
     };
     let row =

@@ -2,13 +2,13 @@
 //! See docs/method/bench.md.
 
 use super::table::{Align, Cell, Table};
-use super::{Block, Figure, Line, Report, Section, Value, counted, line};
+use super::{Block, Figure, Line, Report, Section, Value, count_of, line};
 use crate::base::Unproven;
 use crate::bench::{Bench, Entry, Question};
 
 /// The results for the model of this name.
 pub fn bench(model: &str, bench: &Bench) -> Report {
-    let size = counted(bench.coordinates, "degree of freedom", "degrees of freedom");
+    let size = count_of(bench.coordinates, "degree of freedom", "degrees of freedom");
     let questions = Question::ALL.map(|question| self::question(question, bench));
     let rest = [Section::new("Marks", marks()), Section::new("Readings", readings(bench)), growth(bench)];
     Report::new(line![model.to_string(), " · ", size, ": speed against error"], questions.into_iter().chain(rest))

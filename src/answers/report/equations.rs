@@ -1,6 +1,6 @@
 //! The coordinates and, if small enough, the matrices.
 
-use super::{Block, Line, Matrices, Options, Section, coordinate, first_of, line, listed, unit};
+use super::{Block, Line, Matrices, Options, Section, coordinate, enumeration, first_of, line, unit};
 use crate::answers::ModalAnswer;
 use crate::system::{Form, LinearSystem};
 
@@ -13,7 +13,7 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
     let mut blocks = vec![coordinates(system).into()];
     blocks.extend(dependent(answer).map(Block::from));
     if system.n() > 0 && (options.matrices || system.n() <= MOST) {
-        let system = &system.clone().flattened(u64::MAX).expect("as many entries as there may be");
+        let system = &system.clone().into_flat(u64::MAX).expect("as many entries as there may be");
         let entries = |form: &Form| form.entries(system.n());
         blocks.push(Line::from("M q″ + C q′ + K q = 0, in kg, m, s, rad").into());
         blocks.push(Block::Matrices(Matrices {
@@ -35,10 +35,10 @@ fn coordinates(system: &LinearSystem) -> Line {
     };
     let names = match n {
         0 => return "q = (): nothing can move".into(),
-        _ if n <= 2 * ENDS => listed((0..n).map(name)),
+        _ if n <= 2 * ENDS => enumeration((0..n).map(name)),
         _ => {
             let more = line!["... ", n - 2 * ENDS, " more"];
-            listed((0..ENDS).map(name).chain([more]).chain((n - ENDS..n).map(name)))
+            enumeration((0..ENDS).map(name).chain([more]).chain((n - ENDS..n).map(name)))
         }
     };
     line!["q = (", names, ")"]

@@ -45,7 +45,7 @@ fn table(answer: &ModalAnswer, excitation: &Excitation, turns: bool) -> Table {
         .column("error ≤", "", Align::Right)
         .column("share", "[%]", Align::Point)
         .column("sum", "[%]", Align::Point);
-    for ((number, _), excited) in answer.modes.numbered().zip(&excitation.modes).take(MOST) {
+    for ((number, _), excited) in answer.modes.with_numbers().zip(&excitation.modes).take(MOST) {
         let percent = |mass: Ball| mass / excitation.total * Ball::from(100.0);
         let shown = |value: Option<Ball>, digits: usize| match value {
             Some(value) if value.is_finite() => Figure::ball(value, digits).into(),

@@ -288,7 +288,7 @@ impl Figure {
     }
 
     /// The binary64 number that represents an enclosed one, and its bound.
-    pub fn rounded(&self) -> Option<Rounded> {
+    pub fn to_rounded(&self) -> Option<Rounded> {
         match &self.value {
             Value::Enclosed { number, .. } => Rounded::of_number(number),
             Value::Hundredths(ball) => Rounded::of(*ball),
@@ -301,9 +301,9 @@ impl Figure {
 pub fn modal(answer: &ModalAnswer, options: &Options) -> Report {
     let account = answer.account.as_ref().map(|account| parts::account_section(account, &answer.system));
     let sections = [
-        questions::solved(&answer.solved),
-        questions::optimised(&answer.optimised),
-        questions::required(&answer.requirements),
+        questions::solve_section(&answer.solved),
+        questions::optimum_section(&answer.optimised),
+        questions::requirement_section(&answer.requirements),
         rest::section(answer, options),
         equations::section(answer, options),
         modes::section(answer, options),
@@ -334,20 +334,20 @@ fn title(answer: &ModalAnswer) -> Line {
     let title = line![
         answer.model.clone(),
         " · ",
-        counted(answer.system.n(), "degree of freedom", "degrees of freedom"),
+        count_of(answer.system.n(), "degree of freedom", "degrees of freedom"),
         ", linearised about ",
         verdict
     ];
-    if rigid == 0 { title } else { line![title, " · ", counted(rigid, "rigid-body mode", "rigid-body modes")] }
+    if rigid == 0 { title } else { line![title, " · ", count_of(rigid, "rigid-body mode", "rigid-body modes")] }
 }
 
 /// `1 mode`, `3 modes`
-fn counted(count: usize, one: &'static str, several: &'static str) -> Line {
+fn count_of(count: usize, one: &'static str, several: &'static str) -> Line {
     line![count, " ", if count == 1 { one } else { several }]
 }
 
 /// `a, b, c`
-fn listed(items: impl IntoIterator<Item = Line>) -> Line {
+fn enumeration(items: impl IntoIterator<Item = Line>) -> Line {
     let separated = |line: Line, item: Line| if line.is_empty() { item } else { line![line, ", ", item] };
     items.into_iter().fold(Line::default(), separated)
 }
@@ -356,9 +356,9 @@ fn listed(items: impl IntoIterator<Item = Line>) -> Line {
 fn first_of(items: Vec<Line>, most: usize) -> Line {
     match items.len().checked_sub(most) {
         Some(more) if more > 1 => {
-            line![listed(items.into_iter().take(most)), ", ", more, " more"]
+            line![enumeration(items.into_iter().take(most)), ", ", more, " more"]
         }
-        _ => listed(items),
+        _ => enumeration(items),
     }
 }
 
@@ -403,10 +403,10 @@ fn shares(system: &LinearSystem, shares: &[Share<Source>]) -> Cell {
     let wording = |count: usize| {
         let left = 1.0 - sum(&shares[..count]);
         match shares.len() - count {
-            _ if left.abs() < 0.005 => listed(shares[..count].iter().map(named)),
-            0 | 1 => listed(shares.iter().map(named)),
+            _ if left.abs() < 0.005 => enumeration(shares[..count].iter().map(named)),
+            0 | 1 => enumeration(shares.iter().map(named)),
             more => line![
-                listed(shares[..count].iter().map(named)),
+                enumeration(shares[..count].iter().map(named)),
                 ", ",
                 more,
                 "\u{a0}more\u{a0}",

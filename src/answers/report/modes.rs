@@ -2,7 +2,7 @@
 
 use super::table::{Align, Cell, Table};
 use super::{
-    Block, Figure, Line, Options, Section, Value, carried_by, coordinate, counted, line, listed,
+    Block, Figure, Line, Options, Section, Value, carried_by, coordinate, count_of, enumeration, line,
     shares as largest_shares, unit,
 };
 use crate::analysis::{Mode, ModeKind, Normalise, Split, derived, normalise, splits};
@@ -87,7 +87,7 @@ fn fill_table(answer: &ModalAnswer, options: &Options, columns: bool) -> Table {
     } else {
         table = table.column("shape, largest entries", "", Align::Left);
     }
-    for (number, mode) in answer.modes.numbered().take(MOST) {
+    for (number, mode) in answer.modes.with_numbers().take(MOST) {
         let shape = normalise(mode, options.normalise);
         let mut cells = frequency_cells(number, mode, options);
         if columns {
@@ -122,7 +122,7 @@ pub fn at_outputs(system: &LinearSystem, shape: &[Unproven]) -> Vec<(String, Str
 
 /// Every entry of the shapes of the modes that are listed.
 fn whole_shapes<'a>(answer: &'a ModalAnswer, options: &'a Options) -> impl Iterator<Item = Table> + 'a {
-    let shapes: Vec<(usize, Vec<Unproven>)> = (answer.modes.numbered().take(MOST))
+    let shapes: Vec<(usize, Vec<Unproven>)> = (answer.modes.with_numbers().take(MOST))
         .map(|(number, mode)| (number, normalise(mode, options.normalise)))
         .collect();
     let tables = shapes.chunks(BESIDE).map(|some| {
@@ -161,7 +161,7 @@ fn nodes(answer: &ModalAnswer) -> Vec<Block> {
         .column("y", "[m]", Align::Point)
         .column("", "", Align::Left);
     let mut found = false;
-    for ((number, _), nodes) in answer.modes.numbered().zip(&answer.nodes).take(MOST) {
+    for ((number, _), nodes) in answer.modes.with_numbers().zip(&answer.nodes).take(MOST) {
         for ShapeNode { body, at, from_centre, .. } in nodes {
             let [x, y] = at.map(|place| Cell::from(displacement(place, 0.0)));
             let origin = if *from_centre { "from its centre" } else { "" };
@@ -213,7 +213,7 @@ fn largest_entries(system: &LinearSystem, shape: &[Unproven]) -> Cell {
         line![name, "\u{a0}", displacement(shape[*i], largest)]
     };
     let few = order.len().min(LARGEST);
-    Cell::wordings((1..=few).rev().map(|count| listed(order.iter().take(count).map(entry))))
+    Cell::wordings((1..=few).rev().map(|count| enumeration(order.iter().take(count).map(entry))))
 }
 
 /// The modes that the table leaves out.
@@ -227,7 +227,7 @@ fn omitted_line(answer: &ModalAnswer) -> Option<Line> {
 /// The modes that were not requested, or not computed because there are too many.
 fn left_out(answer: &ModalAnswer) -> Option<Line> {
     let (below, above) = (answer.modes.before.count(), answer.modes.after);
-    let modes = |count| counted(count, "mode", "modes");
+    let modes = |count| count_of(count, "mode", "modes");
     let which = match (below, above) {
         (0, 0) => return None,
         (0, above) => line![modes(above), " above"],
@@ -301,7 +301,7 @@ fn range(first: usize, last: usize) -> Line {
 /// Frequencies that the model's numbers determine less accurately than they are computed.
 fn sensitive_lines(answer: &ModalAnswer) -> impl Iterator<Item = Line> {
     const WORTH_TELLING: f64 = 100.0;
-    let factors = answer.modes.numbered().filter_map(|(number, mode)| Some((number, mode.input_condition?)));
+    let factors = answer.modes.with_numbers().filter_map(|(number, mode)| Some((number, mode.input_condition?)));
     factors.filter(|(_, factor)| factor.0 >= WORTH_TELLING).take(MOST).map(|(number, factor)| {
         line![
             "mode ",
@@ -325,7 +325,7 @@ pub fn split_lines(answer: &ModalAnswer) -> Section {
         ("moves (share of kinetic energy)", Align::Left),
         ("is held by (share of strain energy)", Align::Left),
     ]);
-    for (number, mode) in answer.modes.numbered().take(MOST) {
+    for (number, mode) in answer.modes.with_numbers().take(MOST) {
         let held = match mode.kind {
             ModeKind::Rigid => "nothing".into(),
             _ => largest_shares(system, &by_name(&mode.strain)),

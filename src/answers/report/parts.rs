@@ -2,7 +2,7 @@
 //! kept and left out, and why.
 
 use super::table::{Align, Table};
-use super::{Block, Line, Report, Section, coordinate, first_of, line, listed};
+use super::{Block, Line, Report, Section, coordinate, enumeration, first_of, line};
 use crate::analysis::{Net, NetForm, nets, parts_of_modes};
 use crate::answers::ModalAnswer;
 use crate::lower::{Account, Remark};
@@ -22,7 +22,7 @@ pub fn section(answer: &ModalAnswer) -> Section {
         return Section::new(HEADING, []);
     }
     let mut modes: Vec<Vec<Line>> = vec![Vec::new(); nets.len()];
-    for ((number, _), part) in answer.modes.numbered().zip(parts_of_modes(&nets, &answer.modes.list)) {
+    for ((number, _), part) in answer.modes.with_numbers().zip(parts_of_modes(&nets, &answer.modes.list)) {
         modes[part].push(number.into());
     }
     let mut table = Table::of([
@@ -61,8 +61,8 @@ fn form(net: &Net) -> Line {
 fn names(system: &LinearSystem, net: &Net) -> Line {
     let name = |i: &crate::system::CoordinateId| Line::from(coordinate(system, &system.coordinates[i.index()]));
     match net.coordinates.len() {
-        n if n > MOST_NAMES + 1 => line![listed(net.coordinates[..MOST_NAMES].iter().map(name)), ", ..."],
-        _ => listed(net.coordinates.iter().map(name)),
+        n if n > MOST_NAMES + 1 => line![enumeration(net.coordinates[..MOST_NAMES].iter().map(name)), ", ..."],
+        _ => enumeration(net.coordinates.iter().map(name)),
     }
 }
 

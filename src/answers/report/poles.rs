@@ -2,7 +2,7 @@
 
 use super::modes::MOST;
 use super::table::{Align, Cell, Table};
-use super::{Block, Figure, Line, Options, Section, counted, line, listed};
+use super::{Block, Figure, Line, Options, Section, count_of, enumeration, line};
 use crate::analysis::{Pole, PoleKind, Route, Stability};
 use crate::answers::ModalAnswer;
 
@@ -70,7 +70,7 @@ fn clusters(shown: &[(usize, &Pole)]) -> Vec<Line> {
         seen.push(cluster);
         let members: Vec<usize> =
             shown.iter().filter(|(_, other)| other.cluster == Some(cluster)).map(|(number, _)| *number).collect();
-        let numbers = listed(members.iter().map(|number| Line::from(*number)));
+        let numbers = enumeration(members.iter().map(|number| Line::from(*number)));
         lines.push(match (members.len() > 1, pole.defective) {
             (false, _) => line!["pole ", numbers, ": not separated from its conjugate; certified together"],
             (true, true) => line![
@@ -90,7 +90,7 @@ fn clusters(shown: &[(usize, &Pole)]) -> Vec<Line> {
 fn left_out(answer: &ModalAnswer) -> Option<Line> {
     let poles = match answer.poles.left_out {
         0 => return None,
-        count => counted(count, "pole", "poles"),
+        count => count_of(count, "pole", "poles"),
     };
     Some(match (answer.poles.list.is_empty(), answer.poles.followed) {
         (true, _) => line![

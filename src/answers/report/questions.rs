@@ -2,7 +2,7 @@
 
 use super::robust;
 use super::table::{Align, Cell, Table};
-use super::{Block, Figure, Line, Named, Report, Section, Value, line, listed};
+use super::{Block, Figure, Line, Named, Report, Section, Value, enumeration, line};
 use crate::base::{Ball, Bound, Number, Unproven};
 use crate::questions::answer::{self, Best, Derivative, Optimised, Others, Requirement, Shown, Solved};
 
@@ -11,7 +11,7 @@ const MOST: usize = 16;
 const DIGITS: usize = 6;
 const FEW: usize = 3;
 
-pub fn solved(list: &[Solved]) -> Section {
+pub fn solve_section(list: &[Solved]) -> Section {
     const HEADING: &str = "Solved parameters";
     if list.is_empty() {
         return Section::new(HEADING, []);
@@ -25,7 +25,7 @@ pub fn solved(list: &[Solved]) -> Section {
         .column("misses by", "", Align::Right)
         .column("change", "[%/%]", Align::Point);
     for solved in list {
-        let shown = solved.shown();
+        let shown = solved.in_unit();
         let target = solved.shown_target();
         table.row(vec![
             Named { text: solved.parameter.clone(), place: Some(solved.span) }.into(),
@@ -47,7 +47,7 @@ pub fn solved(list: &[Solved]) -> Section {
 }
 
 /// The section with the results of `minimise` and `maximise`.
-pub fn optimised(list: &[Optimised]) -> Section {
+pub fn optimum_section(list: &[Optimised]) -> Section {
     let blocks = list.iter().flat_map(|found| {
         let word = if found.highest { "maximised" } else { "minimised" };
         let mut table = Table::new()
@@ -56,7 +56,7 @@ pub fn optimised(list: &[Optimised]) -> Section {
             .column("", "", Align::Left)
             .column("error ≤", "", Align::Right);
         for parameter in &found.parameters {
-            let shown = parameter.shown();
+            let shown = parameter.in_unit();
             table.row(vec![
                 Named { text: parameter.parameter.clone(), place: Some(parameter.span) }.into(),
                 figure(&shown, MOST).into(),
@@ -64,7 +64,7 @@ pub fn optimised(list: &[Optimised]) -> Section {
                 parameter.shown_bound().map_or_else(|| "?".into(), |bound| Figure::bound(bound).into()),
             ]);
         }
-        let shown = found.shown();
+        let shown = found.in_unit();
         let value = figure(&shown, MOST).unit(shown.unit.to_string());
         let first = match &found.robust {
             None => line![word, " ", found.measure.clone(), " = ", value],
@@ -93,7 +93,7 @@ fn best_line(found: &Optimised) -> Line {
                 .map(|(name, (low, high))| line![name.clone(), " in ", low.clone(), " .. ", high.clone()]);
             line![
                 "proved for ",
-                listed(parts),
+                enumeration(parts),
                 ": no values make it ",
                 better,
                 " by more than ",
@@ -111,7 +111,7 @@ fn equal_line(found: &Optimised) -> Option<Line> {
         return None;
     }
     let peaks = found.equal.iter().map(|hertz| Line::from(unproven(Unproven(*hertz))));
-    Some(line!["equal peaks near ", listed(peaks), " Hz"])
+    Some(line!["equal peaks near ", enumeration(peaks), " Hz"])
 }
 
 /// The parts of the searched range for which nothing is proven.
@@ -120,7 +120,7 @@ fn unproven_line(solved: &Solved) -> Option<Line> {
     match &solved.others {
         Others::None(_) => None,
         Others::Unsettled(parts) => {
-            let parts = listed(parts.iter().map(|(low, high)| line![low.clone(), " .. ", high.clone()]));
+            let parts = enumeration(parts.iter().map(|(low, high)| line![low.clone(), " .. ", high.clone()]));
             Some(line![name, ": the one found; undetermined in ", parts, ", elsewhere there is no other"])
         }
         Others::Unknown => {
@@ -151,7 +151,7 @@ fn unproven(number: Unproven) -> Figure {
 }
 
 /// The section of a modal report.
-pub fn required(list: &[Requirement]) -> Section {
+pub fn requirement_section(list: &[Requirement]) -> Section {
     const HEADING: &str = "Requirements";
     if list.is_empty() {
         return Section::new(HEADING, []);
@@ -174,7 +174,7 @@ fn blocks(list: &[Requirement]) -> impl Iterator<Item = Block> {
 
 /// How amplitudes at several frequencies are combined.
 fn added_line(requirement: &Requirement) -> Line {
-    let frequencies = listed(requirement.added.iter().map(|hertz| Figure::number(hertz.clone(), DIGITS).into()));
+    let frequencies = enumeration(requirement.added.iter().map(|hertz| Figure::number(hertz.clone(), DIGITS).into()));
     line!["amplitudes at ", frequencies, " Hz are added: the motion never exceeds their sum, and may not reach it"]
 }
 

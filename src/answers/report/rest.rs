@@ -2,7 +2,7 @@
 
 use super::modes::mode_named;
 use super::table::{Align, Table};
-use super::{Block, Figure, Line, Options, Section, Value, coordinate, counted, line, unit};
+use super::{Block, Figure, Line, Options, Section, Value, coordinate, count_of, line, unit};
 use crate::analysis::derived::{degrees, doubling_time};
 use crate::analysis::{Mode, ModeKind, PoleKind, Stability};
 use crate::answers::ModalAnswer;
@@ -19,7 +19,7 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
     let mut blocks = displacement(answer);
     blocks.extend(laws(answer));
     blocks.extend(unstable(answer));
-    blocks.extend(undetermined(answer));
+    blocks.extend(undetermined_blocks(answer));
     blocks.extend(neutral(answer));
     blocks.extend(buckling(answer, options).map(Block::from));
     Section::new("Rest", blocks)
@@ -176,18 +176,18 @@ fn unstable(answer: &ModalAnswer) -> Vec<Block> {
         items.push(line!["pole ", number, how, growth(pole.re)]);
     }
     if answer.modes.before.divergences > 0 {
-        let modes = counted(answer.modes.before.divergences, "mode", "modes");
+        let modes = count_of(answer.modes.before.divergences, "mode", "modes");
         items.push(line![modes, " below those listed diverge"]);
     }
     with_items("UNSTABLE: the scene does not stay at this rest", items)
 }
 
 fn of_kind(answer: &ModalAnswer, kind: ModeKind) -> impl Iterator<Item = (usize, &Mode)> {
-    answer.modes.numbered().filter(move |(_, mode)| mode.kind == kind)
+    answer.modes.with_numbers().filter(move |(_, mode)| mode.kind == kind)
 }
 
 /// Modes and poles that may or may not grow: the certified bounds do not decide it.
-fn undetermined(answer: &ModalAnswer) -> Vec<Block> {
+fn undetermined_blocks(answer: &ModalAnswer) -> Vec<Block> {
     let (mut items, proven) = (Vec::new(), answer.rest.is_proven());
     let bound = |words: &'static str, bound: Figure| if proven { line![words, bound] } else { Line::default() };
     for (number, mode) in of_kind(answer, ModeKind::Undetermined) {
@@ -237,7 +237,7 @@ fn growth(rate: Ball) -> Line {
 fn neutral(answer: &ModalAnswer) -> Vec<Block> {
     let below = answer.modes.before.rigid;
     let below =
-        (below > 0).then(|| line![counted(below, "rigid-body mode", "rigid-body modes"), " below those listed"]);
+        (below > 0).then(|| line![count_of(below, "rigid-body mode", "rigid-body modes"), " below those listed"]);
     let listed = of_kind(answer, ModeKind::Rigid)
         .map(|(number, mode)| line!["mode ", number, ": ", super::carried_by(&answer.system, mode)]);
     with_items("NEUTRAL: no stiffness restrains these motions", below.into_iter().chain(listed).collect())

@@ -3,7 +3,7 @@
 use super::tolerances::{place_text, ranges};
 use super::{Line, line};
 use crate::base::{Ball, Number};
-use crate::questions::answer::{Optimised, Robust, Throughout, WorstCase, outer_text, shown, shown_text};
+use crate::questions::answer::{Optimised, Robust, Throughout, WorstCase, outer_text, shown_in, shown_text};
 
 /// `minimised the worst case of static(x): at most 0.12 m`
 pub fn first_line(found: &Optimised, robust: &Robust) -> Line {
@@ -16,7 +16,7 @@ fn size(found: &Optimised, worst: &WorstCase) -> Line {
     let most = if found.highest { "at least " } else { "at most " };
     match &worst.bound {
         Some((bound, _)) => {
-            let shown = shown(&Number::Ball(*bound), &found.unit, false);
+            let shown = shown_in(&Number::Ball(*bound), &found.unit, false);
             line![most, format!("{} {}", outer_text(shown.number, !found.highest), shown.unit).trim_end().to_string()]
         }
         None => line![few_digits_of(found, worst.reached), " reached; worse values are not excluded"],
@@ -26,7 +26,7 @@ fn size(found: &Optimised, worst: &WorstCase) -> Line {
 pub fn lines(found: &Optimised, robust: &Robust) -> Vec<Line> {
     let reached = few_digits_of(found, robust.worst.reached);
     let nominal: Vec<String> = (found.parameters.iter().zip(&robust.nominal))
-        .map(|(own, si)| format!("{}\u{a0}=\u{a0}{}", own.parameter, shown_text(&shown(si, &own.unit, false))))
+        .map(|(own, si)| format!("{}\u{a0}=\u{a0}{}", own.parameter, shown_text(&shown_in(si, &own.unit, false))))
         .collect();
     let best = if found.highest { "largest" } else { "least" };
     let there = match &robust.nominal_worst {
@@ -60,5 +60,5 @@ pub fn lines(found: &Optimised, robust: &Robust) -> Vec<Line> {
 }
 
 fn few_digits_of(found: &Optimised, ball: Ball) -> String {
-    shown_text(&shown(&Number::Ball(ball), &found.unit, false))
+    shown_text(&shown_in(&Number::Ball(ball), &found.unit, false))
 }

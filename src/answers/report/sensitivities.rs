@@ -37,7 +37,7 @@ pub fn section(answer: &ModalAnswer) -> Section {
 }
 
 fn cells(sensitivity: &Sensitivity) -> Vec<Cell> {
-    let shown = sensitivity.shown();
+    let shown = sensitivity.in_unit();
     let value = Figure::number(shown.exact.clone().unwrap_or(Number::Ball(shown.number)), VALUE);
     let slopes = sensitivity.frequencies.iter().take(MOST_COLUMNS).chain(sensitivity.ratios.iter().take(MOST_COLUMNS));
     let cells = vec![sensitivity.parameter.clone().into(), value.into(), shown.unit.to_string().into()];

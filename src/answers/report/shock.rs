@@ -57,7 +57,7 @@ fn section(of: &ShockOf) -> Section {
         vec![Block::Line(line!["primary: until the last event of the signal, ", end, "; residual: from then on"])];
     if let Some(largest) = largest(rows) {
         let at = Figure::number(largest.frequency.clone(), DIGITS).unit("Hz");
-        let value = shown(largest.maximax()).unit(of.unit);
+        let value = figure(largest.maximax()).unit(of.unit);
         blocks.push(Block::Line(line!["largest of these frequencies: ", value, " at ", at]));
     }
     blocks.push(table.into());
@@ -75,16 +75,16 @@ fn largest(rows: &[ShockRow]) -> Option<&ShockRow> {
 
 fn cells(row: &ShockRow) -> Vec<Cell> {
     let maximax = row.maximax();
-    let mut cells = vec![Figure::number(row.frequency.clone(), DIGITS).into(), shown(maximax).into()];
+    let mut cells = vec![Figure::number(row.frequency.clone(), DIGITS).into(), figure(maximax).into()];
     for Sides { positive, negative } in [row.primary, row.residual] {
         // Magnitudes: a negative side is shown with its sign.
         let negative = if negative.is_zero() { negative } else { -negative };
-        cells.extend([Cell::from(shown(positive)), shown(negative).into()]);
+        cells.extend([Cell::from(figure(positive)), figure(negative).into()]);
     }
     cells.push(Figure::bound(Bound::of_midpoint(maximax)).into());
     cells
 }
 
-fn shown(value: Ball) -> Figure {
+fn figure(value: Ball) -> Figure {
     Figure::ball(value, DIGITS)
 }

@@ -28,7 +28,7 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
         }
     }
     if spectral.added.across {
-        blocks.push(across(answer, options));
+        blocks.push(all_directions(answer, options));
     }
     Section::new("Response spectra", blocks)
 }
@@ -108,7 +108,7 @@ fn of_direction(answer: &ModalAnswer, direction: &Direction, options: &Options, 
 }
 
 /// Over all directions.
-fn across(answer: &ModalAnswer, options: &Options) -> Block {
+fn all_directions(answer: &ModalAnswer, options: &Options) -> Block {
     let list = &answer.spectral.across;
     if list.is_empty() {
         return Block::Line("across directions: no output has a maximum in each of them".into());

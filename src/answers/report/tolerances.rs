@@ -6,7 +6,7 @@ use super::{Block, Figure, Line, Section, line};
 use crate::answers::ModalAnswer;
 use crate::base::{Ball, Bound, Number};
 use crate::questions::answer::{
-    Range, RangeProof, Throughout, Tolerated, ToleratedParameter, few_digits, shown, shown_text,
+    Range, RangeProof, Throughout, Tolerated, ToleratedParameter, few_digits, shown_in, shown_text,
 };
 
 /// Number of modes and of parameters that are shown.
@@ -104,7 +104,8 @@ fn requirements(answer: &ModalAnswer, found: &Tolerated) -> Table {
                 line!["not decided; it does not fail at the ", found.places, " places that were looked at"]
             }
         };
-        let in_unit = |ball: Ball| shown_text(&shown(&Number::Ball(ball), &requirement.unit, requirement.in_radians));
+        let in_unit =
+            |ball: Ball| shown_text(&shown_in(&Number::Ball(ball), &requirement.unit, requirement.in_radians));
         let ends = range.as_ref().and_then(|range| range.ends).map(|ends| ends.map(in_unit));
         let [least, largest] = ends.map_or(["?".to_string(), "?".to_string()], |ends| ends);
         let remark = match (range, requirement.limit.is_some()) {
@@ -151,5 +152,5 @@ pub fn place_text(parameters: &[ToleratedParameter], place: &[Number]) -> String
 
 /// In the parameter's unit.
 fn value(parameter: &ToleratedParameter, si: &Number) -> String {
-    few_digits(shown(si, &parameter.unit, false).number.to_f64())
+    few_digits(shown_in(si, &parameter.unit, false).number.to_f64())
 }

@@ -2,7 +2,7 @@
 //! requested grid.
 
 use super::table::{Align, Cell, Table};
-use super::{Block, Figure, Line, Report, Section, Value, line, listed};
+use super::{Block, Figure, Line, Report, Section, Value, enumeration, line};
 use crate::analysis::{self, Extrema, Gain};
 use crate::base::{Ball, Number};
 use crate::system::LinearSystem;
@@ -92,7 +92,7 @@ fn not_proved(extrema: &Extrema) -> Option<Line> {
     let interval = |(from, to): &(f64, f64)| line![end(*from), " to ", end(*to)];
     let more = extrema.open.len().saturating_sub(MOST_INTERVALS);
     let more = (more > 0).then(|| line![more, " more intervals"]);
-    let intervals = listed(extrema.open.iter().take(MOST_INTERVALS).map(interval).chain(more));
+    let intervals = enumeration(extrema.open.iter().take(MOST_INTERVALS).map(interval).chain(more));
     let places = if intervals.is_empty() { intervals } else { line![" from ", intervals] };
     Some(line!["not proved: that there is no other peak or antiresonance", places])
 }

@@ -12,14 +12,14 @@ pub fn csv(bench: &Bench) -> String {
         let Entry { question, method, ordinary, seconds, error, bound, pareto, chosen, note } = entry;
         let fields = [
             question.name().to_string(),
-            quoted(method),
+            quote(method),
             ordinary.to_string(),
             field(Some(*seconds)),
             field(*error),
             field(*bound),
             pareto.to_string(),
             chosen.to_string(),
-            quoted(note),
+            quote(note),
         ];
         text += &fields.join(",");
         text.push('\n');
@@ -27,6 +27,6 @@ pub fn csv(bench: &Bench) -> String {
     text
 }
 
-fn quoted(text: &str) -> String {
+fn quote(text: &str) -> String {
     if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
 }

@@ -28,7 +28,7 @@ pub fn human(sources: &Sources, diagnostics: &[Diagnostic], style: HumanStyle) -
     let places = Places::new(sources);
     let handler = handler(style);
     let mut text = String::new();
-    for diagnostic in shown(diagnostics) {
+    for diagnostic in select_shown(diagnostics) {
         let drawing = Drawing::new(&places, diagnostic);
         // Writing to a string fails only if the drawing itself does; the short form then still reports the finding.
         if handler.render_report(&mut text, &drawing).is_err() {
@@ -40,7 +40,7 @@ pub fn human(sources: &Sources, diagnostics: &[Diagnostic], style: HumanStyle) -
 }
 
 /// The findings in their order; if there are too many, errors are kept before warnings.
-fn shown(diagnostics: &[Diagnostic]) -> Vec<&Diagnostic> {
+fn select_shown(diagnostics: &[Diagnostic]) -> Vec<&Diagnostic> {
     let errors = diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).count();
     let others = MAX_SHOWN.saturating_sub(errors);
     let (mut errors_left, mut others_left) = (MAX_SHOWN, others);
@@ -168,7 +168,7 @@ mod tests {
         Span::new(FileId(0), start, start + what.len())
     }
 
-    fn drawn(text: &str, diagnostic: Diagnostic) -> String {
+    fn draw_one(text: &str, diagnostic: Diagnostic) -> String {
         human(&sources(text), &[diagnostic], HumanStyle::default())
     }
 
@@ -177,9 +177,9 @@ mod tests {
         let text = "model cart\nparam m1 = 1 kg\nbody b { moves x }\n\n\nspring s: ground -- b { k = m1 }\n";
         let diagnostic = Diagnostic::error(CODE, at(text, "m1 }"), "a stiffness is expected here, this is a mass")
             .label("kg")
-            .related(at(text, "m1"), "declared here")
+            .with_related(at(text, "m1"), "declared here")
             .help("write a stiffness, such as `k = 10 N/m`");
-        insta::assert_snapshot!(drawn(text, diagnostic));
+        insta::assert_snapshot!(draw_one(text, diagnostic));
     }
 
     #[test]
@@ -187,7 +187,7 @@ mod tests {
         let text = "param a\u{1b}[2J = 1 kg // \u{202e}gnirps\n\tbody\tω { }\r\n";
         let diagnostic =
             Diagnostic::warning(CODE, at(text, "ω"), "the name \u{1b}]0;x\u{7} is odd").label("here\u{9b}");
-        insta::assert_snapshot!(drawn(text, diagnostic));
+        insta::assert_snapshot!(draw_one(text, diagnostic));
     }
 
     #[test]
@@ -195,8 +195,8 @@ mod tests {
         let text =
             format!("// {}\nparam x = {}", "é".repeat(300), "1 + ".repeat(100_000)) + "oops" + &" + 2".repeat(1000);
         let diagnostic =
-            Diagnostic::error(CODE, at(&text, "oops"), "unknown name").related(at(&text, "x"), "needed here");
-        insta::assert_snapshot!(drawn(&text, diagnostic));
+            Diagnostic::error(CODE, at(&text, "oops"), "unknown name").with_related(at(&text, "x"), "needed here");
+        insta::assert_snapshot!(draw_one(&text, diagnostic));
     }
 
     #[test]
@@ -204,13 +204,13 @@ mod tests {
         let text = "body b {\n";
         let end = Span::new(FileId(0), text.len(), text.len());
         let diagnostic =
-            Diagnostic::error(CODE, end, "the file ends inside a brace").related(at(text, "{"), "opened here");
-        insta::assert_snapshot!(drawn(text, diagnostic));
+            Diagnostic::error(CODE, end, "the file ends inside a brace").with_related(at(text, "{"), "opened here");
+        insta::assert_snapshot!(draw_one(text, diagnostic));
     }
 
     #[test]
     fn an_empty_file_has_a_place() {
-        insta::assert_snapshot!(drawn("", Diagnostic::error(CODE, Span::new(FileId(0), 0, 0), "the file is empty")));
+        insta::assert_snapshot!(draw_one("", Diagnostic::error(CODE, Span::new(FileId(0), 0, 0), "the file is empty")));
     }
 
     #[test]
@@ -227,7 +227,7 @@ mod tests {
         let arguments = SourceFile { kind: SourceKind::Arguments, ..SourceFile::model("--set", "j=1\nk=3kg\n") };
         let file = sources.add(arguments);
         let diagnostic = Diagnostic::error(CODE, Span::new(file, 6, 9), "a stiffness is expected here, this is a mass")
-            .related(Span::new(FileId(0), 14, 15), "declared here as a stiffness");
+            .with_related(Span::new(FileId(0), 14, 15), "declared here as a stiffness");
         insta::assert_snapshot!(human(&sources, &[diagnostic], HumanStyle { ascii: true, colour: false }));
     }
 
@@ -253,7 +253,7 @@ mod tests {
         let coloured =
             human(&sources("x"), std::slice::from_ref(&diagnostic), HumanStyle { colour: true, ascii: false });
         assert!(coloured.contains('\u{1b}'));
-        assert!(!drawn("x", diagnostic).contains('\u{1b}'));
+        assert!(!draw_one("x", diagnostic).contains('\u{1b}'));
     }
 
     /// Characters that have broken drawings: line ends of every kind, tabs, wide, combining and control characters.
@@ -275,9 +275,9 @@ mod tests {
             };
             let mut diagnostic = Diagnostic::error(CODE, span(&places[0]), "wrong").label("here");
             for place in &places[1..] {
-                diagnostic = diagnostic.related(span(place), "and here");
+                diagnostic = diagnostic.with_related(span(place), "and here");
             }
-            let drawn = drawn(&text, diagnostic.clone());
+            let drawn = draw_one(&text, diagnostic.clone());
             prop_assert!(drawn.contains("wrong") && drawn.ends_with("1 error\n"));
             prop_assert!(drawn.chars().all(|c| c == '\n' || crate::base::readable::visible(c) == c), "{drawn:?}");
             let sources = sources(&text);

@@ -78,11 +78,11 @@ fn line<'a>(places: &Places<'a>, diagnostic: &'a Diagnostic) -> Line<'a> {
         end_column: end.column,
         label: &diagnostic.primary.text,
         help: diagnostic.help.as_deref(),
-        related: diagnostic.related.iter().map(|label| related(places, label)).collect(),
+        related: diagnostic.related.iter().map(|label| related_place(places, label)).collect(),
     }
 }
 
-fn related<'a>(places: &Places<'a>, label: &'a Label) -> Related<'a> {
+fn related_place<'a>(places: &Places<'a>, label: &'a Label) -> Related<'a> {
     let (start, end) = places.positions(label.span);
     Related {
         message: &label.text,

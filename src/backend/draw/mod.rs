@@ -41,7 +41,7 @@ pub fn svg(figure: &Figure, sources: &Sources, model: FileId) -> String {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"vibc-figure\" role=\"img\" width=\"{width}\" \
              height=\"{height}\" viewBox=\"0 0 {width} {height}\" style=\"max-width:100%;height:auto\">\n\
              <title>{}</title>\n<style>\n{STYLE}</style>\n",
-            escaped(&figure.name),
+            escape(&figure.name),
         ),
     );
     let mut glyphs = figure.glyphs.iter().peekable();
@@ -61,7 +61,7 @@ pub fn svg(figure: &Figure, sources: &Sources, model: FileId) -> String {
     }
     for note in &figure.notes {
         let (x, y) = (Tenths::of(note.at.x), Tenths::of(note.at.y + BASELINE));
-        put(&mut text, format_args!("<text class=\"note\" x=\"{x}\" y=\"{y}\">{}</text>\n", escaped(&note.text)));
+        put(&mut text, format_args!("<text class=\"note\" x=\"{x}\" y=\"{y}\">{}</text>\n", escape(&note.text)));
     }
     text.push_str("</svg>\n");
     text
@@ -77,11 +77,11 @@ pub fn element(figure: &Figure, line: impl Fn(Option<Span>) -> Option<usize>) ->
         format_args!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"vibc-figure\" role=\"img\" aria-label=\"figure of {}\" \
              width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n",
-            escaped(&figure.name)
+            escape(&figure.name)
         ),
     );
     for shown in &figure.glyphs {
-        let (class, line, title) = (shown.kind.class(), DataLine(line(shown.span)), escaped(&shown.title));
+        let (class, line, title) = (shown.kind.class(), DataLine(line(shown.span)), escape(&shown.title));
         let item = match shown.item {
             Some(Item::Body(body)) => format!(" data-item=\"b{body}\""),
             Some(Item::Element(element)) => format!(" data-item=\"e{element}\""),
@@ -187,7 +187,7 @@ impl fmt::Display for DataLine {
 }
 
 fn glyph(text: &mut String, glyph: &Glyph, lines: &Lines) {
-    let (class, line, title) = (glyph.kind.class(), lines.attribute(glyph.span), escaped(&glyph.title));
+    let (class, line, title) = (glyph.kind.class(), lines.attribute(glyph.span), escape(&glyph.title));
     put(text, format_args!("<g class=\"glyph {class}\"{line}><title>{title}</title>"));
     strokes(text, &glyph.strokes);
     text.push_str("</g>\n");
@@ -233,13 +233,13 @@ fn label(text: &mut String, label: &Label, line: DataLine, ride: &Ride) {
         format_args!(
             " x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" textLength=\"{width}\" \
              lengthAdjust=\"spacingAndGlyphs\">{}</text>\n",
-            escaped(&label.text)
+            escape(&label.text)
         ),
     );
 }
 
 /// Escapes text of a user's file for XML: it cannot act as markup or change the direction of text.
-pub fn escaped(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let is_plain = |byte: u8| (b' '..0x7f).contains(&byte) && !matches!(byte, b'&' | b'<' | b'>' | b'"' | b'\'');
     if text.bytes().all(is_plain) {
         return text.to_string();
@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn nothing_of_a_name_is_markup() {
         assert_eq!(
-            escaped("</title><script>alert('1')</script>\u{1b}\u{202e}\"&"),
+            escape("</title><script>alert('1')</script>\u{1b}\u{202e}\"&"),
             "&lt;/title&gt;&lt;script&gt;alert(&#39;1&#39;)&lt;/script&gt;␛\u{fffd}&quot;&amp;"
         );
     }

@@ -19,7 +19,7 @@ impl Tenths {
 
 impl Tenths {
     /// Its digits. They are made by hand, from the last to the first, since a figure has thousands of numbers.
-    fn written(self, digits: &mut [u8; 24]) -> &str {
+    fn write_digits(self, digits: &mut [u8; 24]) -> &str {
         let mut at = digits.len();
         let mut put = |byte: u8| {
             at -= 1;
@@ -46,13 +46,13 @@ impl Tenths {
 
     /// Writes the number without the formatter's machinery.
     fn put(self, text: &mut String) {
-        text.push_str(self.written(&mut [0; 24]));
+        text.push_str(self.write_digits(&mut [0; 24]));
     }
 }
 
 impl fmt::Display for Tenths {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(self.written(&mut [0; 24]))
+        f.write_str(self.write_digits(&mut [0; 24]))
     }
 }
 

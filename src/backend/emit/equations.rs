@@ -15,7 +15,7 @@ pub fn plan(model: &str, equations: &Equations) -> Plan {
     let mut inputs = Vec::new();
     for (port, most) in equations.inputs.iter().zip(&rates) {
         for power in 0..=*most {
-            inputs.push(Port { name: powered(&port.name, power), unit: per_second(&port.unit, power) });
+            inputs.push(Port { name: to_power(&port.name, power), unit: per_second(&port.unit, power) });
         }
     }
     let first: Vec<usize> = rates.iter().scan(0, |at, most| Some(std::mem::replace(at, *at + most + 1))).collect();
@@ -68,7 +68,7 @@ fn used_powers(equations: &Equations) -> Vec<usize> {
     most
 }
 
-fn powered(name: &str, power: usize) -> String {
+fn to_power(name: &str, power: usize) -> String {
     match power {
         0 => name.to_string(),
         1 => format!("{name}.rate"),

@@ -5,7 +5,7 @@ use super::plan::Operations;
 use crate::analysis::discrete::equations::Equations;
 use crate::analysis::discrete::parameter::Parameterised;
 use crate::analysis::discrete::{DiscreteSystem, DroppedBlock, Hold, Port, Precision, Rounding, Why};
-use crate::backend::decimal::{rounded, upper};
+use crate::backend::decimal::{round_unproven, upper};
 use crate::backend::diagnostics::readable;
 use crate::base::Unproven;
 
@@ -35,7 +35,7 @@ pub fn header(model: &str, system: &DiscreteSystem, operations: Operations) -> V
     if let Some(tolerance) = system.tolerance {
         lines.push(format!(
             "tolerance  {tolerance:?}: omitted parts change an output by about {} of its largest gain, for",
-            rounded(Unproven(system.left.iter().map(share).sum()), 1)
+            round_unproven(Unproven(system.left.iter().map(share).sum()), 1)
         ));
         lines.push(format!(
             "           harmonic inputs up to {:?} Hz; just after a step or an impulse the change may be larger",
@@ -185,7 +185,7 @@ fn dropped_lines(left: &[DroppedBlock]) -> Vec<String> {
         let why = match left.why {
             Why::Unreached => "no input reaches it, and it starts at rest".to_string(),
             Why::Unseen => "no output depends on it".to_string(),
-            Why::Small(share) => format!("it contributes about {}, its static part is kept", rounded(share, 1)),
+            Why::Small(share) => format!("it contributes about {}, its static part is kept", round_unproven(share, 1)),
         };
         format!("left out   {}: {why}", left.name)
     };

@@ -56,7 +56,7 @@ pub fn files(model: &str, system: &DiscreteSystem, language: Language, program: 
         // The program's own file has this name.
         plan.name = "main_".into();
     }
-    let mut files = printed(&plan, language);
+    let mut files = print(&plan, language);
     let columns: Vec<String> = system.outputs.iter().map(|output| column(&output.name, &output.unit)).collect();
     files.extend(program.map(|program| program::file(&plan, &columns, program, language)));
     files
@@ -69,7 +69,7 @@ pub fn whole(model: &str, system: &DiscreteSystem, language: Language) -> String
 
 /// The files of a model's equations.
 pub fn equation_files(model: &str, system: &Equations, language: Language) -> Vec<File> {
-    printed(&equations::plan(model, system), language)
+    print(&equations::plan(model, system), language)
 }
 
 /// All of [`equation_files`] as one text.
@@ -85,7 +85,7 @@ pub fn parameter_files(
     precision: Precision,
     language: Language,
 ) -> Option<Vec<File>> {
-    Some(printed(&parameter::plan(model, system, step, precision)?, language))
+    Some(print(&parameter::plan(model, system, step, precision)?, language))
 }
 
 /// All of [`parameter_files`] as one text.
@@ -99,7 +99,7 @@ pub fn parameter_text(
     Some(text(&parameter::plan(model, system, step, precision)?, language))
 }
 
-fn printed(plan: &plan::Plan, language: Language) -> Vec<File> {
+fn print(plan: &plan::Plan, language: Language) -> Vec<File> {
     match language {
         Language::C => c::files(plan),
         Language::Rust => rust::files(plan),

@@ -40,7 +40,7 @@ impl State<'_> {
         &self.system.cells[self.cell].to[self.row]
     }
 
-    fn back(&self) -> &[f64] {
+    fn carried_back(&self) -> &[f64] {
         &self.system.cells[self.cell].back[self.row]
     }
 }
@@ -52,26 +52,26 @@ struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    fn given(&self, j: usize) -> Expression {
+    fn given_state(&self, j: usize) -> Expression {
         if j < self.n { Expression::Displacement(Index::At(j)) } else { Expression::Velocity(Index::At(j - self.n)) }
     }
 
-    fn returned(&self, j: usize) -> Target {
+    fn returned_state(&self, j: usize) -> Target {
         if j < self.n { Target::Displacement(Index::At(j)) } else { Target::Velocity(Index::At(j - self.n)) }
     }
 
     fn written_out(&self) -> (Vec<Statement>, Vec<Statement>) {
         let set = self.states.iter().enumerate().map(|(i, state)| {
             let row = state.to().iter().enumerate().filter(|(_, value)| **value != 0.0);
-            let value = self.without_inputs(i, total(row.map(|(j, value)| (*value, self.given(j)))));
+            let value = self.without_inputs(i, total(row.map(|(j, value)| (*value, self.given_state(j)))));
             let place = Target::state(&state.slot.array, Index::At(state.slot.at));
             Statement::Assign(place, value.unwrap_or(Expression::Number(0.0)))
         });
         let get = (0..2 * self.n).map(|j| {
-            let terms = self.states.iter().filter(|state| state.back()[j] != 0.0);
+            let terms = self.states.iter().filter(|state| state.carried_back()[j] != 0.0);
             let read = |state: &State| Expression::state(&state.slot.array, Index::At(state.slot.at));
-            let value = self.with_inputs(j, total(terms.map(|state| (state.back()[j], read(state)))));
-            Statement::Assign(self.returned(j), value.unwrap_or(Expression::Number(0.0)))
+            let value = self.with_inputs(j, total(terms.map(|state| (state.carried_back()[j], read(state)))));
+            Statement::Assign(self.returned_state(j), value.unwrap_or(Expression::Number(0.0)))
         });
         (set.collect(), get.collect())
     }
@@ -134,7 +134,7 @@ impl Motion<'_> {
                 }
                 let name = format!("{letter}_{upper}");
                 let values: Vec<f64> = (0..self.n)
-                    .flat_map(|row| states.iter().map(move |state| state.back()[part * self.n + row]))
+                    .flat_map(|row| states.iter().map(move |state| state.carried_back()[part * self.n + row]))
                     .collect();
                 if values.iter().any(|value| *value != 0.0) {
                     tables.push(Table { name: name.clone(), columns: count, values, note: "for get_state".into() });
@@ -164,7 +164,7 @@ impl Motion<'_> {
         get.push(Statement::Loop("i", self.n, body));
         for j in 0..2 * self.n {
             if let Some(more) = self.with_inputs(j, None) {
-                get.push(Statement::Assign(self.returned(j), sum(self.given(j), more)));
+                get.push(Statement::Assign(self.returned_state(j), sum(self.given_state(j), more)));
             }
         }
         (set, get)

@@ -273,7 +273,7 @@ impl fmt::Display for Operations {
 /// Removes constants that are never read, and turns locals that never change into constants.
 pub fn remove_unused(list: Vec<Statement>) -> Vec<Statement> {
     let mut changed: BTreeSet<String> = BTreeSet::new();
-    list.iter().for_each(|statement| statement.changed(&mut changed));
+    list.iter().for_each(|statement| statement.collect_reassigned(&mut changed));
     let constant = |statement| match statement {
         Statement::Variable(name, value) if !changed.contains(&name) => Statement::Let(name, value),
         other => other,
@@ -333,7 +333,7 @@ impl Statement {
     }
 
     /// Collects the locals that are assigned again.
-    fn changed(&self, names: &mut BTreeSet<String>) {
+    fn collect_reassigned(&self, names: &mut BTreeSet<String>) {
         match self {
             Statement::Assign(Target::Local(name), _) => {
                 names.insert(name.clone());
@@ -342,7 +342,7 @@ impl Statement {
             | Statement::Loop(_, _, body)
             | Statement::Repeat(_, body)
             | Statement::WhenDue(_, _, body) => {
-                body.iter().for_each(|statement| statement.changed(names));
+                body.iter().for_each(|statement| statement.collect_reassigned(names));
             }
             _ => {}
         }

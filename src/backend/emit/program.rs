@@ -17,7 +17,7 @@ pub struct Program {
 
 /// The file with `main`.
 pub fn file(plan: &Plan, columns: &[String], program: &Program, language: Language) -> File {
-    let header = format!("time_s{}", columns.iter().map(|name| format!(",{}", escaped(name))).collect::<String>());
+    let header = format!("time_s{}", columns.iter().map(|name| format!(",{}", escape(name))).collect::<String>());
     let time = time(&program.step);
     let text = match language {
         Language::C => c(plan, &header, &time, program.samples),
@@ -31,7 +31,7 @@ pub fn file(plan: &Plan, columns: &[String], program: &Program, language: Langua
 }
 
 /// Names contain letters, digits, dots and brackets; any other character must not break the string.
-fn escaped(name: &str) -> String {
+fn escape(name: &str) -> String {
     name.replace('\\', "\\\\").replace('"', "\\\"")
 }
 

@@ -36,15 +36,15 @@ pub trait Words {
 
 /// Statements, one per line, indented.
 pub fn statements(words: &impl Words, list: &[Statement], depth: usize) -> String {
-    list.iter().map(|statement| written(words, statement, depth)).collect()
+    list.iter().map(|statement| write_statement(words, statement, depth)).collect()
 }
 
-fn written(words: &impl Words, statement: &Statement, depth: usize) -> String {
+fn write_statement(words: &impl Words, statement: &Statement, depth: usize) -> String {
     match statement {
         Statement::Note(note) => line(depth, &words.note(note)),
-        Statement::Let(name, e) => folded(depth, &words.constant(name, &value(words, e))),
-        Statement::Variable(name, e) => folded(depth, &words.variable(name, &value(words, e))),
-        Statement::Assign(target, e) => folded(depth, &assignment(words, target, e)),
+        Statement::Let(name, e) => fold(depth, &words.constant(name, &value(words, e))),
+        Statement::Variable(name, e) => fold(depth, &words.variable(name, &value(words, e))),
+        Statement::Assign(target, e) => fold(depth, &assignment(words, target, e)),
         Statement::Lanes(name, width) => line(depth, &words.lanes(name, *width)),
         Statement::Matrix(name, rows, columns) => line(depth, &words.matrix(name, *rows, *columns)),
         Statement::Loop(index, count, body) => {
@@ -90,7 +90,7 @@ fn assignment(words: &impl Words, target: &Target, e: &Expression) -> String {
 const WIDTH: usize = 120;
 
 /// Breaks a statement into readable lines: long sums continue in the next line, further indented.
-fn folded(depth: usize, statement: &str) -> String {
+fn fold(depth: usize, statement: &str) -> String {
     let mut lines = String::new();
     let mut rest = statement;
     let mut indent = depth;

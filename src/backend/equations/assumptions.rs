@@ -2,7 +2,7 @@
 
 use super::document::{DIGITS, Inline, Item, Section, Writer, paragraph, words};
 use super::fold;
-use super::formula::{Formula, Running, Shown, shown};
+use super::formula::{Formula, Running, Shown, as_shown};
 use crate::backend::decimal::certain_number;
 use crate::base::Dimension;
 use crate::equations::coordinate::Coordinate;
@@ -34,7 +34,7 @@ impl Writer<'_> {
     /// A sentence for each coordinate; coordinates of a `repeat` share one.
     fn sentences(&self) -> Vec<Item> {
         let both = |(index, coordinate): (usize, &Coordinate)| {
-            let what = Formula::Name(Label::new(self.described(index, coordinate), ""));
+            let what = Formula::Name(Label::new(self.describe(index, coordinate), ""));
             Formula::Product(vec![self.name(coordinate.symbols[0]), what])
         };
         let rows = self.equations.motion.coordinates.iter().enumerate().map(both).collect();
@@ -81,7 +81,7 @@ impl Writer<'_> {
         along_x.map(sentence).collect()
     }
 
-    fn described(&self, index: usize, coordinate: &Coordinate) -> String {
+    fn describe(&self, index: usize, coordinate: &Coordinate) -> String {
         let body = &self.equations.bodies[index];
         let prescribed = if coordinate.input.is_some() { ", prescribed" } else { "" };
         match coordinate.motion {
@@ -95,7 +95,7 @@ impl Writer<'_> {
 
     /// The meaning of names: the `let`s, and the names that are introduced here.
     fn names(&self) -> Vec<Item> {
-        let used = self.used();
+        let used = self.used_names();
         let mut items = Vec::new();
         for named in &self.equations.names.given {
             if !used.contains(&named.symbol) {
@@ -108,7 +108,7 @@ impl Writer<'_> {
                     Dimension::FREQUENCY => "1/s".to_string(),
                     dimension => dimension.usual_unit(),
                 };
-                let is_read = definition.as_number().is_some_and(|number| matches!(shown(&number), Shown::Whole(_)));
+                let is_read = definition.as_number().is_some_and(|number| matches!(as_shown(&number), Shown::Whole(_)));
                 let note = if is_read { unit } else { format!("{value} {unit}") };
                 items.push(Item::Formula {
                     formula: name.equal(self.build.sum(definition)),
@@ -134,7 +134,7 @@ impl Writer<'_> {
     }
 
     /// Names that occur in the energies or equations, including those in definitions.
-    fn used(&self) -> std::collections::BTreeSet<Symbol> {
+    fn used_names(&self) -> std::collections::BTreeSet<Symbol> {
         let energies = &self.equations.energies;
         let mut used = std::collections::BTreeSet::new();
         let mut look = |sum: &Sum| {

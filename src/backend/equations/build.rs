@@ -1,7 +1,7 @@
 //! Turns sums into formulas in the order and form of a textbook: common factors in front of brackets, squares as
 //! squares, coefficients before sines and cosines, coordinates last, positive terms first.
 
-use super::formula::{Formula, Shown, shown};
+use super::formula::{Formula, Shown, as_shown};
 use crate::base::Rational;
 use crate::equations::energy::is_motion;
 use crate::equations::names::{Names, class};
@@ -32,13 +32,13 @@ impl<'a> Builder<'a> {
 
     /// A sum, including its sign if it is a single negative term.
     pub fn sum(&self, sum: &Sum) -> Formula {
-        let (negative, formula) = self.signed(sum);
-        if negative { formula.negated() } else { formula }
+        let (negative, formula) = self.sign_and_factor(sum);
+        if negative { formula.negate() } else { formula }
     }
 
     /// A sum as a factor: its sign and the rest.
-    pub fn signed(&self, sum: &Sum) -> (bool, Formula) {
-        let sum = &sum.evaluated();
+    pub fn sign_and_factor(&self, sum: &Sum) -> (bool, Formula) {
+        let sum = &sum.evaluate();
         match sum.terms() {
             [] => (false, Formula::zero()),
             [(product, coefficient)] => (coefficient.signum() < 0, self.term(product, &absolute(coefficient), &[])),
@@ -52,10 +52,10 @@ impl<'a> Builder<'a> {
                     let term = self.term(&factored.product, &absolute(&factored.number), &[square]);
                     return (factored.number.signum() < 0, term);
                 }
-                let whole = factored.rest.scaled(&factored.number);
+                let whole = factored.rest.scale(&factored.number);
                 let is_divided = factored.product.factors().iter().any(|(_, exponent)| *exponent < 0);
                 let number = if is_divided { over_one_bar(&whole) } else { common_numeric_factor(&whole) };
-                let mut inner = whole.scaled(&number.recip().unwrap_or(Rational::ONE));
+                let mut inner = whole.scale(&number.recip().unwrap_or(Rational::ONE));
                 let all_negative = inner.terms().iter().all(|(_, c)| c.signum() < 0);
                 if all_negative {
                     inner = -&inner;
@@ -87,12 +87,12 @@ impl<'a> Builder<'a> {
         let sum = &sum;
         // Terms with the same product of motions are bracketed together.
         let is_moving = |factor: &Factor| factor.mentions(&is_motion) || matches!(factor, Factor::Call(..));
-        for (moving, rest) in sum.collected(is_moving) {
+        for (moving, rest) in sum.collect_by(is_moving) {
             if moving.is_one() {
                 let parts = rest.terms().iter();
                 terms.extend(parts.map(|(product, c)| (c.signum() < 0, self.term(product, &absolute(c), &[]))));
             } else {
-                let (negative, coefficient) = self.signed(&rest);
+                let (negative, coefficient) = self.sign_and_factor(&rest);
                 terms.push((negative, self.with_coefficient(coefficient, &moving)));
             }
         }
@@ -137,14 +137,14 @@ impl<'a> Builder<'a> {
     /// c x^n or c |x| x^(n-1), a sum x in brackets.
     pub fn with_power(&self, coefficient: &Sum, power: Power, of: &Sum) -> (bool, Formula) {
         if of.terms().len() == 1 && !power.has_magnitude {
-            return self.signed(&(coefficient * &power.of(of)));
+            return self.sign_and_factor(&(coefficient * &power.of(of)));
         }
-        let (mut negative, front) = self.signed(coefficient);
+        let (mut negative, front) = self.sign_and_factor(coefficient);
         let is_opposite = !of.is_zero() && of.terms().iter().all(|(_, c)| c.signum() < 0);
         let is_odd = (power.exponent % 2 == 1) != power.has_magnitude;
         negative ^= is_opposite && is_odd;
         let of = if is_opposite { &-of } else { of };
-        (negative, Formula::product(vec![front, powered(power, self.plain_sum(of))]))
+        (negative, Formula::product(vec![front, raise(power, self.plain_sum(of))]))
     }
 
     fn with_coefficient(&self, coefficient: Formula, moving: &Product) -> Formula {
@@ -162,37 +162,37 @@ impl<'a> Builder<'a> {
         }
         let is_sine = first.signum() != second.signum();
         let function = if is_sine { "sin" } else { "cos" };
-        let wave = Formula::Call(function, vec![self.inner().sum(&angle.halved())]);
+        let wave = Formula::Call(function, vec![self.inner().sum(&angle.halve())]);
         let square = Formula::Power(Box::new(wave), 2);
         let coefficient = &absolute(first) + &absolute(first);
         Some((first.signum() < 0, Formula::product(vec![self.term(plain, &coefficient, &[]), square])))
     }
 
     /// Terms collected by the moving factors in them, each with its sign.
-    pub fn collected(&self, sum: &Sum) -> Vec<(bool, Formula)> {
+    pub fn collect_terms(&self, sum: &Sum) -> Vec<(bool, Formula)> {
         let is_wave =
             |factor: &Factor| matches!(factor, Factor::Cosine(_) | Factor::Sine(_)) && factor.mentions(&is_dynamic);
         let mut terms = Vec::new();
         if let Some((of_lines, rest)) = self.of_lines(sum) {
-            terms.extend(self.collected(&rest));
+            terms.extend(self.collect_terms(&rest));
             terms.extend(of_lines);
             terms.sort_by_key(|(negative, _)| *negative);
             return terms;
         }
-        for (wave, rest) in sum.collected(is_wave) {
-            let parts = rest.collected(|factor| factor.mentions(&is_dynamic));
+        for (wave, rest) in sum.collect_by(is_wave) {
+            let parts = rest.collect_by(|factor| factor.mentions(&is_dynamic));
             if wave.is_one() {
                 terms.extend(self.displacements_from_rest(parts));
                 continue;
             }
             if parts.len() > 1 {
                 // m g (r + s) cos(theta), not m g r cos(theta) + m g s cos(theta).
-                let (negative, front) = self.signed(&rest);
+                let (negative, front) = self.sign_and_factor(&rest);
                 terms.push((negative, self.with_coefficient(front, &wave)));
                 continue;
             }
             for (moving, rest) in parts {
-                let (negative, coefficient) = self.signed(&rest);
+                let (negative, coefficient) = self.sign_and_factor(&rest);
                 terms.push((negative, self.with_coefficient(coefficient, &moving.times(&wave))));
             }
         }
@@ -206,7 +206,7 @@ impl<'a> Builder<'a> {
         let mut constant = constant.into_iter().map(|(_, rest)| rest).next().unwrap_or_default();
         let mut terms = Vec::new();
         for (moving, rest) in moving {
-            let (negative, coefficient) = self.signed(&rest);
+            let (negative, coefficient) = self.sign_and_factor(&rest);
             if let Some(at_rest) = at_rest(&moving) {
                 let share = &rest * &Sum::name(at_rest);
                 let left = &constant - &share;
@@ -226,7 +226,7 @@ impl<'a> Builder<'a> {
             terms.push((negative, self.with_coefficient(coefficient, &moving)));
         }
         if !constant.is_zero() {
-            let own = match self.signed(&constant) {
+            let own = match self.sign_and_factor(&constant) {
                 (false, Formula::Sum(own)) => own,
                 one => vec![one],
             };
@@ -241,10 +241,10 @@ impl<'a> Builder<'a> {
             let classes = [class::VELOCITY, class::PRESCRIBED_VELOCITY];
             matches!(factor, Factor::Name(symbol) if classes.contains(&symbol.class()))
         };
-        let mut parts = sum.collected(is_rate);
+        let mut parts = sum.collect_by(is_rate);
         parts.sort_by_key(|(moving, _)| rates(moving));
         let term = |(moving, rest): (Product, Sum)| {
-            let (negative, coefficient) = self.signed(&rest);
+            let (negative, coefficient) = self.sign_and_factor(&rest);
             (negative, self.with_coefficient(coefficient, &moving))
         };
         parts.into_iter().map(term).collect()
@@ -254,7 +254,7 @@ impl<'a> Builder<'a> {
     pub fn term(&self, product: &Product, coefficient: &Rational, brackets: &[Formula]) -> Formula {
         let (mut over, mut under): (Vec<(u8, Formula)>, Vec<Formula>) = Default::default();
         let mut front = None;
-        match shown(coefficient) {
+        match as_shown(coefficient) {
             Shown::Whole(text) if text == "1" => {}
             Shown::Whole(text) => over.push((0, number(&text, coefficient))),
             Shown::Fraction(numerator, denominator) => {
@@ -338,7 +338,7 @@ impl<'a> Builder<'a> {
 }
 
 /// x^n; |x| x^(n-1), and |x|^n if that is the same.
-pub fn powered(power: Power, of: Formula) -> Formula {
+pub fn raise(power: Power, of: Formula) -> Formula {
     let raised = |of: Formula, exponent: u32| match exponent {
         1 => of,
         _ => Formula::Power(Box::new(of), exponent),
@@ -410,8 +410,8 @@ fn over_one_bar(sum: &Sum) -> Rational {
     let fractions: Option<Vec<(i64, i64)>> = sum.terms().iter().map(|(_, c)| c.to_fraction()).collect();
     let Some(fractions) = fractions else { return Rational::ONE };
     // Decimals are not treated as fractions, unless there is a fraction beside them.
-    let is_decimal = |c: &Rational| !c.is_integer() && matches!(shown(&absolute(c)), Shown::Whole(_));
-    let is_fraction = |c: &Rational| matches!(shown(&absolute(c)), Shown::Fraction(..));
+    let is_decimal = |c: &Rational| !c.is_integer() && matches!(as_shown(&absolute(c)), Shown::Whole(_));
+    let is_fraction = |c: &Rational| matches!(as_shown(&absolute(c)), Shown::Fraction(..));
     if sum.terms().iter().any(|(_, c)| is_decimal(c)) && !sum.terms().iter().any(|(_, c)| is_fraction(c)) {
         return Rational::ONE;
     }
@@ -430,7 +430,7 @@ fn common_numeric_factor(sum: &Sum) -> Rational {
     let fractions: Option<Vec<(i64, i64)>> = sum.terms().iter().map(|(_, c)| c.to_fraction()).collect();
     let Some(fractions) = fractions else { return Rational::ONE };
     // Decimals are not treated as fractions.
-    if sum.terms().iter().any(|(_, c)| matches!(shown(&absolute(c)), Shown::Whole(_)) && !c.is_integer()) {
+    if sum.terms().iter().any(|(_, c)| matches!(as_shown(&absolute(c)), Shown::Whole(_)) && !c.is_integer()) {
         return Rational::ONE;
     }
     let shared = fractions.iter().fold(0i64, |all, (numerator, _)| num_integer::gcd(all, *numerator)).max(1);

@@ -1,6 +1,6 @@
 //! The term of an element in an equation of motion: its force times its lever.
 
-use super::build::powered;
+use super::build::raise;
 use super::document::Writer;
 use super::energies::{add, is_alike};
 use super::formula::Formula;
@@ -13,11 +13,11 @@ use crate::symbols::{Lengths, Sum};
 impl Writer<'_> {
     /// `k (l - l_0) + T`
     pub(super) fn pull(&self, element: &Element) -> Formula {
-        let (negative, stiffness) = self.build.signed(&element.coefficient);
+        let (negative, stiffness) = self.build.sign_and_factor(&element.coefficient);
         let stretched = self.build.plain_sum(&(&element.stretch.sum() - &element.free));
-        let (opposite, tension) = self.build.signed(&element.tension);
+        let (opposite, tension) = self.build.sign_and_factor(&element.tension);
         if element.coefficient.is_zero() {
-            return if opposite { tension.negated() } else { tension };
+            return if opposite { tension.negate() } else { tension };
         }
         let mut terms = vec![(negative, Formula::product(vec![stiffness, stretched]))];
         match tension {
@@ -69,15 +69,15 @@ impl Writer<'_> {
                 return self.build.with_power(&(coefficient * slope), power, &answered);
             }
             let (negative, pull) = self.build.with_power(coefficient, power, &answered);
-            let (opposite, slope) = self.build.signed(slope);
+            let (opposite, slope) = self.build.sign_and_factor(slope);
             return (negative != opposite, Formula::product(vec![pull, slope]));
         };
-        let (mut negative, slope) = self.build.signed(slope);
+        let (mut negative, slope) = self.build.sign_and_factor(slope);
         let (opposite, pull) = match element.is_spring() {
-            true => self.build.with_power(coefficient, power, &element.stretched()),
+            true => self.build.with_power(coefficient, power, &element.elongation()),
             false => {
-                let (opposite, front) = self.build.signed(coefficient);
-                (opposite, Formula::product(vec![front, powered(power, self.dotted(*length, 1))]))
+                let (opposite, front) = self.build.sign_and_factor(coefficient);
+                (opposite, Formula::product(vec![front, raise(power, self.length_rate(*length, 1))]))
             }
         };
         negative ^= opposite;
@@ -90,22 +90,22 @@ impl Writer<'_> {
             return self.power(element, slope);
         }
         if let Some(single) = self.single_term(element, slope) {
-            return self.build.signed(&single);
+            return self.build.sign_and_factor(&single);
         }
         if let (Stretch::Plain(_), [_], true) = (&element.stretch, slope.terms(), element.tension.is_zero()) {
             // k/2 cos(theta) (y + sin(theta)/2): the lever arm in front of the brackets.
-            let (negative, front) = self.build.signed(&(&element.coefficient * slope));
-            let (opposite, answered) = self.build.signed(&self.force_variable(element));
+            let (negative, front) = self.build.sign_and_factor(&(&element.coefficient * slope));
+            let (opposite, answered) = self.build.sign_and_factor(&self.force_variable(element));
             return (negative != opposite, Formula::product(vec![front, answered]));
         }
         // A lever with a divisor stands in front of brackets, which may hold fractions.
         let is_divided =
             slope.terms().iter().flat_map(|(product, _)| product.factors()).any(|(_, exponent)| *exponent < 0);
-        let (mut negative, slope) = self.build.signed(slope);
+        let (mut negative, slope) = self.build.sign_and_factor(slope);
         let name = match &element.stretch {
             Stretch::Line { length, .. } => self.name(*length),
             Stretch::Plain(stretch) if is_divided && element.is_spring() && stretch.terms().len() > 1 => {
-                let (opposite, front) = self.build.signed(&element.coefficient);
+                let (opposite, front) = self.build.sign_and_factor(&element.coefficient);
                 if !element.tension.is_zero() {
                     return (negative, Formula::product(vec![slope, self.pull(element)]));
                 }
@@ -115,8 +115,8 @@ impl Writer<'_> {
             Stretch::Plain(stretch) => {
                 let pull = if element.is_spring() {
                     if element.tension.is_zero() {
-                        let (opposite, front) = self.build.signed(&element.coefficient);
-                        let (other, stretched) = self.build.signed(&(stretch - &element.free));
+                        let (opposite, front) = self.build.sign_and_factor(&element.coefficient);
+                        let (other, stretched) = self.build.sign_and_factor(&(stretch - &element.free));
                         negative ^= opposite != other;
                         Formula::product(vec![front, stretched])
                     } else {
@@ -124,8 +124,8 @@ impl Writer<'_> {
                     }
                 } else {
                     let rate = self.equations.motion.rate(stretch, &Lengths::default());
-                    let (opposite, front) = self.build.signed(&element.coefficient);
-                    let (other, rate) = self.build.signed(&rate);
+                    let (opposite, front) = self.build.sign_and_factor(&element.coefficient);
+                    let (other, rate) = self.build.sign_and_factor(&rate);
                     negative ^= opposite != other;
                     Formula::product(vec![front, rate])
                 };
@@ -136,14 +136,14 @@ impl Writer<'_> {
             let Formula::Name(label) = &name else { return (false, Formula::zero()) };
             let dots = element.order as u8;
             let rate = Formula::Name(Label { dots, ..label.clone() });
-            let (opposite, coefficient) = self.build.signed(&element.coefficient);
+            let (opposite, coefficient) = self.build.sign_and_factor(&element.coefficient);
             let pull = Formula::quotient(Formula::product(vec![coefficient, rate]), name);
             return (negative != opposite, Formula::product(vec![pull, slope]));
         }
-        let (opposite, stiffness) = self.build.signed(&element.coefficient);
+        let (opposite, stiffness) = self.build.sign_and_factor(&element.coefficient);
         negative ^= opposite;
         let pull = if element.tension.is_zero() {
-            let (shorter, free) = self.build.signed(&element.free);
+            let (shorter, free) = self.build.sign_and_factor(&element.free);
             if element.free.is_zero() {
                 stiffness
             } else {

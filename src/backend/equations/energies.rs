@@ -1,6 +1,6 @@
 //! Section 2: energies, dissipation and generalised forces.
 
-use super::build::powered;
+use super::build::raise;
 use super::document::{Section, Writer, display};
 use super::fold;
 use super::formula::Formula;
@@ -15,14 +15,14 @@ impl Writer<'_> {
         let energies = &self.equations.energies;
         let build = self.build.in_front();
         let mut kinetic = build.by_rates(&energies.kinetic);
-        for inerter in merged(&energies.elements, Order::Acceleration) {
+        for inerter in merge(&energies.elements, Order::Acceleration) {
             kinetic.extend(self.rate_energy(&inerter));
         }
         let letter = fold::index_letter(&self.equations.names);
         let folded = |terms| Formula::sum(fold::terms(terms, letter));
         let mut items = vec![display(self.letter("T", None).equal(folded(kinetic)))];
-        let mut potential = build.collected(&energies.weights);
-        for spring in merged(&energies.elements, Order::Displacement) {
+        let mut potential = build.collect_terms(&energies.weights);
+        for spring in merge(&energies.elements, Order::Displacement) {
             potential.extend(self.spring_energy(&spring));
         }
         if !potential.is_empty() {
@@ -30,7 +30,7 @@ impl Writer<'_> {
             items.push(display(self.letter("V", None).equal(folded(potential))));
         }
         let mut dissipation = Vec::new();
-        for damper in merged(&energies.elements, Order::Velocity) {
+        for damper in merge(&energies.elements, Order::Velocity) {
             dissipation.extend(self.rate_energy(&damper));
         }
         if !dissipation.is_empty() {
@@ -39,7 +39,7 @@ impl Writer<'_> {
         for equation in &self.equations.nonlinear {
             if !equation.forces.is_zero() {
                 let index = self.name(self.coordinate(equation.coordinate).symbols[0]);
-                let force = Formula::sum(self.ordered(&energies.with_forces(&equation.forces)));
+                let force = Formula::sum(self.order_terms(&energies.with_forces(&equation.forces)));
                 items.push(display(self.letter("Q", Some(index)).equal(force)));
             }
         }
@@ -50,15 +50,15 @@ impl Writer<'_> {
     /// `1/2 k (x_2 - x_1)^2`, plus the term of a pretension.
     fn spring_energy(&self, spring: &Element) -> Vec<(bool, Formula)> {
         let build = self.build.in_front();
-        let stretched = spring.stretched();
+        let stretched = spring.elongation();
         let mut terms = Vec::new();
         terms.extend(match spring.is_linear() {
             true => self.half_square(&spring.coefficient, &stretched),
             false => Some(self.integral(spring, &stretched)),
         });
         if !spring.tension.is_zero() {
-            let (negative, stretch) = build.signed(&stretched);
-            let (opposite, tension) = build.signed(&spring.tension);
+            let (negative, stretch) = build.sign_and_factor(&stretched);
+            let (opposite, tension) = build.sign_and_factor(&spring.tension);
             terms.push((negative != opposite, Formula::product(vec![tension, stretch])));
         }
         terms
@@ -67,12 +67,12 @@ impl Writer<'_> {
     /// `1/4 k (x_2 - x_1)^4`, `1/3 c |x'|^3`: the integral of a power of a law.
     pub(super) fn integral(&self, element: &Element, of: &Sum) -> (bool, Formula) {
         let (build, exponent) = (self.build.in_front(), element.power.exponent + 1);
-        let front = element.coefficient.scaled(&Rational::new(1, i64::from(exponent)));
+        let front = element.coefficient.scale(&Rational::new(1, i64::from(exponent)));
         let power = Power { exponent, ..element.power };
         match &element.stretch {
             Stretch::Line { length, .. } if !element.is_spring() => {
-                let (negative, front) = build.signed(&front);
-                (negative, Formula::product(vec![front, powered(power, self.dotted(*length, 1))]))
+                let (negative, front) = build.sign_and_factor(&front);
+                (negative, Formula::product(vec![front, raise(power, self.length_rate(*length, 1))]))
             }
             _ => build.with_power(&front, power, of),
         }
@@ -90,16 +90,16 @@ impl Writer<'_> {
                 self.half_square(&element.coefficient, &rate).into_iter().collect()
             }
             Stretch::Line { length, .. } => {
-                let rate = Formula::Power(Box::new(self.dotted(*length, 1)), 2);
-                let half = Sum::one().halved();
-                let (negative, coefficient) = self.build.in_front().signed(&(&element.coefficient * &half));
+                let rate = Formula::Power(Box::new(self.length_rate(*length, 1)), 2);
+                let half = Sum::one().halve();
+                let (negative, coefficient) = self.build.in_front().sign_and_factor(&(&element.coefficient * &half));
                 vec![(negative, Formula::product(vec![coefficient, rate]))]
             }
         }
     }
 
     /// A length or its rate.
-    pub(super) fn dotted(&self, length: Symbol, dots: u8) -> Formula {
+    pub(super) fn length_rate(&self, length: Symbol, dots: u8) -> Formula {
         Formula::Name(Label { dots, ..self.equations.names.label(length) })
     }
 
@@ -110,8 +110,8 @@ impl Writer<'_> {
             return None;
         }
         if of.terms().len() == 1 {
-            let whole = (coefficient * &of.square()).halved();
-            return Some(build.signed(&whole));
+            let whole = (coefficient * &of.square()).halve();
+            return Some(build.sign_and_factor(&whole));
         }
         // k r^2 (theta_1 - theta_2)^2, not k (r theta_1 - r theta_2)^2.
         let shared = common_factors(of);
@@ -120,10 +120,10 @@ impl Writer<'_> {
             true => (coefficient.clone(), of.clone()),
             false => {
                 let shared_square = Sum::term(shared.product.times(&shared.product), Rational::ONE);
-                (coefficient * &shared_square, shared.rest.scaled(&shared.number))
+                (coefficient * &shared_square, shared.rest.scale(&shared.number))
             }
         };
-        let (negative, front) = build.signed(&front.halved());
+        let (negative, front) = build.sign_and_factor(&front.halve());
         let of = if of.terms().iter().all(|(_, c)| c.signum() < 0) { -&of } else { of };
         let square = Formula::Power(Box::new(build.plain_sum(&of)), 2);
         Some((negative, Formula::product(vec![front, square])))
@@ -131,7 +131,7 @@ impl Writer<'_> {
 }
 
 /// Elements of one order; elements with the same stretch are merged into one.
-fn merged(elements: &[Element], order: Order) -> Vec<Element> {
+fn merge(elements: &[Element], order: Order) -> Vec<Element> {
     let mut list: Vec<Element> = Vec::new();
     for element in elements.iter().filter(|element| element.order == order) {
         match list.iter_mut().find(|known| is_alike(known, element)) {

@@ -43,7 +43,7 @@ impl Formula {
         Formula::Number(Rational::ZERO)
     }
 
-    pub fn negated(self) -> Formula {
+    pub fn negate(self) -> Formula {
         Formula::Sum(vec![(true, self)])
     }
 
@@ -105,7 +105,7 @@ const FRACTIONS: [i64; 9] = [2, 3, 4, 6, 8, 9, 12, 16, 24];
 const MOST_DIGITS: usize = 9;
 
 /// The numerator and denominator with which a coefficient is written: (9.81, 1) for 981/100, (2, 3) for 2/3.
-pub fn shown(number: &Rational) -> Shown {
+pub fn as_shown(number: &Rational) -> Shown {
     let Some((numerator, denominator)) = number.to_fraction() else {
         let big = number.to_big();
         return Shown::Fraction(big.numer().to_string(), big.denom().to_string());

@@ -7,7 +7,7 @@ use super::formula::Formula;
 use super::{latex, text};
 use crate::backend::json_number::JsonNumber;
 use crate::base::Number;
-use crate::base::readable::escaped;
+use crate::base::readable::escape;
 use crate::equations::closed::Part;
 use crate::equations::transfer::Transfer;
 use crate::equations::{Entry, Equations};
@@ -122,7 +122,7 @@ pub fn json(equations: &Equations, document: &Document) -> String {
         transfer_functions: equations.transfers.iter().map(|transfer| terms.quotient(transfer)).collect(),
         sections: sections.collect(),
     };
-    escaped(serde_json::to_string_pretty(&page).expect("strings and numbers always have a JSON form")) + "\n"
+    escape(serde_json::to_string_pretty(&page).expect("strings and numbers always have a JSON form")) + "\n"
 }
 
 struct Terms<'a> {
@@ -137,7 +137,7 @@ impl Terms<'_> {
         Term {
             text: text::formula(&formula),
             latex: latex::formula(&formula),
-            value: JsonNumber::enclosed(ball),
+            value: JsonNumber::from_enclosure(ball),
             bound: JsonNumber::absolute_bound(ball),
         }
     }
@@ -176,7 +176,7 @@ impl Terms<'_> {
                 body: bodies[index].clone(),
                 motion: own.motion,
                 role,
-                rest: JsonNumber::enclosed(ball).only_if(is_known),
+                rest: JsonNumber::from_enclosure(ball).only_if(is_known),
                 rest_bound: JsonNumber::absolute_bound(ball).only_if(is_known && rest.proven),
             }
         };

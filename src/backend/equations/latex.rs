@@ -93,7 +93,7 @@ impl Language for Latex {
         ["sin", "cos"].contains(&function).then(|| format!("\\{function}^{{{exponent}}}{arguments}"))
     }
 
-    fn indexed(&self, letter: &str, index: Option<Piece>) -> String {
+    fn with_index(&self, letter: &str, index: Option<Piece>) -> String {
         index.map_or_else(|| letter.to_string(), |(index, _)| format!("{letter}_{{{index}}}"))
     }
 

@@ -39,7 +39,7 @@ impl Writer<'_> {
         };
         let quotient = Formula::quotient(positive(&turn.over), positive(&turn.under));
         let now = Formula::Call("atan", vec![quotient]);
-        let (negative, drawn) = self.build.signed(&turn.drawn);
+        let (negative, drawn) = self.build.sign_and_factor(&turn.drawn);
         let mut terms = vec![(is_opposite, now)];
         if !turn.drawn.is_zero() {
             terms.push((negative == turn.is_opposite, drawn));

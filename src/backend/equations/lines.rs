@@ -10,7 +10,7 @@ const DEEPEST: usize = 20;
 
 /// The formula in lines of at most `width` columns, each of which ends in a line feed. A name or a number that is longer
 /// than a line is not broken.
-pub fn broken(formula: &str, width: usize) -> String {
+pub fn break_lines(formula: &str, width: usize) -> String {
     let mut lines = Lines { text: " ".repeat(FIRST), column: FIRST, is_empty: true, width };
     lines.append(&words(formula), 0, NEXT);
     lines.text + "\n"
@@ -125,26 +125,26 @@ mod tests {
 
     #[test]
     fn a_formula_that_fits_is_one_line() {
-        assert_eq!(broken("m x'' + k x = F", 20), "    m x'' + k x = F\n");
+        assert_eq!(break_lines("m x'' + k x = F", 20), "    m x'' + k x = F\n");
     }
 
     #[test]
     fn lines_end_before_signs() {
         let expected = "    m x'' + c x'\n        + k x = F\n";
-        assert_eq!(broken("m x'' + c x' + k x = F", 18), expected);
+        assert_eq!(break_lines("m x'' + c x' + k x = F", 18), expected);
     }
 
     /// A quotient whose numerator is longer than a line.
     #[test]
     fn a_long_term_is_broken_inside_its_brackets() {
         let expected = "    y/F = (a b s^2\n        + c d s\n        + e)/Delta\n";
-        assert_eq!(broken("y/F = (a b s^2 + c d s + e)/Delta", 22), expected);
+        assert_eq!(break_lines("y/F = (a b s^2 + c d s + e)/Delta", 22), expected);
     }
 
     #[test]
     fn factors_are_broken_if_there_is_no_sign() {
-        assert_eq!(broken("aaaa bbbb cccc", 14), "    aaaa bbbb\n        cccc\n");
-        assert_eq!(broken("aaaaaaaaaaaaaaaaaaaa b", 14), "    aaaaaaaaaaaaaaaaaaaa\n        b\n");
+        assert_eq!(break_lines("aaaa bbbb cccc", 14), "    aaaa bbbb\n        cccc\n");
+        assert_eq!(break_lines("aaaaaaaaaaaaaaaaaaaa b", 14), "    aaaaaaaaaaaaaaaaaaaa\n        b\n");
     }
 
     /// Whatever the width, the words stay, in their order.
@@ -152,7 +152,7 @@ mod tests {
     fn nothing_is_lost() {
         let formula = "h = -(4 cos(a - b) + 3 sin(a - b))/(2 (2 cos(c - b) - sin(c - b))) + [1, 2; 3, 4] - x";
         for width in 0..120 {
-            let text = broken(formula, width);
+            let text = break_lines(formula, width);
             assert_eq!(text.split_whitespace().collect::<Vec<_>>(), formula.split(' ').collect::<Vec<_>>());
             let widest = text.lines().map(|line| line.chars().count()).max();
             assert!(width < 40 || widest <= Some(width), "{width}:\n{text}");

@@ -7,7 +7,7 @@ use crate::base::readable::readable;
 use crate::equations::names::Label;
 
 pub fn mathml(document: &Document) -> String {
-    let title = escaped(&document.title);
+    let title = escape(&document.title);
     let head = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>body {{ max-width: 60rem; \
          margin: 2rem auto; padding: 0 1rem; font-family: serif; }} h1 {{ font-size: 1.5rem; overflow-wrap: anywhere; }} \
@@ -23,7 +23,7 @@ pub fn section(section: &Section) -> String {
     section.items.iter().map(|item| write::item(&MathMl, item)).collect()
 }
 
-fn escaped(text: &str) -> String {
+fn escape(text: &str) -> String {
     readable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
@@ -37,10 +37,10 @@ impl Language for MathMl {
     fn decimal(&self, text: &str) -> Piece {
         match text.split_once('e') {
             Some((number, power)) => {
-                let power = format!("<msup><mn>10</mn><mn>{}</mn></msup>", escaped(power));
-                (self.group(format!("<mn>{}</mn><mo>·</mo>{power}", escaped(number))), Tight::Product)
+                let power = format!("<msup><mn>10</mn><mn>{}</mn></msup>", escape(power));
+                (self.group(format!("<mn>{}</mn><mo>·</mo>{power}", escape(number))), Tight::Product)
             }
-            None => (format!("<mn>{}</mn>", escaped(text)), Tight::Power),
+            None => (format!("<mn>{}</mn>", escape(text)), Tight::Power),
         }
     }
 
@@ -102,7 +102,7 @@ impl Language for MathMl {
         (self.group(text), Tight::Power)
     }
 
-    fn indexed(&self, letter: &str, index: Option<Piece>) -> String {
+    fn with_index(&self, letter: &str, index: Option<Piece>) -> String {
         match index {
             None => format!("<mi>{letter}</mi>"),
             Some((index, _)) => format!("<msub><mi>{letter}</mi>{index}</msub>"),
@@ -132,7 +132,7 @@ impl Language for MathMl {
     }
 
     fn prose(&self, text: &str) -> String {
-        escaped(text)
+        escape(text)
     }
 
     fn in_sentence(&self, formula: &str) -> String {
@@ -140,11 +140,11 @@ impl Language for MathMl {
     }
 
     fn title(&self, text: &str) -> String {
-        format!("<h1>{}</h1>\n", escaped(text))
+        format!("<h1>{}</h1>\n", escape(text))
     }
 
     fn heading(&self, text: &str) -> String {
-        format!("<h2>{}</h2>\n", escaped(text))
+        format!("<h2>{}</h2>\n", escape(text))
     }
 
     fn paragraph(&self, inner: &str) -> String {
@@ -153,7 +153,7 @@ impl Language for MathMl {
 
     fn display(&self, formula: &Formula, note: &[Inline]) -> String {
         let in_math = |inline: &Inline| match inline {
-            Inline::Text(text) => format!("<mtext>{}</mtext>", escaped(text)),
+            Inline::Text(text) => format!("<mtext>{}</mtext>", escape(text)),
             Inline::Formula(of) => write::formula(self, of),
         };
         let note: String = note.iter().map(in_math).collect();
@@ -170,6 +170,6 @@ impl Language for MathMl {
 fn letters(word: &str) -> String {
     match greek_letter(word) {
         Some(letter) => format!("<mi>{letter}</mi>"),
-        None => format!("<mi>{}</mi>", escaped(word)),
+        None => format!("<mi>{}</mi>", escape(word)),
     }
 }

@@ -17,12 +17,12 @@ impl Writer<'_> {
         for constraint in &self.equations.constraints {
             let multiplier = Inline::Formula(self.name(constraint.multiplier));
             let note = vec![words(format!("held by {}, with the multiplier ", constraint.name)), multiplier];
-            let formula = Formula::sum(self.build.collected(&constraint.equation)).equal(Formula::zero());
+            let formula = Formula::sum(self.build.collect_terms(&constraint.equation)).equal(Formula::zero());
             items.push(Item::Formula { formula, note });
         }
         items.extend(self.rows(self.equations.nonlinear.iter().map(|equation| self.equation(equation)).collect()));
         items.extend(self.length_rates());
-        items.extend(self.reduced());
+        items.extend(self.reduced_items());
         Section { heading: "3 Equations of motion", items }
     }
 
@@ -48,13 +48,13 @@ impl Writer<'_> {
         for (length, square) in self.equations.energies.lengths.roots() {
             let orders = elements().filter(|element| element.stretch.sum() == Sum::name(length)).map(|it| it.order);
             let most = orders.max_by_key(|order| *order as usize);
-            let dotted = |dots| self.dotted(length, dots);
-            let rate = motion.rate(square, &none).halved();
+            let dotted = |dots| self.length_rate(length, dots);
+            let rate = motion.rate(square, &none).halve();
             if most.is_some_and(|most| most != Order::Displacement) {
                 items.push(display(dotted(1).equal(Formula::quotient(self.build.sum(&rate), dotted(0)))));
             }
             if most == Some(Order::Acceleration) {
-                let mut over = self.ordered(&motion.rate(&rate, &none));
+                let mut over = self.order_terms(&motion.rate(&rate, &none));
                 over.push((true, Formula::Power(Box::new(dotted(1)), 2)));
                 items.push(display(dotted(2).equal(Formula::quotient(Formula::sum(over), dotted(0)))));
             }
@@ -63,7 +63,7 @@ impl Writer<'_> {
     }
 
     /// The equations without multipliers, and how the dependent coordinates follow.
-    fn reduced(&self) -> Vec<Item> {
+    fn reduced_items(&self) -> Vec<Item> {
         let reduced = match &self.equations.reduced {
             None => return Vec::new(),
             Some(Err(kept)) => {
@@ -80,7 +80,7 @@ impl Writer<'_> {
             let term = |ratio: &Ratio| &ratio.short() * &Sum::name(names[ratio.by].symbols[order]);
             let sum = follow.ratios.iter().fold(Sum::ZERO, |sum, ratio| &sum + &term(ratio));
             let left = self.name(names[follow.coordinate].symbols[order]);
-            items.push(display(left.equal(Formula::sum(self.build.collected(&sum)))));
+            items.push(display(left.equal(Formula::sum(self.build.collect_terms(&sum)))));
         }
         for ratio in reduced.follows.iter().flat_map(|follow| &follow.ratios) {
             if let Some(name) = ratio.name {
@@ -95,7 +95,7 @@ impl Writer<'_> {
     pub fn equation(&self, equation: &Equation) -> Formula {
         let plain = self.without_balance(equation);
         let (mut left, mut right) = (Vec::new(), Vec::new());
-        for (moving, part) in plain.collected(is_driving) {
+        for (moving, part) in plain.collect_by(is_driving) {
             match moving.factors() {
                 [] => left.push(part),
                 _ => {
@@ -108,7 +108,7 @@ impl Writer<'_> {
         let left = left.iter().fold(Sum::ZERO, |sum, part| &sum + part);
         let forces = self.equations.energies.with_forces(&equation.forces);
         let right = right.iter().fold(forces, |sum, part| &sum + part);
-        let mut terms = self.ranked(&left);
+        let mut terms = self.rank_terms(&left);
         for (element, slope) in self.merged_lines(&equation.lines) {
             let (negative, formula) = self.line(&element, &slope);
             let rank = match element.is_linear() {
@@ -122,10 +122,10 @@ impl Writer<'_> {
         let mut terms: Vec<(bool, Formula)> =
             terms.into_iter().map(|(_, negative, formula)| (negative, formula)).collect();
         for (multiplier, slope) in &equation.reactions {
-            let (negative, slope) = self.build.signed(slope);
+            let (negative, slope) = self.build.sign_and_factor(slope);
             terms.push((negative, Formula::product(vec![slope, self.name(*multiplier)])));
         }
-        Formula::sum(terms).equal(Formula::sum(self.ordered(&right)))
+        Formula::sum(terms).equal(Formula::sum(self.order_terms(&right)))
     }
 
     /// The equation without the forces that balance each other at rest, if these are its only constant terms.
@@ -145,20 +145,20 @@ impl Writer<'_> {
     }
 
     /// Terms collected by acceleration, then by products of rates, then by position.
-    pub fn ordered(&self, sum: &Sum) -> Vec<(bool, Formula)> {
-        let mut terms = self.ranked(sum);
+    pub fn order_terms(&self, sum: &Sum) -> Vec<(bool, Formula)> {
+        let mut terms = self.rank_terms(sum);
         terms.sort_by_key(|(rank, ..)| *rank);
         terms.into_iter().map(|(_, negative, formula)| (negative, formula)).collect()
     }
 
     /// Terms, each with its rank.
-    fn ranked(&self, sum: &Sum) -> Vec<(u8, bool, Formula)> {
+    fn rank_terms(&self, sum: &Sum) -> Vec<(u8, bool, Formula)> {
         let mut terms: Vec<(u8, bool, Formula)> = Vec::new();
-        for (quick, part) in sum.collected(is_quick) {
+        for (quick, part) in sum.collect_by(is_quick) {
             let behind = self.build.term(&quick, &Rational::ONE, &[]);
             let order = match quick.factors() {
                 [] => {
-                    let places = self.build.collected(&part);
+                    let places = self.build.collect_terms(&part);
                     terms.extend(places.into_iter().map(|(negative, formula)| (POSITION, negative, formula)));
                     continue;
                 }
@@ -166,7 +166,7 @@ impl Writer<'_> {
                 [(_, 1)] => RATE,
                 _ => 1,
             };
-            let (negative, front) = self.build.signed(&part);
+            let (negative, front) = self.build.sign_and_factor(&part);
             terms.push((order, negative, Formula::product(vec![front, behind])));
         }
         terms

@@ -19,7 +19,7 @@ impl Writer<'_> {
             items.push(paragraph("The scene rests as drawn: every force vanishes there, or is balanced."));
         }
         for (_, condition) in &rest.conditions {
-            items.push(display(Formula::sum(self.build.collected(condition)).equal(Formula::zero())));
+            items.push(display(Formula::sum(self.build.collect_terms(condition)).equal(Formula::zero())));
         }
         items.extend(self.names_at_rest(|symbol| self.is_of_rest(symbol)));
         for (index, symbol, value) in &rest.moved {
@@ -61,7 +61,7 @@ impl Writer<'_> {
         let value = self.equations.names.value(symbol)?;
         let note = vec![words(format!("the tension of {of} as drawn, in SI units"))];
         let shown = Formula::Decimal(certain_number(&value.abs(), DIGITS));
-        let shown = if value.is_negative() { shown.negated() } else { shown };
+        let shown = if value.is_negative() { shown.negate() } else { shown };
         let closed = self.equations.rest.tensions.iter().find(|(known, _)| *known == symbol);
         let shown = match closed {
             Some((_, form)) if form.as_number().is_none() => self.build.sum(form).equal(shown),
@@ -76,7 +76,7 @@ impl Writer<'_> {
         let mut items = Vec::new();
         for (index, sum) in &linear.dependent {
             let name = self.name(self.coordinate(*index).symbols[0]);
-            items.push(display(name.equal(Formula::sum(self.build.collected(sum)))));
+            items.push(display(name.equal(Formula::sum(self.build.collect_terms(sum)))));
         }
         for (name, form) in &linear.ratios {
             items.push(display(self.name(*name).equal(self.build.sum(form))));
@@ -142,7 +142,7 @@ impl Writer<'_> {
     fn matrix(&self, name: &str, entries: &[Vec<Entry>]) -> Vec<Vec<Formula>> {
         let cell = |i: usize, j: usize| {
             let (negative, formula) = self.entry(name, (i, j), &entries[i][j].sum, true);
-            if negative { formula.negated() } else { formula }
+            if negative { formula.negate() } else { formula }
         };
         (0..entries.len()).map(|i| (0..entries.len()).map(|j| cell(i, j)).collect()).collect()
     }
@@ -160,7 +160,7 @@ impl Writer<'_> {
             let index = format!("{}{}", i.min(j) + 1, i.max(j) + 1);
             return (false, Formula::Name(Label::new(name, index)));
         }
-        self.build.signed(sum)
+        self.build.sign_and_factor(sum)
     }
 
     /// One row of M q'' + C q' + K q = B u, with long entries by their names in section 6, or written out.
@@ -182,12 +182,12 @@ impl Writer<'_> {
             for (order, symbol) in column.symbols.iter().enumerate().rev() {
                 let entry = &column.parts[order][place];
                 if !entry.is_zero() {
-                    let (negative, front) = self.build.signed(entry);
+                    let (negative, front) = self.build.sign_and_factor(entry);
                     right.push((negative, Formula::product(vec![front, self.name(*symbol)])));
                 }
             }
         }
-        right.extend(self.ordered(&self.unbalances(place)));
+        right.extend(self.order_terms(&self.unbalances(place)));
         Formula::sum(terms).equal(Formula::sum(right))
     }
 

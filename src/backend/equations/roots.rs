@@ -23,22 +23,22 @@ impl Builder<'_> {
             return self.root(square);
         }
         let moving = components.iter().filter(|component| !component.is_zero());
-        let squares = moving.map(|component| (false, self.inner().squared(&component.evaluated())));
+        let squares = moving.map(|component| (false, self.inner().square(&component.evaluate())));
         Formula::Root(Box::new(Formula::sum(squares.collect())))
     }
 
     /// The square of a sum: `L^2 (1 - cos(theta))^2`.
-    fn squared(&self, sum: &Sum) -> Formula {
+    fn square(&self, sum: &Sum) -> Formula {
         let factored = common_factors(sum);
         if factored.squared || factored.rest.terms().len() < 2 {
             return self.sum(&sum.square());
         }
         let bracket = |sum: &Sum| Formula::Power(Box::new(self.plain_sum(sum)), 2);
         if factored.product.is_one() {
-            return bracket(&factored.rest.scaled(&absolute(&factored.number)));
+            return bracket(&factored.rest.scale(&absolute(&factored.number)));
         }
         let front = factored.product.times(&factored.product);
-        self.term(&front, &Rational::ONE, &[bracket(&factored.rest.scaled(&absolute(&factored.number)))])
+        self.term(&front, &Rational::ONE, &[bracket(&factored.rest.scale(&absolute(&factored.number)))])
     }
 
     /// The contributions of springs along lines in terms of the names of their parts, k r^2 and q (a cos(theta_0) + b
@@ -46,14 +46,14 @@ impl Builder<'_> {
     pub fn of_lines(&self, sum: &Sum) -> Option<(Vec<(bool, Formula)>, Sum)> {
         let is_line = |factor: &Factor| matches!(factor, Factor::Name(symbol) if symbol.class() == class::LINE);
         let (mut lines, mut others) = (Vec::new(), Sum::ZERO);
-        for (line, rest) in sum.collected(is_line) {
+        for (line, rest) in sum.collect_by(is_line) {
             match (line.is_one(), rest.terms()) {
                 (true, _) => others = rest,
                 (false, [(product, number)]) => {
                     lines.push((number.signum() < 0, self.term(&product.times(&line), &absolute(number), &[])));
                 }
                 (false, _) => {
-                    let (negative, coefficient) = self.signed(&rest);
+                    let (negative, coefficient) = self.sign_and_factor(&rest);
                     lines.push((negative, self.term(&line, &Rational::ONE, &[coefficient])));
                 }
             }
@@ -64,7 +64,7 @@ impl Builder<'_> {
     /// A root; squares of differences in it are not multiplied out.
     pub fn root(&self, inside: &Sum) -> Formula {
         let inner = self.inner();
-        let (squares, rest) = squares_of_pairs(&inside.evaluated());
+        let (squares, rest) = squares_of_pairs(&inside.evaluate());
         let has_wave = |(product, _): &(Product, Rational)| product.factors().iter().any(|(factor, _)| is_wave(factor));
         let is_plain = inside.terms().len() != LAW_OF_COSINES
             || !inside.terms().iter().any(has_wave)
@@ -73,7 +73,7 @@ impl Builder<'_> {
             return Formula::Root(Box::new(inner.sum(inside)));
         }
         let mut terms: Vec<(bool, Formula)> =
-            squares.iter().map(|(negative, sum)| (*negative, inner.squared(sum))).collect();
+            squares.iter().map(|(negative, sum)| (*negative, inner.square(sum))).collect();
         let (waves, others): (Vec<_>, Vec<_>) = rest.terms().iter().cloned().partition(has_wave);
         let rest = others.iter().chain(&waves);
         terms.extend(rest.map(|(product, c)| (c.signum() < 0, inner.term(product, &absolute(c), &[]))));
@@ -106,7 +106,7 @@ fn squares_of_pairs(sum: &Sum) -> (Vec<(bool, Sum)>, Sum) {
         .collect();
     for (place, (is_negative, first)) in roots.iter().enumerate() {
         for (_, second) in roots[place + 1..].iter().filter(|(sign, _)| sign == is_negative) {
-            let doubled = (first * second).scaled(&Rational::from(if *is_negative { -2 } else { 2 }));
+            let doubled = (first * second).scale(&Rational::from(if *is_negative { -2 } else { 2 }));
             let [(product, number)] = doubled.terms() else { continue };
             let cross = left.terms().iter().find(|(other, _)| other == product).map(|(_, number)| number);
             let pair = match cross {
@@ -142,7 +142,7 @@ mod tests {
         let under = &b.square() - &(&a + &h).square();
         assert_eq!(squares_of_pairs(&under), (vec![(true, &a + &h)], b.square()));
         // 3 a b is no double product.
-        let none = &(&a.square() + &b.square()) + &(&a * &b).scaled(&Rational::from(3));
+        let none = &(&a.square() + &b.square()) + &(&a * &b).scale(&Rational::from(3));
         assert!(squares_of_pairs(&none).0.is_empty());
         assert_eq!(squares_of_pairs(&none).1, none);
     }

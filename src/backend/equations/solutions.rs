@@ -2,7 +2,7 @@
 
 use super::build::{Builder, absolute};
 use super::document::{DIGITS, Inline, Item, Section, Writer, display, words};
-use super::formula::{Formula, Shown, shown};
+use super::formula::{Formula, Shown, as_shown};
 use crate::backend::decimal::certain_number;
 use crate::base::{Number, Rational};
 use crate::equations::closed::{MOST_TERMS, Part};
@@ -18,7 +18,7 @@ impl Writer<'_> {
         let parts = &self.equations.parts;
         let mut items = Vec::new();
         for part in parts {
-            items.extend(self.introduced(part));
+            items.extend(self.introduce_part(part));
             match part.places[..] {
                 [_] => items.extend(self.single(part)),
                 [_, _] => items.extend(self.pair(part)),
@@ -32,7 +32,7 @@ impl Writer<'_> {
     }
 
     /// A letter, with the index of the part if there are several parts or the model uses the letter.
-    fn lettered(&self, letter: &str, part: &Part) -> Label {
+    fn part_label(&self, letter: &str, part: &Part) -> Label {
         let is_shared = self.equations.parts.len() > 1 || self.equations.names.is_taken(letter);
         Label::new(letter, if is_shared { self.index_of(part) } else { String::new() })
     }
@@ -56,7 +56,7 @@ impl Writer<'_> {
     }
 
     /// The coordinates of a part, if its index does not already name one of them.
-    fn introduced(&self, part: &Part) -> Option<Item> {
+    fn introduce_part(&self, part: &Part) -> Option<Item> {
         let labels: Vec<Label> = part.places.iter().map(|place| self.equations.label(*place)).collect();
         let index = self.index_of(part);
         let is_plain = labels.len() == 1 && (labels[0].word == index || labels[0].index == index);
@@ -88,7 +88,7 @@ impl Writer<'_> {
         else {
             return Vec::new();
         };
-        let omega = Formula::Name(self.lettered("omega", part));
+        let omega = Formula::Name(self.part_label("omega", part));
         if value.is_negative() {
             let formula = Formula::Power(Box::new(omega), 2).equal(self.build.sum(square));
             let note = vec![words("1/s^2: the rest is unstable")];
@@ -99,22 +99,22 @@ impl Writer<'_> {
         }
         let root = self.equations.names.length(square);
         let shown = value.sqrt().map_or_else(String::new, |root| certain_number(&root, DIGITS));
-        let formula = valued(omega.clone(), self.build.sum(&root), Formula::Decimal(shown));
+        let formula = with_value(omega.clone(), self.build.sum(&root), Formula::Decimal(shown));
         let mut items = vec![Item::Formula { formula, note: vec![words("rad/s")] }];
         let omega = self.bare_name(&root).unwrap_or(omega);
         if let Some((ratio, value)) = &part.damping_ratio {
-            items.extend(self.damped(part, ratio, value, &omega));
+            items.extend(self.damped_items(part, ratio, value, &omega));
         }
         items
     }
 
-    fn damped(&self, part: &Part, ratio: &Sum, value: &Number, omega: &Formula) -> Vec<Item> {
+    fn damped_items(&self, part: &Part, ratio: &Sum, value: &Number, omega: &Formula) -> Vec<Item> {
         let bare = self.bare_name(ratio);
-        let zeta = bare.clone().unwrap_or_else(|| Formula::Name(self.lettered("zeta", part)));
+        let zeta = bare.clone().unwrap_or_else(|| Formula::Name(self.part_label("zeta", part)));
         let decimal = signed_decimal(value);
         let stated = match bare {
             Some(_) => zeta.clone().equal(decimal),
-            None => valued(zeta.clone(), self.build.sum(ratio), decimal),
+            None => with_value(zeta.clone(), self.build.sum(ratio), decimal),
         };
         let mut items = vec![display(stated)];
         let is_below = (&Number::ONE - &value.abs()).is_positive();
@@ -124,7 +124,7 @@ impl Writer<'_> {
         let inside = if is_below { vec![(false, one), (true, square)] } else { vec![(false, square), (true, one)] };
         let mut root = Formula::product(vec![omega.clone(), Formula::Root(Box::new(Formula::Sum(inside)))]);
         if is_below {
-            let label = self.lettered("omega", part);
+            let label = self.part_label("omega", part);
             let index = if label.index.is_empty() { "d".into() } else { format!("d,{}", label.index) };
             let damped = Formula::Name(Label::new("omega", index));
             items.push(display(damped.clone().equal(root)));
@@ -155,7 +155,7 @@ impl Writer<'_> {
             Formula::Name(Label::new("a", index))
         };
         let (a0, a2, a4) = (own("0"), own("2"), own("4"));
-        let omega = Formula::Name(self.lettered("omega", part));
+        let omega = Formula::Name(self.part_label("omega", part));
         let power = |exponent| Formula::Power(Box::new(omega.clone()), exponent);
         let is_free = zeroth.vanishes();
         let mut terms = vec![
@@ -175,7 +175,7 @@ impl Writer<'_> {
             (true, Formula::product(vec![number(4), a4.clone(), a0])),
         ]);
         for ((index, negative), square) in [("1", true), ("2", false)].into_iter().zip(&part.squares) {
-            let label = self.lettered("omega", part);
+            let label = self.part_label("omega", part);
             let index = if label.index.is_empty() { index.to_string() } else { format!("{index},{}", label.index) };
             let name = Formula::Name(Label::new("omega", index));
             let root = square.value.as_ref().filter(|value| value.is_positive()).and_then(Number::sqrt);
@@ -223,7 +223,7 @@ impl Writer<'_> {
         let mut names = self.equations.names.clone();
         let build = self.build_with_laplace(&mut names);
         let is_shared = !part.numbers.is_empty() || transfers.len() > 1 && part.places.len() > 1;
-        let delta = Formula::Name(self.lettered("Delta", part));
+        let delta = Formula::Name(self.part_label("Delta", part));
         let mut items = Vec::new();
         if is_shared {
             let whole = match part.characteristic.is_empty() {
@@ -267,7 +267,7 @@ fn fraction(over: Formula, under: Formula) -> Formula {
     match over {
         Formula::Sum(terms) if terms.iter().all(|(negative, _)| *negative) => {
             let positive = terms.into_iter().map(|(_, term)| (false, term)).collect();
-            Formula::quotient(Formula::sum(positive), under).negated()
+            Formula::quotient(Formula::sum(positive), under).negate()
         }
         over => Formula::quotient(over, under),
     }
@@ -281,24 +281,24 @@ fn over_whole_number(coefficients: &[Sum]) -> (Vec<Sum>, Rational) {
         all.checked_mul(denominator / num_integer::gcd(all, denominator))
     });
     let common = Rational::from(common.unwrap_or(1));
-    (coefficients.iter().map(|sum| sum.scaled(&common)).collect(), common)
+    (coefficients.iter().map(|sum| sum.scale(&common)).collect(), common)
 }
 
 /// Numerator and denominator, with the denominators of the numerator's fractions moved to the denominator.
 fn without_fractions((over, under): &(Vec<Sum>, Vec<Sum>)) -> (Vec<Sum>, Vec<Sum>) {
-    let is_fraction = |(_, number): &(Product, Rational)| matches!(shown(&absolute(number)), Shown::Fraction(..));
-    let over: Vec<Sum> = over.iter().map(Sum::evaluated).collect();
+    let is_fraction = |(_, number): &(Product, Rational)| matches!(as_shown(&absolute(number)), Shown::Fraction(..));
+    let over: Vec<Sum> = over.iter().map(Sum::evaluate).collect();
     if !over.iter().flat_map(|sum| sum.terms()).any(is_fraction) {
         return (over, under.clone());
     }
     let (over, common) = over_whole_number(&over);
-    (over, under.iter().map(|sum| sum.scaled(&common)).collect())
+    (over, under.iter().map(|sum| sum.scale(&common)).collect())
 }
 
 /// Highest power first.
 fn polynomial(build: &Builder, coefficients: &[Sum]) -> Formula {
     let terms = coefficients.iter().enumerate().rev().filter(|(_, sum)| !sum.is_zero());
-    by_powers(build, terms.map(|(power, coefficient)| (power, build.signed(coefficient))))
+    by_powers(build, terms.map(|(power, coefficient)| (power, build.sign_and_factor(coefficient))))
 }
 
 fn polynomial_of_numbers(build: &Builder, coefficients: &[Number]) -> Formula {
@@ -323,7 +323,7 @@ fn by_powers(build: &Builder, terms: impl Iterator<Item = (usize, (bool, Formula
 }
 
 /// `omega = sqrt(k/m) = 200`, and `omega = 200` if the form is that number.
-fn valued(name: Formula, form: Formula, decimal: Formula) -> Formula {
+fn with_value(name: Formula, form: Formula, decimal: Formula) -> Formula {
     let number = |formula: &Formula| match formula {
         Formula::Number(number) => Some(number.clone()),
         Formula::Decimal(text) => Rational::from_decimal(text),
@@ -335,5 +335,5 @@ fn valued(name: Formula, form: Formula, decimal: Formula) -> Formula {
 
 fn signed_decimal(value: &Number) -> Formula {
     let decimal = Formula::Decimal(certain_number(&value.abs(), DIGITS));
-    if value.is_negative() { decimal.negated() } else { decimal }
+    if value.is_negative() { decimal.negate() } else { decimal }
 }

@@ -3,7 +3,7 @@
 use super::build::Builder;
 use super::document::{Document, Inline, Writer};
 use super::formula::{Formula, Running};
-use super::lines::broken;
+use super::lines::break_lines;
 use super::write::{self, Language, Piece, Tight};
 use crate::backend::report::wrap::fill_lines;
 use crate::base::readable::readable;
@@ -79,7 +79,7 @@ impl Language for Text {
         (format!("{function}({})", arguments.join(", ")), Tight::Power)
     }
 
-    fn indexed(&self, letter: &str, index: Option<Piece>) -> String {
+    fn with_index(&self, letter: &str, index: Option<Piece>) -> String {
         match index {
             None => letter.to_string(),
             Some((index, Tight::Power)) => format!("{letter}_{index}"),
@@ -121,14 +121,14 @@ impl Language for Text {
     fn display(&self, formula: &Formula, note: &[Inline]) -> String {
         let formula = self::formula(formula);
         if note.is_empty() {
-            return broken(&formula, self.width);
+            return break_lines(&formula, self.width);
         }
         let note = sentence(note);
-        let beside = |width: usize| format!("{}{BESIDE}{note}\n", broken(&formula, width).trim_end_matches('\n'));
+        let beside = |width: usize| format!("{}{BESIDE}{note}\n", break_lines(&formula, width).trim_end_matches('\n'));
         let fits = |text: &String| text.lines().last().is_none_or(|last| last.chars().count() <= self.width);
         let shorter = self.width.saturating_sub(BESIDE.len() + note.chars().count());
         [self.width, shorter.max(self.width / 2)].into_iter().map(beside).find(fits).unwrap_or_else(|| {
-            format!("{}{}", broken(&formula, self.width), fill_lines(&note, SENTENCE, SENTENCE, self.width))
+            format!("{}{}", break_lines(&formula, self.width), fill_lines(&note, SENTENCE, SENTENCE, self.width))
         })
     }
 
@@ -165,7 +165,7 @@ impl Text {
             let first = if is_symmetric { i } else { 0 };
             for (j, cell) in row.iter().enumerate().skip(first).filter(|(_, cell)| *cell != "0") {
                 let mirrored = if is_symmetric && i != j { format!(" = {}", entry(j, i)) } else { String::new() };
-                text += &broken(&format!("{}{mirrored} = {cell}", entry(i, j)), self.width);
+                text += &break_lines(&format!("{}{mirrored} = {cell}", entry(i, j)), self.width);
             }
         }
         if cells.iter().flatten().all(|cell| cell != "0") {

@@ -61,7 +61,7 @@ impl Language for Typst {
         (format!("{function}({})", arguments.join(", ")), Tight::Power)
     }
 
-    fn indexed(&self, letter: &str, index: Option<Piece>) -> String {
+    fn with_index(&self, letter: &str, index: Option<Piece>) -> String {
         index.map_or_else(|| letter.to_string(), |(index, _)| format!("{letter}_({index})"))
     }
 
@@ -108,7 +108,7 @@ impl Language for Typst {
 
     fn display(&self, formula: &Formula, note: &[Inline]) -> String {
         let in_math = |inline: &Inline| match inline {
-            Inline::Text(text) => quoted(text),
+            Inline::Text(text) => quote(text),
             Inline::Formula(of) => format!(" {} ", write::formula(self, of)),
         };
         let note: String = note.iter().map(in_math).collect();
@@ -121,7 +121,7 @@ impl Language for Typst {
     }
 }
 
-fn quoted(text: &str) -> String {
+fn quote(text: &str) -> String {
     let inner: String = text
         .chars()
         .map(|c| match c {
@@ -137,6 +137,6 @@ fn letters(word: &str) -> String {
     match greek_letter(word) {
         Some(letter) => letter.to_string(),
         None if word.chars().count() == 1 && word.chars().all(|c| c.is_ascii_alphanumeric()) => word.to_string(),
-        None => quoted(word),
+        None => quote(word),
     }
 }

@@ -2,7 +2,7 @@
 //! where signs are written. An output format is a [`Language`], which only defines how each part is written.
 
 use super::document::{Document, Inline, Item};
-use super::formula::{Formula, Running, Shown, shown};
+use super::formula::{Formula, Running, Shown, as_shown};
 use crate::equations::names::Label;
 
 /// The binding strength of a formula; a formula that binds less tightly than its position requires gets brackets.
@@ -59,7 +59,7 @@ pub trait Language {
         None
     }
     /// A capital letter, possibly with an index: `Q_theta`.
-    fn indexed(&self, letter: &str, index: Option<Piece>) -> String;
+    fn with_index(&self, letter: &str, index: Option<Piece>) -> String;
     /// A sum over an index.
     fn series(&self, span: &Running, term: &str) -> String;
     fn matrix(&self, rows: &[Vec<String>]) -> String;
@@ -112,7 +112,7 @@ pub fn sentence<L: Language>(language: &L, inlines: &[Inline]) -> String {
 }
 
 pub fn formula<L: Language>(language: &L, of: &Formula) -> String {
-    written(language, of).0
+    write(language, of).0
 }
 
 /// Each entry of a matrix.
@@ -122,14 +122,14 @@ pub fn cells<L: Language>(language: &L, rows: &[Vec<Formula>]) -> Vec<Vec<String
 
 /// A term of a sum with its sign.
 pub fn term<L: Language>(language: &L, first: bool, negative: bool, term: &Formula) -> String {
-    format!("{}{}", language.sign(first, negative), within(language, term, Tight::Product))
+    format!("{}{}", language.sign(first, negative), write_within(language, term, Tight::Product))
 }
 
-fn written<L: Language>(language: &L, of: &Formula) -> Piece {
+fn write<L: Language>(language: &L, of: &Formula) -> Piece {
     let power = |text: String| (text, Tight::Power);
     let list = |formulas: &[Formula]| formulas.iter().map(|each| formula(language, each)).collect::<Vec<String>>();
     match of {
-        Formula::Number(number) => match shown(number) {
+        Formula::Number(number) => match as_shown(number) {
             Shown::Whole(text) => power(language.number(&text)),
             Shown::Fraction(over, under) => {
                 language.quotient(power(language.number(&over)), power(language.number(&under)))
@@ -145,16 +145,17 @@ fn written<L: Language>(language: &L, of: &Formula) -> Piece {
             (language.group(text), Tight::Sum)
         }
         Formula::Product(factors) => {
-            let factors: Vec<String> = factors.iter().map(|each| within(language, each, Tight::Product)).collect();
+            let factors: Vec<String> =
+                factors.iter().map(|each| write_within(language, each, Tight::Product)).collect();
             (language.group(factors.join(language.times())), Tight::Product)
         }
-        Formula::Quotient(over, under) => language.quotient(written(language, over), written(language, under)),
+        Formula::Quotient(over, under) => language.quotient(write(language, over), write(language, under)),
         Formula::Power(base, exponent) => {
             let of_call = match &**base {
                 Formula::Call(function, arguments) => language.call_power(function, &list(arguments), *exponent),
                 _ => None,
             };
-            power(of_call.unwrap_or_else(|| language.power(&within(language, base, Tight::Power), *exponent)))
+            power(of_call.unwrap_or_else(|| language.power(&write_within(language, base, Tight::Power), *exponent)))
         }
         Formula::Root(inside) => power(language.root(&formula(language, inside))),
         Formula::Call(function, arguments) => {
@@ -162,9 +163,11 @@ fn written<L: Language>(language: &L, of: &Formula) -> Piece {
             language.call(function, &list(arguments), single)
         }
         Formula::Symbol(letter, index) => {
-            power(language.indexed(letter, index.as_ref().map(|index| written(language, index))))
+            power(language.with_index(letter, index.as_ref().map(|index| write(language, index))))
         }
-        Formula::Series(span, each) => (language.series(span, &within(language, each, Tight::Product)), Tight::Product),
+        Formula::Series(span, each) => {
+            (language.series(span, &write_within(language, each, Tight::Product)), Tight::Product)
+        }
         Formula::Matrix(rows) => power(language.matrix(&cells(language, rows))),
         Formula::Equal(left, right) => {
             (language.group(language.equal(&formula(language, left), &formula(language, right))), Tight::Sum)
@@ -172,8 +175,8 @@ fn written<L: Language>(language: &L, of: &Formula) -> Piece {
     }
 }
 
-fn within<L: Language>(language: &L, of: &Formula, least: Tight) -> String {
-    let (text, tight) = written(language, of);
+fn write_within<L: Language>(language: &L, of: &Formula, least: Tight) -> String {
+    let (text, tight) = write(language, of);
     if tight < least { language.brackets(&text) } else { text }
 }
 

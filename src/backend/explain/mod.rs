@@ -47,7 +47,7 @@ pub fn terminal(markdown: &str, width: usize) -> String {
     for line in markdown.lines() {
         let fence = line.starts_with("```");
         if fence || fenced || line.is_empty() || line.starts_with("- ") {
-            text += &filled(&std::mem::take(&mut paragraph), width);
+            text += &fill(&std::mem::take(&mut paragraph), width);
         }
         match (fence, fenced) {
             (true, _) => fenced = !fenced,
@@ -56,11 +56,11 @@ pub fn terminal(markdown: &str, width: usize) -> String {
             (false, false) => paragraph += &format!("{} ", line.strip_prefix("# ").unwrap_or(line).trim_end()),
         }
     }
-    text + &filled(&paragraph, width)
+    text + &fill(&paragraph, width)
 }
 
 /// The lines of a paragraph; those after the first of a list item are indented.
-fn filled(paragraph: &str, width: usize) -> String {
+fn fill(paragraph: &str, width: usize) -> String {
     let indent = if paragraph.starts_with("- ") { 2 } else { 0 };
     match paragraph.trim_end() {
         "" => String::new(),

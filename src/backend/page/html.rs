@@ -5,7 +5,7 @@ use super::tables::{self, Lines};
 use super::{Answers, MotionShown, Page, Text, TransferShown};
 use crate::answers::ModalAnswer;
 use crate::answers::report::{self, Block, Options, Report, Section};
-use crate::backend::draw::{self, escaped};
+use crate::backend::draw::{self, escape};
 use crate::backend::plain;
 use crate::base::{Diagnostic, Severity};
 use crate::questions::answer::Sensitivity;
@@ -20,7 +20,7 @@ static HASHES: LazyLock<[String; 2]> = LazyLock::new(|| [STYLE, SCRIPT].map(hash
 
 /// The whole file.
 pub fn page(page: &Page) -> String {
-    let title = escaped(page.name);
+    let title = escape(page.name);
     // A page read from a file requests nothing; a page that is served asks its server for newer versions of itself.
     let (connect, live) = match page.version {
         Some(version) => ("connect-src 'self'; ", format!(" data-live=\"{version}\"")),
@@ -76,7 +76,7 @@ fn main(page: &Page) -> String {
     let lines = Lines::of(page.of.sources, page.of.model);
     match &page.answers {
         Some(answers) => text += &sections(answers, &lines),
-        None => text += &format!("<h1>{}</h1>\n", escaped(page.name)),
+        None => text += &format!("<h1>{}</h1>\n", escape(page.name)),
     }
     if page.shows_text {
         text += &model(&page.text, page.findings);
@@ -92,7 +92,7 @@ fn sections(of: &Answers, lines: &Lines) -> String {
     let (before, after): (Vec<&Section>, Vec<&Section>) =
         report.sections.iter().partition(|section| !matches!(section.heading, "Sensitivities" | "Independent parts"));
     for section in before {
-        text += &headed(section, lines, of);
+        text += &section_heading(section, lines, of);
         match section.heading {
             "Equations of motion" => text += &of.equations.map_or(String::new(), symbols),
             "Damped motion" => text += &poles(of),
@@ -102,7 +102,7 @@ fn sections(of: &Answers, lines: &Lines) -> String {
     text += &of.transfer.map_or(String::new(), |shown| transfer(of, shown, lines));
     text += &of.motion.map_or(String::new(), |shown| motion(of, shown, lines));
     for section in after {
-        text += &headed(section, lines, of);
+        text += &section_heading(section, lines, of);
         if section.heading == "Sensitivities" {
             text += &slopes(of.sensitivities);
         }
@@ -118,22 +118,22 @@ fn symbols(equations: &str) -> String {
     )
 }
 
-fn headed(section: &Section, lines: &Lines, of: &Answers) -> String {
+fn section_heading(section: &Section, lines: &Lines, of: &Answers) -> String {
     // A first line that only repeats the heading is left out.
     let repeats = |block: &Block| match block {
         Block::Line(line) => plain::line(line).eq_ignore_ascii_case(section.heading),
         _ => false,
     };
     let blocks = section.blocks.iter().skip_while(|block| repeats(block));
-    format!("<h2>{}</h2>\n{}", escaped(section.heading), tables::blocks(blocks, lines, of.entries))
+    format!("<h2>{}</h2>\n{}", escape(section.heading), tables::blocks(blocks, lines, of.entries))
 }
 
 fn figure(of: &Answers, lines: &Lines) -> String {
     let (shown, _) = match of.figure {
         Ok(shown) => shown,
-        Err(reason) => return format!("<p>no figure: {}</p>\n", escaped(reason)),
+        Err(reason) => return format!("<p>no figure: {}</p>\n", escape(reason)),
     };
-    let notes: Vec<String> = shown.notes.iter().map(|note| escaped(&note.text)).collect();
+    let notes: Vec<String> = shown.notes.iter().map(|note| escape(&note.text)).collect();
     let svg = draw::element(shown, |span| lines.line(span));
     let controls = if of.movements.list.is_empty() { String::new() } else { controls(of) };
     format!(
@@ -144,7 +144,7 @@ fn figure(of: &Answers, lines: &Lines) -> String {
 
 fn controls(of: &Answers) -> String {
     let time = of.motion.map(|_| "the motion over time".to_string());
-    let captions = of.movements.list.iter().map(|movement| escaped(&movement.caption)).chain(time);
+    let captions = of.movements.list.iter().map(|movement| escape(&movement.caption)).chain(time);
     let options: String =
         captions.enumerate().map(|(index, caption)| format!("<option value=\"{index}\">{caption}</option>")).collect();
     format!(
@@ -180,7 +180,7 @@ fn slopes(of: &[Sensitivity]) -> String {
 }
 
 fn options(names: impl Iterator<Item = String>) -> String {
-    names.enumerate().map(|(index, name)| format!("<option value=\"{index}\">{}</option>", escaped(&name))).collect()
+    names.enumerate().map(|(index, name)| format!("<option value=\"{index}\">{}</option>", escape(&name))).collect()
 }
 
 fn transfer(of: &Answers, shown: &TransferShown, lines: &Lines) -> String {
@@ -218,9 +218,7 @@ fn of_report(report: &Report, lines: &Lines) -> String {
     let sections: String = report
         .sections
         .iter()
-        .map(|section| {
-            format!("<h4>{}</h4>\n{}", escaped(section.heading), tables::blocks(&section.blocks, lines, &[]))
-        })
+        .map(|section| format!("<h4>{}</h4>\n{}", escape(section.heading), tables::blocks(&section.blocks, lines, &[])))
         .collect();
     format!("<h3>{}</h3>\n{sections}", tables::line(&report.title, lines))
 }
@@ -257,8 +255,8 @@ fn findings(page: &Page) -> String {
     }
     let lines = Lines::of(page.text.sources, page.text.model);
     let item = |finding: &&Diagnostic| {
-        let help: String = finding.help.iter().map(|help| format!("<br>{}", escaped(help))).collect();
-        let text = format!("{} ({})", escaped(&finding.message), escaped(finding.code.0));
+        let help: String = finding.help.iter().map(|help| format!("<br>{}", escape(help))).collect();
+        let text = format!("{} ({})", escape(&finding.message), escape(finding.code.0));
         match lines.line(Some(finding.primary.span)) {
             Some(line) => format!("<li><a href=\"#L{line}\" data-line=\"{line}\">line {line}</a>: {text}{help}</li>\n"),
             None => format!("<li>{text}{help}</li>\n"),
@@ -275,7 +273,7 @@ fn model(text: &Text, findings: &[Diagnostic]) -> String {
     let wrong: Vec<usize> = errors.filter_map(|finding| lines.line(Some(finding.primary.span))).collect();
     let line = |(number, line): (usize, &str)| {
         let class = if wrong.contains(&number) { " class=\"wrong\"" } else { "" };
-        let text = escaped(line.trim_end_matches('\r'));
+        let text = escape(line.trim_end_matches('\r'));
         format!("<li id=\"L{number}\"{class}><a class=\"n\" href=\"#L{number}\">{number}</a><code>{text}</code></li>\n")
     };
     let list: String = (1..).zip(text.sources.text(text.model).lines()).map(line).collect();

@@ -64,7 +64,7 @@ fn object<const N: usize>(parts: [(&str, Value); N]) -> Value {
 
 /// A number of a picture, to seven digits; `null` if it is not finite.
 fn plain(x: f64) -> Value {
-    let x = rounded::<7>(x);
+    let x = round::<7>(x);
     match x {
         _ if !x.is_finite() => Value::Null,
         _ if x == x.trunc() && x.abs() < 1e9 => Value::from(x as i64),
@@ -80,7 +80,7 @@ const POWERS: [f64; 23] = [
 
 /// A number with `DIGITS` decimal digits close to this one. A page has thousands of them, so the number is not
 /// formatted and parsed.
-fn rounded<const DIGITS: usize>(x: f64) -> f64 {
+fn round<const DIGITS: usize>(x: f64) -> f64 {
     let size = x.abs();
     let whole = POWERS[DIGITS];
     if size >= whole || size == 0.0 || !size.is_finite() {
@@ -342,7 +342,7 @@ fn motion(of: &Answers) -> Value {
 
 /// Samples of curves, of which a page has thousands: five digits.
 fn short(values: impl IntoIterator<Item = f64>) -> Value {
-    values.into_iter().map(|x| plain(rounded::<5>(x))).collect()
+    values.into_iter().map(|x| plain(round::<5>(x))).collect()
 }
 
 #[cfg(test)]
@@ -358,12 +358,12 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let fraction = (state >> 11) as f64 / (1u64 << 53) as f64;
             let x = (fraction - 0.5) * 10f64.powi((state % 60) as i32 - 30);
-            let (found, written) = (rounded::<7>(x), format!("{x:.6e}").parse::<f64>().unwrap());
+            let (found, written) = (round::<7>(x), format!("{x:.6e}").parse::<f64>().unwrap());
             assert!((found - written).abs() <= 1.000001e-6 * written.abs(), "{x:e}: {found:e}, {written:e}");
             assert!((found - x).abs() <= 0.500001e-6 * x.abs(), "{x:e}: {found:e}");
             assert_eq!(format!("{found:.6e}").parse::<f64>().unwrap(), found, "{x:e} has no more than seven digits");
         }
-        assert_eq!([rounded::<5>(0.0), rounded::<5>(1.0), rounded::<5>(-2.5e-3)], [0.0, 1.0, -2.5e-3]);
+        assert_eq!([round::<5>(0.0), round::<5>(1.0), round::<5>(-2.5e-3)], [0.0, 1.0, -2.5e-3]);
         assert!(plain(f64::NAN).is_null() && plain(f64::INFINITY).is_null());
         assert_eq!(plain(3.0), json!(3));
     }

@@ -2,7 +2,7 @@
 
 use crate::answers::report::{Align, Block, Cell, Column, Line, Matrices, Named, Part, Table};
 use crate::backend::decimal::certain_number;
-use crate::backend::draw::escaped;
+use crate::backend::draw::escape;
 use crate::backend::plain;
 use crate::base::{FileId, LineIndex, Sources, Span};
 
@@ -58,7 +58,7 @@ fn table(table: &Table, lines: &Lines) -> String {
     };
     let head = |column: &Column| {
         let unit =
-            if column.unit.is_empty() { String::new() } else { format!("<small>{}</small>", escaped(column.unit)) };
+            if column.unit.is_empty() { String::new() } else { format!("<small>{}</small>", escape(column.unit)) };
         // A column of units or signs has no title.
         match line(&column.title, lines) + &unit {
             title if title.is_empty() => "<td></td>".to_string(),
@@ -96,15 +96,15 @@ fn place(line: &Line) -> Option<Span> {
 
 pub fn line(line: &Line, lines: &Lines) -> String {
     let part = |part: &Part| match part {
-        Part::Words(words) => escaped(words),
+        Part::Words(words) => escape(words),
         Part::Named(named) => name(named, lines),
-        Part::Figure(number) => escaped(&plain::figure(number)),
+        Part::Figure(number) => escape(&plain::figure(number)),
     };
     line.parts.iter().map(part).collect()
 }
 
 fn name(named: &Named, lines: &Lines) -> String {
-    let text = escaped(&named.text);
+    let text = escape(&named.text);
     match lines.line(named.place) {
         Some(line) => format!("<a href=\"#L{line}\" data-line=\"{line}\">{text}</a>"),
         None => text,
@@ -115,7 +115,7 @@ fn matrices(of: &Matrices, lines: &Lines, entries: &[Vec<Vec<Option<Span>>>]) ->
     let one = |(which, (name, rows)): (usize, &(&'static str, Vec<Vec<crate::base::Number>>))| {
         let entry = |i: usize, j: usize, number: &crate::base::Number| {
             let made = entries.get(which).and_then(|rows| rows.get(i)?.get(j).copied().flatten());
-            let shown = escaped(&certain_number(number, of.digits));
+            let shown = escape(&certain_number(number, of.digits));
             let shown = match shown.strip_prefix('-') {
                 Some(size) => format!("<mo form=\"prefix\">−</mo><mn>{size}</mn>"),
                 None => format!("<mn>{shown}</mn>"),

@@ -175,11 +175,11 @@ pub fn decades(x: f64) -> f64 {
     let written = format!("{x:e}");
     let (digits, exponent) = written.split_once('e').unwrap_or(("1", "0"));
     let (digits, exponent) = (digits.parse().unwrap_or(1.0), exponent.parse().unwrap_or(0.0));
-    exponent + between(digits)
+    exponent + fraction_of_decade(digits)
 }
 
 /// log10 of 1..10 bit by bit, by squaring: the same on every machine.
-fn between(mut x: f64) -> f64 {
+fn fraction_of_decade(mut x: f64) -> f64 {
     let (mut sum, mut part) = (0.0, 0.5);
     for _ in 0..24 {
         x *= x;

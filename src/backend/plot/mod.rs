@@ -8,7 +8,7 @@ mod panel;
 pub mod shock;
 pub mod transfer;
 
-use super::draw::escaped;
+use super::draw::escape;
 use super::draw::path::{Tenths, path};
 use crate::picture::geometry::Point;
 use crate::picture::text;
@@ -129,7 +129,7 @@ pub fn svg(plot: &Plot) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"vibc-plot\" role=\"img\" width=\"{width}\" height=\"{height}\" \
          viewBox=\"0 0 {width} {height}\" style=\"max-width:100%;height:auto\">\n<title>{0}</title>\n<style>\n{STYLE}</style>\n\
          <text x=\"14\" y=\"23\" font-size=\"15\">{0}</text>\n",
-        escaped(&plot.title)
+        escape(&plot.title)
     );
     let mut top = TITLE;
     for (row, height) in plot.rows.iter().zip(heights) {

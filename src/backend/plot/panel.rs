@@ -1,7 +1,7 @@
 //! One panel of a plot: frame, ticks, titles, curves within the frame, marks, and labels in free places.
 
 use super::{BOTTOM, Curve, Entry, LEFT, LINE, Mark, Panel, RIGHT, Sample, Shape, Style, TOP, WIDTH, line, put};
-use crate::backend::draw::escaped;
+use crate::backend::draw::escape;
 use crate::backend::draw::path::Tenths;
 use crate::picture::geometry::{Bounds, Point};
 use crate::picture::labels::{Placing, Wanted};
@@ -30,8 +30,8 @@ pub fn draw(file: &mut String, panel: &Panel, at: Point) {
     for mark in &panel.marks {
         let Some(at) = place(panel, frame, mark.at) else { continue };
         let strokes = shape(mark.shape, at);
-        put(file, format_args!("<g class=\"mark {}\"><title>{}</title>", colour(mark.style), escaped(&mark.label)));
-        written(file, &strokes);
+        put(file, format_args!("<g class=\"mark {}\"><title>{}</title>", colour(mark.style), escape(&mark.label)));
+        write_strokes(file, &strokes);
         file.push_str("</g>\n");
         let half = Point::new(5.0, 5.0);
         let up = Point::new(0.0, if mark.shape == Shape::Dip { 1.0 } else { -1.0 });
@@ -53,7 +53,7 @@ pub fn draw(file: &mut String, panel: &Panel, at: Point) {
 
 fn heading(file: &mut String, panel: &Panel, frame: Bounds) {
     let (x, y) = (Tenths::of(frame.low.x), Tenths::of(frame.low.y - 9.0));
-    put(file, format_args!("<text x=\"{x}\" y=\"{y}\" font-size=\"13\">{}</text>\n", escaped(&panel.heading)));
+    put(file, format_args!("<text x=\"{x}\" y=\"{y}\" font-size=\"13\">{}</text>\n", escape(&panel.heading)));
 }
 
 fn axes(file: &mut String, panel: &Panel, frame: Bounds) {
@@ -87,13 +87,13 @@ fn axes(file: &mut String, panel: &Panel, frame: Bounds) {
     let corners = [frame.low, Point::new(frame.high.x, frame.low.y), frame.high, Point::new(frame.low.x, frame.high.y)];
     line(file, "frame", &corners, true);
     let (x, y) = (Tenths::of(frame.centre().x), Tenths::of(frame.high.y + 34.0));
-    put(file, format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">{}</text>\n", escaped(&panel.x.title)));
+    put(file, format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">{}</text>\n", escape(&panel.x.title)));
     let (x, y) = (Tenths::of(frame.low.x - LEFT + 14.0), Tenths::of(frame.centre().y));
     put(
         file,
         format_args!(
             "<text transform=\"translate({x} {y}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-            escaped(&panel.y.title)
+            escape(&panel.y.title)
         ),
     );
 }
@@ -161,7 +161,7 @@ fn shape(shape: Shape, at: Point) -> Vec<Stroke> {
     }
 }
 
-fn written(file: &mut String, strokes: &[Stroke]) {
+fn write_strokes(file: &mut String, strokes: &[Stroke]) {
     for stroke in strokes {
         match stroke {
             Stroke::Line { points, closed, pen } => {
@@ -193,7 +193,7 @@ fn outline(frame: Bounds) -> Glyph {
 /// Labels within the frame that do not cover anything.
 fn names(file: &mut String, frame: Bounds, glyphs: &[Glyph], wanted: Vec<Wanted>) {
     let mut room = Occupied::of(glyphs.iter());
-    room.only_within(&frame.grown(-INSIDE));
+    room.only_within(&frame.grow(-INSIDE));
     let mut placing = Placing::new(&mut room);
     placing.place(wanted);
     for leader in &placing.leaders {
@@ -210,7 +210,7 @@ fn names(file: &mut String, frame: Bounds, glyphs: &[Glyph], wanted: Vec<Wanted>
             format_args!(
                 "<text class=\"label\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" textLength=\"{width}\" \
                  lengthAdjust=\"spacingAndGlyphs\">{}</text>\n",
-                escaped(&label.text)
+                escape(&label.text)
             ),
         );
     }
@@ -227,12 +227,12 @@ fn legend(file: &mut String, panel: &Panel, frame: Bounds) {
             }
             Sample::Shape(of) => {
                 put(file, format_args!("<g class=\"{}\">", colour(*style)));
-                written(file, &shape(*of, at));
+                write_strokes(file, &shape(*of, at));
                 file.push_str("</g>\n");
             }
         }
         let (x, y) = (Tenths::of(frame.low.x + 30.0), Tenths::of(y + BASELINE));
-        put(file, format_args!("<text x=\"{x}\" y=\"{y}\">{}</text>\n", escaped(text)));
+        put(file, format_args!("<text x=\"{x}\" y=\"{y}\">{}</text>\n", escape(text)));
     }
 }
 

@@ -16,7 +16,7 @@ pub fn text(matrices: &Matrices, indent: usize, width: usize) -> String {
     let mut beside: Vec<Vec<String>> = Vec::new();
     let mut too_wide = Vec::new();
     let mut flush = |beside: &mut Vec<Vec<String>>| {
-        let joined = joined(&std::mem::take(beside));
+        let joined = join(&std::mem::take(beside));
         joined.iter().for_each(|row| text += &format!("{:indent$}{}\n", "", row.trim_end()));
     };
     for (name, entries) in &matrices.list {
@@ -79,7 +79,7 @@ fn breadth(block: &[String]) -> usize {
     block.iter().map(|line| characters(line)).max().unwrap_or(0)
 }
 
-fn joined(blocks: &[Vec<String>]) -> Vec<String> {
+fn join(blocks: &[Vec<String>]) -> Vec<String> {
     let rows = blocks.iter().map(Vec::len).max().unwrap_or(0);
     let row = |i: usize| blocks.iter().filter_map(|block| block.get(i)).map(String::as_str).collect::<Vec<_>>();
     (0..rows).map(|i| row(i).join(&" ".repeat(GAP))).collect()

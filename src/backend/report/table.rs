@@ -136,10 +136,10 @@ impl Table {
         if pieces.len() <= 1 {
             return vec![self.clone()];
         }
-        pieces.iter().map(|columns| self.chosen(columns)).collect()
+        pieces.iter().map(|columns| self.select(columns)).collect()
     }
 
-    fn chosen(&self, columns: &[usize]) -> Table {
+    fn select(&self, columns: &[usize]) -> Table {
         Table {
             columns: columns.iter().map(|at| self.columns[*at].clone()).collect(),
             rows: self.rows.iter().map(|row| columns.iter().map(|at| row[*at].clone()).collect()).collect(),
@@ -255,12 +255,12 @@ impl Layout {
     }
 
     fn title(&self, text: &str) -> String {
-        if self.align == Align::Left { self.left(text) } else { self.right(text) }
+        if self.align == Align::Left { self.pad_right(text) } else { self.right(text) }
     }
 
     fn cell(&self, text: &str) -> String {
         match self.align {
-            Align::Left => self.left(text),
+            Align::Left => self.pad_right(text),
             Align::Right => self.right(text),
             Align::Point if is_number(text) => {
                 self.right(&format!("{text}{}", " ".repeat(self.fraction - at_point(text).1)))
@@ -269,7 +269,7 @@ impl Layout {
         }
     }
 
-    fn left(&self, text: &str) -> String {
+    fn pad_right(&self, text: &str) -> String {
         format!("{text}{}", " ".repeat(self.width.saturating_sub(characters(text))))
     }
 

@@ -2,7 +2,7 @@
 //!
 //! A number with a bound is a promise, so a [`Bound`] is made from an enclosure. If a bound rests on a separate
 //! argument (a disc in the complex plane, the rounding of emitted code), the analysis that has the argument calls
-//! [`Bound::proved`]; the layers that print can only pass bounds on (`tests/suite/house.rs`). See
+//! [`Bound::by_proof`]; the layers that print can only pass bounds on (`tests/suite/house.rs`). See
 //! docs/method/numbers.md.
 
 use super::{Ball, Rounded, larger, up};
@@ -40,17 +40,17 @@ impl Bound {
 
     /// A bound of |midpoint - true| / |true|, for numbers that are printed with more digits than binary64 has.
     pub fn of_midpoint(enclosed: Ball) -> Bound {
-        Bound::proved(enclosed.relative_error())
+        Bound::by_proof(enclosed.relative_error())
     }
 
     /// A bound of |x|.
     pub fn size(enclosed: Ball) -> Bound {
-        Bound::proved(if enclosed.is_zero() { 0.0 } else { enclosed.magnitude() })
+        Bound::by_proof(if enclosed.is_zero() { 0.0 } else { enclosed.magnitude() })
     }
 
     /// A bound for which the caller has a proof, rounded upwards; NaN becomes infinite. Only the stages that compute
     /// call this: the layers that print have no proof.
-    pub fn proved(bound: f64) -> Bound {
+    pub fn by_proof(bound: f64) -> Bound {
         Bound(larger(bound, 0.0))
     }
 
@@ -70,7 +70,7 @@ impl Bound {
 
     /// The bound in units of another size; unknown if that may be zero.
     pub fn per(self, size: Ball) -> Bound {
-        if self.0 == 0.0 { Bound::ZERO } else { Bound::proved(self.0 / size.mignitude() * up::FEW) }
+        if self.0 == 0.0 { Bound::ZERO } else { Bound::by_proof(self.0 / size.mignitude() * up::FEW) }
     }
 }
 
@@ -92,11 +92,11 @@ mod tests {
 
     #[test]
     fn no_number_is_no_bound() {
-        assert_eq!(Bound::proved(f64::NAN), Bound::UNKNOWN);
+        assert_eq!(Bound::by_proof(f64::NAN), Bound::UNKNOWN);
         assert_eq!(Bound::absolute(Ball::new(Dd::ONE, f64::INFINITY)), Bound::UNKNOWN);
         assert_eq!(Bound::relative(Ball::new(Dd::ZERO, 1.0)), Bound::UNKNOWN);
         assert_eq!(Bound::of_midpoint(Ball::new(Dd::ZERO, 1.0)), Bound::UNKNOWN);
-        assert_eq!(Bound::proved(1.0).per(Ball::new(Dd::ZERO, 1.0)), Bound::UNKNOWN);
+        assert_eq!(Bound::by_proof(1.0).per(Ball::new(Dd::ZERO, 1.0)), Bound::UNKNOWN);
         assert_eq!(Bound::ZERO.or_larger(Bound::UNKNOWN), Bound::UNKNOWN);
         assert_eq!(Bound::UNKNOWN.or_larger(Bound::ZERO), Bound::UNKNOWN);
         assert_eq!(Bound::UNKNOWN + Bound::ZERO, Bound::UNKNOWN);
@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn sums_and_quotients_are_rounded_upwards() {
-        let (one, small) = (Bound::proved(1.0), Bound::proved(0.4 * f64::EPSILON));
+        let (one, small) = (Bound::by_proof(1.0), Bound::by_proof(0.4 * f64::EPSILON));
         assert!((one + small).value() > 1.0);
         assert_eq!((one + Bound::ZERO, Bound::ZERO + small), (one, small));
         assert!(one.per(Ball::from(3.0)).value() > 1.0 / 3.0);

@@ -50,7 +50,7 @@ impl Number {
             return Some(Number::Exact(raised));
         }
         if let Number::Pi(of_pi) = self
-            && let Some(raised) = pi::raised(of_pi, power)
+            && let Some(raised) = pi::pow(of_pi, power)
         {
             return Some(raised);
         }
@@ -275,11 +275,11 @@ fn ln(x: Ball) -> Ball {
 fn sin_cos(x: Ball) -> (Ball, Ball) {
     let k = (x.mid.hi / std::f64::consts::FRAC_PI_2).round();
     let half_pi = Ball::PI * Ball::from(0.5);
-    turned(k.rem_euclid(4.0) as i64, near_zero(x - half_pi * Ball::from(k)))
+    rotate_quarters(k.rem_euclid(4.0) as i64, near_zero(x - half_pi * Ball::from(k)))
 }
 
 /// Sine and cosine of r + quarters pi/2 from those of r.
-fn turned(quarters: i64, (sine, cosine): (Ball, Ball)) -> (Ball, Ball) {
+fn rotate_quarters(quarters: i64, (sine, cosine): (Ball, Ball)) -> (Ball, Ball) {
     match quarters {
         0 => (sine, cosine),
         1 => (cosine, -sine),
@@ -314,7 +314,7 @@ const LEFT_OUT: f64 = 2.63e35;
 
 /// Angles with many digits before the point.
 mod wide {
-    use super::{near_zero, turned};
+    use super::{near_zero, rotate_quarters};
     use crate::base::number::{Ball, Dd, Rational, two_to};
     use num_bigint::BigInt;
     use num_integer::Integer;
@@ -331,13 +331,13 @@ mod wide {
 
     /// Sine and cosine of an angle that is off by at most `error`.
     pub fn sin_cos(angle: &BigRational, error: f64) -> (Ball, Ball) {
-        let (quarters, left) = reduced(angle);
-        turned(quarters, near_zero(left.widen(error)))
+        let (quarters, left) = reduce_angle(angle);
+        rotate_quarters(quarters, near_zero(left.widen(error)))
     }
 
     /// The angle less a multiple of pi/2, and that multiple modulo 4. With x and p for 2^bits times the angle and pi, off by
     /// less than one and two, x - k p / 2 is off by less than k + 3: with |k| below 2^size, the left is known to 2^-BEHIND.
-    fn reduced(angle: &BigRational) -> (i64, Ball) {
+    fn reduce_angle(angle: &BigRational) -> (i64, Ball) {
         let size = (angle.numer().bits() + 4).saturating_sub(angle.denom().bits());
         let bits = BEHIND + size + 2;
         let x = (angle.numer() << bits).div_floor(angle.denom());

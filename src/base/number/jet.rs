@@ -27,7 +27,7 @@ thread_local! {
 }
 
 /// Runs a function and reports whether it lost a derivative.
-pub fn watched<T>(run: impl FnOnce() -> T) -> (T, bool) {
+pub fn watch_divisions<T>(run: impl FnOnce() -> T) -> (T, bool) {
     let before = LOST.replace(false);
     let result = run();
     let lost = LOST.replace(before);
@@ -36,9 +36,9 @@ pub fn watched<T>(run: impl FnOnce() -> T) -> (T, bool) {
 
 /// Runs a function; its result, unless it lost a derivative or asked a question that has not certainly the same answer for every
 /// value of the parameter. Otherwise it took the same way that it takes for each of them.
-pub fn undivided<T>(run: impl FnOnce() -> T) -> Option<T> {
+pub fn without_division<T>(run: impl FnOnce() -> T) -> Option<T> {
     let before = DIVIDED.replace(false);
-    let (result, lost) = watched(run);
+    let (result, lost) = watch_divisions(run);
     let divided = DIVIDED.replace(before);
     (!lost && !divided).then_some(result)
 }
@@ -168,26 +168,26 @@ mod tests {
     fn a_question_with_two_answers_divides_the_range() {
         let x = Jet::of_parameter(Ball::from(3.0).widen(1.0));
         let from = |low: i64| &x - &Number::from(low);
-        assert_eq!(undivided(|| from(1).is_positive()), Some(true));
+        assert_eq!(without_division(|| from(1).is_positive()), Some(true));
         let point = Jet::of_parameter(Ball::from(3.0));
-        assert_eq!(undivided(|| (&point - &point).is_zero()), Some(true));
-        assert_eq!(undivided(|| from(3).is_positive()), None);
-        assert_eq!(undivided(|| from(3).is_negative()), None);
-        assert_eq!(undivided(|| from(3).is_zero()), None);
-        assert!(undivided(|| &from(3) * &Number::from(2)).is_some(), "a product has one form");
-        assert_eq!(undivided(|| from(3).may_be_zero()), None);
-        assert_eq!(undivided(|| x.compare(&Number::from(5))), Some(Some(std::cmp::Ordering::Less)));
-        assert_eq!(undivided(|| x.compare(&Number::from(4))), None);
-        assert_eq!(undivided(|| x.to_f64()), None);
-        assert_eq!(undivided(|| x.to_ball()), None);
-        assert!(undivided(|| 0).is_some(), "an earlier question is not this one's");
+        assert_eq!(without_division(|| (&point - &point).is_zero()), Some(true));
+        assert_eq!(without_division(|| from(3).is_positive()), None);
+        assert_eq!(without_division(|| from(3).is_negative()), None);
+        assert_eq!(without_division(|| from(3).is_zero()), None);
+        assert!(without_division(|| &from(3) * &Number::from(2)).is_some(), "a product has one form");
+        assert_eq!(without_division(|| from(3).may_be_zero()), None);
+        assert_eq!(without_division(|| x.compare(&Number::from(5))), Some(Some(std::cmp::Ordering::Less)));
+        assert_eq!(without_division(|| x.compare(&Number::from(4))), None);
+        assert_eq!(without_division(|| x.to_f64()), None);
+        assert_eq!(without_division(|| x.to_ball()), None);
+        assert!(without_division(|| 0).is_some(), "an earlier question is not this one's");
     }
 
     #[test]
     fn a_lost_derivative_is_reported() {
         let x = Jet::of_parameter(Ball::from(3.0));
-        assert!(!watched(|| (&x * &x).is_positive()).1);
-        assert!(watched(|| x.to_ball()).1);
-        assert!(!watched(|| Number::pi().to_ball()).1);
+        assert!(!watch_divisions(|| (&x * &x).is_positive()).1);
+        assert!(watch_divisions(|| x.to_ball()).1);
+        assert!(!watch_divisions(|| Number::pi().to_ball()).1);
     }
 }

@@ -96,7 +96,7 @@ pub(super) fn quotient(a: &Number, b: &Number) -> Number {
 }
 
 /// An integer power; `None` if the power of pi is too large.
-pub(super) fn raised(number: &PiPower, exponent: i32) -> Option<Number> {
+pub(super) fn pow(number: &PiPower, exponent: i32) -> Option<Number> {
     let power = number.power.checked_mul(exponent).filter(|power| power.unsigned_abs() <= MOST)?;
     Some(PiPower::number(number.factor.powi(exponent)?, power))
 }

@@ -25,7 +25,7 @@ impl Rounded {
         let value = enclosed.mid.to_f64() + 0.0;
         // The difference is one low word or zero, so it is exact.
         let rounding = (enclosed.mid - Dd::from(value)).abs().to_f64();
-        let bound = Bound::proved(enclosed.rad) + Bound::proved(rounding);
+        let bound = Bound::by_proof(enclosed.rad) + Bound::by_proof(rounding);
         (value.is_finite() && bound.is_finite()).then_some(Rounded { value, bound })
     }
 
@@ -50,7 +50,7 @@ impl Rounded {
             return Bound::ZERO;
         }
         let least = (self.value.abs() - self.bound.value()).next_down();
-        if least > 0.0 { Bound::proved((self.bound.value() / least).next_up()) } else { Bound::UNKNOWN }
+        if least > 0.0 { Bound::by_proof((self.bound.value() / least).next_up()) } else { Bound::UNKNOWN }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Turns declarations into lines: on one line if it fits, otherwise each field on its own line. See spec.md#layout.
 
 use super::items::Item;
-use super::spacing::{Piece, Role, joined, needs_space, pieces};
+use super::spacing::{Piece, Role, join, needs_space, pieces};
 use super::{INDENT, WIDTH};
 use crate::editor::tokens::Token;
 use crate::syntax::tree::Tree;
@@ -65,7 +65,7 @@ impl Layout<'_> {
             Item::Declaration { tokens, comment } => self.declaration(tokens.clone(), *comment),
             Item::Open { tokens, comment } => {
                 let head = pieces(self.text, &self.tokens[tokens.clone()]);
-                let line = joined(head.iter().filter(|piece| piece.role != Role::LineEnd));
+                let line = join(head.iter().filter(|piece| piece.role != Role::LineEnd));
                 self.in_own_group(|layout| match has_comment(&head) {
                     true => layout.as_written(&head, *comment),
                     false => layout.push(Content::Plain(line), *comment),
@@ -105,7 +105,7 @@ impl Layout<'_> {
         let all = pieces(self.text, &self.tokens[tokens]);
         let line = self.one_line(&all);
         let is_plain = !has_comment(&all);
-        if is_plain && INDENT * self.level + joined(&line).chars().count() <= WIDTH {
+        if is_plain && INDENT * self.level + join(&line).chars().count() <= WIDTH {
             return self.push(content(&line), comment);
         }
         let braces =
@@ -151,7 +151,7 @@ impl Layout<'_> {
     /// `body b {`, each field on a separate line, `}`.
     fn fields(&mut self, all: &[Piece], braces: Range<usize>, comment: Option<usize>) {
         let mut at = braces.start + 1;
-        let head = joined(all[..at].iter().filter(|piece| piece.role != Role::LineEnd));
+        let head = join(all[..at].iter().filter(|piece| piece.role != Role::LineEnd));
         let beside = self.take_comment(all, &mut at);
         self.push_line(Content::Plain(head), beside);
         self.level += 1;
@@ -163,7 +163,7 @@ impl Layout<'_> {
         self.level -= 1;
         self.group += 1;
         let tail: Vec<Piece> = self.one_line(&all[last..]);
-        self.push(Content::Plain(joined(&tail)), comment);
+        self.push(Content::Plain(join(&tail)), comment);
     }
 
     /// Writes the content of braces at `at` (a field, a comment on a line of its own, or line ends); returns the place
@@ -206,10 +206,10 @@ impl Layout<'_> {
         let line: Vec<Piece> = field.iter().filter(|piece| piece.role != Role::LineEnd).cloned().collect();
         let content = match line.get(1) {
             Some(sign) if sign.text == "=" => {
-                let (name, rest) = (line[0].text.clone(), joined(&line[1..]));
+                let (name, rest) = (line[0].text.clone(), join(&line[1..]));
                 Content::Named { keyword: String::new(), name, sort: Sort::Value, rest }
             }
-            _ => Content::Plain(joined(&line)),
+            _ => Content::Plain(join(&line)),
         };
         self.push_line(content, beside);
         end
@@ -246,7 +246,7 @@ impl Layout<'_> {
             };
             let beside = if number + 1 == lines.len() { comment.clone().or(beside) } else { beside };
             self.level += inner;
-            self.push_line(Content::Plain(joined(code)), beside);
+            self.push_line(Content::Plain(join(code)), beside);
             self.level -= inner;
         }
     }
@@ -275,15 +275,15 @@ fn content(line: &[Piece]) -> Content {
     let cut =
         line.iter().position(|piece| piece.role == Role::Colon || piece.role == Role::Open('{') || piece.text == "=");
     let named = line.first().is_some_and(|keyword| is_named(&keyword.text));
-    let Some(cut) = cut.filter(|cut| named && *cut > 1) else { return Content::Plain(joined(line)) };
+    let Some(cut) = cut.filter(|cut| named && *cut > 1) else { return Content::Plain(join(line)) };
     let (sort, rest) = match line[cut].role {
         Role::Colon => (Sort::Ends, cut + 1),
         Role::Relation => (Sort::Value, cut),
         _ => (Sort::Fields, cut),
     };
     debug_assert!(needs_space(&line[0], &line[1]), "a blank stands after a keyword");
-    let (keyword, name) = (line[0].text.clone(), joined(&line[1..cut]));
-    Content::Named { keyword, name, sort, rest: joined(&line[rest..]) }
+    let (keyword, name) = (line[0].text.clone(), join(&line[1..cut]));
+    Content::Named { keyword, name, sort, rest: join(&line[rest..]) }
 }
 
 /// Whether a name follows this keyword, so that the line has columns.

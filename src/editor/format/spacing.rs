@@ -70,7 +70,7 @@ pub(super) fn needs_space(left: &Piece, right: &Piece) -> bool {
 }
 
 /// The pieces in one line.
-pub(super) fn joined<'p>(pieces: impl IntoIterator<Item = &'p Piece>) -> String {
+pub(super) fn join<'p>(pieces: impl IntoIterator<Item = &'p Piece>) -> String {
     let mut line = String::new();
     let mut last: Option<&Piece> = None;
     for piece in pieces {

@@ -54,7 +54,7 @@ impl Server<'_> {
         };
         for &(text, document) in &texts {
             enter(Entry { key: &text.key, text, document, id: document.file });
-            for (key, id) in used(text, document) {
+            for (key, id) in used_files(text, document) {
                 let open = self.opened_as(key).and_then(|open| Some((open, open.document.as_ref()?)));
                 enter(match open {
                     Some((text, document)) => Entry { key, text, document, id: document.file },
@@ -67,11 +67,11 @@ impl Server<'_> {
             .map(|Entry { document, id, .. }| (*id != document.file).then(|| Lexed::new(document.sources.text(*id))))
             .collect();
         let asked: Vec<(&str, FileId)> = texts.first().map_or(Vec::new(), |(text, document)| {
-            std::iter::once((&*text.key, document.file)).chain(used(text, document)).collect()
+            std::iter::once((&*text.key, document.file)).chain(used_files(text, document)).collect()
         });
         let list = files.iter().zip(&others).map(|(Entry { key, text, document, id }, lexed)| {
             let uses = document.tree.uses.iter().filter(|using| using.text.file() == *id);
-            let used = uses.filter_map(|using| text.key_of(document.sources.used(using.text)?));
+            let used = uses.filter_map(|using| text.key_of(document.sources.used_file(using.text)?));
             let uses = used.filter_map(|key| files.iter().position(|known| known.key == key)).collect();
             let id = asked.iter().find(|(known, _)| known == key).map(|(_, id)| *id);
             ProjectFile { key: key.to_string(), lexed: lexed.as_ref().unwrap_or(document), id, uses }
@@ -87,7 +87,7 @@ impl Server<'_> {
     pub(super) fn uri(&self, key: &str) -> Option<Uri> {
         match self.opened_as(key) {
             Some(text) => Some(text.uri.clone()),
-            None => std::path::Path::new(key).is_absolute().then(|| Uri(encoded(key))),
+            None => std::path::Path::new(key).is_absolute().then(|| Uri(file_uri(key))),
         }
     }
 
@@ -99,7 +99,8 @@ impl Server<'_> {
         let mut list = answers::diagnostics(document, self.encoding, &places);
         for other in self.texts.iter().filter(|other| other.uri != text.uri) {
             let Some(user) = &other.document else { continue };
-            let own = used(other, user).find(|(key, id)| *key == text.key && user.sources.text(*id) == document.text());
+            let own =
+                used_files(other, user).find(|(key, id)| *key == text.key && user.sources.text(*id) == document.text());
             let Some((_, id)) = own else { continue };
             let places = OfText { server: self, text: other, document: user };
             for finding in user.findings.iter().filter(|finding| finding.primary.span.file() == id) {
@@ -140,13 +141,13 @@ impl Places for OfText<'_, '_> {
 }
 
 /// The files that a text uses, directly or not, by their keys.
-fn used<'a>(text: &'a Text, document: &'a Document) -> impl Iterator<Item = (&'a str, FileId)> {
+fn used_files<'a>(text: &'a Text, document: &'a Document) -> impl Iterator<Item = (&'a str, FileId)> {
     let others = document.sources.models().filter(|id| *id != document.file);
     others.filter_map(|id| Some((text.key_of(id)?, id)))
 }
 
 /// The file URI of a path.
-fn encoded(path: &str) -> String {
+fn file_uri(path: &str) -> String {
     let mut uri = "file://".to_string();
     for byte in path.bytes() {
         match byte {
@@ -162,7 +163,7 @@ fn encoded(path: &str) -> String {
 pub(super) fn shown_at(document: &Document, finding: &Diagnostic) -> std::ops::Range<usize> {
     let mut spans = std::iter::once(&finding.primary).chain(&finding.related).map(|label| label.span);
     let uses = document.tree.uses.iter().filter(|using| using.text.file() == document.file);
-    let leads = |text: &Span| document.sources.used(*text) == Some(finding.primary.span.file());
+    let leads = |text: &Span| document.sources.used_file(*text) == Some(finding.primary.span.file());
     let own_uses: Vec<Span> = uses.map(|using| using.text).collect();
     // A file that is used by a used file has no `use` in this text.
     let using = || own_uses.iter().copied().find(leads).or_else(|| own_uses.first().copied());

@@ -49,7 +49,7 @@ pub fn serve(connection: &Connection, read: &Read) -> Leave {
     let folders = folders(&params);
     let capabilities = &params["capabilities"];
     let offered = position_encodings(&capabilities["general"]["positionEncodings"]);
-    let encoding = Encoding::negotiated(offered.as_deref());
+    let encoding = Encoding::negotiate(offered.as_deref());
     let refreshes = capabilities["workspace"]["inlayHint"]["refreshSupport"].as_bool();
     let (jobs, results) = worker();
     let mut server = Server {
@@ -252,7 +252,8 @@ impl Server<'_> {
                 let source = document.sources.file(file);
                 source.unread.is_some() || plain(&source.name) == path
             };
-            text.is_new |= document.tree.uses.iter().any(|using| document.sources.used(using.text).is_none_or(uses));
+            text.is_new |=
+                document.tree.uses.iter().any(|using| document.sources.used_file(using.text).is_none_or(uses));
         }
     }
 

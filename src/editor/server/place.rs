@@ -13,7 +13,7 @@ pub enum Encoding {
 
 impl Encoding {
     /// UTF-8 if the client offers it, otherwise UTF-16, which every client supports.
-    pub fn negotiated(offered: Option<&[PositionEncodingKind]>) -> Encoding {
+    pub fn negotiate(offered: Option<&[PositionEncodingKind]>) -> Encoding {
         match offered.is_some_and(|list| list.contains(&PositionEncodingKind::UTF8)) {
             true => Encoding::Utf8,
             false => Encoding::Utf16,

@@ -58,9 +58,9 @@ impl Server<'_> {
             "textDocument/rename" => self.answer_request::<RenameRequest>(params, |s, p| {
                 let (index, _, offset) = s.asked_at(&p.text_document_position_params)?;
                 s.in_project(index, true, |project| {
-                    let none = || refused("there is no name here".into());
+                    let none = || refusal("there is no name here".into());
                     let name = names::name_at(project, offset).ok_or_else(none)?;
-                    let places = names::rename(project, name, &p.new_name).map_err(refused)?;
+                    let places = names::rename(project, name, &p.new_name).map_err(refusal)?;
                     let edits = places.into_iter().filter_map(|at| s.location(project, at));
                     Ok(Some(answers::edits_of(edits.map(|location| (location, p.new_name.clone())))))
                 })
@@ -127,7 +127,7 @@ impl Server<'_> {
     fn text(&self, uri: &Uri) -> Result<(usize, &Document), Refusal> {
         let index = self.texts.iter().position(|text| text.uri == *uri);
         let found = index.and_then(|index| Some((index, self.texts[index].document.as_ref()?)));
-        found.ok_or_else(|| refused(format!("`{}` is not open", uri.0)))
+        found.ok_or_else(|| refusal(format!("`{}` is not open", uri.0)))
     }
 
     /// The text that is asked about, and the byte.
@@ -173,7 +173,7 @@ impl Server<'_> {
 
     /// The location of a token; `None` in a file that comes with the program.
     fn location(&self, project: &Project, at: At) -> Option<Location> {
-        let lexed = project.lexed(at.file);
+        let lexed = project.lexed_text(at.file);
         let range = self.encoding.range(lexed, lexed.tokens[at.token].range.clone());
         Some(Location { uri: self.uri(&project.files[at.file].key)?, range })
     }
@@ -213,10 +213,10 @@ impl Server<'_> {
     fn execute(&self, params: &ExecuteCommandParams) -> Answer<ExecuteCommandRequest> {
         let code = params.arguments.as_ref().and_then(|arguments| arguments.first()?.as_str());
         let (answers::EXPLAIN, Some(code)) = (params.command.as_str(), code) else {
-            return Err(refused(format!("`{}` is no command of this server", params.command)));
+            return Err(refusal(format!("`{}` is no command of this server", params.command)));
         };
         let page = explain::explain(code, std::iter::empty(), explain::WIDTH)
-            .map_err(|_| refused(format!("no diagnostic has the code `{code}`")))?;
+            .map_err(|_| refusal(format!("no diagnostic has the code `{code}`")))?;
         self.show(MESSAGE_INFO, page.clone());
         Ok(Some(page.into()))
     }
@@ -240,6 +240,6 @@ fn not_laid_out(document: &Document, findings: &[Diagnostic]) -> String {
     format!("The layout is left as it is: fix the syntax error{place} first.")
 }
 
-fn refused(message: String) -> Refusal {
+fn refusal(message: String) -> Refusal {
     Refusal { code: ErrorCode::RequestFailed, message }
 }

@@ -77,7 +77,7 @@ impl Jet {
     }
 
     /// x^n, or |x| x^(n-1); `None` if the sign is not known.
-    fn raised(self, exponent: u32, has_magnitude: bool) -> Option<Jet> {
+    fn pow(self, exponent: u32, has_magnitude: bool) -> Option<Jet> {
         let power = self.power(exponent as i32);
         match Number::Ball(self.value) {
             _ if !has_magnitude => Some(power),
@@ -91,7 +91,7 @@ impl Jet {
     fn integral(self, power: Power) -> Option<Jet> {
         let next = power.exponent + 1;
         let share = Ball::from(1.0) / Ball::from(f64::from(next));
-        Some(Jet::constant(share).times(self.raised(next, power.has_magnitude)?))
+        Some(Jet::constant(share).times(self.pow(next, power.has_magnitude)?))
     }
 }
 
@@ -174,8 +174,8 @@ pub fn verify(equations: &Equations) -> Result<(), EquationsError> {
                 return Err(state.defect(index, "the equation", &written, &derived));
             }
         }
-        if let Some(reduced) = equations.reduced() {
-            state.reduced(reduced)?;
+        if let Some(reduced) = equations.reduced_form() {
+            state.check_reduced(reduced)?;
         }
     }
     Ok(())
@@ -200,14 +200,14 @@ impl<'a> State<'a> {
         let multipliers = equations.constraints.iter().map(|constraint| constraint.multiplier);
         let given = works.chain(multipliers).map(|symbol| (symbol, fractions.next().to_ball())).collect();
         let mut state = State { equations, motions, given };
-        for follow in equations.reduced().into_iter().flat_map(|reduced| &reduced.follows) {
+        for follow in equations.reduced_form().into_iter().flat_map(|reduced| &reduced.follows) {
             for order in 0..3 {
                 let value = follow.in_proportion(&equations.motion, order).and_then(|sum| state.value(&sum));
                 state.motions[follow.coordinate][order] = value.unwrap_or(state.motions[follow.coordinate][order]);
             }
         }
         let ratios =
-            equations.reduced().into_iter().flat_map(|reduced| &reduced.follows).flat_map(|follow| &follow.ratios);
+            equations.reduced_form().into_iter().flat_map(|reduced| &reduced.follows).flat_map(|follow| &follow.ratios);
         let named: Vec<(Symbol, Ball)> =
             ratios.filter_map(|ratio| Some((ratio.name?, state.value(&ratio.form)?))).collect();
         state.given.extend(named);
@@ -220,7 +220,7 @@ impl<'a> State<'a> {
 
     /// Checks that velocity ratios satisfy the constraints, and that the equations without multipliers are the sums of
     /// the others that they should be.
-    fn reduced(mut self, reduced: &Reduced) -> Result<(), EquationsError> {
+    fn check_reduced(mut self, reduced: &Reduced) -> Result<(), EquationsError> {
         // Redundant constraints follow from the others where these are satisfied, not at any state.
         for (index, constraint) in self.equations.constraints.iter().enumerate() {
             if !reduced.held.contains(&index) {
@@ -235,7 +235,7 @@ impl<'a> State<'a> {
                 let what = format!("the rate of the constraint of {}", constraint.name);
                 return Err(defect(constraint.span, what, &left, &Number::ZERO));
             }
-            let Some((written, derived)) = self.projected(reduced, equation) else { continue };
+            let Some((written, derived)) = self.project(reduced, equation) else { continue };
             if !agree(&written, &derived) {
                 return Err(self.defect(index, "the equation without multipliers", &written, &derived));
             }
@@ -261,9 +261,9 @@ impl<'a> State<'a> {
     }
 
     /// The values of an equation without multipliers, and of the corresponding sum of those with multipliers.
-    fn projected(&self, reduced: &Reduced, equation: &Equation) -> Option<(Number, Number)> {
+    fn project(&self, reduced: &Reduced, equation: &Equation) -> Option<(Number, Number)> {
         let point = self.point(Perturbed::Nothing, Perturbed::Nothing)?;
-        let written = Number::Ball(point.written(equation)?);
+        let written = Number::Ball(point.printed_residual(equation)?);
         let (_, mut derived) = self.both_values(equation.coordinate)?;
         for follow in &reduced.follows {
             if let Some(ratio) = follow.ratios.iter().find(|ratio| ratio.by == equation.coordinate) {
@@ -320,7 +320,7 @@ impl<'a> State<'a> {
             }
             let coefficient = shifted.sum(&element.coefficient)?.value;
             if element.is_spring() {
-                let stretched = shifted.sum(&element.stretched())?;
+                let stretched = shifted.sum(&element.elongation())?;
                 let tension = shifted.sum(&element.tension)?.value;
                 derived = derived + coefficient * stretched.integral(element.power)?.a + tension * stretch.a;
             } else {
@@ -337,19 +337,19 @@ impl<'a> State<'a> {
             let force = shifted.motions.get(&work.force)?.value;
             derived = derived - force * shifted.sum(&work.displacement)?.a;
         }
-        let written = shifted.written(&equations.nonlinear[index])?;
+        let written = shifted.printed_residual(&equations.nonlinear[index])?;
         (derived.is_finite() && written.is_finite()).then_some((Number::Ball(written), Number::Ball(derived)))
     }
 }
 
 impl Point<'_> {
     /// The left side less the right, in the form that is printed.
-    fn written(&self, equation: &Equation) -> Option<Ball> {
+    fn printed_residual(&self, equation: &Equation) -> Option<Ball> {
         let mut whole = self.sum(&equation.plain)?.value - self.sum(&equation.forces)?.value;
         for line in &equation.lines {
             let element = &self.equations.energies.elements[line.element];
             let answered = self.sum(&force_variable(element, &self.equations.motion))?.value;
-            let power = Jet::constant(answered).raised(element.power.exponent, element.power.has_magnitude)?.value;
+            let power = Jet::constant(answered).pow(element.power.exponent, element.power.has_magnitude)?.value;
             let pull = self.sum(&element.coefficient)?.value * power + self.sum(&element.tension)?.value;
             let force = pull * self.sum(&line.slope)?.value;
             whole = match &element.stretch {

@@ -66,7 +66,7 @@ impl Matrices {
 }
 
 /// The linear system with the part that bases have in Rayleigh damping, by its definition: beta b0 + alpha M r for r with K r = b0.
-pub fn damped<'a>(
+pub fn with_base_damping<'a>(
     equations: &Equations,
     scene: &Scene,
     system: &'a LinearSystem,
@@ -174,7 +174,7 @@ fn transfer_function(
         false => (worth(&transfer.reduced.0), worth(&transfer.reduced.1)),
     };
     let (Some(over), Some(under)) = (over, under) else { return Ok(()) };
-    let Some((numerator, denominator)) = lowered(equations, transfer, whole, system) else { return Ok(()) };
+    let Some((numerator, denominator)) = lowered_fraction(equations, transfer, whole, system) else { return Ok(()) };
     for place in PLACES {
         let s = Number::from(Rational::new(place, 4));
         let at = |of: &Polynomial| polynomial::value(of, &s);
@@ -188,7 +188,7 @@ fn transfer_function(
 }
 
 /// Numerator and denominator from the linear system, in SI units.
-fn lowered(
+fn lowered_fraction(
     equations: &Equations,
     transfer: &Transfer,
     whole: &Matrices,

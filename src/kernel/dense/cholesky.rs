@@ -79,7 +79,7 @@ mod tests {
         let m = Matrix::from_fn(2, 2, |_, _| Dd::ONE / Dd::from(3.0));
         assert_eq!(factor(m.clone(), rounding(2)), Err(1));
         assert_eq!(factor(m, 1e-20), Err(1));
-        assert_eq!(factor(Matrix::filled(1, 1, Dd::from(-1.0)), 0.0), Err(0));
-        assert_eq!(factor(Matrix::filled(1, 1, Dd::from(f64::NAN)), 0.0), Err(0));
+        assert_eq!(factor(Matrix::fill_with(1, 1, Dd::from(-1.0)), 0.0), Err(0));
+        assert_eq!(factor(Matrix::fill_with(1, 1, Dd::from(f64::NAN)), 0.0), Err(0));
     }
 }

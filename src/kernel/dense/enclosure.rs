@@ -27,7 +27,7 @@ pub fn norm_bound(rows: usize, columns: usize, size: impl Fn(usize, usize) -> f6
 
 impl Matrix<Ball> {
     pub fn none(rows: usize, columns: usize) -> Matrix<Ball> {
-        Matrix::filled(rows, columns, Ball::ZERO)
+        Matrix::fill_with(rows, columns, Ball::ZERO)
     }
 
     pub fn mid(&self) -> Matrix<Dd> {
@@ -109,7 +109,7 @@ simd! {
                     sum = sum.plus_product(a.mid.at(at), V::splat(*factor));
                     off = V::load(&a.off[at..]).mul_add(V::splat(factor.abs()), off);
                 }
-                let sum = sum.normalised();
+                let sum = sum.normalise();
                 let (hi, lo, off) = (sum.hi.to_array(), sum.lo.to_array(), (off * V::splat(up::THOUSANDS)).to_array());
                 for (i, entry) in product.column_mut(j)[first..].iter_mut().enumerate().take(LANES) {
                     *entry = Ball::exact(Dd { hi: hi[i], lo: lo[i] }).widen(off[i]);
@@ -134,7 +134,7 @@ pub fn solve(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     if a.rows() < MANY_ROWS || eliminated.as_ref().is_some_and(is_sharp) {
         return eliminated;
     }
-    match (eliminated, verified(a, b)) {
+    match (eliminated, solve_verified(a, b)) {
         (Some(x), Some(y)) => Some(Matrix::from_fn(x.rows(), x.columns(), |i, j| {
             if x[(i, j)].rad <= y[(i, j)].rad { x[(i, j)] } else { y[(i, j)] }
         })),
@@ -178,7 +178,7 @@ fn eliminate(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
 /// A^-1 B from an approximate inverse R: with |1 - R A| <= gamma < 1 row by row, A is regular, and an approximation X
 /// of the solution has an error e with e <= |R (B - A X)| + |1 - R A| e (Rump, Acta Numerica 19 (2010) 287, section
 /// 10).
-fn verified(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
+fn solve_verified(a: &Matrix<Ball>, b: &Matrix<Ball>) -> Option<Matrix<Ball>> {
     let n = a.rows();
     let (by_rows, by_columns) = balance(a)?;
     let a = Matrix::from_fn(n, n, |i, j| a[(i, j)] * Ball::from(by_rows[i]) * Ball::from(by_columns[j]));
@@ -254,7 +254,7 @@ mod tests {
         // The Hilbert matrix of order 5; the solution for the sums of its rows is all ones.
         let n = 5;
         let a = Matrix::from_fn(n, n, |i, j| Ball::ONE / Ball::from((i + j + 1) as f64));
-        let b = product(&a, &Matrix::filled(n, 1, Ball::ONE));
+        let b = product(&a, &Matrix::fill_with(n, 1, Ball::ONE));
         let x = solve(&a, &b).expect("regular");
         for i in 0..n {
             assert!((x[(i, 0)] - Ball::ONE).contains_zero());
@@ -267,20 +267,20 @@ mod tests {
     fn a_hundred_rows_keep_their_digits() {
         let n = 100;
         let a = Matrix::from_fn(n, n, |i, j| Ball::from((n - i.max(j)) as f64) / Ball::from(7.0));
-        let b = product(&a, &Matrix::filled(n, 1, Ball::ONE));
-        for x in [verified(&a, &b).expect("regular"), solve(&a, &b).expect("regular")] {
+        let b = product(&a, &Matrix::fill_with(n, 1, Ball::ONE));
+        for x in [solve_verified(&a, &b).expect("regular"), solve(&a, &b).expect("regular")] {
             for i in 0..n {
                 assert!((x[(i, 0)] - Ball::ONE).contains_zero(), "{i}: {:?}", x[(i, 0)]);
                 assert!(x[(i, 0)].rad < 1e-22, "{i}: {:?}", x[(i, 0)]);
             }
         }
         let singular = Matrix::from_fn(n, n, |i, j| if i + 1 < n { a[(i, j)] } else { a[(0, j)] });
-        assert!(verified(&singular, &b).is_none() && solve(&singular, &b).is_none());
+        assert!(solve_verified(&singular, &b).is_none() && solve(&singular, &b).is_none());
         // Numbers of very different magnitude: rows of 1e-9 kg beside rows of 1e9 kg.
         let graded = |i: usize| 10f64.powi((i % 19) as i32 - 9);
         let graded = Matrix::from_fn(n, n, |i, j| a[(i, j)] * Ball::from(graded(i)) * Ball::from(graded(j)));
-        let b = product(&graded, &Matrix::filled(n, 1, Ball::ONE));
-        let x = verified(&graded, &b).expect("regular");
+        let b = product(&graded, &Matrix::fill_with(n, 1, Ball::ONE));
+        let x = solve_verified(&graded, &b).expect("regular");
         assert!((0..n).all(|i| (x[(i, 0)] - Ball::ONE).contains_zero()));
     }
 
@@ -340,7 +340,7 @@ mod tests {
     fn solutions_of_all_matrices_in_the_balls_are_enclosed() {
         let of = |radius: f64| {
             let entry = |i: usize, j: usize| if i == j { Ball::ONE.widen(radius) } else { Ball::ZERO };
-            verified(&Matrix::from_fn(2, 2, entry), &Matrix::filled(2, 1, Ball::ONE))
+            solve_verified(&Matrix::from_fn(2, 2, entry), &Matrix::fill_with(2, 1, Ball::ONE))
         };
         let x = of(0.3).expect("regular");
         for truth in [1.0 / 0.7, 1.0 / 1.3] {

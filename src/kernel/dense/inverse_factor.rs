@@ -17,9 +17,9 @@ pub fn inverse_factor(m: &Matrix<f64>) -> Option<Matrix<f64>> {
         |(row, column): (usize, usize), rows, columns| Matrix::from_fn(rows, columns, |i, j| m[(row + i, column + j)]);
     let first = inverse_factor(&block((0, 0), cut, cut))?;
     // L21 = M21 L11^-T; the remainder of M22 is M22 - L21 L21^T.
-    let below = product(View::of(&block((cut, 0), n - cut, cut)), View::of(&first).transposed());
+    let below = product(View::of(&block((cut, 0), n - cut, cut)), View::of(&first).transpose());
     let mut rest = block((cut, cut), n - cut, n - cut);
-    add_product(rest.data_mut(), n - cut, -1.0, View::of(&below), View::of(&below).transposed());
+    add_product(rest.data_mut(), n - cut, -1.0, View::of(&below), View::of(&below).transpose());
     let second = inverse_factor(&rest)?;
     let corner = product(View::of(&product(View::of(&second), View::of(&below))), View::of(&first));
     Some(Matrix::from_fn(n, n, |i, j| match (i < cut, j < cut) {
@@ -32,7 +32,7 @@ pub fn inverse_factor(m: &Matrix<f64>) -> Option<Matrix<f64>> {
 
 fn inverse_small(m: &Matrix<f64>) -> Option<Matrix<f64>> {
     let n = m.columns();
-    let mut l = Matrix::filled(n, n, 0.0);
+    let mut l = Matrix::fill_with(n, n, 0.0);
     for j in 0..n {
         for i in j..n {
             let rest = m[(i, j)] - (0..j).map(|k| l[(i, k)] * l[(j, k)]).sum::<f64>();
@@ -45,7 +45,7 @@ fn inverse_small(m: &Matrix<f64>) -> Option<Matrix<f64>> {
             }
         }
     }
-    let mut inverse = Matrix::filled(n, n, 0.0);
+    let mut inverse = Matrix::fill_with(n, n, 0.0);
     for j in 0..n {
         inverse[(j, j)] = 1.0 / l[(j, j)];
         for i in j + 1..n {
@@ -66,12 +66,12 @@ mod tests {
         let m = Matrix::from_fn(n, n, |i, j| 1.0 / (1.0 + i.abs_diff(j) as f64) + f64::from(i == j));
         let inverse = inverse_factor(&m).expect("diagonally dominant enough");
         let half = product(View::of(&inverse), View::of(&m));
-        let unit = product(View::of(&half), View::of(&inverse).transposed());
+        let unit = product(View::of(&half), View::of(&inverse).transpose());
         for j in 0..n {
             for i in 0..n {
                 assert!((unit[(i, j)] - f64::from(i == j)).abs() < 1e-14 && (i >= j || inverse[(i, j)] == 0.0));
             }
         }
-        assert!(inverse_factor(&Matrix::filled(40, 40, 1.0)).is_none());
+        assert!(inverse_factor(&Matrix::fill_with(40, 40, 1.0)).is_none());
     }
 }

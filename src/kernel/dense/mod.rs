@@ -27,7 +27,7 @@ pub struct Matrix<T> {
 }
 
 impl<T: Copy> Matrix<T> {
-    pub fn filled(rows: usize, columns: usize, value: T) -> Matrix<T> {
+    pub fn fill_with(rows: usize, columns: usize, value: T) -> Matrix<T> {
         Matrix { rows, columns, data: vec![value; rows * columns] }
     }
 
@@ -126,7 +126,7 @@ impl<T: Copy> IndexMut<(usize, usize)> for Matrix<T> {
 
 impl Matrix<Dd> {
     pub fn zeros(rows: usize, columns: usize) -> Matrix<Dd> {
-        Matrix::filled(rows, columns, Dd::ZERO)
+        Matrix::fill_with(rows, columns, Dd::ZERO)
     }
 
     pub fn identity(n: usize) -> Matrix<Dd> {

@@ -21,7 +21,7 @@ pub fn factor(mut g: Matrix<f64>, rank: usize) -> Matrix<f64> {
         order.swap(step, step + best);
         reflect(&mut g, step);
     }
-    let mut c = Matrix::filled(n, rank, 0.0);
+    let mut c = Matrix::fill_with(n, rank, 0.0);
     for (j, &original) in order.iter().enumerate() {
         for i in 0..rank.min(j + 1) {
             c[(original, i)] = g[(i, j)];

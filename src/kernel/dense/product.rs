@@ -59,7 +59,7 @@ impl<'a> View<'a> {
         View { data: &self.data[row * self.down + column * self.across..], rows, columns, ..self }
     }
 
-    pub fn transposed(self) -> View<'a> {
+    pub fn transpose(self) -> View<'a> {
         View { rows: self.columns, columns: self.rows, down: self.across, across: self.down, ..self }
     }
 
@@ -84,7 +84,7 @@ pub fn add_product(c: &mut [f64], stride: usize, f: f64, a: View, b: View) {
 
 /// A B
 pub fn product(a: View, b: View) -> Matrix<f64> {
-    let mut c = Matrix::filled(a.rows, b.columns, 0.0);
+    let mut c = Matrix::fill_with(a.rows, b.columns, 0.0);
     add_product(c.data_mut(), a.rows, 1.0, a, b);
     c
 }
@@ -103,7 +103,7 @@ fn add_packed_as<V: Eight>(c: &mut [f64], stride: usize, f: f64, a: View, b: Vie
         let columns = WIDTH.min(b.columns - column);
         for depth in (0..a.columns).step_by(DEPTH) {
             let deep = DEPTH.min(a.columns - depth);
-            pack(b.part((depth, column), (deep, columns)).transposed(), width, &mut right);
+            pack(b.part((depth, column), (deep, columns)).transpose(), width, &mut right);
             for row in (0..a.rows).step_by(HEIGHT) {
                 let high = HEIGHT.min(a.rows - row);
                 pack(a.part((row, depth), (high, deep)), rows, &mut left);
@@ -204,14 +204,14 @@ mod tests {
     use super::*;
     use crate::kernel::simd::Plain;
 
-    fn scrambled(rows: usize, columns: usize) -> Matrix<f64> {
+    fn scrambled_matrix(rows: usize, columns: usize) -> Matrix<f64> {
         Matrix::from_fn(rows, columns, |i, j| ((i * 37 + j * 101 + 7) % 97) as f64 / 48.0 - 1.0)
     }
 
     #[test]
     fn products_of_all_shapes_are_within_their_bound() {
         for (m, k, n) in [(1, 1, 1), (7, 300, 5), (24, 8, 8), (25, 257, 9), (200, 3, 50), (50, 600, 70)] {
-            let (a, b) = (scrambled(m, k), scrambled(k, n));
+            let (a, b) = (scrambled_matrix(m, k), scrambled_matrix(k, n));
             let c = product(View::of(&a), View::of(&b));
             for i in 0..m {
                 for j in 0..n {
@@ -226,10 +226,10 @@ mod tests {
 
     #[test]
     fn transposed_parts_multiply_in_place() {
-        let (a, b) = (scrambled(9, 12), scrambled(9, 7));
-        let whole = product(View::of(&a).transposed(), View::of(&b));
-        let mut c = Matrix::filled(12, 7, 1.0);
-        add_product(&mut c.data_mut()[3..], 12, -2.0, View::of(&a).part((0, 3), (9, 4)).transposed(), View::of(&b));
+        let (a, b) = (scrambled_matrix(9, 12), scrambled_matrix(9, 7));
+        let whole = product(View::of(&a).transpose(), View::of(&b));
+        let mut c = Matrix::fill_with(12, 7, 1.0);
+        add_product(&mut c.data_mut()[3..], 12, -2.0, View::of(&a).part((0, 3), (9, 4)).transpose(), View::of(&b));
         assert_eq!((c[(2, 3)], c[(7, 3)]), (1.0, 1.0));
         for i in 3..7 {
             assert_eq!(c[(i, 6)], (-2.0f64).mul_add(whole[(i, 6)], 1.0));
@@ -239,7 +239,7 @@ mod tests {
     /// A product that is divided among cores has the bits of its columns computed by themselves.
     #[test]
     fn the_division_among_cores_changes_no_bit() {
-        let (a, b) = (scrambled(60, 600), scrambled(600, 500));
+        let (a, b) = (scrambled_matrix(60, 600), scrambled_matrix(600, 500));
         let whole = product(View::of(&a), View::of(&b));
         for first in (0..500).step_by(125) {
             let part = product(View::of(&a), View::of(&b).part((0, first), (600, 125)));
@@ -251,9 +251,9 @@ mod tests {
 
     #[test]
     fn every_processor_finds_the_same_bits() {
-        let (a, b) = (scrambled(61, 531), scrambled(531, 43));
+        let (a, b) = (scrambled_matrix(61, 531), scrambled_matrix(531, 43));
         let here = product(View::of(&a), View::of(&b));
-        let mut plain = Matrix::filled(61, 43, 0.0);
+        let mut plain = Matrix::fill_with(61, 43, 0.0);
         add_packed_as::<Plain>(plain.data_mut(), 61, 1.0, View::of(&a), View::of(&b));
         assert_eq!(here, plain);
     }

@@ -11,7 +11,7 @@ use crate::kernel::simd::{MOST, Vector, each, simd};
 /// Real and imaginary parts of the vectors, a column for each eigenvalue.
 pub fn eigenvectors(pencil: &Tridiagonal, values: &[Complex<f64>]) -> (Matrix<f64>, Matrix<f64>) {
     let n = pencil.diagonal.len();
-    let (mut re, mut im) = (Matrix::filled(n, values.len(), 0.0), Matrix::filled(n, values.len(), 0.0));
+    let (mut re, mut im) = (Matrix::fill_with(n, values.len(), 0.0), Matrix::fill_with(n, values.len(), 0.0));
     side_by_side(pencil, values, &mut re, &mut im);
     (re, im)
 }
@@ -34,7 +34,7 @@ simd! {
             for (l, value) in chunk.iter().enumerate() {
                 let at = |list: &[Pair<[f64; MOST]>], i: usize| Complex::new(list[i].re[l], list[i].im[l]);
                 let column = block * V::WIDTH + l;
-                twisted(pencil, *value, |i| at(&down, i), |i| at(&up, i), re.column_mut(column), im.column_mut(column));
+                twisted_vector(pencil, *value, |i| at(&down, i), |i| at(&up, i), re.column_mut(column), im.column_mut(column));
             }
         }
     }
@@ -67,7 +67,7 @@ fn pivots<V: Vector>(pencil: &Tridiagonal, s: Pair<V>, down: &mut Vec<Pair<[f64;
 
 /// The vector of one eigenvalue from the reciprocals of both lists of pivots.
 #[inline(always)]
-fn twisted(
+fn twisted_vector(
     pencil: &Tridiagonal,
     s: Complex<f64>,
     down: impl Fn(usize) -> Complex<f64>,

@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     /// J S of a damped chain in the form [0 W; W C], C dense.
-    fn damped(n: usize, damping: f64) -> (Matrix<f64>, Vec<f64>, Vec<f64>) {
+    fn damped_chain(n: usize, damping: f64) -> (Matrix<f64>, Vec<f64>, Vec<f64>) {
         let rate = |j: usize| 1.0 + j as f64 * 0.37;
         let row = |i: usize, l: usize| ((i * 31 + l * 17 + 5) % 23) as f64 / 23.0 - 0.4;
         let c = |i: usize, j: usize| damping * (0..n).map(|l| row(i, l) * row(j, l)).sum::<f64>();
@@ -72,7 +72,7 @@ mod tests {
     fn vectors_are_those_of_the_matrix() {
         for n in [1, 2, 5, 40] {
             for damping in [0.0, 1e-3, 0.1, 3.0] {
-                let (s, signs, start) = damped(n, damping);
+                let (s, signs, start) = damped_chain(n, damping);
                 let found = eigen(&s, &signs, &start).expect("no breakdown");
                 let count: usize = found.values.iter().map(|z| if z.im == 0.0 { 1 } else { 2 }).sum();
                 assert_eq!(count, 2 * n, "{n} {damping}");
@@ -92,7 +92,7 @@ mod tests {
     /// A start without a part along half of the motions finds no more than breaks down or is not finite.
     #[test]
     fn numbers_that_are_not_finite_are_refused() {
-        let (mut s, signs, start) = damped(3, 0.1);
+        let (mut s, signs, start) = damped_chain(3, 0.1);
         s[(4, 3)] = f64::NAN;
         assert!(eigen(&s, &signs, &start).is_none());
     }

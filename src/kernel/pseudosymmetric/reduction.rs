@@ -81,7 +81,8 @@ impl Work {
     /// subtracted from the rest of the matrix.
     fn reduce_panel(&mut self, panel: std::ops::Range<usize>) -> Option<(Matrix<f64>, Matrix<f64>)> {
         let (n, first) = (self.a.columns(), panel.start);
-        let (mut v, mut w) = (Matrix::filled(n - first, panel.len(), 0.0), Matrix::filled(n - first, panel.len(), 0.0));
+        let (mut v, mut w) =
+            (Matrix::fill_with(n - first, panel.len(), 0.0), Matrix::fill_with(n - first, panel.len(), 0.0));
         for j in panel {
             let done = j - first;
             let column = &mut self.a.column_mut(j)[j..];
@@ -203,7 +204,7 @@ impl Reduced {
             let t = self.triangle(&v, &signed, start);
             // Row i of the reduction is row i - 1 of Z.
             let below = View::of(z).part((start, 0), (rows - start, z.columns()));
-            let along = product(View::of(&v).transposed(), below);
+            let along = product(View::of(&v).transpose(), below);
             let along = product(View::of(&t), View::of(&along));
             add_product(&mut z.data_mut()[start..], rows, -1.0, View::of(&signed), View::of(&along));
         }
@@ -216,8 +217,8 @@ impl Reduced {
     /// T of the panel's product 1 - J V T V^T (Schreiber and Van Loan, SIAM J. Sci. Stat. Comput. 10 (1989) 53).
     fn triangle(&self, v: &Matrix<f64>, signed: &Matrix<f64>, start: usize) -> Matrix<f64> {
         let width = v.columns();
-        let mut t = Matrix::filled(width, width, 0.0);
-        let squares = product(View::of(v).transposed(), View::of(signed));
+        let mut t = Matrix::fill_with(width, width, 0.0);
+        let squares = product(View::of(v).transpose(), View::of(signed));
         for j in 0..width {
             let factor = self.factors[start + j];
             for i in 0..j {

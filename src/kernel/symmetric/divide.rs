@@ -34,7 +34,7 @@ pub fn solve(diagonal: &[f64], beside: &[f64]) -> Eigen {
     upper[cut - 1] -= coupling.abs();
     lower[0] -= coupling.abs();
     let (first, second) = (solve(&upper, &beside[..cut - 1]), solve(&lower, &beside[cut..]));
-    Merge::new(first, second, coupling).solved()
+    Merge::new(first, second, coupling).into_eigen()
 }
 
 fn solve_small(diagonal: &[f64], beside: &[f64]) -> Eigen {
@@ -74,7 +74,7 @@ impl Merge {
     fn new(first: Eigen, second: Eigen, coupling: f64) -> Merge {
         let (cut, rest) = (first.values.len(), second.values.len());
         let n = cut + rest;
-        let mut q = Matrix::filled(n, n, 0.0);
+        let mut q = Matrix::fill_with(n, n, 0.0);
         for j in 0..cut {
             q.column_mut(j)[..cut].copy_from_slice(first.vectors.column(j));
         }
@@ -93,10 +93,10 @@ impl Merge {
         }
     }
 
-    fn solved(mut self) -> Eigen {
+    fn into_eigen(mut self) -> Eigen {
         let kept = self.deflate();
         let zeros = Zeros::of(&kept.iter().map(|&j| self.d[j]).collect::<Vec<_>>(), &self.entries(&kept), self.r);
-        let turned = self.turned(&kept, &zeros);
+        let turned = self.rotate_vectors(&kept, &zeros);
         let n = self.d.len();
         let mut is_kept = vec![false; n];
         kept.iter().for_each(|&j| is_kept[j] = true);
@@ -105,7 +105,7 @@ impl Merge {
         let column = |i: usize| if i < kept.len() { turned.column(i) } else { self.q.column(aside[i - kept.len()]) };
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|&a, &b| value(a).total_cmp(&value(b)));
-        let mut vectors = Matrix::filled(n, n, 0.0);
+        let mut vectors = Matrix::fill_with(n, n, 0.0);
         for (j, &i) in order.iter().enumerate() {
             vectors.column_mut(j).copy_from_slice(column(i));
         }
@@ -160,9 +160,9 @@ impl Merge {
 
     /// The kept columns times the vectors of the zeros; each half of the rows uses only the columns that have entries
     /// there.
-    fn turned(&self, kept: &[usize], zeros: &Zeros) -> Matrix<f64> {
+    fn rotate_vectors(&self, kept: &[usize], zeros: &Zeros) -> Matrix<f64> {
         let (n, k) = (self.d.len(), kept.len());
-        let mut turned = Matrix::filled(n, k, 0.0);
+        let mut turned = Matrix::fill_with(n, k, 0.0);
         let parts = [(0..self.cut, Half::Second), (self.cut..n, Half::First)];
         for (rows, without) in parts {
             let places: Vec<usize> = (0..k).filter(|&place| self.halves[kept[place]] != without).collect();
@@ -188,7 +188,7 @@ impl Zeros {
         let k = d.len();
         let squares: Vec<f64> = z.iter().map(|z| z * z).collect();
         // d_j - x_i in column i.
-        let mut delta = Matrix::filled(k, k, 0.0);
+        let mut delta = Matrix::fill_with(k, k, 0.0);
         let mut values = Vec::with_capacity(k);
         for i in 0..k {
             let zero = secular::zero(d, &squares, r, i, delta.column_mut(i));

@@ -49,7 +49,7 @@ pub fn zero(d: &[f64], squares: &[f64], r: f64, i: usize, delta: &mut [f64]) -> 
     let mut x = first_guess(delta, squares, r, i, poles, d[origin] - d[i], 0.5 * width);
     for _ in 0..MAX_STEPS {
         if x.is_nan() || x <= low || x >= high {
-            x = between(low, high);
+            x = middle_between(low, high);
         }
         shifted(origin, x, delta);
         let sums = sums(delta, squares, if last { poles.0 } else { i });
@@ -69,14 +69,14 @@ pub fn zero(d: &[f64], squares: &[f64], r: f64, i: usize, delta: &mut [f64]) -> 
         let step = middle_way(&sums, f, delta[poles.0], delta[poles.1], poles.0 == poles.1);
         x += step;
         if step.is_nan() || x + step == x {
-            x = between(low, high);
+            x = middle_between(low, high);
         }
     }
     Zero { origin, distance: x }
 }
 
 /// A number between two of one sign (or zero): the geometric middle if they are far apart.
-fn between(low: f64, high: f64) -> f64 {
+fn middle_between(low: f64, high: f64) -> f64 {
     let (near, far) = if low >= 0.0 { (low, high) } else { (-high, -low) };
     let size = match near > 0.0 && far > 4.0 * near {
         true => near.sqrt() * far.sqrt(),

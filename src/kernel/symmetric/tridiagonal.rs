@@ -52,7 +52,8 @@ fn reduce_panel(
     diagonal: &mut [f64],
 ) -> (Matrix<f64>, Matrix<f64>) {
     let (n, first) = (a.columns(), panel.start);
-    let (mut v, mut w) = (Matrix::filled(n - first, panel.len(), 0.0), Matrix::filled(n - first, panel.len(), 0.0));
+    let (mut v, mut w) =
+        (Matrix::fill_with(n - first, panel.len(), 0.0), Matrix::fill_with(n - first, panel.len(), 0.0));
     for j in panel {
         let done = j - first;
         let column = &mut a.column_mut(j)[j..];
@@ -112,7 +113,7 @@ pub fn subtract_products(a: &mut Matrix<f64>, end: usize, first: usize, v: &Matr
         let (rows, columns, from) = (n - strip, STRIP.min(n - strip), strip - end);
         let left = View::of(&left).part((from, 0), (rows, 2 * width));
         let right = View::of(&right).part((from, 0), (columns, 2 * width));
-        add_product(&mut a.data_mut()[strip * n + strip..], n, -1.0, left, right.transposed());
+        add_product(&mut a.data_mut()[strip * n + strip..], n, -1.0, left, right.transpose());
     }
 }
 
@@ -129,7 +130,7 @@ impl Reduced {
             });
             let t = self.triangle(&v, start);
             let rows = View::of(z).part((start + 1, 0), (n - start - 1, z.columns()));
-            let along = product(View::of(&v).transposed(), rows);
+            let along = product(View::of(&v).transpose(), rows);
             let along = product(View::of(&t), View::of(&along));
             add_product(&mut z.data_mut()[start + 1..], n, -1.0, View::of(&v), View::of(&along));
         }
@@ -138,8 +139,8 @@ impl Reduced {
     /// T of the panel's product 1 - V T V^T.
     fn triangle(&self, v: &Matrix<f64>, start: usize) -> Matrix<f64> {
         let width = v.columns();
-        let mut t = Matrix::filled(width, width, 0.0);
-        let squares = product(View::of(v).transposed(), View::of(v));
+        let mut t = Matrix::fill_with(width, width, 0.0);
+        let squares = product(View::of(v).transpose(), View::of(v));
         for j in 0..width {
             let factor = self.factors[start + j];
             for i in 0..j {

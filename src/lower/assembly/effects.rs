@@ -33,11 +33,11 @@ impl Assembly<'_> {
     pub fn states(&self) -> [Vec<bool>; 2] {
         // C = alpha M + beta K
         let is_damped = matches!(&self.scene.damping, Some(Damping::Rayleigh { beta, .. }) if !beta.is_zero());
-        [self.touched(if is_damped { 3 } else { 2 }), self.touched(1)]
+        [self.touched_coordinates(if is_damped { 3 } else { 2 }), self.touched_coordinates(1)]
     }
 
     /// The coordinates that some term of the first so many of M, C and K contains.
-    fn touched(&self, count: usize) -> Vec<bool> {
+    fn touched_coordinates(&self, count: usize) -> Vec<bool> {
         let n = self.reduction.n();
         let mut touched = vec![false; n + self.chain.len()];
         for form in [&self.m, &self.c, &self.k].into_iter().take(count) {
@@ -60,7 +60,7 @@ impl Assembly<'_> {
     /// otherwise its position is undetermined. Combinations of degrees of freedom that are undetermined only together are
     /// found by the analyses.
     pub(super) fn every_freedom_is_determined(&self) -> Result<(), Vec<LowerError>> {
-        let felt = self.touched(3);
+        let felt = self.touched_coordinates(3);
         let idle = |place: usize| self.idle_error(&self.kinematics.free[self.reduction.at(place) as usize]);
         let idle: Vec<LowerError> = (0..felt.len()).filter(|place| !felt[*place]).map(idle).collect();
         if idle.is_empty() { Ok(()) } else { Err(idle) }

@@ -58,7 +58,7 @@ impl Assembly<'_> {
     fn loss(&mut self, number: usize, element: &Element) {
         let Some(loss) = &element.law.loss else { return };
         let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
-        let stretched = self.stretched(&stretch);
+        let stretched = self.measure_stretch(&stretch);
         let source = self.c.source(Source { name: plain(element.name), origin: Origin::Element(number as u32) });
         let weight = &element.law.coefficient * loss;
         self.slope_square(Order::Velocity, source, &weight, &stretched);

@@ -73,7 +73,7 @@ impl Forces {
 }
 
 /// The reactions on released motions, in their order.
-pub fn carried(
+pub fn released_reactions(
     scene: &Scene,
     released: &Released,
     (constraints, reduction): (&Constraints, &Reduction),
@@ -158,7 +158,7 @@ impl Assembly<'_> {
                 for (number, element) in scene.elements.iter().enumerate() {
                     let Some(rate) = held.and_then(|held| held.rate(number)) else { continue };
                     let stretch = self.between.set_ends(kinematics, &element.ends, &element.geometry);
-                    let stretched = self.stretched(&stretch);
+                    let stretched = self.measure_stretch(&stretch);
                     loads::slope(&stretched, &self.reach, &self.between, &mut self.row);
                     for (coordinate, entry) in self.row.drain(..) {
                         let slope = &mut slopes[coordinate as usize];

@@ -81,7 +81,7 @@ fn of_couple(kinematics: &Kinematics, couple: &Couple) -> Equation<Number> {
                 let mut path = Path::default();
                 loads::path_from_ground(kinematics, kinematics.point(*part, at.as_ref()), &mut path);
                 path.shrink_to_fit();
-                let direction = Vector::of(direction).scaled(coefficient);
+                let direction = Vector::of(direction).scale(coefficient);
                 equation.components.push(Component { path, direction, carrier: None });
             }
             Motion::Turn { part, .. } => {

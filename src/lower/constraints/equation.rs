@@ -35,10 +35,10 @@ pub struct Component<S> {
 }
 
 impl Equation<Number> {
-    pub fn converted<S: Scalar>(&self) -> Equation<S> {
+    pub fn convert<S: Scalar>(&self) -> Equation<S> {
         let vector = |v: &Vector<Number>| Vector { x: S::of(&v.x), y: S::of(&v.y), z: S::of(&v.z) };
         let component = |component: &Component<Number>| Component {
-            path: component.path.converted(),
+            path: component.path.convert(),
             direction: vector(&component.direction),
             carrier: component.carrier,
         };
@@ -85,7 +85,7 @@ impl<S: Scalar> Equation<S> {
         let mut part = Vec::new();
         for component in &self.components {
             reach.measure(kinematics, state, &component.path);
-            let direction = component.turned(kinematics, state);
+            let direction = component.rotate(kinematics, state);
             value = value.plus(&direction.dot(&reach.displacement));
             reach.row(&direction, &mut part);
             row.append(&mut part);
@@ -113,7 +113,7 @@ impl<S: Scalar> Equation<S> {
     ) {
         for component in &self.components {
             reach.measure(kinematics, state, &component.path);
-            let direction = component.turned(kinematics, state).scaled(multiplier);
+            let direction = component.rotate(kinematics, state).scale(multiplier);
             reach.curvature(&direction, &mut visit);
             let Some(carrier) = component.carrier else { continue };
             let turning = kinematics.axis(carrier).cross(&direction);
@@ -124,7 +124,7 @@ impl<S: Scalar> Equation<S> {
                     visit(carrier, *coordinate, both);
                 }
             }
-            let own = direction.dot(&reach.displacement).negated();
+            let own = direction.dot(&reach.displacement).negate();
             if !own.is_zero() {
                 visit(carrier, carrier, own);
             }
@@ -134,9 +134,9 @@ impl<S: Scalar> Equation<S> {
 
 impl<S: Scalar> Component<S> {
     /// R n.
-    fn turned(&self, kinematics: &Kinematics, state: &State<S>) -> Vector<S> {
+    fn rotate(&self, kinematics: &Kinematics, state: &State<S>) -> Vector<S> {
         match self.carrier {
-            Some(carrier) => state.turned(kinematics, carrier, &self.direction),
+            Some(carrier) => state.rotate_by(kinematics, carrier, &self.direction),
             None => self.direction.clone(),
         }
     }

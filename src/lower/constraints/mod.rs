@@ -100,7 +100,7 @@ impl Constraint {
 impl Constraints {
     /// The constraints together with those of released motions. An error if one of these motions follows from the others:
     /// then several joints hold the same parts, and the load on each of them is not determined.
-    pub fn released(
+    pub fn with_released(
         &self,
         scene: &Scene,
         released: &Released,
@@ -128,7 +128,7 @@ impl Constraints {
             all.into_iter().partition(|constraint| kept.contains(&(constraint.source, constraint.part)));
         let all = Constraints { list, redundant, length: self.length };
         let new = match all.is_empty() {
-            true => Reduction::unconstrained(kinematics.n()),
+            true => Reduction::identity(kinematics.n()),
             false => {
                 let elimination = all.eliminate(scene, kinematics, state);
                 let elimination =
@@ -203,7 +203,7 @@ impl Constraints {
         state: &State<Number>,
     ) -> Result<Reduction, Vec<LowerError>> {
         if self.is_empty() {
-            return Ok(Reduction::unconstrained(kinematics.n()));
+            return Ok(Reduction::identity(kinematics.n()));
         }
         let elimination = self.eliminate(scene, kinematics, state)?;
         if let Some(left) = elimination.left.first() {

@@ -41,7 +41,7 @@ pub fn classify(
             }
         }
     }
-    errors.extend(opposed(scene, kinematics, &all, &elimination));
+    errors.extend(opposing_couplings(scene, kinematics, &all, &elimination));
     if !errors.is_empty() {
         return Err(errors.into_values().collect());
     }
@@ -161,7 +161,7 @@ fn has_both_signs(form: &BTreeMap<(Index, Index), Number>) -> bool {
 
 /// Two or more couplings that together prevent all motion of a coordinate, although none of them does so alone.
 /// Coordinates of couplings that already have an error are skipped.
-fn opposed(
+fn opposing_couplings(
     scene: &Scene,
     kinematics: &Kinematics,
     all: &Constraints,

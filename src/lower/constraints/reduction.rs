@@ -26,7 +26,7 @@ const DEPENDENT: u32 = u32::MAX;
 
 impl Reduction {
     /// Without constraints: every coordinate of the tree is a coordinate of the system.
-    pub fn unconstrained(free: usize) -> Reduction {
+    pub fn identity(free: usize) -> Reduction {
         Reduction {
             free,
             elimination: Elimination::default(),

@@ -98,7 +98,7 @@ impl Path<Number> {
         parts
     }
 
-    pub fn converted<S: Scalar>(&self) -> Path<S> {
+    pub fn convert<S: Scalar>(&self) -> Path<S> {
         let vector = |v: &Vector<Number>| Vector { x: S::of(&v.x), y: S::of(&v.y), z: S::of(&v.z) };
         let turn = |turn: &Turn<Number>| Turn { group: turn.group, arm: vector(&turn.arm) };
         let run =
@@ -132,9 +132,9 @@ impl<S: Scalar> State<S> {
     }
 
     /// A vector rotated by an angle coordinate.
-    pub fn turned(&self, kinematics: &Kinematics, angle: Index, v: &Vector<S>) -> Vector<S> {
+    pub fn rotate_by(&self, kinematics: &Kinematics, angle: Index, v: &Vector<S>) -> Vector<S> {
         match self.turned.get(kinematics.group_of[angle as usize] as usize) {
-            Some(Some((sine, cosine))) => v.turned(&kinematics.axis(angle), sine, cosine),
+            Some(Some((sine, cosine))) => v.rotate(&kinematics.axis(angle), sine, cosine),
             _ => v.clone(),
         }
     }
@@ -154,7 +154,7 @@ impl<S: Scalar> State<S> {
 }
 
 impl State<Number> {
-    pub fn converted<S: Scalar>(&self, kinematics: &Kinematics) -> State<S> {
+    pub fn convert<S: Scalar>(&self, kinematics: &Kinematics) -> State<S> {
         let mut state = State::as_drawn();
         for (coordinate, value) in self.values.iter().enumerate().filter(|(_, value)| !value.is_zero()) {
             state.set(kinematics, coordinate as Index, S::of(value));
@@ -212,7 +212,7 @@ impl<S: Scalar> PathEvaluation<S> {
             let rotated = self.rotate(kinematics, state, run.group, &run.direction);
             let direction = rotated.unwrap_or_else(|| run.direction.clone());
             let value = state.value(run.coordinate);
-            let way = (!value.is_zero()).then(|| direction.scaled(value));
+            let way = (!value.is_zero()).then(|| direction.scale(value));
             if let Some(way) = &way {
                 self.displacement = self.displacement.plus(way);
             }
@@ -236,7 +236,7 @@ impl<S: Scalar> PathEvaluation<S> {
     /// R_g v; `None` if the group has not turned.
     fn rotate(&self, kinematics: &Kinematics, state: &State<S>, group: u32, v: &Vector<S>) -> Option<Vector<S>> {
         let (sine, cosine) = state.turned.get(group as usize)?.as_ref()?;
-        Some(v.turned(&Vector::of(&kinematics.groups[group as usize].axis), sine, cosine))
+        Some(v.rotate(&Vector::of(&kinematics.groups[group as usize].axis), sine, cosine))
     }
 
     /// Adds an arm to the entry of its group in `swept`, and returns the index of that entry.

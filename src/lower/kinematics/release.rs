@@ -61,7 +61,7 @@ enum Way {
 
 impl Kinematics {
     /// Releases the motions on which some reactions do work; an error names the reaction for which that is impossible.
-    pub fn released(&self, scene: &Scene, reactions: &[Reaction]) -> Result<Released, (usize, Unreleased)> {
+    pub fn release_motions(&self, scene: &Scene, reactions: &[Reaction]) -> Result<Released, (usize, Unreleased)> {
         let mut builder = Builder::new(self, scene);
         for (number, reaction) in reactions.iter().enumerate() {
             if let Some(joint) = builder.rigid_in_tree(reaction.holder) {
@@ -171,7 +171,7 @@ impl Released {
 impl Path<Number> {
     /// Takes a released displacement off the path.
     pub fn release(&mut self, coordinate: Index, axis: &Vec3) {
-        self.runs.push(Run { coordinate, group: NO_TURN, direction: Vector::of(axis).negated() });
+        self.runs.push(Run { coordinate, group: NO_TURN, direction: Vector::of(axis).negate() });
     }
 }
 

@@ -112,7 +112,7 @@ impl<'a> Balance<'a> {
             slopes: loads.gradient,
             left: Vec::new(),
             unsettled: Vec::new(),
-            proven: Proven::balanced(&[]),
+            proven: Proven::prove_balance(&[]),
             sizes: loads.forces,
             residual: 0.0,
         }
@@ -306,7 +306,7 @@ impl<'a> Balance<'a> {
             tensions.push(Tension { element: id, spring, tension, turns: element.geometry == Geometry::Torsion });
             rates[column.element] = Some(rate);
         }
-        let proven = Proven::and(self.proven, Proven::balanced(&self.unsettled));
+        let proven = Proven::and(self.proven, Proven::prove_balance(&self.unsettled));
         Ok(Held { rates, slopes, tensions, residual: self.residual, proven })
     }
 }

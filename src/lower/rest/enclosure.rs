@@ -71,7 +71,7 @@ impl Refinement<'_> {
     fn refine_and_prove(&mut self, local: &[u32], moving: &[Index]) -> Option<Proven> {
         if moving.is_empty() {
             // A part stays as drawn only if no force acts on it.
-            return Proven::balanced(&[]);
+            return Proven::prove_balance(&[]);
         }
         if moving.len() > MAX_DENSE {
             return convex::refine_and_prove(self, local, moving);
@@ -101,7 +101,7 @@ impl Refinement<'_> {
         for (coordinate, fraction) in moving.iter().zip(fractions?) {
             self.state.set(self.kinematics, *coordinate, Number::Exact(fraction));
         }
-        let exact = Proven::balanced(&self.energy(local, moving.len(), Detail::Gradient).gradient);
+        let exact = Proven::prove_balance(&self.energy(local, moving.len(), Detail::Gradient).gradient);
         if exact.is_none() {
             for (coordinate, ball) in moving.iter().zip(balls) {
                 self.set(*coordinate, ball);
@@ -133,7 +133,7 @@ impl Equations for Forces<'_, '_> {
         self.part.place(self.moving, middle, radius);
     }
 
-    fn left(&self) -> Vec<Number> {
+    fn remaining_forces(&self) -> Vec<Number> {
         self.part.energy(self.local, self.moving.len(), Detail::Gradient).gradient
     }
 

@@ -16,7 +16,7 @@ pub trait Equations {
     fn place(&mut self, middle: &[Dd], radius: &dyn Fn(usize) -> f64);
 
     /// F over the box.
-    fn left(&self) -> Vec<Number>;
+    fn remaining_forces(&self) -> Vec<Number>;
 
     /// F' over the box: binary64 numbers, and bounds of their errors.
     fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>);
@@ -39,7 +39,7 @@ impl Inverse {
     pub fn of(slope: &DMatrix<f64>, scale: &[f64]) -> Option<Inverse> {
         let n = scale.len();
         let scaled = DMatrix::from_fn(n, n, |i, j| slope[(i, j)] * scale[i] * scale[j]);
-        let (inverse, neutral) = inverted(scaled)?;
+        let (inverse, neutral) = approximate_inverse(scaled)?;
         let y = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
         let neutral = DMatrix::from_fn(n, neutral.ncols(), |i, j| neutral[(i, j)] * scale[i]);
         y.iter().all(|entry| entry.is_finite()).then_some(Inverse { y, neutral })
@@ -55,7 +55,7 @@ impl Inverse {
         let mut last = f64::INFINITY;
         for _ in 0..MAX_REFINEMENTS {
             equations.place(middle, &|_| 0.0);
-            let step = self.apply(&equations.left());
+            let step = self.apply(&equations.remaining_forces());
             let size =
                 step.iter().zip(middle.iter()).map(|(step, at)| step.abs() / at.hi.abs().max(NEAR)).fold(0.0, f64::max);
             if size >= last {
@@ -89,13 +89,13 @@ impl Inverse {
     pub fn prove(&self, equations: &mut impl Equations, middle: &[Dd]) -> Option<Proven> {
         let n = middle.len();
         equations.place(middle, &|_| 0.0);
-        let left = equations.left();
+        let left = equations.remaining_forces();
         let defect: Vec<f64> = (0..n).map(|i| self.defect(i, &left)).collect();
         let mut radius: Vec<f64> =
             (0..n).map(|i| 2.0 * defect[i] + middle[i].hi.abs() * Dd::EPSILON + f64::MIN_POSITIVE).collect();
         for _ in 0..6 {
             equations.place(middle, &|i| radius[i]);
-            let mapped = self.mapped(equations.slope(), &defect, &radius);
+            let mapped = self.map_bound(equations.slope(), &defect, &radius);
             if let Some(proven) = Proven::inclusion(&mapped, &radius) {
                 return Some(proven);
             }
@@ -113,7 +113,7 @@ impl Inverse {
     }
 
     /// An upper bound of |Y F| + |1 - Y F'(Z)| r, including rounding errors.
-    fn mapped(&self, (middle, spread): (DMatrix<f64>, DMatrix<f64>), defect: &[f64], radius: &[f64]) -> Vec<f64> {
+    fn map_bound(&self, (middle, spread): (DMatrix<f64>, DMatrix<f64>), defect: &[f64], radius: &[f64]) -> Vec<f64> {
         let n = radius.len();
         let product = &self.y * &middle;
         let sizes = self.y.abs() * (middle.abs() * ((n + 2) as f64 * f64::EPSILON) + spread);
@@ -129,7 +129,7 @@ impl Inverse {
 
 /// The inverse; if the matrix is singular to working precision, the inverse of its regular part, and the motions that
 /// nothing restrains.
-fn inverted(matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+fn approximate_inverse(matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
     let n = matrix.nrows();
     if let Some(inverse) = matrix.clone().try_inverse() {
         let wrong = (&inverse * &matrix - DMatrix::identity(n, n)).amax();
@@ -179,7 +179,7 @@ mod tests {
             self.z = Number::Ball(Ball::new(middle[0], radius(0)));
         }
 
-        fn left(&self) -> Vec<Number> {
+        fn remaining_forces(&self) -> Vec<Number> {
             vec![&(&self.z * &self.z) - &self.c]
         }
 

@@ -99,7 +99,7 @@ pub fn solve_proven(stiffness: &Stiffness, forces: &[Ball]) -> Result<Solution, 
     let factors = stiffness.factors()?;
     let mut middle = vec![Dd::ZERO; forces.len()];
     let mut last = f64::INFINITY;
-    let mut left = stiffness.left(forces, &middle);
+    let mut left = stiffness.remaining_forces(forces, &middle);
     for _ in 0..MAX_REFINEMENTS {
         let mut step: Vec<f64> = left.iter().map(Ball::to_f64).collect();
         factors.solve(&mut step);
@@ -111,7 +111,7 @@ pub fn solve_proven(stiffness: &Stiffness, forces: &[Ball]) -> Result<Solution, 
         for (at, step) in middle.iter_mut().zip(&step) {
             *at += Dd::from(*step);
         }
-        left = stiffness.left(forces, &middle);
+        left = stiffness.remaining_forces(forces, &middle);
     }
     let bounds = stiffness.bounds_of_springs(&factors, &left).or_else(|| stiffness.bounds_by_the_least(&left));
     // Without a proof: another refinement would change far less than the last one.
@@ -156,7 +156,7 @@ impl Stiffness {
     }
 
     /// f - K q, with K q as the sum of w (a . q) a, which keeps digits that the assembled matrix would lose.
-    fn left(&self, forces: &[Ball], at: &[Dd]) -> Vec<Ball> {
+    fn remaining_forces(&self, forces: &[Ball], at: &[Dd]) -> Vec<Ball> {
         let mut left = forces.to_vec();
         for (t, (weight, indices, factors)) in self.squares().enumerate() {
             let tension = weight * self.squares.stretch(t, at);
@@ -184,7 +184,7 @@ impl Stiffness {
         }
         // K w = -(0 - K w), in balls.
         let at: Vec<Dd> = w.iter().map(|w| Dd::from(*w)).collect();
-        let v: Vec<f64> = self.left(&vec![Ball::ZERO; self.n], &at).iter().map(|v| least(-*v)).collect();
+        let v: Vec<f64> = self.remaining_forces(&vec![Ball::ZERO; self.n], &at).iter().map(|v| least(-*v)).collect();
         let regular = Proven::positivity(&w, &v)?;
         let worst = left.iter().zip(&v).map(|(left, v)| left.magnitude() / v).fold(0.0, larger);
         Some((w.iter().map(|w| w * worst * up::FEW).collect(), regular))

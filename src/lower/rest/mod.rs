@@ -101,7 +101,8 @@ pub struct PartialRest {
 /// The rest of a scene.
 pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -> Result<PartialRest, Vec<LowerError>> {
     let state = loads::state_as_drawn(scene, kinematics);
-    let mut found = PartialRest { rest: Rest::unloaded(), state, survey: None, held: None, slack: Slack::default() };
+    let mut found =
+        PartialRest { rest: Rest::without_loads(), state, survey: None, held: None, slack: Slack::default() };
     if scene.rest_as_drawn.is_some() {
         return found.hold_drawing(scene, kinematics, constraints);
     }
@@ -118,7 +119,7 @@ pub fn find(scene: &Scene, kinematics: &Kinematics, constraints: &Constraints) -
     }
     let forces = survey::forces(scene, kinematics, &found.state, found.state.is_drawn());
     let left = if drawn.is_trivial() { forces } else { drawn.left_of(&forces) };
-    if Proven::balanced(&left).is_some() && constraints.hold_exactly(kinematics, &found.state) {
+    if Proven::prove_balance(&left).is_some() && constraints.hold_exactly(kinematics, &found.state) {
         return Ok(found);
     }
     let forces = left;
@@ -168,7 +169,7 @@ impl PartialRest {
         constraints: &Constraints,
         survey: &mut Survey,
     ) -> Result<(), Vec<LowerError>> {
-        let mut steering: State<f64> = self.state.converted(kinematics);
+        let mut steering: State<f64> = self.state.convert(kinematics);
         let mut lost = Vec::new();
         let Survey { parts, local, forces } = survey;
         for part in parts.iter().filter(|part| !part.is_large_and_linear()) {
@@ -181,7 +182,7 @@ impl PartialRest {
             let drawn: Vec<f64> = part.coordinates.iter().map(|i| forces[*i as usize].to_f64()).collect();
             let descended = descend(kinematics, part, local, drawn, &mut steering);
             if !descended.settled {
-                let stopped = law::stopped(scene, kinematics, part, &steering);
+                let stopped = law::undefined_law(scene, kinematics, part, &steering);
                 lost.push(stopped.unwrap_or_else(|| no_rest(scene, kinematics, part, &descended)));
                 continue;
             }
@@ -222,15 +223,15 @@ impl PartialRest {
             kinematics,
             coordinates,
             local,
-            potential: part.potential.converted(),
-            equations: equations().map(Equation::converted).collect(),
+            potential: part.potential.convert(),
+            equations: equations().map(Equation::convert).collect(),
             length,
             state: &mut *steering,
         };
         let descended = match descent.run(part.unbalanced) {
             constrained::ConstrainedResult::Open => return Err(constraints.open(scene, kinematics, &part.constraints)),
             constrained::ConstrainedResult::Settled(descended) if !descended.settled => {
-                let stopped = law::stopped(scene, kinematics, part, steering);
+                let stopped = law::undefined_law(scene, kinematics, part, steering);
                 return Err(stopped.unwrap_or_else(|| no_rest(scene, kinematics, part, &descended)));
             }
             constrained::ConstrainedResult::Settled(descended) => descended,
@@ -300,12 +301,12 @@ impl Rest {
     }
 
     /// The rest of a scene without loads: its drawing.
-    pub fn unloaded() -> Rest {
+    pub fn without_loads() -> Rest {
         Rest {
             displacement: Vec::new(),
             dependent: Vec::new(),
             residual: 0.0,
-            proven: Proven::balanced(&[]),
+            proven: Proven::prove_balance(&[]),
             moves_terms: false,
             steps: 0,
             tensions: Vec::new(),
@@ -369,7 +370,7 @@ fn descend(
     drawn: Vec<f64>,
     state: &mut State<f64>,
 ) -> DescentResult {
-    let potential = part.potential.converted();
+    let potential = part.potential.convert();
     let length = part.length();
     let (coordinates, linear) = (&part.coordinates[..], part.linear);
     let descent = Descent { kinematics, coordinates, local, potential, state, drawn, length, linear };
@@ -388,16 +389,16 @@ fn no_rest(scene: &Scene, kinematics: &Kinematics, part: &Part, descended: &Desc
     let falling: Vec<(Index, f64)> =
         places.iter().zip(&left).filter(|(place, _)| relative(**place) > 0.99).map(|(_, left)| *left).collect();
     if falling.is_empty() {
-        return unbalanced(scene, kinematics, &left, NoRestReason::NotSettled);
+        return unbalanced_error(scene, kinematics, &left, NoRestReason::NotSettled);
     }
     falls_error(scene, kinematics, &falling)
 }
 
 fn falls_error(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)]) -> LowerError {
-    unbalanced(scene, kinematics, left, NoRestReason::Falls)
+    unbalanced_error(scene, kinematics, left, NoRestReason::Falls)
 }
 
-fn unbalanced(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)], reason: NoRestReason) -> LowerError {
+fn unbalanced_error(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)], reason: NoRestReason) -> LowerError {
     let named = |(coordinate, force): &(Index, f64)| {
         let freely = &kinematics.free[*coordinate as usize];
         let body = &scene.bodies[freely.body.index()];

@@ -48,7 +48,7 @@ pub enum Detail {
 pub const ELSEWHERE: u32 = u32::MAX;
 
 impl Potential<Number> {
-    pub fn converted<S: Scalar>(&self) -> Potential<S> {
+    pub fn convert<S: Scalar>(&self) -> Potential<S> {
         let vector = |v: &Vector<Number>| Vector { x: S::of(&v.x), y: S::of(&v.y), z: S::of(&v.z) };
         let stretch = |stretch: &Stretch<Number>| match stretch {
             Stretch::Line { drawn } => Stretch::Line { drawn: vector(drawn) },
@@ -56,10 +56,10 @@ impl Potential<Number> {
             Stretch::Torsion => Stretch::Torsion,
             Stretch::Span { drawn, gap, left } => Stretch::Span { drawn: vector(drawn), gap: S::of(gap), left: *left },
         };
-        let spring = |spring: &Spring<Number>| spring.converted(stretch(&spring.stretch), S::of);
+        let spring = |spring: &Spring<Number>| spring.convert(stretch(&spring.stretch), S::of);
         Potential {
-            springs: self.springs.iter().map(|(s, between)| (spring(s), between.converted())).collect(),
-            dead: self.dead.iter().map(|(f, path)| (DeadForce { force: vector(&f.force) }, path.converted())).collect(),
+            springs: self.springs.iter().map(|(s, between)| (spring(s), between.convert())).collect(),
+            dead: self.dead.iter().map(|(f, path)| (DeadForce { force: vector(&f.force) }, path.convert())).collect(),
             torques: self.torques.iter().map(|(angle, torque)| (*angle, S::of(torque))).collect(),
         }
     }
@@ -142,18 +142,18 @@ impl<'a, S: Scalar> Sum<'a, S> {
         self.reach.measure(self.kinematics, self.state, path);
         self.value(dead.energy(&self.reach.displacement));
         self.reach.row(&dead.force, &mut self.row);
-        self.force(&S::one().negated());
+        self.force(&S::one().negate());
         self.sizes(&dead.force);
         if self.detail == Detail::Curvature {
-            self.curvature(&dead.force.negated());
+            self.curvature(&dead.force.negate());
         }
     }
 
     pub fn torque(&mut self, angle: Index, torque: &S) {
-        self.value(torque.times(self.state.value(angle)).negated());
+        self.value(torque.times(self.state.value(angle)).negate());
         self.row.clear();
         self.row.push((angle, S::one()));
-        self.force(&torque.negated());
+        self.force(&torque.negate());
         self.turn_sizes(torque);
     }
 

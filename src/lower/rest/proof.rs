@@ -10,7 +10,7 @@ pub struct Proven(());
 
 impl Proven {
     /// Every force vanishes exactly.
-    pub fn balanced<'a>(forces: impl IntoIterator<Item = &'a Number>) -> Option<Proven> {
+    pub fn prove_balance<'a>(forces: impl IntoIterator<Item = &'a Number>) -> Option<Proven> {
         forces.into_iter().all(Number::is_zero).then_some(Proven(()))
     }
 
@@ -52,9 +52,9 @@ mod tests {
 
     #[test]
     fn forces_that_may_be_zero_do_not_balance() {
-        assert!(Proven::balanced(&[Number::ZERO, Number::ZERO]).is_some());
+        assert!(Proven::prove_balance(&[Number::ZERO, Number::ZERO]).is_some());
         let near = Number::Ball(Ball::new(crate::base::Dd::ZERO, 1e-30));
-        assert_eq!(Proven::balanced(&[Number::ZERO, near]), None);
+        assert_eq!(Proven::prove_balance(&[Number::ZERO, near]), None);
     }
 
     #[test]

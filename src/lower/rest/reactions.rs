@@ -81,7 +81,7 @@ impl Balance<'_> {
                 None => self.multipliers[place - self.coordinates.len()] = fraction,
             }
         }
-        let exact = Proven::balanced(&self.left());
+        let exact = Proven::prove_balance(&self.remaining_forces());
         if exact.is_none() {
             for (coordinate, ball) in self.coordinates.iter().zip(balls) {
                 self.set(*coordinate, ball);
@@ -102,7 +102,7 @@ impl Balance<'_> {
         let gradient = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Gradient).gradient;
         let gradient = DVector::from_iterator(n, gradient.iter().map(Number::to_f64));
         let mut rows = DMatrix::zeros(m, n);
-        for (k, (_, row)) in self.measured().iter().enumerate() {
+        for (k, (_, row)) in self.measure().iter().enumerate() {
             for (place, entry) in row {
                 rows[(k, *place as usize)] = entry.to_f64();
             }
@@ -112,7 +112,7 @@ impl Balance<'_> {
     }
 
     /// g and its gradient over the places of the part.
-    fn measured(&self) -> Vec<(Number, Vec<(u32, Number)>)> {
+    fn measure(&self) -> Vec<(Number, Vec<(u32, Number)>)> {
         let mut reach = PathEvaluation::default();
         let of = |equation: &&Equation<Number>| {
             let (value, row) = equation.measure(self.kinematics, self.state, &mut reach);
@@ -135,12 +135,12 @@ impl Balance<'_> {
             // Nothing acts: the reactions are rounding errors of zero.
             return 0.0;
         }
-        for ((_, row), multiplier) in self.measured().iter().zip(&self.multipliers) {
+        for ((_, row), multiplier) in self.measure().iter().zip(&self.multipliers) {
             for (place, entry) in row {
                 sizes[*place as usize] += (entry.to_f64() * multiplier.to_f64()).abs();
             }
         }
-        enclosure::relative(self.kinematics, self.coordinates, self.length, &sizes, &self.left()[..n])
+        enclosure::relative(self.kinematics, self.coordinates, self.length, &sizes, &self.remaining_forces()[..n])
     }
 }
 
@@ -154,10 +154,10 @@ impl Equations for Balance<'_> {
         self.multipliers = (n..middle.len()).map(ball).collect();
     }
 
-    fn left(&self) -> Vec<Number> {
+    fn remaining_forces(&self) -> Vec<Number> {
         let n = self.coordinates.len();
         let mut left = self.potential.at(self.kinematics, self.state, self.local, n, Detail::Gradient).gradient;
-        let measured = self.measured();
+        let measured = self.measure();
         for ((_, row), multiplier) in measured.iter().zip(&self.multipliers) {
             for (place, entry) in row {
                 let sum = &left[*place as usize] + &(multiplier * entry);
@@ -180,7 +180,7 @@ impl Equations for Balance<'_> {
                 }
             });
         }
-        for (k, (_, row)) in self.measured().into_iter().enumerate() {
+        for (k, (_, row)) in self.measure().into_iter().enumerate() {
             entries.extend(row.into_iter().map(|(place, entry)| ((n + k) as u32, place, entry)));
         }
         krawczyk::dense(entries.iter().map(|(i, j, value)| (*i, *j, value)), n + self.equations.len())

@@ -152,7 +152,7 @@ impl Equations for Nearest<'_> {
         self.multipliers = (n..middle.len()).map(ball).collect();
     }
 
-    fn left(&self) -> Vec<Number> {
+    fn remaining_forces(&self) -> Vec<Number> {
         let n = self.from.len();
         let mut left = self.pulls().at(self.kinematics, self.state, self.local, n, Detail::Gradient).gradient;
         for (place, coordinate) in self.part.coordinates.iter().enumerate() {

@@ -44,7 +44,7 @@ pub fn forces(scene: &Scene, kinematics: &Kinematics, state: &State<Number>, loa
 /// Like [`forces`], of all coordinates, prescribed and released ones included.
 pub fn all_forces(scene: &Scene, kinematics: &Kinematics, state: &State<Number>, loaded_only: bool) -> Vec<Number> {
     let local: Vec<u32> = (0..kinematics.total() as u32).collect();
-    summed(scene, kinematics, state, loaded_only, (&local, kinematics.total(), Detail::Gradient)).gradient
+    sum_energy(scene, kinematics, state, loaded_only, (&local, kinematics.total(), Detail::Gradient)).gradient
 }
 
 /// The energy in a state, over all free coordinates; the sum excludes what `loaded_only` leaves out.
@@ -57,11 +57,11 @@ pub fn energy(
 ) -> Energy<Number> {
     let mut local: Vec<u32> = (0..kinematics.total() as u32).collect();
     local[kinematics.n()..].fill(ELSEWHERE);
-    summed(scene, kinematics, state, loaded_only, (&local, kinematics.n(), detail))
+    sum_energy(scene, kinematics, state, loaded_only, (&local, kinematics.n(), detail))
 }
 
 /// The energy over `n` coordinates, whose places `local` gives.
-fn summed(
+fn sum_energy(
     scene: &Scene,
     kinematics: &Kinematics,
     state: &State<Number>,
@@ -88,7 +88,7 @@ pub fn survey(
     let mut sets = Sets::new(kinematics);
     loads::visit(scene, kinematics, false, |load| sets.tie(load));
     let displaced = sets.tie_constraints(constraints, state);
-    let parts_of_roots = sets.loaded(&forces, &displaced);
+    let parts_of_roots = sets.loaded_sets(&forces, &displaced);
     let mut survey = Survey { parts: Vec::new(), local: vec![ELSEWHERE; kinematics.total()], forces };
     let mut part_of = vec![ELSEWHERE; kinematics.total()];
     for (coordinate, part) in part_of[..kinematics.n()].iter_mut().enumerate() {
@@ -276,7 +276,7 @@ impl<'a> Sets<'a> {
     }
 
     /// For each root, the index of its set among the loaded sets, which are ordered by their first coordinate.
-    fn loaded(&mut self, forces: &[Number], displaced: &[usize]) -> Vec<u32> {
+    fn loaded_sets(&mut self, forces: &[Number], displaced: &[usize]) -> Vec<u32> {
         let mut loaded = vec![false; self.parents.len()];
         let forced = (0..forces.len()).filter(|&i| !forces[i].is_zero());
         for coordinate in forced.chain(displaced.iter().copied()) {

@@ -114,7 +114,7 @@ impl Region<'_> {
 
     /// One Newton step of 1 / |p(shift)| towards 1 / radius.
     fn correction<M: ShiftedMatrix>(&self, matrix: &M, factors: &M::Factors, step: &Step) -> f64 {
-        let weighted = self.weighted(&step.direction);
+        let weighted = self.weigh(&step.direction);
         let mut response = weighted.clone();
         matrix.solve(factors, &mut response);
         (step.length / self.radius - 1.0) * step.length * step.length / dot(&response, &weighted)
@@ -132,7 +132,7 @@ impl Region<'_> {
         for _ in 0..INVERSE_STEPS {
             let length = self.norm(&z);
             z.iter_mut().for_each(|z| *z /= length);
-            let weighted = self.weighted(&z);
+            let weighted = self.weigh(&z);
             let mut next = weighted.clone();
             matrix.solve(&factors, &mut next);
             above = dot(&next, &weighted) / self.norm(&next).power(2);
@@ -142,7 +142,7 @@ impl Region<'_> {
         z.iter_mut().for_each(|z| *z /= length);
         // The part of p along z is -(g . z) / above: so near the pole it is large compared with z's contamination by
         // other directions.
-        let along = dot(&self.weighted(&z), &step.direction);
+        let along = dot(&self.weigh(&z), &step.direction);
         let noise: f64 = self.noise.iter().zip(&z).map(|(noise, z)| noise * z.abs()).sum();
         let is_reported = along.abs() > ROUNDING * step.length + noise / above;
         let curvature = above - shift;
@@ -159,7 +159,7 @@ impl Region<'_> {
         step.iter().zip(self.measure).map(|(step, weight)| step * step * weight).sum::<f64>().sqrt()
     }
 
-    fn weighted(&self, step: &[f64]) -> Vec<f64> {
+    fn weigh(&self, step: &[f64]) -> Vec<f64> {
         step.iter().zip(self.measure).map(|(step, weight)| step * weight).collect()
     }
 }

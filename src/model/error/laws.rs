@@ -50,7 +50,7 @@ impl LawError {
         match self {
             AndAnother { span, other, word } => {
                 error("vib::law::and_coefficient", span, format!("an element has a law or `{word}`, not both"))
-                    .related(other, format!("`{word}` is given here"))
+                    .with_related(other, format!("`{word}` is given here"))
                     .help(match &word[..] {
                         "loss" => "keep one: a loss factor belongs to a stiffness `k`".to_string(),
                         _ => format!("keep one: the law says all that `{word}` would"),
@@ -87,7 +87,7 @@ impl LawError {
             TableFirst { span, named, found, over } => {
                 let (found, over) = (name_phrase(found), name_phrase(over));
                 error("vib::law::table", span, format!("the first column of this table is {found}, where the law needs {over}"))
-                    .related(named, "the table is named here")
+                    .with_related(named, "the table is named here")
                     .help("write the unit of the first column in its heading, as in `stretch [mm]`")
             }
             TableNotGiven { span } => Diagnostic::error(super::TABLE_UNREADABLE, span, "this table was not read")

@@ -115,7 +115,7 @@ fn with_suggestion(diagnostic: Diagnostic, suggestion: Option<String>, help: Opt
 }
 
 /// `mass`, `moves`, `at`
-fn listed(words: &[&str]) -> String {
+fn enumeration(words: &[&str]) -> String {
     words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
 

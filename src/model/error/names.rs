@@ -1,6 +1,6 @@
 //! Errors of names, indices, fields and values from outside the model: wrong declarations and references.
 
-use super::{error, listed, with_suggestion};
+use super::{enumeration, error, with_suggestion};
 use crate::base::{Change, Code, Diagnostic, Span};
 use crate::model::expect::Expected;
 use crate::model::scope::DefinitionKind;
@@ -102,18 +102,19 @@ impl NameError {
             UnknownParameter { span, word, suggestion, known } => {
                 let message = format!("the model has no parameter `{word}`");
                 let known: Vec<&str> = known.iter().map(String::as_str).collect();
-                let help = if known.is_empty() { "it has none".into() } else { format!("it has {}", listed(&known)) };
+                let help =
+                    if known.is_empty() { "it has none".into() } else { format!("it has {}", enumeration(&known)) };
                 with_suggestion(error("vib::setting::unknown", span, message), suggestion, Some(help))
             }
             NotAParameter { span, word, kind, declared } => not_a_parameter(span, &word, kind, declared),
             SettingTwice { span, first, what } => {
                 error("vib::setting::duplicate", span, format!("{what} is declared twice"))
-                    .related(first, "declared first here")
+                    .with_related(first, "declared first here")
                     .help("keep one of them")
                     .fix(span, Change::DropDeclaration)
             }
             UnknownField { span, word, suggestion, known } => {
-                let help = suggestion.is_none().then(|| format!("known here: {}", listed(&known)));
+                let help = suggestion.is_none().then(|| format!("known here: {}", enumeration(&known)));
                 let message = format!("there is no field `{word}` here");
                 with_suggestion(error("vib::field::unknown", span, message), suggestion.map(str::to_string), help)
             }
@@ -127,7 +128,7 @@ impl NameError {
                     _ => "keep one of them",
                 };
                 error("vib::field::duplicate", span, format!("`{word}` is given twice"))
-                    .related(first, "given first here")
+                    .with_related(first, "given first here")
                     .help(help)
                     .fix(span, Change::DropField)
             }
@@ -145,7 +146,7 @@ impl NameError {
             }
             NotABody { span, word, found, declared } => {
                 error("vib::part::kind", span, format!("`{word}` is {found}, not a body"))
-                    .related(declared, "declared here")
+                    .with_related(declared, "declared here")
                     .help("name a body, a base or `ground`")
             }
         }
@@ -161,7 +162,7 @@ fn index_out_of_range(
     declared: Span,
 ) -> Diagnostic {
     let diagnostic =
-        error("vib::name::index", span, format!("there is no `{name}`")).related(declared, "declared here");
+        error("vib::name::index", span, format!("there is no `{name}`")).with_related(declared, "declared here");
     let indices: String = ranges.iter().map(|(low, high)| format!("[{low}..{high}]")).collect();
     match (given == ranges.len(), ranges.is_empty()) {
         (true, _) => diagnostic.help(format!("the declared ones are `{word}{indices}`")),
@@ -177,7 +178,7 @@ fn duplicate(span: Span, name: &str, first: Option<Span>) -> Diagnostic {
             diagnostic.help(format!("each repetition needs its own name: write `{name}[i]`")).fix(span, Change::Rename)
         }
         Some(first) => diagnostic
-            .related(first, "declared first here")
+            .with_related(first, "declared first here")
             .help("choose another name for one of them")
             .fix(span, Change::Rename),
         None => diagnostic.help("the enclosing `repeat` already uses this index: choose another one"),
@@ -195,7 +196,7 @@ fn cycle(span: Span, members: &[(String, Span)]) -> Diagnostic {
     let message = format!("the value depends on itself: {}", names.join(" -> "));
     let mut diagnostic = error("vib::parameter::cycle", span, message).label("closes the cycle");
     for (name, place) in members.iter().take(SHOWN) {
-        diagnostic = diagnostic.related(*place, format!("`{name}` is declared here"));
+        diagnostic = diagnostic.with_related(*place, format!("`{name}` is declared here"));
     }
     diagnostic.help("give one of them a value that does not depend on the others")
 }
@@ -203,6 +204,6 @@ fn cycle(span: Span, members: &[(String, Span)]) -> Diagnostic {
 fn not_a_parameter(span: Span, word: &str, kind: DefinitionKind, declared: Span) -> Diagnostic {
     let what = if kind == DefinitionKind::Let { "derived: declared with `let`" } else { "a point" };
     error("vib::setting::not_a_parameter", span, format!("`{word}` is not a parameter but {what}"))
-        .related(declared, "declared here")
+        .with_related(declared, "declared here")
         .help("declare it with `param` to give it a value from outside or to solve for it")
 }

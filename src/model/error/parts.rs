@@ -4,8 +4,8 @@ use super::{error, short, with_suggestion};
 use crate::base::{Change, Code, Diagnostic, Span};
 use crate::elements::Kind;
 use crate::joints;
+use crate::kinds::enumeration;
 use crate::kinds::functions::{Function, SHAPES, SIGNALS};
-use crate::kinds::listed;
 
 /// A table that cannot be read, or was not given to the check.
 pub const TABLE_UNREADABLE: Code = Code::file("vib::table::unreadable");
@@ -329,13 +329,13 @@ impl PartError {
             }
             GivenTwice { span, other, what } => {
                 error("vib::body::given_twice", span, format!("the shape already determines {what}"))
-                    .related(other, "from this shape")
+                    .with_related(other, "from this shape")
                     .help("keep one of them")
                     .fix(span, Change::DropField)
             }
             UnknownShape { span, suggestion } => {
                 let forms = || SHAPES.iter().map(|shape| format!("`{}`", shape.function.form)).collect::<Vec<_>>();
-                let help = suggestion.is_none().then(|| format!("write {}", listed(&forms(), "or")));
+                let help = suggestion.is_none().then(|| format!("write {}", enumeration(&forms(), "or")));
                 with_suggestion(
                     error("vib::shape::unknown", span, "this is not a shape"),
                     suggestion.map(str::to_string),
@@ -344,7 +344,7 @@ impl PartError {
             }
             ShapeSize { span, what } => error("vib::shape::size", span, what),
             FreeAndMore { span, free } => error("vib::body::freedom", span, "`free` already includes every motion")
-                .related(free, "here")
+                .with_related(free, "here")
                 .help("keep `free`, or the single motions")
                 .fix(span, Change::DropField)
                 .fix(free, Change::DropField),
@@ -409,7 +409,7 @@ impl PartError {
                     .fix_by_field(span, &["along = x", "along = y"])
             }
             DirectionOfTorsion { span, kind } => {
-                let (noun, unit) = (kind.coefficient().expected(false).noun, kind.unit(false));
+                let (noun, unit) = (kind.coefficient().expected_number(false).noun, kind.unit(false));
                 error("vib::element::torsion_along", span, "a torsional element has no direction")
                     .help(format!("leave `along` out, or write {noun} in {unit}"))
                     .fix(span, Change::DropField)
@@ -417,7 +417,7 @@ impl PartError {
             NoEndTurns { span, torsional } => no_end_turns(span, torsional),
             FreeLengthAndPreload { span, free } => {
                 error("vib::spring::free_length_and_preload", span, "a spring has a free length or a preload, not both")
-                    .related(free, "the free length")
+                    .with_related(free, "the free length")
                     .help("keep one: the other follows from it and the drawing")
                     .fix(span, Change::DropField)
                     .fix(free, Change::DropField)
@@ -492,7 +492,7 @@ impl PartError {
             PeriodShort { span, named, covered } => {
                 let message = format!("this period is shorter than its table, whose rows cover {} s", short(covered));
                 error("vib::signal::period", span, message)
-                    .related(named, "the table is named here")
+                    .with_related(named, "the table is named here")
                     .help("give the whole period, or remove the rows after it")
             }
             PeriodLong { span, named, rest, longest } => {
@@ -500,12 +500,12 @@ impl PartError {
                 let message = format!("this period ends {rest} s after the last row of its table");
                 error("vib::signal::period", span, message)
                     .label(format!("no two rows are more than {longest} s apart"))
-                    .related(named, "the table is named here")
+                    .with_related(named, "the table is named here")
                     .help("write rows up to the end of the period; the last one may have the time of the next period's first row")
             }
             PeriodOpen { span, named } => {
                 error("vib::signal::period", span, "this motion would jump at the end of each period")
-                    .related(named, "the last row of this table has another value than its first row")
+                    .with_related(named, "the last row of this table has another value than its first row")
                     .help("end the table with the value of its first row; a steep flank takes rows of its own")
             }
             TableUnread { span, reason } => Diagnostic::error(TABLE_UNREADABLE, span, "this table cannot be read")
@@ -514,7 +514,7 @@ impl PartError {
             TableRow { span, found, named } => table_row(span, found, named),
             TableOrder { span, named } => {
                 error("vib::table::order", span, "this time is not later than that of the previous row")
-                    .related(named, "the table is named here")
+                    .with_related(named, "the table is named here")
                     .help("sort the rows by time, each time once")
             }
             TableTooShort { span, rows } => {
@@ -526,7 +526,7 @@ impl PartError {
             TableHeading { span, named, word, read } => {
                 let message = format!("the values of this table are read as {read}, but its heading says `{word}`");
                 error("vib::table::heading", span, message)
-                    .related(named, "the table is named here")
+                    .with_related(named, "the table is named here")
                     .help("give the unit in the heading, as in `acceleration [m/s^2]`, or in the call: `table(\"file.csv\", 1 g0)`")
             }
             TableWithoutUnit { span, read } => {
@@ -536,12 +536,12 @@ impl PartError {
             }
             TableUnitUnknown { span, named } => {
                 error("vib::unit::unknown", span, "the brackets of this heading do not contain a unit")
-                    .related(named, "the table is named here")
+                    .with_related(named, "the table is named here")
                     .help("write a unit in square brackets, as in `acceleration [m/s^2]`")
             }
             TableUnitsDiffer { span, heading } => {
                 error("vib::table::units_differ", span, "this unit is not the one in the heading of the table")
-                    .related(heading, "the heading")
+                    .with_related(heading, "the heading")
                     .help("keep one of them, or make them agree")
             }
             TableUnitZero { span } => error("vib::table::scale", span, "the unit of a table cannot be zero")
@@ -557,11 +557,13 @@ impl PartError {
                         "write `time [s]`, or with `speed = 20 m/s` in the call `distance [m]`",
                     )
                 };
-                error("vib::table::first_column", span, message).related(named, "the table is named here").help(help)
+                error("vib::table::first_column", span, message)
+                    .with_related(named, "the table is named here")
+                    .help(help)
             }
             TableFrequencies { span, named } => {
                 error("vib::table::first_column", span, "the first column of a density is a frequency in Hz")
-                    .related(named, "the table is named here")
+                    .with_related(named, "the table is named here")
                     .help("write `frequency [Hz]`")
             }
             NoiseTable { span } => error(
@@ -587,13 +589,13 @@ impl PartError {
                 span,
                 format!("`{name}` is an input of another kind"),
             )
-            .related(declared, "declared here")
+            .with_related(declared, "declared here")
             .help(
                 "a force can be delayed from a force, a torque from a torque, a translation of a base from another one",
             ),
             DelayOfNothing { span, name, declared } => {
                 error("vib::signal::delayed", span, format!("`{name}` has no signal"))
-                    .related(declared, "declared here")
+                    .with_related(declared, "declared here")
                     .help("give it one, such as `= step(...)`")
             }
             DelayOfItself { span, name } => {
@@ -641,7 +643,7 @@ impl PartError {
                 span,
                 format!("`{name}` has a response spectrum, which has no time history"),
             )
-            .related(declared, "declared here")
+            .with_related(declared, "declared here")
             .help("give both inputs a history, or each a spectrum of its own"),
             NoiseDensity { span } => error("vib::noise::density", span, "this density is not above zero")
                 .help("write a density above zero; outside its range or its points it is zero"),
@@ -674,7 +676,7 @@ fn table_row(span: Span, found: RowFault, named: Span) -> Diagnostic {
     };
     error("vib::table::row", span, message)
         .label(label)
-        .related(named, "the table is named here")
+        .with_related(named, "the table is named here")
         .help("write a time in s and a value in SI units, such as `0.5, 12`")
 }
 
@@ -684,9 +686,9 @@ fn no_end_turns(span: Span, torsional: Option<(Span, &'static Kind)>) -> Diagnos
     let turns = "let a body turn: `turns`, `free` or a pivot";
     match torsional {
         Some((value, kind)) => {
-            let (noun, unit) = (kind.coefficient().expected(false).noun, kind.unit(false));
+            let (noun, unit) = (kind.coefficient().expected_number(false).noun, kind.unit(false));
             diagnostic
-                .related(value, "its unit makes the element torsional")
+                .with_related(value, "its unit makes the element torsional")
                 .help(format!("{turns}; {noun} along a line is in {unit}"))
         }
         None => diagnostic.help(turns),
@@ -708,6 +710,6 @@ fn ends_apart(spans: [Span; 2], places: [(f64, f64); 2]) -> Diagnostic {
     let place = |(x, y): (f64, f64)| format!("at ({} m, {} m)", short(x), short(y));
     error("vib::joint::ends_apart", spans[1], "the ends of the joint are at different points as drawn")
         .label(place(places[1]))
-        .related(spans[0], place(places[0]))
+        .with_related(spans[0], place(places[0]))
         .help("draw both ends at the same point, or give the point at one end only")
 }

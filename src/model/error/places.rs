@@ -1,6 +1,6 @@
 //! Errors of components, of their places and of the files that they come from.
 
-use super::{error, kind_noun, listed, name_phrase, with_suggestion};
+use super::{enumeration, error, kind_noun, name_phrase, with_suggestion};
 use crate::base::{Code, Diagnostic, Dimension, Span};
 use crate::model::scope::DefinitionKind;
 
@@ -162,13 +162,13 @@ impl PlaceError {
                 let known: Vec<&str> = known.iter().map(String::as_str).collect();
                 let help = match known.is_empty() {
                     true => "declare it with `component`, or name the file that it is in: `use \"axles.vib\"`".into(),
-                    false => format!("known here: {}", listed(&known)),
+                    false => format!("known here: {}", enumeration(&known)),
                 };
                 with_suggestion(error("vib::component::unknown", span, message), suggestion, Some(help))
             }
             DuplicateComponent { span, word, others } => {
                 let diagnostic = error("vib::component::duplicate", span, format!("there are two components `{word}`"));
-                let diagnostic = others.into_iter().fold(diagnostic, |diagnostic, other| diagnostic.related(other, "one of this name is declared here"));
+                let diagnostic = others.into_iter().fold(diagnostic, |diagnostic, other| diagnostic.with_related(other, "one of this name is declared here"));
                 diagnostic.help("rename one of them")
             }
             Recursion { span, chain } => {
@@ -195,62 +195,62 @@ impl PlaceError {
             UnlikeUnit { span, unit, found, wanted } => {
                 let found = found.map_or("a point".to_string(), name_phrase);
                 error("vib::component::dimension", span, format!("the default is {found}, but the unit is that of {}", name_phrase(wanted)))
-                    .related(unit, "the unit")
+                    .with_related(unit, "the unit")
                     .help("change or remove one of them: a default is enough")
             }
             MissingArguments { span, component, missing, example } => {
                 let words: Vec<&str> = missing.iter().map(|(word, _)| word.as_str()).collect();
-                let message = format!("the component `{component}` needs {}", listed(&words));
+                let message = format!("the component `{component}` needs {}", enumeration(&words));
                 let diagnostic = error("vib::place::missing", span, message);
-                let diagnostic = missing.iter().fold(diagnostic, |diagnostic, (_, at)| diagnostic.related(*at, "declared here, without a default"));
+                let diagnostic = missing.iter().fold(diagnostic, |diagnostic, (_, at)| diagnostic.with_related(*at, "declared here, without a default"));
                 diagnostic.help(format!("write `{component}({example})`"))
             }
             UnknownArgument { span, word, component, suggestion, known } => {
                 let message = format!("the component `{component}` has no parameter or port `{word}`");
                 let known: Vec<&str> = known.iter().map(String::as_str).collect();
-                let help = if known.is_empty() { "it has none".into() } else { format!("it has {}", listed(&known)) };
+                let help = if known.is_empty() { "it has none".into() } else { format!("it has {}", enumeration(&known)) };
                 with_suggestion(error("vib::place::unknown", span, message), suggestion, Some(help))
             }
             ArgumentTwice { span, first, word } => {
                 error("vib::place::duplicate", span, format!("`{word}` is given twice"))
-                    .related(first, "given first here")
+                    .with_related(first, "given first here")
                     .help("keep one of them")
             }
             NoPart { span, port, declared } => {
                 error("vib::part::kind", span, format!("the port `{port}` takes a part of the scene"))
-                    .related(declared, "the port")
+                    .with_related(declared, "the port")
                     .help("name a body, a base or `ground`")
             }
             PortKind { span, word, found, declared } => {
                 error("vib::part::kind", span, format!("`{word}` is {found}, not a body"))
-                    .related(declared, "declared here")
+                    .with_related(declared, "declared here")
                     .help("a port takes a body, a base or `ground`")
             }
             NoPosition { span, component, needs } => {
                 error("vib::place::position", span, format!("the component `{component}` contains positions, but its place has none"))
-                    .related(needs, "this is a position")
+                    .with_related(needs, "this is a position")
                     .help("write the position of its origin: `at (0, 0)`")
             }
             MirrorAxis { span } => error("vib::place::mirrored", span, "a component can be mirrored only along x or y")
                 .help("write `mirrored x`, which changes the sign of its x, or `mirrored y`"),
             GivenBySolve { span, word, given } => {
                 error("vib::place::solved", span, format!("`{word}` already has a value, given where its component is placed"))
-                    .related(given, "given here")
+                    .with_related(given, "given here")
                     .help("omit it there, or pass a `param` of the scene and solve for that")
             }
             VectorOfPlace { span, word, declared } => {
                 error("vib::place::vector", span, format!("`{word}` could be a position or a difference of two positions"))
-                    .related(declared, "declared with `let`")
+                    .with_related(declared, "declared with `let`")
                     .help("a position moves with the component, a difference only turns with it: declare it as a `point`")
             }
             UnknownMember { span, word, of, component, wanted, suggestion } => {
                 let code = if wanted == "parameter or point" { "vib::name::unknown" } else { "vib::part::unknown" };
                 let diagnostic = error(code, span, format!("`{of}` has no {wanted} `{word}`"));
-                with_suggestion(diagnostic.related(component, "its component"), suggestion, None)
+                with_suggestion(diagnostic.with_related(component, "its component"), suggestion, None)
             }
             OtherMember { span, word, found, wanted, declared } => {
                 error("vib::part::kind", span, format!("`{word}` is {found}, not a {wanted}"))
-                    .related(declared, "declared here")
+                    .with_related(declared, "declared here")
             }
             NoPlace { span, word } => {
                 error("vib::part::kind", span, format!("`{word}` is not a place of a component: it has no parts or parameters"))

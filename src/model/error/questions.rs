@@ -1,6 +1,6 @@
 //! Errors of motions and measures, and warnings about declarations without effect.
 
-use super::{error, kind_noun, listed, name_phrase, with_suggestion};
+use super::{enumeration, error, kind_noun, name_phrase, with_suggestion};
 use crate::base::{Angle, Change, Code, Diagnostic, Dimension, Span};
 use crate::kinds::Function;
 use crate::kinds::functions::MEASURES;
@@ -79,7 +79,7 @@ impl QuestionError {
             MotionOfWhat { span } => error("vib::motion::none", span, "a motion belongs to a body or an element")
                 .help("write its name before the dot, as in `block.x`"),
             UnknownMotion { span, word, of, suggestion, known } => {
-                let help = suggestion.is_none().then(|| format!("{of} has {}", listed(&known)));
+                let help = suggestion.is_none().then(|| format!("{of} has {}", enumeration(&known)));
                 let message = format!("{of} has no `{word}`");
                 with_suggestion(error("vib::motion::unknown", span, message), suggestion.map(str::to_string), help)
             }
@@ -149,7 +149,7 @@ impl QuestionError {
             }
             NotAnOutput { span, word, found, declared } => {
                 error("vib::measure::output", span, format!("`{word}` is {found}, not an output"))
-                    .related(declared, "declared here")
+                    .with_related(declared, "declared here")
                     .help("name an output, or a motion such as `table.y`")
             }
             ModeNumber { span } => {
@@ -162,7 +162,7 @@ impl QuestionError {
             }
             VariedTwice { span, word, first } => {
                 error("vib::minimise::twice", span, format!("`{word}` is determined by two lines"))
-                    .related(first, "here first")
+                    .with_related(first, "here first")
                     .help("let each parameter be determined by one `solve`, `minimise` or `maximise`")
             }
             GivenAndSolved { span, word, solved, by } => {
@@ -170,7 +170,7 @@ impl QuestionError {
                 let what = if is_solved { "is solved for" } else { "is varied" };
                 let message = format!("`{word}` {what}: a value from outside would not be used");
                 error("vib::setting::solved", span, message)
-                    .related(solved, if is_solved { "solved for here" } else { "varied here" })
+                    .with_related(solved, if is_solved { "solved for here" } else { "varied here" })
                     .help(format!("remove this setting, or the `{by}` line of the model"))
             }
             RequireWhat { span, suggestion } => {
@@ -204,7 +204,7 @@ impl QuestionError {
                 error("vib::unit::mismatch", span, format!("{left} and {right} cannot be added or compared"))
                     .help("compare measures of one dimension")
             }
-            Unused { span, name, kind } => unused(span, &name, kind),
+            Unused { span, name, kind } => unused_definition(span, &name, kind),
             Idle { span, name, word, why } => {
                 let message = format!("this {word} of `{name}` {why}");
                 Diagnostic::warning(Code::model("vib::unused::property"), span, message)
@@ -218,7 +218,7 @@ impl QuestionError {
     }
 }
 
-fn unused(span: Span, name: &str, kind: DefinitionKind) -> Diagnostic {
+fn unused_definition(span: Span, name: &str, kind: DefinitionKind) -> Diagnostic {
     let code = match kind {
         DefinitionKind::Point => Code::model("vib::unused::point"),
         DefinitionKind::Param | DefinitionKind::Let => Code::model("vib::unused::parameter"),

@@ -28,7 +28,7 @@ impl ToleranceError {
         match self {
             ValueOutside { span, word, value } => {
                 error("vib::tolerance::outside", span, format!("the range does not contain the value of `{word}`"))
-                    .related(value, "the value")
+                    .with_related(value, "the value")
                     .help("write a range that contains the value, or change the value")
             }
             NotPositive { span, what } => error(WIDTH, span, format!("a {what} is positive"))
@@ -49,7 +49,7 @@ impl ToleranceError {
                 .help("write `spread` with a deviation, or `spread uniform within` a range"),
             WithoutTolerance { span, word, declared } => {
                 error(CORRELATION, span, format!("`{word}` does not vary at random"))
-                    .related(declared, "declared here")
+                    .with_related(declared, "declared here")
                     .help("write `spread` or `within` after its value")
             }
             CorrelatedWithItself { span } => {
@@ -60,7 +60,7 @@ impl ToleranceError {
                     .help("where one parameter determines the other, declare the other by `let`")
             }
             CorrelatedTwice { span, first } => error(CORRELATION, span, "these two parameters are correlated already")
-                .related(first, "here first")
+                .with_related(first, "here first")
                 .help("remove one of the lines"),
             NotDefinite { span, most: None } => error(
                 CORRELATION,

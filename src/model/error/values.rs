@@ -53,9 +53,9 @@ impl ValueError {
             UnitAmbiguous { span, head, tail } => {
                 let divided = format!("{head}/{}", tail.replace('*', "/"));
                 error("vib::unit::ambiguous", span, "this unit can be read in two ways")
-                    .label(format!("({head})*{tail} or {}?", below(&head, &tail)))
-                    .help(format!("write `{}` or `{divided}`", swapped(&head, &tail)))
-                    .fix(span, Change::Replace(swapped(&head, &tail)))
+                    .label(format!("({head})*{tail} or {}?", divided_by_product(&head, &tail)))
+                    .help(format!("write `{}` or `{divided}`", product_divided(&head, &tail)))
+                    .fix(span, Change::Replace(product_divided(&head, &tail)))
                     .fix(span, Change::Replace(divided))
             }
             UnitMalformed { span } => error("vib::unit::malformed", span, "this is not a unit")
@@ -139,13 +139,13 @@ fn unit_unknown(span: Span, symbol: &str, suggestion: Option<String>, is_value: 
 }
 
 /// `N/(m*s)`, the second reading of `N/m*s`.
-fn below(head: &str, tail: &str) -> String {
+fn divided_by_product(head: &str, tail: &str) -> String {
     let (above, below) = head.rsplit_once('/').unwrap_or((head, ""));
     format!("{above}/({below}*{tail})")
 }
 
 /// `N*s/m`, the first reading of `N/m*s`, written unambiguously.
-fn swapped(head: &str, tail: &str) -> String {
+fn product_divided(head: &str, tail: &str) -> String {
     match head.split_once('/') {
         Some(("", below)) => format!("{tail}/{below}"),
         Some((above, below)) => format!("{above}*{tail}/{below}"),
@@ -172,7 +172,7 @@ fn unit_mismatch(span: Span, found: Dimension, expected: Expected, declared: Opt
         .label(if unit.is_empty() { "no unit".to_string() } else { unit })
         .help(format!("write {wanted}, such as `{example}`{remark}"));
     if let Some((name, place)) = declared {
-        diagnostic = diagnostic.related(place, format!("`{name}` is declared here"));
+        diagnostic = diagnostic.with_related(place, format!("`{name}` is declared here"));
         if found.is_none() {
             diagnostic = diagnostic.fix(place, Change::Unit(expected.unit()));
         }
@@ -185,9 +185,9 @@ fn cycles_for_radians(span: Span, value: f64, expected: Expected, declared: Opti
     let read = format!("{} {}", short(value), unit_or_none(expected.dimension));
     let message = format!("this {noun} has a factor in cycles, not radians: it is read as {read}");
     let diagnostic = Diagnostic::warning(Code::model("vib::unit::cycles"), span, message);
-    let diagnostic = declared
-        .into_iter()
-        .fold(diagnostic, |diagnostic, (name, place)| diagnostic.related(place, format!("`{name}` is declared here")));
+    let diagnostic = declared.into_iter().fold(diagnostic, |diagnostic, (name, place)| {
+        diagnostic.with_related(place, format!("`{name}` is declared here"))
+    });
     diagnostic.help("1 Hz is 2*pi rad/s: write `2*pi*f` for a frequency `f` in Hz, or declare it in rad/s")
 }
 
@@ -216,12 +216,12 @@ fn operation(fault: Fault, operator: Binary, left: Span, right: Span) -> Diagnos
             let message = format!("{} cannot be {} {}", name_phrase(b), verb_of(operator), name_phrase(a));
             error("vib::unit::mismatch", right, message)
                 .label(unit_or_none(b))
-                .related(left, unit_or_none(a))
+                .with_related(left, unit_or_none(a))
                 .help("both sides need the same unit")
         }
         Fault::Kind { needed, found } => {
             error("vib::value::kind", right, format!("{needed} is expected here, this is {found}"))
-                .related(left, "the other side")
+                .with_related(left, "the other side")
         }
         Fault::NotPlain(found) => {
             error("vib::unit::mismatch", right, "an exponent is a plain number").label(unit_or_none(found))
@@ -271,7 +271,7 @@ fn pair(fault: Fault, left: Span, right: Span) -> Diagnostic {
         format!("this is {}, the first component is {}", name_phrase(b), name_phrase(a)),
     )
     .label(unit_or_none(b))
-    .related(left, unit_or_none(a))
+    .with_related(left, unit_or_none(a))
     .help("both components need the same unit; a bare 0 fits any")
 }
 
@@ -302,7 +302,7 @@ fn kind_mismatch(span: Span, found: Dimension, wanted: Dimension, declared: Opti
     };
     let mut diagnostic = error("vib::unit::mismatch", span, message).label(unit_or_none(found)).help(help);
     if let Some((name, place)) = declared {
-        diagnostic = diagnostic.related(place, format!("`{name}` is declared here"));
+        diagnostic = diagnostic.with_related(place, format!("`{name}` is declared here"));
     }
     diagnostic
 }

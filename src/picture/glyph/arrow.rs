@@ -15,7 +15,10 @@ pub fn offsets(first: f64) -> impl Iterator<Item = f64> + Clone {
 
 pub fn head(tip: Point, along: Point) -> Stroke {
     let back = tip.towards(along, -HEAD);
-    Stroke::area([tip, back.towards(along.across(), WIDE), back.towards(along.across(), -WIDE)], Pen::Solid)
+    Stroke::area(
+        [tip, back.towards(along.perpendicular(), WIDE), back.towards(along.perpendicular(), -WIDE)],
+        Pen::Solid,
+    )
 }
 
 pub fn single(from: Point, to: Point, pen: Pen) -> Vec<Stroke> {
@@ -31,7 +34,7 @@ pub fn double(a: Point, b: Point, pen: Pen) -> Vec<Stroke> {
 
 /// A coordinate: an arrow with a mark across its start.
 pub fn coordinate(from: Point, to: Point, pen: Pen) -> Vec<Stroke> {
-    let across = to.minus(from).unit().unwrap_or_default().across();
+    let across = to.minus(from).unit().unwrap_or_default().perpendicular();
     let mut strokes = single(from, to, pen);
     strokes.push(Stroke::line([from.towards(across, 4.0), from.towards(across, -4.0)], pen));
     strokes
@@ -39,15 +42,15 @@ pub fn coordinate(from: Point, to: Point, pen: Pen) -> Vec<Stroke> {
 
 /// A curved arrow counter-clockwise about a point, above it, at its right, below it and at its left.
 pub fn arcs(centre: Point, radius: f64, pen: Pen, both: bool) -> Vec<Vec<Stroke>> {
-    [0.5, 0.0, -0.5, 1.0].map(|quarter| curved(centre, radius, quarter * PI, pen, both, false)).to_vec()
+    [0.5, 0.0, -0.5, 1.0].map(|quarter| curved_arrow(centre, radius, quarter * PI, pen, both, false)).to_vec()
 }
 
 /// Like [`arcs`], but clockwise.
 pub fn arcs_back(centre: Point, radius: f64, pen: Pen) -> Vec<Vec<Stroke>> {
-    [0.5, 0.0, -0.5, 1.0].map(|quarter| curved(centre, radius, quarter * PI, pen, false, true)).to_vec()
+    [0.5, 0.0, -0.5, 1.0].map(|quarter| curved_arrow(centre, radius, quarter * PI, pen, false, true)).to_vec()
 }
 
-fn curved(centre: Point, radius: f64, middle: f64, pen: Pen, both: bool, back: bool) -> Vec<Stroke> {
+fn curved_arrow(centre: Point, radius: f64, middle: f64, pen: Pen, both: bool, back: bool) -> Vec<Stroke> {
     let half = (20.0 / radius).clamp(0.35, 1.1);
     let (from, to) = if back { (middle + half, middle - half) } else { (middle - half, middle + half) };
     let points = arc(centre, radius, from, to, 16);

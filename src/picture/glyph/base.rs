@@ -1,7 +1,7 @@
 //! A base: a hatched plate across its motion, and a double arrow along it.
 
 use super::arrow;
-use super::ground::hatched;
+use super::ground::hatched_line;
 use super::{Sheet, Subject};
 use crate::picture::figure::{Kind, Pen, Ride, Stroke};
 use crate::picture::geometry::Point;
@@ -18,8 +18,8 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
     let base = &sheet.scene.bases[index];
     let Outline::Plate { along, half } = placed.outline else { return };
     let (at, along) = (stage.place(number), stage.vector(number, along));
-    let side = along.across();
-    let mut strokes = hatched(at.towards(side, -half), at.towards(side, half), along.times(-1.0));
+    let side = along.perpendicular();
+    let mut strokes = hatched_line(at.towards(side, -half), at.towards(side, half), along.times(-1.0));
     strokes.extend(placed.arms.iter().map(|arm| super::rod::link(at, stage.point(number, *arm))));
     let name = sheet.says.display(base.name);
     let of = Subject { title: format!("base {name}, moved from outside"), span: Some(base.span) };
@@ -43,7 +43,7 @@ pub fn arrow(sheet: &mut Sheet, stage: &Stage, index: usize, translation: Option
     };
     let direction = placed.direction(super::super::layout::straight(&translation.direction)).unwrap_or(along);
     let of = Subject { title: format!("{name}.{} is prescribed", translation.motion), span: Some(base.span) };
-    let side = along.across();
+    let side = along.perpendicular();
     let places = [1.0, -1.0].into_iter().flat_map(|sign| {
         arrow::offsets(10.0).map(move |off| at.towards(side, sign * (half + off)).towards(along, -3.0))
     });

@@ -64,7 +64,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
         return sheet.label(name, Some(couple.span), line[0], Point::new(2.0, 2.0), &[Point::new(1.0, 0.0)]);
     };
     let middle = ends[0].middle(ends[1]);
-    let side = ends[1].minus(ends[0]).unit().unwrap_or_default().across();
+    let side = ends[1].minus(ends[0]).unit().unwrap_or_default().perpendicular();
     sheet.push_riding(Kind::Couple, of, strokes);
     sheet.label(name, Some(couple.span), middle, Point::new(3.0, 3.0), &[side, side.times(-1.0)]);
     sheet.rides(ride);

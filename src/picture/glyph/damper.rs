@@ -9,7 +9,7 @@ pub const HALF: f64 = 8.0;
 pub fn strokes(a: Point, b: Point) -> Vec<Stroke> {
     let length = a.distance(b);
     let Some(along) = b.minus(a).unit() else { return Vec::new() };
-    let side = along.across();
+    let side = along.perpendicular();
     let half = HALF.min(length / 4.0);
     let cup = (length * 0.34).clamp(4.0, 24.0);
     // The cup is in the middle, and the piston in the middle of the cup.

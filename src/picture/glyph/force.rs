@@ -12,7 +12,7 @@ use crate::picture::stage::Stage;
 const LENGTH: f64 = 36.0;
 
 /// Along a fixed direction on the first end, against it on the second.
-pub fn along(
+pub fn fixed_direction(
     sheet: &mut Sheet,
     stage: &Stage,
     input: &Input,
@@ -57,7 +57,7 @@ fn one(
     let edge = at.towards(back, reach(back));
     add(edge.towards(back, LENGTH), edge);
     for off in arrow::offsets(8.0) {
-        for side in [direction.across(), direction.across().times(-1.0)] {
+        for side in [direction.perpendicular(), direction.perpendicular().times(-1.0)] {
             let middle = at.towards(side, reach(side) + off);
             add(middle.towards(back, LENGTH / 2.0), middle.towards(direction, LENGTH / 2.0));
         }

@@ -43,11 +43,11 @@ pub fn strokes(stage: &Stage, terms: &[MotionTerm], parts: &Parts) -> Option<Tee
 fn teeth(centre: Point, radius: f64, towards: Point, offset: f64) -> Vec<Stroke> {
     let count = (2.0 * PI * radius / PITCH).round().max(6.0);
     let step = Turn::from_angle(2.0 * PI / count);
-    let mut arm = towards.turned(Turn::from_angle(2.0 * PI / count * offset));
+    let mut arm = towards.rotate(Turn::from_angle(2.0 * PI / count * offset));
     let mut strokes = Vec::new();
     for _ in 0..count as usize {
         strokes.push(Stroke::line([centre.towards(arm, radius), centre.towards(arm, radius + TOOTH)], Pen::Normal));
-        arm = arm.turned(step);
+        arm = arm.rotate(step);
     }
     strokes
 }

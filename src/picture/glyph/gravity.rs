@@ -32,6 +32,6 @@ pub fn draw(sheet: &mut Sheet, bounds: Bounds, room: &mut Occupied) {
     };
     let span = sheet.scene.gravity_span;
     if let Some(bounds) = sheet.choose(Kind::Gravity, of, tries, room) {
-        sheet.label_beside(text, span, bounds, &[along.across().times(-1.0), along.across()]);
+        sheet.label_beside(text, span, bounds, &[along.perpendicular().times(-1.0), along.perpendicular()]);
     }
 }

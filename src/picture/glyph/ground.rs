@@ -17,7 +17,7 @@ const DEEP: f64 = 7.0;
 const JOINED: f64 = 30.0;
 
 /// A line with hatching on the side that `behind` points to.
-pub fn hatched(a: Point, b: Point, behind: Point) -> Vec<Stroke> {
+pub fn hatched_line(a: Point, b: Point, behind: Point) -> Vec<Stroke> {
     let mut strokes = vec![Stroke::line([a, b], Pen::Normal)];
     let length = a.distance(b);
     let Some(along) = b.minus(a).unit() else { return strokes };
@@ -46,13 +46,13 @@ pub fn walls(sheet: &mut Sheet, stage: &Stage) {
         }
     }
     for (behind, mut feet) in walls.into_values() {
-        let along = behind.across();
+        let along = behind.perpendicular();
         feet.sort_by(|a, b| a.dot(along).total_cmp(&b.dot(along)));
         for run in feet.chunk_by(|a, b| b.dot(along) - a.dot(along) < JOINED) {
             let (first, last) = (run[0], run[run.len() - 1]);
             let strokes = match sheet.detail {
                 Detail::Full | Detail::Unnamed => {
-                    hatched(first.towards(along, -BEYOND), last.towards(along, BEYOND), behind)
+                    hatched_line(first.towards(along, -BEYOND), last.towards(along, BEYOND), behind)
                 }
                 Detail::Plain | Detail::Bare => {
                     vec![Stroke::line([first.towards(along, -4.0), last.towards(along, 4.0)], Pen::Normal)]

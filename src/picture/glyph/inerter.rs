@@ -11,7 +11,7 @@ pub const HALF: f64 = 8.0;
 pub fn strokes(a: Point, b: Point) -> Vec<Stroke> {
     let (middle, length) = (a.middle(b), a.distance(b));
     let Some(along) = b.minus(a).unit() else { return Vec::new() };
-    let side = along.across();
+    let side = along.perpendicular();
     let (half, deep) = (HALF.min(length / 4.0), 12.0_f64.min(length / 5.0));
     let (front, back) = (middle.towards(along, -deep), middle.towards(along, deep));
     let walls = [

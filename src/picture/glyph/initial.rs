@@ -23,7 +23,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, initial: &Initial, room: &mut Occu
                 let direction = direction.times(sign);
                 let sides = arrow::offsets(8.0).flat_map(|off| [(off, 1.0), (off, -1.0)]);
                 let places = sides.map(|(off, side)| {
-                    let side = direction.across().times(side);
+                    let side = direction.perpendicular().times(side);
                     at.towards(side, outline.reach(Point::default(), side) + off)
                 });
                 let half = direction.times(LENGTH / 2.0);
@@ -57,7 +57,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, initial: &Initial, room: &mut Occu
 
 fn faint(from: Point, to: Point) -> Vec<Stroke> {
     let along = to.minus(from).unit().unwrap_or_default();
-    let side = along.across();
+    let side = along.perpendicular();
     let back = to.towards(along, -7.0);
     let head = [back.towards(side, 3.5), to, back.towards(side, -3.5)];
     vec![Stroke::line([from, to], Pen::Faint), Stroke::line(head, Pen::Faint)]

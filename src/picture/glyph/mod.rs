@@ -99,7 +99,7 @@ impl<'a> Sheet<'a> {
     /// Asks for a name beside a place.
     pub fn label(&mut self, text: String, span: Option<Span>, at: Point, half: Point, best: &[Point]) {
         if self.detail == Detail::Full {
-            let (text, best) = (text::clipped(&text), best.to_vec());
+            let (text, best) = (text::clip(&text), best.to_vec());
             self.wanted.push(Wanted { text, span, at, half, best, ride: Ride::Still, is_of_tie: false });
         }
     }
@@ -166,7 +166,7 @@ impl<'a> Sheet<'a> {
             Outline::Wheel { radius } => (Kind::Disk, disk::strokes(at, *radius, turned(Point::new(0.0, -1.0)))),
             Outline::Ring { radius } => (Kind::Ring, disk::ring(at, *radius, turned(Point::new(0.0, -1.0)))),
             Outline::Box { half, along } => {
-                let own = |v: Point| turned(along.times(v.x).plus(along.across().times(v.y)));
+                let own = |v: Point| turned(along.times(v.x).plus(along.perpendicular().times(v.y)));
                 (Kind::Box, block::strokes(at, *half, own))
             }
             Outline::Block { half } => (Kind::Block, block::strokes(at, *half, turned)),
@@ -180,7 +180,7 @@ impl<'a> Sheet<'a> {
         self.name_item(Item::Body(index));
         let (half, best) = match &placed.outline {
             Outline::Rod { arm } => {
-                let side = turned(*arm).across().unit().unwrap_or_default();
+                let side = turned(*arm).perpendicular().unit().unwrap_or_default();
                 (Point::new(7.0, 7.0), vec![side, side.times(-1.0)])
             }
             outline => (outline.half(), placed.name_at.clone()),
@@ -199,7 +199,7 @@ impl<'a> Sheet<'a> {
             return self.belt(stage, index, span, of);
         }
         let [a, b] = [&link.feet[0], &link.feet[1]]
-            .map(|foot| if turns { stage.carried(foot.part, foot.at) } else { stage.point(foot.part, foot.at) });
+            .map(|foot| if turns { stage.carry(foot.part, foot.at) } else { stage.point(foot.part, foot.at) });
         let hold = |foot: &Foot, at: Point| {
             let of = if turns { stage.place(foot.part) } else { at };
             Hold { part: foot.part, of, at }
@@ -244,7 +244,8 @@ impl<'a> Sheet<'a> {
         self.push_riding(kind(element), of, strokes);
         self.name_item(Item::Element(index));
         let along = b.minus(a).unit().unwrap_or(Point::new(1.0, 0.0));
-        let side = if along.across().y <= 0.0 { along.across() } else { along.across().times(-1.0) };
+        let side =
+            if along.perpendicular().y <= 0.0 { along.perpendicular() } else { along.perpendicular().times(-1.0) };
         let (reach, half) = (b.distance(a) * 0.25, half + 1.0);
         let half = Point::new(along.x.abs() * reach + side.x.abs() * half, along.y.abs() * reach + side.y.abs() * half);
         // Beside a slanting element the box of its middle is enough.
@@ -265,7 +266,7 @@ impl<'a> Sheet<'a> {
             return;
         }
         let text = values::element_label(self.says, element);
-        let side = b.minus(a).unit().unwrap_or_default().across();
+        let side = b.minus(a).unit().unwrap_or_default().perpendicular();
         let out = if side.y <= 0.0 { side } else { side.times(-1.0) };
         self.label_tie(text, Some(element.span), a.middle(b), Point::new(3.0, 3.0), &[out, out.times(-1.0)]);
         self.rides(ride);
@@ -282,7 +283,9 @@ impl<'a> Sheet<'a> {
                 InputKind::Base { base, translation } => base::arrow(self, stage, base.index(), *translation, room),
                 // A mode is the motion without any load.
                 _ if is_mode => {}
-                InputKind::Force { ends, direction } => force::along(self, stage, input, ends, direction, room),
+                InputKind::Force { ends, direction } => {
+                    force::fixed_direction(self, stage, input, ends, direction, room)
+                }
                 InputKind::ForceBetween { ends } => force::draw_between(self, stage, input, ends, room),
                 InputKind::Torque { ends } => torque::draw(self, stage, input, ends, room),
                 // One glyph represents both components.
@@ -334,7 +337,7 @@ impl<'a> Sheet<'a> {
     pub fn choose(&mut self, kind: Kind, of: Subject, tries: Vec<Vec<Stroke>>, room: &mut Occupied) -> Option<Bounds> {
         let is_free = |strokes: &Vec<Stroke>| {
             let bounds = strokes.iter().fold(Bounds::EMPTY, |bounds, stroke| bounds.and(stroke.bounds()));
-            room.is_free(&bounds.grown(2.0))
+            room.is_free(&bounds.grow(2.0))
         };
         let place = tries.iter().position(is_free).unwrap_or(0);
         let strokes = tries.into_iter().nth(place)?;

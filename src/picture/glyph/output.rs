@@ -52,7 +52,7 @@ pub fn draw_all(sheet: &mut Sheet, stage: &Stage, room: &mut Occupied) {
     for output in &scene.outputs {
         let name = sheet.says.display(output.name);
         for term in output.terms.iter().take(MOST_TERMS) {
-            let Some(shown) = shown(sheet, stage, &term.motion) else { continue };
+            let Some(shown) = shown_motion(sheet, stage, &term.motion) else { continue };
             match entries.iter_mut().find(|entry| entry.shown == shown) {
                 Some(entry) if entry.names.contains(&name) => {}
                 Some(entry) => entry.names.push(name.clone()),
@@ -86,7 +86,7 @@ pub fn draw_all(sheet: &mut Sheet, stage: &Stage, room: &mut Occupied) {
     }
 }
 
-fn shown(sheet: &Sheet, stage: &Stage, motion: &Motion) -> Option<Shown> {
+fn shown_motion(sheet: &Sheet, stage: &Stage, motion: &Motion) -> Option<Shown> {
     let parts = sheet.parts_of();
     match motion {
         Motion::Point { part: Part::Ground, .. } | Motion::Turn { part: Part::Ground, .. } => None,
@@ -101,13 +101,13 @@ fn shown(sheet: &Sheet, stage: &Stage, motion: &Motion) -> Option<Shown> {
             Some(Shown::Moves { part, at: stage.point(part, drawn), direction })
         }
         Motion::Turn { part, .. } => Some(Shown::Turns { part: parts.number(*part) }),
-        Motion::Reaction(reaction) => carried(sheet, stage, *reaction),
+        Motion::Reaction(reaction) => shown_reaction(sheet, stage, *reaction),
         Motion::Force { element } | Motion::Stretch { element } => Some(Shown::Element { index: element.index() }),
     }
 }
 
 /// What a joint exerts on its second part, or rails on the body that they guide; a coupling has no place.
-fn carried(sheet: &Sheet, stage: &Stage, reaction: Reaction) -> Option<Shown> {
+fn shown_reaction(sheet: &Sheet, stage: &Stage, reaction: Reaction) -> Option<Shown> {
     let parts = sheet.parts_of();
     let (part, at) = match reaction.holder {
         Holder::Couple(_) => return None,
@@ -133,7 +133,7 @@ fn carried(sheet: &Sheet, stage: &Stage, reaction: Reaction) -> Option<Shown> {
 fn pulling(at: Point, direction: Point) -> Vec<Vec<Stroke>> {
     let single = |from: Point| arrow::single(from, from.towards(direction, LENGTH), Pen::Thin);
     let away = arrow::offsets(8.0).flat_map(|off| {
-        let beside = [0.0, 9.0, -9.0].map(|aside| at.towards(direction.across(), aside));
+        let beside = [0.0, 9.0, -9.0].map(|aside| at.towards(direction.perpendicular(), aside));
         let from = beside.map(|place| single(place.towards(direction, off)));
         let to = beside.map(|place| single(place.towards(direction, -off - LENGTH)));
         from.into_iter().chain(to)
@@ -146,7 +146,11 @@ fn straight(stage: &Stage, part: usize, at: Point, direction: Point) -> Vec<Vec<
     let outline = &stage.layout.parts[part].outline;
     let inside = at.minus(stage.place(part));
     let mut tries = Vec::new();
-    let up = if direction.across().y <= 0.0 { direction.across() } else { direction.across().times(-1.0) };
+    let up = if direction.perpendicular().y <= 0.0 {
+        direction.perpendicular()
+    } else {
+        direction.perpendicular().times(-1.0)
+    };
     for off in arrow::offsets(7.0) {
         for side in [up, up.times(-1.0)] {
             let from = at.towards(side, outline.reach(inside, side) + off);
@@ -168,7 +172,7 @@ fn beside_element(stage: &Stage, index: usize) -> Vec<Vec<Stroke>> {
         arrow::double(at.towards(along, -length / 2.0), at.towards(along, length / 2.0), Pen::Thin)
     };
     for off in arrow::offsets(13.0).flat_map(|off| [off, -off]) {
-        let beside = a.middle(b).towards(along.across(), off);
+        let beside = a.middle(b).towards(along.perpendicular(), off);
         tries.push(arrow(beside, LENGTH));
         // Next to its ends if its name is at its middle.
         let aside = a.distance(b) * 0.3;

@@ -1,6 +1,6 @@
 //! A pivot: a small circle; on the ground with its bearing.
 
-use super::ground::hatched;
+use super::ground::hatched_line;
 use super::{Sheet, Subject};
 use crate::model::scene::Part;
 use crate::picture::Detail;
@@ -31,7 +31,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize) {
         let [left, right] = [-WIDE, WIDE].map(|x| foot.plus(Point::new(x, 0.0)));
         strokes.push(Stroke::area([at, left, right], Pen::Paper));
         let beyond = Point::new(6.0, 0.0);
-        strokes.extend(hatched(left.minus(beyond), right.plus(beyond), down));
+        strokes.extend(hatched_line(left.minus(beyond), right.plus(beyond), down));
     }
     let pin = vec![Stroke::circle(at, RADIUS, Pen::Paper)];
     let ride = Ride::At(Hold::at_part(held, at));

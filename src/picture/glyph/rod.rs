@@ -22,7 +22,7 @@ fn bar(a: Point, b: Point, half: f64) -> Stroke {
     // A half circle over the end at the right, turned into place.
     let cap = |at: Point, along: Point| {
         let half_circle = spiral(Point::default(), (half, half), (-PI / 2.0, PI / 2.0), 8);
-        half_circle.into_iter().map(move |p| at.towards(along, p.x).towards(along.across(), p.y))
+        half_circle.into_iter().map(move |p| at.towards(along, p.x).towards(along.perpendicular(), p.y))
     };
     let mut points: Vec<Point> = cap(b, along).collect();
     points.extend(cap(a, along.times(-1.0)));

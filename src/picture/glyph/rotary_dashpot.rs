@@ -11,7 +11,7 @@ pub const HALF: f64 = 12.0;
 pub fn strokes(a: Point, b: Point) -> Vec<Stroke> {
     let (middle, length) = (a.middle(b), a.distance(b));
     let Some(along) = b.minus(a).unit() else { return Vec::new() };
-    let side = along.across();
+    let side = along.perpendicular();
     let (half, deep) = (HALF.min(length / 4.0), 6.0_f64.min(length / 6.0));
     // A drum seen from the side, closed towards the second end, and a disk that turns in it.
     let drum = [

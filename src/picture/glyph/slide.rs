@@ -1,6 +1,6 @@
 //! A slide: a rail with hatching along its direction, beside the body that runs on it.
 
-use super::ground::hatched;
+use super::ground::hatched_line;
 use super::{Sheet, Subject};
 use crate::base::Vec3;
 use crate::model::scene::Part;
@@ -23,7 +23,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize, along: &Vec3) {
     let half = placed.outline.half();
     let extent = half.x * direction.x.abs() + half.y * direction.y.abs();
     // Below or beside it, as drawn.
-    let mut aside = direction.across();
+    let mut aside = direction.perpendicular();
     if aside.y < -0.1 {
         aside = aside.times(-1.0);
     }
@@ -31,7 +31,7 @@ pub fn draw(sheet: &mut Sheet, stage: &Stage, index: usize, along: &Vec3) {
     let middle = placed.at.towards(aside, beside);
     let ends = [-1.0, 1.0].map(|sign| stage.point(rail, middle.towards(direction, sign * (extent + BEYOND))));
     let behind = stage.vector(rail, aside);
-    let mut strokes = hatched(ends[0], ends[1], behind);
+    let mut strokes = hatched_line(ends[0], ends[1], behind);
     if joint.ends.iter().all(|end| end.part != Part::Ground) {
         // The rail is fixed to a body: a thin line connects them.
         let at = stage.place(rail);

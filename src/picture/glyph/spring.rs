@@ -19,7 +19,7 @@ pub fn strokes(a: Point, b: Point) -> Vec<Stroke> {
     let mut points = vec![a, a.towards(along, end)];
     for tooth in 0..teeth {
         let side = if tooth % 2 == 0 { half } else { -half };
-        points.push(a.towards(along, end + (tooth as f64 + 0.5) * step).towards(along.across(), side));
+        points.push(a.towards(along, end + (tooth as f64 + 0.5) * step).towards(along.perpendicular(), side));
     }
     points.extend([b.towards(along, -end), b]);
     vec![Stroke::line(points, Pen::Normal)]

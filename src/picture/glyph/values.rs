@@ -38,7 +38,7 @@ impl Says<'_> {
 }
 
 fn width(label: &str) -> f64 {
-    text::width(&text::clipped(label)) * text::SPARE
+    text::width(&text::clip(label)) * text::SPARE
 }
 
 /// The coefficient with its unit, such as `k = 10 N/m`; `None` for an element with a law.
@@ -50,7 +50,7 @@ fn value(says: &Says, element: &Element) -> Option<String> {
 }
 
 /// A name, followed by its value if values are asked for. A name that equals the letter of the value is not repeated.
-fn named(says: &Says, name: String, value: impl FnOnce() -> Option<String>) -> String {
+fn name_with_value(says: &Says, name: String, value: impl FnOnce() -> Option<String>) -> String {
     match says.request.values.then(value).flatten() {
         None => name,
         Some(value) if value.strip_prefix(name.as_str()).is_some_and(|rest| rest.starts_with(" = ")) => value,
@@ -59,7 +59,7 @@ fn named(says: &Says, name: String, value: impl FnOnce() -> Option<String>) -> S
 }
 
 pub fn element_label(says: &Says, element: &Element) -> String {
-    named(says, says.display(element.name), || value(says, element))
+    name_with_value(says, says.display(element.name), || value(says, element))
 }
 
 pub fn element_title(says: &Says, element: &Element) -> String {
@@ -85,7 +85,7 @@ fn body_values(says: &Says, body: &Body) -> Option<String> {
 }
 
 pub fn body_label(says: &Says, body: &Body) -> String {
-    named(says, says.display(body.name), || body_values(says, body))
+    name_with_value(says, says.display(body.name), || body_values(says, body))
 }
 
 pub fn body_title(says: &Says, body: &Body) -> String {

@@ -72,7 +72,7 @@ fn link(tie: &Tie, number: usize, of: usize, placed: &[Placed]) -> Link {
     if tie.is_turned_round() {
         offset = -offset;
     }
-    let aside = direction.across().times(offset);
+    let aside = direction.perpendicular().times(offset);
     let foot = |end: usize, inwards: Point| -> Foot {
         let (part, point) = (tie.parts[end], tie.at[end]);
         let beside = point.plus(aside);
@@ -92,7 +92,7 @@ fn link(tie: &Tie, number: usize, of: usize, placed: &[Placed]) -> Link {
 /// Whether a point lies on an outline at which several elements end.
 fn is_at(outline: &Outline, point: Point) -> bool {
     match outline {
-        Outline::Plate { along, half } => point.dot(along.across()).abs() <= *half,
+        Outline::Plate { along, half } => point.dot(along.perpendicular()).abs() <= *half,
         Outline::Block { half } => point.x.abs() <= half.x + 0.5 && point.y.abs() <= half.y + 0.5,
         Outline::Box { half, along } => {
             let point = own_axes(*along, point);

@@ -69,7 +69,7 @@ impl Outline {
             Outline::Nowhere => Point::default(),
             Outline::Block { half } => *half,
             Outline::Box { half, along } => {
-                let across = along.across();
+                let across = along.perpendicular();
                 Point::new(
                     (half.x * along.x).abs() + (half.y * across.x).abs(),
                     (half.x * along.y).abs() + (half.y * across.y).abs(),
@@ -81,7 +81,7 @@ impl Outline {
             | Outline::Dot { radius } => Point::new(*radius, *radius),
             Outline::Rod { arm } => Point::new(arm.x.abs() + 5.0, arm.y.abs() + 5.0),
             Outline::Plate { along, half } => {
-                let side = along.across();
+                let side = along.perpendicular();
                 Point::new(side.x.abs() * half + along.x.abs() * 8.0, side.y.abs() * half + along.y.abs() * 8.0)
             }
             Outline::Speck { half } => Point::new(*half, *half),
@@ -96,11 +96,11 @@ impl Outline {
 
 /// The coordinates of a point in axes whose first one is a direction of length one.
 pub fn own_axes(along: Point, point: Point) -> Point {
-    Point::new(point.dot(along), point.dot(along.across()))
+    Point::new(point.dot(along), point.dot(along.perpendicular()))
 }
 
 fn box_reach(half: Point, inside: Point, direction: Point) -> f64 {
-    if !Bounds::around(Point::default(), half).grown(-1e-6).holds(inside) {
+    if !Bounds::around(Point::default(), half).grow(-1e-6).holds(inside) {
         return 0.0;
     }
     let side = |half: f64, at: f64, d: f64| if d.abs() < 1e-9 { f64::INFINITY } else { (half * d.signum() - at) / d };

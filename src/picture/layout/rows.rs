@@ -126,7 +126,7 @@ impl<'a> Row<'a> {
         let own = self.at.iter().zip(&self.outline).map(|(at, outline)| Bounds::around(*at, outline.half()));
         let feet = self.links.iter().flat_map(|(_, link)| &link.feet);
         let feet = feet.flat_map(|foot| std::iter::once(&foot.at).chain(&foot.lead));
-        feet.fold(own.fold(Bounds::EMPTY, Bounds::and), |bounds, point| bounds.with(*point)).grown(14.0)
+        feet.fold(own.fold(Bounds::EMPTY, Bounds::and), |bounds, point| bounds.with(*point)).grow(14.0)
     }
 
     /// A metre of the scene on the page: along the row for the motion of the part.
@@ -324,7 +324,7 @@ impl Block {
             let placed = Placed {
                 at: frame.point(row.at[member]),
                 origin: [0.0, 0.0],
-                outline: turned(&row.outline[member], frame, along),
+                outline: rotate_outline(&row.outline[member], frame, along),
                 arms: Vec::new(),
                 axes: row.axes(*number, along, metre),
                 name_at: frame.names(),
@@ -371,7 +371,7 @@ impl Block {
             foot.at = foot.at.plus(by);
             foot.lead.iter_mut().for_each(|point| *point = point.plus(by));
         }
-        self.bounds = self.bounds.shifted(by);
+        self.bounds = self.bounds.shift(by);
     }
 }
 
@@ -412,7 +412,7 @@ impl Page {
 }
 
 /// An outline in row coordinates on the page.
-fn turned(outline: &Outline, frame: Frame, along: Point) -> Outline {
+fn rotate_outline(outline: &Outline, frame: Frame, along: Point) -> Outline {
     let half = |half: &Point| {
         let v = frame.point(*half);
         Point::new(v.x.abs(), v.y.abs())

@@ -201,11 +201,11 @@ impl Drawing<'_> {
         let outside = |point: &Point| match &placed.outline {
             Outline::Rod { arm } => {
                 let (from, along) = (point.minus(placed.at), arm.unit().unwrap_or_default());
-                from.dot(along.across()).abs() > 6.0 || from.dot(along).abs() > arm.length() + 1.0
+                from.dot(along.perpendicular()).abs() > 6.0 || from.dot(along).abs() > arm.length() + 1.0
             }
             Outline::Plate { along, half } => {
                 let from = point.minus(placed.at);
-                from.dot(*along).abs() > 1.0 || from.dot(along.across()).abs() > *half
+                from.dot(*along).abs() > 1.0 || from.dot(along.perpendicular()).abs() > *half
             }
             outline => {
                 let (from, half) = (point.minus(placed.at), outline.half());
@@ -249,7 +249,7 @@ impl Drawing<'_> {
             next += 1;
         }
         // The remaining parts are not connected to any part with a place, in a scene too large for rows.
-        let bounds = self.occupied();
+        let bounds = self.occupied_bounds();
         let mut next = Point::new(bounds.low.x, bounds.high.y + REACH + 40.0);
         for number in 1..self.parts.count() {
             if !self.is_placed[number] && self.detail > Detail::Full {
@@ -296,8 +296,8 @@ impl Drawing<'_> {
         let first = if middle < 0.0 { along.times(-1.0) } else { along };
         let half = own.outline.half().dot(Point::new(along.x.abs(), along.y.abs()));
         let mut tries = self.tries(held, from, first, half).map(|at| at.minus(own.at));
-        let is_free = |by: &Point| self.is_free(&block.bounds.shifted(*by), member);
-        let below = Point::new(from.x - own.at.x, self.occupied().high.y + REACH - block.bounds.low.y);
+        let is_free = |by: &Point| self.is_free(&block.bounds.shift(*by), member);
+        let below = Point::new(from.x - own.at.x, self.occupied_bounds().high.y + REACH - block.bounds.low.y);
         let by = tries.find(is_free).unwrap_or(below);
         block.shift(by);
         self.put(block)
@@ -305,7 +305,7 @@ impl Drawing<'_> {
 
     /// Places groups that are not connected to the drawing below it.
     fn set_apart(&mut self, blocks: Vec<Block>) -> Vec<(usize, Link)> {
-        let taken = self.occupied();
+        let taken = self.occupied_bounds();
         let mut below = Below { down: taken.high.y + REACH + 40.0, left: taken.low.x, right: taken.low.x };
         let (level, upright): (Vec<_>, Vec<_>) = blocks.into_iter().partition(Block::is_level);
         let mut links = Vec::new();
@@ -330,7 +330,7 @@ impl Drawing<'_> {
         self.is_placed[number] = true;
     }
 
-    fn occupied(&self) -> Bounds {
+    fn occupied_bounds(&self) -> Bounds {
         let placed = (1..self.parts.count()).filter(|number| self.is_placed[*number]);
         let bounds = placed.fold(Bounds::EMPTY, |bounds, number| bounds.and(self.bounds(number)));
         if bounds.is_empty() { Bounds::of(&[Point::default()]) } else { bounds }
@@ -365,7 +365,7 @@ impl Drawing<'_> {
         let outline = &self.placed[number].outline;
         let own = outline.half().dot(Point::new(along.x.abs(), along.y.abs()));
         let mut tries = self.tries(tied, from, first, own);
-        let is_free = |at: &Point| self.is_free(&Bounds::around(*at, outline.half()).grown(6.0), number);
+        let is_free = |at: &Point| self.is_free(&Bounds::around(*at, outline.half()).grow(6.0), number);
         tries.clone().find(is_free).or(tries.next()).unwrap_or(from)
     }
 
@@ -377,7 +377,7 @@ impl Drawing<'_> {
             from.towards(way, reach + REACH + half)
         });
         let shifts = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0];
-        shifts.into_iter().flat_map(move |shift| far.map(|at| at.towards(first.across(), shift * 70.0)))
+        shifts.into_iter().flat_map(move |shift| far.map(|at| at.towards(first.perpendicular(), shift * 70.0)))
     }
 
     /// The direction of an element that has one, on the page.
@@ -441,7 +441,7 @@ impl Drawing<'_> {
         };
         let tries = [way(along.times(-1.0)), way(along)];
         let is_free = |stub: &Point| {
-            let room = Bounds::around(at.middle(*stub), Point::new(1.0, 1.0)).with(*stub).grown(6.0);
+            let room = Bounds::around(at.middle(*stub), Point::new(1.0, 1.0)).with(*stub).grow(6.0);
             self.is_free(&room, part)
         };
         tries.iter().copied().find(is_free).unwrap_or(tries[0])

@@ -1,5 +1,5 @@
-//! Poles that are followed along the parameter: the root locus as curves. In: the poles at each value. Out: which pole of one value is
-//! which of the next, and whether this is proved. See docs/method/studies.md#loci.
+//! Poles followed along the parameter: the root locus as curves. In: the poles at each value. Out: for each pole of one
+//! value its continuation at the next, and whether it is proved. See docs/method/studies.md#loci.
 
 use super::places::{Field, binary};
 use crate::analysis::range::Family;
@@ -11,14 +11,14 @@ use crate::questions::answer::Proved;
 use crate::questions::followed::Locus;
 use std::f64::consts::TAU;
 
-/// The most coordinates of a model whose links are proved: each takes the solution of dense equations in balls.
+/// Limit on the coordinates of a model whose links are proved, because each proof solves dense equations in balls.
 const MOST_COORDINATES: usize = 12;
-/// A step is halved so many times at most.
+/// Limit on the halvings of a step.
 const DEEPEST: u32 = 6;
-/// Arcs of a circle at first, and how often each is halved at most.
+/// Arcs into which a circle is divided at first, and limit on the halvings of each.
 const ARCS: usize = 16;
 const MOST_HALVINGS: u32 = 4;
-/// Covers the rounding of a few numbers of binary64.
+/// Covers a few roundings in binary64.
 const MARGIN: f64 = 1e-12;
 
 /// The poles at a value of the parameter.
@@ -40,7 +40,7 @@ pub fn loci(field: &Field, values: &[Number]) -> Vec<Locus> {
     }
     let steps: Vec<&[Spot]> = spots.windows(2).collect();
     let links: Vec<Links> =
-        cores::in_pieces(&steps, 1, 1, |some| some.iter().map(|ends| linked(field, [&ends[0], &ends[1]], 0)).collect());
+        cores::in_pieces(&steps, 1, 1, |some| some.iter().map(|ends| link(field, [&ends[0], &ends[1]], 0)).collect());
     (0..count).map(|first| locus(&spots, &links, first)).collect()
 }
 
@@ -58,7 +58,7 @@ fn locus(spots: &[Spot], links: &[Links], first: usize) -> Locus {
     locus
 }
 
-/// All poles at a value; `None` if it is not proved that they are all.
+/// All poles at a value; `None` if it is not proved that the list is complete.
 fn spot(field: &Field, at: &Number) -> Option<Spot> {
     let system = field.study.system(0, at.clone(), true).filter(|system| !system.is_chained())?;
     let poles = analysis::modal(&system, &Request::default()).ok()?.poles;
@@ -67,27 +67,27 @@ fn spot(field: &Field, at: &Number) -> Option<Spot> {
     is_known.then(|| Spot { at: at.clone(), poles: list.collect() })
 }
 
-/// The links of a step, which is halved where one is not proved.
-fn linked(field: &Field, ends: [&Spot; 2], depth: u32) -> Links {
+/// The links of a step. The step is halved if a link is not proved.
+fn link(field: &Field, ends: [&Spot; 2], depth: u32) -> Links {
     let system = field.system_over([&ends[0].at, &ends[1].at], true).filter(|system| system.n() <= MOST_COORDINATES);
     let proved: Vec<Option<usize>> = match system.as_ref().and_then(|system| Family::of(system, false)) {
-        Some(family) => (0..ends[0].poles.len()).map(|i| proved(&family, ends, i)).collect(),
+        Some(family) => (0..ends[0].poles.len()).map(|i| proved_end(&family, ends, i)).collect(),
         None => vec![None; ends[0].poles.len()],
     };
     let is_open = proved.iter().any(Option::is_none);
-    // Without one form of the model over the step a few cuts are worth it.
+    // If the model has no single form over the step, it is halved a few times only.
     let deepest = if system.is_some() { DEEPEST } else { 2 };
     if is_open
         && depth < deepest
-        && let Some(middle) = between(field, ends)
+        && let Some(middle) = middle_spot(field, ends)
     {
-        let [first, second] = [[ends[0], &middle], [&middle, ends[1]]].map(|ends| linked(field, ends, depth + 1));
+        let [first, second] = [[ends[0], &middle], [&middle, ends[1]]].map(|ends| link(field, ends, depth + 1));
         return first.iter().map(|&(i, known)| (second[i].0, known && second[i].1)).collect();
     }
     nearest(ends, &proved)
 }
 
-fn between(field: &Field, ends: [&Spot; 2]) -> Option<Spot> {
+fn middle_spot(field: &Field, ends: [&Spot; 2]) -> Option<Spot> {
     let [low, high] = ends.map(|spot| spot.at.to_f64());
     let middle = low + (high - low) / 2.0;
     let is_inside = middle > low.min(high) && middle < low.max(high);
@@ -95,9 +95,9 @@ fn between(field: &Field, ends: [&Spot; 2]) -> Option<Spot> {
     (spot.poles.len() == ends[0].poles.len()).then_some(spot)
 }
 
-/// The pole at the end of a step that a pole at its beginning certainly becomes: a circle has one pole inside at both ends, and none on
-/// it for any value of the step, so that the number inside does not change.
-fn proved(family: &Family, [from, to]: [&Spot; 2], i: usize) -> Option<usize> {
+/// The pole at the end of a step that continues a pole at its beginning, with proof: a circle contains one pole at both
+/// ends, and no pole lies on it for any value in the step, so the number inside does not change.
+fn proved_end(family: &Family, [from, to]: [&Spot; 2], i: usize) -> Option<usize> {
     let start = from.poles[i];
     let nearest = |a: &usize, b: &usize| distance(start, to.poles[*a]).total_cmp(&distance(start, to.poles[*b]));
     let j = (0..to.poles.len()).min_by(nearest)?;
@@ -114,7 +114,7 @@ fn proved(family: &Family, [from, to]: [&Spot; 2], i: usize) -> Option<usize> {
     (is_between && has_no_pole_on(family, centre, radius)).then_some(j)
 }
 
-/// Whether there is certainly no pole on a circle, for any value of the step.
+/// Whether certainly no pole lies on a circle, for any value in the step.
 fn has_no_pole_on(family: &Family, centre: Complex<Ball>, radius: f64) -> bool {
     let mut left: Vec<([f64; 2], u32)> =
         (0..ARCS).map(|i| ([i, i + 1].map(|i| TAU * i as f64 / ARCS as f64), 0)).collect();
@@ -142,7 +142,7 @@ fn distance(a: Complex<Ball>, b: Complex<Ball>) -> f64 {
     x.abs().max(y.abs())
 }
 
-/// What is proved, and for the others the nearest poles that are left, the nearest pair first.
+/// The proved links; the remaining poles are paired by distance, the nearest pair first.
 fn nearest([from, to]: [&Spot; 2], proved: &[Option<usize>]) -> Links {
     let mut links: Vec<Option<(usize, bool)>> = proved.iter().map(|link| Some(((*link)?, true))).collect();
     let mut is_taken = vec![false; to.poles.len()];

@@ -1,5 +1,6 @@
-//! Where curves come near each other: veerings, which are least distances of curves of one class, and crossings of curves of
-//! different classes. In: the frequencies at all places in order. Out: each with its place, enclosed. See docs/method/studies.md#curves.
+//! Places where curves come near each other: veerings, the least distances between curves of one class, and crossings
+//! of curves of different classes. In: the frequencies at all places in order. Out: each veering and crossing with its
+//! enclosed place. See docs/method/studies.md#curves.
 
 use super::places::{Bounds, Field, Place, binary};
 use super::{Meeting, MeetingKind, Member};
@@ -7,12 +8,12 @@ use crate::base::{Ball, Number};
 use crate::questions::answer::Proved;
 use crate::questions::tolerated::hull;
 
-/// Neighbours that are looked at for one that is certainly farther away.
+/// Number of neighbours searched for one that is certainly farther away.
 const MOST_NEIGHBOURS: usize = 8;
-/// Steps of one search; each makes the interval shorter by a third at least.
+/// Steps of one search; each shortens the interval by at least a third.
 const MOST_STEPS: usize = 200;
 
-/// The veerings of one curve and the next of its class.
+/// The veerings between a curve and the next one of its class.
 pub fn veerings(field: &Field, places: &[Place], member: Member, curves: [usize; 2]) -> Vec<Meeting> {
     let distance = |i: usize| places.get(i)?.distance(member.class, member.index);
     let (mut list, mut after) = (Vec::new(), 0);
@@ -32,7 +33,8 @@ pub fn veerings(field: &Field, places: &[Place], member: Member, curves: [usize;
     list
 }
 
-/// The least distance between the outer two of three places, at the middle one of which it is certainly less than there.
+/// The least distance between the outer two of three places; at the middle one the distance is certainly smaller than
+/// at the ends.
 fn veering(
     field: &Field,
     member: Member,
@@ -71,7 +73,7 @@ fn veering(
     Some(Meeting { curves, place: [first, last], kind })
 }
 
-/// A place where one number passes another one, and the value of both there if that is proved.
+/// A place where one number passes another, and their value there if that is proved.
 #[derive(Clone, Debug)]
 pub struct Passage {
     pub place: [f64; 2],
@@ -80,17 +82,18 @@ pub struct Passage {
 
 /// Two numbers that depend on the parameter.
 pub struct Two<'a> {
-    /// Whether the first is certainly above the second, or below; the outer `None` if one does not exist.
+    /// Whether the first is certainly above the second, or below it; the outer `None` means that one of them does not
+    /// exist.
     pub side: &'a dyn Fn(&Place) -> Option<Option<bool>>,
-    /// An enclosure of the first between two places; `None` if they may not be continuous there.
+    /// An enclosure of the first number between two places; `None` if continuity there is not proved.
     pub value: &'a dyn Fn([&Number; 2]) -> Option<Ball>,
 }
 
-/// The crossings of two curves of different classes, and where they cannot be told apart.
+/// The crossings of two curves of different classes, and the places where their order is not certain.
 pub fn crossings(field: &Field, places: &[Place], of: [Member; 2], curves: [usize; 2]) -> Vec<Meeting> {
     let value = |ends: [&Number; 2]| {
         let bounds = field.bounds(ends);
-        enclosed(&bounds, of[1]).and(enclosed(&bounds, of[0]))
+        enclose(&bounds, of[1]).and(enclose(&bounds, of[0]))
     };
     let meeting = |passage: Passage| Meeting {
         curves,
@@ -104,11 +107,11 @@ pub fn crossings(field: &Field, places: &[Place], of: [Member; 2], curves: [usiz
     passages(field, places, &two).into_iter().map(meeting).collect()
 }
 
-/// Where two numbers pass each other, and where it is not certain which one lies above.
+/// Places where two numbers pass each other, and places where their order is not certain.
 pub fn passages(field: &Field, places: &[Place], two: &Two) -> Vec<Passage> {
     let mut list = Vec::new();
     let open = |ends: [usize; 2]| Passage { place: ends.map(|i| places[i].at.to_f64()), value: None };
-    // The last place where it is certain which one lies above, and the first after it where it is not.
+    // The last place where the order is certain, and the first place after it where it is not.
     let (mut certain, mut doubtful): (Option<(usize, bool)>, Option<usize>) = (None, None);
     for (i, place) in places.iter().enumerate() {
         let Some(sign) = (two.side)(place) else {
@@ -139,7 +142,7 @@ fn passage(field: &Field, two: &Two, ends: [f64; 2], above: bool) -> Passage {
     if at(ends[0]) != Some(above) || at(ends[1]) != Some(!above) {
         return Passage { place: ends, value: None };
     }
-    let place = super::narrowed(ends, |x| Some(at(x)? == above));
+    let place = super::narrow(ends, |x| Some(at(x)? == above));
     let value = match place.map(binary) {
         [Some(low), Some(high)] => (two.value)([&low, &high]),
         _ => None,
@@ -148,12 +151,12 @@ fn passage(field: &Field, two: &Two, ends: [f64; 2], above: bool) -> Passage {
 }
 
 /// A curve between two places.
-pub fn enclosed(bounds: &[Option<Bounds>], of: Member) -> Option<Ball> {
+pub fn enclose(bounds: &[Option<Bounds>], of: Member) -> Option<Ball> {
     let own = bounds[of.class].as_ref()?;
     Some(hull((*own.lower.get(of.index)?)?, (*own.upper.get(of.index)?)?))
 }
 
-pub fn undecided(curves: [usize; 2], ends: [&Place; 2]) -> Meeting {
+pub fn undecided_meeting(curves: [usize; 2], ends: [&Place; 2]) -> Meeting {
     Meeting { curves, place: ends.map(|place| place.at.to_f64()), kind: MeetingKind::Undecided { distance: None } }
 }
 

@@ -1,6 +1,6 @@
-//! Modes that are followed along a parameter: each is a curve with an identity, not a number in an order. In: a study over one
-//! parameter. Out: the curves, what is proved of the steps between their points, and where they veer or cross. See
-//! docs/method/studies.md#curves.
+//! Modes followed along a parameter: each is a curve that keeps its identity, instead of a number in an order. In: a
+//! study over one parameter. Out: the curves, what is proved about the steps between their points, and where they veer
+//! or cross. See docs/method/studies.md#curves.
 
 mod loci;
 mod meetings;
@@ -18,21 +18,21 @@ use crate::model::Swept;
 use places::{Field, Place};
 use steps::{Limits, Step};
 
-/// The most points of a followed study.
+/// Limit on the points of a followed study.
 pub const MOST_POINTS: u64 = 10_000;
-/// The most coordinates.
+/// Limit on the coordinates.
 pub const MOST_COORDINATES: usize = 60;
-/// The most curves.
+/// Limit on the curves.
 pub const MOST_CURVES: usize = 60;
 
-/// A mode of a class: their indices.
+/// A mode, given by the index of its class and its index in the class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Member {
     pub class: usize,
     pub index: usize,
 }
 
-/// Why modes cannot be followed.
+/// The reason why modes cannot be followed.
 pub enum Unfollowed {
     NotInOrder,
     TooManyPoints(u64),
@@ -40,11 +40,11 @@ pub enum Unfollowed {
     /// The model determines parameters for each case.
     Determined,
     NoModes,
-    /// Orders are asked for, but the parameter is no rate of rotation.
+    /// Orders are requested, but the parameter is not a rate of rotation.
     NoRate,
 }
 
-/// The modes whose distance to the next of their class matters: those of the curves, and the ones below.
+/// The modes whose distance to the next one of their class is needed: those of the curves, and the ones below them.
 fn pairs_of(curves: &[Member], classes: &[Vec<u32>]) -> Vec<Member> {
     let own = curves.iter().filter(|own| own.index + 1 < classes[own.class].len()).copied();
     let below = curves.iter().filter_map(|own| Some(Member { index: own.index.checked_sub(1)?, ..*own }));
@@ -69,7 +69,7 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     let classes = places::classes(study, [first, last], n);
     let field = Field { study, classes: &classes };
     let points = cores::in_pieces(&values, 1, 1, |some| some.iter().map(|at| field.place(at, false)).collect());
-    let curves = chosen(&points, study.frequencies_asked().min(MOST_CURVES))?;
+    let curves = choose(&points, study.frequencies_asked().min(MOST_CURVES))?;
     let limits = Limits { stretches: stretches(values.len(), n) };
     let pairs: Vec<&[Place]> = points.windows(2).collect();
     let steps = cores::in_pieces(&pairs, 1, 1, |some| {
@@ -93,7 +93,7 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     })
 }
 
-/// The number of coordinates, if the study is of a kind that is followed.
+/// The number of coordinates, if the study is one that can be followed.
 fn fitting(study: &Study, swept: &Swept) -> Result<usize, Unfollowed> {
     let count = study.count();
     if count > MOST_POINTS {
@@ -107,18 +107,21 @@ fn fitting(study: &Study, swept: &Swept) -> Result<usize, Unfollowed> {
     if !is_in_order {
         return Err(Unfollowed::NotInOrder);
     }
-    let n = (0..count).find_map(|i| Some(study.undamped(i, swept.points.value(i))?.n())).ok_or(Unfollowed::NoModes)?;
+    let n = (0..count)
+        .find_map(|i| Some(study.undamped_system(i, swept.points.value(i))?.n()))
+        .ok_or(Unfollowed::NoModes)?;
     if n > MOST_COORDINATES { Err(Unfollowed::TooManyCoordinates(n)) } else { Ok(n) }
 }
 
-/// Stretches of a step: some ten seconds in all, for the modes of n coordinates take about n^2 times as long as one.
+/// Limit on the pieces of a step, chosen for about ten seconds in total: computing the modes of n coordinates takes
+/// about n^2 times as long as computing one.
 fn stretches(points: usize, n: usize) -> usize {
     let in_all = 40_000 / (1 + n * n / 50);
     (in_all / points.max(1)).clamp(8, 128)
 }
 
 /// The lowest modes at the first place whose modes are known; those that do not oscillate there are the lowest.
-fn chosen(points: &[Place], count: usize) -> Result<Vec<Member>, Unfollowed> {
+fn choose(points: &[Place], count: usize) -> Result<Vec<Member>, Unfollowed> {
     let first = points.iter().find(|place| place.classes.iter().all(|class| !class.is_empty()));
     let mut list: Vec<(f64, Member)> = Vec::new();
     for (class, frequencies) in first.ok_or(Unfollowed::NoModes)?.classes.iter().enumerate() {
@@ -141,7 +144,7 @@ fn curve(own: Member, classes: &[Vec<u32>], points: &[Place], steps: &[Step]) ->
     }
 }
 
-/// All places that were looked at, in order.
+/// All evaluated places, in order.
 fn all_places(points: &[Place], steps: &[Step]) -> Vec<Place> {
     let mut places: Vec<Place> = Vec::new();
     for (i, point) in points.iter().enumerate() {
@@ -151,7 +154,7 @@ fn all_places(points: &[Place], steps: &[Step]) -> Vec<Place> {
     places
 }
 
-/// Everything that is told of pairs of curves.
+/// The results about pairs of curves.
 fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step]) -> Vec<Meeting> {
     let places = all_places(points, steps);
     let pairs: Vec<[usize; 2]> = (0..curves.len()).flat_map(|i| (i + 1..curves.len()).map(move |j| [i, j])).collect();
@@ -170,7 +173,7 @@ fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step
         for run in open.chunk_by(|a, b| a + 1 == *b) {
             let ends = [&points[run[0]], &points[run[run.len() - 1] + 1]];
             if !list.iter().any(|known| lies_in(known, ends)) {
-                list.push(meetings::undecided(*pair, ends));
+                list.push(meetings::undecided_meeting(*pair, ends));
             }
         }
         list
@@ -183,14 +186,15 @@ fn lies_in(meeting: &Meeting, ends: [&Place; 2]) -> bool {
     meeting.place.iter().all(|x| (low.min(high)..=low.max(high)).contains(x))
 }
 
-/// Halvings of one interval: as many as binary64 numbers far from zero have digits, and as many again where they are near zero.
+/// Halvings of one interval: the number of digits of a binary64 number, twice, because the interval may lie near zero.
 const MOST_HALVINGS: usize = 200;
 
-/// Makes an interval shorter whose first end is certainly alike (`Some(true)`) and whose last is not, as far as that is certain.
-fn narrowed([mut first, mut last]: [f64; 2], is_alike: impl Fn(f64) -> Option<bool>) -> [f64; 2] {
+/// Shortens an interval as far as the answers are certain: at its first end the answer is certainly `Some(true)`, at
+/// its last end it is not.
+fn narrow([mut first, mut last]: [f64; 2], is_alike: impl Fn(f64) -> Option<bool>) -> [f64; 2] {
     for _ in 0..MOST_HALVINGS {
         let old = [first, last];
-        // In the middle nothing may be certain, because it is what is looked for.
+        // No answer may be certain in the middle, because the place searched for lies there.
         for part in [0.5, 0.25, 0.75] {
             let x = old[0] + part * (old[1] - old[0]);
             match is_alike(x) {
@@ -209,8 +213,8 @@ fn narrowed([mut first, mut last]: [f64; 2], is_alike: impl Fn(f64) -> Option<bo
 }
 
 impl Followed {
-    /// Puts curves in place of the `modes` numbered frequencies and of the poles behind them, each with a column that tells whether
-    /// its links are proved.
+    /// Replaces the `modes` numbered frequencies, and the poles after them, by curves, each with a column that says
+    /// whether its links are proved.
     pub(super) fn columns(&self, columns: &[Column], modes: usize) -> Vec<Column> {
         let link = |name: String| Column { name: format!("{name}_linked"), unit: String::new(), holds: Holds::Link };
         let curve = |i: usize| {
@@ -226,7 +230,7 @@ impl Followed {
         list
     }
 
-    /// The same for a row.
+    /// Does the same for a row.
     pub(super) fn row(&self, mut case: Case, modes: usize) -> Case {
         let number = case.number as usize;
         let link = |is_one: bool, proof: &Option<Proved>| match is_one {

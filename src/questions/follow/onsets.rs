@@ -1,5 +1,6 @@
-//! Onsets of instability: where the number of growing motions changes along the parameter, because an eigenvalue of K or the real part
-//! of a pole passes zero. In: the model at all places in order. Out: each with its place, enclosed. See docs/method/studies.md#onsets.
+//! Onsets of instability: places where the number of growing motions changes along the parameter because an eigenvalue
+//! of K or the real part of a pole passes zero. In: the model at all places in order. Out: each onset with its enclosed
+//! place. See docs/method/studies.md#onsets.
 
 use super::places::{Field, binary};
 use crate::analysis::{self, ModeKind, PoleKind, Request};
@@ -8,7 +9,7 @@ use crate::kernel::cores;
 use crate::questions::answer::{Grows, Onset, Onsets, Proved};
 use crate::system::LinearSystem;
 
-/// Changes between two neighbouring values that are enclosed one by one.
+/// Limit on the changes between two neighbouring values that are enclosed individually.
 const MOST_ONSETS: usize = 20;
 
 /// The onsets between neighbouring values.
@@ -31,7 +32,7 @@ fn onset(field: &Field, of: Grows, [(mut first, mut before), (last, after)]: [(f
     // The values of cases need not be binary64 numbers.
     if count(first) == Some(before) && count(last) == Some(after) {
         while before != after && list.len() < MOST_ONSETS {
-            let place = super::narrowed([first, last], |x| Some(count(x)? == before));
+            let place = super::narrow([first, last], |x| Some(count(x)? == before));
             let Some(next) = count(place[1]) else { break };
             let ends = [binary(place[0]), binary(place[1])];
             let is_proved = matches!(&ends, [Some(low), Some(high)] if is_continuous(field, [low, high], of));
@@ -45,8 +46,8 @@ fn onset(field: &Field, of: Grows, [(mut first, mut before), (last, after)]: [(f
     list
 }
 
-/// Whether K, and for poles C and a regular M, depend continuously on the parameter between two values: roots then do so too, and
-/// their numbers on either side of zero, or of the imaginary axis, change only where one lies on it.
+/// Whether K, and for poles C and a regular M, depend continuously on the parameter between two values. Then the roots
+/// do too, and their number on each side of zero (or of the imaginary axis) changes only where a root lies on it.
 fn is_continuous(field: &Field, ends: [&Number; 2], of: Grows) -> bool {
     match of {
         Grows::Modes => field.has_one_form(ends, false),
@@ -54,7 +55,7 @@ fn is_continuous(field: &Field, ends: [&Number; 2], of: Grows) -> bool {
     }
 }
 
-/// The number of motions that certainly grow, if all others certainly do not.
+/// The number of motions that certainly grow, provided that all others certainly do not.
 fn growing(field: &Field, at: &Number, of: Grows) -> Option<usize> {
     let system = field.study.system(0, at.clone(), of == Grows::Poles)?;
     match of {

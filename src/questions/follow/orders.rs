@@ -1,14 +1,14 @@
-//! Orders of a rate of rotation: the frequencies n times the rate, and where the curves have them, as in a Campbell diagram. In: the
-//! frequencies at all places. Out: the critical rates. See docs/method/studies.md#orders.
+//! Orders of a rate of rotation: the frequencies n times the rate, and the places where the curves have them, as in a
+//! Campbell diagram. In: the frequencies at all places. Out: the critical rates. See docs/method/studies.md#orders.
 
 use super::Member;
-use super::meetings::{Two, enclosed, passages};
+use super::meetings::{Two, enclose, passages};
 use super::places::{Field, Place};
 use crate::analysis::derived::hertz;
 use crate::base::{Angle, Ball, Dimension, Number, Quantity};
 use crate::questions::followed::{Critical, Orders};
 
-/// Cycles per second of a rate of rotation in SI units; `None` if the quantity is no such rate.
+/// The cycles per second of a rate of rotation in SI units; `None` for other quantities.
 fn cycles(rate: &Quantity) -> Option<fn(Ball) -> Ball> {
     match rate.angle {
         _ if rate.dimension != Dimension::FREQUENCY => None,
@@ -22,7 +22,7 @@ pub fn is_rate(quantity: &Quantity) -> bool {
     cycles(quantity).is_some()
 }
 
-/// Where the curves have the frequencies of these orders of the parameter.
+/// The places where the curves have the frequencies of these orders of the parameter.
 pub fn orders(field: &Field, places: &[Place], curves: &[Member], rate: &Quantity, list: &[u32]) -> Orders {
     let Some(cycles) = cycles(rate) else { return Orders::default() };
     let mut critical = Vec::new();
@@ -38,7 +38,7 @@ pub fn orders(field: &Field, places: &[Place], curves: &[Member], rate: &Quantit
                     (above, _) => Some(Some(above)),
                 }
             };
-            let two = Two { side: &side, value: &|ends| enclosed(&field.bounds(ends), *own) };
+            let two = Two { side: &side, value: &|ends| enclose(&field.bounds(ends), *own) };
             let passed = passages(field, places, &two).into_iter();
             critical.extend(passed.map(|found| Critical { curve, order, place: found.place, frequency: found.value }));
         }

@@ -1,7 +1,8 @@
-//! The undamped frequencies of a study at a value of its parameter, and their enclosures between two values, by classes: blocks of
-//! coordinates that no value of the parameter couples. In: values, SI. Out: frequencies in Hz, ascending in each class.
+//! The undamped frequencies of a study at a value of its parameter, and their enclosures between two values, by
+//! classes. A class is a block of coordinates that no value of the parameter couples to others. In: values, SI. Out:
+//! frequencies in Hz, ascending in each class.
 
-use crate::analysis::projection::{eigenvalues, projected};
+use crate::analysis::projection::{eigenvalues, project};
 use crate::analysis::range::outer;
 use crate::analysis::{self, ModeKind, Modes, Request, joined_by, undamped_block};
 use crate::base::number::jet;
@@ -10,7 +11,7 @@ use crate::questions::cases::Study;
 use crate::questions::tolerated::hull;
 use crate::system::{Form, LinearSystem};
 
-/// Where a mode oscillates or is rigid, its frequency.
+/// The frequency of a mode that oscillates or is rigid.
 pub type Frequencies = Vec<Option<Ball>>;
 
 /// The frequencies at a value of the parameter.
@@ -22,15 +23,15 @@ pub struct Place {
     pub classes: Vec<Frequencies>,
 }
 
-/// Bounds of the frequencies of a class for all values between two: the i-th lies between the i-th numbers. A lower one is `None` if
-/// the mode may not oscillate.
+/// Bounds of the frequencies of a class for all values between two: the i-th frequency lies between the i-th bounds. A
+/// lower bound is `None` if the mode may not oscillate.
 #[derive(Clone, Debug)]
 pub struct Bounds {
     pub lower: Frequencies,
     pub upper: Frequencies,
 }
 
-/// The classes of a study, and the means to look at them.
+/// The classes of a study, and the data needed to evaluate them.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a> {
     pub study: &'a Study<'a>,
@@ -43,7 +44,7 @@ impl Place {
         *self.classes.get(class)?.get(index)?
     }
 
-    /// How far the mode above this one in its class lies from it.
+    /// The distance from a mode to the next one of its class.
     pub fn distance(&self, class: usize, index: usize) -> Option<Ball> {
         Some(self.frequency(class, index + 1)? - self.frequency(class, index)?)
     }
@@ -55,7 +56,7 @@ impl Bounds {
         Some((*self.lower.get(index + 1)?)? - (*self.upper.get(index)?)?)
     }
 
-    /// Whether the i-th mode and the next are certainly two curves: apart, or both rigid for every value.
+    /// Whether the i-th mode and the next are certainly separate curves: apart, or both rigid for every value.
     pub fn are_apart(&self, index: usize) -> bool {
         let is_rigid = |index: usize| {
             let rigid = |list: &Frequencies| matches!(list.get(index), Some(Some(frequency)) if frequency.is_zero());
@@ -65,15 +66,15 @@ impl Bounds {
     }
 }
 
-/// Pieces of the range, each of which has one form, that are looked at.
+/// Limit on the pieces of the range, each of which has one form.
 const MOST_PIECES: usize = 64;
 
-/// The classes over the whole range of the parameter: all coordinates are one if it is not proved that the model has the same form
-/// for every value. Pieces with a common end have the form of the model there.
+/// The classes over the whole range of the parameter. All coordinates form one class if it is not proved that the model
+/// has the same form for every value. Pieces with a common end have the model's form there.
 pub fn classes(study: &Study, [low, high]: [&Number; 2], n: usize) -> Vec<Vec<u32>> {
     let (mut left, mut systems) = (vec![[low.clone(), high.clone()]], Vec::new());
     while let Some([low, high]) = left.pop() {
-        match over(study, [&low, &high], false).filter(|system| system.n() == n) {
+        match enclosing_system(study, [&low, &high], false).filter(|system| system.n() == n) {
             Some(system) => systems.push(system),
             None if left.len() + systems.len() < MOST_PIECES => {
                 let middle = &(&low + &high) * &Number::from(Rational::new(1, 2));
@@ -86,19 +87,20 @@ pub fn classes(study: &Study, [low, high]: [&Number; 2], n: usize) -> Vec<Vec<u3
     joined_by(n, &forms).into_iter().map(|part| part.coordinates).collect()
 }
 
-/// The system for every value between two, if the way to it is the same for all of them.
-fn over(study: &Study, [low, high]: [&Number; 2], is_damped: bool) -> Option<LinearSystem> {
+/// The system for every value between two, if the check and the lowering take the same branches for all of them.
+fn enclosing_system(study: &Study, [low, high]: [&Number; 2], is_damped: bool) -> Option<LinearSystem> {
     let range = hull(low.to_ball(), high.to_ball());
-    // Ends that are not binary64 were rounded, and so was the middle.
+    // Ends that are not binary64 numbers were rounded, and so was the middle.
     let range = range.widen(4.0 * f64::EPSILON * range.rad);
-    jet::undivided(|| study.system(0, Jet::of_parameter(range), is_damped))?.filter(|system| !system.is_chained())
+    jet::without_division(|| study.system(0, Jet::of_parameter(range), is_damped))?
+        .filter(|system| !system.is_chained())
 }
 
 impl Field<'_> {
-    /// The frequencies at a value; `precisely` for as many digits as there are.
+    /// The frequencies at a value; with `precisely`, to as many digits as possible.
     pub fn place(&self, at: &Number, precisely: bool) -> Place {
         let request = if precisely { Request::default().to_digits(28) } else { Request::default() };
-        let system = self.study.undamped(0, at.clone()).filter(|system| !system.is_chained());
+        let system = self.study.undamped_system(0, at.clone()).filter(|system| !system.is_chained());
         let of_class = |coordinates: &Vec<u32>| {
             let modes = system.as_ref().and_then(|system| all_modes(system, coordinates, &request));
             modes.map_or(Vec::new(), |modes| separate(&modes, frequency))
@@ -108,29 +110,29 @@ impl Field<'_> {
 
     /// The system for every value between two, if the model certainly has one form there.
     pub fn system_over(&self, ends: [&Number; 2], is_damped: bool) -> Option<LinearSystem> {
-        over(self.study, ends, is_damped)
+        enclosing_system(self.study, ends, is_damped)
     }
 
     /// Whether the model certainly has one form for all values between two, so that its matrices depend continuously on the parameter.
     pub fn has_one_form(&self, ends: [&Number; 2], is_damped: bool) -> bool {
-        over(self.study, ends, is_damped).is_some()
+        enclosing_system(self.study, ends, is_damped).is_some()
     }
 
-    /// Bounds for all values between two (Weyl, as `outer` has it, or by the modes in the middle where rows change), for each class;
-    /// `None` where nothing is proved.
+    /// Bounds for all values between two, for each class; by Weyl's inequality as in `outer`, or by the modes in the
+    /// middle if rows change. `None` if nothing is proved.
     pub fn bounds(&self, ends: [&Number; 2]) -> Vec<Option<Bounds>> {
-        let over = over(self.study, ends, false);
+        let over = enclosing_system(self.study, ends, false);
         let sides = over.as_ref().and_then(outer);
         let middle = match (&over, &sides) {
             (Some(_), None) => {
                 let [low, high] = ends.map(Number::to_f64);
-                binary(low + (high - low) / 2.0).and_then(|at| self.study.undamped(0, at))
+                binary(low + (high - low) / 2.0).and_then(|at| self.study.undamped_system(0, at))
             }
             _ => None,
         };
         let of_class = |coordinates: &Vec<u32>| {
             if let (Some(over), Some(middle)) = (&over, &middle) {
-                return around(over, middle, coordinates);
+                return bounds_around(over, middle, coordinates);
             }
             let [low, high] =
                 sides.as_ref()?.each_ref().map(|system| all_modes(system, coordinates, &Request::default()));
@@ -142,7 +144,7 @@ impl Field<'_> {
 }
 
 /// Bounds for a system over a range in coordinates of the modes of one in its middle: both matrices are nearly diagonal there.
-fn around(over: &LinearSystem, middle: &LinearSystem, coordinates: &[u32]) -> Option<Bounds> {
+fn bounds_around(over: &LinearSystem, middle: &LinearSystem, coordinates: &[u32]) -> Option<Bounds> {
     if middle.is_chained() || middle.n() != over.n() {
         return None;
     }
@@ -150,7 +152,7 @@ fn around(over: &LinearSystem, middle: &LinearSystem, coordinates: &[u32]) -> Op
     let vectors: Vec<Vec<Dd>> =
         modes.list.iter().map(|mode| mode.shape.iter().map(|x| Dd::from(*x)).collect()).collect();
     let block = undamped_block(over, coordinates)?;
-    let [k, m] = [&block.k, &block.m].map(|form| projected(form, &vectors));
+    let [k, m] = [&block.k, &block.m].map(|form| project(form, &vectors));
     let ends = eigenvalues(&k, &m, coordinates.len())?;
     let root = |square: f64| analysis::derived::hertz(Ball::from(square).sqrt());
     Some(Bounds {
@@ -179,7 +181,7 @@ fn frequency(modes: &Modes, i: usize) -> Option<Ball> {
     }
 }
 
-/// The square root of what omega^2 is at most, in Hz: zero for a divergence.
+/// The square root of an upper bound of omega^2, in Hz: zero for a divergence.
 fn from_above(modes: &Modes, i: usize) -> Ball {
     let mode = &modes.list[i];
     match mode.kind {
@@ -188,7 +190,8 @@ fn from_above(modes: &Modes, i: usize) -> Ball {
     }
 }
 
-/// The i-th in the order of the true values: modes whose enclosures overlap may stand in another order, so each has the hull of theirs.
+/// The i-th frequency in the order of the true values. Modes with overlapping enclosures may be in another order, so
+/// each gets the hull of theirs.
 fn separate(modes: &Modes, of: impl Fn(&Modes, usize) -> Option<Ball>) -> Frequencies {
     let mut list: Frequencies = (0..modes.list.len()).map(|i| of(modes, i)).collect();
     let mut first = 0;

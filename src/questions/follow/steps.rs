@@ -1,17 +1,17 @@
-//! Steps from one value of the parameter to the next: which curves certainly keep their order. In: the frequencies at both ends. Out:
-//! what is proved, and the places between them that were looked at. See docs/method/studies.md#curves.
+//! Steps from one value of the parameter to the next: which curves certainly keep their order. In: the frequencies at
+//! both ends. Out: what is proved, and the evaluated places between them. See docs/method/studies.md#curves.
 
 use super::places::{Bounds, Field, Place, binary};
 use super::{Member, pairs_of};
 use std::collections::VecDeque;
 
-/// A step is halved so many times at most.
+/// Limit on the halvings of a step.
 const DEEPEST: u32 = 30;
 
-/// How far the curves are followed.
+/// The limits of a search.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Into so many stretches is one step cut at most.
+    /// Limit on the pieces of one step.
     pub stretches: usize,
 }
 
@@ -20,16 +20,17 @@ pub struct Limits {
 pub struct Step {
     /// The places between its ends, in order.
     pub inner: Vec<Place>,
-    /// Modes (class, index) of which it is not proved that the next one in their class is another curve everywhere on the step.
+    /// Modes (class, index) for which it is not proved that the next one in their class is a different curve everywhere
+    /// on the step.
     pub doubtful: Vec<Member>,
-    /// Curves of different classes of which it is not known whether they meet within the step.
+    /// Pairs of curves of different classes that may meet within the step.
     pub near: Vec<[usize; 2]>,
 }
 
-/// What is asked of a stretch.
+/// The properties to be decided for a piece of a step.
 struct Look<'a> {
     curves: &'a [Member],
-    /// Modes of which the distance to the next one in their class matters.
+    /// Modes whose distance to the next one in their class is needed.
     pairs: Vec<Member>,
 }
 
@@ -42,12 +43,12 @@ pub fn step(field: &Field, curves: &[Member], limits: Limits, ends: [&Place; 2])
         let bounds = field.bounds([&low.at, &high.at]);
         looked += 1;
         let doubtful = look.doubtful(&bounds);
-        let near = look.near(&bounds, [&low, &high]);
+        let near = look.near_curves(&bounds, [&low, &high]);
         let is_open = !doubtful.is_empty() || !near.is_empty() || look.may_dip(&bounds, [&low, &high]);
-        // Where nothing is proved of any class, another few cuts show whether a shorter stretch has one form.
+        // If nothing is proved for any class, a few more halvings show whether a shorter piece has one form.
         let deepest = if bounds.iter().all(Option::is_none) { 4 } else { DEEPEST };
         let middle = match is_open && depth < deepest && looked + left.len() < limits.stretches {
-            true => between(&low, &high).map(|at| field.place(&at, false)),
+            true => number_between(&low, &high).map(|at| field.place(&at, false)),
             false => None,
         };
         match middle {
@@ -73,7 +74,7 @@ pub fn step(field: &Field, curves: &[Member], limits: Limits, ends: [&Place; 2])
 }
 
 /// A binary64 number that certainly lies between two places.
-fn between(low: &Place, high: &Place) -> Option<crate::base::Number> {
+fn number_between(low: &Place, high: &Place) -> Option<crate::base::Number> {
     let [low, high] = [low, high].map(|place| place.at.to_f64());
     let middle = low + (high - low) / 2.0;
     (middle > low.min(high) && middle < low.max(high)).then(|| binary(middle)).flatten()
@@ -85,7 +86,7 @@ impl Look<'_> {
         self.pairs.iter().filter(|pair| !is_apart(pair)).copied().collect()
     }
 
-    /// Whether two curves may come to less than half of their distances at the ends.
+    /// Whether two curves may come nearer than half of their distances at the ends.
     fn may_dip(&self, bounds: &[Option<Bounds>], [low, high]: [&Place; 2]) -> bool {
         let dips = |pair: &Member| {
             let least = bounds[pair.class].as_ref()?.distance(pair.index)?.to_f64();
@@ -97,7 +98,7 @@ impl Look<'_> {
     }
 
     /// Curves of different classes that keep their order at the ends, but may meet between them.
-    fn near(&self, bounds: &[Option<Bounds>], [low, high]: [&Place; 2]) -> Vec<[usize; 2]> {
+    fn near_curves(&self, bounds: &[Option<Bounds>], [low, high]: [&Place; 2]) -> Vec<[usize; 2]> {
         let mut list = Vec::new();
         for (i, a) in self.curves.iter().enumerate() {
             for (j, b) in self.curves.iter().enumerate().skip(i + 1).filter(|(_, b)| b.class != a.class) {

@@ -12,11 +12,11 @@ mod proof;
 mod robust;
 mod search;
 
-use super::answer::{Best, Optimised, OptimisedParameter, Robust, shown, shown_text};
+use super::answer::{Best, Optimised, OptimisedParameter, Robust, shown_in, shown_text};
 use super::error::AskedError;
 use super::require::{holds_for, margin};
 use super::trial::{Facts, Text};
-use super::unknowns::{self, Settled, between, shortest};
+use super::unknowns::{self, Settled, interpolate, shortest};
 use crate::analysis::{Measurement, Stability};
 use crate::base::{Ball, Dd, Number, Quantity};
 use crate::model::scene::{Measure, Optimum, Question, Varied};
@@ -25,13 +25,13 @@ use search::{Rough, Search, Seen};
 
 /// Finds every parameter that the model varies or solves for. `robust`: what is optimised is the worst case within the tolerances.
 pub fn settle(text: &Text, scene: &CheckedScene, robust: bool) -> Result<Settled, Vec<AskedError>> {
-    let mut settled = found(text, scene, robust)?;
+    let mut settled = find_optima(text, scene, robust)?;
     let growth = growth(text, &settled.scene);
     settled.unsettled.extend(growth);
     Ok(settled)
 }
 
-fn found(text: &Text, scene: &CheckedScene, robust: bool) -> Result<Settled, Vec<AskedError>> {
+fn find_optima(text: &Text, scene: &CheckedScene, robust: bool) -> Result<Settled, Vec<AskedError>> {
     let optima = &scene.scene().optima;
     if optima.is_empty() {
         return unknowns::solve(text, scene);
@@ -45,7 +45,7 @@ fn found(text: &Text, scene: &CheckedScene, robust: bool) -> Result<Settled, Vec
     let mut settings = before.as_ref().map_or_else(Vec::new, |settled| settled.settings.clone());
     let mut optimised = Vec::new();
     let mut warnings = Vec::new();
-    for index in all.ordered(&settings)? {
+    for index in all.order_lines(&settings)? {
         let (found, values) = match robust {
             true => all.find_robust(index, &settings, scene.scene(), &mut warnings)?,
             false => all.find(index, &settings, &mut warnings)?,
@@ -105,12 +105,12 @@ fn solves_depend(text: &Text, scene: &CheckedScene) -> bool {
     if solves.is_empty() {
         return false;
     }
-    let middle = solves.iter().map(|solve| (solve.parameter.clone(), between(&solve.low, &solve.high, 1, 3)));
+    let middle = solves.iter().map(|solve| (solve.parameter.clone(), interpolate(&solve.low, &solve.high, 1, 3)));
     let middle: Vec<Setting> =
         middle.map(|(parameter, si)| (parameter.name.clone(), Quantity { si, ..parameter.value })).collect();
     let at = |part: i64| {
         let varied = optima.iter().flat_map(|optimum| &optimum.varied);
-        let moved = varied.map(|varied| setting(varied, between(&varied.low, &varied.high, part, 5)));
+        let moved = varied.map(|varied| setting(varied, interpolate(&varied.low, &varied.high, part, 5)));
         let settings: Vec<Setting> = middle.iter().cloned().chain(moved).collect();
         let questions =
             |scene: &CheckedScene| scene.scene().solves.iter().map(|solve| solve.question.clone()).collect();
@@ -199,7 +199,7 @@ impl Lines<'_> {
     }
 
     /// The lines in an order in which each depends on earlier ones only.
-    fn ordered(&self, settings: &[Setting]) -> Result<Vec<usize>, Vec<AskedError>> {
+    fn order_lines(&self, settings: &[Setting]) -> Result<Vec<usize>, Vec<AskedError>> {
         let count = self.optima.len();
         if count == 1 {
             return Ok(vec![0]);
@@ -208,7 +208,10 @@ impl Lines<'_> {
             let lines = self.optima.iter().enumerate();
             let values = lines.flat_map(|(line, optimum)| {
                 let part = if moved == Some(line) { 3 } else { 2 };
-                optimum.varied.iter().map(move |varied| setting(varied, between(&varied.low, &varied.high, part, 5)))
+                optimum
+                    .varied
+                    .iter()
+                    .map(move |varied| setting(varied, interpolate(&varied.low, &varied.high, part, 5)))
             });
             settings.iter().cloned().chain(values).collect()
         };
@@ -239,12 +242,12 @@ impl Lines<'_> {
         settings: &[Setting],
         warnings: &mut Vec<AskedError>,
     ) -> Result<(Optimised, Vec<Setting>), Vec<AskedError>> {
-        let (best, count) = self.located(index, settings)?;
-        Ok(self.told(index, (best, count), None, warnings))
+        let (best, count) = self.locate(index, settings)?;
+        Ok(self.with_remarks(index, (best, count), None, warnings))
     }
 
     /// The place of the optimum of one line, and the number of places that were measured.
-    fn located(&self, index: usize, settings: &[Setting]) -> Result<(Outcome, usize), Vec<AskedError>> {
+    fn locate(&self, index: usize, settings: &[Setting]) -> Result<(Outcome, usize), Vec<AskedError>> {
         let optimum = &self.optima[index];
         let with = |values: &[Number]| -> Vec<Setting> {
             let own = optimum.varied.iter().zip(values).map(|(varied, si)| setting(varied, si.clone()));
@@ -259,12 +262,12 @@ impl Lines<'_> {
         if let Some(plateau) = self.plateau(optimum, &mut search, &seen) {
             return Err(vec![plateau]);
         }
-        let proved = self.proved(index, settings, &seen, &mut search);
-        Ok((proved.unwrap_or_else(|| search.finished(seen).into()), search.count()))
+        let proved = self.prove(index, settings, &seen, &mut search);
+        Ok((proved.unwrap_or_else(|| search.finish(seen).into()), search.count()))
     }
 
     /// The answer to a line, and the settings for it.
-    fn told(
+    fn with_remarks(
         &self,
         index: usize,
         (best, evaluations): (Outcome, usize),
@@ -276,7 +279,7 @@ impl Lines<'_> {
         let at_end = |i: usize| values[i] == optimum.varied[i].low || values[i] == optimum.varied[i].high;
         for (i, varied) in optimum.varied.iter().enumerate().filter(|(i, _)| at_end(*i)) {
             let (name, unit) = (varied.parameter.name.clone(), &varied.parameter.unit);
-            let value = shown_text(&shown(&values[i], unit, false));
+            let value = shown_text(&shown_in(&values[i], unit, false));
             let is_low = values[i] == varied.low;
             warnings.push(AskedError::AtAnEnd { span: varied.span, name, value, is_low, highest: optimum.highest });
         }
@@ -312,7 +315,11 @@ impl Lines<'_> {
             search::Nothing::NoValue(why) => AskedError::NoOptimum { span, measure, at, why },
             search::Nothing::Unbounded(values) => {
                 let text = |(varied, value): (&Varied, &Number)| {
-                    format!("{} = {}", varied.parameter.name, shown_text(&shown(value, &varied.parameter.unit, false)))
+                    format!(
+                        "{} = {}",
+                        varied.parameter.name,
+                        shown_text(&shown_in(value, &varied.parameter.unit, false))
+                    )
                 };
                 let place: Vec<String> = optimum.varied.iter().zip(&values).map(text).collect();
                 AskedError::NoOptimum { span, measure, at, why: format!("it is infinite at {}", place.join(", ")) }
@@ -334,7 +341,7 @@ impl Lines<'_> {
         let idle = (0..optimum.varied.len()).filter(flat).collect::<Vec<_>>();
         let varied = &optimum.varied[*idle.first()?];
         let (name, measure) = (varied.parameter.name.clone(), self.measure(&optimum.question));
-        let value = shown_text(&shown(&seen.values[idle[0]], &varied.parameter.unit, false));
+        let value = shown_text(&shown_in(&seen.values[idle[0]], &varied.parameter.unit, false));
         Some(AskedError::Plateau { span: varied.span, name, value, measure, at: optimum.question.span })
     }
 }
@@ -355,7 +362,7 @@ impl From<Seen> for Outcome {
     }
 }
 
-/// The shortest number of a parameter within so much of itself.
+/// The number with the fewest digits within this relative distance of a parameter's value.
 fn short(varied: &Varied, near: Dd, within: f64) -> Number {
-    shortest(&super::search::Root::seen(near, within), varied.parameter.unit.factor.as_ref())
+    shortest(&super::search::Root::seen_root(near, within), varied.parameter.unit.factor.as_ref())
 }

@@ -10,7 +10,7 @@ use crate::base::number::jet::Jet;
 use crate::base::{Ball, Bound, Dd, Number, up};
 use crate::model::scene::{Measure, Optimum, Question, Varied};
 use crate::model::{CheckedScene, Setting};
-use crate::questions::answer::{Best, shown, shown_text};
+use crate::questions::answer::{Best, shown_in, shown_text};
 use crate::questions::cover::{Cover, Part, Rest};
 use crate::questions::probe::Probe;
 use crate::questions::range_enclosure::two_pi;
@@ -29,7 +29,7 @@ const MOST_PARTS: usize = 600;
 
 impl Lines<'_> {
     /// The optimum with a proof, or with the exact place at least.
-    pub(super) fn proved(
+    pub(super) fn prove(
         &self,
         index: usize,
         settings: &[Setting],
@@ -62,7 +62,7 @@ impl Lines<'_> {
                 }
             })
             .collect();
-        let value = search.measured(&values)?;
+        let value = search.measure(&values)?;
         if (value - seen.value).is_positive() {
             return None;
         }
@@ -78,7 +78,7 @@ impl Lines<'_> {
         let Some(valley) = peaks.valley(&place) else { return Some(unproved(values)) };
         let least = valley.least.sqrt() * Ball::from(size);
         let gap = value - least;
-        let gap = Bound::proved((gap.mid.hi + gap.rad) * up::FEW);
+        let gap = Bound::by_proof((gap.mid.hi + gap.rad) * up::FEW);
         let reach = valley.reach(&place, Ball::exact(bar.mid + Dd::from(bar.rad * up::FEW)));
         let within = reach.iter().zip(&ranges.list).zip(place.at.iter().zip(&values));
         let within = within.map(|((reach, (middle, width)), (at, value))| {
@@ -102,7 +102,7 @@ impl Lines<'_> {
                     };
                     let text = |x: Dd| {
                         let value = to_fraction(*middle + *width * clip(x));
-                        shown_text(&shown(&value, &varied.parameter.unit, false))
+                        shown_text(&shown_in(&value, &varied.parameter.unit, false))
                     };
                     (text(low), text(high))
                 };
@@ -181,7 +181,7 @@ impl Lines<'_> {
         let optimum = &self.optima[index];
         let varied = &optimum.varied[0];
         let text = Text { fixed: settings, ..self.text };
-        let seen = search.finished(seen.clone());
+        let seen = search.finish(seen.clone());
         let step = Dd::from(seen.value.magnitude() * LITTLE);
         let (value, off) = (seen.value.mid, Dd::from(seen.value.rad));
         let bar = if optimum.highest { value + off + step } else { value - off - step };
@@ -214,7 +214,7 @@ impl Lines<'_> {
         let covered = Cover { over: &over, side: &side, most: MOST_PARTS }.settle(vec![whole]);
         let best = match covered.rest.or_proof() {
             Rest::Empty(proof) if covered.missed.is_empty() => {
-                let gap = Bound::proved((step.hi + 2.0 * seen.value.rad) * up::THOUSANDS);
+                let gap = Bound::by_proof((step.hi + 2.0 * seen.value.rad) * up::THOUSANDS);
                 Best::Everywhere { gap, proof: proof.into() }
             }
             _ => Best::Seen,

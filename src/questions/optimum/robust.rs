@@ -16,7 +16,7 @@ use crate::model::scene::{Optimum, Scene, Tolerance};
 use crate::questions::answer::{Best, Optimised, Proved, Robust, Throughout, WorstCase};
 use crate::questions::error::AskedError;
 use crate::questions::search::to_fraction;
-use crate::questions::tolerated::{Design, best_possible, moved, others, parameter, places, worst};
+use crate::questions::tolerated::{Design, best_possible, others, parameter, places, varied_tolerances, worst};
 use crate::questions::unknowns;
 
 /// How often a place is added at most.
@@ -52,10 +52,10 @@ impl Lines<'_> {
         declared: &Scene,
         warnings: &mut Vec<AskedError>,
     ) -> Result<(Optimised, Vec<Setting>), Vec<AskedError>> {
-        let (nominal, count) = self.located(index, settings)?;
+        let (nominal, count) = self.locate(index, settings)?;
         let line = Uncertain { lines: Lines { robust: true, ..*self }, index, settings, declared };
         if line.free(&line.with(&nominal.values)).is_empty() {
-            return Ok(self.told(index, (nominal, count), None, warnings));
+            return Ok(self.with_remarks(index, (nominal, count), None, warnings));
         }
         let (best, evaluations, scenarios) = line.best(&nominal)?;
         let nominal_value = nominal.value;
@@ -73,7 +73,7 @@ impl Lines<'_> {
         let best = match (found.bound, best_possible) {
             (Some((bound, _)), Some((least, proved))) => {
                 let gap = bound - least;
-                Best::Everywhere { gap: Bound::proved((gap.magnitude() + gap.rad) * up::FEW), proof: proved.into() }
+                Best::Everywhere { gap: Bound::by_proof((gap.magnitude() + gap.rad) * up::FEW), proof: proved.into() }
             }
             _ => Best::Seen,
         };
@@ -94,7 +94,7 @@ impl Lines<'_> {
         };
         let within = vec![None; values.len()];
         let outcome = Outcome { values: values.clone(), value, within, best, equal: Vec::new() };
-        Ok(self.told(index, (outcome, count + evaluations), Some(robust), warnings))
+        Ok(self.with_remarks(index, (outcome, count + evaluations), Some(robust), warnings))
     }
 }
 
@@ -110,7 +110,7 @@ impl Uncertain<'_> {
     }
 
     /// The same with those that a `solve` determines for them.
-    fn held(&self, values: &[Number]) -> Result<Vec<Setting>, String> {
+    fn held_settings(&self, values: &[Number]) -> Result<Vec<Setting>, String> {
         let held = self.with(values);
         if !self.lines.solves_inside {
             return Ok(held);
@@ -122,23 +122,23 @@ impl Uncertain<'_> {
     }
 
     fn free(&self, held: &[Setting]) -> Vec<Tolerance> {
-        moved(self.declared, held)
+        varied_tolerances(self.declared, held)
     }
 
     /// The line where all `solve` lines have been followed.
-    fn settled(&self) -> Lines<'_> {
+    fn settled_lines(&self) -> Lines<'_> {
         Lines { solves_inside: false, ..self.lines }
     }
 
     /// The worst of some places within the tolerances.
     fn trial(&self, values: &[Number], scenarios: &[Shares]) -> Trial {
         let failed = |why: String| Trial { value: Measurement::Failed(why), broken: f64::INFINITY, grows: false };
-        let held = match self.held(values) {
+        let held = match self.held_settings(values) {
             Ok(held) => held,
             Err(why) => return failed(why),
         };
         let free = self.free(&held);
-        let at = |shares: &Shares| self.settled().trial(self.index, &at_place(&held, &free, shares));
+        let at = |shares: &Shares| self.settled_lines().trial(self.index, &at_place(&held, &free, shares));
         let all = scenarios.iter().map(at).reduce(|one, other| self.worse(one, other));
         all.unwrap_or_else(|| failed(String::new()))
     }
@@ -189,7 +189,7 @@ impl Uncertain<'_> {
                 let rough = self.rough(&scenarios);
                 let seen = search.run(rough.as_ref().map(|rough| &**rough as &Rough));
                 let seen: Seen = seen.map_err(|why| vec![self.lines.no_optimum(self.optimum(), why)])?;
-                values = search.finished(seen).values;
+                values = search.finish(seen).values;
                 evaluations += search.count();
             }
             let here = self.trial(&values, &scenarios);
@@ -200,7 +200,7 @@ impl Uncertain<'_> {
                 continue;
             }
             let candidate = Candidate { worst: self.worst(&values), values: values.clone() };
-            let free = self.free(&self.held(&values).unwrap_or_default());
+            let free = self.free(&self.held_settings(&values).unwrap_or_default());
             let failing = |worst: &WorstCase| {
                 worst.conditions.iter().find_map(|condition| match condition {
                     Throughout::FailsAt(place) => Some(place.clone()),
@@ -245,14 +245,14 @@ impl Uncertain<'_> {
     }
 
     fn worst(&self, values: &[Number]) -> Option<WorstCase> {
-        let held = self.held(values).ok()?;
+        let held = self.held_settings(values).ok()?;
         let free = self.free(&held);
         worst(&self.lines.text, (self.optimum(), self.index), &held, &free)
     }
 
     /// The line at a place within the tolerances: values of all parameters but the varied ones, and the ranges of these there.
     fn at(&self, values: &[Number], shares: &Shares) -> Option<(Vec<Setting>, Vec<Optimum>)> {
-        let held = self.held(values).ok()?;
+        let held = self.held_settings(values).ok()?;
         let free = self.free(&held);
         let is_varied = |name: &str| self.optimum().varied.iter().any(|varied| varied.parameter.name == name);
         let mut settings = at_place(&held, &free, shares);
@@ -278,12 +278,12 @@ impl Uncertain<'_> {
         let middle: Vec<Number> = self.optimum().varied.iter().map(|varied| varied.low.clone()).collect();
         let each = scenarios.iter().map(|shares| {
             let (settings, optima) = self.at(&middle, shares)?;
-            let line = Lines { optima: &optima, ..self.settled() };
+            let line = Lines { optima: &optima, ..self.settled_lines() };
             Some((shares.clone(), line.rough_peaks(self.index, &settings)?))
         });
         let each = each.collect::<Option<Vec<_>>>()?;
         let varied = &self.optimum().varied;
-        let moved = moved(self.declared, &[]);
+        let moved = varied_tolerances(self.declared, &[]);
         let place = move |i: usize| {
             moved
                 .iter()
@@ -316,10 +316,10 @@ impl Uncertain<'_> {
         let mut designs = Vec::new();
         for (place, (_, shares)) in order.iter().enumerate() {
             let (held, optima) = self.at(values, shares)?;
-            let line = Lines { optima: &optima, ..self.settled() };
+            let line = Lines { optima: &optima, ..self.settled_lines() };
             if place < MOST_PROVED
                 && let Ok((Outcome { value, best: Best::Everywhere { gap, proof }, .. }, _)) =
-                    line.located(self.index, &held)
+                    line.locate(self.index, &held)
             {
                 let least = value - Ball::from(self.sign() * gap.value());
                 all.push((least, proof.into()));

@@ -7,7 +7,7 @@ use crate::analysis::Measurement;
 use crate::base::{Ball, Dd, Number, Rational};
 use crate::model::scene::{Optimum, Varied};
 use crate::questions::search::to_fraction;
-use crate::questions::unknowns::between;
+use crate::questions::unknowns::interpolate;
 
 /// If the ratio of the range's ends exceeds this, the places are spaced logarithmically.
 const DECADES: f64 = 20.0;
@@ -71,7 +71,7 @@ pub(super) struct Search<'a> {
     why: String,
 }
 
-/// What a rough value may differ from the measure, relative to it, for the place to be accepted.
+/// The relative difference between a rough value and the measure up to which a place is accepted.
 const ROUGH: f64 = 1e-6;
 
 const WORST: Merit = Merit { broken: f64::INFINITY, value: Dd::ZERO };
@@ -87,7 +87,7 @@ impl<'a> Search<'a> {
     }
 
     /// The measure at some values, if the conditions hold there.
-    pub fn measured(&mut self, values: &[Number]) -> Option<Ball> {
+    pub fn measure(&mut self, values: &[Number]) -> Option<Ball> {
         self.count += 1;
         match (self.trial)(values) {
             Trial { value: Measurement::Value(value), broken: 0.0, .. } if value.is_finite() => Some(value),
@@ -95,14 +95,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The best place, roughly. Where a quick rough measure is given, the search goes by it, and by trials only if these do not
-    /// agree with it at the place that it finds.
+    /// The best place, roughly. If a quick rough measure is given, the search uses it, and falls back to trials only if
+    /// they disagree with it at the place found.
     pub fn run(&mut self, rough: Option<&'a Rough<'a>>) -> Result<Seen, Nothing> {
-        let guided = rough.and_then(|rough| self.guided(rough));
+        let guided = rough.and_then(|rough| self.guided_search(rough));
         guided.map_or_else(|| self.over_all(), Ok)
     }
 
-    fn guided(&mut self, rough: &'a Rough<'a>) -> Option<Seen> {
+    fn guided_search(&mut self, rough: &'a Rough<'a>) -> Option<Seen> {
         self.rough = Some(rough);
         let found = self.over_all();
         self.rough = None;
@@ -138,7 +138,7 @@ impl<'a> Search<'a> {
     }
 
     /// Continues the search from a place to its end, for measures that no better method applies to.
-    pub fn finished(&mut self, seen: Seen) -> Seen {
+    pub fn finish(&mut self, seen: Seen) -> Seen {
         let merit = self.merit(0.0, seen.value);
         let mut best = Vertex { at: seen.at.clone(), merit, value: Some(seen.value) };
         let count = self.optimum.varied.len();
@@ -193,7 +193,7 @@ impl<'a> Search<'a> {
         let Some(each) = known else {
             // Halton's points, by the digits of a number in a prime base for each parameter.
             const PRIMES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
-            let point = |k: usize| (0..count).map(|i| reversed(k + 1, PRIMES[i % PRIMES.len()])).collect();
+            let point = |k: usize| (0..count).map(|i| reverse_digits(k + 1, PRIMES[i % PRIMES.len()])).collect();
             return (0..if self.few { MANY / 4 } else { MANY }).map(point).collect();
         };
         let along = |i: usize| if each > 3 { i as f64 / (each - 1) as f64 } else { (i as f64 + 0.5) / each as f64 };
@@ -296,7 +296,7 @@ fn order(a: &Merit, b: &Merit) -> std::cmp::Ordering {
     a.broken.total_cmp(&b.broken).then(a.value.hi.total_cmp(&b.value.hi)).then(a.value.lo.total_cmp(&b.value.lo))
 }
 
-/// The number at a part of a range; along its ratio if it covers decades.
+/// The number at a fraction of a range; along the ratio of its ends if it covers decades.
 fn value_at(varied: &Varied, x: f64) -> Number {
     let Varied { low, high, .. } = varied;
     if x <= 0.0 || x >= 1.0 {
@@ -312,13 +312,13 @@ fn value_at(varied: &Varied, x: f64) -> Number {
     }
     let width = high - low;
     let exact = low + &(&width * &Number::from(part));
-    // Few digits, if they are enough.
+    // A number with few digits, if that is enough.
     let short = Dd::from(exact.to_f64());
-    if short.hi > a && short.hi < b { to_fraction(short) } else { between(low, high, 1, 2) }
+    if short.hi > a && short.hi < b { to_fraction(short) } else { interpolate(low, high, 1, 2) }
 }
 
 /// The digits of a number behind the point, in reverse order.
-fn reversed(mut k: usize, base: usize) -> f64 {
+fn reverse_digits(mut k: usize, base: usize) -> f64 {
     let (mut value, mut unit) = (0.0, 1.0);
     while k > 0 {
         unit /= base as f64;

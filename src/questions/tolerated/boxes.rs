@@ -166,7 +166,7 @@ impl<'a> Boxes<'a> {
     }
 
     /// A requirement at a point.
-    pub fn required(&self, point: &Point, index: usize) -> Option<Requirement> {
+    pub fn requirement(&self, point: &Point, index: usize) -> Option<Requirement> {
         if let Some(known) = point.requirements.borrow().get(&index) {
             return known.clone();
         }
@@ -203,12 +203,12 @@ impl<'a> Boxes<'a> {
                 let parts = poles().filter(|poles| poles.is_complete())?.list.iter().map(|pole| pole.re);
                 parts.reduce(|a, b| if (b - a).mid.hi > 0.0 { b } else { a })?
             }
-            Sought::Measure(i) => match self.required(point, i)?.value {
+            Sought::Measure(i) => match self.requirement(point, i)?.value {
                 Value::Number(ball) => ball,
                 _ => return None,
             },
             Sought::Margin(i) => {
-                self.at(point, Sought::Measure(i))? - self.required(point, i)?.limit.as_ref()?.to_ball()
+                self.at(point, Sought::Measure(i))? - self.requirement(point, i)?.limit.as_ref()?.to_ball()
             }
         };
         found.is_finite().then_some(found)
@@ -218,12 +218,12 @@ impl<'a> Boxes<'a> {
         if let Some(known) = self.sheets.borrow().get(part) {
             return known.clone();
         }
-        let sheet = self.lowered(part).map(Rc::new);
+        let sheet = self.lower(part).map(Rc::new);
         self.sheets.borrow_mut().insert(part.clone(), sheet.clone());
         sheet
     }
 
-    fn lowered(&self, part: &Part) -> Option<Sheet> {
+    fn lower(&self, part: &Part) -> Option<Sheet> {
         let free: Vec<usize> = (0..part.len()).filter(|&i| part[i][0] < part[i][1]).collect();
         let ends: Vec<[Number; 2]> = (0..part.len()).map(|i| part[i].map(|at| self.value(i, at))).collect();
         let middle = Boxes::middle(part);
@@ -249,7 +249,7 @@ impl<'a> Boxes<'a> {
             self.work(LOWERING);
             let lines = |scene: &Scene| self.corners.subject.lines(scene);
             let ask = |scene: &Scene| lines(scene).into_iter().map(|require| require.question).collect();
-            self.corners.text.ranged(&settings, ask)
+            self.corners.text.with_ranges(&settings, ask)
         };
         let over = free.iter().map(|&own| lower(Some(own))).collect::<Option<Vec<Ranged>>>()?;
         let n = over.first()?.lowered.system.n();
@@ -297,7 +297,7 @@ impl<'a> Boxes<'a> {
     }
 
     /// A quantity over a part of the box that is no single place; `None` if it may be infinite, or nothing is known.
-    pub fn over(&self, part: &Part, quantity: Sought) -> Option<Enclosed> {
+    pub fn enclose_over(&self, part: &Part, quantity: Sought) -> Option<Enclosed> {
         let sheet = self.sheet(part)?;
         let mut value: Option<Ball> = None;
         let mut slopes = Vec::with_capacity(sheet.over.len());
@@ -318,14 +318,14 @@ impl<'a> Boxes<'a> {
                 let counts: Vec<usize> = tubes.iter().map(|tube| if tube.is_real { 1 } else { 2 }).collect();
                 candidates(&sizes(&tubes), &counts, |count, of| (2 * motion..2 * motion + of).contains(&count))
                     .map(|i| tubes[i].ratio(own))
-                    .reduce(either)?
+                    .reduce(either_value)?
             }
             Sought::PoleRe(i) | Sought::PoleIm(i) => {
                 let tubes = self.poles(part, sheet)?.lowest();
                 let pick = |tube: &Tube| tube.part(own, quantity == Sought::PoleIm(i));
                 candidates(&sizes(&tubes), &vec![1; tubes.len()], |count, _| count == i + 1)
                     .map(|i| pick(tubes[i]))
-                    .reduce(either)?
+                    .reduce(either_value)?
             }
             Sought::Abscissa => {
                 let tubes = self.poles(part, sheet)?.all()?;
@@ -333,7 +333,7 @@ impl<'a> Boxes<'a> {
                 let ends = parts.iter().map(|jet| jet.value);
                 let low = ends.clone().map(|ball| ball.mid.hi - ball.rad).fold(f64::NEG_INFINITY, f64::max);
                 let reach = |ball: Ball| ball.mid.hi + ball.rad >= low;
-                parts.into_iter().filter(|jet| reach(jet.value)).map(Some).reduce(either)?
+                parts.into_iter().filter(|jet| reach(jet.value)).map(Some).reduce(either_value)?
             }
             Sought::Measure(i) => {
                 let probe = sheet.over[own].probes.get(i)?;
@@ -384,7 +384,7 @@ impl<'a> Boxes<'a> {
             }
             Probe::Rest(terms, span) => {
                 let at_rest = || ranged.lowered.mechanism.at_rest(scene, &ranged.lowered.rest, terms, *span).ok();
-                Some(Jet::of(&jet::undivided(at_rest)??))
+                Some(Jet::of(&jet::without_division(at_rest)??))
             }
             Probe::EffectiveMass(input, mode) => {
                 let square = self.square(part, sheet, own, mode.checked_sub(1)?)?;
@@ -445,7 +445,7 @@ impl<'a> Boxes<'a> {
         let tubes = self.squares(part, sheet)?.lowest();
         candidates(&sizes(&tubes), &vec![1; tubes.len()], |count, _| count == index + 1)
             .map(|i| tubes[i].part(own, false))
-            .reduce(either)?
+            .reduce(either_value)?
     }
 
     fn frequency(&self, part: &Part, sheet: &Sheet, own: usize, index: usize) -> Option<Jet> {
@@ -558,7 +558,7 @@ impl Point {
 }
 
 /// One number or the other: both values are enclosed, and nothing is said about the derivative.
-fn either(a: Option<Jet>, b: Option<Jet>) -> Option<Jet> {
+fn either_value(a: Option<Jet>, b: Option<Jet>) -> Option<Jet> {
     let (a, b) = (a?.value, b?.value);
     let end = |ball: Ball, sign: f64| Ball::exact(ball.mid) + Ball::from(sign * ball.rad);
     let pick = |sign: f64| {

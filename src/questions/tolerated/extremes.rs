@@ -62,7 +62,7 @@ impl Seen {
     }
 
     /// What was reached, with nothing said about other values.
-    pub fn unproved(&self) -> Range {
+    pub fn without_proof(&self) -> Range {
         let [(low, low_at), (high, high_at)] = self.ends.clone();
         Range { ends: Some([low, high]), reached: Some([low, high]), at: Some([low_at, high_at]), proof: None }
     }
@@ -90,7 +90,7 @@ impl Boxes<'_> {
                 };
                 Range { ends: Some([least, largest]), reached, at, proof: Some(proof) }
             }
-            _ => seen.unproved(),
+            _ => seen.without_proof(),
         }
     }
 
@@ -98,7 +98,7 @@ impl Boxes<'_> {
     pub fn extreme(&self, quantity: Sought, sign: f64, seen: &mut Seen, until: Until) -> (Option<(Ball, bool)>, usize) {
         let side = usize::from(sign > 0.0);
         let whole: Part = vec![[0, WHOLE]; self.corners.free.len()];
-        let mut boxes = vec![self.bounded(whole, quantity, sign, seen)];
+        let mut boxes = vec![self.bound_over(whole, quantity, sign, seen)];
         loop {
             let worst = (0..boxes.len()).max_by(|&a, &b| boxes[a].bound.total_cmp(&boxes[b].bound).then(b.cmp(&a)));
             let Some(worst) = worst else { return (None, 0) };
@@ -115,7 +115,7 @@ impl Boxes<'_> {
             let Some(halves) = cut.filter(|_| boxes.len() < MOST_PARTS && self.may_go_on()) else {
                 return (outermost(&boxes, worst, sign), boxes.len());
             };
-            let [first, second] = halves.map(|part| self.bounded(part, quantity, sign, seen));
+            let [first, second] = halves.map(|part| self.bound_over(part, quantity, sign, seen));
             // What holds over the whole holds over its halves.
             let above = boxes[worst].bound;
             let within = |half: Bounded| Bounded { bound: half.bound.min(above), ..half };
@@ -125,7 +125,7 @@ impl Boxes<'_> {
     }
 
     /// A bound of a quantity over a part of the box.
-    pub fn bounded(&self, mut part: Part, quantity: Sought, sign: f64, seen: &mut Seen) -> Bounded {
+    pub fn bound_over(&self, mut part: Part, quantity: Sought, sign: f64, seen: &mut Seen) -> Bounded {
         let unknown = |part: Part| {
             let changes = self.changes(&part);
             Bounded { bound: f64::INFINITY, reached: None, changes, part }
@@ -143,7 +143,7 @@ impl Boxes<'_> {
                 };
                 return Bounded { part, bound: end(value, sign), reached: Some(value), changes: Vec::new() };
             }
-            let Some(over) = self.over(&part, quantity) else { return unknown(part) };
+            let Some(over) = self.enclose_over(&part, quantity) else { return unknown(part) };
             let mut is_less = false;
             for (&i, slope) in free.iter().zip(&over.slopes) {
                 let falls = if sign > 0.0 { slope.is_negative() } else { slope.is_positive() };

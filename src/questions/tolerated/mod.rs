@@ -40,12 +40,17 @@ const MOST_WORK: usize = 1_000_000;
 /// `None` if no parameter that is free has a range. `held`: values of those that the model determines; `n`: the number of coordinates.
 ///
 /// `robust`: the tolerances of parameters that a line optimises are those about the values that were found.
-pub fn tolerated(text: &Text, (scene, n): (&CheckedScene, usize), held: &[Setting], robust: bool) -> Option<Tolerated> {
+pub fn within_tolerances(
+    text: &Text,
+    (scene, n): (&CheckedScene, usize),
+    held: &[Setting],
+    robust: bool,
+) -> Option<Tolerated> {
     // Scenes at other values than the declared ones have no tolerances.
     let declared = if held.is_empty() { None } else { Some(text.scene(&[]).ok()?) };
     let declared = declared.as_ref().unwrap_or(scene).scene();
     let free = match robust {
-        true => moved(declared, held),
+        true => varied_tolerances(declared, held),
         false => ranges(declared).filter(|tolerance| value_of(held, tolerance).is_none()).cloned().collect(),
     };
     if free.is_empty() {
@@ -73,7 +78,7 @@ pub fn tolerated(text: &Text, (scene, n): (&CheckedScene, usize), held: &[Settin
         for (i, range) in frequencies.iter_mut().enumerate().filter(|(_, range)| is_wide(range)) {
             asked.narrow(range, Sought::Frequency(i));
         }
-        (ratios, poles) = asked.damped();
+        (ratios, poles) = asked.damped_ranges();
     }
     Some(Tolerated {
         parameters: free.iter().filter_map(parameter).collect(),
@@ -108,7 +113,7 @@ pub(super) fn others(held: &[Setting], free: &[Tolerance]) -> Vec<Setting> {
 }
 
 /// The tolerances of a scene's parameters, but for those that a `solve` determines; about the values that are held of others.
-pub(super) fn moved(scene: &Scene, held: &[Setting]) -> Vec<Tolerance> {
+pub(super) fn varied_tolerances(scene: &Scene, held: &[Setting]) -> Vec<Tolerance> {
     let is_solved =
         |tolerance: &&Tolerance| scene.solves.iter().any(|solve| solve.parameter.name == tolerance.parameter.name);
     let about = |tolerance: &Tolerance| match value_of(held, tolerance) {
@@ -182,7 +187,7 @@ impl Corners<'_> {
                     known.push(piece);
                 }
                 None if n <= MOST_COORDINATES && left.len() + pieces.len() < MOST_PIECES => {
-                    left.extend(halved(&ranges)?)
+                    left.extend(halve(&ranges)?)
                 }
                 None => return None,
             }
@@ -210,7 +215,7 @@ impl Corners<'_> {
     fn look(&self, ranges: &Ranges) -> Option<Piece> {
         let mut piece = Piece { courses: Vec::new(), steady_limits: Vec::new(), coordinates: 0 };
         for own in 0..ranges.len() {
-            let (system, steady) = self.lowered(ranges, own)?;
+            let (system, steady) = self.lower(ranges, own)?;
             outer(&system)?;
             piece.courses.push(Family::course(&system, false));
             piece.coordinates = system.n();
@@ -258,7 +263,7 @@ impl Corners<'_> {
 
     /// The system with every parameter anywhere in its range, and the derivatives by one of them; and which limits of requirements
     /// that one does not move. Every question about a sign on the way has one answer in the whole box.
-    fn lowered(&self, ranges: &[[Number; 2]], own: usize) -> Option<(LinearSystem, Vec<bool>)> {
+    fn lower(&self, ranges: &[[Number; 2]], own: usize) -> Option<(LinearSystem, Vec<bool>)> {
         let range = |(i, [low, high]): (usize, &[Number; 2])| {
             let value = hull(low.enclosure(), high.enclosure());
             let slope = if i == own { Ball::ONE } else { Ball::ZERO };
@@ -266,7 +271,7 @@ impl Corners<'_> {
         };
         let ranges: Vec<Setting> = ranges.iter().enumerate().map(range).collect();
         let values = [self.held, &ranges].concat();
-        let prepared = jet::undivided(|| {
+        let prepared = jet::without_division(|| {
             let scene = self.text.scene(&values).ok()?.without_damping();
             let limits = self.subject.lines(scene.scene());
             let steady = limits.iter().map(|require| !matches!(require.question.value, Number::Jet(_))).collect();
@@ -280,7 +285,7 @@ impl Corners<'_> {
 
     /// Bounds of each frequency over a box, Hz; `None` for a mode that does not oscillate in the lower system.
     fn bounds(&self, ranges: &[[Number; 2]], count: usize) -> Option<Vec<Option<[Ball; 2]>>> {
-        let (system, _) = self.lowered(ranges, 0)?;
+        let (system, _) = self.lower(ranges, 0)?;
         let [low, high] = outer(&system)?.map(|system| modes_as(&system, &Request::default()).ok());
         let (low, high) = (low?, high?);
         let is_whole = |modes: &Modes| modes.is_complete() && modes.list.len() == count;
@@ -291,7 +296,7 @@ impl Corners<'_> {
     }
 
     /// Bounds over the whole box, from boxes into which it is cut where they are wide beside what is reached.
-    fn enclosed(&self, pieces: &[Ranges], reached: &[Option<[Ball; 2]>]) -> Option<(Vec<Option<[Ball; 2]>>, usize)> {
+    fn enclose(&self, pieces: &[Ranges], reached: &[Option<[Ball; 2]>]) -> Option<(Vec<Option<[Ball; 2]>>, usize)> {
         let count = reached.len();
         if self.free.len() > MOST_CUT || count > MOST_COORDINATES {
             return None;
@@ -320,7 +325,7 @@ impl Corners<'_> {
             else {
                 return Some((all, boxes.len()));
             };
-            let Some(halves) = halved(&boxes[at]) else { return Some((all, boxes.len())) };
+            let Some(halves) = halve(&boxes[at]) else { return Some((all, boxes.len())) };
             let [first, second] = halves.each_ref().map(|half| self.bounds(half, count));
             let (Some(first), Some(second)) = (first, second) else { return Some((all, boxes.len())) };
             let [one, other] = halves;
@@ -355,7 +360,7 @@ fn union([low, high]: [Ball; 2], [other_low, other_high]: [Ball; 2]) -> [Ball; 2
 }
 
 /// A box cut across the parameter that is widest beside its size.
-fn halved(whole: &Ranges) -> Option<[Ranges; 2]> {
+fn halve(whole: &Ranges) -> Option<[Ranges; 2]> {
     let width = |[low, high]: &[Number; 2]| {
         let (low, high) = (low.to_f64(), high.to_f64());
         (high - low) / low.abs().max(high.abs())
@@ -383,7 +388,7 @@ pub(super) fn hull(low: Ball, high: Ball) -> Ball {
 /// modes shows.
 fn frequencies(corners: &Corners, places: &[Vec<Number>], found: Option<&Found>) -> Vec<Range> {
     let at = |place: &Vec<Number>| {
-        corners.text.undamped(&corners.settings(place), &Request::default()).ok().filter(Modes::is_complete)
+        corners.text.undamped_modes(&corners.settings(place), &Request::default()).ok().filter(Modes::is_complete)
     };
     let Some(all) = places.iter().map(at).collect::<Option<Vec<Modes>>>() else { return Vec::new() };
     let count = all[0].list.len();
@@ -399,7 +404,7 @@ fn frequencies(corners: &Corners, places: &[Vec<Number>], found: Option<&Found>)
         seen.iter().map(|seen| Some(seen.as_ref()?.ends.each_ref().map(|(value, _)| *value))).collect();
     let found = found.filter(|found| found.coordinates == count);
     let of = |i: usize, proved: Option<([Ball; 2], RangeProof)>| {
-        let known = seen[i].as_ref().map_or(NOTHING, Seen::unproved);
+        let known = seen[i].as_ref().map_or(NOTHING, Seen::without_proof);
         match proved {
             Some((ends, proof)) => Range { ends: Some(ends), proof: Some(proof), ..known },
             None => known,
@@ -411,7 +416,7 @@ fn frequencies(corners: &Corners, places: &[Vec<Number>], found: Option<&Found>)
             (0..count).map(|i| of(i, ends(i).map(|ends| (ends, RangeProof::Corners(Proved(())))))).collect()
         }
         _ => {
-            let enclosed = found.and_then(|found| corners.enclosed(&found.pieces, &reached));
+            let enclosed = found.and_then(|found| corners.enclose(&found.pieces, &reached));
             let (bounds, boxes) = enclosed.unwrap_or((vec![None; count], 0));
             let range = |i: usize| of(i, bounds[i].map(|ends| (ends, RangeProof::Boxes(boxes, Proved(())))));
             (0..count).map(|i| if seen[i].is_some() { range(i) } else { NOTHING }).collect()
@@ -446,7 +451,7 @@ impl Asked<'_> {
     }
 
     /// What a quantity was at the places; `None` if it had no value at one of them.
-    fn seen(&self, quantity: Sought) -> Option<Seen> {
+    fn seen_values(&self, quantity: Sought) -> Option<Seen> {
         let values = self
             .points
             .iter()
@@ -456,8 +461,8 @@ impl Asked<'_> {
     }
 
     fn range(&self, quantity: Sought, limit: Option<Ball>) -> Option<Range> {
-        let seen = self.seen(quantity)?;
-        Some(if self.can_cut() { self.boxes.range(quantity, seen, limit) } else { seen.unproved() })
+        let seen = self.seen_values(quantity)?;
+        Some(if self.can_cut() { self.boxes.range(quantity, seen, limit) } else { seen.without_proof() })
     }
 
     /// Narrower bounds in place of wide ones, if there are some.
@@ -476,7 +481,7 @@ impl Asked<'_> {
     }
 
     /// The damping ratios and the poles, if something damps.
-    fn damped(&self) -> (Vec<Range>, Vec<[Range; 2]>) {
+    fn damped_ranges(&self) -> (Vec<Range>, Vec<[Range; 2]>) {
         let (motions, is_damped) = self.points[0].motions();
         let counts = self.points[0].counts();
         if !is_damped || counts.is_none() || self.points.iter().any(|point| point.counts().is_none()) {
@@ -509,7 +514,7 @@ impl Asked<'_> {
         found: Option<&Found>,
         frequencies: &[Range],
     ) -> (Option<Range>, Throughout) {
-        let holds = |point: &Point| self.boxes.required(point, index).and_then(|requirement| requirement.holds);
+        let holds = |point: &Point| self.boxes.requirement(point, index).and_then(|requirement| requirement.holds);
         let failed = || self.points.iter().position(|point| holds(point) == Some(false));
         let fails = || failed().map(|place| Throughout::FailsAt(self.places[place].clone()));
         let Some(comparison) = require.comparison else {
@@ -572,10 +577,10 @@ mod tests {
         let checked = model::check(&sources, &tree, &overrides);
         let scene = checked.scene.unwrap_or_else(|| panic!("{:?}", checked.diagnostics));
         let text = Text { sources: &sources, tree: &tree, overrides: &overrides, until: None, case: &[], fixed: &[] };
-        tolerated(&text, (&scene, 1), &[], false)
+        within_tolerances(&text, (&scene, 1), &[], false)
     }
 
-    fn proved(found: &Tolerated, mode: usize) -> [Ball; 2] {
+    fn proved_range(found: &Tolerated, mode: usize) -> [Ball; 2] {
         let range = &found.frequencies[mode];
         assert!(range.proof.is_some());
         range.ends.expect("oscillations")
@@ -588,7 +593,7 @@ mod tests {
     #[test]
     fn a_block_has_its_extremes_at_corners() {
         let found = of(BLOCK).expect("tolerances");
-        let [low, high] = proved(&found, 0);
+        let [low, high] = proved_range(&found, 0);
         for (ball, square) in [(low, 90.0 / 1.2), (high, 110.0 / 0.9)] {
             let truth = f64::sqrt(square) / (2.0 * std::f64::consts::PI);
             assert!((ball.to_f64() - truth).abs() < 1e-14 * truth && ball.rad < 1e-25, "{ball:?} {truth}");
@@ -605,7 +610,7 @@ mod tests {
                      spring u: b -- ground { k = k }\n";
         let found = of(model).expect("tolerances");
         for (mode, ends) in [(0, [9.5, 10.5]), (1, [9.5 + 2.0 * 4.0, 10.5 + 2.0 * 6.0])] {
-            for (ball, square) in proved(&found, mode).into_iter().zip(ends) {
+            for (ball, square) in proved_range(&found, mode).into_iter().zip(ends) {
                 let truth = f64::sqrt(square) / (2.0 * std::f64::consts::PI);
                 assert!((ball.to_f64() - truth).abs() < 1e-14 * truth, "{ball:?} {truth}");
             }
@@ -715,7 +720,7 @@ mod tests {
         }
         let rod = of("param l = 1 m within 5 %\nbody rod { mass = 1 kg, inertia = 0.1 kg*m^2, at = (l, 0 m) }\n\
              pivot p: ground@(0 m, 0 m) -- rod@(0 m, 0 m)\nspring s: ground -- rod { k = 10 N*m/rad }\n");
-        let [low, high] = proved(&rod.expect("tolerances"), 0).map(|f| f.to_f64() * 2.0 * std::f64::consts::PI);
+        let [low, high] = proved_range(&rod.expect("tolerances"), 0).map(|f| f.to_f64() * 2.0 * std::f64::consts::PI);
         for (found, l) in [(low, 1.05), (high, 0.95)] {
             let truth = f64::sqrt(10.0 / (0.1 + l * l));
             assert!((found - truth).abs() < 1e-13 * truth, "{found} {truth}");

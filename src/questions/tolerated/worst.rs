@@ -30,7 +30,7 @@ pub fn worst(
     let points: Vec<Point> = places.iter().map(|place| boxes.point_at(place)).collect();
     let scene = text.scene(held).ok()?;
     let asked = Asked { scene: &scene, boxes: &boxes, places: &places, points: &points };
-    let mut seen = asked.seen(Sought::Measure(0))?;
+    let mut seen = asked.seen_values(Sought::Measure(0))?;
     let sign = if optimum.highest { -1.0 } else { 1.0 };
     boxes.begin();
     let bound = match asked.can_cut() {
@@ -91,7 +91,7 @@ pub fn best_possible(
     let mut bound_of = |part: &Part, above: f64| {
         let mut bound = above;
         for boxes in &boxes {
-            bound = bound.min(boxes.bounded(part.clone(), Sought::Measure(0), sign, &mut seen).bound);
+            bound = bound.min(boxes.bound_over(part.clone(), Sought::Measure(0), sign, &mut seen).bound);
             if bound <= goal {
                 break;
             }

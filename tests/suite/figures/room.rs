@@ -25,7 +25,7 @@ pub fn crowded(figure: &Figure) -> Vec<String> {
         for glyph in &figure.glyphs {
             // A leader ends at the edge of its own name.
             let own = glyph.kind == Kind::Leader && glyph.title == label.text;
-            if !own && glyph.strokes.iter().any(|stroke| meets(stroke, &bounds.grown(PEN))) {
+            if !own && glyph.strokes.iter().any(|stroke| meets(stroke, &bounds.grow(PEN))) {
                 found.push(format!("{} over {:?} ({})", label.text, glyph.kind, glyph.title));
             }
         }

@@ -76,7 +76,7 @@ impl Basis {
         }
         let weights: Vec<f64> = diagonal.iter().map(|m| m.sqrt()).collect();
         let (masses, doubt) = (Flat::of(&terms), Doubt::of(&terms, &weights));
-        let shapes = refined(&x, &Flat::of(&Terms::of(&system.k)), &masses);
+        let shapes = refine(&x, &Flat::of(&Terms::of(&system.k)), &masses);
         let (x, change) = (shapes.map(|x| x.hi), shapes.map(|x| x.lo));
         Some(Basis::with(x, change, weights, (masses, doubt)))
     }
@@ -88,7 +88,7 @@ impl Basis {
         let sums = sums(&x, &momenta);
         let lengths = |x: &Matrix<f64>| (0..n).map(|j| displacement(&weights, x.column(j))).collect();
         let (sizes, changes) = (lengths(&x), lengths(&change));
-        let m = Matrix::filled(n, n, Ball::ZERO);
+        let m = Matrix::fill_with(n, n, Ball::ZERO);
         let mut basis = Basis { m, x, change, weights, masses, doubt, sizes, changes };
         basis.m = basis.inertia(&sums, &momenta);
         basis
@@ -99,7 +99,7 @@ impl Basis {
         let n = self.x.rows();
         let mut block = Block::new(n);
         // M X + M D / 2, and bounds of the errors of a product with d_i and of one with x_i.
-        let mut y = Matrix::filled(n, n, 0.0);
+        let mut y = Matrix::fill_with(n, n, 0.0);
         let (mut by_change, mut by_vector) = (Vec::with_capacity(n), Vec::with_capacity(n));
         for (first, momenta) in (0..n).step_by(LANES).zip(momenta) {
             let width = block.load(&self.change, first);
@@ -115,8 +115,8 @@ impl Basis {
                 by_vector.push(SLACK * (image + error_of_sums(n) * whole * (1.0 + f64::EPSILON)));
             }
         }
-        let s = product(View::of(&self.change).transposed(), View::of(&y));
-        let mut m = Matrix::filled(n, n, Ball::ZERO);
+        let s = product(View::of(&self.change).transpose(), View::of(&y));
+        let mut m = Matrix::fill_with(n, n, Ball::ZERO);
         for j in 0..n {
             for i in 0..=j {
                 let mid = sums[(i, j)] + Dd::from(s[(i, j)]) + Dd::from(s[(j, i)]);
@@ -140,12 +140,12 @@ impl Basis {
     pub fn form(&self, form: &Form) -> Matrix<Ball> {
         let n = self.x.rows();
         if form.is_empty() {
-            return Matrix::filled(n, n, Ball::ZERO);
+            return Matrix::fill_with(n, n, Ball::ZERO);
         }
         let terms = Terms::of(form);
         let doubt = Doubt::of(&terms, &self.weights);
         let Images { theta, r } = Images::of(&Flat::of(&terms), &self.masses, &self.x, Some(&self.change));
-        let p = product(View::of(&self.x).transposed(), View::of(&r));
+        let p = product(View::of(&self.x).transpose(), View::of(&r));
         // Leaving out D, rounding R, and the product. A sum in two words that joins the images of X and D is one of the four
         // that the bound of an image counts beyond those that it has: for N terms and rows of l there are N + l - 2, and one for
         // the residual, of N + l + 3 (see [`residual`](super::residual)).
@@ -158,7 +158,7 @@ impl Basis {
             SLACK * (image + 4.0 * floor + rounding * force(&self.weights, r.column(j)))
         };
         let slips: Vec<f64> = (0..n).map(slip).collect();
-        let mut entries = Matrix::filled(n, n, Ball::ZERO);
+        let mut entries = Matrix::fill_with(n, n, Ball::ZERO);
         for j in 0..n {
             for i in 0..=j {
                 // Of the two formulas for the entry, that of the smaller quotient.
@@ -200,7 +200,7 @@ struct Images {
 impl Images {
     fn of(form: &Flat, masses: &Flat, x: &Matrix<f64>, change: Option<&Matrix<f64>>) -> Images {
         let n = x.rows();
-        let (mut r, mut theta) = (Matrix::filled(n, n, 0.0), Vec::with_capacity(n));
+        let (mut r, mut theta) = (Matrix::fill_with(n, n, 0.0), Vec::with_capacity(n));
         let (mut block, mut second) = (Block::new(n), Block::new(n));
         for first in (0..n).step_by(LANES) {
             let width = block.load(x, first);
@@ -236,11 +236,11 @@ fn momenta(masses: &Flat, x: &Matrix<f64>) -> Vec<Vec<f64>> {
 }
 
 /// X after two Newton steps, rounded to two words.
-fn refined(x: &Matrix<f64>, stiffness: &Flat, masses: &Flat) -> Matrix<Dd> {
+fn refine(x: &Matrix<f64>, stiffness: &Flat, masses: &Flat) -> Matrix<Dd> {
     let n = x.rows();
     let unit = |i: usize, j: usize| if i == j { Dd::ONE } else { Dd::ZERO };
     let images = Images::of(stiffness, masses, x, None);
-    let p = product(View::of(x).transposed(), View::of(&images.r));
+    let p = product(View::of(x).transpose(), View::of(&images.r));
     let mut momenta_of_x = momenta(masses, x);
     let sums = sums(x, &momenta_of_x);
     let e = Matrix::from_fn(n, n, |i, j| (sums[(i, j)] - unit(i, j)).to_f64());
@@ -253,7 +253,7 @@ fn refined(x: &Matrix<f64>, stiffness: &Flat, masses: &Flat) -> Matrix<Dd> {
     let e = Matrix::from_fn(n, n, |i, j| (sums[(i, j)] - unit(i, j) + s[(i, j)] + s[(j, i)]).to_f64());
     let r = Images::of(stiffness, masses, x, Some(&first)).r;
     let moved = Matrix::from_fn(n, n, |i, j| x[(i, j)] + first[(i, j)]);
-    let p = product(View::of(&moved).transposed(), View::of(&r));
+    let p = product(View::of(&moved).transpose(), View::of(&r));
     let second = step(&moved, &p, &e, &images.theta);
     Matrix::from_fn(n, n, |i, j| Dd::from(x[(i, j)]) + Dd::from(first[(i, j)]) + Dd::from(second[(i, j)]))
 }
@@ -301,7 +301,7 @@ simd! {
                 for (x, y) in x.iter().zip(y.chunks_exact(2 * LANES)) {
                     chain = chain.plus_product(Double::load(y), V::splat(*x));
                 }
-                sum = sum.plus(chain.normalised());
+                sum = sum.plus(chain.normalise());
             }
             sum.store(words);
         }
@@ -329,7 +329,7 @@ fn step(x: &Matrix<f64>, p: &Matrix<f64>, e: &Matrix<f64>, theta: &[Dd]) -> Matr
         let gap = (theta[i] - theta[j]).hi;
         if i != j && gap.abs() * SMALL > p[(i, j)].abs() { -p[(i, j)] / gap } else { -0.5 * e[(i, j)] }
     });
-    let mut change = Matrix::filled(n, n, 0.0);
+    let mut change = Matrix::fill_with(n, n, 0.0);
     add_product(change.data_mut(), n, 1.0, View::of(x), View::of(&z));
     change
 }

@@ -52,7 +52,7 @@ const REST: f64 = 1001.0;
 impl Reduced {
     /// Sorts the columns of X by theta; `residuals` belong to them.
     pub fn of(x: &Matrix<f64>, residuals: Residuals) -> Reduced {
-        let transposed = View::of(x).transposed();
+        let transposed = View::of(x).transpose();
         let p = product(transposed, View::of(&residuals.r));
         let mut e = product(transposed, View::of(&residuals.y));
         (0..x.columns()).for_each(|j| e[(j, j)] -= 1.0);
@@ -95,7 +95,7 @@ impl Reduced {
     /// Upper bounds of max(|entry (i, j)|, |entry (j, i)|) in units of 1 / `factor`.
     fn bounds(&self, matrix: &Matrix<f64>, slip: &[f64], factor: f64) -> Matrix<f64> {
         let n = self.theta.len();
-        let mut bounds = Matrix::filled(n, n, 0.0);
+        let mut bounds = Matrix::fill_with(n, n, 0.0);
         for j in 0..n {
             let column = matrix.column(j);
             for i in 0..n {
@@ -151,7 +151,7 @@ struct Rest {
 impl Rest {
     fn of(groups: &[Group], reduced: &Reduced, p: &Matrix<f64>, unit: f64) -> Rest {
         let (n, count) = (reduced.theta.len(), groups.len());
-        let (mut v, mut width, mut assumed) = (Matrix::filled(n, count, 0.0), Vec::new(), Vec::new());
+        let (mut v, mut width, mut assumed) = (Matrix::fill_with(n, count, 0.0), Vec::new(), Vec::new());
         for (g, &Group { start, end }) in groups.iter().enumerate() {
             let distance = |j: usize| match j < start {
                 true => reduced.distance(j, start, unit),

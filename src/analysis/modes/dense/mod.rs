@@ -103,7 +103,7 @@ impl Problem<'_> {
     /// M-normalised vectors from the assembled matrices, and M's diagonal.
     fn first(&self) -> Option<(Matrix<f64>, Vec<f64>)> {
         let n = self.n;
-        let (mut k, mut m) = (assembled(self.stiffness, n), assembled(self.masses, n));
+        let (mut k, mut m) = (assemble(self.stiffness, n), assemble(self.masses, n));
         let diagonal: Vec<f64> = (0..n).map(|i| m[(i, i)]).collect();
         if !diagonal.iter().all(|m| m.is_normal() && *m > 0.0) {
             return None;
@@ -121,10 +121,10 @@ impl Problem<'_> {
                 scaled(&mut m);
                 let inverse = inverse_factor(&m)?;
                 let half = product(View::of(&inverse), View::of(&k));
-                let whole = product(View::of(&half), View::of(&inverse).transposed());
+                let whole = product(View::of(&half), View::of(&inverse).transpose());
                 drop((k, m, half));
                 let z = symmetric::eigen(whole)?.vectors;
-                product(View::of(&inverse).transposed(), View::of(&z))
+                product(View::of(&inverse).transpose(), View::of(&z))
             }
         };
         for j in 0..n {
@@ -149,8 +149,8 @@ impl Problem<'_> {
 }
 
 /// sum w a a^T in binary64.
-fn assembled(terms: &Terms, n: usize) -> Matrix<f64> {
-    let mut matrix = Matrix::filled(n, n, 0.0);
+fn assemble(terms: &Terms, n: usize) -> Matrix<f64> {
+    let mut matrix = Matrix::fill_with(n, n, 0.0);
     for t in 0..terms.len() {
         let (indices, factors) = terms.row(t);
         for (&j, b) in indices.iter().zip(factors) {
@@ -172,7 +172,7 @@ impl Candidate {
         let residuals = pencil.residuals(&x);
         let mut order: Vec<usize> = (0..x.columns()).collect();
         order.sort_by(|&a, &b| compare(residuals.theta[a], residuals.theta[b]));
-        let (x, residuals) = (x.select_columns(&order), residuals.reordered(&order));
+        let (x, residuals) = (x.select_columns(&order), residuals.reorder(&order));
         let pencil = Reduced::of(&x, residuals);
         Candidate { radii: pencil.radii(), x, pencil }
     }
@@ -241,7 +241,7 @@ impl Candidate {
                 false => Eigenvalue::Near { value: Triple::from(self.pencil.theta[i]), radius, positive },
             };
             let exact = if zero { motions.next() } else { None };
-            let x = Displacements::Plain(exact.unwrap_or_else(|| self.normalised(i)));
+            let x = Displacements::Plain(exact.unwrap_or_else(|| self.normalise(i)));
             Pair { value, x, route: if zero { Route::Exact } else { Route::Dense } }
         };
         let mut pairs: Vec<Pair> = (0..self.radii.len()).map(pair).collect();
@@ -249,7 +249,7 @@ impl Candidate {
         pairs
     }
 
-    fn normalised(&self, i: usize) -> Vec<f64> {
+    fn normalise(&self, i: usize) -> Vec<f64> {
         let scale = 1.0 / (1.0 + self.pencil.e[(i, i)]).sqrt();
         self.x.column(i).iter().map(|x| x * scale).collect()
     }

@@ -91,7 +91,7 @@ impl Pencil {
 
     pub fn residuals(&self, x: &Matrix<f64>) -> Residuals {
         let (n, columns) = (x.rows(), x.columns());
-        let (mut r, mut y) = (Matrix::filled(n, columns, 0.0), Matrix::filled(n, columns, 0.0));
+        let (mut r, mut y) = (Matrix::fill_with(n, columns, 0.0), Matrix::fill_with(n, columns, 0.0));
         let mut theta = Vec::with_capacity(columns);
         let mut block = Block::new(n);
         for first in (0..columns).step_by(LANES) {
@@ -137,7 +137,7 @@ impl Pencil {
 
 impl Residuals {
     /// The residuals with their columns in this order.
-    pub fn reordered(self, order: &[usize]) -> Residuals {
+    pub fn reorder(self, order: &[usize]) -> Residuals {
         let chosen = |values: &[f64]| order.iter().map(|&j| values[j]).collect();
         Residuals {
             theta: order.iter().map(|&j| self.theta[j]).collect(),

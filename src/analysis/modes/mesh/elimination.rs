@@ -128,7 +128,7 @@ impl Pattern {
 
     /// The entries of one of the networks in a column: (row, index of the pair).
     #[inline]
-    pub fn given(&self, which: usize, column: usize) -> &[(u32, u32)] {
+    pub fn given_entries(&self, which: usize, column: usize) -> &[(u32, u32)] {
         self.given[which].column(column)
     }
 

@@ -82,7 +82,7 @@ impl<'a> Krylov<'a> {
         let n = self.m.n();
         let mut block: Vec<Vec<f64>> = Vec::new();
         for _ in 0..BLOCK {
-            let scrambled: Vec<f64> = (0..n).map(|_| self.scrambled()).collect();
+            let scrambled: Vec<f64> = (0..n).map(|_| self.scrambled_number()).collect();
             let mut image = vec![0.0; n];
             self.m.apply(&scrambled, &mut image);
             block.push(image);
@@ -92,7 +92,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// A pseudo-random number between -1 and 1 (the generator of Steele, Lea and Flood, OOPSLA 2014).
-    fn scrambled(&mut self) -> f64 {
+    fn scrambled_number(&mut self) -> f64 {
         self.seed = self.seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.seed;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

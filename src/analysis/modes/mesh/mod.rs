@@ -270,11 +270,11 @@ impl<'a> Mesh<'a> {
                 corrected = true;
             }
         }
-        self.enclosed(cut, basis, &norms, corrected)
+        self.enclose_modes(cut, basis, &norms, corrected)
     }
 
     /// Step 5 of the module.
-    fn enclosed(&self, cut: &Cut, basis: Vec<Vec<Dd>>, norms: &[f64], corrected: bool) -> Option<Vec<Pair>> {
+    fn enclose_modes(&self, cut: &Cut, basis: Vec<Vec<Dd>>, norms: &[f64], corrected: bool) -> Option<Vec<Pair>> {
         let count = basis.len();
         let x = Matrix::from_fn(self.k.n(), count, |i, j| Triple::from(basis[j][i]));
         let (k, m) = (Gram::of(self.stiffness, &x), Gram::of(self.masses, &x));

@@ -93,7 +93,7 @@ const UNDERFLOW: f64 = 1e-138;
 const MOST_NODES: usize = 1 << 24;
 
 /// The eigenvalues near the Rayleigh quotients of vectors side by side, with as many frames of one tree; see the module.
-pub fn enclosed<T: Float, const W: usize>(
+pub fn enclose_lanes<T: Float, const W: usize>(
     nodes: &[Node<T>],
     x: &[[T; W]],
     tree: &Tree,
@@ -242,7 +242,7 @@ mod tests {
         let entry = |i: usize| (angle(n, j) * (i + 1) as f64).sin() / last;
         let x: Vec<[f64; 1]> = (0..n).map(|i| [entry(i) * (1.0 + if i % 2 == 0 { slip } else { 0.0 })]).collect();
         let tree = Tree { breadth: 1.0, coupled: 1.0, data: [4.0 * f64::ERROR, 4.0 * Dd::ERROR] };
-        let [found] = enclosed(&chain(n), &x, &tree, &[frame]);
+        let [found] = enclose_lanes(&chain(n), &x, &tree, &[frame]);
         found
     }
 
@@ -277,7 +277,7 @@ mod tests {
         assert_eq!(perturbed_mode(9, 2, 1e-3, Frame { least: 1e-80, ..here }).relative(), f64::INFINITY);
         let tree = Tree { breadth: 1.0, coupled: 1.0, data: [0.0; 2] };
         let small: Vec<Node<f64>> = chain(9).iter().map(|node| Node { mass: 1e-90, ..*node }).collect();
-        let [found] = enclosed(&small, &[[1.0]; 9], &tree, &[here]);
+        let [found] = enclose_lanes(&small, &[[1.0]; 9], &tree, &[here]);
         assert_eq!(found.relative(), f64::INFINITY);
     }
 }

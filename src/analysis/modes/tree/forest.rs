@@ -130,7 +130,7 @@ impl Forest {
             }
         }
         merge_parallel(&mut edges);
-        let mut forest = Forest::rooted(&ground, &edges, n)?;
+        let mut forest = Forest::rooted_tree(&ground, &edges, n)?;
         let mut inertia = Inertia::of(&forest);
         for t in 0..masses.len() {
             let weight = known.positive(masses.weights[t])?;
@@ -168,7 +168,7 @@ impl Forest {
     }
 
     /// The tree without inertia.
-    fn rooted(ground: &[Sum], edges: &[Edge], n: usize) -> Option<Forest> {
+    fn rooted_tree(ground: &[Sum], edges: &[Edge], n: usize) -> Option<Forest> {
         if edges.len() + 1 != n {
             return None;
         }
@@ -361,13 +361,13 @@ struct Rounder {
 
 impl Rounder {
     fn positive(&mut self, weight: Precise) -> Option<Dd> {
-        let value = self.taken(weight, 0);
+        let value = self.take(weight, 0);
         (value.hi > 0.0).then_some(value)
     }
 
     fn factor(&mut self, factor: Factor) -> Dd {
         match factor {
-            Factor::Other(value) => self.taken(value, 1),
+            Factor::Other(value) => self.take(value, 1),
             sign => sign.to_dd(),
         }
     }
@@ -384,10 +384,10 @@ impl Rounder {
         };
         let size = a.to_f64().abs() + b.to_f64().abs();
         let number = Precise { value: sum, radius: radius(a) + radius(b) + 2.0 * Triple::ERROR * size };
-        (number.radius < 1e-20 * sum.hi().abs()).then(|| self.taken(number, 1))
+        (number.radius < 1e-20 * sum.hi().abs()).then(|| self.take(number, 1))
     }
 
-    fn taken(&mut self, number: Precise, kind: usize) -> Dd {
+    fn take(&mut self, number: Precise, kind: usize) -> Dd {
         let (value, dropped) = number.value.split();
         let relative = (number.radius + dropped.abs()) / value.hi.abs() * up::MILLIONS;
         self.relative[kind] = self.relative[kind].max(relative);

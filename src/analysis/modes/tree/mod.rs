@@ -16,7 +16,7 @@ pub mod lanes;
 
 use crate::analysis::modes::pair::Displacements;
 use crate::analysis::modes::request::Band;
-use crate::analysis::modes::tree::bounds::{Enclosed, Frame, Tree, enclosed};
+use crate::analysis::modes::tree::bounds::{Enclosed, Frame, Tree, enclose_lanes};
 use crate::analysis::modes::tree::brackets::{Bracket, Brackets};
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::{root, shapes, twisted_null_vector};
@@ -63,7 +63,7 @@ pub fn lowest(forest: &Forest, wanted: usize, tolerance: f64) -> Option<Vec<Tree
 }
 
 /// The elastic modes that may lie in the band, ascending, and how many elastic modes come before them.
-pub fn within(forest: &Forest, band: Band, tolerance: f64) -> Option<(usize, Vec<TreeMode>)> {
+pub fn modes_within(forest: &Forest, band: Band, tolerance: f64) -> Option<(usize, Vec<TreeMode>)> {
     let search = Search::of(forest);
     let mut brackets = search.brackets();
     let wanted = brackets.numbers(band)?;
@@ -133,7 +133,7 @@ impl<'a> Search<'a> {
             let (shifts, settled) = self.iterate(brackets);
             shapes(&self.nodes, shifts, &mut room);
             let last = brackets.len() - 1;
-            let found = enclosed(&self.nodes, &room, &self.tree, &each(|lane| frames[lane.min(last)]));
+            let found = enclose_lanes(&self.nodes, &room, &self.tree, &each(|lane| frames[lane.min(last)]));
             // Next to a close neighbour, a binary64 vector is a mixture of the two modes.
             let good = |lane: &usize| {
                 *lane <= last
@@ -177,9 +177,9 @@ impl<'a> Search<'a> {
 
     /// A mode in which the root hardly moves.
     fn mode_at_twist(&self, bracket: &Bracket, frame: &Frame, tolerance: f64) -> Result<TreeMode, Lack> {
-        let Vector { shift, x } = self.twisted(bracket).ok_or(Lack::Bracket)?;
+        let Vector { shift, x } = self.twisted_vector(bracket).ok_or(Lack::Bracket)?;
         let room: Vec<[f64; 1]> = x.iter().map(|&x| [x]).collect();
-        let [found] = enclosed(&self.nodes, &room, &self.tree, &[*frame]);
+        let [found] = enclose_lanes(&self.nodes, &room, &self.tree, &[*frame]);
         if found.relative() > tolerance || frame.is_close(bracket.middle()) {
             return self.mode_in_double_double(shift, frame).ok_or(Lack::Bound);
         }
@@ -202,7 +202,7 @@ impl<'a> Search<'a> {
             at = Some(next.at);
         }
         let x: Vec<[Dd; 1]> = twisted_null_vector(&nodes, shift, at).x.into_iter().map(|x| [x]).collect();
-        let [found] = enclosed(&nodes, &x, &self.tree, &[*frame]);
+        let [found] = enclose_lanes(&nodes, &x, &self.tree, &[*frame]);
         let x = by_coordinate(self.forest, |i| Triple::from(x[i][0] * (self.sigma(i) * found.scale)), Triple::ZERO);
         let x = Displacements::Precise(x);
         found.radius.is_finite().then_some(TreeMode { lambda: found.lambda, radius: found.radius, x })
@@ -231,7 +231,7 @@ impl<'a> Search<'a> {
     }
 
     /// The vector of one bracket, for modes in which the root hardly moves.
-    fn twisted(&self, bracket: &Bracket) -> Option<Vector> {
+    fn twisted_vector(&self, bracket: &Bracket) -> Option<Vector> {
         let mut shift = bracket.middle();
         for _ in 0..MAX_ITERATIONS {
             let found = twisted_null_vector(&self.nodes, shift, None);

@@ -11,8 +11,8 @@ impl SchurForm {
     /// those of a block of T are combined with an eigenvector u of the block's transpose, T (Y u) + lambda (Y u) = ...
     pub fn lyapunov(&self, r: &Matrix<f64>) -> Matrix<f64> {
         let (n, q) = (self.n(), View::of(&self.q));
-        let mut right = product(product_of(q.transposed(), r).view(), q);
-        let mut y = Matrix::filled(n, n, 0.0);
+        let mut right = product(product_of(q.transpose(), r).view(), q);
+        let mut y = Matrix::fill_with(n, n, 0.0);
         let mut end = n;
         while end > 0 {
             let start = end - self.size_before(end);
@@ -29,14 +29,14 @@ impl SchurForm {
             }
             if size == 1 {
                 let shift = Complex::real(-self.t[(start, start)]);
-                let solved = self.shifted(&[shift], &[[1.0, 0.0]], &[[0.0; 2]], &right, start, 1);
+                let solved = self.solve_shifted(&[shift], &[[1.0, 0.0]], &[[0.0; 2]], &right, start, 1);
                 y.column_mut(start).copy_from_slice(solved.re.column(0));
             } else {
                 self.block(start, &right, &mut y);
             }
             end = start;
         }
-        product(product_of(q, &y).view(), q.transposed())
+        product(product_of(q, &y).view(), q.transpose())
     }
 
     fn size_before(&self, end: usize) -> usize {
@@ -55,7 +55,7 @@ impl SchurForm {
         if square < 0.0 {
             let lambda = Complex::new(middle, root);
             let u = vector(lambda);
-            let z = self.shifted(
+            let z = self.solve_shifted(
                 &[Complex::real(0.0) - lambda],
                 &[[u[0].re, u[1].re]],
                 &[[u[0].im, u[1].im]],
@@ -74,7 +74,7 @@ impl SchurForm {
             let lambdas = [middle - root, middle + root];
             let u = lambdas.map(|lambda| vector(Complex::real(lambda)));
             let shifts = lambdas.map(|lambda| Complex::real(-lambda));
-            let z = self.shifted(&shifts, &u.map(|u| [u[0].re, u[1].re]), &[[0.0; 2]; 2], right, start, 2);
+            let z = self.solve_shifted(&shifts, &u.map(|u| [u[0].re, u[1].re]), &[[0.0; 2]; 2], right, start, 2);
             let unit = 1.0 / (u[0][0].re * u[1][1].re - u[0][1].re * u[1][0].re);
             for i in 0..n {
                 let (a, b) = (z.re[(i, 0)], z.re[(i, 1)]);
@@ -85,7 +85,7 @@ impl SchurForm {
     }
 
     /// (T - shift) z = the columns of a block combined by the factors, for each shift.
-    fn shifted(
+    fn solve_shifted(
         &self,
         shifts: &[Complex<f64>],
         re: &[[f64; 2]],

@@ -293,7 +293,7 @@ mod tests {
     use crate::analysis::modes::parts::Part;
     use crate::analysis::poles::targeted::iteration::follow;
     use crate::analysis::poles::targeted::tests::band;
-    use crate::analysis::poles::targeted::{Large, undamped};
+    use crate::analysis::poles::targeted::{Large, undamped_starts};
 
     /// On a circle of radius r the linear part of f is d r and the rest is at most a r² + b. If d² < 4 a b, no circle
     /// proves anything, however good the pair is; with a ten-thousandth of a, one does.
@@ -303,7 +303,7 @@ mod tests {
         let all = modes(&system).expect("modes");
         let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
         let frame = large.frame(&all.list[..14], 8).expect("a gap");
-        let start = undamped(&all.list[..8], 8).swap_remove(2);
+        let start = undamped_starts(&all.list[..8], 8).swap_remove(2);
         let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
         let applied = large.exact.apply(pair.s, &pair.x);
         let s = pair.s.to_f64();

@@ -48,7 +48,7 @@ impl Networks {
             let range = pattern.range(column);
             pattern.rows(range.clone()).iter().for_each(|&row| sum[row as usize] = Complex::ZERO);
             for (which, (form, z)) in forms.iter().enumerate() {
-                for &(row, index) in pattern.given(which, column) {
+                for &(row, index) in pattern.given_entries(which, column) {
                     sum[row as usize] = sum[row as usize] + z.scale(form.couplings[index as usize].value);
                 }
             }

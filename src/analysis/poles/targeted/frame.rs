@@ -87,7 +87,7 @@ impl<'a> Frame<'a> {
         let [k, c, m] = [&forms.k, &forms.c, &forms.m].map(|form| entries(&Gram::of(form, &basis)));
         let top = Level { count, mu };
         let frame = Frame { networks, norm, x, top, theta, k, c, m, damping: Vec::new(), residual: Vec::new() };
-        frame.is_below(top).then(|| frame.coupled(forms))
+        frame.is_below(top).then(|| frame.with_couplings(forms))
     }
 
     /// The first `count` modes of the frame, if a gap follows them.
@@ -110,7 +110,7 @@ impl<'a> Frame<'a> {
     }
 
     /// Adds the norms of F and R. They need not be sharp: below `enough` they do no harm.
-    fn coupled(mut self, forms: &Forms) -> Frame<'a> {
+    fn with_couplings(mut self, forms: &Forms) -> Frame<'a> {
         let n = self.norm.scale.len();
         let c = Multiplier::of(&forms.c, n);
         let words: Vec<Vec<Dd>> = self.x.iter().map(|x| x.iter().map(|&x| Dd::from(x)).collect()).collect();

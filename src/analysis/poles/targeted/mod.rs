@@ -26,7 +26,7 @@ use crate::analysis::poles::targeted::disc::disc;
 use crate::analysis::poles::targeted::elimination::Networks;
 use crate::analysis::poles::targeted::frame::{Forms, Frame};
 use crate::analysis::poles::targeted::iteration::{Start, follow};
-use crate::analysis::poles::targeted::projection::projected;
+use crate::analysis::poles::targeted::projection::project;
 use crate::base::Ball;
 use crate::kernel::complex::Complex;
 use crate::kernel::triple::Precise;
@@ -35,7 +35,7 @@ use crate::system::LinearSystem;
 /// The poles of least |s| in the upper half plane, as many as there are oscillations among the first `wanted` modes,
 /// without those that could not be followed; `None` if the system is not sparse. `modes` are the lowest modes without a
 /// gap; those beyond the wanted ones serve only for proofs.
-pub fn targeted(
+pub fn lowest_poles(
     system: &LinearSystem,
     whole: &Part,
     modes: &[Mode],
@@ -47,17 +47,17 @@ pub fn targeted(
     let frame = large.frame(modes, wanted);
     let oscillations = modes.iter().take(wanted).filter(|mode| mode.kind == ModeKind::Oscillation).count();
     let starts =
-        frame.as_ref().and_then(|frame| projected(frame, oscillations)).unwrap_or_else(|| undamped(modes, wanted));
+        frame.as_ref().and_then(|frame| project(frame, oscillations)).unwrap_or_else(|| undamped_starts(modes, wanted));
     let found = starts.iter().filter_map(|start| {
         let pair = follow(&large.networks, &pencil, start)?;
         let proved = frame.as_ref().and_then(|frame| disc(frame, &large.exact, &pair, start.mode, tolerance));
-        Some(proved.unwrap_or_else(|| unproved(pair.s.to_ball())))
+        Some(proved.unwrap_or_else(|| unproved_disc(pair.s.to_ball())))
     });
     Some(discard_overlapping(found.collect()))
 }
 
 /// Starts from the undamped oscillations.
-fn undamped(modes: &[Mode], wanted: usize) -> Vec<Start> {
+fn undamped_starts(modes: &[Mode], wanted: usize) -> Vec<Start> {
     let oscillations = modes.iter().take(wanted).enumerate().filter(|(_, mode)| mode.kind == ModeKind::Oscillation);
     let start = |(mode, found): (usize, &Mode)| Start {
         s: Complex::new(0.0, found.omega.mid.hi),
@@ -93,7 +93,7 @@ impl Large {
 }
 
 /// A disc for a midpoint of which nothing is proved.
-fn unproved(s: Complex<Ball>) -> PoleEnclosure {
+fn unproved_disc(s: Complex<Ball>) -> PoleEnclosure {
     let unknown = |x: Ball| Ball::new(x.mid, f64::INFINITY);
     PoleEnclosure { s: Complex::new(unknown(s.re), unknown(s.im)), clusters: [None; 2] }
 }
@@ -105,7 +105,7 @@ fn discard_overlapping(discs: Vec<PoleEnclosure>) -> Vec<PoleEnclosure> {
         i != j && discs[i].is_certified() && discs[j].is_certified() && d.re.contains_zero() && d.im.contains_zero()
     };
     let alone = |i: usize| !(0..discs.len()).any(|j| meets(i, j));
-    (0..discs.len()).map(|i| if alone(i) { discs[i] } else { unproved(discs[i].s) }).collect()
+    (0..discs.len()).map(|i| if alone(i) { discs[i] } else { unproved_disc(discs[i].s) }).collect()
 }
 
 #[cfg(test)]
@@ -148,9 +148,9 @@ mod tests {
         system
     }
 
-    fn followed(system: &LinearSystem, all: &Modes, wanted: usize) -> Vec<PoleEnclosure> {
+    fn followed_discs(system: &LinearSystem, all: &Modes, wanted: usize) -> Vec<PoleEnclosure> {
         let list = &all.list[..wanted + 6];
-        targeted(system, &Part::whole(system), list, wanted, 1e-12).expect("sparse")
+        lowest_poles(system, &Part::whole(system), list, wanted, 1e-12).expect("sparse")
     }
 
     fn distance(disc: &PoleEnclosure, pole: &Pole) -> f64 {
@@ -173,7 +173,7 @@ mod tests {
             let system = band(40, k_decades, c, c_decades, is_held, 5);
             let all = modes(&system).expect("modes");
             let truth = poles(&system, &all).expect("poles").list;
-            let discs = followed(&system, &all, 12);
+            let discs = followed_discs(&system, &all, 12);
             assert_eq!(discs.len(), if is_held { 12 } else { 11 });
             for disc in &discs {
                 assert!(disc.is_certified(), "{k_decades} {c}: {disc:?}");
@@ -191,7 +191,7 @@ mod tests {
             let system = band(24, seed % 4 * 2, seed as i32 % 5 - 2, 2, seed % 3 > 0, seed + 1);
             let all = modes(&system).expect("modes");
             let truth = poles(&system, &all).expect("poles").list;
-            let discs = followed(&system, &all, 8);
+            let discs = followed_discs(&system, &all, 8);
             found += discs.len();
             for disc in discs.iter().filter(|disc| disc.is_certified()) {
                 proved += 1;
@@ -211,7 +211,7 @@ mod tests {
         let (frame, pencil) = (large.frame(&all.list[..14], 8).expect("a gap"), large.exact.to_dd());
         let mut digits = Digits(9);
         for index in 0..8 {
-            let start = undamped(&all.list[..8], 8).swap_remove(index);
+            let start = undamped_starts(&all.list[..8], 8).swap_remove(index);
             let right = follow(&large.networks, &pencil, &start).expect("a pole");
             for size in [1e-4, 1e-7, 1e-12] {
                 let mut pair = right.clone();
@@ -238,7 +238,7 @@ mod tests {
         let truth = poles(&system, &all).expect("poles").list;
         let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
         let (frame, pencil) = (large.frame(&all.list[..14], 8).expect("a gap"), large.exact.to_dd());
-        let starts = undamped(&all.list[..8], 8);
+        let starts = undamped_starts(&all.list[..8], 8);
         let pairs: Vec<_> =
             starts.iter().map(|start| follow(&large.networks, &pencil, start).expect("a pole")).collect();
         for index in 0..7 {
@@ -270,7 +270,7 @@ mod tests {
         system.c = crate::system::Form::new();
         crate::analysis::damping::rayleigh(&mut system, &"0.01".into(), &"0.0001".into());
         let all = modes(&system).expect("modes");
-        for (disc, mode) in followed(&system, &all, 8).iter().zip(&all.list) {
+        for (disc, mode) in followed_discs(&system, &all, 8).iter().zip(&all.list) {
             let omega = mode.omega.to_f64();
             let decay = 0.5 * (0.01 + 0.0001 * omega * omega);
             assert!((disc.s.mid().to_f64().re + decay).abs() <= 1e-14 * decay, "{disc:?}");

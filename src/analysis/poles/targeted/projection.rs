@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, Schur};
 const REAL: f64 = 1e-9;
 
 /// The `wanted` starts of least |s| in the upper half plane; `None` if the QR method does not converge.
-pub fn projected(frame: &Frame, wanted: usize) -> Option<Vec<Start>> {
+pub fn project(frame: &Frame, wanted: usize) -> Option<Vec<Start>> {
     let count = frame.x.len();
     // Modes are orthonormal to binary64, so M^ is the identity. Energies as in `companion`, for omega^2 > 0.
     let omega = |i: usize| frame.k[(i, i)].value.max(0.0).sqrt();

@@ -1,4 +1,5 @@
-//! A system as independent blocks of two states, driven by sources: what the loops over steps need, and bounds of what the
+//! A system as independent blocks of two states, driven by sources: the data that the loops over steps need, and bounds
+//! of what the
 //! blocks leave out. The states are those of oscillators ([`super::oscillators`]) or of poles ([`super::poles`]).
 //! See docs/method/response.md#modal-steps.
 
@@ -32,8 +33,8 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Blocks without disturbances, which whoever knows them adds; `force` by state of a source, unscaled, and `rate` a bound of
-    /// the logarithmic norms of the A_i.
+    /// Blocks without disturbances, which the caller adds if it knows them; `force` by state of a source, unscaled, and
+    /// `rate` a bound of the logarithmic norms of the A_i.
     pub fn of(a: [Vec<Dd>; 4], mut force: Vec<Vec<[Ball; 2]>>, sources: &Exogenous, rate: f64) -> Blocks {
         let n = a[0].len();
         let scale = scales(&Matrix::from_fn(2 * n, sources.count, |i, j| force[j][i / 2][i % 2]), sources);

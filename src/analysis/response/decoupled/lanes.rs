@@ -82,8 +82,8 @@ fn steps<V: Vector>(batch: &Batch, step: &Step, state: &mut State, start: usize,
                 next = [next[0].plus_double(phi[0].at(at), w), next[1].plus_double(phi[1].at(at), w)];
             }
             z = [
-                next[0].plus_double(f[0], z[0]).plus_double(f[1], z[1]).normalised(),
-                next[1].plus_double(f[2], z[0]).plus_double(f[3], z[1]).normalised(),
+                next[0].plus_double(f[0], z[0]).plus_double(f[1], z[1]).normalise(),
+                next[1].plus_double(f[2], z[0]).plus_double(f[3], z[1]).normalise(),
             ];
             for (component, z) in z.iter().enumerate() {
                 let (hi, lo) = (z.hi.to_array(), z.lo.to_array());
@@ -119,7 +119,7 @@ fn outputs_at<V: Vector>(row: &Row, times: &[Times]) -> ([f64; ROOM], [f64; ROOM
             let z = Double { hi: V::load(&high[at..]), lo: V::load(&low[at..]) };
             sum = sum.plus_double(Double::splat(*factor), z);
         }
-        let sum = sum.normalised();
+        let sum = sum.normalise();
         sum.hi.store(&mut hi[at..]);
         sum.lo.store(&mut lo[at..]);
     }

@@ -6,7 +6,8 @@
 //! With the modes X refined to double-double, X^T M X = 1 + E_M, X^T C X = D_c + E_C, X^T K X = D_k + E_K in balls, and
 //! q = X eta exactly: the E are disturbances of the oscillators eta'' + c eta' + k eta = x . B u, and their effect
 //! grows in the norm of z = (s eta, eta'), s^2 near |k|, at most with the logarithmic norm of the oscillators. Of poles
-//! the disturbance is the T of their proof.
+//! grows in the norm of z = (s eta, eta'), s^2 near |k|, at most with the logarithmic norm of the oscillators. For
+//! poles the disturbance is the T of their proof.
 
 mod blocks;
 mod lanes;
@@ -34,7 +35,7 @@ use step::Step;
 
 /// For fewer samples times coordinates, computing the modes costs more than it saves.
 pub const WORTH_IT: usize = 16;
-/// The most samples between two evaluations of the harmonic sources' formulas.
+/// Limit on the samples between two evaluations of the harmonic sources' formulas.
 const MOST_AT_ONCE: usize = 128;
 /// Number of different steps that are cached.
 const STEPS_KEPT: usize = 8;
@@ -113,7 +114,7 @@ struct Run<'a> {
     scales: Vec<f64>,
 }
 
-/// What the states of the blocks are.
+/// The kind of state that the blocks have.
 trait Coordinates {
     /// The initial state.
     fn start(&self, system: &LinearSystem) -> Change;
@@ -131,7 +132,7 @@ trait Coordinates {
     fn outputs(&self, system: &LinearSystem, channels: &[Channel], blocks: &Blocks) -> Vec<Output>;
 }
 
-/// A sudden change of the state, and a bound of what it lacks.
+/// A sudden change of the state, with a bound of its error.
 struct Change {
     z: Vec<[Ball; 2]>,
     defect: f64,
@@ -153,7 +154,7 @@ fn all_modes(system: &LinearSystem) -> Option<Modes> {
     if system.n() > MAX_DAMPED { None } else { modes_as(system, &request).ok() }
 }
 
-/// The blocks of a system, and what their states are; `None` if it cannot be separated.
+/// The blocks of a system, and their kind of state; `None` if it cannot be separated.
 fn coordinates(
     system: &LinearSystem,
     modes: &Modes,

@@ -87,14 +87,14 @@ impl Oscillators {
         // s and k / s are used as stored: k is taken as their product, and its rounding error counts as a disturbance.
         self.largest_s = self.s.iter().map(|s| s.hi).fold(0.0, f64::max) * UP;
         let OffDiagonal { m, c, k } = &self.modes.off;
-        // The norm in the sense of Frobenius of a matrix with these norms of columns, each times a number of its mode.
+        // The Frobenius norm of a matrix whose columns have these norms, each times a number of its mode.
         let norm = |columns: &[f64], factor: &dyn Fn(usize) -> f64| {
             columns.iter().enumerate().map(|(i, x)| (x * factor(i)).power(2)).sum::<f64>().sqrt() * UP
         };
         self.inertia_defect = norm(m, &|_| 1.0);
         self.damping_defect = norm(c, &|_| 1.0);
         let more = 1.0 / (1.0 - self.inertia_defect) * UP;
-        // (1 + E_M)^-1 E_M of what the oscillators say, and (1 + E_M)^-1 of what couples them.
+        // (1 + E_M)^-1 E_M times the oscillators' accelerations, and (1 + E_M)^-1 times the coupling.
         let diagonal = norm(m, &|i| self.back[i].hi.abs()) + norm(m, &|i| self.modes.c[i].hi);
         let joined = self.damping_defect + norm(k, &|i| 1.0 / self.s[i].hi) + 4.0 * UNIT * blocks.norm;
         blocks.defect = more * (diagonal + joined) * UP;

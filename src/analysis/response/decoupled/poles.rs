@@ -1,5 +1,5 @@
-//! A system whose damping couples its modes in coordinates of its poles: zeta_j' = s_j zeta_j + what inputs add, as two real
-//! states for one of each conjugate pair. See docs/method/response.md#pole-steps.
+//! A system whose damping couples its modes, in coordinates of its poles: zeta_j' = s_j zeta_j + the effect of inputs,
+//! as two real states for one of each conjugate pair. See docs/method/response.md#pole-steps.
 
 use super::blocks::Blocks;
 use super::oscillators::{MANY_TURNS, Output, feed_through};
@@ -14,13 +14,13 @@ use crate::kernel::complex::Complex;
 use crate::system::{self, LinearSystem};
 use std::sync::Arc;
 
-/// The coordinates, with a bound of what couples them.
+/// The coordinates, with a bound of their coupling.
 pub struct PoleBlocks {
     of: Arc<PoleCoordinates>,
 }
 
 impl PoleBlocks {
-    /// With their blocks. `None` where the poles are no coordinates of the motion.
+    /// With their blocks. `None` if the poles are not coordinates of the motion.
     pub fn of(
         system: &LinearSystem,
         modes: &Modes,
@@ -52,13 +52,13 @@ impl PoleBlocks {
         blocks.is_finite().then_some((PoleBlocks { of }, blocks))
     }
 
-    /// What an input adds to each coordinate by a power of its derivative; nothing if it does not act so.
-    fn excited(&self, input: usize, power: usize) -> Option<&Vec<Complex<Ball>>> {
+    /// The effect of an input on each coordinate by a power of its derivative; `None` if it has none.
+    fn excitation(&self, input: usize, power: usize) -> Option<&Vec<Complex<Ball>>> {
         self.of.inputs[input][power].as_ref()
     }
 }
 
-/// Without the columns of inputs that have no signal: nothing is asked of them.
+/// Without the columns of inputs that have no signal, because they are not used.
 fn only_driven(system: &LinearSystem, channels: &[Channel]) -> LinearSystem {
     let mut driven = system.clone();
     driven.outputs.clear();
@@ -97,14 +97,14 @@ impl Coordinates for PoleBlocks {
 
     fn impulse(&self, _: &LinearSystem, input: usize, value: Ball) -> Change {
         let none = vec![Complex::ZERO; self.of.pairs.len()];
-        Change { z: parts(times(self.excited(input, 0).unwrap_or(&none), value)), defect: 0.0 }
+        Change { z: parts(times(self.excitation(input, 0).unwrap_or(&none), value)), defect: 0.0 }
     }
 
     /// Forces g0 delta + g1 delta', g0 = b1 u + b2 u' and g1 = b2 u, change zeta by P g0 + (D - T) P g1, where P g are the
     /// coordinates of a force.
     fn jump(&self, _: &LinearSystem, input: usize, [u, rate]: [Ball; 2]) -> Change {
         let none = vec![Complex::ZERO; self.of.pairs.len()];
-        let (b1, b2) = (self.excited(input, 1).unwrap_or(&none), self.excited(input, 2).unwrap_or(&none));
+        let (b1, b2) = (self.excitation(input, 1).unwrap_or(&none), self.excitation(input, 2).unwrap_or(&none));
         let slope = parts(times(b2, u));
         let by_slope = times(b2, u).zip(&self.of.pairs).map(|(z, pair)| z * pair.s.to_ball());
         let all = times(b1, u).zip(times(b2, rate)).zip(by_slope).map(|((a, b), c)| a + b + c);
@@ -112,7 +112,7 @@ impl Coordinates for PoleBlocks {
     }
 
     fn force_size(&self, _: &LinearSystem, input: usize, power: usize) -> f64 {
-        self.excited(input, power).map_or(0.0, |list| length(&parts(list.iter().copied())))
+        self.excitation(input, power).map_or(0.0, |list| length(&parts(list.iter().copied())))
     }
 
     fn outputs(&self, system: &LinearSystem, channels: &[Channel], blocks: &Blocks) -> Vec<Output> {

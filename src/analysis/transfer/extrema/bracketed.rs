@@ -36,7 +36,7 @@ type Interval = (f64, f64);
 
 /// `gains` are the values on the grid, in ascending frequency, Hz. `open` are the ranges in which extrema are looked for, Hz; all
 /// of the grid if there are none.
-pub fn bracketed(
+pub fn bracket(
     transfer: &Transfer,
     (input, output): (usize, usize),
     by_modes: Option<(&ModalSum, &ModalPair)>,
@@ -73,7 +73,7 @@ pub fn bracketed(
 
 /// Replaces the frequencies and values of a complete list by enclosures from H itself, if these are better: the
 /// accuracy of those from zeros and poles is limited by that of the zeros and poles.
-pub fn sharpened(transfer: &Transfer, input: usize, output: usize, mut found: Extrema) -> Extrema {
+pub fn sharpen(transfer: &Transfer, input: usize, output: usize, mut found: Extrema) -> Extrema {
     let pair = Pair { transfer, input, output, by_modes: None };
     for index in 0..found.list.len() {
         let Extremum { kind, frequency, gain, .. } = found.list[index];

@@ -51,7 +51,7 @@ const MOST_STEPS: usize = 80;
 const REFINEMENTS: usize = 6;
 
 /// Every extremum between two frequencies, rad/s.
-pub fn expanded(h: &PartialFractions, low: Ball, high: Ball) -> Extrema {
+pub fn by_expansion(h: &PartialFractions, low: Ball, high: Ball) -> Extrema {
     if h.is_nothing() {
         return Extrema { list: Vec::new(), complete: Some(Complete(())), open: Vec::new() };
     }
@@ -78,7 +78,7 @@ pub fn expanded(h: &PartialFractions, low: Ball, high: Ball) -> Extrema {
             width: if located[i].kind == FeatureKind::Peak { widths.of(i).map(hertz) } else { None },
         })
         .collect();
-    let open = merged(inside.open);
+    let open = merge(inside.open);
     Extrema { list, complete: open.is_empty().then_some(Complete(())), open }
 }
 
@@ -100,7 +100,7 @@ fn distinct(found: Vec<Located>) -> (Vec<Located>, Vec<(f64, f64)>) {
 }
 
 /// In Hz, with neighbours joined.
-fn merged(mut open: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+fn merge(mut open: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     open.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut list: Vec<(f64, f64)> = Vec::new();
     for (from, to) in open {
@@ -177,7 +177,7 @@ impl Search<'_> {
             let (roots, left) = product.roots();
             let at = Cell { h: self.h, middle, half, expansion: &expansion, product: &product };
             for root in roots {
-                match at.located(&root) {
+                match at.locate(&root) {
                     Some(located) => self.found.push(located),
                     None => self.open.push((at.omega(root.low()).to_f64(), at.omega(root.high()).to_f64())),
                 }
@@ -218,7 +218,7 @@ impl Cell<'_> {
     }
 
     /// The only root in a piece, with H there; `None` if there is no bound of its distance.
-    fn located(&self, piece: &Piece) -> Option<Located> {
+    fn locate(&self, piece: &Piece) -> Option<Located> {
         let rising = piece.slope > 0.0;
         let start = self.product.bisect(piece, rising);
         // Close to the root F' varies less, and the bound of the root's distance is sharper.

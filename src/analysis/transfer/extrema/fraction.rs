@@ -75,7 +75,7 @@ impl Quotient {
         let below = Determinant::of(&rows, 2 * n)?;
         let together = |power: usize| inputs.iter().flat_map(|&input| system.inputs[input].b[power].clone()).collect();
         let (b, p) = (column(&[together(0), together(1), together(2)], &all)?, column(&output.p, &all)?);
-        let above = bordered(&mut rows, b, p, through(output, inputs)?, 2 * n + 2)?;
+        let above = bordered_determinant(&mut rows, b, p, through(output, inputs)?, 2 * n + 2)?;
         let is_known = above.polynomial.is_exact() && below.polynomial.is_exact() && !below.polynomial.middle.is_zero();
         let factor = || Rational::from(&above.factor / &below.factor);
         is_known.then(|| Quotient { factor: factor(), above: above.polynomial.middle, below: below.polynomial.middle })
@@ -141,7 +141,7 @@ impl Denominator {
         let column = |powers| column(powers, &self.coordinates);
         let (b, p) = (column(&system.inputs[input].b)?, column(&system.outputs[output].p)?);
         let through = through(&system.outputs[output], &[input])?;
-        let numerator = bordered(&mut self.q.clone(), b, p, through, 2 * n + 2)?;
+        let numerator = bordered_determinant(&mut self.q.clone(), b, p, through, 2 * n + 2)?;
         if numerator.polynomial.middle.is_zero() {
             // The input has no effect on the output.
             let (zeros, poles) = (Vec::new(), Vec::new());
@@ -242,7 +242,13 @@ fn dynamic_stiffness(system: &LinearSystem, coordinates: &[u32]) -> Option<Vec<V
 }
 
 /// det [Q, b; -p^T, d] = det Q (d + p^T Q^-1 b), of degree at most `most`.
-fn bordered(q: &mut Vec<Vec<Entry>>, b: Vec<Entry>, p: Vec<Entry>, d: Entry, most: usize) -> Option<Determinant> {
+fn bordered_determinant(
+    q: &mut Vec<Vec<Entry>>,
+    b: Vec<Entry>,
+    p: Vec<Entry>,
+    d: Entry,
+    most: usize,
+) -> Option<Determinant> {
     q.iter_mut().zip(b).for_each(|(row, b)| row.push(b));
     let negated = |entry: Entry| entry.map(|x| MidRadius { middle: -&x.middle, ..x });
     q.push(p.into_iter().map(negated).chain([d]).collect());

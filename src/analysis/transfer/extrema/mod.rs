@@ -15,13 +15,13 @@ mod search;
 mod slope;
 mod supremum;
 
-pub use bracketed::{bracketed, sharpened};
-pub use expanded::expanded;
+pub use bracketed::{bracket, sharpen};
+pub use expanded::by_expansion;
 pub(in crate::analysis) use fraction::MOST_ENCLOSED;
 pub(in crate::analysis) use fraction::Quotient;
 pub(in crate::analysis) use fraction::coordinates_between;
 pub use fraction::{Denominator, Factored};
-pub(in crate::analysis) use path::factored;
+pub(in crate::analysis) use path::by_path;
 pub use point::Exactly;
 pub(in crate::analysis) use roots::{Coefficients, Place, near_and_far};
 pub(in crate::analysis) use slope::{Over, product};

@@ -32,7 +32,7 @@ const GOOD_FACTOR: f64 = 1e-12;
 type Entry = [Ball; 3];
 
 /// `poles` are those of the whole system. `None` if there is no single path between the two, or a root is not enclosed.
-pub fn factored(transfer: &Transfer, all: &Poles, input: usize, output: usize) -> Option<Factored> {
+pub fn by_path(transfer: &Transfer, all: &Poles, input: usize, output: usize) -> Option<Factored> {
     let system = transfer.system;
     if system.n() > MOST_COORDINATES || !system.chain.is_empty() {
         return None;

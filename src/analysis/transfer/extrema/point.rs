@@ -157,7 +157,7 @@ impl Exactly {
         // A half-power width may extend beyond the range.
         let top = 2.0 * high.magnitude().max(2.0 * self.largest);
         let mut search = search(&self.anchors, top, (low.to_f64() * down::FEW, high.to_f64() * up::FEW));
-        let located = self.located(&mut search);
+        let located = self.locate(&mut search);
         let inside = |omega: Ball| !(omega - low).is_negative() && !(high - omega).is_negative();
         let list = (0..located.len())
             .filter(|&i| inside(self.omega(located[i].at)))
@@ -190,7 +190,7 @@ impl Exactly {
     }
 
     /// The positions of everything found. A bracket whose root is not enclosed becomes open again.
-    fn located(&self, search: &mut Search) -> Vec<Located> {
+    fn locate(&self, search: &mut Search) -> Vec<Located> {
         let mut list: Vec<Located> = Vec::new();
         for found in std::mem::take(&mut search.found) {
             let (at, rising, singular) = match found {
@@ -236,11 +236,11 @@ impl Exactly {
             (t, last) = (next, step.abs() * 0.5);
         }
         let sign = |t: Dd| anchor.sign_at(t);
-        self.enclosed(t, blur, within, |t| sign(t) == before, |t| sign(t) == -before)
+        self.enclose(t, blur, within, |t| sign(t) == before, |t| sign(t) == -before)
     }
 
     /// A ball about t, as small as possible, such that `before` holds at its lower end and `behind` at its upper end.
-    fn enclosed(
+    fn enclose(
         &self,
         t: Dd,
         blur: f64,
@@ -346,7 +346,7 @@ impl Exactly {
         let more = |t: Dd| (anchor.size(factor, Ball::exact(t)) - Ball::ONE).is_positive();
         let less = |t: Dd| (anchor.size(factor, Ball::exact(t)) - Ball::ONE).is_negative();
         let strictly = |t: Ball| (t.mid.hi - t.rad > within.low && t.mid.hi + t.rad < within.high).then_some(t);
-        if up { self.enclosed(t, blur, within, more, less) } else { self.enclosed(t, blur, within, less, more) }
+        if up { self.enclose(t, blur, within, more, less) } else { self.enclose(t, blur, within, less, more) }
             .and_then(strictly)
     }
 }
@@ -555,7 +555,7 @@ mod tests {
         let within = Interval { anchor: 0, low: 0.0, high: 3.0 };
         for (at, change) in [(1.0, 1.2), (1.2, 1.2), (2.9, 2.0), (0.05, 1.0), (2.9, 2.95), (0.1, 0.05)] {
             for blur in [0.0, 0.2] {
-                let found = exactly.enclosed(Dd::from(at), blur, within, |t| t.hi < change, |t| t.hi > change);
+                let found = exactly.enclose(Dd::from(at), blur, within, |t| t.hi < change, |t| t.hi > change);
                 let holds = |t: Ball| (t.mid.hi - change).abs() <= t.rad;
                 assert!(found.is_none_or(holds), "{at} {change} {blur}: {found:?}");
             }
@@ -574,7 +574,7 @@ mod tests {
             let within = Interval { anchor: 1, low: peak - half, high: peak + half };
             search.found = vec![Found::Bracket { within, rising: false }];
             search.open.clear();
-            assert_eq!(exactly.located(&mut search).len(), usize::from(is_enclosed));
+            assert_eq!(exactly.locate(&mut search).len(), usize::from(is_enclosed));
             assert_eq!(search.open.len(), usize::from(!is_enclosed));
             assert_eq!(exactly.open(&search, 0.1, 3.0).len(), usize::from(!is_enclosed));
         }

@@ -193,7 +193,7 @@ impl Coefficients {
             if is_small { Float::zero() } else { part.clone() }
         });
         let centre = ComplexFloat::new(re, im);
-        let middle = shifted(&self.middle, &centre);
+        let middle = shift(&self.middle, &centre);
         let blur = self.shifted_radii(&(&centre.re.abs() + &centre.im.abs()));
         let most = |(k, a): (usize, &ComplexFloat)| {
             let size = &a.re.abs() + &a.im.abs();
@@ -221,7 +221,7 @@ impl Coefficients {
 }
 
 /// The coefficients of powers of s - c, exactly.
-fn shifted(f: &Polynomial, c: &ComplexFloat) -> Vec<ComplexFloat> {
+fn shift(f: &Polynomial, c: &ComplexFloat) -> Vec<ComplexFloat> {
     let real = |a: &BigInt| ComplexFloat::new(Float::from(a.clone()), Float::zero());
     let mut list: Vec<ComplexFloat> = f.coefficients().iter().map(real).collect();
     for first in 0..list.len().saturating_sub(1) {
@@ -369,7 +369,7 @@ fn in_clusters(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], 
         }
     }
     let root = |group: &Vec<&ComplexFloat>| match group[..] {
-        [z] => Some(RootDisc::around(f, slope, z, even)?).filter(RootDisc::is_certain).map(|disc| disc.root(1)),
+        [z] => Some(RootDisc::disc_around(f, slope, z, even)?).filter(RootDisc::is_certain).map(|disc| disc.root(1)),
         _ => f.cluster(group),
     };
     let all: Vec<Root> = groups.iter().map(root).collect::<Option<_>>()?;
@@ -448,7 +448,8 @@ struct RootDisc {
 /// 6.4), and as many disjoint ones as there are roots contain them all. `None` if they touch one another or the real axis,
 /// or are wider than necessary.
 fn discs(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], even: bool) -> Option<Vec<RootDisc>> {
-    let discs: Vec<RootDisc> = values.iter().map(|z| RootDisc::around(f, slope, z, even)).collect::<Option<_>>()?;
+    let discs: Vec<RootDisc> =
+        values.iter().map(|z| RootDisc::disc_around(f, slope, z, even)).collect::<Option<_>>()?;
     let apart = |(i, a): (usize, &RootDisc)| discs[..i].iter().all(|b| a.is_apart_from(b));
     let sharp = |disc: &RootDisc| disc.is_certain() && (!f.is_exact() || disc.is_sharp());
     let whole = discs.iter().enumerate().all(apart) && discs.iter().all(sharp);
@@ -458,7 +459,7 @@ fn discs(f: &Coefficients, slope: &Coefficients, values: &[ComplexFloat], even: 
 impl RootDisc {
     /// The disc around z; if that meets an axis of symmetry, the disc around the nearest point of the axis instead: it
     /// also contains the mirror image of its root, so that the root, if it is the only one, is on the axis.
-    fn around(f: &Coefficients, slope: &Coefficients, z: &ComplexFloat, even: bool) -> Option<RootDisc> {
+    fn disc_around(f: &Coefficients, slope: &Coefficients, z: &ComplexFloat, even: bool) -> Option<RootDisc> {
         let radius = radius(f, slope, z)?;
         let centre = if !is_less(&radius, &z.im.abs()) {
             ComplexFloat::new(z.re.clone(), Float::zero())
@@ -558,13 +559,13 @@ mod tests {
         Polynomial::new(coefficients.iter().map(|&a| a.into()).collect())
     }
 
-    fn rounded(x: &Float) -> f64 {
+    fn round(x: &Float) -> f64 {
         x.to_ball(0.0).to_f64()
     }
 
-    fn reported(f: &Polynomial) -> Vec<(f64, f64, usize, Place)> {
+    fn report(f: &Polynomial) -> Vec<(f64, f64, usize, Place)> {
         let mut list: Vec<_> = (roots(&Coefficients::exact(f.clone())).expect("roots").iter())
-            .map(|root| (rounded(&root.centre.re), rounded(&root.centre.im), root.multiplicity, root.place))
+            .map(|root| (round(&root.centre.re), round(&root.centre.im), root.multiplicity, root.place))
             .collect();
         list.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         list
@@ -583,7 +584,7 @@ mod tests {
             (0.0, 2.0, 1, Place::Axis),
             (3.0, 0.0, 1, Place::Real),
         ];
-        assert_eq!(reported(&f), expected);
+        assert_eq!(report(&f), expected);
     }
 
     /// 10^60 s^2 + 2 s + 10^60: a damping ratio of 1e-60 is not zero.
@@ -599,7 +600,7 @@ mod tests {
     fn repeated_roots_are_counted() {
         // (s^2 + 1)^2 (s + 2)^3
         let f = polynomial(&[8, 12, 22, 25, 20, 14, 6, 1]);
-        assert_eq!(reported(&f), [(-2.0, 0.0, 3, Place::Real), (0.0, 1.0, 2, Place::Axis)]);
+        assert_eq!(report(&f), [(-2.0, 0.0, 3, Place::Real), (0.0, 1.0, 2, Place::Axis)]);
     }
 
     /// s^2 + 2 s + 5 with coefficients off by 1e-3: the discs contain the roots of s^2 + 2.001 s + 5.001.
@@ -608,7 +609,7 @@ mod tests {
         let f = Coefficients { middle: polynomial(&[5, 2, 1]), radii: vec![1e-3, 1e-3, 0.0], far: 0 };
         let found = roots(&f).expect("apart");
         let (re, im) = (-1.0005, (5.001f64 - 1.0005 * 1.0005).sqrt());
-        let distance = (rounded(&found[0].centre.re) - re).hypot(rounded(&found[0].centre.im) - im);
+        let distance = (round(&found[0].centre.re) - re).hypot(round(&found[0].centre.im) - im);
         let radius = found[0].radius.to_f64();
         assert!(distance <= radius && radius < 5e-3, "{distance} {radius}");
         // A root that may be at zero is not reported.
@@ -654,7 +655,7 @@ mod tests {
     fn a_disc_that_is_moved_to_an_axis_still_holds_a_root() {
         let f = Coefficients::exact(polynomial(&[1, 0, 1]));
         let at = ComplexFloat::new(Float::from(0.01), Float::from(0.7));
-        let disc = RootDisc::around(&f, &f.derivative(), &at, false).expect("a slope");
+        let disc = RootDisc::disc_around(&f, &f.derivative(), &at, false).expect("a slope");
         let to_a_root = &disc.centre - &ComplexFloat::new(Float::zero(), Float::from(1.0));
         assert!(!is_less(&(&disc.radius * &disc.radius), &to_a_root.norm()), "{:?}", disc.radius);
     }
@@ -712,7 +713,7 @@ mod tests {
         assert!(about_zero.centre.is_zero() && about_zero.multiplicity == 2);
         let radius = about_zero.radius.to_f64();
         assert!((4.1e-11..1e-9).contains(&radius), "{radius:e}");
-        let mut others: Vec<f64> = list.iter().map(|root| rounded(&root.centre.re)).filter(|re| *re != 0.0).collect();
+        let mut others: Vec<f64> = list.iter().map(|root| round(&root.centre.re)).filter(|re| *re != 0.0).collect();
         others.sort_by(f64::total_cmp);
         assert!(others.iter().zip([-3.0, -2.0]).all(|(root, truth)| (root - truth).abs() < 1e-18) && others.len() == 2);
         assert!(of(&[0, 0, 0, 2, 1], 0.5).is_none());
@@ -755,9 +756,8 @@ mod tests {
             let radii = vec![radius; middle.len()];
             let list = roots(&Coefficients { middle: polynomial(middle), radii, far: 0 })?;
             let clusters = list.iter().filter(|root| root.place == Place::Cluster);
-            let of = |root: &Root| {
-                (rounded(&root.centre.re), rounded(&root.centre.im), root.multiplicity, root.radius.to_f64())
-            };
+            let of =
+                |root: &Root| (round(&root.centre.re), round(&root.centre.im), root.multiplicity, root.radius.to_f64());
             Some(clusters.map(of).collect())
         };
         // (s + 1)^2 = -d / (s + 3): with d = 8e-20 at s = -1, a distance of sqrt(4e-20).

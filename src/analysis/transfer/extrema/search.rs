@@ -156,7 +156,7 @@ mod tests {
         Root { centre, radius: Float::from(radius), multiplicity, place }
     }
 
-    fn searched(zeros: Vec<Root>, poles: Vec<Root>) -> (Vec<Anchor>, Search) {
+    fn start_search(zeros: Vec<Root>, poles: Vec<Root>) -> (Vec<Anchor>, Search) {
         let anchors = anchors(&Factored { lead: Ball::ONE, unit: 1.0, zeros, poles, far: Far::NONE });
         let search = search(&anchors, 10.0, (0.0, 10.0));
         (anchors, search)
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn a_peak_is_found_or_left_open() {
         for radius in [0.0, 1e-12, 1e-6, 1e-3, 0.1, 0.5] {
-            let (anchors, search) = searched(Vec::new(), vec![root(-1.0, 2.0, radius, 1, Place::Pair)]);
+            let (anchors, search) = start_search(Vec::new(), vec![root(-1.0, 2.0, radius, 1, Place::Pair)]);
             assert!(is_held(&anchors, &search, 3f64.sqrt()), "{radius} {search:?}");
             assert!(radius > 0.0 || search.open.is_empty(), "{search:?}");
         }
@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn a_minimum_next_to_an_undamped_pole_is_found() {
         let poles = vec![root(0.0, 1.0, 0.0, 1, Place::Axis), root(-1e-4, 1.1, 0.0, 2, Place::Pair)];
-        let (anchors, search) = searched(Vec::new(), poles);
+        let (anchors, search) = start_search(Vec::new(), poles);
         assert!(search.open.is_empty(), "{search:?}");
         let (mut low, mut high) = (1.0, 1.1);
         // The derivative of ln |H| over omega.
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn a_pole_that_a_zero_may_cancel_is_left_open() {
         let zero = root(-1e-3, 1.0, 1e-3, 1, Place::Pair);
-        let (_, search) = searched(vec![zero], vec![root(0.0, 1.0, 0.0, 1, Place::Axis)]);
+        let (_, search) = start_search(vec![zero], vec![root(0.0, 1.0, 0.0, 1, Place::Axis)]);
         let about_the_pole = |open: &Interval| open.anchor == 1 && open.low < 0.0 && open.high > 0.0;
         assert!(search.found.is_empty() && search.open.iter().any(about_the_pole), "{search:?}");
     }

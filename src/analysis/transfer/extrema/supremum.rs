@@ -8,7 +8,7 @@
 //! |H(i omega)| <= |H(i T)| ((1 + 1/K) / (1 - 1/K))^(zeros + poles)
 //! ```
 
-use super::{Exactly, Extrema, Extremum, FeatureKind, factored};
+use super::{Exactly, Extrema, Extremum, FeatureKind, by_path};
 use crate::analysis::answer::Poles;
 use crate::analysis::transfer::{Frequency, Gain, Transfer};
 use crate::base::{Ball, Dd, Number, Power, Rational};
@@ -39,7 +39,7 @@ pub fn supremum(
         return Ok(found);
     }
     // Poles of the system with some motions held may prove what the coefficients of its determinant do not.
-    let of_path = || Exactly::of(&factored(transfer, poles?, input, output)?);
+    let of_path = || Exactly::of(&by_path(transfer, poles?, input, output)?);
     match (of_path(), found) {
         (Some(exactly), _) => of_zeros_and_poles(transfer, &exactly, (input, output), range),
         (None, Some(found)) => found,

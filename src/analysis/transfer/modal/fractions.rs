@@ -23,7 +23,7 @@ impl ModalSum {
             return None;
         }
         let undamped = self.c.iter().all(|c| c.is_zero()) && self.off.c.iter().all(|c| *c == 0.0);
-        let (list, free) = if undamped { self.undamped(pair)? } else { (self.damped(pair)?, [Ball::ZERO; 5]) };
+        let (list, free) = if undamped { self.of_undamped(pair)? } else { (self.of_damped(pair)?, [Ball::ZERO; 5]) };
         let part = if undamped { part(pair) } else { Part::Both };
         PartialFractions::of_poles(list.into_iter(), free, pair.feed_through, part)
     }
@@ -35,7 +35,7 @@ impl ModalSum {
     ///   |y_j| <= (|E_K e_j| + |lambda| |E_M e_j|) / (|k_j - k_i| - d_i) / (1 - mu),   |1 - y_i| <= mu + sum y_j^2.
     ///
     /// Rigid motions have lambda = 0 exactly and are taken together, so they need no distance from each other.
-    fn undamped(&self, pair: &ModalPair) -> Option<(Vec<Given>, [Ball; 5])> {
+    fn of_undamped(&self, pair: &ModalPair) -> Option<(Vec<Given>, [Ball; 5])> {
         let (n, off) = (self.k.len(), &self.off);
         let mu = off.m.iter().map(|m| m * m).sum::<f64>().sqrt() * UP;
         if mu.is_nan() || mu > MOST_SKEW {
@@ -134,7 +134,7 @@ impl ModalSum {
     /// D_i = s^2 + c_i s + k_i = (s - z)(s - z') with rounded z and z', and what that changes counts as part of epsilon. For s
     /// on the imaginary axis and half as far around as to the nearest pole, |s - z| >= |re z| / 2 and one of both distances is
     /// at least |z - z'| / 2, so that V is bounded, and 1 / |D_i| <= 2 / |z - z'| (1 / |s - z| + 1 / |s - z'|).
-    fn damped(&self, pair: &ModalPair) -> Option<Vec<Given>> {
+    fn of_damped(&self, pair: &ModalPair) -> Option<Vec<Given>> {
         let n = self.k.len();
         let mut roots = Vec::with_capacity(n);
         let (mut rounded, mut v) = (0.0, 0.0);

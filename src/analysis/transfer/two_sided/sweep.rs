@@ -147,7 +147,7 @@ impl<'a, V: Vector> Sweep<'a, V> {
         self.entries.move_to(&point);
         factor(&self.entries, &point, &mut self.l, &mut self.inverse, &mut self.work, self.readings, &mut self.z);
         for (y, reading) in self.readings.iter().enumerate() {
-            back(plan, &self.l, &self.inverse, &mut self.z[y]);
+            substitute_back(plan, &self.l, &self.inverse, &mut self.z[y]);
             // If the only load equals this reading, both have the same residual.
             if self.loads.len() > 1 || self.same[0] != Some(y) {
                 let weights = &self.of.weights;
@@ -373,12 +373,12 @@ fn solve<V: Vector>(plan: &Plan, first: usize, l: &[Pair<V>], inverse: &[Pair<V>
             *entry = entry.minus_product(*l, value);
         }
     }
-    back(plan, l, inverse, x);
+    substitute_back(plan, l, inverse, x);
 }
 
 /// x becomes L^-T D^-1 x.
 #[inline(always)]
-fn back<V: Vector>(plan: &Plan, l: &[Pair<V>], inverse: &[Pair<V>], x: &mut [Pair<V>]) {
+fn substitute_back<V: Vector>(plan: &Plan, l: &[Pair<V>], inverse: &[Pair<V>], x: &mut [Pair<V>]) {
     for j in (0..plan.n).rev() {
         let mut value = x[j].times(inverse[j]);
         for (&at, l) in plan.column(l, j) {

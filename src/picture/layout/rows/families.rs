@@ -358,7 +358,7 @@ impl<'a> Families<'a> {
         self.halves_along[column]
     }
 
-    pub fn across(&self, member: usize) -> f64 {
+    pub fn height(&self, member: usize) -> f64 {
         self.across[member]
     }
 

@@ -34,7 +34,7 @@ impl Folds {
         let count = rows.last().map_or(0, |row| row + 1);
         let mut extents = vec![[f64::INFINITY, f64::NEG_INFINITY]; count];
         for member in 0..families.members.len() {
-            let (at, half) = (families.across(member), families.half_across(member));
+            let (at, half) = (families.height(member), families.half_across(member));
             let extent = &mut extents[rows[families.column[member]]];
             *extent = [extent[0].min(at - half), extent[1].max(at + half)];
         }
@@ -60,7 +60,7 @@ impl Folds {
 
     pub fn at(&self, families: &Families, member: usize) -> Point {
         let column = families.column[member];
-        Point::new(self.along[column], families.across(member) + self.shifts[self.rows[column]])
+        Point::new(self.along[column], families.height(member) + self.shifts[self.rows[column]])
     }
 }
 

@@ -94,7 +94,7 @@ impl Graph {
             graph.join(pair);
         }
         for couple in &scene.couples {
-            let numbers: Vec<usize> = couple.terms.iter().filter_map(|term| moved(&term.motion, parts)).collect();
+            let numbers: Vec<usize> = couple.terms.iter().filter_map(|term| moved_part(&term.motion, parts)).collect();
             for pair in numbers.windows(2).map(|pair| [pair[0], pair[1]]).filter(is_free) {
                 graph.join(pair);
             }
@@ -149,7 +149,9 @@ fn strands(scene: &Scene, parts: &Parts, free: &[bool], is_between: &mut [bool])
     for end in scene.joints.iter().flat_map(|joint| &joint.ends) {
         held[parts.number(end.part)] = true;
     }
-    for motion in scene.couples.iter().flat_map(|couple| &couple.terms).filter_map(|term| moved(&term.motion, parts)) {
+    for motion in
+        scene.couples.iter().flat_map(|couple| &couple.terms).filter_map(|term| moved_part(&term.motion, parts))
+    {
         held[motion] = true;
     }
     let far = |element: usize, number: usize| ends(element).into_iter().find(|end| *end != number).unwrap_or(number);
@@ -183,7 +185,7 @@ fn strands(scene: &Scene, parts: &Parts, free: &[bool], is_between: &mut [bool])
     list.into_iter().map(|(_, pair, strand)| (pair, strand)).collect()
 }
 
-fn moved(motion: &Motion, parts: &Parts) -> Option<usize> {
+fn moved_part(motion: &Motion, parts: &Parts) -> Option<usize> {
     let part = match motion {
         Motion::Point { part, .. } | Motion::Turn { part, .. } => *part,
         Motion::Force { .. } | Motion::Stretch { .. } | Motion::Reaction(_) => return None,

@@ -56,7 +56,7 @@ fn extrema_are_those_of_exact_arithmetic() {
         for (input, output) in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 2)] {
             let factored = denominator.pair(&system, input, output).expect("roots");
             let truth = Exactly::of(&factored).expect("in range").extrema(low, high);
-            let found = expanded(&fractions(&system, input, output), low, high);
+            let found = by_expansion(&fractions(&system, input, output), low, high);
             let which = format!("{n} {damping} {input} {output}");
             assert!(truth.is_complete() && found.is_complete(), "{which}: {:?}", found.open);
             assert_eq!(found.list.len(), truth.list.len(), "{which}: {found:?} {truth:?}");
@@ -118,7 +118,7 @@ fn what_the_sum_leaves_out_is_in_the_bounds() {
     let sum = PartialFractions::of(&system, &residues, 0, 0).expect("finite");
     let after = sum.gain(&frequency).disc().expect("finite");
     assert!(before.radius < 1e-25 && after.radius > 1e-4, "{before:?} {after:?}");
-    assert!(!expanded(&sum, Ball::from(0.9), Ball::from(1.0)).is_complete());
+    assert!(!by_expansion(&sum, Ball::from(0.9), Ball::from(1.0)).is_complete());
 }
 
 /// Residues known to 1e-9: frequencies and gains hold those of residues that are off by nearly as much.
@@ -132,7 +132,7 @@ fn uncertainty_of_residues_is_in_the_extrema() {
         let force = residues.inputs[0][0].as_mut().expect("a force");
         force.amplitudes.iter_mut().enumerate().for_each(|(j, amplitude)| change(amplitude, j));
         let sum = PartialFractions::of(&system, &residues, 0, 0).expect("finite");
-        expanded(&sum, Ball::from(1e-2), Ball::from(20.0))
+        by_expansion(&sum, Ball::from(1e-2), Ball::from(20.0))
     };
     let found = with(&|amplitude, _| {
         *amplitude = Complex::new(amplitude.re.widen(1e-9), amplitude.im.widen(1e-9));
@@ -173,7 +173,7 @@ fn a_gain_that_is_the_same_everywhere_is_left_open() {
     let mut system = network(2, 1);
     system.outputs[0].p = [Vec::new(), Vec::new(), Vec::new()];
     system.outputs[0].d[0] = vec![(0, Number::ONE)];
-    let found = expanded(&fractions(&system, 0, 0), Ball::from(0.5), Ball::from(2.0));
+    let found = by_expansion(&fractions(&system, 0, 0), Ball::from(0.5), Ball::from(2.0));
     assert!(!found.is_complete() && found.list.is_empty(), "{found:?}");
     let (low, high) = found.open.iter().fold((f64::INFINITY, 0.0f64), |(a, b), x| (a.min(x.0), b.max(x.1)));
     let two_pi = 2.0 * std::f64::consts::PI;

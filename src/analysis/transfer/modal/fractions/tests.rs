@@ -4,7 +4,7 @@ use super::*;
 use crate::analysis::modes::form::{ModalForm, gram, kinds, shapes};
 use crate::analysis::modes::modes;
 use crate::analysis::test_systems::{blank, push};
-use crate::analysis::transfer::extrema::{Denominator, Exactly, FeatureKind, expanded};
+use crate::analysis::transfer::extrema::{Denominator, Exactly, FeatureKind, by_expansion};
 use crate::analysis::transfer::{Frequency, Gain, Transfer};
 use crate::base::{Name, Number, Rational, Words};
 use crate::kernel::dense::Matrix;
@@ -104,7 +104,7 @@ fn extrema_are_those_of_exact_arithmetic() {
                 continue;
             };
             let truth = Exactly::of(&denominator.pair(&system, input, output).expect("roots")).expect("in range");
-            let (truth, found) = (truth.extrema(low, high), expanded(&fractions, low, high));
+            let (truth, found) = (truth.extrema(low, high), by_expansion(&fractions, low, high));
             assert!(truth.is_complete() && found.is_complete(), "{which}: {:?}", found.open);
             assert_eq!(found.list.len(), truth.list.len(), "{which}: {found:?} {truth:?}");
             for (found, truth) in found.list.iter().zip(&truth.list) {
@@ -153,8 +153,8 @@ fn what_the_basis_lacks_is_in_the_bounds() {
         for (input, output) in [(0, 0), (1, 2)] {
             let pair = sum.pair(&system, input, output);
             if !matches!(what, Row::Damped(_)) {
-                let (list, free) = sum.undamped(&pair).expect("apart");
-                let (others, precisely) = precise.undamped(&precise.pair(&system, input, output)).expect("apart");
+                let (list, free) = sum.of_undamped(&pair).expect("apart");
+                let (others, precisely) = precise.of_undamped(&precise.pair(&system, input, output)).expect("apart");
                 let parts = |given: &Given| given.products.map(|z| [z.re, z.im]);
                 let products = list.iter().zip(&others).flat_map(|(a, b)| parts(a).into_iter().zip(parts(b)));
                 for (a, b) in products.flat_map(|(a, b)| a.into_iter().zip(b)).chain(free.into_iter().zip(precisely)) {
@@ -172,7 +172,7 @@ fn what_the_basis_lacks_is_in_the_bounds() {
                 most = most.max(off);
             }
             assert!(most > 1e-13, "{n} {what:?}: {most:e}");
-            let peaks = expanded(&fractions, Ball::from(0.1), Ball::from(4.0)).list.into_iter();
+            let peaks = by_expansion(&fractions, Ball::from(0.1), Ball::from(4.0)).list.into_iter();
             for peak in peaks.filter(|extremum| extremum.gain == Gain::Infinite) {
                 assert_eq!(peak.kind, FeatureKind::Peak);
                 let omega = peak.frequency * Ball::PI * Ball::from(2.0);
@@ -196,7 +196,7 @@ fn a_pole_that_may_not_be_excited_is_open_in_its_neighbourhood_alone() {
     system.inputs[0].b[0] = (0..2).map(|i| (CoordinateId(i), Number::from("0.1"))).collect();
     let sum = sum_of(&system);
     let Some(fractions) = sum.fractions(&sum.pair(&system, 0, 0)) else { panic!("two modes") };
-    let found = expanded(&fractions, Ball::from(0.1), Ball::from(10.0));
+    let found = by_expansion(&fractions, Ball::from(0.1), Ball::from(10.0));
     let two_pi = 2.0 * std::f64::consts::PI;
     let [first, second] = [1.3f64 / 0.7, 2.2 / 0.7].map(|square| square.sqrt() / two_pi);
     assert_eq!(found.list.len(), 1, "{found:?}");
