@@ -292,3 +292,38 @@ fn eigenvalues_of_a_chain_with_interval_springs() {
         assert!(low > matrix.0 - 1e-4 && high < matrix.1 + 1e-4, "{low} {high} {matrix:?}");
     }
 }
+
+/// The example's ranges in closed form, with |H| over a grid of the whole box; its last requirement holds at the written values alone.
+#[test]
+fn a_series_of_machines_has_its_closed_forms() {
+    let path = crate::documents::root().join("examples/machine_series.vib");
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_vibc"));
+    let output = command.args(["analyze", "--tolerances", "--format", "json"]).arg(path).output().expect("it starts");
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let found = &answer["tolerances"];
+    let turn = std::f64::consts::TAU;
+    let gain = |m: f64, k: f64, c: f64| {
+        let w = 25.0 * turn;
+        f64::hypot(k, c * w) / f64::hypot(k - m * w * w, c * w)
+    };
+    let along = |low: f64, high: f64| (0..=20).map(move |i| low + (high - low) * f64::from(i) / 20.0);
+    let all = along(110.0, 140.0)
+        .flat_map(|m| along(408e3, 552e3).flat_map(move |k| along(1.6e3, 2.4e3).map(move |c| (m, k, c))))
+        .map(|(m, k, c)| gain(m, k, c));
+    let [least, largest] = all.fold([f64::MAX, 0.0f64], |[low, high], x| [low.min(x), high.max(x)]);
+    let rows = found["requirements"].as_array().expect("requirements");
+    let near = |value: &serde_json::Value, truth: f64| {
+        let value = value.as_f64().expect("a number");
+        assert!((value - truth).abs() < 1e-12 * truth, "{value} {truth}");
+    };
+    near(&found["frequencies"][0]["least_hz"], f64::sqrt(408e3 / 140.0) / turn);
+    near(&found["frequencies"][0]["largest_hz"], f64::sqrt(552e3 / 110.0) / turn);
+    near(&found["damping_ratios"][0]["least"], 0.5 * 1600.0 / f64::sqrt(552e3 * 140.0));
+    near(&found["damping_ratios"][0]["largest"], 0.5 * 2400.0 / f64::sqrt(408e3 * 110.0));
+    near(&rows[3]["values"]["least"], least);
+    near(&rows[3]["values"]["largest"], largest);
+    let verdicts: Vec<&str> = rows.iter().map(|row| row["verdict"].as_str().expect("a verdict")).collect();
+    assert_eq!(verdicts, ["holds", "holds", "holds", "fails"]);
+    near(&rows[3]["at"]["m"], 110.0);
+    assert!(found["requirements"][3]["values"]["proved"] == true && answer["requirements"][3]["holds"] == true);
+}

@@ -405,6 +405,10 @@ def isolation_table():
     return s
 
 
+def machine_series():
+    return single("machine_series", {"m": "120", "k": "480000", "c": "2000"}, "machine", "y", "m", "k", "c", "F")
+
+
 def light_station():
     return single("light_station", {"m": "273000", "fn": "1", "zeta": "1/100", "wn": "2*pi*fn"}, "station", "x", "m",
                   lambda s: s.m * s.wn ** 2, lambda s: 2 * s.zeta * s.m * s.wn, "machine")
@@ -466,7 +470,7 @@ def tuned_mass_damper():
 
 
 ALL = [belt_drive, board_on_shaker, car_on_road, car_over_bump, cart, double_pendulum, drive_line, drop_test, earthquake, four_bar, frame, free_free_chain, half_car, hinged_body,
-       inerter_table, inverted_pendulum, isolation_table, light_station, long_chain, mortar, optimal_absorber, quarter_car, rotor, shaker_test, shear_building,
+       inerter_table, inverted_pendulum, isolation_table, light_station, long_chain, machine_series, mortar, optimal_absorber, quarter_car, rotor, shaker_test, shear_building,
        slider_crank, stacked_blocks, stiffening_mount, test_hall, train, tuned_absorber, tuned_mass_damper]
 # An example that is added needs its energies here.
 # A loss factor is no law in time, so that `vibc equations` refuses it.
