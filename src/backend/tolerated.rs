@@ -17,6 +17,7 @@ pub(super) struct JsonTolerated<'a> {
     largest_at: Option<Place<'a>>,
     requirements: Vec<JsonThroughout<'a>>,
     places: usize,
+    not_proved: Option<&'static str>,
 }
 
 #[derive(serde::Serialize)]
@@ -138,6 +139,7 @@ impl<'a> JsonTolerated<'a> {
             largest_at: found.corners.as_ref().map(|[_, high]| place(high)),
             requirements: found.requirements.iter().enumerate().map(everywhere).collect(),
             places: found.places,
+            not_proved: found.not_proved,
         }
     }
 }

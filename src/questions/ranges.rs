@@ -23,6 +23,8 @@ pub struct Tolerated {
     pub requirements: Vec<Throughout>,
     /// The number of places that were looked at.
     pub places: usize,
+    /// Why ranges are not proved, where one thing is to blame.
+    pub not_proved: Option<&'static str>,
 }
 
 /// A parameter with a range.

@@ -327,3 +327,27 @@ fn a_series_of_machines_has_its_closed_forms() {
     near(&rows[3]["at"]["m"], 110.0);
     assert!(found["requirements"][3]["values"]["proved"] == true && answer["requirements"][3]["holds"] == true);
 }
+
+/// Ranges that are only reached say why: the rest of a rod under gravity moves with its spring, and without gravity they are proved.
+#[test]
+fn the_report_says_why_ranges_are_not_proved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let printed = |text: &str| {
+        std::fs::write(folder.path().join("m.vib"), text).expect("a file");
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_vibc"));
+        let output =
+            command.args(["analyze", "m.vib", "--tolerances", "--width", "200"]).current_dir(folder.path()).output();
+        String::from_utf8(output.expect("it starts").stdout).expect("UTF-8")
+    };
+    let rod = "param k = 300 N/m within 5 %\nbody rod { mass = 2 kg, shape = rod((0, 0), (1 m, 0)) }\n\
+               pivot p: ground@(0, 0) -- rod\nspring s: ground@(1 m, 1 m) -- rod@(1 m, 0) { k = k, along = y }\n";
+    let (held, free) = (printed(&format!("gravity 9.81 m/s^2\n{rod}")), printed(rod));
+    let why = "what is only reached is not proved: the system depends on the rest, which moves with these parameters";
+    assert!(held.contains("others are not excluded") && held.contains(why), "{held}");
+    assert!(!free.contains("others are not excluded") && !free.contains("not proved:"), "{free}");
+    let lossy = printed(
+        "param k = 300 N/m within 5 %\nbody b { mass = 2 kg, moves x }\nspring s: ground -- b { k = k, loss = 10 % }\n\
+                         force F: b along x\noutput x = b.x\nrequire gain(F -> x, 1 Hz) < 1 m/N\n",
+    );
+    assert!(lossy.contains("is not proved: it has loss factors"), "{lossy}");
+}

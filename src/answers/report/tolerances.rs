@@ -37,7 +37,8 @@ pub fn section(answer: &ModalAnswer) -> Section {
     let requirements =
         if found.requirements.is_empty() { Vec::new() } else { vec![Block::from(requirements(answer, found))] };
     let blocks = std::iter::once(Block::Line(caption.into())).chain(frequencies.map(Block::from)).chain(corners);
-    Section::new(HEADING, blocks.chain(others).chain(more).chain(requirements))
+    let why = found.not_proved.map(|why| Block::Line(line!["what is only reached is not proved: ", why]));
+    Section::new(HEADING, blocks.chain(others).chain(more).chain(requirements).chain(why))
 }
 
 /// Ranges of one kind; `None` if there are none.

@@ -271,6 +271,11 @@ impl<'a> Boxes<'a> {
         self.is_passive() && sheet.family(0).is_some_and(|family| family.is_held())
     }
 
+    /// Whether the model over the whole box is a system.
+    pub fn is_lowered(&self) -> bool {
+        self.sheet(&vec![[0, WHOLE]; self.corners.free.len()]).is_some()
+    }
+
     /// Whether no term supplies energy, whatever the values: nothing grows.
     pub fn is_passive(&self) -> bool {
         let whole: Part = vec![[0, WHOLE]; self.corners.free.len()];
@@ -540,6 +545,14 @@ impl Sheet {
 }
 
 impl Point {
+    pub fn scene(&self) -> Option<&CheckedScene> {
+        self.scene.as_ref()
+    }
+
+    pub fn written(&self) -> Option<&WrittenOut> {
+        self.written.as_ref()
+    }
+
     /// The number of undamped modes, and of poles with im s >= 0, if all are known.
     pub fn counts(&self) -> Option<(usize, usize)> {
         let (modes, poles) = self.spectrum.as_ref()?;

@@ -7,6 +7,7 @@
 
 mod boxes;
 mod extremes;
+mod reason;
 mod tubes;
 mod worst;
 
@@ -80,7 +81,10 @@ pub fn within_tolerances(
         }
         (ratios, poles) = asked.damped_ranges();
     }
+    let mut ranges = frequencies.iter().chain(&ratios).chain(poles.iter().flatten()).chain(measures.iter().flatten());
+    let is_open = ranges.any(|range| range.ends.is_some() && range.proof.is_none());
     Some(Tolerated {
+        not_proved: if is_open { boxes.why_unproved(&points[0]) } else { None },
         parameters: free.iter().filter_map(parameter).collect(),
         frequencies,
         ratios,
