@@ -549,7 +549,7 @@ impl Point {
         self.scene.as_ref()
     }
 
-    pub fn written(&self) -> Option<&WrittenOut> {
+    pub fn system(&self) -> Option<&WrittenOut> {
         self.written.as_ref()
     }
 

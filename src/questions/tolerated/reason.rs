@@ -8,7 +8,7 @@ use crate::model::scene::Damping;
 impl Boxes<'_> {
     /// `declared`: the model at the declared values.
     pub fn why_unproved(&self, declared: &Point) -> Option<&'static str> {
-        let lowered = &declared.written()?.lowered;
+        let lowered = &declared.system()?.lowered;
         let (system, rest) = (&lowered.system, &lowered.rest);
         if self.corners.free.len() > MOST_CUT {
             return Some("more than 30 parameters have a range");
