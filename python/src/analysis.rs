@@ -44,7 +44,7 @@ impl Analysis {
             list.iter().flat_map(of_mode).collect::<Vec<f64>>()
         });
         let found = PyDict::new(py);
-        found.set_item("number", answer.modes.numbered().map(|(number, _)| number).collect::<Vec<_>>())?;
+        found.set_item("number", answer.modes.with_numbers().map(|(number, _)| number).collect::<Vec<_>>())?;
         found.set_item("kind", list.iter().map(|mode| mode.kind.name()).collect::<Vec<_>>())?;
         found.set_item("omega", column(&|mode| printed(mode.angular_frequency())))?;
         found.set_item("frequency", column(&|mode| printed(mode.frequency())))?;
