@@ -29,12 +29,12 @@ impl JsonNumber {
         JsonNumber::from_enclosure(value.to_ball())
     }
 
-    /// A bound of |x - true| / |true| for the x of [`JsonNumber::enclosed`].
+    /// A bound of |x - true| / |true| for the x of [`JsonNumber::from_enclosure`].
     pub fn relative_bound(value: Ball) -> JsonNumber {
         JsonNumber::bound(Bound::relative(value))
     }
 
-    /// A bound of |x - true| for the x of [`JsonNumber::enclosed`].
+    /// A bound of |x - true| for the x of [`JsonNumber::from_enclosure`].
     pub fn absolute_bound(value: Ball) -> JsonNumber {
         JsonNumber::bound(Bound::absolute(value))
     }
@@ -95,12 +95,12 @@ impl Bounds {
         self.hold
     }
 
-    /// A bound of |x - true| / |true| for the x of [`JsonNumber::enclosed`].
+    /// A bound of |x - true| / |true| for the x of [`JsonNumber::from_enclosure`].
     pub fn relative(self, value: Ball) -> JsonNumber {
         JsonNumber::relative_bound(value).only_if(self.hold)
     }
 
-    /// A bound of |x - true| for the x of [`JsonNumber::enclosed`].
+    /// A bound of |x - true| for the x of [`JsonNumber::from_enclosure`].
     pub fn absolute(self, value: Ball) -> JsonNumber {
         JsonNumber::absolute_bound(value).only_if(self.hold)
     }

@@ -75,7 +75,7 @@ impl<V: Vector> Double<V> {
     }
 
     /// self + x y for a normalised x, the errors of both operations kept in `lo`: after l of them from zero, and
-    /// [`Double::normalised`], the sum is as close as after [`Double::plus_double`].
+    /// [`Double::normalise`], the sum is as close as after [`Double::plus_double`].
     #[inline(always)]
     pub fn plus_product(self, x: Double<V>, y: V) -> Double<V> {
         let p = x.hi * y;
@@ -108,7 +108,7 @@ impl<V: Vector> Double<V> {
         Double { hi, lo }
     }
 
-    /// self + x y for normalised x and y, the errors kept in `lo`. After l of them from zero, and [`Double::normalised`], the
+    /// self + x y for normalised x and y, the errors kept in `lo`. After l of them from zero, and [`Double::normalise`], the
     /// sum is within (l + 3)^2 u^2 of the sum of |x y|, u = 2^-53: a product loses 6 u^2, `lo` stays below (l + 3) u of it
     /// and is rounded l times.
     #[inline(always)]

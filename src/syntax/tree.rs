@@ -264,7 +264,7 @@ pub struct Field {
 pub enum FieldValue {
     /// `mass = 1 kg`
     Expr(ExprId),
-    /// `inertia = 0.8 kg*m^2 about A`: value and point, see [`Tree::about`]. It is rare, so it is stored as a list to
+    /// `inertia = 0.8 kg*m^2 about A`: value and point, see [`Tree::about_parts`]. It is rare, so it is stored as a list to
     /// keep fields small.
     About(ExprList),
     /// A word alone: `turns`, `free`.

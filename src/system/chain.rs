@@ -30,7 +30,7 @@ impl LinearSystem {
         Ok(self)
     }
 
-    /// Like [`LinearSystem::flattened`], in place; the system is unchanged after an error.
+    /// Like [`LinearSystem::into_flat`], in place; the system is unchanged after an error.
     pub fn flatten(&mut self, most: u64) -> Result<(), TooLong> {
         if !self.is_chained() {
             return Ok(());

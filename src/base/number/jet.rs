@@ -3,7 +3,7 @@
 //! in `value` and its derivative in `slope` (automatic differentiation in ball arithmetic: L. B. Rall, *Automatic
 //! Differentiation*, LNCS 120, 1981). See docs/method/numbers.md.
 //!
-//! If a number is converted into a plain ball, its derivative is lost; [`watched`] reports whether that happened, so that a result
+//! If a number is converted into a plain ball, its derivative is lost; [`watch_divisions`] reports whether that happened, so that a result
 //! computed from such a ball is not taken for constant.
 
 use super::rounding::up;
