@@ -9,7 +9,7 @@ pub(crate) mod samples;
 use crate::analysis::response_spectrum::Spectral;
 use crate::analysis::shock::{Quantity, ShockSpectrum};
 use crate::analysis::{Buckling, DampedShape, Excitation, Modes, Noisy, Pole, Poles, Share, Verdict};
-use crate::base::{Name, Number};
+use crate::base::{Name, Number, OrderBy};
 use crate::lower::{Account, Rest, ShapeNode};
 use crate::questions::answer::{Optimised, Requirement, Sensitivity, Solved, Tolerated};
 use crate::system::{Coordinate, LinearSystem, Origin, Source};
@@ -72,7 +72,7 @@ pub fn by_name(list: &[Share<Source>]) -> Vec<Share<Source>> {
             _ => named.push(*share),
         }
     }
-    named.sort_by(|a, b| b.part.0.total_cmp(&a.part.0));
+    named.order_by(|a, b| b.part.0.total_cmp(&a.part.0));
     named
 }
 

@@ -3,6 +3,7 @@
 //! Every stage has its own error enum next to it. All of them are converted into this form.
 
 use super::source::Span;
+use crate::base::OrderBy;
 use std::fmt;
 
 /// A stable name of a kind of diagnostic, such as `vib::unit::mismatch`, and what an error of that kind means for the run. Its page
@@ -211,7 +212,7 @@ impl Diagnostics {
 
     /// The findings sorted by place, then severity, without exact repetitions.
     pub fn into_sorted(mut self) -> Vec<Diagnostic> {
-        self.list.sort_by(|a, b| {
+        self.list.order_by(|a, b| {
             (a.primary.span.file(), a.primary.span.start(), a.severity, a.code, &a.message).cmp(&(
                 b.primary.span.file(),
                 b.primary.span.start(),

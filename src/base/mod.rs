@@ -8,6 +8,7 @@ pub mod line_index;
 pub mod manual;
 pub mod name;
 pub mod number;
+pub mod order;
 pub mod readable;
 pub mod response_spectrum;
 pub mod runs;
@@ -25,6 +26,7 @@ pub use name::{Name, Place, Symbol, Words};
 pub use number::{
     Ball, Bound, Dd, Jet, Literals, Number, Power, Rational, Rounded, Unproven, down, larger, rounding, two_to, up,
 };
+pub use order::OrderBy;
 pub use response_spectrum::ResponseSpectrum;
 pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};
 pub use vector::Vec3;

@@ -3,7 +3,7 @@
 use super::document::{Document, Motions, Results};
 use super::shown;
 use crate::analysis::{Mode, ModeKind, Pole, PoleKind, Stability};
-use crate::base::Number;
+use crate::base::{Number, OrderBy};
 use crate::model::Defined;
 use crate::questions::answer::{self, Best, OptimisedParameter};
 use crate::syntax::tree::{Decl, DeclKind, ExprId, ExprKind};
@@ -26,7 +26,7 @@ pub fn hints(document: &Document) -> Vec<Hint> {
         hints.extend(optimum_hints(document));
         hints.extend(margins(document));
     }
-    hints.sort_by_key(|hint| hint.at);
+    hints.order_by_key(|hint| hint.at);
     hints
 }
 

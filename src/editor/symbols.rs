@@ -3,6 +3,7 @@
 use super::document::Document;
 use super::roles::{Role, keyword};
 use super::tokens::TokenKind;
+use crate::base::OrderBy;
 use crate::syntax::words;
 use std::ops::Range;
 
@@ -74,7 +75,7 @@ pub fn folds(document: &Document) -> Vec<Fold> {
     }
     folds.extend(comments(document));
     folds.retain(|fold| document.text()[fold.range.clone()].contains('\n'));
-    folds.sort_by_key(|fold| fold.range.start);
+    folds.order_by_key(|fold| fold.range.start);
     folds
 }
 

@@ -5,6 +5,7 @@ use super::lagrange::Equation;
 use super::lines::{AtRest, entry};
 use super::motion::Motion;
 use super::names::without_motion;
+use crate::base::OrderBy;
 use crate::elements::Order;
 use crate::symbols::{Lengths, Sum, Symbol};
 
@@ -113,5 +114,5 @@ fn columns(motion: &Motion, energies: &Energies, equations: &[Equation], at_rest
             }
         });
     }
-    linear.inputs.sort_by_key(|column| column.input);
+    linear.inputs.order_by_key(|column| column.input);
 }

@@ -12,7 +12,7 @@ use super::energy::is_motion;
 use super::lagrange::{Equation, Line};
 use super::motion::Motion;
 use super::names::{Label, Names, class, without_motion};
-use crate::base::Number;
+use crate::base::{Number, OrderBy};
 use crate::symbols::{Lengths, Sum, Symbol};
 
 /// Maximum number of dependent coordinates that are solved for at once, and of terms of a result.
@@ -106,7 +106,7 @@ pub fn follows(
         follows.extend(solve_cramer(&slopes, &rows, &own, &columns)?);
         held.extend(rows);
     }
-    follows.sort_by_key(|follow| follow.coordinate);
+    follows.order_by_key(|follow| follow.coordinate);
     if follows.len() < dependent.len() {
         return Err(Kept::Undecided);
     }
@@ -293,7 +293,7 @@ fn project(index: usize, equations: &[Equation], follows: &[Follow], motion: &Mo
     for line in &mut lines {
         line.slope = line.slope.replace(&put_in);
     }
-    lines.sort_by_key(|line| line.element);
+    lines.order_by_key(|line| line.element);
     projected.lines = lines;
     projected.plain = projected.plain.replace(&put_in);
     projected.forces = projected.forces.replace(&put_in);

@@ -5,6 +5,7 @@
 
 use super::coordinate::{self, Coordinate};
 use super::names::Names;
+use crate::base::OrderBy;
 use crate::model::scene::{BaseId, BodyId, Freedom, InputKind, Joint, Part, Scene};
 use crate::model::written::{Pair, Written};
 use crate::symbols::{Lengths, Sum};
@@ -236,7 +237,7 @@ impl<'a> Growth<'a> {
                 prescribed.push((base, translation, index));
             }
         }
-        prescribed.sort_by_key(|(base, ..)| *base);
+        prescribed.order_by_key(|(base, ..)| *base);
         for (base, translation, input) in prescribed {
             let translations = &self.scene.bases[base.index()].translations;
             let motion = translation.and_then(|which| translations.get(which)).map_or("angle", |t| t.motion);

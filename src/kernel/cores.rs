@@ -1,6 +1,7 @@
 //! Work on all cores. No item depends on its neighbours, so neither the division of a list nor the number of cores changes a bit of
 //! the result.
 
+use crate::base::OrderBy;
 use std::sync::Mutex;
 use std::thread;
 
@@ -27,7 +28,7 @@ pub(crate) fn in_pieces<T: Sync, U: Send>(
         found.lock().expect("nobody panics with the lock").push((at, results));
     });
     let mut found = found.into_inner().expect("nobody panics with the lock");
-    found.sort_unstable_by_key(|(at, _)| *at);
+    found.order_by_key(|(at, _)| *at);
     found.into_iter().flat_map(|(_, results)| results).collect()
 }
 

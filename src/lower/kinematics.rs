@@ -31,7 +31,7 @@ use path::{Run, Turn};
 
 use super::error::LowerError;
 use super::tree::{GROUND, PieceId, Tree};
-use crate::base::{FileId, Number, Span, Vec3};
+use crate::base::{FileId, Number, OrderBy, Span, Vec3};
 use crate::elements::{Scalar, Vector};
 use crate::model::scene::{Attachment, BodyId, Geometry, Input, InputKind, Motion, MotionTerm, Part, Scene};
 use crate::system::CoordinateKind;
@@ -324,7 +324,7 @@ impl Kinematics {
         }
         path.turns =
             arms.into_iter().enumerate().filter_map(|(g, arm)| Some(Turn { group: g as u32, arm: arm? })).collect();
-        path.runs.sort_by_key(|run| run.coordinate);
+        path.runs.order_by_key(|run| run.coordinate);
         path
     }
 

@@ -7,7 +7,7 @@ use super::evaluate::{Evaluated, Stop};
 use super::motions::{Combination, Piece, negate};
 use super::scene::{BodyId, Couple, Initial, Motion, MotionTerm, Part};
 use super::scope::{Environment, Instance};
-use crate::base::{Number, Span, Vec3};
+use crate::base::{Number, OrderBy, Span, Vec3};
 use crate::kinds::motions::INITIAL_FIELDS;
 use crate::syntax::tree::{DeclKind, ExprId, Fields, Ident, Path, Rare};
 
@@ -87,7 +87,7 @@ impl<'a> Check<'a> {
     }
 
     fn initial_twice(&mut self, mut states: Vec<(BodyId, Span)>) {
-        states.sort_by_key(|(body, _)| *body);
+        states.order_by_key(|(body, _)| *body);
         for pair in states.windows(2) {
             if pair[0].0 == pair[1].0 {
                 let error = NameError::SettingTwice { span: pair[1].1, first: pair[0].1, what: "the initial state" };

@@ -9,7 +9,7 @@ use super::expect::Expected;
 use super::scope::{DefinitionId, DefinitionKind, Environment, Table};
 use super::suggestion::nearest;
 use super::value::{Scalar, Value};
-use crate::base::{Angle, Dimension, FileId, Name, Number, Place, Quantity, Sources, Span};
+use crate::base::{Angle, Dimension, FileId, Name, Number, OrderBy, Place, Quantity, Sources, Span};
 use crate::syntax;
 
 /// The expectation at places that take a number of any dimension.
@@ -265,7 +265,7 @@ impl<'a> Check<'a> {
         };
         let mut settings: Vec<Setting> = Vec::new();
         entries(text, file, table.get_ref(), "", &mut settings);
-        settings.sort_by_key(|setting| setting.name.start());
+        settings.order_by_key(|setting| setting.name.start());
         settings
     }
 }

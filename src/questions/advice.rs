@@ -8,7 +8,7 @@ use super::error::ParameterChange;
 use super::require::holds_for;
 use super::trial::{Facts, Text};
 use crate::analysis::Measurement;
-use crate::base::{Ball, Number, Power, Quantity, Rational};
+use crate::base::{Ball, Number, OrderBy, Power, Quantity, Rational};
 use crate::model::Setting;
 use crate::model::scene::{Parameter, Question, Require};
 
@@ -63,7 +63,7 @@ impl Advice<'_> {
             })
             .collect();
         // The sort is stable: among equal slopes the first declared comes first.
-        slopes.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        slopes.order_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
         let (first, slope) = *slopes.first()?;
         let percent = |slope: f64| few_digits(three_digits(slope / here.to_f64()));
         let found = slopes.iter().take(MOST_ADVISED).find_map(|&(parameter, slope)| {

@@ -6,7 +6,7 @@
 //! and lies on the same side at both ends. Other parts are halved until the limit on evaluations is reached.
 
 use super::range_enclosure::RangeEnclosure;
-use crate::base::{Ball, Dd, two_to, up};
+use crate::base::{Ball, Dd, OrderBy, two_to, up};
 use std::cmp::Ordering;
 
 /// A part of a range.
@@ -137,7 +137,7 @@ impl Part {
 /// The parts in ascending order, adjacent ones merged; the narrowest gaps are closed if there are too many parts to
 /// report.
 fn merge_parts(mut parts: Vec<Part>) -> Vec<Part> {
-    parts.sort_by(|a, b| a.low.hi.total_cmp(&b.low.hi).then(a.low.lo.total_cmp(&b.low.lo)));
+    parts.order_by(|a, b| a.low.hi.total_cmp(&b.low.hi).then(a.low.lo.total_cmp(&b.low.lo)));
     let mut list: Vec<Part> = Vec::new();
     for part in parts {
         match list.last_mut() {

@@ -7,7 +7,7 @@ use super::cover::{Cover, Covered, Part, Rest};
 use super::error::AskedError;
 use super::search::{Difference, Evaluation, Root, SearchResult, narrow, search, sign, to_fraction};
 use super::unknowns::{Unknowns, constant, shortest};
-use crate::base::{Ball, Dd, Number, two_to};
+use crate::base::{Ball, Dd, Number, OrderBy, two_to};
 
 /// Rounds of searching for roots that were missed.
 const MOST_ROUNDS: usize = 6;
@@ -68,7 +68,7 @@ impl Search<'_, '_> {
                 self.seen.jumps.extend(found.jumps);
                 found.roots.into_iter().for_each(|root| self.seen.add(Some(root)));
             }
-            self.seen.roots.sort_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
+            self.seen.roots.order_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
             self.rest = covered.rest;
             if covered.missed.is_empty() {
                 return;
@@ -116,7 +116,7 @@ impl Search<'_, '_> {
                 self.seen.add(Some(Root { near, within: rounding, proof: Some(super::search::Crossing::exact()) }));
             }
         }
-        self.seen.roots.sort_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
+        self.seen.roots.order_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
     }
 
     /// Settles the gaps between the brackets of the roots. An unsettled part beside a root is added to the root's

@@ -3,7 +3,7 @@
 //! enclosures of the measure lie on different sides; and the course of the measure elsewhere. See
 //! docs/method/measures.md.
 
-use crate::base::{Ball, Dd, Number, Rational, two_to};
+use crate::base::{Ball, Dd, Number, OrderBy, Rational, two_to};
 use std::cmp::Ordering;
 
 /// The measure minus its target, at one value.
@@ -108,7 +108,7 @@ pub fn search(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Differen
     for three in evaluations.windows(3) {
         search.turn([&three[0], &three[1], &three[2]], &mut seen);
     }
-    seen.roots.sort_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
+    seen.roots.order_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
     (seen.evaluations, seen.count) = (evaluations, search.count);
     seen
 }

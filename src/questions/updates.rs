@@ -6,7 +6,7 @@
 use crate::analysis::modes::request::DEFAULT_TOLERANCE;
 use crate::analysis::projection::{ABOVE, off_diagonal_norm, project};
 use crate::analysis::{self, ModeKind, Request, Which};
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, OrderBy};
 use crate::kernel::secular::{Factor, Secular};
 use crate::system::LinearSystem;
 
@@ -295,7 +295,7 @@ impl Modal {
             let largest = d.iter().fold(0.0f64, |most, d| most.max(d.hi.abs()));
             if off[0] <= BESIDE * largest && off[1] <= BESIDE {
                 let mut order: Vec<usize> = (0..n).collect();
-                order.sort_by(|&i, &j| (d[i] - d[j]).hi.total_cmp(&0.0));
+                order.order_by(|&i, &j| (d[i] - d[j]).hi.total_cmp(&0.0));
                 let sorted = order.iter().map(|&i| std::mem::take(&mut vectors[i])).collect();
                 return Some(Modal { vectors: sorted, d: order.iter().map(|&i| d[i]).collect(), off, rigid });
             }

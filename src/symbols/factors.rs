@@ -1,7 +1,7 @@
 //! Common factors of the terms of a sum, which a textbook writes in front of brackets.
 
 use super::{Factor, Product, Sum};
-use crate::base::Rational;
+use crate::base::{OrderBy, Rational};
 use std::sync::Arc;
 
 /// A sum as `number * product * rest`, with no common factors in `rest`; if `squared` is set, the square of `rest`
@@ -48,7 +48,7 @@ pub(super) fn content(terms: &[(Product, Rational)]) -> (Sum, Sum) {
         *least = exponents.min().unwrap_or(0).min(*least);
     }
     shared.retain(|(_, exponent)| *exponent != 0);
-    shared.sort_by(|a, b| a.0.cmp(&b.0));
+    shared.order_by(|a, b| a.0.cmp(&b.0));
     let mut number = terms.iter().skip(1).fold(absolute(leading), |all, (_, c)| common(&all, &absolute(c)));
     if leading.signum() < 0 {
         number = -&number;

@@ -1,7 +1,7 @@
 //! Sums of products with rational coefficients, and their arithmetic.
 
 use super::{Factor, Product, Symbol};
-use crate::base::Rational;
+use crate::base::{OrderBy, Rational};
 use std::ops::{Add, Mul, Neg, Sub};
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ impl Sum {
 
     /// Terms in any order.
     pub fn of_terms(mut terms: Vec<(Product, Rational)>) -> Sum {
-        terms.sort_by(|a, b| a.0.cmp(&b.0));
+        terms.order_by(|a, b| a.0.cmp(&b.0));
         let mut merged: Vec<(Product, Rational)> = Vec::with_capacity(terms.len());
         for (product, coefficient) in terms {
             match merged.last_mut() {
@@ -181,7 +181,7 @@ impl Sum {
                 (chosen, (others, coefficient.clone()))
             })
             .collect();
-        split.sort_by(|a, b| a.0.cmp(&b.0));
+        split.order_by(|a, b| a.0.cmp(&b.0));
         for (chosen, term) in split {
             match parts.last_mut() {
                 Some((last, terms)) if *last == chosen => terms.push(term),

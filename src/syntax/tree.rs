@@ -5,7 +5,7 @@
 //! than the text itself (which the parser limits), and dropping it does not recurse. Texts are not copied: a node has a
 //! [`Span`], and its words are read from the source.
 
-use crate::base::{FileId, Span};
+use crate::base::{FileId, OrderBy, Span};
 use crate::kinds::{ElementId, JointId};
 use std::num::NonZeroU32;
 
@@ -539,7 +539,7 @@ impl Tree {
 
     /// Sorts the doc comments of this file by position, before another file is parsed.
     pub(super) fn sort_docs(&mut self) {
-        self.docs.sort_unstable_by_key(|(start, _)| *start);
+        self.docs.order_by_key(|(start, _)| *start);
     }
 }
 

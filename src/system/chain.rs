@@ -4,7 +4,7 @@
 //! docs/method/system.md#deep-trees.
 
 use super::{CoordinateId, Form, LinearSystem};
-use crate::base::Number;
+use crate::base::{Number, OrderBy};
 use std::collections::BTreeMap;
 
 /// A row over coordinates (ids below n) and the chained motions before it (ids from n on).
@@ -113,7 +113,7 @@ pub fn write_out_row(row: &[(CoordinateId, Number)], chain: &[ChainedRow], n: us
     while let Some((chained, factor)) = waiting.pop_last() {
         sort(&chain[chained], &factor, &mut waiting);
     }
-    own.sort_by_key(|(i, _)| *i);
+    own.order_by_key(|(i, _)| *i);
     own.dedup_by(|(i, value), (last, sum)| {
         let same = i == last;
         if same {

@@ -17,7 +17,7 @@ pub use noise::Noise;
 pub use signal::{Course, Signal, Table};
 
 use crate::base::unit::{self, Scale};
-use crate::base::{Ball, Name, Number, Rational, Span, Words};
+use crate::base::{Ball, Name, Number, OrderBy, Rational, Span, Words};
 
 /// Index of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -240,7 +240,7 @@ impl Form {
         }
         let start = self.entries.len();
         self.entries.extend(row.into_iter().filter(|(_, value)| !value.is_zero()));
-        self.entries[start..].sort_by_key(|(coordinate, _)| *coordinate);
+        self.entries[start..].order_by_key(|(coordinate, _)| *coordinate);
         let len = self.entries.len() - start;
         if len > 0 {
             let (start, len) = (start as u32, len as u32);

@@ -453,3 +453,22 @@ fn participles_are_seen() {
     assert!(["together", "lowered", "exactly", "shown"].iter().all(|name| is_participle(name)));
     assert!(!["apply", "read", "lowered_system", "over", "seed"].iter().any(|name| is_participle(name)));
 }
+
+/// Files that sort lists as long as the scene by a closure, for which the standard library's sort is compiled once more.
+const LONG_SORTS: [&str; 7] = [
+    "analysis/modes/mesh/network.rs",
+    "analysis/modes/tree/forest.rs",
+    "analysis/nets.rs",
+    "base/order.rs",
+    "lower/kinematics/numbering.rs",
+    "lower/rest/definite.rs",
+    "merging.rs",
+];
+
+#[test]
+fn short_lists_share_one_sort() {
+    let sorts = ["sort_by(|", "sort_by_key(", "sort_unstable_by(|", "sort_unstable_by_key("];
+    let users = sources().into_iter().filter(|source| sorts.iter().any(|sort| source.code.contains(sort)));
+    let users: Vec<String> = users.map(|source| source.path.to_string_lossy().into_owned()).collect();
+    assert_eq!(users, LONG_SORTS, "`OrderBy` sorts, unless the list is as long as the scene");
+}

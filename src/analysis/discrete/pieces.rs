@@ -11,7 +11,7 @@
 use crate::analysis::discrete::block::Block;
 use crate::analysis::discrete::hold::{propagate, source_effect};
 use crate::analysis::response::signal::{self, Piece, Source};
-use crate::base::{Dd, Number};
+use crate::base::{Dd, Number, OrderBy};
 use crate::kernel::dense::Matrix;
 use std::cmp::Ordering;
 
@@ -113,7 +113,7 @@ pub fn knots(sources: &[Source], step: &Number, felt: impl Fn(&Number) -> bool) 
         return None;
     }
     let at = |&(source, i): &(usize, usize)| &lists[source][i].at;
-    changes.sort_by(|a, b| signal::chronological(at(a), at(b)));
+    changes.order_by(|a, b| signal::chronological(at(a), at(b)));
     let mut knots: Vec<Knot> = Vec::with_capacity(changes.len());
     for together in changes.chunk_by(|a, b| signal::order(at(a), at(b)) == Ordering::Equal) {
         let time = at(&together[0]);

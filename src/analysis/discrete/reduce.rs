@@ -4,7 +4,7 @@
 
 use crate::analysis::discrete::Options;
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product};
-use crate::base::{Dd, Unproven};
+use crate::base::{Dd, OrderBy, Unproven};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 
@@ -85,7 +85,7 @@ fn drop_small(split: &mut Split, start: &[Dd], tolerance: f64, highest: f64, lef
         .filter(|(_, block)| !starts(block, start))
         .filter_map(|(i, block)| Some((share(block, &sizes, &frequencies)?, i)))
         .collect();
-    shares.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    shares.order_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut total = 0.0;
     let mut dropped = vec![None; split.blocks.len()];
     for (share, i) in shares {

@@ -7,7 +7,7 @@
 use crate::analysis::discrete::pieces::{self, Chain, Knot, MOST_EVENTS, When, scales};
 use crate::analysis::peak::last_event;
 use crate::analysis::response::signal::Source;
-use crate::base::{Dd, Number, Rational};
+use crate::base::{Dd, Number, OrderBy, Rational};
 use crate::kernel::dense::Matrix;
 use crate::system::{LinearSystem, Signal};
 use num_integer::Integer;
@@ -73,7 +73,7 @@ impl Signals {
                 }
             }
         }
-        signals.impulses.sort_by_key(|impulse| impulse.when.tick);
+        signals.impulses.order_by_key(|impulse| impulse.when.tick);
         if let Some(repeat) = repeat {
             let open = |chain: &&Chain| chain.angle.is_none() && !chain.comes_again(repeat.from, repeat.ticks);
             if let Some(chain) = signals.chains.iter().find(open) {

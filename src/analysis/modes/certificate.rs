@@ -18,7 +18,7 @@
 
 use crate::analysis::modes::gram::{Gram, SLACK};
 use crate::analysis::modes::scale::{by_power, exponent};
-use crate::base::{Ball, Dd, Power};
+use crate::base::{Ball, Dd, OrderBy, Power};
 use crate::kernel::dense::Matrix;
 use crate::kernel::triple::Triple;
 use std::cmp::Ordering;
@@ -70,7 +70,7 @@ impl<'a> Pencil<'a> {
     fn new(k: &'a Gram<'a>, m: &'a Gram<'a>) -> Pencil<'a> {
         let n = k.mid.columns();
         let mut found: Vec<(usize, Triple, f64)> = (0..n).map(|i| quotient(k, m, i)).collect();
-        found.sort_by(|a, b| compare(a.1, b.1));
+        found.order_by(|a, b| compare(a.1, b.1));
         let order: Vec<usize> = found.iter().map(|f| f.0).collect();
         Pencil {
             mass: order.iter().map(|&i| m.mid[(i, i)].hi * (2.0 - SLACK) - m.radius(i, i)).collect(),

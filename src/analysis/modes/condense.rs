@@ -14,7 +14,7 @@
 //! doubled; if exact squares still outnumber the entries of a symmetric matrix, Lagrange's reduction rewrites their sum
 //! with at most one square for each coordinate. See docs/method/modes.md#motions-without-inertia.
 
-use crate::base::{Dd, Number, Rational};
+use crate::base::{Dd, Number, OrderBy, Rational};
 use crate::kernel::triple::{Precise, Triple};
 use crate::system::{CoordinateId, Form, Nature};
 use std::collections::{BTreeMap, BTreeSet};
@@ -261,7 +261,7 @@ impl Square {
     fn in_normal_form(&self) -> Option<(Vec<(usize, Rational)>, Number)> {
         let exact = |(i, a): &(usize, Number)| Some((*i, a.exact()?.clone()));
         let mut row = self.row.iter().map(exact).collect::<Option<Vec<_>>>()?;
-        row.sort_by_key(|(i, _)| *i);
+        row.order_by_key(|(i, _)| *i);
         let first = row.first()?.1.clone();
         let inverse = first.recip()?;
         row.iter_mut().for_each(|(_, a)| *a = &*a * &inverse);

@@ -22,7 +22,7 @@ use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::start::{self, Inertia, Start};
 use crate::analysis::modes::structure::{self, NullSpace};
 use crate::analysis::modes::terms::Terms;
-use crate::base::{Dd, larger};
+use crate::base::{Dd, OrderBy, larger};
 use crate::kernel::dense::{Matrix, cholesky};
 use crate::kernel::triple::Triple;
 use crate::system::Form;
@@ -240,7 +240,7 @@ impl<'a> Problem<'a> {
             Pair { value, x: normalise(&x, &candidate.m, e.column), route }
         };
         let mut pairs: Vec<Pair> = candidate.list.iter().map(pair).collect();
-        pairs.sort_by(|a, b| ascending(&a.value, &b.value));
+        pairs.order_by(|a, b| ascending(&a.value, &b.value));
         pairs
     }
 }

@@ -5,7 +5,7 @@
 use crate::analysis::answer::Route;
 use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair};
 use crate::analysis::poles::exact::{assemble, roots};
-use crate::base::{Ball, Dd, Rational};
+use crate::base::{Ball, Dd, OrderBy, Rational};
 use crate::kernel::big_float::Float;
 use crate::kernel::polynomial::{Polynomial, determinant};
 use crate::kernel::triple::Triple;
@@ -125,7 +125,7 @@ impl Pencil {
         if values.len() != n {
             return None;
         }
-        values.sort_by(|a, b| a.ball.mid.partial_cmp(&b.ball.mid).unwrap_or(Ordering::Equal));
+        values.order_by(|a, b| a.ball.mid.partial_cmp(&b.ball.mid).unwrap_or(Ordering::Equal));
         Some(in_order(values))
     }
 

@@ -15,7 +15,7 @@ use crate::analysis::answer::Modes;
 use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::request::Request;
 use crate::analysis::modes::{MAX_DENSE, modes_as, shape};
-use crate::base::{Number, Power};
+use crate::base::{Number, OrderBy, Power};
 use crate::system::chain::ChainedRow;
 use crate::system::{CoordinateId, Form, LinearSystem};
 
@@ -269,7 +269,7 @@ fn followers(system: &LinearSystem) -> Vec<u32> {
 
 /// Sorted, each coordinate once, without zeros.
 fn sum_terms(mut row: ChainedRow) -> ChainedRow {
-    row.sort_by_key(|(i, _)| *i);
+    row.order_by_key(|(i, _)| *i);
     row.dedup_by(|(i, value), (last, sum)| {
         let same = i == last;
         if same {

@@ -43,7 +43,7 @@ use crate::analysis::modes::request::{FEW, Request, Which};
 use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::shape::Roots;
 use crate::analysis::modes::terms::Terms;
-use crate::base::{Ball, Number, Unproven, runs};
+use crate::base::{Ball, Number, OrderBy, Unproven, runs};
 use crate::kernel::triple::Triple;
 use crate::system::{CoordinateId, Form, LinearSystem};
 
@@ -103,7 +103,7 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
         pairs.extend(found.pairs.into_iter().map(|pair| (pair, index)));
     }
     if parts.len() > 1 {
-        pairs.sort_by(|a, b| ascending(&a.0.value, &b.0.value));
+        pairs.order_by(|a, b| ascending(&a.0.value, &b.0.value));
     }
     // A cluster that continues beyond the last requested mode is still a cluster.
     let numbers = cluster_numbers(&pairs);

@@ -4,7 +4,7 @@
 use crate::analysis::answer::{Mode, Share};
 use crate::analysis::modes::pair::Displacements;
 use crate::analysis::modes::terms::Terms;
-use crate::base::Unproven;
+use crate::base::{OrderBy, Unproven};
 use crate::system::{CoordinateId, CoordinateKind, Form, LinearSystem, Source};
 
 /// The part of a shape that is scaled to 1.
@@ -204,7 +204,7 @@ fn largest_first<T>(parts: &[f64], chosen: impl Fn(f64) -> bool, of: impl Fn(usi
         list.select_nth_unstable_by(LARGEST, order);
         list.truncate(LARGEST);
     }
-    list.sort_unstable_by(order);
+    list.order_by(order);
     // Shares that a symmetry makes equal are listed in their original order, not in the order of their last bits.
     let tied = list.iter().take_while(|&&i| share(i) >= share(list[0]) * (1.0 - TIE)).count();
     list[..tied].sort_unstable();
@@ -235,7 +235,7 @@ fn first(chosen: impl Fn(f64) -> bool, parts: &[f64], whole: f64) -> Vec<u32> {
     let largest_of = |block: &[f64]| block.iter().fold(f64::NEG_INFINITY, |largest, &part| largest.max(size(part)));
     let largest: Vec<f64> = parts.chunks(BLOCK).map(largest_of).collect();
     let mut descending = largest.clone();
-    descending.sort_unstable_by(|a, b| b.total_cmp(a));
+    descending.order_by(|a, b| b.total_cmp(a));
     let least = descending.get(LARGEST - 1).copied().unwrap_or(f64::NEG_INFINITY);
     let mut list = Vec::new();
     for (at, block) in parts.chunks(BLOCK).enumerate().filter(|(at, _)| largest[*at] >= least) {

@@ -17,7 +17,7 @@ use crate::analysis::modes::mass;
 use crate::analysis::modes::star_mesh::Network;
 use crate::analysis::modes::structure::NullSpace;
 use crate::analysis::modes::terms::Terms;
-use crate::base::Dd;
+use crate::base::{Dd, OrderBy};
 use crate::kernel::dense::{Matrix, add_scaled, dot};
 use crate::kernel::dense::{cholesky, jacobi, pivoted_qr};
 use crate::kernel::real::Float;
@@ -123,7 +123,7 @@ fn rigid_first(x: Matrix<Dd>, k: &Matrix<Dd>, rigid: usize) -> Matrix<Dd> {
         return x;
     }
     let mut order: Vec<usize> = (0..x.columns()).collect();
-    order.sort_by(|&a, &b| k[(a, a)].hi.abs().total_cmp(&k[(b, b)].hi.abs()));
+    order.order_by(|&a, &b| k[(a, a)].hi.abs().total_cmp(&k[(b, b)].hi.abs()));
     x.select_columns(&order)
 }
 

@@ -12,7 +12,7 @@ use crate::analysis::poles::pencil::Pencil;
 use crate::analysis::poles::refinement::scrambled_number;
 use crate::analysis::poles::rigid::RigidMotions;
 use crate::analysis::poles::schur::{ComplexColumns, Eigenvalue, SchurForm};
-use crate::base::Dd;
+use crate::base::{Dd, OrderBy};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, product};
@@ -241,7 +241,7 @@ impl Starts {
         if inverse {
             list.iter_mut().for_each(|(s, _)| *s = upper(s.recip()));
         }
-        list.sort_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
+        list.order_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
         let order: Vec<usize> = list.iter().map(|&(_, j)| j).collect();
         let (re, mut im) = (eigen.re.select_columns(&order), eigen.im.select_columns(&order));
         if inverse {
@@ -281,7 +281,7 @@ impl Family {
         let own = |z: Complex<f64>| if inverse.is_some() { upper(z.recip()) } else { z };
         let mut list: Vec<_> = form.eigenvalues().into_iter().map(|found| (own(found.value), found)).collect();
         list.retain(|(s, _)| s.is_finite());
-        list.sort_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
+        list.order_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
         Family { form, inverse, list }
     }
 

@@ -4,7 +4,7 @@
 //! those with motions without inertia. See docs/method/poles.md#exact-arithmetic.
 
 use crate::analysis::modes::parts::Part;
-use crate::base::{Ball, Rational};
+use crate::base::{Ball, OrderBy, Rational};
 use crate::kernel::big_float::{ComplexFloat, Float};
 use crate::kernel::complex::Complex;
 use crate::kernel::polynomial::{Polynomial, determinant};
@@ -378,7 +378,7 @@ fn disjoint_discs(f: &Polynomial, slope: &Polynomial, values: &[ComplexFloat]) -
         return None;
     }
     let mut list: Vec<&Rooted> = discs.iter().filter(|disc| disc.is_real()).chain(upper).collect();
-    list.sort_by(|a, b| (&a.z.norm() - &b.z.norm()).sign());
+    list.order_by(|a, b| (&a.z.norm() - &b.z.norm()).sign());
     Some(list.into_iter().map(|disc| (disc.enclosure(), disc.is_real())).collect())
 }
 

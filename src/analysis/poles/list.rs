@@ -11,7 +11,7 @@ use crate::analysis::poles::exact::{ExactPoles, ExactRoot};
 use crate::analysis::poles::passive::Passive;
 use crate::analysis::poles::quadratic::{Root, Roots};
 use crate::analysis::poles::residues::Residues;
-use crate::base::{Ball, Dd, up};
+use crate::base::{Ball, Dd, OrderBy, up};
 use crate::kernel::complex::Complex;
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -234,7 +234,7 @@ impl PoleList {
     pub fn into_sorted(mut self, coordinates: usize) -> Poles {
         self.join_parts();
         let order = |a: Dd, b: Dd| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
-        self.list.sort_by(|a, b| {
+        self.list.order_by(|a, b| {
             order(size(a), size(b)).then_with(|| order(a.re.mid, b.re.mid)).then_with(|| order(a.im.mid, b.im.mid))
         });
         let mut numbers: Vec<u32> = Vec::new();
@@ -266,7 +266,7 @@ impl PoleList {
             most: self.list[i].modulus().magnitude(),
         };
         let mut order: Vec<One> = (0..self.list.len()).filter(|&i| may_join(&self.list[i])).map(one).collect();
-        order.sort_by(|a, b| a.least.total_cmp(&b.least));
+        order.order_by(|a, b| a.least.total_cmp(&b.least));
         let mut joined = Joined { above: (0..self.list.len()).collect() };
         let mut any = false;
         for (at, a) in order.iter().enumerate() {

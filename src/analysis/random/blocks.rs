@@ -4,7 +4,7 @@
 
 use super::gramian::Space;
 use crate::analysis::poles::schur::{ComplexColumns, SchurForm};
-use crate::base::{Dd, larger};
+use crate::base::{Dd, OrderBy, larger};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::Lu;
@@ -208,7 +208,7 @@ fn of_part(space: &Space, part: &[usize]) -> Option<Vec<Block>> {
         .enumerate()
         .map(|(column, eigenvalue)| (eigenvalue.value, places(space, part, &states, column, eigenvalue.value)))
         .collect();
-    pairs.sort_by(|(a, _), (b, _)| a.im.total_cmp(&b.im).then(a.re.total_cmp(&b.re)));
+    pairs.order_by(|(a, _), (b, _)| a.im.total_cmp(&b.im).then(a.re.total_cmp(&b.re)));
     let mut blocks = Vec::new();
     while let Some((s, x)) = pairs.pop() {
         let reach = NEAR * s.re.abs();

@@ -14,7 +14,7 @@ use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::forms::{apply, is_certain};
 use crate::analysis::poles::companion::StateForm;
 use crate::analysis::transfer::{Frequency, Transfer};
-use crate::base::{Ball, Density, Number, Rational, Unproven};
+use crate::base::{Ball, Density, Number, OrderBy, Rational, Unproven};
 use crate::kernel::dense::echelon;
 use crate::system::{LinearSystem, Noise, Output};
 use std::borrow::Cow;
@@ -480,7 +480,7 @@ impl<'a> Driven<'a> {
 pub fn shares(parts: impl Iterator<Item = (usize, f64)>, whole: Ball) -> Vec<(usize, Unproven)> {
     let share = |(mode, part)| (mode, Unproven(if whole.is_zero() { 0.0 } else { part / whole.to_f64() }));
     let mut list: Vec<(usize, Unproven)> = parts.map(share).collect();
-    list.sort_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
+    list.order_by(|(i, a), (j, b)| b.0.abs().total_cmp(&a.0.abs()).then(i.cmp(j)));
     list
 }
 

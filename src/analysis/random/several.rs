@@ -5,7 +5,7 @@
 use super::quotient::square_on_axis;
 use crate::analysis::transfer::extrema::{Exactly, Factored, Quotient};
 use crate::base::density::{Band, Course};
-use crate::base::{Ball, Density, Number, Rational};
+use crate::base::{Ball, Density, Number, OrderBy, Rational};
 use crate::kernel::polynomial::Polynomial;
 use crate::system::{LinearSystem, Noise, Output};
 use num_bigint::BigInt;
@@ -73,7 +73,7 @@ pub fn edges<'a>(noises: impl Iterator<Item = &'a Noise>) -> Option<Vec<Number>>
     if list.iter().any(|edge| edge.exact().is_none()) {
         return None;
     }
-    list.sort_by(|a, b| a.compare(b).unwrap_or(Ordering::Equal));
+    list.order_by(|a, b| a.compare(b).unwrap_or(Ordering::Equal));
     list.dedup();
     Some(list)
 }

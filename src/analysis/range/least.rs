@@ -14,7 +14,7 @@ mod valley;
 pub use valley::Valley;
 
 use super::several::{Affine, Square};
-use crate::base::{Ball, Dd};
+use crate::base::{Ball, Dd, OrderBy};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::Lu;
 
@@ -104,7 +104,7 @@ impl Peaks {
                 list.push(highest(&f, ends, sections));
             }
         }
-        list.sort_by(|a, b| b.1.total_cmp(&a.1));
+        list.order_by(|a, b| b.1.total_cmp(&a.1));
         list
     }
 

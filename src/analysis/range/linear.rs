@@ -11,7 +11,7 @@
 //! If the bordered matrix is regular, A is singular exactly where s is zero (W. Govaerts, *Numerical Methods for
 //! Bifurcations of Dynamical Equilibria*, SIAM 2000, chapter 3); x is then its null vector with v . x = 1.
 
-use crate::base::{Ball, Dd, Jet, Number, two_to};
+use crate::base::{Ball, Dd, Jet, Number, OrderBy, two_to};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::{product, solve as eliminated};
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -148,7 +148,7 @@ fn null_directions(a: &Matrix<Ball>, count: usize) -> Option<Matrix<Ball>> {
     }
     let eigen = SymmetricEigen::try_new(middle, f64::EPSILON, 1000)?;
     let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&i, &j| eigen.eigenvalues[i].abs().total_cmp(&eigen.eigenvalues[j].abs()));
+    order.order_by(|&i, &j| eigen.eigenvalues[i].abs().total_cmp(&eigen.eigenvalues[j].abs()));
     Some(Matrix::from_fn(n, count, |i, j| Ball::from(eigen.eigenvectors[(i, order[j])])))
 }
 

@@ -10,7 +10,7 @@
 use crate::analysis::forms::{apply, dense, dot, solution_on};
 use crate::analysis::response::propagator::Parts;
 use crate::analysis::response::signal::{Piece, Source, chronological, order};
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Number, OrderBy};
 use crate::system::{LinearSystem, Signal};
 use std::cmp::Ordering;
 
@@ -42,7 +42,7 @@ pub fn verdict(system: &LinearSystem, drives: &[Vec<Signal>], output: usize, unt
             jumps.push(Jump { at, input, parts });
         }
     }
-    jumps.sort_by(|a, b| chronological(&a.at, &b.at));
+    jumps.order_by(|a, b| chronological(&a.at, &b.at));
     let mut seen = Seen::new(system, output);
     let mut verdict = Verdict::Finite;
     for instant in jumps.chunk_by(|a, b| order(&a.at, &b.at) == Ordering::Equal) {

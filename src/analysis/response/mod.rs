@@ -24,7 +24,7 @@ use crate::analysis::response::exponential::growth;
 use crate::analysis::response::propagator::{StateSpace, dense};
 use crate::analysis::response::signal::order;
 use crate::analysis::response::trail::Trail;
-use crate::base::{Ball, Dd, Number, Power, up};
+use crate::base::{Ball, Dd, Number, OrderBy, Power, up};
 use crate::kernel::dense::enclosure::norm_bound;
 use crate::kernel::dense::{Matrix, add_scaled};
 use crate::system::{LinearSystem, Signal};
@@ -224,7 +224,7 @@ impl<'a> Run<'a> {
         }
         stops.extend(times.iter().map(|time| (time.clone(), Stop::Sample)));
         let is_sample = |stop: &Stop| matches!(stop, Stop::Sample);
-        stops.sort_by(|a, b| a.0.to_f64().total_cmp(&b.0.to_f64()).then(is_sample(&a.1).cmp(&is_sample(&b.1))));
+        stops.order_by(|a, b| a.0.to_f64().total_cmp(&b.0.to_f64()).then(is_sample(&a.1).cmp(&is_sample(&b.1))));
         let last = stops.iter().rposition(|(_, stop)| is_sample(stop)).map_or(0, |at| at + 1);
         stops.truncate(last);
         stops

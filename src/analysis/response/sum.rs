@@ -3,7 +3,7 @@
 //! sources with the same sum. See docs/method/response.md#signals.
 
 use super::signal::{Piece, Source, taylor};
-use crate::base::Number;
+use crate::base::{Number, OrderBy};
 
 impl Source {
     /// Whether the source consists of exact polynomials that may jump wherever they change. Splines do not jump, and
@@ -22,7 +22,7 @@ pub fn sum(sources: &[Source]) -> Source {
         changes.extend((0..list.len()).map(|i| (list, i)));
     }
     let at = |change: &(&[Piece], usize)| change.0[change.1].at.clone();
-    changes.sort_by(|a, b| a.0[a.1].at.to_f64().total_cmp(&b.0[b.1].at.to_f64()));
+    changes.order_by(|a, b| a.0[a.1].at.to_f64().total_cmp(&b.0[b.1].at.to_f64()));
     // The constant part, and the active pieces that will change.
     let (mut rest, mut on): (Number, Vec<&Piece>) = (Number::ZERO, Vec::new());
     let mut sums: Vec<Piece> = Vec::new();

@@ -3,7 +3,7 @@
 
 use super::Refusal;
 use crate::analysis::response::signal::{Source, chronological, order};
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Number, OrderBy};
 use crate::system::Signal;
 use std::cmp::Ordering;
 
@@ -66,7 +66,7 @@ impl BaseMotion {
         }
         let mut times: Vec<&Number> = sources.iter().flat_map(Source::events).collect();
         if sources.len() > 1 {
-            times.sort_by(|a, b| chronological(a, b));
+            times.order_by(|a, b| chronological(a, b));
         }
         times.dedup_by(|later, earlier| order(later, earlier) == Ordering::Equal);
         let [first, others @ ..] = &times[..] else { return Err(Refusal::NoSignal) };

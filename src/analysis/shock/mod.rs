@@ -12,7 +12,7 @@ mod sweep;
 mod tests;
 
 use crate::analysis::transfer::table::{linear, logarithmic};
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Number, OrderBy};
 use crate::system::Signal;
 use base_motion::BaseMotion;
 
@@ -166,7 +166,7 @@ pub fn shock(signals: &[Signal], derivative: u8, request: &Request) -> Result<Sh
     if !frequencies.iter().all(Number::is_positive) {
         return Err(Refusal::Frequency);
     }
-    frequencies.sort_by(|a, b| a.to_f64().total_cmp(&b.to_f64()));
+    frequencies.order_by(|a, b| a.to_f64().total_cmp(&b.to_f64()));
     let damping = free::Damping::from(&request.damping);
     let omegas: Vec<Ball> = frequencies.iter().map(|f| f.to_ball() * Ball::PI * Ball::from(2.0)).collect();
     let found = sweep::sweep(&motion, damping.ratio, &omegas)?;

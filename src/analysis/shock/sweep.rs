@@ -10,7 +10,7 @@ use super::oscillator::{Factorials, factorials_for, within_step};
 use super::{MOST_STEPS, Refusal, Sides};
 use crate::analysis::largest::{Curve, Largest};
 use crate::base::rounding::UNIT;
-use crate::base::{Ball, up};
+use crate::base::{Ball, OrderBy, up};
 use crate::kernel::cores;
 use crate::kernel::simd::{Eight, LANES, simd};
 
@@ -173,7 +173,7 @@ impl<'a> Group<'a> {
                 self.examine(lane, highest, side == 1, &mut largest, bends);
             }
             let mut others: Vec<&Candidate> = list.iter().filter(|other| !largest.reaches(other.high)).collect();
-            others.sort_by(|a, b| b.high.total_cmp(&a.high));
+            others.order_by(|a, b| b.high.total_cmp(&a.high));
             for candidate in others {
                 if largest.reaches(candidate.high) {
                     break;

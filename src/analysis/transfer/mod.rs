@@ -24,7 +24,7 @@ use crate::analysis::transfer::inverse::{Entry, Inverse, Scalar};
 use crate::analysis::transfer::pieces::in_pieces;
 use crate::analysis::transfer::sparse::Pattern;
 use crate::analysis::transfer::two_sided::TwoSided;
-use crate::base::{Ball, Dd, Number, larger, up};
+use crate::base::{Ball, Dd, Number, OrderBy, larger, up};
 use crate::kernel::complex::Complex;
 pub use crate::kernel::disc::Disc;
 use crate::kernel::squares::Squares;
@@ -550,7 +550,7 @@ type Part = (u32, u32, usize, Number);
 
 /// Sorts the contributions and adds up those of each entry, in their order.
 fn sum_parts(parts: &mut Vec<Part>) {
-    parts.sort_by_key(|(i, j, which, _)| (*i, *j, *which));
+    parts.order_by_key(|(i, j, which, _)| (*i, *j, *which));
     parts.dedup_by(|part, sum| {
         let is_same = (part.0, part.1, part.2) == (sum.0, sum.1, sum.2);
         if is_same {

@@ -15,7 +15,7 @@ mod sums;
 
 use crate::analysis::poles::residues::Residues;
 use crate::analysis::transfer::{Disc, Frequency, Gain, feed_through};
-use crate::base::{Ball, Dd, Power, up};
+use crate::base::{Ball, Dd, OrderBy, Power, up};
 use crate::kernel::complex::Complex;
 use crate::system::LinearSystem;
 use at_zero::AtZero;
@@ -162,7 +162,7 @@ impl PartialFractions {
         }
         let mut on_axis: Vec<usize> =
             (0..terms.len()).filter(|&i| terms[i].loose > 0.0 && terms[i].s.re.is_zero()).collect();
-        on_axis.sort_by(|&i, &j| terms[i].s.im.hi.total_cmp(&terms[j].s.im.hi));
+        on_axis.order_by(|&i, &j| terms[i].s.im.hi.total_cmp(&terms[j].s.im.hi));
         Some(PartialFractions { lined: Lined::of(&terms), on_axis, terms, polynomial, at_zero: AtZero(free[0]), part })
     }
 

@@ -15,7 +15,7 @@ use crate::analysis::transfer::extrema::{
 use crate::analysis::transfer::modal::{ModalPair, ModalSum};
 use crate::analysis::transfer::partial_fractions::PartialFractions;
 use crate::analysis::transfer::{FAST_ABOVE, Frequency, Gain, TO_THE_LAST_DIGIT, Transfer};
-use crate::base::{Number, Rational};
+use crate::base::{Number, OrderBy, Rational};
 use crate::kernel::complex::Complex;
 use crate::system::LinearSystem;
 
@@ -292,7 +292,7 @@ fn beside_brackets(
 }
 
 fn sort(rows: &mut Vec<Row>) {
-    rows.sort_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
+    rows.order_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
     rows.dedup_by(|a, b| a.frequency == b.frequency);
 }
 
@@ -309,7 +309,7 @@ fn grid(poles: &Poles, sweep: &Sweep) -> Vec<Number> {
     if sweep.points.is_none() {
         let inside = |f: &f64| *f > low.to_f64() && *f < high.to_f64();
         list.extend(stars(poles).into_iter().filter(inside).filter_map(from_f64));
-        list.sort_by(|a, b| a.to_f64().total_cmp(&b.to_f64()));
+        list.order_by(|a, b| a.to_f64().total_cmp(&b.to_f64()));
         list.dedup_by(|a, b| a.to_f64() == b.to_f64());
     }
     list

@@ -4,7 +4,7 @@ use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Options, Section, line};
 use crate::analysis::{Noisy, Peak, Spread};
 use crate::answers::ModalAnswer;
-use crate::base::{Ball, Bound, Unproven};
+use crate::base::{Ball, Bound, OrderBy, Unproven};
 
 const DIGITS: usize = 6;
 /// Modes are named until they make up this much.
@@ -67,9 +67,9 @@ fn peaks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
             Err(_) => continue,
         };
         let mut highest: Vec<&Peak> = found.iter().collect();
-        highest.sort_by(|a, b| b.density.to_f64().total_cmp(&a.density.to_f64()));
+        highest.order_by(|a, b| b.density.to_f64().total_cmp(&a.density.to_f64()));
         highest.truncate(MOST);
-        highest.sort_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
+        highest.order_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
         for peak in highest {
             is_empty = false;
             let bound = Bound::of_midpoint(peak.frequency).or_larger(Bound::of_midpoint(peak.density));

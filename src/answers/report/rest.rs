@@ -6,7 +6,7 @@ use super::{Block, Figure, Line, Options, Section, Value, coordinate, count_of, 
 use crate::analysis::derived::{degrees, doubling_time};
 use crate::analysis::{Mode, ModeKind, PoleKind, Stability};
 use crate::answers::ModalAnswer;
-use crate::base::{Ball, Bound, Number, Unproven};
+use crate::base::{Ball, Bound, Number, OrderBy, Unproven};
 use crate::lower::Tension;
 use crate::system::{Coordinate, CoordinateKind};
 
@@ -32,7 +32,7 @@ fn displacement(answer: &ModalAnswer) -> Vec<Block> {
         return as_drawn(answer);
     }
     let size = |i: &usize| all[*i].1.to_f64().abs();
-    moved.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
+    moved.order_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
     let left = moved.len().saturating_sub(MOST);
     moved.truncate(MOST);
     moved.sort_unstable();
@@ -89,7 +89,7 @@ fn as_drawn(answer: &ModalAnswer) -> Vec<Block> {
     let size = |found: &&Tension| found.tension.to_f64().abs();
     let all = pulling.len();
     let mut largest = pulling.clone();
-    largest.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    largest.order_by(|a, b| size(b).total_cmp(&size(a)));
     if let Some(least) = largest.get(MOST - 1) {
         let least = size(least);
         pulling.retain(|found| size(found) >= least);

@@ -3,6 +3,7 @@
 //! docs/method/bench.md.
 
 use crate::backend::plot::{self, Axis, Curve, Entry as Line, Mark, Panel, Plot, Sample, Scale, Shape, Style};
+use crate::base::OrderBy;
 use crate::bench::{Bench, Entry, Question};
 
 const HEIGHT: f64 = 300.0;
@@ -37,7 +38,7 @@ fn panel(question: Question, entries: &[&Entry]) -> Panel {
     let times = Axis::holding("time [s]", Scale::Decades, places().map(|(time, _)| time)).in_whole_decades(20.0);
     let errors = places().map(|(_, error)| error).chain([EXACT, 1.0]);
     let mut best: Vec<(f64, f64)> = entries.iter().filter(|entry| entry.pareto).map(|entry| place(entry)).collect();
-    best.sort_by(|a, b| a.0.total_cmp(&b.0));
+    best.order_by(|a, b| a.0.total_cmp(&b.0));
     let style = |entry: &Entry| Style::Curve(usize::from(entry.ordinary));
     let shape = |entry: &Entry| match entry {
         Entry { chosen: true, .. } => Shape::Chosen,

@@ -6,7 +6,7 @@
 
 use super::places::Places;
 use crate::base::readable::{readable, visible};
-use crate::base::{Diagnostic, FileId, Label, Position};
+use crate::base::{Diagnostic, FileId, Label, OrderBy, Position};
 use miette::{LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use std::ops::Range;
 
@@ -145,7 +145,7 @@ fn windows(places: &Places, file: FileId, marks: &[&Mark]) -> Vec<Range<usize>> 
     let end = |mark: &&Mark| (mark.lines.end + CONTEXT).min(count).max(mark.lines.end);
     let around = |mark: &&Mark| mark.lines.start.saturating_sub(CONTEXT)..end(mark);
     let mut wanted: Vec<Range<usize>> = marks.iter().map(around).collect();
-    wanted.sort_by_key(|lines| lines.start);
+    wanted.order_by_key(|lines| lines.start);
     let mut merged: Vec<Range<usize>> = Vec::new();
     for lines in wanted {
         match merged.last_mut() {

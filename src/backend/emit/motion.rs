@@ -3,6 +3,7 @@
 
 use super::plan::{Array, Expression, Factor, Index, Slot, Statement, Table, Target, plus, product, sum, total};
 use crate::analysis::discrete::{DiscreteSystem, Operand};
+use crate::base::OrderBy;
 
 /// The most numbers that are written out; larger sets become tables.
 const WRITTEN_OUT: usize = 1024;
@@ -112,7 +113,7 @@ impl Motion<'_> {
             if states.is_empty() {
                 continue;
             }
-            states.sort_by_key(|state| state.slot.at);
+            states.order_by_key(|state| state.slot.at);
             // The states of signals, which are not set, come before them.
             let (count, first) = (states.len(), states[0].slot.at);
             let at = |index: &'static str| match first {

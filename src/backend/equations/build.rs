@@ -2,7 +2,7 @@
 //! squares, coefficients before sines and cosines, coordinates last, positive terms first.
 
 use super::formula::{Formula, Shown, as_shown};
-use crate::base::Rational;
+use crate::base::{OrderBy, Rational};
 use crate::equations::energy::is_motion;
 use crate::equations::names::{Names, class};
 use crate::symbols::{Factor, Power, Product, Sum, Symbol, common_factors};
@@ -79,7 +79,7 @@ impl<'a> Builder<'a> {
                 rest.terms().iter().map(|(product, c)| (c.signum() < 0, self.term(product, &absolute(c), &[]))),
             );
             terms.extend(of_lines);
-            terms.sort_by_key(|(negative, _)| *negative);
+            terms.order_by_key(|(negative, _)| *negative);
             return Formula::sum(terms);
         }
         let (squares, sum) = self.squares(sum);
@@ -96,7 +96,7 @@ impl<'a> Builder<'a> {
                 terms.push((negative, self.with_coefficient(coefficient, &moving)));
             }
         }
-        terms.sort_by_key(|(negative, _)| *negative);
+        terms.order_by_key(|(negative, _)| *negative);
         Formula::sum(terms)
     }
 
@@ -176,7 +176,7 @@ impl<'a> Builder<'a> {
         if let Some((of_lines, rest)) = self.of_lines(sum) {
             terms.extend(self.collect_terms(&rest));
             terms.extend(of_lines);
-            terms.sort_by_key(|(negative, _)| *negative);
+            terms.order_by_key(|(negative, _)| *negative);
             return terms;
         }
         for (wave, rest) in sum.collect_by(is_wave) {
@@ -242,7 +242,7 @@ impl<'a> Builder<'a> {
             matches!(factor, Factor::Name(symbol) if classes.contains(&symbol.class()))
         };
         let mut parts = sum.collect_by(is_rate);
-        parts.sort_by_key(|(moving, _)| rates(moving));
+        parts.order_by_key(|(moving, _)| rates(moving));
         let term = |(moving, rest): (Product, Sum)| {
             let (negative, coefficient) = self.sign_and_factor(&rest);
             (negative, self.with_coefficient(coefficient, &moving))
@@ -284,8 +284,8 @@ impl<'a> Builder<'a> {
             }
         }
         over.extend(brackets.iter().map(|bracket| (WAVE - 1, bracket.clone())));
-        over.sort_by_key(|(rank, _)| *rank);
-        behind.sort_by_key(|(rank, _)| *rank);
+        over.order_by_key(|(rank, _)| *rank);
+        behind.order_by_key(|(rank, _)| *rank);
         let coefficient = Formula::product(over.into_iter().map(|(_, formula)| formula).collect());
         let is_one = matches!(&coefficient, Formula::Number(number) if number.is_one());
         let mut factors: Vec<Formula> = front.into_iter().collect();

@@ -4,7 +4,7 @@ use super::build::raise;
 use super::document::{Section, Writer, display};
 use super::fold;
 use super::formula::Formula;
-use crate::base::Rational;
+use crate::base::{OrderBy, Rational};
 use crate::elements::Order;
 use crate::equations::energy::{Element, Stretch};
 use crate::equations::names::Label;
@@ -26,7 +26,7 @@ impl Writer<'_> {
             potential.extend(self.spring_energy(&spring));
         }
         if !potential.is_empty() {
-            potential.sort_by_key(|(negative, _)| *negative);
+            potential.order_by_key(|(negative, _)| *negative);
             items.push(display(self.letter("V", None).equal(folded(potential))));
         }
         let mut dissipation = Vec::new();

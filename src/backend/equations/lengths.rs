@@ -2,6 +2,7 @@
 
 use super::document::{Inline, Item, Writer, display, words};
 use super::formula::Formula;
+use crate::base::OrderBy;
 use crate::equations::belts::{Belt, Turn};
 use crate::symbols::{Dependence, Sum, Symbol};
 
@@ -44,7 +45,7 @@ impl Writer<'_> {
         if !turn.drawn.is_zero() {
             terms.push((negative == turn.is_opposite, drawn));
         }
-        terms.sort_by_key(|(negative, _)| *negative);
+        terms.order_by_key(|(negative, _)| *negative);
         Formula::sum(terms)
     }
 

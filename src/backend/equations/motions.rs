@@ -4,7 +4,7 @@ use super::build::is_dynamic;
 use super::document::{Inline, Item, Section, Writer, display, paragraph, words};
 use super::fold;
 use super::formula::{Formula, Running};
-use crate::base::Rational;
+use crate::base::{OrderBy, Rational};
 use crate::elements::Order;
 use crate::equations::lagrange::{Equation, Line};
 use crate::equations::loops::{Kept, MOST_TERMS, MOST_TOGETHER, Ratio};
@@ -118,7 +118,7 @@ impl Writer<'_> {
             };
             terms.push((rank, negative, formula));
         }
-        terms.sort_by_key(|(rank, ..)| *rank);
+        terms.order_by_key(|(rank, ..)| *rank);
         let mut terms: Vec<(bool, Formula)> =
             terms.into_iter().map(|(_, negative, formula)| (negative, formula)).collect();
         for (multiplier, slope) in &equation.reactions {
@@ -147,7 +147,7 @@ impl Writer<'_> {
     /// Terms collected by acceleration, then by products of rates, then by position.
     pub fn order_terms(&self, sum: &Sum) -> Vec<(bool, Formula)> {
         let mut terms = self.rank_terms(sum);
-        terms.sort_by_key(|(rank, ..)| *rank);
+        terms.order_by_key(|(rank, ..)| *rank);
         terms.into_iter().map(|(_, negative, formula)| (negative, formula)).collect()
     }
 

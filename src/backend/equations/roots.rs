@@ -3,7 +3,7 @@
 
 use super::build::{Builder, absolute};
 use super::formula::Formula;
-use crate::base::Rational;
+use crate::base::{OrderBy, Rational};
 use crate::equations::names::class;
 use crate::symbols::{Factor, Product, Sum, common_factors};
 
@@ -77,7 +77,7 @@ impl Builder<'_> {
         let (waves, others): (Vec<_>, Vec<_>) = rest.terms().iter().cloned().partition(has_wave);
         let rest = others.iter().chain(&waves);
         terms.extend(rest.map(|(product, c)| (c.signum() < 0, inner.term(product, &absolute(c), &[]))));
-        terms.sort_by_key(|(negative, _)| *negative);
+        terms.order_by_key(|(negative, _)| *negative);
         Formula::Root(Box::new(Formula::sum(terms)))
     }
 }

@@ -7,6 +7,7 @@
 use super::super::plain;
 use super::wrap::{characters, fill_lines, longest_word, wrap_lines};
 use crate::answers::report::{self, Align};
+use crate::base::OrderBy;
 use std::fmt::Write;
 
 /// A table of a report as text, before it is laid out; every row has as many cells as there are columns.
@@ -153,7 +154,7 @@ impl Table {
         let mut spare = room.saturating_sub(sum(&least));
         let mut wanting: Vec<usize> = (0..layouts.len()).filter(|at| layouts[*at].width > least[*at]).collect();
         // The column that needs the least is served first, so that the others get what it leaves.
-        wanting.sort_by_key(|at| layouts[*at].width - least[*at]);
+        wanting.order_by_key(|at| layouts[*at].width - least[*at]);
         let count = wanting.len();
         for (served, at) in wanting.into_iter().enumerate() {
             let more = (layouts[at].width - least[at]).min(spare / (count - served));

@@ -5,6 +5,7 @@
 //! magnitudes it is stable row by row (Powell and Reid 1969; Cox and Higham 1998), and the rows of R are graded, as
 //! one-sided Jacobi on R^T requires (Drmac and Veselic 2008). See docs/method/modes.md#starting-modes.
 
+use crate::base::OrderBy;
 use crate::kernel::dense::Matrix;
 
 /// C with C C^T = G^T G and `rank` columns.
@@ -35,7 +36,7 @@ fn with_sorted_rows(g: &Matrix<f64>) -> Matrix<f64> {
     let size = |i: usize| (0..g.columns()).fold(0.0, |m: f64, j| m.max(g[(i, j)].abs()));
     let sizes: Vec<f64> = (0..g.rows()).map(size).collect();
     let mut order: Vec<usize> = (0..g.rows()).collect();
-    order.sort_by(|&a, &b| sizes[b].total_cmp(&sizes[a]));
+    order.order_by(|&a, &b| sizes[b].total_cmp(&sizes[a]));
     Matrix::from_fn(g.rows(), g.columns(), |i, j| g[(order[i], j)])
 }
 

@@ -7,6 +7,7 @@
 //! Eisenstat, SIAM J. Matrix Anal. Appl. 16 (1995) 172). The rest is products of matrices. Repeated eigenvalues make it
 //! faster, not slower.
 
+use crate::base::OrderBy;
 use crate::kernel::dense::jacobi;
 use crate::kernel::dense::product::{View, product};
 use crate::kernel::dense::{Matrix, rotate};
@@ -47,7 +48,7 @@ fn solve_small(diagonal: &[f64], beside: &[f64]) -> Eigen {
     let mut vectors = Matrix::from_fn(n, n, |i, j| f64::from(i == j));
     jacobi::diagonalise(&mut t, &mut vectors);
     let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&a, &b| t[(a, a)].total_cmp(&t[(b, b)]));
+    order.order_by(|&a, &b| t[(a, a)].total_cmp(&t[(b, b)]));
     Eigen { values: order.iter().map(|&i| t[(i, i)]).collect(), vectors: vectors.select_columns(&order) }
 }
 
@@ -104,7 +105,7 @@ impl Merge {
         let value = |i: usize| if i < kept.len() { zeros.values[i] } else { self.d[aside[i - kept.len()]] };
         let column = |i: usize| if i < kept.len() { turned.column(i) } else { self.q.column(aside[i - kept.len()]) };
         let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by(|&a, &b| value(a).total_cmp(&value(b)));
+        order.order_by(|&a, &b| value(a).total_cmp(&value(b)));
         let mut vectors = Matrix::fill_with(n, n, 0.0);
         for (j, &i) in order.iter().enumerate() {
             vectors.column_mut(j).copy_from_slice(column(i));
@@ -123,7 +124,7 @@ impl Merge {
         let size = self.d.iter().fold(2.0 * self.r, |m, d| m.max(d.abs()));
         let tolerance = 8.0 * f64::EPSILON * size;
         let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by(|&a, &b| self.d[a].total_cmp(&self.d[b]));
+        order.order_by(|&a, &b| self.d[a].total_cmp(&self.d[b]));
         let mut kept: Vec<usize> = Vec::new();
         for j in order {
             if 2.0 * self.r * self.z[j].abs() <= tolerance {

@@ -13,7 +13,7 @@
 //! dg/dt += (a x R n) . u      d2g/dt dq_j += (a x R n) . du/dq_j      d2g/dt2 += -(R n) . u.
 //! ```
 
-use crate::base::Number;
+use crate::base::{Number, OrderBy};
 use crate::elements::{Scalar, Vector};
 use crate::lower::kinematics::{Index, Kinematics, Path, PathEvaluation, State};
 
@@ -144,7 +144,7 @@ impl<S: Scalar> Component<S> {
 
 /// Sums the entries of each coordinate: one per coordinate, ascending, without zeros.
 pub fn merge_entries<S: Scalar>(mut row: Vec<(Index, S)>) -> Vec<(Index, S)> {
-    row.sort_by_key(|(coordinate, _)| *coordinate);
+    row.order_by_key(|(coordinate, _)| *coordinate);
     let mut sums: Vec<(Index, S)> = Vec::with_capacity(row.len());
     for (coordinate, value) in row {
         match sums.last_mut() {

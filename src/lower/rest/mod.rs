@@ -30,7 +30,7 @@ use super::error::{LowerError, NoRestReason, Unbalanced};
 use super::kinematics::{Index, Kinematics, State};
 use super::law::LawAtRest;
 use super::{assembly, law, loads};
-use crate::base::Number;
+use crate::base::{Number, OrderBy};
 use crate::elements::Scalar;
 use crate::model::scene::{Attachment, BodyId, ElementId, Part as ScenePart, Scene};
 use crate::system::{Coordinate, CoordinateKind, Label, LinearSystem};
@@ -382,7 +382,7 @@ fn no_rest(scene: &Scene, kinematics: &Kinematics, part: &Part, descended: &Desc
     let relative = |place: usize| energy.gradient[place].abs() / energy.forces[place].max(f64::MIN_POSITIVE);
     // Forces that remain unbalanced after many steps are far above their rounding errors.
     let mut places: Vec<usize> = (0..energy.gradient.len()).filter(|&place| relative(place) > 1e-9).collect();
-    places.sort_by(|&a, &b| relative(b).total_cmp(&relative(a)).then(a.cmp(&b)));
+    places.order_by(|&a, &b| relative(b).total_cmp(&relative(a)).then(a.cmp(&b)));
     let left: Vec<(Index, f64)> =
         places.iter().map(|&place| (part.coordinates[place], -energy.gradient[place])).collect();
     // No force acts in the opposite direction: it falls.

@@ -2,6 +2,7 @@
 //! side share one line.
 
 use super::{Sheet, Subject};
+use crate::base::OrderBy;
 use crate::picture::Detail;
 use crate::picture::figure::{Kind, Pen, Stroke};
 use crate::picture::geometry::Point;
@@ -47,7 +48,7 @@ pub fn walls(sheet: &mut Sheet, stage: &Stage) {
     }
     for (behind, mut feet) in walls.into_values() {
         let along = behind.perpendicular();
-        feet.sort_by(|a, b| a.dot(along).total_cmp(&b.dot(along)));
+        feet.order_by(|a, b| a.dot(along).total_cmp(&b.dot(along)));
         for run in feet.chunk_by(|a, b| b.dot(along) - a.dot(along) < JOINED) {
             let (first, last) = (run[0], run[run.len() - 1]);
             let strokes = match sheet.detail {

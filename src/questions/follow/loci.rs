@@ -4,7 +4,7 @@
 use super::places::{Field, binary};
 use crate::analysis::range::Family;
 use crate::analysis::{self, Request};
-use crate::base::{Ball, Number};
+use crate::base::{Ball, Number, OrderBy};
 use crate::kernel::complex::{Complex, arc};
 use crate::kernel::cores;
 use crate::questions::answer::Proved;
@@ -152,7 +152,7 @@ fn nearest([from, to]: [&Spot; 2], proved: &[Option<usize>]) -> Links {
         let free = (0..is_taken.len()).filter(|&j| !is_taken[j]);
         pairs.extend(free.map(|j| (distance(from.poles[i], to.poles[j]), i, j)));
     }
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pairs.order_by(|a, b| a.0.total_cmp(&b.0));
     for (_, i, j) in pairs {
         if links[i].is_none() && !is_taken[j] {
             links[i] = Some((j, false));

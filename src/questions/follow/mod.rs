@@ -12,7 +12,7 @@ mod steps;
 use super::answer::{Case, Column, Entry, Holds, Proved};
 use super::cases::{Study, Varied};
 use super::followed::{Curve, Followed, Grows, Meeting, MeetingKind};
-use crate::base::Ball;
+use crate::base::{Ball, OrderBy};
 use crate::kernel::cores;
 use crate::model::Swept;
 use places::{Field, Place};
@@ -80,7 +80,7 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     let grows = if study.asked.poles { Grows::Poles } else { Grows::Modes };
     let rises = values.len() < 2 || first.to_f64() <= last.to_f64();
     let key = |meeting: &Meeting| if rises { meeting.place[0] } else { -meeting.place[0] };
-    meetings.sort_by(|a, b| key(a).total_cmp(&key(b)));
+    meetings.order_by(|a, b| key(a).total_cmp(&key(b)));
     Ok(Followed {
         curves: curves.iter().map(|own| curve(*own, &classes, &points, &steps)).collect(),
         meetings,
@@ -129,7 +129,7 @@ fn choose(points: &[Place], count: usize) -> Result<Vec<Member>, Unfollowed> {
         let own = frequencies.iter().enumerate().map(|(index, frequency)| (key(frequency), Member { class, index }));
         list.extend(own);
     }
-    list.sort_by(|a, b| a.0.total_cmp(&b.0));
+    list.order_by(|a, b| a.0.total_cmp(&b.0));
     Ok(list.into_iter().take(count).map(|(_, member)| member).collect())
 }
 

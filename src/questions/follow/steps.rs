@@ -3,6 +3,7 @@
 
 use super::places::{Bounds, Field, Place, binary};
 use super::{Member, pairs_of};
+use crate::base::OrderBy;
 use std::collections::VecDeque;
 
 /// Limit on the halvings of a step.
@@ -65,7 +66,7 @@ pub fn step(field: &Field, curves: &[Member], limits: Limits, ends: [&Place; 2])
     }
     let rises = ends[0].at.to_f64() < ends[1].at.to_f64();
     let key = |place: &Place| if rises { place.at.to_f64() } else { -place.at.to_f64() };
-    found.inner.sort_by(|a, b| key(a).total_cmp(&key(b)));
+    found.inner.order_by(|a, b| key(a).total_cmp(&key(b)));
     found.doubtful.sort_unstable();
     found.doubtful.dedup();
     found.near.sort_unstable();

@@ -18,7 +18,7 @@ use super::require::{holds_for, margin};
 use super::trial::{Facts, Text};
 use super::unknowns::{self, Settled, interpolate, shortest};
 use crate::analysis::{Measurement, Stability};
-use crate::base::{Ball, Dd, Number, Quantity};
+use crate::base::{Ball, Dd, Number, OrderBy, Quantity};
 use crate::model::scene::{Measure, Optimum, Question, Varied};
 use crate::model::{CheckedScene, Setting};
 use search::{Rough, Search, Seen};
@@ -53,7 +53,7 @@ fn find_optima(text: &Text, scene: &CheckedScene, robust: bool) -> Result<Settle
         settings.extend(values);
         optimised.push((index, found));
     }
-    optimised.sort_by_key(|(index, _)| *index);
+    optimised.order_by_key(|(index, _)| *index);
     let optimised = optimised.into_iter().map(|(_, found)| found).collect();
     let text = Text { fixed: &settings, ..*text };
     let refused = |why: String| {

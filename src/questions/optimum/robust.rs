@@ -10,7 +10,7 @@
 use super::search::{Rough, Search, Seen};
 use super::{Lines, Outcome, Trial, setting};
 use crate::analysis::Measurement;
-use crate::base::{Ball, Bound, Number, Quantity, up};
+use crate::base::{Ball, Bound, Number, OrderBy, Quantity, up};
 use crate::model::Setting;
 use crate::model::scene::{Optimum, Scene, Tolerance};
 use crate::questions::answer::{Best, Optimised, Proved, Robust, Throughout, WorstCase};
@@ -310,7 +310,7 @@ impl Uncertain<'_> {
         }
         let mut order: Vec<(Trial, &Shares)> =
             scenarios.iter().map(|shares| (self.trial(values, std::slice::from_ref(shares)), shares)).collect();
-        order.sort_by(|a, b| self.order(&b.0, &a.0));
+        order.order_by(|a, b| self.order(&b.0, &a.0));
         let better = |a: &(Ball, Proved), b: &(Ball, Proved)| self.sign() * (a.0.to_f64() - b.0.to_f64()) > 0.0;
         let mut all = Vec::new();
         let mut designs = Vec::new();

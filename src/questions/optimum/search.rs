@@ -4,7 +4,7 @@
 
 use super::Trial;
 use crate::analysis::Measurement;
-use crate::base::{Ball, Dd, Number, Rational};
+use crate::base::{Ball, Dd, Number, OrderBy, Rational};
 use crate::model::scene::{Optimum, Varied};
 use crate::questions::search::to_fraction;
 use crate::questions::unknowns::interpolate;
@@ -118,7 +118,7 @@ impl<'a> Search<'a> {
         if let Some(values) = self.unbounded.take().filter(|_| self.optimum.highest) {
             return Err(Nothing::Unbounded(values));
         }
-        places.sort_by(|a, b| order(&a.merit, &b.merit));
+        places.order_by(|a, b| order(&a.merit, &b.merit));
         let mut starts: Vec<Vertex> = Vec::new();
         for place in &places {
             let apart = |other: &Vertex| place.at.iter().zip(&other.at).any(|(a, b)| (a - b).abs() > 0.2);
@@ -256,7 +256,7 @@ impl<'a> Search<'a> {
         }
         let limit = self.count + most;
         while self.count < limit {
-            simplex.sort_by(|a, b| order(&a.merit, &b.merit));
+            simplex.order_by(|a, b| order(&a.merit, &b.merit));
             let size = |i: usize| simplex.iter().map(|v| (v.at[i] - simplex[0].at[i]).abs()).fold(0.0, f64::max);
             if (0..n).map(size).fold(0.0, f64::max) <= until {
                 break;

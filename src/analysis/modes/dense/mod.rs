@@ -19,7 +19,7 @@ use crate::analysis::modes::gram::SLACK;
 use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair, ascending};
 use crate::analysis::modes::structure;
 use crate::analysis::modes::terms::Terms;
-use crate::base::{Dd, Rational, larger};
+use crate::base::{Dd, OrderBy, Rational, larger};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::inverse_factor::inverse_factor;
 use crate::kernel::dense::product::{View, product};
@@ -171,7 +171,7 @@ impl Candidate {
     fn of(pencil: &Pencil, x: Matrix<f64>) -> Candidate {
         let residuals = pencil.residuals(&x);
         let mut order: Vec<usize> = (0..x.columns()).collect();
-        order.sort_by(|&a, &b| compare(residuals.theta[a], residuals.theta[b]));
+        order.order_by(|&a, &b| compare(residuals.theta[a], residuals.theta[b]));
         let (x, residuals) = (x.select_columns(&order), residuals.reorder(&order));
         let pencil = Reduced::of(&x, residuals);
         Candidate { radii: pencil.radii(), x, pencil }
@@ -245,7 +245,7 @@ impl Candidate {
             Pair { value, x, route: if zero { Route::Exact } else { Route::Dense } }
         };
         let mut pairs: Vec<Pair> = (0..self.radii.len()).map(pair).collect();
-        pairs.sort_by(|a, b| ascending(&a.value, &b.value));
+        pairs.order_by(|a, b| ascending(&a.value, &b.value));
         pairs
     }
 

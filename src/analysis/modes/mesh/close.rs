@@ -8,7 +8,7 @@
 
 use crate::analysis::modes::gram::Gram;
 use crate::analysis::modes::terms::Terms;
-use crate::base::Dd;
+use crate::base::{Dd, OrderBy};
 use crate::kernel::dense::{Matrix, add_scaled, dot};
 use crate::kernel::dense::{cholesky, jacobi};
 use crate::kernel::triple::Triple;
@@ -61,7 +61,7 @@ pub fn separate_close_modes(stiffness: &Terms, masses: &Terms, x: &[Vec<Dd>]) ->
     let mut turned = basis.clone();
     jacobi::diagonalise(&mut small, &mut turned);
     let mut order: Vec<usize> = (0..x.len()).collect();
-    order.sort_by(|&a, &b| small[(a, a)].hi.total_cmp(&small[(b, b)].hi));
+    order.order_by(|&a, &b| small[(a, a)].hi.total_cmp(&small[(b, b)].hi));
     let vector = |&j: &usize| {
         let mut vector = vec![Dd::ZERO; n];
         (0..x.len()).for_each(|l| add_scaled(&mut vector, turned[(l, j)], &x[l]));

@@ -8,6 +8,7 @@
 
 use crate::analysis::modes::mesh::elimination::Factors;
 use crate::analysis::modes::mesh::network::Network;
+use crate::base::OrderBy;
 use crate::kernel::real::Float;
 use nalgebra::DMatrix;
 
@@ -166,7 +167,7 @@ impl<'a> Krylov<'a> {
         let eigen = t.symmetric_eigen();
         let mut order: Vec<usize> = (0..m).collect();
         let nu = |i: usize| eigen.eigenvalues[i];
-        order.sort_by(|&a, &b| nu(b).abs().total_cmp(&nu(a).abs()).then(a.cmp(&b)));
+        order.order_by(|&a, &b| nu(b).abs().total_cmp(&nu(a).abs()).then(a.cmp(&b)));
         let ritz = |&i: &usize| {
             let coordinates: Vec<f64> = eigen.eigenvectors.column(i).iter().copied().collect();
             // The component outside the space of the vectors that were multiplied.

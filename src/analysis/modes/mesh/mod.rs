@@ -32,7 +32,7 @@ use crate::analysis::modes::pair::Found;
 use crate::analysis::modes::pair::{Displacements, Eigenvalue, Pair};
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::modes::terms::Terms;
-use crate::base::{Dd, Power};
+use crate::base::{Dd, OrderBy, Power};
 use crate::kernel::dense::Matrix;
 use crate::kernel::triple::Triple;
 use std::ops::Range;
@@ -174,7 +174,7 @@ impl<'a> Mesh<'a> {
                 before = krylov.len();
             }
             let mut ritz = krylov.ritz();
-            ritz.sort_by(|a, b| a.lambda.total_cmp(&b.lambda));
+            ritz.order_by(|a, b| a.lambda.total_cmp(&b.lambda));
             match self.cut_of(ritz, wanted) {
                 Ok(cut) => return Some(cut),
                 Err(_) if next >= most || next >= self.k.n() => return None,

@@ -7,7 +7,7 @@ use crate::analysis::modes::request::Band;
 use crate::analysis::modes::tree::bounds::Frame;
 use crate::analysis::modes::tree::forest::{Forest, Node};
 use crate::analysis::modes::tree::impedance::{LANES, counts};
-use crate::base::Power;
+use crate::base::{OrderBy, Power};
 use crate::kernel::real::Float;
 use std::ops::Range;
 
@@ -123,7 +123,7 @@ impl<'a> Brackets<'a> {
             let counted = counts(self.nodes, lanes)?;
             self.points.extend(chunk.iter().copied().zip(counted));
         }
-        self.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.points.order_by(|a, b| a.0.total_cmp(&b.0));
         self.points.dedup();
         Some(())
     }

@@ -17,7 +17,7 @@ use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::mesh::residual::{Image, Multiplier};
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::poles::targeted::elimination::Networks;
-use crate::base::{Dd, down, up};
+use crate::base::{Dd, OrderBy, down, up};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::simd::simd;
@@ -265,7 +265,7 @@ fn entries(gram: &Gram) -> Matrix<Entry> {
 fn gap(networks: &Networks, modes: &[(f64, &[f64])], wanted: usize) -> Option<(usize, f64)> {
     let room = |count: usize| (modes[count].0 - modes[count - 1].0) / modes[count].0;
     let mut counts: Vec<usize> = (wanted.max(1)..modes.len()).collect();
-    counts.sort_by(|&a, &b| room(b).total_cmp(&room(a)));
+    counts.order_by(|&a, &b| room(b).total_cmp(&room(a)));
     for count in counts.into_iter().take(3) {
         if let Some(mu) = in_gap(networks, count, modes[count - 1].0, modes[count].0) {
             return Some((count, mu));

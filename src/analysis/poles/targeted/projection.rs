@@ -3,6 +3,7 @@
 
 use crate::analysis::poles::targeted::frame::Frame;
 use crate::analysis::poles::targeted::iteration::Start;
+use crate::base::OrderBy;
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::lu::Lu;
@@ -28,7 +29,7 @@ pub fn project(frame: &Frame, wanted: usize) -> Option<Vec<Start>> {
     let values = Schur::try_new(matrix, f64::EPSILON, 100 * count)?.complex_eigenvalues();
     let mut values: Vec<Complex<f64>> =
         values.iter().map(|z| Complex::new(z.re, z.im)).filter(|z| z.im > REAL * z.abs()).collect();
-    values.sort_by(|a, b| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
+    values.order_by(|a, b| a.abs().total_cmp(&b.abs()).then(a.im.total_cmp(&b.im)));
     let starts = values.into_iter().take(wanted).enumerate().map(|(seed, s)| start(frame, s, seed));
     starts.collect()
 }

@@ -23,7 +23,7 @@ use crate::analysis::modes::modes_as;
 use crate::analysis::modes::request::{Request, Which};
 use crate::analysis::poles::MAX_DAMPED;
 use crate::analysis::response::signal::Source;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Number, OrderBy};
 use crate::kernel::lanes::Lanes;
 use crate::system::{LinearSystem, Signal};
 use blocks::Blocks;
@@ -223,7 +223,7 @@ impl<'a> Run<'a> {
                 events.push(Event { at: Moment::of(at), channel, piece });
             }
         }
-        events.sort_by(|a, b| a.at.seconds.total_cmp(&b.at.seconds));
+        events.order_by(|a, b| a.at.seconds.total_cmp(&b.at.seconds));
         events
     }
 

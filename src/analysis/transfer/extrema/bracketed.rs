@@ -8,7 +8,7 @@ use crate::analysis::answer::Poles;
 use crate::analysis::derived::hertz;
 use crate::analysis::transfer::modal::{ModalPair, ModalSum};
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
-use crate::base::{Ball, Dd, Number, Rational, down, up};
+use crate::base::{Ball, Dd, Number, OrderBy, Rational, down, up};
 use crate::kernel::complex::{Complex, arc};
 
 /// The most steps towards one extremum, and the most doublings of its enclosure.
@@ -66,7 +66,7 @@ pub fn bracket(
         let frequency = hertz(pole);
         list.push(Extremum { kind: FeatureKind::Peak, frequency, gain: Gain::Infinite, width: None });
     }
-    list.sort_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
+    list.order_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
     list.dedup_by(|b, a| (a.frequency - b.frequency).contains_zero());
     Extrema { list, complete: None, open: vec![(first.0, last.0)] }
 }

@@ -11,7 +11,7 @@ use super::{Complete, Extrema, Extremum, FeatureKind};
 use crate::analysis::derived::hertz;
 use crate::analysis::transfer::partial_fractions::{Expansion, Local, Near, PartialFractions, size};
 use crate::analysis::transfer::{Disc, Gain};
-use crate::base::{Ball, Dd, down, up};
+use crate::base::{Ball, Dd, OrderBy, down, up};
 use crate::kernel::complex::Complex;
 use product::{CUT, Piece, Product};
 use widths::Widths;
@@ -101,7 +101,7 @@ fn distinct(found: Vec<Located>) -> (Vec<Located>, Vec<(f64, f64)>) {
 
 /// In Hz, with neighbours joined.
 fn merge(mut open: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    open.sort_by(|a, b| a.0.total_cmp(&b.0));
+    open.order_by(|a, b| a.0.total_cmp(&b.0));
     let mut list: Vec<(f64, f64)> = Vec::new();
     for (from, to) in open {
         match list.last_mut().filter(|last| last.1 >= from * (1.0 - 1e-12)) {
@@ -193,7 +193,7 @@ impl Search<'_> {
                 }
             }
         }
-        self.found.sort_by(|a, b| a.omega.to_f64().total_cmp(&b.omega.to_f64()));
+        self.found.order_by(|a, b| a.omega.to_f64().total_cmp(&b.omega.to_f64()));
     }
 }
 

@@ -28,7 +28,7 @@ pub(in crate::analysis) use slope::{Over, product};
 pub use supremum::{Supremum, supremum};
 
 use crate::analysis::transfer::Gain;
-use crate::base::Ball;
+use crate::base::{Ball, OrderBy};
 
 /// A peak or an antiresonance.
 #[derive(Clone, Debug)]
@@ -88,7 +88,7 @@ impl Extrema {
                 self.list.push(other);
             }
         }
-        self.list.sort_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
+        self.list.order_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
         self
     }
 }

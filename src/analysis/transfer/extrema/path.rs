@@ -18,7 +18,7 @@ use crate::analysis::answer::{Pole, Poles};
 use crate::analysis::modes::modes;
 use crate::analysis::poles::poles;
 use crate::analysis::transfer::{Frequency, MatrixEntry, Transfer, feed_through};
-use crate::base::{Ball, Dd, Number, Rational, two_to, up};
+use crate::base::{Ball, Dd, Number, OrderBy, Rational, two_to, up};
 use crate::kernel::big_float::{ComplexFloat, Float};
 use crate::system::{CoordinateId, Form, LinearSystem};
 
@@ -76,8 +76,8 @@ type Row = Vec<(usize, Number)>;
 fn same_row(system: &LinearSystem, input: usize, output: usize) -> Option<(Row, usize)> {
     let (mut b, left) = only_power(&system.inputs[input].b)?;
     let (mut p, right) = only_power(&system.outputs[output].p)?;
-    b.sort_by_key(|(i, _)| *i);
-    p.sort_by_key(|(i, _)| *i);
+    b.order_by_key(|(i, _)| *i);
+    p.order_by_key(|(i, _)| *i);
     let (first, other) = (b.first()?.1.clone(), p.first()?.1.clone());
     let proportional = |(b, p): (&(usize, Number), &(usize, Number))| {
         let difference = &(&b.1 * &other) - &(&p.1 * &first);

@@ -11,7 +11,7 @@
 use super::far::Far;
 use super::fraction::Factored;
 use super::roots::{Place, Root};
-use crate::base::{Ball, Dd, up};
+use crate::base::{Ball, Dd, OrderBy, up};
 use crate::kernel::big_float::Float;
 use crate::kernel::complex::Complex;
 
@@ -66,7 +66,7 @@ pub fn anchors(factored: &Factored) -> Vec<Anchor> {
     let mut list: Vec<&Root> = roots.filter(|root| !root.place.is_alone()).collect();
     // Of roots with equal imaginary parts, the one on the axis becomes the anchor: distances to other roots are known
     // only to their radii.
-    list.sort_by(|a, b| {
+    list.order_by(|a, b| {
         (&a.centre.im - &b.centre.im).sign().then((a.place != Place::Axis).cmp(&(b.place != Place::Axis)))
     });
     list.dedup_by(|b, a| a.centre.im == b.centre.im);

@@ -18,7 +18,7 @@ mod sweep;
 use crate::analysis::transfer::inverse::Entry;
 use crate::analysis::transfer::sparse::{Pattern, Symbolic};
 use crate::analysis::transfer::{Disc, Frequency, MatrixEntry, Transfer};
-use crate::base::{Ball, Dd, Number, down, larger, up};
+use crate::base::{Ball, Dd, Number, OrderBy, down, larger, up};
 use crate::kernel::complex::Complex;
 use crate::system::CoordinateId;
 use std::cmp::Ordering;
@@ -190,7 +190,7 @@ impl Plan {
         let polynomial = |entry: &MatrixEntry| Polynomial { k: entry.k.mid, c: entry.c.mid, m: entry.m.mid };
         let all: Vec<Polynomial> = entries.iter().map(polynomial).collect();
         let mut different = all.clone();
-        different.sort_by(Polynomial::order);
+        different.order_by(Polynomial::order);
         different.dedup_by(|a, b| a.order(b).is_eq());
         for (entry, polynomial) in entries.iter().zip(&all) {
             let which = different.partition_point(|known| known.order(polynomial).is_lt()) as u32;

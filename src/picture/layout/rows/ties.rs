@@ -1,6 +1,6 @@
 //! The connections between the parts of a scene without coordinates.
 
-use crate::base::Number;
+use crate::base::{Number, OrderBy};
 use crate::model::scene::{Geometry, Motion, Part, Scene};
 use crate::picture::geometry::Point;
 use crate::picture::layout::parts::{GROUND, Parts};
@@ -181,7 +181,7 @@ fn strands(scene: &Scene, parts: &Parts, free: &[bool], is_between: &mut [bool])
         }
         list.push((element, [a.min(b), a.max(b)], Strand { elements: vec![element], between: Vec::new() }));
     }
-    list.sort_by_key(|(element, ..)| *element);
+    list.order_by_key(|(element, ..)| *element);
     list.into_iter().map(|(_, pair, strand)| (pair, strand)).collect()
 }
 
