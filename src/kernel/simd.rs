@@ -232,13 +232,27 @@ pub type Twice<V> = Several<V, 2>;
 /// Eight lanes in a loop, for any processor.
 pub type Plain = Several<f64, LANES>;
 
+/// N results as [`Several`], from an expression in their index. A closure here, as [`each`] takes one, would be compiled
+/// without the processor's instructions wherever its caller is too large to take it in: eight calls of `fma` for one of AVX-512.
+macro_rules! several {
+    ($start:expr, $i:ident => $value:expr) => {{
+        let mut all = $start;
+        let mut $i = 0;
+        while $i < N {
+            all[$i] = $value;
+            $i += 1;
+        }
+        Several(all)
+    }};
+}
+
 macro_rules! lane_by_lane {
     ($trait:ident, $name:ident) => {
         impl<V: Vector, const N: usize> $trait for Several<V, N> {
             type Output = Several<V, N>;
             #[inline(always)]
             fn $name(self, b: Several<V, N>) -> Several<V, N> {
-                Several(each(|i| self.0[i].$name(b.0[i])))
+                several!(self.0, i => self.0[i].$name(b.0[i]))
             }
         }
     };
@@ -253,7 +267,7 @@ impl<V: Vector, const N: usize> Neg for Several<V, N> {
     type Output = Several<V, N>;
     #[inline(always)]
     fn neg(self) -> Several<V, N> {
-        Several(each(|i| -self.0[i]))
+        several!(self.0, i => -self.0[i])
     }
 }
 
@@ -268,7 +282,7 @@ impl<V: Vector, const N: usize> Vector for Several<V, N> {
     #[inline(always)]
     fn load(x: &[f64]) -> Several<V, N> {
         let x = &x[..N * V::WIDTH];
-        Several(each(|i| V::load(&x[i * V::WIDTH..])))
+        several!([V::load(x); N], i => V::load(&x[i * V::WIDTH..]))
     }
 
     #[inline(always)]
@@ -281,33 +295,38 @@ impl<V: Vector, const N: usize> Vector for Several<V, N> {
 
     #[inline(always)]
     fn mul_add(self, b: Several<V, N>, c: Several<V, N>) -> Several<V, N> {
-        Several(each(|i| self.0[i].mul_add(b.0[i], c.0[i])))
+        several!(self.0, i => self.0[i].mul_add(b.0[i], c.0[i]))
     }
 
     #[inline(always)]
     fn abs(self) -> Several<V, N> {
-        Several(each(|i| self.0[i].abs()))
+        several!(self.0, i => self.0[i].abs())
     }
 
     #[inline(always)]
     fn sqrt(self) -> Several<V, N> {
-        Several(each(|i| self.0[i].sqrt()))
+        several!(self.0, i => self.0[i].sqrt())
     }
 
     #[inline(always)]
     fn max(self, b: Several<V, N>) -> Several<V, N> {
-        Several(each(|i| self.0[i].max(b.0[i])))
+        several!(self.0, i => self.0[i].max(b.0[i]))
     }
 
     #[inline(always)]
     fn exceeds(self, b: Several<V, N>) -> u32 {
-        let bits = each::<u32, N>(|i| self.0[i].exceeds(b.0[i]) << (i * V::WIDTH));
-        bits.into_iter().fold(0, |all, bit| all | bit)
+        let mut bits = 0;
+        let mut i = 0;
+        while i < N {
+            bits |= self.0[i].exceeds(b.0[i]) << (i * V::WIDTH);
+            i += 1;
+        }
+        bits
     }
 
     #[inline(always)]
     fn if_exceeds(self, b: Several<V, N>, yes: Several<V, N>, no: Several<V, N>) -> Several<V, N> {
-        Several(each(|i| self.0[i].if_exceeds(b.0[i], yes.0[i], no.0[i])))
+        several!(yes.0, i => self.0[i].if_exceeds(b.0[i], yes.0[i], no.0[i]))
     }
 }
 

@@ -47,6 +47,21 @@ struct Result<V> {
     radius: V,
 }
 
+impl<V: Vector> Result<V> {
+    #[inline(always)]
+    fn lanes(&self) -> Lanes {
+        let part = |x: &Double<V>| [x.hi.to_array(), x.lo.to_array()];
+        Lanes { re: part(&self.re), im: part(&self.im), radius: self.radius.to_array() }
+    }
+}
+
+/// A result taken apart: high and low parts, and radii.
+struct Lanes {
+    re: [[f64; MOST]; 2],
+    im: [[f64; MOST]; 2],
+    radius: [f64; MOST],
+}
+
 /// The entries of Q at the frequencies: stored if few are distinct, otherwise computed when needed.
 struct Entries<'a, V> {
     plan: &'a Plan,
@@ -155,18 +170,20 @@ impl<'a, V: Vector> Sweep<'a, V> {
             }
         }
         self.discs.fill(NOTHING);
-        for u in 0..self.loads.len() {
+        'loads: for u in 0..self.loads.len() {
             if self.same[u].is_none() {
                 let first = scatter(plan, &point, &self.loads[u], &mut self.x);
                 solve(plan, first, &self.l, &self.inverse, &mut self.x);
             }
             // The residual is stored only if it is needed.
-            if !self.attempt::<1>(u, &point, false) {
-                self.attempt::<1>(u, &point, true);
-                // If damping proves little, a solution for the residual makes the product small.
-                solve(plan, 0, &self.l, &self.inverse, &mut self.rest);
-                self.attempt::<2>(u, &point, false);
+            for keep in [false, true] {
+                if self.attempt::<1>(u, &point, keep) {
+                    continue 'loads;
+                }
             }
+            // If damping proves little, a solution for the residual makes the product small.
+            solve(plan, 0, &self.l, &self.inverse, &mut self.rest);
+            self.attempt::<2>(u, &point, false);
         }
     }
 
@@ -192,18 +209,8 @@ impl<'a, V: Vector> Sweep<'a, V> {
         let mut good = true;
         for (y, result) in self.results.iter_mut().enumerate() {
             finish_pair(result, point, &self.readings[y], x, self.t[y]);
-            let (re, im, radius) = (result.re, result.im, result.radius.to_array());
-            let (re, im) = ([re.hi.to_array(), re.lo.to_array()], [im.hi.to_array(), im.lo.to_array()]);
-            for lane in 0..V::WIDTH {
-                let disc = &mut self.discs[(lane * self.loads.len() + u) * outputs + y];
-                if is_good(disc, self.tolerance) {
-                    continue;
-                }
-                let [re, im] = [re, im].map(|[hi, lo]| Dd::new(hi[lane], lo[lane]));
-                let known = radius[lane].is_finite() && re.is_finite() && im.is_finite();
-                *disc = if known { Disc { value: Complex::new(re, im), radius: radius[lane] } } else { NOTHING };
-                good &= is_good(disc, self.tolerance);
-            }
+            let discs = &mut self.discs[u * outputs + y..];
+            good &= store(&result.lanes(), discs, self.loads.len() * outputs, self.tolerance);
         }
         self.rest = rest;
         good
@@ -245,8 +252,25 @@ impl<V: Vector> Entries<'_, V> {
     }
 }
 
+/// Stores each lane where no disc is good enough so far, every `step` discs; returns whether all that were stored are. One
+/// lane follows the other here, so this is compiled once: within the vector loops it took as long to compile as they did.
+#[inline(never)]
+fn store(lanes: &Lanes, discs: &mut [Disc], step: usize, tolerance: f64) -> bool {
+    let mut good = true;
+    for (lane, disc) in discs.iter_mut().step_by(step).enumerate() {
+        if is_good(disc, tolerance) {
+            continue;
+        }
+        let [re, im] = [lanes.re, lanes.im].map(|[hi, lo]| Dd::new(hi[lane], lo[lane]));
+        let radius = lanes.radius[lane];
+        let known = radius.is_finite() && re.is_finite() && im.is_finite();
+        *disc = if known { Disc { value: Complex::new(re, im), radius } } else { NOTHING };
+        good &= is_good(disc, tolerance);
+    }
+    good
+}
+
 /// Whether the relative error is below the tolerance, judged by an upper bound of |value|.
-#[inline(always)]
 fn is_good(disc: &Disc, tolerance: f64) -> bool {
     let size = disc.value.re.hi.abs().max(disc.value.im.hi.abs());
     disc.radius <= size * (tolerance * 0.999)
@@ -529,15 +553,18 @@ fn finish_pair<V: Vector>(result: &mut Result<V>, point: &Point<V>, reading: &Sp
     }
     let count = (reading.len() * x.len()) as f64;
     let lost = V::splat((12.0 * count * count + 40.0 * count + 40.0) * U * U) + point.loose;
-    let total = |x: Double<V>, correction: V| {
-        let (hi, lost) = two_sum(x.hi, correction);
-        let (hi, lo) = two_sum(hi, x.lo + lost);
-        Double { hi, lo }
-    };
     let second = (t * norm).sqrt() / point.omega.hi;
     let rounding = correction.size() * V::splat(8.0 * U * U) + V::splat(TINY);
     let radius = size.mul_add(lost, result.radius) + second + rounding;
     result.radius = radius * V::splat(UP);
-    result.re = total(re, correction.re);
-    result.im = total(im, correction.im);
+    result.re = sum(re, correction.re);
+    result.im = sum(im, correction.im);
+}
+
+/// x + y
+#[inline(always)]
+fn sum<V: Vector>(x: Double<V>, y: V) -> Double<V> {
+    let (hi, lost) = two_sum(x.hi, y);
+    let (hi, lo) = two_sum(hi, x.lo + lost);
+    Double { hi, lo }
 }
