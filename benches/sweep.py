@@ -1,5 +1,5 @@
 """Cases a second and core of `vibc sweep`, each number with its bound, beside NumPy's batched LAPACK on matrices that stand ready and a SymPy
-model made into a NumPy function, in one run; then growth with coordinates and with cases, and one core beside two.
+model made into a NumPy function, in one run; then growth with coordinates and with cases, followed modes, and one core beside two.
 
     python3 -m venv target/venv && target/venv/bin/pip install numpy==2.4.6 sympy==1.14.0 python-flint==0.9.0
     cargo build --release && target/venv/bin/python benches/sweep.py [--quick] [--large] [PROGRAM]
@@ -7,11 +7,12 @@ model made into a NumPy function, in one run; then growth with coordinates and w
 Times are processor time on one core, without the start: that of a run less that of one with 16 cases, the median of three. NumPy's matrices
 are built before its clock starts; SymPy's function builds its own from the values. Errors are relative, of three cases, beside eigenvalues
 that FLINT encloses in 50 digits; an error above its bound ends the program with status 1. `--large` adds 1e7 cases, `--quick` takes a
-twentieth of the cases, to see that all of it runs.
+twentieth of the cases, to see that all of it runs; `--only=growth` (beside, growth, cases, followed, cores) makes one table.
 """
 
 import csv
 import filecmp
+import json
 import math
 import os
 import pathlib
@@ -30,6 +31,7 @@ import sympy
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 GIVEN = [word for word in sys.argv[1:] if not word.startswith("--")]
 VIBC = pathlib.Path(GIVEN[0]).resolve() if GIVEN else ROOT / "target" / "release" / "vibc"
+ONLY = [word.removeprefix("--only=") for word in sys.argv[1:] if word.startswith("--only=")]
 QUICK, LARGE = "--quick" in sys.argv, "--large" in sys.argv
 CORES = sorted(os.sched_getaffinity(0))
 FEW = 16
@@ -325,6 +327,27 @@ def cases_and_memory(folder):
         print(f"| {cases:.0e} | {1e6 * seconds / cases:.3g} | {peak} | {1e6 * rows / cases:.3g} | {peak_of_rows} | {size:.3g} |", flush=True)
 
 
+def followed(folder):
+    """The cost of following modes beside that of the plain frequencies, and how many links are proved."""
+    print("\n| followed modes | cases | links proved | veerings | plain [us] | followed [us] | times |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    for model, plainly, cases in ((Chain(2), 1_000_000, 10_000), (Chain(10), 400_000, 10_000), (Chain(50), 50_000, 10_000), (Pendulum(), 2_000, 1_000)):
+        plainly, cases = (max(x // 20, 3 * FEW) for x in (plainly, cases)) if QUICK else (plainly, cases)
+        pathlib.Path(folder, "model.vib").write_text(model.text)
+        what = ["--modes", str(model.n)]
+        run(folder, [*asked(model, cases, what), "--follow", "--format", "json", "-o", "told.json"])
+        told = json.loads(pathlib.Path(folder, "told.json").read_text())["following"]
+        links = [len(curve["open_links"]) for curve in told["curves"]]
+        proved = f"{100 * (1 - sum(links) / (len(links) * (cases - 1))):.4g} %"
+        plain = a_case(folder, model, plainly, what)
+        # All of it: the veerings and onsets of the study, too, but not the start of the program.
+        whole = statistics.median(run(folder, asked(model, cases, [*what, "--follow"]))[0] for _ in range(REPEATS))
+        start = statistics.median(run(folder, asked(model, FEW, what))[0] for _ in range(REPEATS))
+        more = 1e6 * (whole - start) / cases
+        name = f"{model.n}" + (", length of a pendulum" if isinstance(model, Pendulum) else "")
+        print(f"| {name} | {cases} | {proved} | {len(told['meetings'])} | {plain:.3g} | {more:.3g} | {more / plain:.3g} |", flush=True)
+
+
 def cores(folder):
     if len(CORES) < 2:
         print("\nOne core beside two: left out, there is one.")
@@ -349,11 +372,10 @@ def cores(folder):
 
 def main():
     os.sched_setaffinity(0, CORES[:1])
+    tables = {"beside": beside, "growth": growth, "cases": cases_and_memory, "followed": followed, "cores": cores}
     with tempfile.TemporaryDirectory() as folder:
-        beside(folder)
-        growth(folder)
-        cases_and_memory(folder)
-        cores(folder)
+        for name in ONLY or tables:
+            tables[name](folder)
 
 
 main()

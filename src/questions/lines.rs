@@ -39,19 +39,9 @@ impl Study<'_> {
 
     /// The rows of cases on the line that begins with the case `first`.
     fn of_line(&self, numbers: &[u64], first: u64) -> Vec<Case> {
-        let line = self.lines.get(first, || self.line(first));
-        let (Some(line), Varied::Over(swept)) = (&*line, &self.varied) else { return self.one_by_one(numbers) };
-        let Some(last) = swept.last() else { return self.one_by_one(numbers) };
-        let found = match &line.way {
-            Way::Pencils(pencils) => {
-                let places: Vec<f64> = numbers.iter().map(|number| place(&last.points.value(number - first))).collect();
-                pencils.eigenvalues(&places).into_iter().flat_map(|found| in_pairs(found, pencils.n)).collect()
-            }
-            Way::Updates(updates) => {
-                let changes: Vec<f64> = numbers.iter().map(|number| line.steps.change(number - first)).collect();
-                updates.lowest(&changes)
-            }
-        };
+        let line = self.lines.get(first, || self.line(first, self.sizes.0));
+        let Some(line) = &*line else { return self.one_by_one(numbers) };
+        let found = self.eigenvalues(line, numbers, first);
         let width = found.len() / numbers.len();
         let mut given = self.parameter_entries(&self.values(first));
         let row = |(&number, found): (&u64, &[f64])| {
@@ -68,6 +58,34 @@ impl Study<'_> {
         numbers.iter().zip(found.chunks(width)).map(row).collect()
     }
 
+    /// The lowest `count` frequencies of these cases of a study over one parameter, Hz, without proof of their order where they are close;
+    /// `None` for a case that is not computed side by side with others. A line that is made here serves the rows of the study, too.
+    pub(super) fn side_by_side(&self, numbers: &[u64], count: usize) -> Vec<Option<Vec<Ball>>> {
+        let line = if self.count() < FEW { Arc::default() } else { self.lines.get(0, || self.line(0, count)) };
+        let Some(line) = &*line else { return vec![None; numbers.len()] };
+        let found = self.eigenvalues(line, numbers, 0);
+        let of_case = |found: &[f64]| {
+            let pairs = found.chunks_exact(2).take(count);
+            pairs.map(|pair| self.frequency([pair[0], pair[1]])).collect::<Option<Vec<Ball>>>()
+        };
+        found.chunks(found.len() / numbers.len()).map(|found| of_case(found).filter(|own| own.len() == count)).collect()
+    }
+
+    /// Eigenvalues of these cases of a line, each before its bound, as many for each case.
+    fn eigenvalues(&self, line: &Line, numbers: &[u64], first: u64) -> Vec<f64> {
+        match &line.way {
+            Way::Pencils(pencils) => {
+                let points = &line.steps.points;
+                let places: Vec<f64> = numbers.iter().map(|number| place(&points.value(number - first))).collect();
+                pencils.eigenvalues(&places).into_iter().flat_map(|found| in_pairs(found, pencils.n)).collect()
+            }
+            Way::Updates(updates) => {
+                let changes: Vec<f64> = numbers.iter().map(|number| line.steps.change(number - first)).collect();
+                updates.lowest(&changes)
+            }
+        }
+    }
+
     fn one_by_one(&self, numbers: &[u64]) -> Vec<Case> {
         numbers.iter().map(|&number| self.case(number)).collect()
     }
@@ -76,24 +94,25 @@ impl Study<'_> {
     /// Eigenvalues alternate with their bounds.
     fn frequencies(&self, found: &[f64], parameters: usize, entries: &mut Vec<Entry>) -> bool {
         entries.resize(parameters, Entry::None(None));
-        let tolerance = self.asked.tolerance.min(1e-4);
         for pair in found.chunks_exact(2).take(self.sizes.0) {
-            let [square, bound] = [pair[0], pair[1]];
-            if square == 0.0 && bound == 0.0 {
-                entries.push(Entry::Enclosed(Ball::ZERO));
-                continue;
-            }
-            // The square root halves a small relative change; three roundings and that of 1 / (2 pi) are added.
-            let relative = 0.51 * (bound / square) + 4.0 * f64::EPSILON;
-            // This comparison fails for NaN, too.
-            if !(square > 0.0 && relative <= tolerance) {
-                return false;
-            }
-            let hertz = square.sqrt() * PER_TURN;
-            entries.push(Entry::Enclosed(Ball::from(hertz).widen(hertz * relative)));
+            let Some(frequency) = self.frequency([pair[0], pair[1]]) else { return false };
+            entries.push(Entry::Enclosed(frequency));
         }
         entries.resize(parameters + self.sizes.0, Entry::None(None));
         true
+    }
+
+    /// The frequency of an eigenvalue with its bound, Hz, if it is accurate enough.
+    fn frequency(&self, [square, bound]: [f64; 2]) -> Option<Ball> {
+        if square == 0.0 && bound == 0.0 {
+            return Some(Ball::ZERO);
+        }
+        // The square root halves a small relative change; three roundings and that of 1 / (2 pi) are added.
+        let relative = 0.51 * (bound / square) + 4.0 * f64::EPSILON;
+        // This comparison fails for NaN, too.
+        let is_accurate = square > 0.0 && relative <= self.asked.tolerance.min(1e-4);
+        let hertz = square.sqrt() * PER_TURN;
+        is_accurate.then(|| Ball::from(hertz).widen(hertz * relative))
     }
 
     /// The system of a case without the damping that is declared for all of it, with another value of its last parameter.
@@ -114,8 +133,8 @@ impl Study<'_> {
         lowered.rest.is_proven().then_some(lowered.system)
     }
 
-    /// The line of cases from `first` on, if its matrices are certainly linear in the last parameter.
-    fn line(&self, first: u64) -> Option<Line> {
+    /// The line of cases from `first` on, for so many lowest eigenvalues, if its matrices are certainly linear in the last parameter.
+    fn line(&self, first: u64, lowest: usize) -> Option<Line> {
         let Varied::Over(swept) = &self.varied else { return None };
         let swept = swept.last()?;
         let ends = ends(&swept.points);
@@ -136,7 +155,7 @@ impl Study<'_> {
             let width = (&ends[1 - from] - &ends[from]).to_ball();
             let Some(changing) = changing(&over, &base) else { break };
             let reach = width.magnitude() * (1.0 + 4.0 * f64::EPSILON) * width.mid.hi.signum();
-            if let Some(updates) = Updates::of(&base, &changing, reach, self.sizes.0) {
+            if let Some(updates) = Updates::of(&base, &changing, reach, lowest) {
                 let steps = Steps::new(&swept.points, &ends[from], &swept.parameter.unit);
                 return Some(Line { way: Way::Updates(updates), steps });
             }

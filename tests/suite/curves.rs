@@ -151,6 +151,59 @@ fn a_crossing_within_a_block_is_not_proved() {
     assert_eq!(linked(4)[..4], [Value::Null, true.into(), false.into(), true.into()]);
 }
 
+/// Where a parameter moves all eigenvalues in one direction, the frequencies at both ends of a step are its bounds, and the cases are computed
+/// side by side; a tolerance that these do not meet computes them one by one. Both are the closed form's, with the same links, for a
+/// stiffness, a mass, and values that descend: squares of omega are the roots of x^2 - (a + b) x + a b - kc^2 / m.
+#[test]
+fn curves_are_the_same_side_by_side() {
+    let model = "model two\nparam k = 1 N/m\nparam m = 1 kg\nbody a { mass = m, moves x }\nbody b { mass = 1 kg, moves x }\n\
+                 spring s1: ground -- a { k = k }\nspring s2: ground -- b { k = 1 N/m }\nspring sc: a -- b { k = 0.1 N/m }\n";
+    for (name, unit, first, last) in [("k", "N/m", 0.5, 2.0), ("m", "kg", 0.5, 2.0), ("k", "N/m", 2.0, 0.5)] {
+        let over = match first < last {
+            true => format!("{name}={first}{unit}..{last}{unit}:40"),
+            false => format!(
+                "{name}={}",
+                (0..40).map(|i| format!("{}{unit}", 2.0 - 1.5 / 39.0 * f64::from(i))).collect::<Vec<_>>().join(",")
+            ),
+        };
+        let [quick, single] = [&[][..], &["--tolerance", "1e-17"]].map(|more| {
+            let study = study(model, &[&["--over", &over, "--modes", "2"], more].concat());
+            assert_eq!(open_links(&study), 0, "{over}");
+            study
+        });
+        let [one, other] = [&quick, &single].map(|study| meetings(study));
+        assert_eq!(one.len(), other.len(), "{over}");
+        assert!(one.iter().all(|(kind, ..)| *kind == "veering"), "{over}");
+        for number in [1, 2] {
+            for (i, (a, b)) in curve(&quick, number).into_iter().zip(curve(&single, number)).enumerate() {
+                let at = first + (last - first) / 39.0 * i as f64;
+                let (k, m) = if name == "k" { (at, 1.0) } else { (1.0, at) };
+                let (p, q) = ((k + 0.1) / m, 1.1);
+                let root = f64::hypot(p - q, 0.2 / f64::sqrt(m));
+                let truth = f64::sqrt(0.5 * (p + q + if number == 1 { -root } else { root })) / (2.0 * PI);
+                assert!((a - truth).abs() < 1e-14 && (b - truth).abs() < 1e-14, "{over} {i}: {a} {b} {truth}");
+            }
+        }
+    }
+}
+
+/// A stiffness of 1 + 100 (p - 1/2)^2 N/m comes to that of the other spring at p = 1/2 alone, between two of 16 points with the same
+/// frequencies: no direction, and the curves nearly meet within the step.
+#[test]
+fn curves_that_turn_round_within_a_step_are_not_lost() {
+    let model = TWO
+        .replace("param k1 = 1 N/m", "param p = 1")
+        .replace("k = k1", "k = 1 N/m + (p - 0.5)^2 * 100 N/m")
+        .replace("kc = 0.1", "kc = 0.001");
+    let study = study(&model, &["--over", "p=0..1:16", "--modes", "2"]);
+    let inside = |(_, _, told): &(&str, [usize; 2], &Value)| {
+        let at = told["parameter"][0].as_f64().expect("a number");
+        let distance = told["distance_hz"][0].as_f64().unwrap_or(0.0);
+        (7.0 / 15.0..8.0 / 15.0).contains(&at) && distance < 1.1e-3 / (2.0 * PI)
+    };
+    assert!(meetings(&study).iter().any(inside), "{study}");
+}
+
 /// Two coupled pendulums, one of which becomes longer (C. Pierre, Journal of Sound and Vibration 126 (1988) 485-502, with weak coupling):
 /// point masses of 1 kg, 1 m and l below their pivots, and a spring of 0.1 N/m between points h = 0.5 m below these. With
 /// M = diag(1, l^2) and K = diag(g + k h^2, g l + k h^2), beside the diagonal -k h^2, the loci veer. A length moves rows of both

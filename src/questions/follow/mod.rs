@@ -66,17 +66,20 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     let count = study.count();
     let values: Vec<_> = (0..count).map(|i| swept.points.value(i)).collect();
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return Err(Unfollowed::NoModes) };
-    let classes = places::classes(study, [first, last], n);
-    let field = Field { study, classes: &classes };
-    let points = cores::in_pieces(&values, 1, 1, |some| some.iter().map(|at| field.place(at, false)).collect());
-    let curves = choose(&points, study.frequencies_asked().min(MOST_CURVES))?;
+    let (classes, course) = places::classes(study, [first, last], n);
+    let field = Field { study, classes: &classes, course };
+    let wanted = study.frequencies_asked().min(MOST_CURVES);
+    // Of the last curve, the distance to the next one is needed.
+    let points = field.places(&values, (wanted + 1).min(n));
+    let curves = choose(&points, wanted)?;
     let limits = Limits { stretches: stretches(values.len(), n) };
     let pairs: Vec<&[Place]> = points.windows(2).collect();
     let steps = cores::in_pieces(&pairs, 1, 1, |some| {
         some.iter().map(|ends| steps::step(&field, &curves, limits, [&ends[0], &ends[1]])).collect()
     });
-    let mut meetings = meetings_of(&field, &curves, &points, &steps);
-    let orders = orders::orders(&field, &all_places(&points, &steps), &curves, rate, orders);
+    let places = all_places(&points, &steps);
+    let mut meetings = meetings_of(&field, &curves, &points, &steps, &places);
+    let orders = orders::orders(&field, &places, &curves, rate, orders);
     let grows = if study.asked.poles { Grows::Poles } else { Grows::Modes };
     let rises = values.len() < 2 || first.to_f64() <= last.to_f64();
     let key = |meeting: &Meeting| if rises { meeting.place[0] } else { -meeting.place[0] };
@@ -155,8 +158,7 @@ fn all_places(points: &[Place], steps: &[Step]) -> Vec<Place> {
 }
 
 /// The results about pairs of curves.
-fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step]) -> Vec<Meeting> {
-    let places = all_places(points, steps);
+fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step], places: &[Place]) -> Vec<Meeting> {
     let pairs: Vec<[usize; 2]> = (0..curves.len()).flat_map(|i| (i + 1..curves.len()).map(move |j| [i, j])).collect();
     let of_pair = |pair: &[usize; 2]| {
         let [a, b] = pair.map(|i| curves[i]);
@@ -165,8 +167,8 @@ fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step
             false => step.near.contains(pair),
         };
         let mut list = match (a.class == b.class, a.index.abs_diff(b.index)) {
-            (false, _) => meetings::crossings(field, &places, [a, b], *pair),
-            (true, 1) => meetings::veerings(field, &places, a.min(b), *pair),
+            (false, _) => meetings::crossings(field, places, [a, b], *pair),
+            (true, 1) => meetings::veerings(field, places, a.min(b), *pair),
             _ => return Vec::new(),
         };
         let open: Vec<usize> = (0..steps.len()).filter(|&i| doubtful(&steps[i])).collect();

@@ -14,8 +14,10 @@ const MOST_ONSETS: usize = 20;
 
 /// The onsets between neighbouring values.
 pub fn onsets(field: &Field, values: &[Number], of: Grows) -> Onsets {
-    let counts: Vec<Option<usize>> =
-        cores::in_pieces(values, 1, 1, |some| some.iter().map(|at| growing(field, at, of)).collect());
+    let counts = match of {
+        Grows::Modes if field.course.is_some() => counts_by_halving(field, values),
+        _ => cores::in_pieces(values, 1, 1, |some| some.iter().map(|at| growing(field, at, of)).collect()),
+    };
     let certain: Vec<(f64, usize)> =
         values.iter().zip(&counts).filter_map(|(at, count)| Some((at.to_f64(), (*count)?))).collect();
     let changes: Vec<[(f64, usize); 2]> =
@@ -23,6 +25,28 @@ pub fn onsets(field: &Field, values: &[Number], of: Grows) -> Onsets {
     let list: Vec<Vec<Onset>> =
         cores::in_pieces(&changes, 1, 1, |some| some.iter().map(|ends| onset(field, of, *ends)).collect());
     Onsets { of, list: list.concat(), undecided: counts.len() - certain.len() }
+}
+
+/// The number of growing modes at each value, where all eigenvalues of K move in one direction: what is the same at two values is the same
+/// between them.
+fn counts_by_halving(field: &Field, values: &[Number]) -> Vec<Option<usize>> {
+    let mut counts = vec![None; values.len()];
+    let last = values.len() - 1;
+    for end in [0, last] {
+        counts[end] = growing(field, &values[end], Grows::Modes);
+    }
+    let mut left = vec![[0, last]];
+    while let Some([low, high]) = left.pop() {
+        if counts[low].is_some() && counts[low] == counts[high] {
+            let known = counts[low];
+            counts[low..high].fill(known);
+        } else if high - low > 1 {
+            let middle = low + (high - low) / 2;
+            counts[middle] = growing(field, &values[middle], Grows::Modes);
+            left.extend([[low, middle], [middle, high]]);
+        }
+    }
+    counts
 }
 
 /// Encloses the changes between two places.

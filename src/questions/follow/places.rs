@@ -3,10 +3,11 @@
 //! frequencies in Hz, ascending in each class.
 
 use crate::analysis::projection::{eigenvalues, project};
-use crate::analysis::range::outer;
+use crate::analysis::range::{Course, Family, outer};
 use crate::analysis::{self, ModeKind, Modes, Request, joined_by, undamped_block};
 use crate::base::number::jet;
 use crate::base::{Ball, Dd, Jet, Number, Rational};
+use crate::kernel::cores;
 use crate::questions::cases::Study;
 use crate::questions::tolerated::hull;
 use crate::system::{Form, LinearSystem};
@@ -37,6 +38,8 @@ pub struct Field<'a> {
     pub study: &'a Study<'a>,
     /// The coordinates of each class.
     pub classes: &'a [Vec<u32>],
+    /// The direction in which all eigenvalues move with the parameter over the whole range, if there is one.
+    pub course: Option<Course>,
 }
 
 impl Place {
@@ -69,9 +72,9 @@ impl Bounds {
 /// Limit on the pieces of the range, each of which has one form.
 const MOST_PIECES: usize = 64;
 
-/// The classes over the whole range of the parameter. All coordinates form one class if it is not proved that the model
-/// has the same form for every value. Pieces with a common end have the model's form there.
-pub fn classes(study: &Study, [low, high]: [&Number; 2], n: usize) -> Vec<Vec<u32>> {
+/// The classes over the whole range of the parameter, and the direction of the eigenvalues. All coordinates form one class if it is not
+/// proved that the model has the same form for every value. Pieces with a common end have the model's form there.
+pub fn classes(study: &Study, [low, high]: [&Number; 2], n: usize) -> (Vec<Vec<u32>>, Option<Course>) {
     let (mut left, mut systems) = (vec![[low.clone(), high.clone()]], Vec::new());
     while let Some([low, high]) = left.pop() {
         match enclosing_system(study, [&low, &high], false).filter(|system| system.n() == n) {
@@ -80,11 +83,13 @@ pub fn classes(study: &Study, [low, high]: [&Number; 2], n: usize) -> Vec<Vec<u3
                 let middle = &(&low + &high) * &Number::from(Rational::new(1, 2));
                 left.extend([[middle.clone(), high], [low, middle]]);
             }
-            None => return vec![(0..n as u32).collect()],
+            None => return (vec![(0..n as u32).collect()], None),
         }
     }
     let forms: Vec<&Form> = systems.iter().flat_map(|system| [&system.m, &system.k]).collect();
-    joined_by(n, &forms).into_iter().map(|part| part.coordinates).collect()
+    let courses = systems.iter().map(|system| Family::course(system, false));
+    let course = courses.reduce(|a, b| a.filter(|_| a == b)).flatten();
+    (joined_by(n, &forms).into_iter().map(|part| part.coordinates).collect(), course)
 }
 
 /// The system for every value between two, if the check and the lowering take the same branches for all of them.
@@ -106,6 +111,43 @@ impl Field<'_> {
             modes.map_or(Vec::new(), |modes| separate(&modes, frequency))
         };
         Place { at: at.clone(), classes: self.classes.iter().map(of_class).collect() }
+    }
+
+    /// The places of all cases: the lowest `count` frequencies of each, or all.
+    pub fn places(&self, values: &[Number], count: usize) -> Vec<Place> {
+        let all: Vec<(u64, &Number)> = (0..).zip(values).collect();
+        let of_cases = |some: &[(u64, &Number)]| {
+            // Frequencies of several classes come without the class that each is of.
+            let quick = match self.classes {
+                [_] => self.study.side_by_side(&some.iter().map(|(number, _)| *number).collect::<Vec<_>>(), count),
+                _ => vec![None; some.len()],
+            };
+            let place = |(&(_, at), quick): (&(u64, &Number), Option<Vec<Ball>>)| match quick {
+                Some(list) => Place { at: at.clone(), classes: vec![list.into_iter().map(Some).collect()] },
+                None => self.place(at, false),
+            };
+            some.iter().zip(quick).map(place).collect()
+        };
+        cores::in_pieces(&all, 1, 1, of_cases)
+    }
+
+    /// Bounds for all values between two places, for each class. Where all eigenvalues move in one direction, these are the frequencies at
+    /// the places themselves.
+    pub fn bounds_between(&self, ends: [&Place; 2]) -> Vec<Option<Bounds>> {
+        let [first, last] = ends;
+        let along = first.at.to_f64() <= last.at.to_f64();
+        let [lower, upper] = match self.course {
+            Some(course) if (course == Course::Rises) == along => [first, last],
+            Some(_) => [last, first],
+            None => return self.bounds(ends.map(|place| &place.at)),
+        };
+        let known = |frequencies: &Frequencies| !frequencies.is_empty() && frequencies.iter().all(Option::is_some);
+        if !lower.classes.iter().chain(&upper.classes).all(known) {
+            return self.bounds(ends.map(|place| &place.at));
+        }
+        let of_class =
+            |(lower, upper): (&Frequencies, &Frequencies)| Some(Bounds { lower: lower.clone(), upper: upper.clone() });
+        lower.classes.iter().zip(&upper.classes).map(of_class).collect()
     }
 
     /// The system for every value between two, if the model certainly has one form there.

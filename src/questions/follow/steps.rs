@@ -41,7 +41,7 @@ pub fn step(field: &Field, curves: &[Member], limits: Limits, ends: [&Place; 2])
     let mut left = VecDeque::from([(ends[0].clone(), ends[1].clone(), 0)]);
     let (mut found, mut looked) = (Step::default(), 0);
     while let Some((low, high, depth)) = left.pop_front() {
-        let bounds = field.bounds([&low.at, &high.at]);
+        let bounds = field.bounds_between([&low, &high]);
         looked += 1;
         let doubtful = look.doubtful(&bounds);
         let near = look.near_curves(&bounds, [&low, &high]);
