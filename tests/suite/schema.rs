@@ -116,6 +116,18 @@ fn worst_cases_have_the_published_form() {
         assert!(result.contains("\"best_possible\""), "{findings}");
         form.assert_valid(line, &result);
     }
+    // Nothing is proved of a measure in time: no bound, no best value, no gap.
+    fs::write(&model, text.replace("LINE", "minimise peak(x)")).expect("a file");
+    let (result, findings) = printed(&["analyze", &model.to_string_lossy(), "--robust", "--format", "json"]);
+    form.assert_valid("peak", &result);
+    let told: serde_json::Value = serde_json::from_str(&result).expect("JSON");
+    let found = &told["optimised"][0];
+    let worst = &found["worst_case"];
+    assert!(
+        worst["bound"].is_null() && worst["best_possible"].is_null() && found["gap"].is_null(),
+        "{findings} {worst}"
+    );
+    assert!(worst["reached"].is_number() && worst["nominal"]["worst_bound"].is_null(), "{worst}");
 }
 
 #[test]

@@ -5,6 +5,9 @@ use super::{Line, line};
 use crate::base::{Ball, Number};
 use crate::questions::answer::{Optimised, Robust, Throughout, WorstCase, outer_text, shown_in, shown_text};
 
+/// A bound that lies this share of it beyond what is reached is told together with that.
+const FAR: f64 = 0.01;
+
 /// `minimised the worst case of static(x): at most 0.12 m`
 pub fn first_line(found: &Optimised, robust: &Robust) -> Line {
     let word = if found.highest { "maximised" } else { "minimised" };
@@ -30,6 +33,15 @@ pub fn lines(found: &Optimised, robust: &Robust) -> Vec<Line> {
         .collect();
     let best = if found.highest { "largest" } else { "least" };
     let there = match &robust.nominal_worst {
+        Some(worst) if is_far(worst) => {
+            line![
+                "its worst case is ",
+                size(found, worst),
+                ", and ",
+                few_digits_of(found, worst.reached),
+                " is reached"
+            ]
+        }
         Some(worst) => line!["its worst case is ", size(found, worst)],
         None => "there it has no value at some values within the tolerances".into(),
     };
@@ -57,6 +69,12 @@ pub fn lines(found: &Optimised, robust: &Robust) -> Vec<Line> {
         list.push("that no free motion grows is not proved for all values".into());
     }
     list
+}
+
+/// Whether the bound says less about a worst case than what is reached.
+fn is_far(worst: &WorstCase) -> bool {
+    let far = |(bound, _): &(Ball, _)| (*bound - worst.reached).magnitude() > FAR * worst.reached.magnitude();
+    worst.bound.as_ref().is_some_and(far)
 }
 
 fn few_digits_of(found: &Optimised, ball: Ball) -> String {

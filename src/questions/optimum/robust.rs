@@ -61,10 +61,10 @@ impl Lines<'_> {
         let nominal_value = nominal.value;
         let nominal = Candidate { worst: line.worst(&nominal.values), values: nominal.values };
         // A search may miss what the nominal optimum shows.
-        let chosen = if line.badness(&nominal) < line.badness(&best) { &nominal } else { &best };
+        let chosen = if line.is_better(&nominal, &best) { &nominal } else { &best };
         let values = &chosen.values;
         let value = self.trial(index, &line.with(values)).value;
-        let holds = chosen.worst.as_ref().filter(|_| line.badness(chosen).0 == 0.0);
+        let holds = chosen.worst.as_ref().filter(|worst| !fails(worst));
         let (Some(found), Measurement::Value(value)) = (holds, value) else {
             let why = super::search::Nothing::Broken { tried: count + evaluations, grows: false };
             return Err(vec![line.lines.no_optimum(line.optimum(), why)]);
@@ -159,11 +159,17 @@ impl Uncertain<'_> {
         Trial { value, broken, grows }
     }
 
-    /// How bad values are: whether a condition fails somewhere, and the worst case in the direction that is bad.
-    fn badness(&self, candidate: &Candidate) -> (f64, f64) {
-        let Some(worst) = &candidate.worst else { return (f64::INFINITY, f64::INFINITY) };
-        let fails = worst.conditions.iter().any(|condition| matches!(condition, Throughout::FailsAt(_)));
-        (f64::from(u8::from(fails)), self.sign() * worst.reached.to_f64())
+    /// Whether values are better than others: they have a worst case, no condition fails somewhere, and what is proved of the worst case
+    /// is less, or what is reached if there is no proof for both.
+    fn is_better(&self, candidate: &Candidate, than: &Candidate) -> bool {
+        let Some(own) = &candidate.worst else { return false };
+        let Some(other) = &than.worst else { return true };
+        let size = |ball: Ball| self.sign() * ball.to_f64();
+        let [own_size, other_size] = match (&own.bound, &other.bound) {
+            (Some((own, _)), Some((other, _))) => [size(*own), size(*other)],
+            _ => [size(own.reached), size(other.reached)],
+        };
+        (fails(own), own_size) < (fails(other), other_size)
     }
 
     fn sign(&self) -> f64 {
@@ -208,8 +214,7 @@ impl Uncertain<'_> {
                 })
             };
             let more = candidate.worst.as_ref().and_then(|worst| failing(worst).or_else(|| Some(worst.at.clone())));
-            let is_better = best.as_ref().is_none_or(|best| self.badness(&candidate) < self.badness(best));
-            if is_better {
+            if best.as_ref().is_none_or(|best| self.is_better(&candidate, best)) {
                 best = Some(candidate);
             }
             let Some(more) = more.map(|place| shares(&free, &place)) else { break };
@@ -337,6 +342,11 @@ impl Uncertain<'_> {
         all.extend(best_possible(&self.lines.text, (self.optimum(), self.index), &designs, found.reached));
         all.into_iter().reduce(|a, b| if better(&b, &a) { b } else { a })
     }
+}
+
+/// Whether a condition certainly fails somewhere within the tolerances.
+fn fails(worst: &WorstCase) -> bool {
+    worst.conditions.iter().any(|condition| matches!(condition, Throughout::FailsAt(_)))
 }
 
 /// All values, with those at a place within the tolerances.

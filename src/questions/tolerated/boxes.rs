@@ -52,10 +52,10 @@ pub(super) type Part = Vec<[u32; 2]>;
 
 pub(super) const WHOLE: u32 = 1 << 30;
 
-/// Work in units of some thirty nanoseconds: a lowering, and the limit of all together, some seconds. One quantity takes at most a share of
+/// Work in units of some nanoseconds: a lowering, and the limit of all together, some seconds. One quantity takes at most a share of
 /// what is left, so that others have their turn.
 const LOWERING: u64 = 6_000;
-const MOST_WORK: u64 = 200_000_000;
+const MOST_WORK: u64 = 2_000_000_000;
 const SHARE: u64 = 4;
 
 /// Arcs of a circle that may be cut to show that no pole is on it.
@@ -114,8 +114,13 @@ impl<'a> Boxes<'a> {
 
     /// Begins with another quantity.
     pub fn begin(&self) {
+        self.begin_with_share(SHARE);
+    }
+
+    /// Begins with a quantity that may take this part of the work that is left.
+    pub fn begin_with_share(&self, share: u64) {
         let done = self.done.get();
-        self.until.set(done + MOST_WORK.saturating_sub(done) / SHARE);
+        self.until.set(done + MOST_WORK.saturating_sub(done) / share);
     }
 
     /// Whether there is work left that may be done.

@@ -13,6 +13,8 @@ use crate::questions::trial::Text;
 
 /// Parts of the ranges of varied parameters that are looked at.
 const MOST_PARTS: usize = 800;
+/// Each design may take this part of all work: some tenths of a second.
+const SHARE: u64 = 40;
 /// The share of the worst case that is left between it and the best that is possible.
 const LITTLE: f64 = 1e-9;
 
@@ -84,7 +86,7 @@ pub fn best_possible(
     });
     let corners: Vec<Corners> = corners.collect();
     let boxes: Vec<Boxes> = corners.iter().map(Boxes::new).collect();
-    boxes.iter().for_each(Boxes::begin);
+    boxes.iter().for_each(|boxes| boxes.begin_with_share(SHARE));
     let goal = sign * known.to_f64() + LITTLE * known.magnitude();
     let mut seen = Seen::of([(known, Vec::new())])?;
     // In the direction in which the measure is better, as bounds of parts are.
