@@ -178,6 +178,22 @@ def test_arrays_of_a_sweep_are_what_numpy_loads(tmp_path: Path) -> None:
     assert [arrays["codes"][int(code)] for code in arrays["table"][:, -1]] == swept["code"].tolist()
 
 
+def test_a_sweep_is_a_frame_of_pandas() -> None:
+    swept = vibc.parse(SWEPT).sweep(k=["-1 N/m", "5 N/m"], m=["1 kg", "0 kg", "-1 kg"], modes=1)
+    frame = swept.frame()
+    assert list(frame.columns) == list((swept.table.dtype.names or ())[1:])
+    assert frame.index.name == "case" and frame.index.tolist() == swept.table["case"].tolist()
+    assert frame.attrs["units"] == swept.units
+    for name in frame.columns:
+        column = swept.table[name]
+        if column.dtype.kind == "f":
+            same(frame[name], column)
+        else:
+            assert frame[name].tolist() == column.tolist()
+    # What a frame is for: a row a value of one parameter, a column a value of the other.
+    assert frame.pivot(index="k", columns="m", values="frequency_1").shape == (2, 3)
+
+
 def test_numbers_of_a_sweep_are_in_si_units() -> None:
     model = vibc.parse(
         "param k = 10 kN/m\nparam m = 1 kg\nparam f = 3 Hz\nparam w = 60 rpm\nparam z = 2\nbody b { mass = m, moves x }\n"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -162,3 +163,10 @@ class Sweep(NamedTuple):
     table: NDArray[Any]
     #: The unit of each column, as the model writes it: not SI.
     units: dict[str, str]
+
+    def frame(self) -> Any:
+        """The table as a `pandas.DataFrame`: the number of the case is its index, and `frame.attrs["units"]` has the units. Needs pandas."""
+        of_columns = {name: self.table[name] for name in self.table.dtype.names or ()}
+        frame = import_module("pandas").DataFrame(of_columns).set_index("case")
+        frame.attrs["units"] = dict(self.units)
+        return frame
