@@ -178,6 +178,78 @@ fn a_killed_run_goes_on() {
     assert_eq!(text(at, "one.csv"), text(at, "another.csv"));
 }
 
+/// Ctrl-C ends a run by SIGINT, which shells tell as status 130; the rows so far are kept, and the next run goes on from there.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_keeps_what_is_done() {
+    use std::os::unix::process::ExitStatusExt;
+    let folder = folder();
+    let at = folder.path();
+    let sweep = ["sweep", "m.vib", "--over", "k=1N/m..50N/m:6000", "--poles", "--format", "csv", "-o"];
+    let mut running = command(at, &[&sweep[..], &["one.csv"]].concat()).spawn().expect("the program starts");
+    let rows = || fs::read_to_string(at.join("one.csv.partial")).map_or(0, |rows| rows.lines().count());
+    while rows() < 40 && running.try_wait().expect("a process").is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let number = running.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &number]).status().expect("`kill` starts").success());
+    let ended = running.wait().expect("a process");
+    assert_eq!(ended.signal(), Some(2), "{ended}");
+    assert!(!at.join("one.csv").exists() && rows() >= 40);
+    // Marked, so that it is seen that these rows are not computed again.
+    let begun = text(at, "one.csv.partial").replacen("\n7,", "\n7,kept,", 1);
+    fs::write(at.join("one.csv.partial"), begun).expect("a file");
+    for name in ["one.csv", "another.csv"] {
+        assert!(ran(at, &[&sweep[..], &[name]].concat()).status.success());
+    }
+    assert_eq!(text(at, "one.csv"), text(at, "another.csv").replacen("\n7,", "\n7,kept,", 1));
+}
+
+/// A run of more than a second tells a terminal how far it is, and removes that in the end; a pipe sees nothing of it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terminal_is_told_how_far_a_run_is() {
+    let folder = folder();
+    let at = folder.path();
+    let on_terminal = |line: &str| {
+        let mut script = Command::new("script");
+        let output = script.args(["--quiet", "--return", "--command", line, "/dev/null"]).current_dir(at).output();
+        let output = output.expect("`script` (util-linux) starts");
+        let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{shown}");
+        shown
+    };
+    // As many cases as take some seconds, in either profile of the program.
+    let mut cases = 500;
+    let (shown, line) = loop {
+        let sweep =
+            format!("{} sweep m.vib --over k=1N/m..50N/m:{cases} --poles --format csv", env!("CARGO_BIN_EXE_vibc"));
+        let shown = on_terminal(&format!("{sweep} -o rows.csv"));
+        if shown.contains('%') {
+            break (shown, sweep);
+        }
+        cases *= 2;
+        assert!(cases < 10_000_000, "no bar: {shown}");
+    };
+    let bars: Vec<&str> = shown.trim_end_matches("\r\x1b[K").split('\r').filter(|bar| !bar.is_empty()).collect();
+    let mut before = 0;
+    for bar in &bars {
+        let (drawn, told) = bar.strip_prefix('[').and_then(|bar| bar.split_once("] ")).expect("a bar");
+        let (share, count) = told.split_once(" %, ").expect("a share");
+        let done: usize =
+            count.strip_suffix(&format!(" of {cases} cases")).expect("a count").parse().expect("a number");
+        assert!(done > before && done <= cases && share == (100 * done / cases).to_string(), "{bar}");
+        assert!(drawn.len() == 40 && drawn.trim_end() == "#".repeat(40 * done / cases), "{bar}");
+        before = done;
+    }
+    assert!(!bars.is_empty() && shown.ends_with("\r\x1b[K"), "{shown:?}");
+    // Rows that go to the terminal are not drawn over, and a pipe is told nothing.
+    assert!(!on_terminal(&line).contains('%'));
+    let piped =
+        Command::new("sh").args(["-c", &format!("{line} -o other.csv")]).current_dir(at).output().expect("`sh` starts");
+    assert!(piped.status.success() && piped.stdout.is_empty() && piped.stderr.is_empty());
+}
+
 #[test]
 fn job_arrays_say_which_part_it_is() {
     let folder = folder();

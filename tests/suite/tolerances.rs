@@ -350,4 +350,36 @@ fn the_report_says_why_ranges_are_not_proved() {
                          force F: b along x\noutput x = b.x\nrequire gain(F -> x, 1 Hz) < 1 m/N\n",
     );
     assert!(lossy.contains("is not proved: it has loss factors"), "{lossy}");
+    let many: String = (0..31)
+        .map(|i| {
+            format!(
+                "param k{i} = 1 N/m within 5 %\nspring s{i}: ground -- b {{ k = k{i} }}\ndamper d{i}: ground -- b {{ c = 0.01 N*s/m }}\n"
+            )
+        })
+        .collect();
+    let body =
+        "body b { mass = 1 kg, moves x }\nforce F: b along x\noutput x = b.x\nrequire gain(F -> x, 1 Hz) < 1 m/N\n";
+    let above = printed(&format!("{many}{body}"));
+    assert!(above.contains("is not proved: more than 30 parameters have a range"), "{above}");
+    // The frequency has a direction in each, whatever their number: sqrt(31 * 0.95) and sqrt(31 * 1.05) rad/s.
+    assert!(above.contains("0.86370") && above.contains("0.90802"), "{above}");
+    let chain = |n: usize| {
+        let rows = (0..n).map(|i| {
+            let before = if i == 0 { "ground".to_string() } else { format!("b{}", i - 1) };
+            format!(
+                "body b{i} {{ mass = 1 kg, moves x }}\nspring s{i}: {before} -- b{i} {{ k = k }}\n\
+                 damper d{i}: {before} -- b{i} {{ c = 1 N*s/m }}\n"
+            )
+        });
+        format!(
+            "param k = 100 N/m within 1 %\n{}force F: b0 along x\noutput x = b0.x\nrequire gain(F -> x, 1 Hz) < 1 m/N\n",
+            rows.collect::<String>()
+        )
+    };
+    assert!(printed(&chain(31)).contains("is not proved: the model has more than 30 coordinates"));
+    let modal = printed(
+        "param k = 300 N/m within 5 %\ndamping modal 2 %\nbody b { mass = 2 kg, moves x }\nspring s: ground -- b { k = k }\n\
+         force F: b along x\noutput x = b.x\nrequire gain(F -> x, 1 Hz) < 1 m/N\n",
+    );
+    assert!(modal.contains("is not proved: its damping is given by modes"), "{modal}");
 }
