@@ -195,20 +195,21 @@ fn largest_first<T>(parts: &[f64], chosen: impl Fn(f64) -> bool, of: impl Fn(usi
     if whole.abs() <= parts.len() as f64 * f64::EPSILON * sizes {
         return Vec::new();
     }
-    let share = |i: u32| parts[i as usize] * scale / whole;
-    let order = |a: &u32, b: &u32| share(*b).total_cmp(&share(*a)).then(a.cmp(b));
+    let share = |i: u32| (parts[i as usize] * scale / whole, i);
+    let order = |a: &(f64, u32), b: &(f64, u32)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
     let all = || (0u32..).zip(parts).filter(|(_, part)| chosen(**part)).map(|(i, _)| i);
     let many = parts.len() > COMPLETE && all().count() > COMPLETE;
-    let mut list: Vec<u32> = if many { first(&chosen, parts, whole) } else { all().collect() };
+    let mut list: Vec<(f64, u32)> =
+        if many { first(&chosen, parts, whole).into_iter().map(share).collect() } else { all().map(share).collect() };
     if many && list.len() > LARGEST {
         list.select_nth_unstable_by(LARGEST, order);
         list.truncate(LARGEST);
     }
-    list.order_by(order);
+    list.sort_unstable_by(order);
     // Shares that a symmetry makes equal are listed in their original order, not in the order of their last bits.
-    let tied = list.iter().take_while(|&&i| share(i) >= share(list[0]) * (1.0 - TIE)).count();
-    list[..tied].sort_unstable();
-    list.into_iter().map(|i| Share { of: of(i as usize), part: Unproven(share(i)) }).collect()
+    let tied = list.iter().take_while(|(share, _)| *share >= list[0].0 * (1.0 - TIE)).count();
+    list[..tied].order_by_key(|(_, i)| *i);
+    list.into_iter().map(|(share, i)| Share { of: of(i as usize), part: Unproven(share) }).collect()
 }
 
 /// The sum of the parts and of their magnitudes; many parts are summed in parallel lanes, in an order that is the same
@@ -235,7 +236,7 @@ fn first(chosen: impl Fn(f64) -> bool, parts: &[f64], whole: f64) -> Vec<u32> {
     let largest_of = |block: &[f64]| block.iter().fold(f64::NEG_INFINITY, |largest, &part| largest.max(size(part)));
     let largest: Vec<f64> = parts.chunks(BLOCK).map(largest_of).collect();
     let mut descending = largest.clone();
-    descending.order_by(|a, b| b.total_cmp(a));
+    descending.sort_unstable_by(|a, b| b.total_cmp(a));
     let least = descending.get(LARGEST - 1).copied().unwrap_or(f64::NEG_INFINITY);
     let mut list = Vec::new();
     for (at, block) in parts.chunks(BLOCK).enumerate().filter(|(at, _)| largest[*at] >= least) {

@@ -61,6 +61,8 @@ struct Step {
     f: Matrix<Dd>,
     /// Bounds of the norms of the blocks, and of the error of the whole.
     own: f64,
+    /// What an error grows by during the step, at most.
+    growth: f64,
     from_sources: f64,
     error: f64,
     rounding: f64,
@@ -253,7 +255,7 @@ impl<'a> Run<'a> {
         self.z[..mechanical].copy_from_slice(&next);
         let size = own + sources + self.trail.error + self.source_error;
         let h = step.h.abs().to_f64();
-        let approximations = self.approximation_errors() * h * growth(self.space.own_rate * h);
+        let approximations = self.approximation_errors() * h * step.growth;
         let local = step.from_sources * self.source_error + (step.error + step.rounding) * size + approximations;
         if !self.last.as_ref().is_some_and(|last| Rc::ptr_eq(last, step)) {
             self.trail.turn();
@@ -293,7 +295,8 @@ impl<'a> Run<'a> {
         let (mechanical, size) = (self.space.mechanical, states.len());
         let f = Matrix::from_fn(mechanical, size, |i, j| e.f[(i, j)]);
         let block = norm_bound(mechanical, mechanical, |i, j| f[(i, j)].hi.abs() * UP) + e.error;
-        let own = block.min(growth(self.space.own_rate * t.magnitude()));
+        let growth = growth(self.space.own_rate * t.magnitude());
+        let own = block.min(growth);
         let sources = size - mechanical;
         let from_sources = norm_bound(mechanical, sources, |i, j| f[(i, mechanical + j)].hi.abs() * UP) + e.error;
         let rounding = (size as f64 + 4.0) * UNIT * e.absolute_norm;
@@ -302,7 +305,7 @@ impl<'a> Run<'a> {
             error: (e.error + f64::EPSILON * e.absolute_norm) * UP,
             norms: vec![own],
         });
-        Some(Step { h: h.clone(), states, f, own, from_sources, error: e.error, rounding, powers })
+        Some(Step { h: h.clone(), states, f, own, growth, from_sources, error: e.error, rounding, powers })
     }
 
     /// The sources' states at the present time, from their formulas.

@@ -20,6 +20,9 @@ const WIDTH: usize = 1024;
 const COLUMNS_WIDE: usize = 8;
 const COLUMNS: usize = 6;
 
+/// So few products take less time than packing for them.
+const FEW: usize = 64;
+
 /// Products that one core does in about a millisecond.
 const MOST_OF_ONE: usize = 1 << 23;
 const LEAST_COLUMNS: usize = 48;
@@ -75,11 +78,25 @@ pub fn add_product(c: &mut [f64], stride: usize, f: f64, a: View, b: View) {
     if a.rows == 0 || b.columns == 0 || a.columns == 0 {
         return;
     }
+    if a.rows * b.columns * a.columns <= FEW {
+        return add_unpacked(c, stride, f, a, b);
+    }
     // Fewer columns than this take less time than starting a thread does, or leave the packed rows of A unused.
     let least = MOST_OF_ONE.div_ceil(a.rows * a.columns).max(LEAST_COLUMNS);
     cores::in_columns(c, (stride, b.columns, least), |c, first, columns| {
         add_packed(c, stride, f, a, b.part((0, first), (b.rows, columns)));
     });
+}
+
+/// The same chains, one after the other.
+fn add_unpacked(c: &mut [f64], stride: usize, f: f64, a: View, b: View) {
+    for j in 0..b.columns {
+        for i in 0..a.rows {
+            let sum = (0..a.columns).fold(0.0, |sum, k| a.at(i, k).mul_add(b.at(k, j), sum));
+            let c = &mut c[j * stride + i];
+            *c = f.mul_add(sum, *c);
+        }
+    }
 }
 
 /// A B
@@ -251,10 +268,12 @@ mod tests {
 
     #[test]
     fn every_processor_finds_the_same_bits() {
-        let (a, b) = (scrambled_matrix(61, 531), scrambled_matrix(531, 43));
-        let here = product(View::of(&a), View::of(&b));
-        let mut plain = Matrix::fill_with(61, 43, 0.0);
-        add_packed_as::<Plain>(plain.data_mut(), 61, 1.0, View::of(&a), View::of(&b));
-        assert_eq!(here, plain);
+        for (m, k, n) in [(61, 531, 43), (3, 4, 5), (1, 64, 1)] {
+            let (a, b) = (scrambled_matrix(m, k), scrambled_matrix(k, n));
+            let here = product(View::of(&a), View::of(&b));
+            let mut plain = Matrix::fill_with(m, n, 0.0);
+            add_packed_as::<Plain>(plain.data_mut(), m, 1.0, View::of(&a), View::of(&b));
+            assert_eq!(here, plain);
+        }
     }
 }
