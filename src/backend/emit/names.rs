@@ -4,6 +4,10 @@
 
 use super::reserved::{HEADERS, KEYWORDS, MACROS, MODULES};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::LazyLock;
+
+/// The words that no identifier may be.
+static RESERVED: LazyLock<BTreeSet<&str>> = LazyLock::new(|| KEYWORDS.split(' ').chain(MACROS.split(' ')).collect());
 
 /// Identifiers for names, all different.
 pub fn identifiers<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
@@ -58,7 +62,7 @@ pub fn identifier(name: &str) -> String {
     } else {
         text.into()
     };
-    if is_among(KEYWORDS, &text) || is_among(MACROS, &text) { text + "_" } else { text }
+    if RESERVED.contains(text.as_str()) { text + "_" } else { text }
 }
 
 #[cfg(test)]
