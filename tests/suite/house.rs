@@ -457,8 +457,8 @@ fn participles_are_seen() {
 /// Files that sort lists as long as the scene by a closure, for which the standard library's sort is compiled once more.
 const LONG_SORTS: [&str; 8] = [
     "analysis/modes/mesh/network.rs",
-    "analysis/modes/tree/forest.rs",
     "analysis/modes/shape.rs",
+    "analysis/modes/tree/forest.rs",
     "analysis/nets.rs",
     "base/order.rs",
     "lower/kinematics/numbering.rs",
