@@ -179,8 +179,13 @@ fn the_worst_between_the_corners_is_not_overlooked() {
     let low = optimum(&valley("minimise gain(F -> x, 10 rad/s) over m in 0.5 kg .. 0.8 kg"));
     assert!((values(&low)[0] - 0.5).abs() < 1e-12, "{:?}", values(&low));
     is_worst(&low, 1.0 / f64::hypot(50.0, 5.0), 1e-5);
-    let robust = low.robust.expect("a worst case");
+    let robust = low.robust.as_ref().expect("a worst case");
     assert!((robust.worst.at[0].to_f64() - 0.3).abs() < 1e-2, "{:?}", robust.worst.at);
+    // What is reached is a little less than the worst, and the bound holds for that.
+    let (bound, truth) = (robust.worst.bound.expect("a bound").0.to_f64(), 1.0 / f64::hypot(50.0, 5.0));
+    assert!(robust.worst.reached.to_f64() < truth && bound >= truth * (1.0 - 1e-15), "{bound} {truth}");
+    let least = robust.best_possible.expect("a proof").0.to_f64();
+    assert!(matches!(low.best, Best::Everywhere { gap, .. } if gap.value() >= truth - least), "{:?} {least}", low.best);
 }
 
 /// A condition that fails at p = 0.3 alone, for masses above 100 N/m / (3 pi / s)^2: all places that are looked at first keep it.
