@@ -89,16 +89,23 @@ pub const NOTHING: f64 = 1e-24;
 
 /// A B, with exact zeros if terms cancel to rounding errors.
 pub fn clean_product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
-    Matrix::from_fn(a.rows(), b.columns(), |i, j| {
-        let (mut sum, mut size) = (Dd::ZERO, 0.0);
-        // Half of the factors between a mode and the coordinates are zero.
-        for (k, &factor) in b.column(j).iter().enumerate().filter(|(_, factor)| !factor.is_zero()) {
-            let term = a[(i, k)] * factor;
-            sum += term;
-            size += term.hi.abs();
+    let mut all = Matrix::zeros(a.rows(), b.columns());
+    for j in 0..b.columns() {
+        let factors = b.column(j);
+        for i in 0..a.rows() {
+            let (mut sum, mut size) = (Dd::ZERO, 0.0);
+            for (k, &factor) in factors.iter().enumerate() {
+                // Half of the factors between a mode and the coordinates are zero.
+                if !factor.is_zero() {
+                    let term = a[(i, k)] * factor;
+                    sum += term;
+                    size += term.hi.abs();
+                }
+            }
+            all[(i, j)] = if sum.hi.abs() <= NOTHING * size { Dd::ZERO } else { sum };
         }
-        if sum.hi.abs() <= NOTHING * size { Dd::ZERO } else { sum }
-    })
+    }
+    all
 }
 
 pub fn sum(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {

@@ -2,9 +2,9 @@
 //! X^T B u. In: the system and its modes. Out: blocks of two states, of one for well separated real rates, or nothing
 //! if damping couples the modes. See docs/method/emit.md.
 
-use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
+use crate::analysis::answer::{Mode, ModeKind, Modes};
 use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};
-use crate::analysis::modes::form::{ModalForm, damping_clearly_couples, gram};
+use crate::analysis::modes::form::{FEW, ModalForm, damping_clearly_couples, gram};
 use crate::base::{Ball, Dd, Number, Power};
 use crate::kernel::dense::Matrix;
 use crate::kernel::squares::Squares;
@@ -23,7 +23,7 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
         return None;
     }
     let m = Squares::of_form(&system.m);
-    let (x, grams) = if n > PRECISE { of_many(system, modes)? } else { of_few(system, modes, &m)? };
+    let (x, grams) = if n > FEW { of_many(system, modes)? } else { of_few(system, modes, &m)? };
     if !grams.iter().all(is_diagonal) {
         return None;
     }

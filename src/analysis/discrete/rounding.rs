@@ -333,9 +333,13 @@ impl Frame {
             let mut found = Vec::new();
             for step in 1..=1u64 << FOLLOWED {
                 for (direction, error, _) in &directions {
-                    let felt: f64 = row.iter().zip(direction).map(|(c, d)| c * d).sum();
-                    // The rounding of this sum itself.
-                    let size: f64 = row.iter().zip(direction).map(|(c, d)| (c * d).abs()).sum();
+                    // And the rounding of this sum itself.
+                    let (mut felt, mut size) = (0.0f64, 0.0);
+                    for k in 0..row.len() {
+                        let product = row[k] * direction[k];
+                        felt += product;
+                        size += product.abs();
+                    }
                     sum += (felt.abs() + row.len() as f64 * f64::EPSILON * size) * error;
                 }
                 sum += lost * largest * lengths;

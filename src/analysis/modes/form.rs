@@ -32,27 +32,48 @@ const STEPS: usize = 2;
 pub(in crate::analysis) const LEAST_EPSILON: f64 = 1.0 / (1u128 << 96) as f64;
 const UP: f64 = up::THOUSANDS;
 
+/// An epsilon that leaves all printed digits to transfer functions and motions.
+pub(in crate::analysis) const ENOUGH: f64 = 1e-23;
+
+/// Up to this many coordinates, forms from their terms take less time than products of matrices.
+pub(in crate::analysis) const FEW: usize = 24;
 /// The most coordinates whose damping is decomposed by modes.
 const MOST: usize = 1_000;
 
 impl ModalForm {
     /// With X^T C X. `None` if modes are missing; beyond [`PRECISE`] coordinates also where some coordinate has no mass.
     pub fn with_damping(system: &LinearSystem, modes: &Modes) -> Option<(ModalForm, Matrix<Ball>)> {
-        if system.n() <= PRECISE {
+        let n = system.n();
+        let from_terms = || {
             let form = ModalForm::of(system, modes, gram)?;
             let damping = gram(&Squares::of_form(&system.c), &form.shapes);
-            return Some((form, damping));
+            Some((form, damping))
+        };
+        let is_complete = modes.list.len() == n && modes.list.iter().all(|mode| mode.shape.len() == n);
+        if n <= FEW || n > MOST || !is_complete {
+            return if n <= FEW { from_terms() } else { None };
         }
-        let is_complete = system.n() <= MOST
-            && modes.list.len() == system.n()
-            && modes.list.iter().all(|mode| mode.shape.len() == system.n());
-        if !is_complete {
-            return None;
+        let found = ModalForm::from_basis(system, modes);
+        if n > PRECISE {
+            return found;
         }
+        let kinds = kinds(&modes.list);
+        found.filter(|(form, _)| form.epsilon(&kinds) <= ENOUGH).or_else(from_terms)
+    }
+
+    /// By products of matrices in binary64.
+    fn from_basis(system: &LinearSystem, modes: &Modes) -> Option<(ModalForm, Matrix<Ball>)> {
         let shapes = Matrix::from_fn(system.n(), system.n(), |i, j| modes.list[j].shape[i]);
         let basis = Basis::of(system, shapes)?;
         let (k, c) = (basis.form(&system.k), basis.form(&system.c));
         Some((ModalForm { shapes: basis.shapes(), m: basis.m, k }, c))
+    }
+
+    /// How far M and K are from diagonal, relative to the diagonal.
+    fn epsilon(&self, kinds: &[ModeKind]) -> f64 {
+        let k = self.stiffnesses();
+        let of_m = off_diagonal(&self.m, &vec![1.0; k.len()], true);
+        larger(of_m, off_diagonal(&self.k, &sizes(&k, least_stiffness(kinds, &k)), false))
     }
 
     /// `gram` computes X^T A X. `None` if modes are missing.

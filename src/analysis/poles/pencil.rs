@@ -121,24 +121,27 @@ impl<T: Real> Pencil<T> {
             c_stretch: stretches(&self.c, &re, &im),
         };
         let (force, energy) = (&mut result.force, &mut result.energy);
-        push(&self.m, s * s, &result.m_stretch, force, energy);
-        push(&self.c, s, &result.c_stretch, force, energy);
-        push(&self.k, Complex::real(T::ONE), &stretches(&self.k, &re, &im), force, energy);
+        // (M s + C) s + K
+        push(&self.m, None, &result.m_stretch, force, energy);
+        multiply(s, force, energy);
+        push(&self.c, None, &result.c_stretch, force, energy);
+        multiply(s, force, energy);
+        push(&self.k, None, &stretches(&self.k, &re, &im), force, energy);
         result
     }
 
     /// Turns Q(s) x into Q(z) x, including its energy.
     pub fn shift(&self, applied: &mut Application<T>, from: Complex<T>, to: Complex<T>) {
         let Application { force, energy, m_stretch, c_stretch } = applied;
-        push(&self.m, to * to - from * from, m_stretch, force, energy);
-        push(&self.c, to - from, c_stretch, force, energy);
+        push(&self.m, Some(to * to - from * from), m_stretch, force, energy);
+        push(&self.c, Some(to - from), c_stretch, force, energy);
     }
 
     /// (2 s M + C) x
     pub fn slope_force(&self, s: Complex<T>, applied: &Application<T>) -> Vec<Complex<f64>> {
         let (mut force, mut energy) = (vec![Complex::ZERO; self.n], Complex::ZERO);
-        push(&self.m, s + s, &applied.m_stretch, &mut force, &mut energy);
-        push(&self.c, Complex::real(T::ONE), &applied.c_stretch, &mut force, &mut energy);
+        push(&self.m, Some(s + s), &applied.m_stretch, &mut force, &mut energy);
+        push(&self.c, None, &applied.c_stretch, &mut force, &mut energy);
         force.into_iter().map(Complex::to_f64).collect()
     }
 
@@ -154,18 +157,33 @@ fn stretches<T: Real>(squares: &Squares<T>, re: &[T], im: &[T]) -> Vec<Complex<T
     (0..squares.len()).map(|t| Complex::new(part(t, re), part(t, im))).collect()
 }
 
-/// Adds z (sum w a a^T) x to the force and z sum w (a . x)^2 to the energy.
+#[inline(always)]
+fn multiply<T: Real>(s: Complex<T>, force: &mut [Complex<T>], energy: &mut Complex<T>) {
+    force.iter_mut().for_each(|entry| *entry = *entry * s);
+    *energy = *energy * s;
+}
+
+/// Adds z (sum w a a^T) x to the force and z sum w (a . x)^2 to the energy; z = 1 if there is none.
 #[inline(always)]
 fn push<T: Real>(
     squares: &Squares<T>,
-    z: Complex<T>,
+    z: Option<Complex<T>>,
     stretches: &[Complex<T>],
     force: &mut [Complex<T>],
     energy: &mut Complex<T>,
 ) {
     for (t, &stretch) in stretches.iter().enumerate() {
-        let tension = z * stretch.scale(squares.weights[t]);
-        *energy = *energy + tension * stretch;
+        let mut tension = stretch.scale(squares.weights[t]);
+        // w (a . x)^2
+        let across = tension.re * stretch.im;
+        let square = Complex::new(tension.re * stretch.re - tension.im * stretch.im, across + across);
+        match z {
+            Some(z) => {
+                tension = z * tension;
+                *energy = *energy + z * square;
+            }
+            None => *energy = *energy + square,
+        }
         let (indices, values) = squares.row(t);
         for (&i, &a) in indices.iter().zip(values) {
             let entry = &mut force[i as usize];

@@ -11,23 +11,23 @@
 //! docs/method/transfer.md#sum-over-poles.
 
 mod at_zero;
+mod expansion;
 mod sums;
 
 use crate::analysis::poles::residues::Residues;
 use crate::analysis::transfer::{Disc, Frequency, Gain, feed_through};
-use crate::base::{Ball, Dd, OrderBy, Power, up};
+use crate::base::{Ball, Dd, Power, up};
 use crate::kernel::complex::Complex;
 use crate::system::LinearSystem;
 use at_zero::AtZero;
-use sums::{Lined, TaylorSums, least_square, near_sums, others, sums, taylor};
+pub use expansion::{Expander, Expansion, Obstacle, size};
+use sums::{Lined, near_sums, nearest, sums};
 
 /// H of one input and one output.
 #[derive(Clone, Debug)]
 pub struct PartialFractions {
     terms: Vec<Term>,
     lined: Lined,
-    /// The poles that are exactly on the imaginary axis, by their numbers, ascending.
-    on_axis: Vec<usize>,
     /// The coefficients of powers of s.
     polynomial: [Ball; 4],
     at_zero: AtZero,
@@ -79,25 +79,6 @@ const MOST_BLUR: f64 = 1e-3;
 
 /// The degree of Taylor polynomials.
 pub const DEGREE: usize = 16;
-
-/// A Taylor polynomial of H about a frequency, in (omega - middle) / half.
-#[derive(Clone, Debug)]
-pub struct Expansion {
-    pub coefficients: [Complex<f64>; DEGREE + 1],
-    /// Bounds of the errors of H and of its first two derivatives over |omega - middle| <= half.
-    pub errors: [f64; 3],
-    /// The part of these errors that a smaller interval reduces: the error of the omitted terms.
-    pub cut: [f64; 3],
-}
-
-/// A pole on the imaginary axis next to some frequencies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Near {
-    /// The only extremum there is the pole, rad/s.
-    Infinite(Ball),
-    /// Its residue may be zero.
-    Uncertain,
-}
 
 impl PartialFractions {
     /// `None` if a bound is not finite.
@@ -160,10 +141,7 @@ impl PartialFractions {
         if !known {
             return None;
         }
-        let mut on_axis: Vec<usize> =
-            (0..terms.len()).filter(|&i| terms[i].loose > 0.0 && terms[i].s.re.is_zero()).collect();
-        on_axis.order_by(|&i, &j| terms[i].s.im.hi.total_cmp(&terms[j].s.im.hi));
-        Some(PartialFractions { lined: Lined::of(&terms), on_axis, terms, polynomial, at_zero: AtZero(free[0]), part })
+        Some(PartialFractions { lined: Lined::of(&terms), terms, polynomial, at_zero: AtZero(free[0]), part })
     }
 
     /// What is not zero of a value of H; `None` if both parts may be.
@@ -180,42 +158,6 @@ impl PartialFractions {
         self.terms.len()
     }
 
-    /// The pole on the imaginary axis that is the nearest one to a range of frequencies and so near that nothing else counts
-    /// there: with H = r / (i t) + G, t the distance from it, |r|^2 > |t r G| + |t^2 r G'| + |t^3 G G'| over the range, so that
-    /// |H| falls away from the pole on both sides. `None` where there is none, or no certain residue.
-    pub fn singular_between(&self, low: Dd, high: Dd) -> Option<Near> {
-        let middle = (low + high).scale(0.5);
-        let place = |i: usize| self.terms[self.on_axis[i]].s.im;
-        let above = self.on_axis.partition_point(|&i| self.terms[i].s.im < middle);
-        let candidates = above.saturating_sub(1)..(above + 1).min(self.on_axis.len());
-        let nearest =
-            candidates.min_by(|&i, &j| (place(i) - middle).abs().hi.total_cmp(&(place(j) - middle).abs().hi))?;
-        let pole = &self.terms[self.on_axis[nearest]];
-        let reach = [high - pole.s.im, pole.s.im - low].map(|x| x.hi).into_iter().fold(0.0, f64::max);
-        let reach = reach * up::DOZENS + pole.loose;
-        let neighbours = [nearest.checked_sub(1), Some(nearest + 1).filter(|&i| i < self.on_axis.len())];
-        if neighbours.into_iter().flatten().any(|i| (place(i) - pole.s.im).abs().hi <= reach) || self.lined.has_rest() {
-            return None;
-        }
-        let certain = pole.r.to_f64().abs() * (1.0 - 1e-12) - pole.doubt;
-        if certain.is_nan() || certain <= 0.0 {
-            return Some(Near::Uncertain);
-        }
-        let ([mut others, mut slopes], near) = others(&self.lined, pole.s.im, reach);
-        if near != 1 || pole.s.im.hi.abs() <= reach {
-            return None;
-        }
-        let most = pole.s.im.hi.abs() + reach;
-        for (power, e) in self.polynomial.iter().enumerate() {
-            others += e.magnitude() * most.power(power as i32);
-            slopes += if power > 0 { power as f64 * e.magnitude() * most.power(power as i32 - 1) } else { 0.0 };
-        }
-        let [value, slope] = self.at_zero.most(pole.s.im.hi.abs() - reach);
-        (others, slopes) = (others + value, slopes + slope);
-        let counted = reach * pole.size * (others + reach * slopes) + reach * reach * reach * others * slopes;
-        (certain * certain > counted * up::MILLIONS).then(|| Near::Infinite(Ball::new(pole.s.im, pole.loose)))
-    }
-
     /// The largest |s_j|, rad/s.
     pub fn largest(&self) -> f64 {
         self.terms.iter().map(|term| term.s.to_f64().abs()).fold(0.0, f64::max)
@@ -230,7 +172,7 @@ impl PartialFractions {
 
     /// A lower bound of the distance of a frequency from the nearest pole, rad/s.
     pub fn clearance(&self, omega: Dd) -> f64 {
-        let least = least_square(&self.lined, omega).sqrt() * (1.0 - 1e-12);
+        let least = nearest(&self.lined, omega).1[0].sqrt() * (1.0 - 1e-12);
         if self.at_zero.is_none() { least } else { least.min(omega.to_f64().abs()) }
     }
 
@@ -313,65 +255,6 @@ impl PartialFractions {
         let finite = radius.is_finite() && local.h.re.is_finite() && local.h.im.is_finite();
         if finite { Gain::Finite(disc) } else { Gain::Unknown }
     }
-
-    /// The Taylor polynomial about `middle`, for |omega - middle| <= half; `None` if a pole is less than twice as far as
-    /// `half`. With `precise`, sums are taken in double-double, for frequencies at which most of H cancels.
-    pub fn expansion(&self, middle: Dd, half: f64, precise: bool) -> Option<Expansion> {
-        let clearance = self.clearance(middle);
-        let is_clear = 2.0 * half <= clearance;
-        if !is_clear {
-            return None;
-        }
-        let mut sums = taylor(&self.lined, middle, half, precise);
-        self.add_polynomial(&mut sums, middle, half);
-        self.at_zero.add_to(&mut sums, middle, half);
-        let coefficients = sums.coefficients.map(Complex::to_f64);
-        let unit = if precise { Dd::EPSILON } else { f64::EPSILON };
-        let count = (2 * self.terms.len() + 32 * DEGREE) as f64 * unit;
-        let rest = self.rest(sums.rests, middle.to_f64().abs() * up::FEW, half, clearance);
-        let scale = [1.0, half, half * half];
-        let cut = [0, 1, 2].map(|k| sums.cut[k] * up::MILLIONS);
-        // Coefficients are rounded to binary64 once more, beside their own size.
-        let own = [0, 1, 2].map(|k| f64::EPSILON * size(&coefficients, k));
-        let errors = [0, 1, 2].map(|k| {
-            (cut[k] + count * sums.sizes[k] + sums.doubts[k] + rest[k] * scale[k] + own[k]) * up::MILLIONS
-                + f64::MIN_POSITIVE
-        });
-        let finite = errors.iter().all(|x| x.is_finite()) && coefficients.iter().all(|c| c.is_finite());
-        finite.then_some(Expansion { coefficients, errors, cut })
-    }
-
-    /// Adds e_0 + e_1 s + .. at s = i (middle + half t). Its sizes count as those of the terms.
-    fn add_polynomial(&self, sums: &mut TaylorSums, middle: Dd, half: f64) {
-        let w = middle.abs();
-        for (power, e) in self.polynomial.iter().enumerate().filter(|(_, e)| !e.is_zero()) {
-            let turn = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][power];
-            let mut binomial = 1.0;
-            for k in 0..=power {
-                // e i^l C(l, k) middle^(l - k) half^k
-                let powers = (0..power - k).fold(e.mid * Dd::from(binomial), |x, _| x * middle);
-                let powers = (0..k).fold(powers, |x, _| x * Dd::from(half));
-                let sum = &mut sums.coefficients[k];
-                *sum = *sum + Complex::new(powers * Dd::from(turn.0), powers * Dd::from(turn.1));
-                binomial *= (power - k) as f64 / (k + 1) as f64;
-            }
-            let most = (w.to_f64() + half).power(power as i32) * up::DOZENS;
-            for k in 0..3 {
-                sums.sizes[k] += 9.0 * e.magnitude() * most;
-                sums.doubts[k] += 9.0 * e.rad * most;
-            }
-        }
-    }
-}
-
-/// sum_k k^(0, 1, 2) |c_k|, the last with k (k - 1): bounds of a polynomial and its derivatives for |t| <= 1.
-pub fn size(coefficients: &[Complex<f64>], derivative: usize) -> f64 {
-    let factor = |k: usize| match derivative {
-        0 => 1.0,
-        1 => k as f64,
-        _ => (k * k.saturating_sub(1)) as f64,
-    };
-    coefficients.iter().enumerate().map(|(k, c)| factor(k) * c.one_norm()).sum::<f64>() * up::DOZENS
 }
 
 #[cfg(test)]

@@ -241,49 +241,45 @@ fn refine(x: &Matrix<f64>, stiffness: &Flat, masses: &Flat) -> Matrix<Dd> {
     let unit = |i: usize, j: usize| if i == j { Dd::ONE } else { Dd::ZERO };
     let images = Images::of(stiffness, masses, x, None);
     let p = product(View::of(x).transpose(), View::of(&images.r));
-    let mut momenta_of_x = momenta(masses, x);
-    let sums = sums(x, &momenta_of_x);
-    let e = Matrix::from_fn(n, n, |i, j| (sums[(i, j)] - unit(i, j)).to_f64());
-    let first = step(x, &p, &e, &images.theta);
+    let of_x = momenta(masses, x);
+    let beside_one = |i: usize, j: usize| entry(x, &of_x, i, j) - unit(i, j);
+    let first = step(x, &p, &images.theta, &|i, j| beside_one(i, j).to_f64());
     // S of the module, in two words.
-    for (whole, more) in momenta_of_x.iter_mut().zip(&momenta(masses, &first)) {
+    let mut between = of_x.clone();
+    for (whole, more) in between.iter_mut().zip(&momenta(masses, &first)) {
         add(0.5, whole, more);
     }
-    let s = all_sums(&first, &momenta_of_x, |_| n);
-    let e = Matrix::from_fn(n, n, |i, j| (sums[(i, j)] - unit(i, j) + s[(i, j)] + s[(j, i)]).to_f64());
+    let s = |i: usize, j: usize| entry(&first, &between, i, j);
     let r = Images::of(stiffness, masses, x, Some(&first)).r;
     let moved = Matrix::from_fn(n, n, |i, j| x[(i, j)] + first[(i, j)]);
     let p = product(View::of(&moved).transpose(), View::of(&r));
-    let second = step(&moved, &p, &e, &images.theta);
+    let second = step(&moved, &p, &images.theta, &|i, j| (beside_one(i, j) + s(i, j) + s(j, i)).to_f64());
     Matrix::from_fn(n, n, |i, j| Dd::from(x[(i, j)]) + Dd::from(first[(i, j)]) + Dd::from(second[(i, j)]))
 }
 
-/// X^T Y on and above the diagonal, and the same below.
-fn sums(x: &Matrix<f64>, y: &[Vec<f64>]) -> Matrix<Dd> {
-    let n = x.rows();
-    let mut sums = all_sums(x, y, |block| n.min((block + 1) * LANES));
-    for j in 0..n {
-        for i in 0..j {
-            sums[(j, i)] = sums[(i, j)];
-        }
-    }
-    sums
+/// x_i . y_j in two words, Y eight columns at a time.
+fn entry(x: &Matrix<f64>, y: &[Vec<f64>], i: usize, j: usize) -> Dd {
+    let lane = j % LANES;
+    let words = y[j / LANES].chunks_exact(2 * LANES);
+    let products = x.column(i).iter().zip(words).map(|(&x, y)| Dd { hi: y[lane], lo: y[LANES + lane] } * x);
+    products.fold(Dd::ZERO, |sum, product| sum + product)
 }
 
-/// X^T Y in two words, Y eight columns at a time; of each block the first rows alone, as many as `rows` says, are right.
-fn all_sums(x: &Matrix<f64>, y: &[Vec<f64>], rows: impl Fn(usize) -> usize + Sync) -> Matrix<Dd> {
+/// X^T Y, which is symmetric, in two words, Y eight columns at a time.
+fn sums(x: &Matrix<f64>, y: &[Vec<f64>]) -> Matrix<Dd> {
     let n = x.rows();
     let blocks: Vec<usize> = (0..y.len()).collect();
     let least = MOST_OF_ONE.div_ceil(n * n / 2 + 1);
     let found = cores::in_pieces(&blocks, least, 1, |some| {
-        some.iter().map(|&block| columns(x, rows(block), &y[block])).collect()
+        some.iter().map(|&block| columns(x, n.min((block + 1) * LANES), &y[block])).collect()
     });
     let mut sums = Matrix::zeros(n, n);
     for (block, found) in found.iter().enumerate() {
         for lane in 0..LANES.min(n - block * LANES) {
-            let column = sums.column_mut(block * LANES + lane);
-            for (sum, words) in column.iter_mut().zip(found.chunks_exact(2 * LANES)) {
-                *sum = Dd { hi: words[lane], lo: words[LANES + lane] };
+            let j = block * LANES + lane;
+            for (i, words) in found.chunks_exact(2 * LANES).enumerate().take(j + 1) {
+                let sum = Dd { hi: words[lane], lo: words[LANES + lane] };
+                (sums[(i, j)], sums[(j, i)]) = (sum, sum);
             }
         }
     }
@@ -296,10 +292,11 @@ simd! {
         let mut sums = vec![0.0; 2 * LANES * count];
         for (i, words) in sums.chunks_exact_mut(2 * LANES).enumerate() {
             let mut sum = Double::<V>::zero();
-            for (x, y) in x.column(i).chunks(CHAIN).zip(y.chunks(2 * LANES * CHAIN)) {
+            let x = x.column(i);
+            for first in (0..x.len()).step_by(CHAIN) {
                 let mut chain = Double::<V>::zero();
-                for (x, y) in x.iter().zip(y.chunks_exact(2 * LANES)) {
-                    chain = chain.plus_product(Double::load(y), V::splat(*x));
+                for k in first..x.len().min(first + CHAIN) {
+                    chain = chain.plus_product(Double::load(&y[2 * LANES * k..]), V::splat(x[k]));
                 }
                 sum = sum.plus(chain.normalise());
             }
@@ -321,13 +318,13 @@ simd! {
 }
 
 /// The change of a Newton step: X Z with the Z that makes X^T M X = 1 + E and X^T K X, of which P is what is left beside
-/// X^T M X Theta, diagonal to second order; modes of close frequencies are only made orthogonal. Whatever it is, the enclosures
-/// hold.
-fn step(x: &Matrix<f64>, p: &Matrix<f64>, e: &Matrix<f64>, theta: &[Dd]) -> Matrix<f64> {
+/// X^T M X Theta, diagonal to second order; modes of close frequencies are only made orthogonal. So E is read on the diagonal
+/// and at close frequencies alone. Whatever Z is, the enclosures hold.
+fn step(x: &Matrix<f64>, p: &Matrix<f64>, theta: &[Dd], e: &dyn Fn(usize, usize) -> f64) -> Matrix<f64> {
     let n = x.rows();
     let z = Matrix::from_fn(n, n, |i, j| {
         let gap = (theta[i] - theta[j]).hi;
-        if i != j && gap.abs() * SMALL > p[(i, j)].abs() { -p[(i, j)] / gap } else { -0.5 * e[(i, j)] }
+        if i != j && gap.abs() * SMALL > p[(i, j)].abs() { -p[(i, j)] / gap } else { -0.5 * e(i, j) }
     });
     let mut change = Matrix::fill_with(n, n, 0.0);
     add_product(change.data_mut(), n, 1.0, View::of(x), View::of(&z));

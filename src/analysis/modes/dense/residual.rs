@@ -220,18 +220,23 @@ impl Doubt {
 /// Cauchy's inequality the sum over the terms at most max (beta_t / |w_t|) sqrt(sum |w_t| (|a_t| . |x_i|)^2) strain_j. For soft
 /// modes of stiff systems that is far less than the bound by the magnitude of x.
 pub(super) fn strain(terms: &Terms, x: &[f64]) -> f64 {
-    let square = |t: usize| {
+    let mut sum = 0.0;
+    for t in 0..terms.len() {
         let (indices, factors) = terms.row(t);
-        let parts = || indices.iter().zip(factors).map(|(&i, a)| a.to_f64() * x[i as usize]);
-        let size: f64 = parts().map(f64::abs).sum();
+        let (mut stretch, mut size) = (0.0, 0.0);
+        for k in 0..indices.len() {
+            let part = factors[k].to_f64() * x[indices[k] as usize];
+            stretch += part;
+            size += part.abs();
+        }
         let stretch = match kind(factors) {
             Kind::Other => size * SLACK,
             // The difference is rounded once.
-            Kind::Single | Kind::Difference => parts().sum::<f64>().abs() + f64::EPSILON * size,
+            Kind::Single | Kind::Difference => stretch.abs() + f64::EPSILON * size,
         };
-        terms.weights[t].value.hi().abs() * stretch * stretch
-    };
-    (0..terms.len()).map(square).sum::<f64>().sqrt() * SLACK
+        sum += terms.weights[t].value.hi().abs() * stretch * stretch;
+    }
+    sum.sqrt() * SLACK
 }
 
 /// Relative radius of a factor.

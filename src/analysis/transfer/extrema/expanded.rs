@@ -1,7 +1,8 @@
 //! All extrema of |H| where H is a sum over poles. The frequencies are cut into intervals, each small beside the distance of
-//! the nearest pole, over which H is a Taylor polynomial with a bound of its error. So is F = re(conj H dH/domega), whose
-//! changes of sign are the extrema: over each piece of an interval either F has no root, or F' has none and the signs of F at
-//! both ends decide. Pieces that stay open are reported. In: H, a range. Out: its extrema, with half-power widths. See
+//! all poles but the nearest one, over which H is a Taylor polynomial, or one over the distance of that pole, with a bound of its
+//! error. So is F = re(conj H dH/domega), whose changes of sign are the extrema: over each piece of an interval either its
+//! numerator has no root, or its derivative has none and the signs at both ends decide. A pole on the axis is an infinite peak.
+//! Pieces that stay open are reported. In: H, a range. Out: its extrema, with half-power widths. See
 //! docs/method/transfer.md#extrema-from-sums-over-poles.
 
 mod product;
@@ -9,10 +10,9 @@ mod widths;
 
 use super::{Complete, Extrema, Extremum, FeatureKind};
 use crate::analysis::derived::hertz;
-use crate::analysis::transfer::partial_fractions::{Expansion, Local, Near, PartialFractions, size};
+use crate::analysis::transfer::partial_fractions::{Expander, Expansion, Local, Obstacle, PartialFractions};
 use crate::analysis::transfer::{Disc, Gain};
 use crate::base::{Ball, Dd, OrderBy, down, up};
-use crate::kernel::complex::Complex;
 use product::{CUT, Piece, Product};
 use widths::Widths;
 
@@ -39,12 +39,12 @@ struct Located {
 const MOST_INTERVALS: [usize; 2] = [100, 20_000];
 /// The most outside of the range, where only half-power points may lie.
 const MOST_BEYOND: usize = 2_000;
-/// An interval is expanded if its half is at most the distance from the nearest pole over this.
-const CLEAR: f64 = 3.0;
 /// Part of a frequency below which an interval is not cut next to a pole whose residue may be zero.
 const LEAST_UNCERTAIN: f64 = 1e-9;
 /// Number of times that a piece may be expanded anew.
 const MOST_RENEWALS: u32 = 12;
+/// Number of times that it may be for sharper bounds of a root alone.
+const MOST_SHARPER: u32 = 3;
 /// The most steps towards a root in binary64.
 const MOST_STEPS: usize = 80;
 /// The most steps in double-double.
@@ -115,6 +115,7 @@ fn merge(mut open: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 
 struct Search<'a> {
     h: &'a PartialFractions,
+    expander: Expander<'a>,
     found: Vec<Located>,
     /// rad/s
     open: Vec<(f64, f64)>,
@@ -123,7 +124,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn new(h: &PartialFractions, most: usize) -> Search<'_> {
-        Search { h, found: Vec::new(), open: Vec::new(), left: most }
+        Search { h, expander: Expander::of(h), found: Vec::new(), open: Vec::new(), left: most }
     }
 
     fn search(&mut self, low: f64, high: f64) {
@@ -149,23 +150,19 @@ impl Search<'_> {
             };
             // Covers the rounding of both.
             let half = half * up::DOZENS + middle.hi * 4.0 * Dd::EPSILON;
-            let clear = self.h.clearance(middle) >= CLEAR * half;
-            let expansion = if clear { self.h.expansion(middle, half, interval.renewed > 0) } else { None };
-            let Some(expansion) = expansion else {
-                if from_zero && self.h.is_infinite_at_zero() && width < self.h.largest() * LEAST_UNCERTAIN {
-                    self.open.push((0.0, interval.high.to_f64().next_up()));
+            let expansion = match self.expander.expansion(middle, half, interval.renewed > 0) {
+                Ok(expansion) => expansion,
+                Err(obstacle) => {
+                    let high = interval.high.to_f64();
+                    let is_uncertain = obstacle == Obstacle::Uncertain && width < high * LEAST_UNCERTAIN;
+                    let is_at_zero = from_zero && self.h.is_infinite_at_zero();
+                    if is_uncertain || (is_at_zero && width < self.h.largest() * LEAST_UNCERTAIN) {
+                        self.open.push((interval.low.to_f64().next_down().max(0.0), high.next_up()));
+                    } else {
+                        stack.extend(cut(interval));
+                    }
                     continue;
                 }
-                match self.h.singular_between(interval.low, interval.high) {
-                    Some(Near::Infinite(omega)) => {
-                        self.found.push(Located { omega, kind: FeatureKind::Peak, gain: Gain::Infinite, bend: 0.0 });
-                    }
-                    Some(Near::Uncertain) if width < interval.high.to_f64() * LEAST_UNCERTAIN => {
-                        self.open.push((interval.low.to_f64().next_down(), interval.high.to_f64().next_up()));
-                    }
-                    _ => stack.extend(cut(interval)),
-                }
-                continue;
             };
             let product = Product::of(&expansion);
             if from_zero {
@@ -174,16 +171,23 @@ impl Search<'_> {
                 }
                 continue;
             }
+            if let Some(omega) = expansion.infinite_at()
+                && !(omega - Ball::exact(interval.low)).is_negative()
+                && !(omega - Ball::exact(interval.high)).is_positive()
+            {
+                // Its numerator is not zero there, so that F has no root next to it.
+                self.found.push(Located { omega, kind: FeatureKind::Peak, gain: Gain::Infinite, bend: 0.0 });
+            }
             let (roots, left) = product.roots();
             let at = Cell { h: self.h, middle, half, expansion: &expansion, product: &product };
-            for root in roots {
-                match at.locate(&root) {
-                    Some(located) => self.found.push(located),
-                    None => self.open.push((at.omega(root.low()).to_f64(), at.omega(root.high()).to_f64())),
-                }
-            }
             let renewed = interval.renewed + 1;
             let again = |piece: &Piece| Interval { low: at.omega(piece.low()), high: at.omega(piece.high()), renewed };
+            for root in roots {
+                match at.locate(&root, interval.renewed < MOST_SHARPER) {
+                    Ok(located) => self.found.push(located),
+                    Err(part) => stack.push(again(&part)),
+                }
+            }
             for piece in left.iter().rev().map(|piece| (piece, again(piece))) {
                 // In double-double and in a smaller interval, F would drown in the same error.
                 if interval.renewed > 0 && piece.0.value.abs() + piece.0.swing < product.noise {
@@ -217,22 +221,27 @@ impl Cell<'_> {
         self.middle + Dd::product(self.half, t)
     }
 
-    /// The only root in a piece, with H there; `None` if there is no bound of its distance.
-    fn locate(&self, piece: &Piece) -> Option<Located> {
-        let rising = piece.slope > 0.0;
-        let start = self.product.bisect(piece, rising);
-        // Close to the root F' varies less, and the bound of the root's distance is sharper.
-        let near = self.product.piece(start, piece.half * (1.0 / 64.0));
-        let holds = |t: f64| (piece.low()..=piece.high()).contains(&t);
-        let [low, high] = [near.low(), near.high()];
-        let certain = holds(low) && holds(high) && near.is_monotone();
-        let certain = certain && self.product.sign(low) * self.product.sign(high) < 0;
+    /// The only root in a piece, with H there; the part of the piece that it is in if there is no bound of its distance, or,
+    /// where `may_renew`, if one in more digits would be far sharper.
+    fn locate(&self, piece: &Piece, may_renew: bool) -> Result<Located, Piece> {
+        let start = self.product.bisect(piece, piece.slope > 0.0);
+        // Close to the root the derivative varies less, and the bound of the root's distance is sharper.
+        let half = piece.half * (1.0 / 64.0);
+        let near = self.product.piece(start.clamp(piece.low() + half, piece.high() - half), half);
+        let certain = near.is_monotone() && self.product.sign(near.low()) * self.product.sign(near.high()) < 0;
         let piece = if certain { &near } else { piece };
+        // Beside a pole of small residue most of the slope may be uncertain.
+        if may_renew && piece.least_slope() < 0.5 * piece.slope.abs() {
+            return Err(*piece);
+        }
+        // Not if the pole is in it.
+        let is_positive = self.expansion.is_weight_positive(piece.low(), piece.high()).ok_or(*piece)?;
+        let rising = (piece.slope > 0.0) == is_positive;
         // The polynomial's own root is good to what it leaves out: the secant through two points makes the rest fast.
-        let mut bend = near.slope / (self.half * self.half);
+        let mut bend = near.slope / self.half;
         let mut omega = self.omega(start);
         let mut local = self.h.at(omega);
-        let (mut f, mut error) = slope_of(&local);
+        let (mut f, mut error) = self.value(&local, omega);
         for _ in 0..REFINEMENTS {
             let next = omega - f / Dd::from(bend);
             let inside = next > self.omega(piece.low()) && next < self.omega(piece.high());
@@ -242,33 +251,41 @@ impl Cell<'_> {
             }
             let before = f;
             (omega, local) = (next, self.h.at(next));
-            (f, error) = slope_of(&local);
+            (f, error) = self.value(&local, omega);
             let secant = (f - before).to_f64() / step;
             if (secant / bend - 1.0).abs() < 0.5 {
                 bend = secant;
             }
         }
         // By the mean value theorem.
-        let reach = (f.to_f64().abs() + error) / (piece.least_slope() / (self.half * self.half)) * up::FEW;
+        let reach = (f.to_f64().abs() + error) / (piece.least_slope() / self.half) * up::FEW;
         let reach = reach + omega.hi * 4.0 * Dd::EPSILON;
         if !reach.is_finite() {
-            return None;
+            return Err(*piece);
         }
-        let steeper = (size(&self.expansion.coefficients, 2) + self.expansion.errors[2]) / (self.half * self.half);
+        let size = local.h.to_f64().abs() * up::FEW + local.errors[0];
+        let steeper = self.expansion.most_bend(omega, reach, size);
         let steepest = local.slope.to_f64().abs() + local.errors[1] + reach * steeper;
         let radius = (local.errors[0] + reach * steepest) * up::DOZENS;
         let kind = if rising { FeatureKind::Antiresonance } else { FeatureKind::Peak };
         let disc = if self.is_zero_in(piece) { Disc::ZERO } else { Disc { value: local.h, radius } };
-        Some(Located { omega: Ball::new(omega, reach), kind, gain: Gain::Finite(disc), bend })
+        let bend = bend / (self.half * self.expansion.weight(omega).0.to_f64());
+        Ok(Located { omega: Ball::new(omega, reach), kind, gain: Gain::Finite(disc), bend })
+    }
+
+    /// The polynomial's value from H and its slope, and a bound of its error.
+    fn value(&self, local: &Local, omega: Dd) -> (Dd, f64) {
+        let ((f, error), (weight, doubt)) = (slope_of(local), self.expansion.weight(omega));
+        let size = weight.to_f64().abs() * self.half * up::FEW;
+        (f * weight * Dd::from(self.half), (error + f.to_f64().abs() * (doubt + 8.0 * Dd::EPSILON)) * size * up::FEW)
     }
 
     /// Whether H itself is zero somewhere in a piece: real or imaginary, and of different signs at both ends.
     fn is_zero_in(&self, piece: &Piece) -> bool {
-        let c = &self.expansion.coefficients;
-        let error = self.expansion.errors[0] + 100.0 * f64::EPSILON * size(c, 0);
         let sign = |t: f64| {
-            let value = self.h.only_part(c.iter().rev().fold(Complex::<f64>::ZERO, |sum, &c| sum.scale(t) + c))?;
-            (value.abs() > error * up::THOUSANDS).then_some(value > 0.0)
+            let (value, error) = self.expansion.value(t);
+            let value = self.h.only_part(value)?;
+            (value.abs() > error).then_some(value > 0.0)
         };
         matches!((sign(piece.low()), sign(piece.high())), (Some(low), Some(high)) if low != high)
     }

@@ -12,8 +12,10 @@ mod lanes;
 
 use crate::analysis::answer::{ModeKind, Modes, PRECISE};
 use crate::analysis::modes::form::{
-    LEAST_EPSILON, ModalForm, columns_beside, damping_clearly_couples, kinds, least_stiffness, off_diagonal, sizes,
+    ENOUGH, LEAST_EPSILON, ModalForm, columns_beside, damping_clearly_couples, kinds, least_stiffness, off_diagonal,
+    sizes,
 };
+use crate::analysis::modes::structure::{is_rigid, null_space};
 use crate::analysis::transfer::{Disc, Frequency, Gain};
 use crate::base::{Ball, Dd, Number, Power, larger, up};
 use crate::kernel::complex::Complex;
@@ -36,6 +38,8 @@ pub struct ModalSum {
     pub(in crate::analysis) off: OffDiagonal,
     /// Whether each mode is a rigid motion: its frequency is zero exactly.
     rigid: Vec<bool>,
+    /// Whether certainly no rigid motion is damped.
+    is_undragged: bool,
 }
 
 /// Bounds of E_M, E_C and E_K, what X^T M X, X^T C X and X^T K X are beside 1, the c_i and the k_i: the norms of their columns.
@@ -67,8 +71,6 @@ struct Residues {
 }
 
 const UP: f64 = up::THOUSANDS;
-/// An epsilon that leaves all printed digits to transfer functions and motions.
-const ENOUGH: f64 = 1e-23;
 /// The errors above are relative: they hold if no product underflows. With frequencies, 1/s or rad/s, in this range,
 /// D_i (a difference of their squares, down to a resonance met to 1e-32) and its square are well inside binary64 ...
 const FREQUENCIES: RangeInclusive<f64> = 1e-25..=1e25;
@@ -85,7 +87,9 @@ impl ModalSum {
             return None;
         }
         let (form, damping) = ModalForm::with_damping(system, modes)?;
-        ModalSum::of_form(form, &damping, &kinds(&modes.list))
+        let sum = ModalSum::of_form(form, &damping, &kinds(&modes.list))?;
+        let is_undragged = sum.is_undragged || is_undragged(system, &sum.rigid);
+        Some(ModalSum { is_undragged, ..sum })
     }
 
     /// `damping` is X^T C X.
@@ -120,8 +124,9 @@ impl ModalSum {
             c: columns_beside(damping, false),
             k: columns_beside(&form.k, false),
         };
-        let rigid = kinds.iter().map(|kind| *kind == ModeKind::Rigid).collect();
-        Some(ModalSum { shapes: form.shapes, k, c, omega, epsilon, k_size, c_size, off, rigid })
+        let rigid: Vec<bool> = kinds.iter().map(|kind| *kind == ModeKind::Rigid).collect();
+        let is_undragged = !rigid.contains(&true);
+        Some(ModalSum { shapes: form.shapes, k, c, omega, epsilon, k_size, c_size, off, rigid, is_undragged })
     }
 
     /// Prepares an input and an output.
@@ -277,6 +282,13 @@ impl ModalSum {
             f64::INFINITY
         }
     }
+}
+
+/// Whether all rigid motions are known exactly, and stretch no damper.
+fn is_undragged(system: &LinearSystem, rigid: &[bool]) -> bool {
+    let motions = null_space(&system.k, system.n()).vectors;
+    let count = rigid.iter().filter(|rigid| **rigid).count();
+    motions.len() == count && motions.iter().all(|motion| is_rigid(&system.c, motion))
 }
 
 /// (i W)^power z

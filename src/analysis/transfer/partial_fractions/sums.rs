@@ -7,7 +7,7 @@ use crate::kernel::complex::Complex;
 use crate::kernel::lanes::{Double, Lanes, Pair, two_sum};
 use crate::kernel::simd::{Eight, LANES, Vector, each, simd};
 
-/// The terms in lanes. The last ones are padded with poles of no residue so far away that they change nothing.
+/// The terms in lanes. The last ones are padded with [poles of no residue](Term::FAR).
 #[derive(Clone, Debug)]
 pub struct Lined {
     re: Lanes,
@@ -47,27 +47,44 @@ pub struct TaylorSums {
     pub rests: [f64; 5],
 }
 
+impl Term {
+    /// A pole of no residue, so far away that it changes nothing.
+    pub const FAR: Term = Term {
+        s: Complex { re: Dd { hi: -FAR, lo: 0.0 }, im: Dd::ZERO },
+        r: Complex::ZERO,
+        size: 0.0,
+        doubt: 0.0,
+        loose: 0.0,
+        rest: [0.0; 5],
+    };
+}
+
 impl Lined {
     pub fn of(terms: &[Term]) -> Lined {
-        let padded = |of: &dyn Fn(&Term) -> f64| {
-            let mut list: Vec<f64> = terms.iter().map(of).collect();
-            list.resize(terms.len().next_multiple_of(LANES), 0.0);
-            list
-        };
-        let lanes = |of: &dyn Fn(&Term) -> Dd| Lanes::of(terms.iter().map(of));
-        let mut re = lanes(&|term| term.s.re);
-        re.hi[terms.len()..].fill(-FAR);
+        let room = terms.len().next_multiple_of(LANES);
+        let (lanes, plain) = (|| Lanes::zeros(room), || vec![0.0; room]);
         let has_rest = terms.iter().any(|term| term.rest != [0.0; 5]);
-        Lined {
-            re,
-            im: lanes(&|term| term.s.im),
-            r_re: lanes(&|term| term.r.re),
-            r_im: lanes(&|term| term.r.im),
-            size: padded(&|term| term.size),
-            doubt: padded(&|term| term.doubt),
-            loose: padded(&|term| term.loose),
-            rest: if has_rest { (0..5).map(|m| padded(&|term| term.rest[m])).collect() } else { Vec::new() },
-        }
+        let mut lined = Lined {
+            re: lanes(),
+            im: lanes(),
+            r_re: lanes(),
+            r_im: lanes(),
+            size: plain(),
+            doubt: plain(),
+            loose: plain(),
+            rest: if has_rest { (0..5).map(|_| plain()).collect() } else { Vec::new() },
+        };
+        (0..room).for_each(|i| lined.set(i, terms.get(i).unwrap_or(&Term::FAR)));
+        lined
+    }
+
+    pub fn set(&mut self, i: usize, term: &Term) {
+        self.re.set(i, term.s.re);
+        self.im.set(i, term.s.im);
+        self.r_re.set(i, term.r.re);
+        self.r_im.set(i, term.r.im);
+        (self.size[i], self.doubt[i], self.loose[i]) = (term.size, term.doubt, term.loose);
+        self.rest.iter_mut().zip(term.rest).for_each(|(rest, q)| rest[i] = q);
     }
 
     pub fn has_rest(&self) -> bool {
@@ -100,33 +117,25 @@ impl Lined {
 }
 
 simd! {
-    /// The least square of a distance from i omega.
-    pub fn least_square<V: Eight>(terms: &Lined, omega: Dd) -> f64 {
-        let mut least = V::splat(f64::INFINITY);
+    /// The term with the least distance from i omega, and the squares of that and of the second least.
+    pub fn nearest<V: Eight>(terms: &Lined, omega: Dd) -> (usize, [f64; 2]) {
+        let (mut index, mut squares, mut second) = (0, [f64::INFINITY; 2], V::splat(f64::INFINITY));
         for i in (0..terms.size.len()).step_by(LANES) {
             let d = terms.offset::<V>(i, omega);
-            least = least.min(d.re * d.re + d.im * d.im);
+            let square = d.re * d.re + d.im * d.im;
+            if second.exceeds(square) == 0 {
+                continue;
+            }
+            for (lane, &square) in square.to_array()[..LANES].iter().enumerate() {
+                if square < squares[0] {
+                    (index, squares) = (i + lane, [square, squares[0]]);
+                } else if square < squares[1] {
+                    squares[1] = square;
+                }
+            }
+            second = V::splat(squares[1]);
         }
-        least.to_array()[..LANES].iter().fold(f64::INFINITY, |least, &x| least.min(x))
-    }
-}
-
-simd! {
-    /// With |d| the distances from i omega less `reach` and what is uncertain of them: sum |r| / |d| and sum |r| / |d|^2 over the
-    /// terms with a positive distance, and the number of the others.
-    pub fn others<V: Eight>(terms: &Lined, omega: Dd, reach: f64) -> ([f64; 2], u32) {
-        let (zero, mut sums, mut near) = (V::splat(0.0), [V::splat(0.0); 2], 0);
-        for i in (0..terms.size.len()).step_by(LANES) {
-            let d = terms.offset::<V>(i, omega);
-            let distance = (d.re * d.re + d.im * d.im).sqrt() * V::splat(1.0 - 1e-12);
-            let distance = distance - V::splat(reach) - V::load(&terms.loose[i..]);
-            near += LANES as u32 - distance.exceeds(zero).count_ones();
-            let inverse = distance.if_exceeds(zero, V::splat(1.0) / distance, zero);
-            let term = V::load(&terms.size[i..]) * inverse;
-            sums[0] = sums[0] + term;
-            sums[1] = sums[1] + term * inverse;
-        }
-        (sums.map(V::sum), near)
+        (index, squares)
     }
 }
 

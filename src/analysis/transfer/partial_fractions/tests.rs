@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// 1 / (s - p) + 1 / (s - p*) with p = -0.1 + i, and a Taylor polynomial about 1.3 that reaches half way to the pole:
-/// its terms fall by no more than that, so those after the last are far larger than any rounding.
+/// 1 / (s - p) + 1 / (s - p*) with p = -0.1 + i, and Taylor polynomials that reach nearly a third of the way to a pole, p or beside
+/// it p*: their terms fall by no more than that, so those after the last are far larger than any rounding.
 #[test]
 fn a_polynomial_is_as_near_as_it_says() {
     let term = |im: f64| Term {
@@ -18,16 +18,20 @@ fn a_polynomial_is_as_near_as_it_says() {
         let terms = vec![term(1.0), term(-1.0)];
         PartialFractions {
             lined: Lined::of(&terms),
-            on_axis: Vec::new(),
             terms,
             polynomial: [Ball::ZERO; 4],
             at_zero: AtZero(Ball::ZERO),
             part: Part::Both,
         }
     };
-    let (middle, half) = (1.3, 0.15);
-    for precise in [false, true] {
-        let expansion = sum.expansion(Dd::from(middle), half, precise).expect("clear");
+    let (middle, half) = (1.3, 0.1);
+    // Beside the pole, within the same distance of its conjugate alone.
+    for (middle, half, precise) in
+        [(middle, half, false), (middle, half, true), (1.02, 0.6, false), (1.02, 0.6, true), (0.99, 0.04, true)]
+    {
+        let expansion = Expander::of(&sum).expansion(Dd::from(middle), half, precise).expect("clear");
+        let pole = expansion.pole;
+        assert_eq!(pole.is_some(), middle < 1.1, "{middle}");
         let mut most = [0.0f64; 2];
         for step in -20..=20 {
             let t = f64::from(step) / 20.0;
@@ -35,21 +39,37 @@ fn a_polynomial_is_as_near_as_it_says() {
             let value = expansion.coefficients.iter().rev().fold(zero, |sum, &c| sum.scale(t) + c);
             let slope = (expansion.coefficients.iter().enumerate().skip(1).rev())
                 .fold(zero, |sum, (k, &c)| sum.scale(t) + c.scale(k as f64));
-            let truth = sum.at(Dd::from(middle) + Dd::from(half * t));
-            let off = [(value, truth.h), (slope.scale(1.0 / half), truth.slope)]
+            let omega = Dd::from(middle) + Dd::from(half * t);
+            let truth = sum.at(omega);
+            // (s - p) / half
+            let delta = Complex::new(Dd::from(0.1), omega - Dd::ONE).scale(Dd::from(half).recip());
+            let whole = truth.slope.scale(Dd::from(half));
+            let truth = match pole {
+                Some(_) => [delta * truth.h, delta * whole + Complex::new(-truth.h.im, truth.h.re)],
+                None => [truth.h, whole],
+            };
+            let off = [(value, truth[0]), (slope, truth[1])]
                 .map(|(a, b)| Complex::new((b.re - Dd::from(a.re)).to_f64(), (b.im - Dd::from(a.im)).to_f64()).abs());
-            let bounds = [expansion.errors[0], expansion.errors[1] / half];
-            assert!(off[0] <= bounds[0] && off[1] <= bounds[1], "{t}: {off:?} {bounds:?}");
+            assert!(
+                off[0] <= expansion.errors[0] && off[1] <= expansion.errors[1],
+                "{t}: {off:?} {:?}",
+                expansion.errors
+            );
             most = [most[0].max(off[0]), most[1].max(off[1])];
         }
-        assert!(most[0] > 1e-3 * expansion.errors[0] && most[0] > 1e-9, "{most:?} {:?}", expansion.errors);
+        assert!(
+            half < 0.05 || (most[0] > 1e-3 * expansion.errors[0] && most[0] > 1e-11),
+            "{most:?} {:?}",
+            expansion.errors
+        );
     }
-    assert!(sum.expansion(Dd::from(middle), 0.17, false).is_none());
+    // Too far to both sides for a polynomial beside one pole.
+    assert_eq!(Expander::of(&sum).expansion(Dd::from(1.3), 0.8, false).err(), Some(Obstacle::Near));
 }
 
-/// Poles at +-i and near them; residues as small as the distance are outweighed, others outweigh.
+/// Poles at +-i and +-i other. A residue that may be zero is no pole for certain; of others P is not zero at the pole.
 #[test]
-fn a_pole_counts_alone_only_where_it_outweighs_the_others() {
+fn a_pole_on_the_axis_is_one_if_its_residue_is_certain() {
     let given = |im: f64, r: f64, doubt: f64| {
         let r = Complex::new(Ball::ZERO, Ball::from(r).widen(doubt));
         let [none, more] = [Complex::<Ball>::ZERO; 2];
@@ -64,12 +84,18 @@ fn a_pole_counts_alone_only_where_it_outweighs_the_others() {
         let list = [given(1.0, r, doubt), given(other, 1.0, 0.0)].into_iter();
         PartialFractions::of_poles(list, [Ball::ZERO; 5], [Ball::ZERO; 3], Part::Real).expect("finite")
     };
-    let about = |sum: &PartialFractions, reach: f64| sum.singular_between(Dd::from(1.0 - reach), Dd::from(1.0 + reach));
-    // The other term and its conjugate are 1 / 1 + 1 / 3: beside a distance of 0.01, 1 / 0.01 is more than that, 0.01 / 0.01 less.
-    assert_eq!(about(&sum(2.0, 1.0, 0.0), 0.01), Some(Near::Infinite(Ball::new(Dd::ONE, 1e-25))));
-    assert_eq!(about(&sum(2.0, 0.01, 0.0), 0.01), None);
-    assert_eq!(about(&sum(2.0, 0.01, 0.0), 0.001), Some(Near::Infinite(Ball::new(Dd::ONE, 1e-25))));
-    // Another pole in the range, and a residue that may be zero.
-    assert_eq!(about(&sum(1.005, 1.0, 0.0), 0.01), None);
-    assert_eq!(about(&sum(2.0, 0.01, 0.02), 0.001), Some(Near::Uncertain));
+    let about = |sum: &PartialFractions, middle: f64, half: f64| {
+        let found = Expander::of(sum).expansion(Dd::from(middle), half, false)?;
+        Ok(found.infinite_at())
+    };
+    let at_one = Ball::new(Dd::ONE, 1e-25);
+    for (middle, half) in [(1.0, 0.3), (1.01, 0.01), (0.9, 0.2)] {
+        let found = about(&sum(2.0, 1.0, 0.0), middle, half).expect("a polynomial");
+        assert_eq!(found, Some(at_one), "{middle}");
+    }
+    // Another pole as near, one on both sides, and a residue that may be zero.
+    assert_eq!(about(&sum(1.005, 1.0, 0.0), 1.0, 0.01), Err(Obstacle::Near));
+    assert_eq!(about(&sum(2.0, 0.01, 0.02), 1.0, 0.01), Err(Obstacle::Uncertain));
+    // No pole is near.
+    assert_eq!(about(&sum(2.0, 0.01, 0.02), 1.4, 0.1), Ok(None));
 }

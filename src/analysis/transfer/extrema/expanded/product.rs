@@ -1,4 +1,7 @@
-//! F, half the derivative of |H|^2, over an interval: a polynomial with bounds of its errors, and its roots.
+//! F, half the derivative of |H|^2, over an interval: a polynomial with bounds of its errors, and its roots. Beside a pole it is the
+//! numerator of F: with H = P / delta, delta = i t + a + i b, T = t + b, A = re(conj P dP/dt),
+//!
+//! F = (A (T^2 + a^2) - |P|^2 T) / |delta|^4, and on the axis, where a = 0, F = (A T - |P|^2) / T^3.
 
 use super::MOST_STEPS;
 use crate::analysis::transfer::partial_fractions::{DEGREE, Expansion, size};
@@ -8,9 +11,14 @@ use crate::base::{down, up};
 pub const CUT: f64 = 0.4871;
 /// A piece of an interval is cut down to this part of it.
 const SMALLEST: f64 = 1.0 / 64.0;
+/// The coefficients of F alone, and those beside a pole.
+const PLAIN: usize = 2 * DEGREE;
+const BESIDE: usize = 2 * DEGREE + 4;
+
 /// F over an interval as a polynomial in t, -1 <= t <= 1, times half; and bounds of the errors of F and of its derivative.
 pub struct Product {
-    coefficients: [f64; 2 * DEGREE],
+    coefficients: [f64; BESIDE],
+    count: usize,
     errors: [f64; 2],
     /// The part of the error of F that stays in a smaller interval.
     pub noise: f64,
@@ -34,26 +42,61 @@ pub struct Piece {
 impl Product {
     pub fn of(expansion: &Expansion) -> Product {
         let c = &expansion.coefficients;
-        let mut coefficients = [0.0; 2 * DEGREE];
-        for (i, a) in c.iter().enumerate() {
-            for (j, b) in c.iter().enumerate().skip(1) {
-                coefficients[i + j - 1] += j as f64 * (a.re * b.re + a.im * b.im);
+        let degree = if expansion.pole.is_some() { DEGREE + 1 } else { DEGREE };
+        let (mut slope, mut square) = ([0.0; BESIDE], [0.0; BESIDE]);
+        for (i, a) in c.iter().enumerate().take(degree + 1) {
+            for (j, b) in c.iter().enumerate().take(degree + 1).skip(1) {
+                slope[i + j - 1] += j as f64 * (a.re * b.re + a.im * b.im);
             }
         }
         let [h0, h1, h2] = [0, 1, 2].map(|k| size(c, k));
         let [e0, e1, e2] = expansion.errors;
+        let [f0, f1, _] = [0, 1, 2].map(|k| expansion.errors[k] - expansion.cut[k]);
         // The products of coefficients, their sums and the shift of the polynomial: no more than 2,000 roundings.
         let lost = 2000.0 * f64::EPSILON;
-        let error = h0 * e1 + h1 * e0 + e0 * e1 + lost * h0 * h1;
-        let of_slope = 2.0 * h1 * e1 + e1 * e1 + h0 * e2 + h2 * e0 + e0 * e2 + lost * (h1 * h1 + h0 * h2);
-        let [f0, f1, _] = [0, 1, 2].map(|k| expansion.errors[k] - expansion.cut[k]);
-        let errors = [error, of_slope].map(|x| x * up::DOZENS + f64::MIN_POSITIVE);
-        Product { coefficients, errors, noise: 0.5 * (h0 * f1 + h1 * f0) }
+        // Of A, |P|^2 and A'.
+        let of_a = h0 * e1 + h1 * e0 + e0 * e1;
+        let of_square = 2.0 * h0 * e0 + e0 * e0;
+        let of_slope = 2.0 * h1 * e1 + e1 * e1 + h0 * e2 + h2 * e0 + e0 * e2;
+        let (a, next) = (h0 * h1, h1 * h1 + h0 * h2);
+        let own = |errors: [f64; 2]| errors.map(|x| x * up::DOZENS + f64::MIN_POSITIVE);
+        let Some(pole) = expansion.pole else {
+            let errors = own([of_a + lost * a, of_slope + lost * next]);
+            return Product { coefficients: slope, count: PLAIN, errors, noise: 0.5 * (h0 * f1 + h1 * f0) };
+        };
+        // |P|^2 is P(0)^2 and twice the integral of A.
+        square[0] = c[0].re * c[0].re + c[0].im * c[0].im;
+        (1..BESIDE).for_each(|k| square[k] = 2.0 * slope[k - 1] / k as f64);
+        let times_t = |of: &[f64; BESIDE]| -> [f64; BESIDE] {
+            std::array::from_fn(|k| k.checked_sub(1).map_or(0.0, |k| of[k]) + pole.offset.im * of[k])
+        };
+        let (s, blur) = (pole.reach, pole.blur);
+        let scale = if pole.is_on_axis() { s } else { s * s };
+        let lost_by_slope = lost * (scale * next + 4.0 * s * a + h0 * h0);
+        let (coefficients, errors) = if pole.is_on_axis() {
+            let all = times_t(&slope);
+            let error = s * of_a + blur * (a + of_a) + of_square + lost * (s * a + h0 * h0);
+            // A' T - A
+            let of_next = s * of_slope + blur * (next + of_slope) + of_a + lost_by_slope;
+            (std::array::from_fn(|k| all[k] - square[k]), [error, of_next])
+        } else {
+            let (twice, once) = (times_t(&times_t(&slope)), times_t(&square));
+            let re = pole.offset.re * pole.offset.re;
+            let error = scale * of_a + s * of_square + lost * (scale * a + s * h0 * h0);
+            // A' (T^2 + a^2) - |P|^2
+            let of_next = scale * of_slope + of_square + lost_by_slope;
+            (std::array::from_fn(|k| twice[k] + re * slope[k] - once[k]), [error, of_next])
+        };
+        let noise = 0.5 * (scale * (h0 * f1 + h1 * f0) + 2.0 * s * h0 * f0);
+        Product { coefficients, count: BESIDE, errors: own(errors), noise }
     }
 
     pub fn piece(&self, at: f64, half: f64) -> Piece {
         let mut shifted = self.coefficients;
-        for first in 0..shifted.len() - 1 {
+        let shifted = &mut shifted[..self.count];
+        // About the middle it is as it is.
+        let steps = if at == 0.0 { 0 } else { shifted.len() - 1 };
+        for first in 0..steps {
             for k in (first..shifted.len() - 1).rev() {
                 shifted[k] += at * shifted[k + 1];
             }
@@ -114,7 +157,7 @@ impl Product {
     }
 
     fn at(&self, t: f64) -> f64 {
-        self.coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c)
+        self.coefficients[..self.count].iter().rev().fold(0.0, |sum, c| sum * t + c)
     }
 
     /// The sign of F, 0 if it is not certain.

@@ -7,6 +7,7 @@ use crate::analysis::test_systems::{blank, push};
 use crate::analysis::transfer::extrema::{Denominator, Exactly};
 use crate::analysis::transfer::{Frequency, Transfer};
 use crate::base::{Number, Rational};
+use crate::kernel::complex::Complex;
 use crate::system::{CoordinateId, LinearSystem};
 
 /// Masses in a row, each with a spring and a damper to the one before, and some to the one before that. The first input is
