@@ -202,6 +202,15 @@ fn curves_that_turn_round_within_a_step_are_not_lost() {
         (7.0 / 15.0..8.0 / 15.0).contains(&at) && distance < 1.1e-3 / (2.0 * PI)
     };
     assert!(meetings(&study).iter().any(inside), "{study}");
+    // Three masses whose second and third curves cross for kc = 1 / sqrt(2) N/m, twice in the step: no proof that they do not.
+    let mirror = "model mirror\nparam p = 1\nbody a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\n\
+                  body c { mass = 1 kg, moves x }\nspring s1: ground -- a { k = 1 N/m }\nspring s2: ground -- c { k = 1 N/m }\n\
+                  spring s3: a -- b { k = 1 N/m }\nspring s4: b -- c { k = 1 N/m }\n\
+                  spring s5: a -- c { k = 0.7 N/m + (p - 0.5)^2 * 100 N/m }\n";
+    let study = self::study(mirror, &["--over", "p=0..1:16", "--modes", "3"]);
+    let curves = study["following"]["curves"].as_array().expect("curves");
+    let open = |curve: &Value| curve["open_links"].as_array().expect("a list").len();
+    assert!(open(&curves[1]) == 1 && open(&curves[2]) == 1, "{study}");
 }
 
 /// Two coupled pendulums, one of which becomes longer (C. Pierre, Journal of Sound and Vibration 126 (1988) 485-502, with weak coupling):
