@@ -45,18 +45,21 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod driven;
+mod figures;
 #[cfg(not(feature = "program"))]
 mod inspection;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod inspection;
 mod library;
+mod modal;
 #[cfg(not(feature = "program"))]
 mod overview;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod overview;
 mod reading;
+mod shocks;
 #[cfg(not(feature = "program"))]
 mod sweep;
 #[cfg(feature = "program")]
@@ -229,9 +232,7 @@ pub use backend::report::text as report;
 pub use backend::simulation::{csv as motion_csv, json as motion_json};
 pub use backend::transfer::{csv as transfer_csv, json as transfer_json};
 
-use dynamics::{Damped, WrittenOut};
 use lower::Lowered;
-use reading::Reading;
 
 /// The result of a run on a model.
 #[derive(Clone, Debug)]
@@ -317,7 +318,7 @@ pub fn analyze_with(
     Outcome::of(|diagnostics| {
         let mut reading = reading::read_for(sources, model, overrides, study, diagnostics)?;
         let damped = dynamics::lower_with_damping(&reading.scene, diagnostics)?;
-        modal_answer(&mut reading, damped, request, study, diagnostics).ok()
+        modal::modal_answer(&mut reading, damped, request, study, diagnostics).ok()
     })
 }
 
@@ -336,7 +337,7 @@ pub fn analyze_and_explain(
         let (name, lowered) = (reading.name(), dynamics::lower_undamped(&reading.scene, diagnostics)?);
         let account = lower::account(&reading.scene, &lowered);
         match dynamics::with_damping(&reading.scene, lowered, diagnostics) {
-            Ok(damped) => match modal_answer(&mut reading, damped, request, study, diagnostics) {
+            Ok(damped) => match modal::modal_answer(&mut reading, damped, request, study, diagnostics) {
                 Ok(answer) => Some(ModalAnswer { account: Some(account), ..answer }),
                 Err(damped) => {
                     explained = Some(Explained::new(name, damped.lowered, account));
@@ -350,110 +351,6 @@ pub fn analyze_and_explain(
         }
     });
     (outcome, explained)
-}
-
-/// The modal report of a model. If there is none, its system is returned.
-fn modal_answer(
-    reading: &mut Reading,
-    mut damped: Damped,
-    request: &Request,
-    study: &Study,
-    diagnostics: &mut Diagnostics,
-) -> Result<ModalAnswer, Box<Damped>> {
-    let Some(analysis::Modal { modes, poles, stability }) = damped.modal(request, diagnostics) else {
-        return Err(Box::new(damped));
-    };
-    let known = WrittenOut { lowered: damped.lowered, modes: None };
-    let requirements = match known.lowered.system.is_chained() && !reading.scene.scene().requires.is_empty() {
-        false => reading.requirements(Some(&known), Some((&modes, &poles)), diagnostics),
-        true => {
-            // Requirements are measured over the coordinates alone.
-            let mut flat = known.clone();
-            let flat = flat.lowered.flatten().is_ok().then_some(&flat);
-            reading.requirements(flat, Some((&modes, &poles)), diagnostics)
-        }
-    };
-    let Lowered { system, rest, mechanism } = known.lowered;
-    // About a rest that is not proven no number would have a bound.
-    let noises = if rest.is_proven() { dynamics::noises(&reading.scene) } else { Vec::new() };
-    let noisy = analysis::random::outputs(&system, &modes, &poles, &noises);
-    let spectra = if rest.is_proven() { dynamics::spectra(&reading.scene) } else { Vec::new() };
-    let spectral = analysis::response_spectrum::maxima(&system, &modes, &spectra, study.spectra);
-    let sensitivities = match study.sensitivity {
-        true => questions::sensitivities(&reading.text(), &reading.settings, request, &system, &modes, &poles),
-        false => Vec::new(),
-    };
-    let tolerated = match study.tolerances {
-        true => {
-            let of = (&reading.scene, system.n());
-            questions::tolerated::within_tolerances(&reading.text(), of, &reading.settings, study.robust)
-        }
-        false => None,
-    };
-    let excitations = match study.participation {
-        true => excitations(reading.scene.scene(), &system, &modes, rest.is_proven()),
-        false => Vec::new(),
-    };
-    // About a rest that is not proven no shape would have a bound.
-    let damped_shapes = match study.damped_shapes && rest.is_proven() {
-        true => analysis::damped_shapes(&system, &poles),
-        false => Vec::new(),
-    };
-    let nodes = match study.nodes {
-        true => modes.list.iter().map(|mode| nodes(reading.scene.scene(), &mechanism, mode)).collect(),
-        false => Vec::new(),
-    };
-    if let Some(shortfall) = analysis::shortfall(&system, &modes, &poles, request) {
-        diagnostics.push(shortfall.to_diagnostic());
-    }
-    let (model, buckling) = (reading.name(), analysis::buckling(&system));
-    Ok(ModalAnswer {
-        model,
-        system,
-        rest,
-        modes,
-        poles,
-        stability,
-        buckling,
-        solved: reading.solved.clone(),
-        optimised: reading.optimised.clone(),
-        requirements,
-        noisy,
-        spectral,
-        sensitivities,
-        tolerated,
-        excitations,
-        damped_shapes,
-        nodes,
-        account: None,
-    })
-}
-
-/// The points of turning bodies that stay in place in a mode; none if its shape is not determined by itself.
-fn nodes(scene: &model::scene::Scene, mechanism: &lower::Mechanism, mode: &Mode) -> Vec<lower::ShapeNode> {
-    let has_shape = matches!(mode.kind, ModeKind::Oscillation | ModeKind::Divergence) && mode.cluster.is_none();
-    match has_shape {
-        true => lower::nodes(scene, mechanism, &analysis::normalise(mode, analysis::Normalise::Max)),
-        false => Vec::new(),
-    }
-}
-
-/// The modes that each motion of a base excites, or the reason why they are not known.
-fn excitations(
-    scene: &model::scene::Scene,
-    system: &LinearSystem,
-    modes: &analysis::Modes,
-    proven: bool,
-) -> Vec<(usize, Result<analysis::Excitation, &'static str>)> {
-    let is_base = |input: &model::scene::Input| matches!(input.kind, model::scene::InputKind::Base { .. });
-    let bases: Vec<usize> = (0..scene.inputs.len()).filter(|input| is_base(&scene.inputs[*input])).collect();
-    let all = match (bases.is_empty(), proven) {
-        (true, _) => return Vec::new(),
-        (_, false) => Err("the rest about which they would be measured is not proven"),
-        (_, true) => analysis::Excitations::of(system, modes),
-    };
-    let by = |input: &usize| (*input, all.as_ref().map_err(|why| *why).and_then(|all| all.by(*input)));
-    bases.iter().map(by).collect()
 }
 
 /// A model with its modes, ready for transfer tables.
@@ -573,12 +470,7 @@ pub fn simulate_with_noise(
             }
         }
         diagnostics.extend(analysis::response::findings(&system, &drives, &history, &places));
-        let steady = if is_harmonic(&drives) {
-            let outputs: Vec<usize> = (0..system.outputs.len()).collect();
-            analysis::steady(&analysis::Transfer::of(&system), &drives, &outputs)
-        } else {
-            Vec::new()
-        };
+        let steady = analysis::steady_alone(&system, &drives);
         let has_noise = dynamics::has_noise(&reading.scene);
         Some(Motion { model: reading.name(), system, history, steady, has_noise })
     })
@@ -613,60 +505,8 @@ pub fn shock(
 ) -> Outcome<Result<Shock, String>> {
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
-        let scene = reading.scene.scene();
-        let bases: Vec<(String, &model::scene::Input)> = (scene.inputs.iter())
-            .filter(|input| matches!(input.kind, model::scene::InputKind::Base { .. }))
-            .map(|input| (scene.words.display(input.name), input))
-            .collect();
-        let chosen: Vec<&(String, &model::scene::Input)> = match from {
-            [] => bases.iter().filter(|(_, input)| !input.signal.is_empty()).collect(),
-            names => {
-                let found = names.iter().map(|name| bases.iter().find(|(base, _)| base == name).ok_or(name));
-                match found.collect() {
-                    Ok(found) => found,
-                    Err(name) => return Some(Err(no_base(name, &bases))),
-                }
-            }
-        };
-        if chosen.is_empty() {
-            return Some(Err("no base of the model has a signal, whose shock response spectrum it would be".into()));
-        }
-        let mut list = Vec::new();
-        for (name, input) in chosen {
-            let refused =
-                |why: &dyn std::fmt::Display| Some(Err(format!("no shock response spectrum of `{name}`: {why}")));
-            if input.signal.iter().any(model::scene::Signal::has_noise) {
-                return refused(&"noise has no time history");
-            }
-            if input.signal.iter().any(|signal| matches!(signal, model::scene::Signal::Spectrum(_))) {
-                return refused(&"its signal is a response spectrum already");
-            }
-            let signals = dynamics::declared_signals(input, diagnostics)?;
-            let turns = matches!(input.kind, model::scene::InputKind::Base { translation: None, .. });
-            match analysis::shock::shock(&signals, input.derivative, request) {
-                Ok(spectrum) => list.push(answers::ShockOf::new(name.clone(), turns, spectrum)),
-                Err(why) => return refused(&why),
-            }
-        }
-        Some(Ok(Shock::new(reading.name(), list)))
+        shocks::of_bases(&reading, from, request, diagnostics)
     })
-}
-
-fn no_base(name: &str, bases: &[(String, &model::scene::Input)]) -> String {
-    const MOST: usize = 8;
-    let known: Vec<String> = bases.iter().take(MOST).map(|(base, _)| format!("`{base}`")).collect();
-    let more = if bases.len() > MOST { ", ..." } else { "" };
-    match known.is_empty() {
-        true => format!("`{name}` is not a base of the model; it has none"),
-        false => format!("`{name}` is not a base of the model; it has {}{more}", known.join(", ")),
-    }
-}
-
-/// Whether the steady motion is that of harmonic signals alone.
-fn is_harmonic(drives: &[Vec<system::Signal>]) -> bool {
-    let mut signals = drives.iter().flatten();
-    signals.clone().any(|signal| matches!(signal, system::Signal::Harmonic { .. }))
-        && !signals.any(system::Signal::comes_again)
 }
 
 /// A model as simulation code computes it.
@@ -849,36 +689,9 @@ pub fn draw(
 ) -> Outcome<Result<picture::Figure, String>> {
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, None, diagnostics)?;
-        let figure = |shown| {
-            let digits = |number: &Number| backend::decimal::certain_whole(number, FIGURE_DIGITS);
-            let request = picture::Request { digits: &digits, values: drawn.values, shown };
-            picture::figure(reading.scene.scene(), &request).map_err(|refusal| refusal.to_string())
-        };
-        if !drawn.rest && drawn.mode.is_none() {
-            return Some(figure(picture::Shown::AsDrawn));
-        }
-        let Lowered { system, mechanism, rest } = dynamics::lower_undamped(&reading.scene, diagnostics)?;
-        let Some(wanted) = drawn.mode else {
-            return Some(figure(picture::Shown::AtRest(&mechanism.poses())));
-        };
-        let request = Request { which: Which::Lowest(wanted as usize), ..Request::default() };
-        let modes =
-            analysis::modes_as(&system, &request).or_else(|error| push_error(&error, diagnostics).ok_or(())).ok()?;
-        let Some((_, mode)) = modes.with_numbers().find(|(number, _)| *number == wanted as usize) else {
-            return Some(Err(format!("the model has no mode {wanted}; it has {}", modes.list.len())));
-        };
-        let shape = analysis::normalise(mode, analysis::Normalise::Translation);
-        let shape: Vec<f64> = shape.iter().map(|displacement| displacement.0).collect();
-        let at_rest = mechanism.poses();
-        let poses = at_rest.displace(&mechanism.displacements(&at_rest, &shape));
-        let caption = backend::draw::mode_caption(wanted, mode, rest.is_proven());
-        let does = |name| backend::draw::energy_of(mode, name);
-        Some(figure(picture::Shown::Mode(picture::ModeShown { poses: &poses, caption, does: &does })))
+        figures::figure(&reading, drawn, diagnostics)
     })
 }
-
-/// Digits of values in figures.
-const FIGURE_DIGITS: usize = 4;
 
 /// The text of a model in the standard layout; no answer if it does not match the grammar.
 ///

@@ -13,13 +13,14 @@ use crate::base::{Diagnostic, Diagnostics, FileId, Number, Sources, Span};
 use crate::dynamics::{self, WrittenOut};
 use crate::kernel::complex::Complex;
 use crate::lower::{Displacement, Mechanism};
+use crate::modal::modal_answer;
 use crate::model::Overrides;
 use crate::model::scene::Scene;
 use crate::picture::{self, Figure, Item, Moving};
 use crate::questions::answer::{Optimised, Requirement, Solved};
 use crate::reading::{self, Reading};
 use crate::system::{CoordinateId, Form, LinearSystem, Origin, Output};
-use crate::{Outcome, Study, modal_answer};
+use crate::{Outcome, Study};
 
 /// A model as its page shows it.
 #[derive(Clone, Debug)]
@@ -209,9 +210,7 @@ impl Overview {
             states.push(state);
         }
         let amount = moving.amount(&mechanism.displacements(&moving.poses, &largest));
-        let harmonics = crate::is_harmonic(&drives);
-        let all: Vec<usize> = (0..outputs).collect();
-        let steady = if harmonics { analysis::steady(&analysis::Transfer::of(own), &drives, &all) } else { Vec::new() };
+        let steady = analysis::steady_alone(own, &drives);
         let report = report::motion(&self.answer.model, own, &history, &steady);
         Some(MotionShown { history, states, amount, report })
     }

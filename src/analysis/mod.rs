@@ -57,7 +57,7 @@ pub use random::{Noisy, Peak, Spread};
 pub use response::{History, MOST_SAMPLES, grid, respond, respond_with, samples};
 pub(crate) use stability::is_passive;
 pub use stability::{Reason, Stability, Verdict, stability};
-pub use steady::{Steady, steady};
+pub use steady::{Steady, steady, steady_alone};
 pub use transfer::extrema::{Extrema, Extremum, FeatureKind};
 pub use transfer::modal::{ModalPair, ModalSum};
 pub use transfer::table::{Methods, Row, Sweep, Table, modes_of_many, poles_for_table, table};

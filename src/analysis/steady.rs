@@ -8,7 +8,7 @@
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Number, up};
 use crate::kernel::complex::Complex;
-use crate::system::Signal;
+use crate::system::{LinearSystem, Signal};
 
 /// The motion of one frequency.
 #[derive(Clone, Debug)]
@@ -19,6 +19,17 @@ pub struct Steady {
     /// |a| is the amplitude and arg a the phase relative to sin(2 pi f t), one for each requested output; infinite at
     /// an undamped pole.
     pub outputs: Vec<Gain>,
+}
+
+/// The steady motion of all outputs, where harmonic signals alone make it; empty otherwise.
+pub fn steady_alone(system: &LinearSystem, drives: &[Vec<Signal>]) -> Vec<Steady> {
+    let mut signals = drives.iter().flatten();
+    let is_harmonic = signals.clone().any(|signal| matches!(signal, Signal::Harmonic { .. }));
+    if !is_harmonic || signals.any(Signal::comes_again) {
+        return Vec::new();
+    }
+    let outputs: Vec<usize> = (0..system.outputs.len()).collect();
+    steady(&Transfer::of(system), drives, &outputs)
 }
 
 /// The steady motion at each frequency of the harmonic signals, in their order.
