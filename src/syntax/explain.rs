@@ -730,6 +730,9 @@ impl Reader<'_> {
             Some(':') => return Err(self.problem_with(Expected::Sign("=", "after a field's name"), Remark::FieldColon)),
             Some(';') => return Err(self.problem(Expected::Separator)),
             _ if flag => {}
+            Some(_) if takes.is_none() && words::is_near(key, "moves") => {
+                return Err(self.problem_with(Expected::Sign("=", "after a field's name"), Remark::Moves));
+            }
             _ => return Err(self.problem(Expected::Sign("=", "after a field's name"))),
         }
         Ok(())

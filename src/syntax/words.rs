@@ -22,9 +22,12 @@ pub(super) fn nearest(word: &str) -> Option<&'static Declaration> {
         return Some(declaration);
     }
     let distance = |declaration: &&Declaration| strsim::damerau_levenshtein(declaration.keyword, &word);
-    let nearest = DECLARATIONS.iter().min_by_key(distance)?;
-    // A third of the letters, as rustc does.
-    (distance(&nearest) * 3 <= word.chars().count().max(nearest.keyword.len())).then_some(nearest)
+    DECLARATIONS.iter().min_by_key(distance).filter(|nearest| is_near(&word, nearest.keyword))
+}
+
+/// Whether a word may be a known one with letters mistyped: a third of them, as rustc does.
+pub(super) fn is_near(word: &str, known: &str) -> bool {
+    strsim::damerau_levenshtein(known, word) * 3 <= word.chars().count().max(known.len())
 }
 
 /// The lower-case word at the start of a text; may be empty.
