@@ -28,6 +28,8 @@ pub enum Route {
     Sparse,
     /// Bisection and Newton steps on a tree.
     Tree,
+    /// Counts of negative pivots in floating point of hundreds of bits.
+    Counted,
     /// The modes of the positive terms first, then Jacobi in their energies: for negative stiffness.
     Energy,
     /// Classical damping: each mode is an independent oscillator.
@@ -48,6 +50,7 @@ impl Route {
             Route::Dense => "dense",
             Route::Sparse => "sparse",
             Route::Tree => "tree",
+            Route::Counted => "counted",
             Route::Energy => "energy",
             Route::Decoupled => "decoupled",
             Route::Refined => "refined",

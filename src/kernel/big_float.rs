@@ -15,6 +15,12 @@ pub struct Float {
     exponent: i64,
 }
 
+impl Default for Float {
+    fn default() -> Float {
+        Float::zero()
+    }
+}
+
 /// A complex number of two floats.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ComplexFloat {

@@ -201,37 +201,102 @@ fn independent_parts_are_solved_separately_and_listed_together() {
     assert_eq!(modes.list[2].shape, [1.0, 0.0, 0.0, 0.0, 0.0]);
 }
 
-/// Nets of springs over a hundred decades, to which no vectors of three words do justice: each frequency is known to 1e-12 all the same,
-/// and in its place by the signs of leading minors in exact arithmetic.
+/// Each mode has its frequency to 1e-12, in its place by the signs of leading minors in exact arithmetic. Returns how many come by this
+/// route.
+#[track_caller]
+fn certain_by(system: &LinearSystem, route: &str) -> usize {
+    let modes = analysis::modes(system).expect("a regular system");
+    let pencil = ExactPencil::of(system);
+    for (i, mode) in modes.list.iter().enumerate() {
+        assert!(mode.omega.relative_error() < 1e-12, "{i}: {:?}", mode.omega);
+        let [mid, rad] = [value(mode.omega_squared.mid), binary(mode.omega_squared.rad)];
+        assert!(pencil.below(&(&mid - &rad)).is_none_or(|count| count <= i), "{i}: {:?}", mode.omega_squared);
+        assert!(pencil.below(&(&mid + &rad)).is_none_or(|count| count > i), "{i}: {:?}", mode.omega_squared);
+    }
+    modes.list.iter().filter(|mode| mode.route.name() == route).count()
+}
+
+/// A net of n masses on springs whose stiffnesses range over so many decades.
+fn random_net(n: usize, decades: f64, random: &mut Random) -> Builder {
+    let mut b = Builder::numbered(n);
+    b.spring(None, 0, &random.decimal(decades));
+    for i in 0..n {
+        b.mass(i, &random.decimal(0.0));
+        if i > 0 {
+            b.spring(Some(random.below(i)), i, &random.decimal(decades));
+        }
+    }
+    for _ in 0..n {
+        let (i, j) = (random.below(n), random.below(n));
+        if i != j {
+            b.spring(Some(i), j, &random.decimal(decades));
+        }
+    }
+    b
+}
+
+/// Nets of springs over a hundred decades, to which no vectors of three words do justice.
 #[test]
 fn few_coordinates_of_any_stiffness_have_bounds() {
     let mut random = Random::new(5);
-    let mut by_polynomial = 0;
-    for n in [4, 8, 8, 10, 11] {
-        let mut b = Builder::numbered(n);
-        b.spring(None, 0, &random.decimal(100.0));
-        for i in 0..n {
-            b.mass(i, &random.decimal(0.0));
-            if i > 0 {
-                b.spring(Some(random.below(i)), i, &random.decimal(100.0));
+    let nets = [4, 8, 8, 10, 11].map(|n| certain_by(&random_net(n, 100.0, &mut random).finish(), "exact"));
+    assert!(nets.iter().sum::<usize>() > 0);
+}
+
+/// The same of more coordinates, and with springs that push away and levers.
+#[test]
+fn coordinates_of_any_stiffness_have_bounds_by_counts() {
+    let mut random = Random::new(6);
+    let mut counted = 0;
+    for (n, decades) in [(21, 120.0), (24, 80.0), (26, 120.0)] {
+        for signed in [false, true] {
+            let mut b = random_net(n, decades, &mut random);
+            for i in 0..if signed { 4 } else { 0 } {
+                let lever = [(i, number("1")), (i + 5, -&number("1.5")), (i + 9, number("0.25"))];
+                b.stiffness("lever", Nature::Property, &random.decimal(decades), &lever);
+                b.stiffness("push", Nature::Geometric, &-&random.decimal(decades), &[(i + 2, number("1"))]);
             }
-        }
-        for _ in 0..n {
-            let (i, j) = (random.below(n), random.below(n));
-            if i != j {
-                b.spring(Some(i), j, &random.decimal(100.0));
-            }
-        }
-        let system = b.finish();
-        let modes = analysis::modes(&system).expect("a regular system");
-        let pencil = ExactPencil::of(&system);
-        for (i, mode) in modes.list.iter().enumerate() {
-            assert!(mode.omega.relative_error() < 1e-12, "{n} {i}: {:?}", mode.omega);
-            let [mid, rad] = [value(mode.omega_squared.mid), binary(mode.omega_squared.rad)];
-            assert!(pencil.below(&(&mid - &rad)).is_none_or(|count| count <= i), "{n} {i}: {:?}", mode.omega_squared);
-            assert!(pencil.below(&(&mid + &rad)).is_none_or(|count| count > i), "{n} {i}: {:?}", mode.omega_squared);
-            by_polynomial += usize::from(mode.route.name() == "exact");
+            counted += certain_by(&b.finish(), "counted");
         }
     }
-    assert!(by_polynomial > 0);
+    assert!(counted > 0, "{counted}");
+}
+
+/// A hub with equal arms of masses, two and two of them on springs of 10^120 N/m.
+fn star(arms: usize, length: usize) -> LinearSystem {
+    let mut b = Builder::numbered(1 + arms * length);
+    b.mass(0, &number("3"));
+    b.spring(None, 0, &number("2"));
+    for arm in 0..arms {
+        for i in 0..length {
+            let at = 1 + arm * length + i;
+            b.mass(at, &number("1.1"));
+            let stiffness = number(&format!("{}e{}", i + 2, if i % 2 == 0 { 0 } else { 120 }));
+            b.spring(Some(if i == 0 { 0 } else { at - 1 }), at, &stiffness);
+        }
+    }
+    b.finish()
+}
+
+/// Motions of the arms against each other have one frequency: one less than arms. That of all arms together differs from it, by a
+/// part of 10^120 where stiff springs stretch, which no number of thirty digits shows.
+#[test]
+fn repeated_frequencies_of_any_stiffness_are_counted() {
+    for (arms, length, route) in [(3, 4, "exact"), (4, 4, "exact"), (3, 8, "counted"), (4, 6, "counted")] {
+        let system = star(arms, length);
+        assert!(certain_by(&system, route) > 0, "{arms} {length}");
+        let modes = analysis::modes(&system).expect("a regular system").list;
+        let mut sizes = vec![0; modes.len()];
+        modes.iter().filter_map(|mode| mode.cluster).for_each(|cluster| sizes[cluster as usize] += 1);
+        sizes.retain(|&size| size > 0);
+        assert_eq!(sizes, [vec![arms - 1; length / 2], vec![arms; length / 2]].concat(), "{arms} {length}");
+        // Shapes of one cluster are orthogonal in M, and each is one of its eigenvalue: the hub rests.
+        for (a, b) in modes.iter().zip(&modes[1..]).filter(|(a, b)| a.cluster.is_some() && a.cluster == b.cluster) {
+            let inertia = |i: usize| if i == 0 { 3.0 } else { 1.1 };
+            let product: f64 = (0..system.n()).map(|i| inertia(i) * a.shape[i] * b.shape[i]).sum();
+            let size = |x: &[f64]| (0..system.n()).map(|i| inertia(i) * x[i] * x[i]).sum::<f64>().sqrt();
+            assert!(product.abs() < 1e-12 * size(&a.shape) * size(&b.shape), "{arms} {length}: {product}");
+            assert!(a.shape[0].abs() < 1e-12 * size(&a.shape), "{:?}", a.shape);
+        }
+    }
 }

@@ -26,11 +26,7 @@ const STEPS: usize = 2;
 /// not rational.
 pub fn sharpen(pairs: Vec<Pair>, k: &Form, m: &Form, tolerance: f64) -> Vec<Pair> {
     let n = pairs.len();
-    // NaN is not certain either.
-    let is_certain = |pair: &Pair| match pair.value {
-        Eigenvalue::Zero => true,
-        Eigenvalue::Near { value, radius, .. } => radius <= tolerance * value.hi().abs(),
-    };
+    let is_certain = |pair: &Pair| is_certain(pair, tolerance);
     if n > MOST_COORDINATES || pairs.iter().all(is_certain) {
         return pairs;
     }
@@ -47,6 +43,15 @@ pub fn sharpen(pairs: Vec<Pair>, k: &Form, m: &Form, tolerance: f64) -> Vec<Pair
         }
     };
     pairs.into_iter().zip(values).map(exact).collect()
+}
+
+/// Whether an eigenvalue is known to a relative tolerance.
+pub(super) fn is_certain(pair: &Pair, tolerance: f64) -> bool {
+    match pair.value {
+        Eigenvalue::Zero => true,
+        // NaN is not certain.
+        Eigenvalue::Near { value, radius, .. } => radius <= tolerance * value.hi().abs(),
+    }
 }
 
 /// An enclosure of the i-th eigenvalue; `is_alone` if no other one may be the same.
@@ -201,7 +206,7 @@ fn in_order(values: Vec<Value>) -> Vec<Value> {
 }
 
 /// A vector over the root of a number, to three words.
-fn scale(vector: &[Float], norm: &Float) -> Vec<Triple> {
+pub(super) fn scale(vector: &[Float], norm: &Float) -> Vec<Triple> {
     let factor = Triple::from(norm.to_ball(0.0).mid.sqrt().recip());
     let words = |x: &Float| {
         let hi = x.to_f64();

@@ -9,6 +9,7 @@ pub mod buckling;
 pub(in crate::analysis) mod certificate;
 pub(in crate::analysis) mod condense;
 pub(in crate::analysis) mod correction;
+mod counted;
 pub(in crate::analysis) mod dense;
 pub(in crate::analysis) mod eigen;
 mod exact;
@@ -187,6 +188,10 @@ fn ordinary_pairs(
         // Whether an eigenvalue is exactly zero is decided by the other methods.
         && (n > MAX_DENSE || !pairs.iter().any(|pair| may_be_zero(&pair.value)))
     {
+        let pairs = match before.count() {
+            0 => counted::sharpen(pairs, forms.k, forms.m, n, request),
+            _ => pairs,
+        };
         return Ok(PartPairs { pairs, before, infinite: 0 });
     }
     let first = part.coordinates[0] as usize;
@@ -197,13 +202,16 @@ fn ordinary_pairs(
             _ => AnalysisError::NotSparse { count, limit, at },
         });
     }
-    let pairs = match eigenpairs_of(forms.k, forms.stiffness, forms.masses, n, request.tolerance) {
-        Ok(pairs) => exact::sharpen(pairs, forms.k, forms.m, request.tolerance),
+    let (pairs, infinite) = match eigenpairs_of(forms.k, forms.stiffness, forms.masses, n, request.tolerance) {
+        Ok(pairs) => {
+            let pairs = exact::sharpen(pairs, forms.k, forms.m, request.tolerance);
+            (counted::sharpen(pairs, forms.k, forms.m, n, request), 0)
+        }
         Err(Failure::Range) => return Err(AnalysisError::OutOfRange { at: place(system, first) }),
         Err(Failure::Size) => return Err(too_many(system, first, n)),
-        Err(Failure::Mass(at)) => without_massless_motions(system, part, forms.k, forms.m, at, request.tolerance)?,
+        Err(Failure::Mass(at)) => without_massless_motions(system, part, forms.k, forms.m, at, request)?,
     };
-    Ok(PartPairs { infinite: n - pairs.len(), pairs, before: Before::default() })
+    Ok(PartPairs { pairs, before: Before::default(), infinite })
 }
 
 /// Error: this part, whose first coordinate is `first`, has too many coordinates for all modes.
@@ -215,15 +223,16 @@ fn may_be_zero(value: &Eigenvalue) -> bool {
     matches!(value, Eigenvalue::Near { value, radius, positive: false } if value.hi().abs() <= *radius)
 }
 
-/// Eliminates the motions without inertia if M is singular: exactly, or not at all.
+/// Eliminates the motions without inertia if M is singular: exactly, or not at all. Returns the modes and how many such motions there
+/// are.
 fn without_massless_motions(
     system: &LinearSystem,
     part: &Part,
     k: &Form,
     m: &Form,
     at: usize,
-    tolerance: f64,
-) -> Result<Vec<Pair>, AnalysisError> {
+    request: &Request,
+) -> Result<(Vec<Pair>, usize), AnalysisError> {
     let n = part.coordinates.len();
     let global = |local: usize| part.coordinates[local] as usize;
     let space = structure::null_space(m, n);
@@ -244,13 +253,15 @@ fn without_massless_motions(
             return Err(singular(moving));
         }
     }
-    let pairs = eigenpairs(&condensed.k, &condensed.m, condensed.kept.len(), tolerance);
+    let rest = condensed.kept.len();
+    let pairs = eigenpairs(&condensed.k, &condensed.m, rest, request.tolerance);
     let pairs = pairs.map_err(|failure| match failure {
         Failure::Mass(at) => AnalysisError::indefinite_mass(system, CoordinateId(global(condensed.kept[at]) as u32)),
         Failure::Range => AnalysisError::OutOfRange { at: place(system, global(0)) },
         Failure::Size => too_many(system, global(0), n),
     })?;
-    Ok(pairs.into_iter().map(|pair| expand(pair, &condensed, n)).collect())
+    let pairs = counted::sharpen(pairs, &condensed.k, &condensed.m, rest, request);
+    Ok((pairs.into_iter().map(|pair| expand(pair, &condensed, n)).collect(), n - rest))
 }
 
 fn expand(pair: Pair, condensed: &Condensed, n: usize) -> Pair {

@@ -10,15 +10,15 @@ use crate::kernel::sparse::tree::EliminationTree;
 /// A symmetric matrix: the upper triangle by columns, rows ascending, in the order of elimination.
 #[derive(Clone, Debug)]
 pub struct Symmetric {
-    n: usize,
+    pub(super) n: usize,
     /// Position of each row in the order of elimination.
-    place: Vec<u32>,
-    starts: Vec<usize>,
-    rows: Vec<u32>,
-    values: Vec<f64>,
+    pub(super) place: Vec<u32>,
+    pub(super) starts: Vec<usize>,
+    pub(super) rows: Vec<u32>,
+    pub(super) values: Vec<f64>,
     /// For each given entry, its index in `values`.
-    slots: Vec<u32>,
-    tree: EliminationTree,
+    pub(super) slots: Vec<u32>,
+    pub(super) tree: EliminationTree,
 }
 
 /// The factors of a matrix.
