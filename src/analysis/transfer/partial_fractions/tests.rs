@@ -67,6 +67,56 @@ fn a_polynomial_is_as_near_as_it_says() {
     assert_eq!(Expander::of(&sum).expansion(Dd::from(1.3), 0.8, false).err(), Some(Obstacle::Near));
 }
 
+/// Residues of the pair of poles -0.1 +- i that are off by all of their doubt, in the direction that matters most or across it.
+#[test]
+fn what_residues_are_in_doubt_by_is_in_the_bounds() {
+    const DOUBT: f64 = 1e-3;
+    let sum = |residues: [Complex<f64>; 2]| {
+        let term = |im: f64, r: Complex<f64>| Term {
+            s: Complex::new(Dd::from(-0.1), Dd::from(im)),
+            r: Complex::new(Dd::from(r.re), Dd::from(r.im)),
+            size: 1.1,
+            doubt: DOUBT,
+            loose: 0.0,
+            rest: [0.0; 5],
+        };
+        let terms = vec![term(1.0, residues[0]), term(-1.0, residues[1])];
+        PartialFractions {
+            lined: Lined::of(&terms),
+            terms,
+            polynomial: [Ball::ZERO; 4],
+            at_zero: AtZero(Ball::ZERO),
+            part: Part::Both,
+        }
+    };
+    let one = Complex::new(1.0, 0.0);
+    let known = sum([one, one]);
+    let mut tightest = 0.0f64;
+    // Between poles, and beside one.
+    for (middle, half) in [(1.3, 0.1), (0.99, 0.04)] {
+        for precise in [false, true] {
+            let expansion = Expander::of(&known).expansion(Dd::from(middle), half, precise).expect("clear");
+            for (changed, direction) in [0, 1].into_iter().flat_map(|i| [(1.0, 0.0), (0.0, 1.0)].map(|d| (i, d))) {
+                let mut residues = [one; 2];
+                residues[changed] = Complex::new(1.0 + direction.0 * DOUBT, direction.1 * DOUBT);
+                let truth = sum(residues);
+                for step in -4..=4 {
+                    let t = f64::from(step) / 4.0;
+                    let value = expansion.coefficients.iter().rev().fold(Complex::ZERO, |sum, &c| sum.scale(t) + c);
+                    let omega = Dd::from(middle) + Dd::from(half * t);
+                    let h = truth.at(omega).h;
+                    let delta = Complex::new(Dd::from(0.1), omega - Dd::ONE).scale(Dd::from(half).recip());
+                    let h = if expansion.pole.is_some() { delta * h } else { h };
+                    let off = Complex::new((h.re - Dd::from(value.re)).to_f64(), (h.im - Dd::from(value.im)).to_f64());
+                    assert!(off.abs() <= expansion.errors[0], "{middle} {t}: {} {}", off.abs(), expansion.errors[0]);
+                    tightest = tightest.max(off.abs() / expansion.errors[0]);
+                }
+            }
+        }
+    }
+    assert!(tightest > 0.3, "{tightest}");
+}
+
 /// Poles at +-i and +-i other. A residue that may be zero is no pole for certain; of others P is not zero at the pole.
 #[test]
 fn a_pole_on_the_axis_is_one_if_its_residue_is_certain() {
