@@ -158,4 +158,18 @@ mod tests {
             assert!((values[slot].to_f64() / truth - 1.0).abs() < 1e-15);
         }
     }
+
+    /// [e 0 1; 0 -e 1; 1 1 1], whose two small pivots add 1 / e and -1 / e to the last one: no pivot is large, but the products are.
+    #[test]
+    fn products_that_cancel_count_as_growth() {
+        let small = 2f64.powi(-40);
+        let pattern = Symmetric::pattern(3, &[(0, 0), (0, 2), (1, 1), (1, 2), (2, 2)]);
+        let mut values = vec![Float::zero(); pattern.value_count()];
+        let given = [small, 1.0, -small, 1.0, 1.0];
+        pattern.slots().iter().zip(given).for_each(|(&slot, x)| values[slot as usize] = Float::from(x));
+        let factors = pattern.factor_wide(&values, 100).expect("regular");
+        assert_eq!(factors.negative_pivots(), 1);
+        assert!(factors.pivots.iter().all(|pivot| pivot.to_f64().abs() <= 1.0));
+        assert!(factors.growth >= 40, "{}", factors.growth);
+    }
 }

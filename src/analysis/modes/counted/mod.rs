@@ -48,7 +48,7 @@ pub fn sharpen(pairs: Vec<Pair>, k: &Form, m: &Form, n: usize, request: &Request
         if wanted > MOST_MODES || wanted > pairs.len() {
             return None;
         }
-        let narrow = request.tolerance.log2().floor() as i64 - 4;
+        let narrow = Float::from(request.tolerance).ceiling_log2().map_or(NARROW[0], |power| power - 5);
         let found = counts.modes(wanted, &zeros, narrow.clamp(NARROW[0], NARROW[1]));
         left = counts.left;
         found
@@ -290,9 +290,24 @@ mod tests {
                 let [low, high] = [&shift - &bound, &shift + &bound].map(|s| many.point(s).expect("many bits").below);
                 let found = factors.negative_pivots();
                 assert!(low <= found && found <= high, "{low} {found} {high}");
+                assert!(few.at(&shift).is_none(), "a count by 60 bits is not certain enough");
                 wrong += usize::from(many.point(shift).expect("many bits").below != found);
             }
         }
         assert!(wrong > 0, "nothing was rounded");
+    }
+
+    /// One mass of 1 kg on 2 N/m, known to lie between 1.5 and 3 1/s^2 and no more.
+    #[test]
+    fn an_enclosure_reaches_from_count_to_count() {
+        let mut system = blank(1);
+        push(&mut system.m, "1", 0, None);
+        push(&mut system.k, "2", 0, None);
+        let mut counts = Counts::of(&system.k, &system.m, 1, (256, 1 << 40)).expect("rational");
+        let [from, to] = [1.5, 3.0].map(|shift| counts.point(Float::from(shift)).expect("regular"));
+        let mut pairs = Vec::new();
+        counts.report(Span { from, to, vector: None }, 1, &mut pairs).expect("a mode");
+        let Eigenvalue::Near { value, radius, .. } = pairs[0].value else { panic!("no motion is rigid") };
+        assert!(value.hi() - radius <= 1.5 && value.hi() + radius >= 3.0, "{} {radius}", value.hi());
     }
 }
