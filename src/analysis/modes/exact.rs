@@ -270,6 +270,24 @@ mod tests {
         assert!(positive && (value - Triple::ONE).hi().abs() <= radius && radius < 1e-30, "{value:?} {radius}");
     }
 
+    /// The last eigenvalue, known well, in the place of the second, and the other way round: both are replaced by what stands there.
+    #[test]
+    fn a_mode_that_is_certain_of_another_eigenvalue_is_replaced() {
+        let system = blocks();
+        let pair = |value: f64, radius: f64| Pair {
+            value: Eigenvalue::Near { value: Triple::from(value), radius, positive: true },
+            x: Displacements::Plain(vec![0.0; 3]),
+            route: Route::Factored,
+        };
+        let pairs = vec![pair(0.5, f64::INFINITY), pair(2e60, 1e45), pair(1.0, 1e-20)];
+        let found = sharpen(pairs, &system.k, &system.m, 1e-12);
+        assert!(matches!(found[0].value, Eigenvalue::Zero));
+        for (pair, truth) in found[1..].iter().zip([1.0, 2e60]) {
+            let Eigenvalue::Near { value, .. } = pair.value else { panic!("{:?}", pair.value) };
+            assert!(pair.route == Route::Exact && (value.hi() / truth - 1.0).abs() < 1e-15, "{value:?}");
+        }
+    }
+
     /// Of 1 within 0.2, 1.1 within 0.2, and 2 within 0.1: the first two in order are anywhere from 0.8 to 1.3.
     #[test]
     fn enclosures_that_meet_are_widened_to_hold_either() {
