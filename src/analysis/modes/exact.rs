@@ -117,20 +117,19 @@ impl Pencil {
             return None;
         }
         let (zeros, rest) = polynomial.without_zero_roots();
-        let mut values = vec![Value { ball: Ball::ZERO, is_alone: zeros == 1 }; zeros];
+        let mut values = vec![Ball::ZERO; zeros];
         for (index, factor) in rest.by_multiplicity()?.iter().enumerate() {
             for (root, real) in roots(factor)? {
                 if !real {
                     return None;
                 }
-                let value = Value { ball: root.re, is_alone: index == 0 };
-                values.extend(std::iter::repeat_n(value, index + 1));
+                values.extend(std::iter::repeat_n(root.re, index + 1));
             }
         }
         if values.len() != n {
             return None;
         }
-        values.order_by(|a, b| a.ball.mid.partial_cmp(&b.ball.mid).unwrap_or(Ordering::Equal));
+        values.order_by(|a, b| a.mid.partial_cmp(&b.mid).unwrap_or(Ordering::Equal));
         Some(in_order(values))
     }
 
@@ -186,8 +185,8 @@ impl Pencil {
 }
 
 /// Enclosures ascending by their middles: where some meet, what is the i-th of all is in the union of them.
-fn in_order(values: Vec<Value>) -> Vec<Value> {
-    let meet = |a: &Value, b: &Value| (b.ball.mid - a.ball.mid).hi.abs() <= (a.ball.rad + b.ball.rad) * (1.0 + 1e-9);
+fn in_order(values: Vec<Ball>) -> Vec<Value> {
+    let meet = |a: &Ball, b: &Ball| (b.mid - a.mid).hi.abs() <= (a.rad + b.rad) * (1.0 + 1e-9);
     let (mut found, mut first) = (Vec::with_capacity(values.len()), 0);
     for end in 1..=values.len() {
         let group = &values[first..end];
@@ -195,10 +194,10 @@ fn in_order(values: Vec<Value>) -> Vec<Value> {
             continue;
         }
         found.extend(group.iter().map(|value| {
-            let reach = |other: &Value| (other.ball.mid - value.ball.mid).hi.abs() * (1.0 + 1e-9) + other.ball.rad;
+            let reach = |other: &Ball| (other.mid - value.mid).hi.abs() * (1.0 + 1e-9) + other.rad;
             let rad = group.iter().map(reach).fold(0.0, f64::max);
             let rad = if rad > 0.0 { rad * (1.0 + 1e-9) } else { 0.0 };
-            Value { ball: Ball::new(value.ball.mid, rad), is_alone: value.is_alone && group.len() == 1 }
+            Value { ball: Ball::new(value.mid, rad), is_alone: group.len() == 1 }
         }));
         first = end;
     }
@@ -291,7 +290,7 @@ mod tests {
     /// Of 1 within 0.2, 1.1 within 0.2, and 2 within 0.1: the first two in order are anywhere from 0.8 to 1.3.
     #[test]
     fn enclosures_that_meet_are_widened_to_hold_either() {
-        let value = |mid: f64, rad: f64| Value { ball: Ball::from(mid).widen(rad), is_alone: true };
+        let value = |mid: f64, rad: f64| Ball::from(mid).widen(rad);
         let found = in_order(vec![value(1.0, 0.2), value(1.1, 0.2), value(2.0, 0.1)]);
         for value in &found[..2] {
             let [low, high] = [value.ball.to_f64() - value.ball.rad, value.ball.to_f64() + value.ball.rad];
