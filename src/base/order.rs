@@ -73,7 +73,6 @@ mod tests {
                 })
                 .collect();
             let (mut expected, mut by, mut by_key) = (list.clone(), list.clone(), list);
-            #[allow(clippy::disallowed_methods)]
             expected.sort_by_key(|item| item.0);
             by.order_by(|a, b| a.0.cmp(&b.0));
             by_key.order_by_key(|item| item.0);

@@ -5,7 +5,7 @@ use super::{Line, line};
 use crate::base::{Ball, Number};
 use crate::questions::answer::{Optimised, Robust, Throughout, WorstCase, outer_text, shown_in, shown_text};
 
-/// A bound that lies this share of it beyond what is reached is told together with that.
+/// Where a bound lies this share of it beyond what is reached, both are reported.
 const FAR: f64 = 0.01;
 
 /// `minimised the worst case of static(x): at most 0.12 m`

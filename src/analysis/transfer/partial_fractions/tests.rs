@@ -2,28 +2,31 @@
 
 use super::*;
 
+/// r / (s - p) + q / (s - p*) with p = -0.1 + i, residues of this doubt.
+fn pair_of_poles(residues: [Complex<f64>; 2], doubt: f64) -> PartialFractions {
+    let term = |im: f64, r: Complex<f64>| Term {
+        s: Complex::new(Dd::from(-0.1), Dd::from(im)),
+        r: Complex::new(Dd::from(r.re), Dd::from(r.im)),
+        size: r.abs() + doubt,
+        doubt,
+        loose: 0.0,
+        rest: [0.0; 5],
+    };
+    let terms = vec![term(1.0, residues[0]), term(-1.0, residues[1])];
+    PartialFractions {
+        lined: Lined::of(&terms),
+        terms,
+        polynomial: [Ball::ZERO; 4],
+        at_zero: AtZero(Ball::ZERO),
+        part: Part::Both,
+    }
+}
+
 /// 1 / (s - p) + 1 / (s - p*) with p = -0.1 + i, and Taylor polynomials that reach nearly a third of the way to a pole, p or beside
 /// it p*: their terms fall by no more than that, so those after the last are far larger than any rounding.
 #[test]
 fn a_polynomial_is_as_near_as_it_says() {
-    let term = |im: f64| Term {
-        s: Complex::new(Dd::from(-0.1), Dd::from(im)),
-        r: Complex::new(Dd::ONE, Dd::ZERO),
-        size: 1.0,
-        doubt: 0.0,
-        loose: 0.0,
-        rest: [0.0; 5],
-    };
-    let sum = {
-        let terms = vec![term(1.0), term(-1.0)];
-        PartialFractions {
-            lined: Lined::of(&terms),
-            terms,
-            polynomial: [Ball::ZERO; 4],
-            at_zero: AtZero(Ball::ZERO),
-            part: Part::Both,
-        }
-    };
+    let sum = pair_of_poles([Complex::new(1.0, 0.0); 2], 0.0);
     let (middle, half) = (1.3, 0.1);
     // Beside the pole, within the same distance of its conjugate alone.
     for (middle, half, precise) in
@@ -71,26 +74,8 @@ fn a_polynomial_is_as_near_as_it_says() {
 #[test]
 fn what_residues_are_in_doubt_by_is_in_the_bounds() {
     const DOUBT: f64 = 1e-3;
-    let sum = |residues: [Complex<f64>; 2]| {
-        let term = |im: f64, r: Complex<f64>| Term {
-            s: Complex::new(Dd::from(-0.1), Dd::from(im)),
-            r: Complex::new(Dd::from(r.re), Dd::from(r.im)),
-            size: 1.1,
-            doubt: DOUBT,
-            loose: 0.0,
-            rest: [0.0; 5],
-        };
-        let terms = vec![term(1.0, residues[0]), term(-1.0, residues[1])];
-        PartialFractions {
-            lined: Lined::of(&terms),
-            terms,
-            polynomial: [Ball::ZERO; 4],
-            at_zero: AtZero(Ball::ZERO),
-            part: Part::Both,
-        }
-    };
     let one = Complex::new(1.0, 0.0);
-    let known = sum([one, one]);
+    let known = pair_of_poles([one, one], DOUBT);
     let mut tightest = 0.0f64;
     // Between poles, and beside one.
     for (middle, half) in [(1.3, 0.1), (0.99, 0.04)] {
@@ -99,7 +84,7 @@ fn what_residues_are_in_doubt_by_is_in_the_bounds() {
             for (changed, direction) in [0, 1].into_iter().flat_map(|i| [(1.0, 0.0), (0.0, 1.0)].map(|d| (i, d))) {
                 let mut residues = [one; 2];
                 residues[changed] = Complex::new(1.0 + direction.0 * DOUBT, direction.1 * DOUBT);
-                let truth = sum(residues);
+                let truth = pair_of_poles(residues, DOUBT);
                 for step in -4..=4 {
                     let t = f64::from(step) / 4.0;
                     let value = expansion.coefficients.iter().rev().fold(Complex::ZERO, |sum, &c| sum.scale(t) + c);
