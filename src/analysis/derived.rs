@@ -81,6 +81,11 @@ impl Split {
         hertz(self.omega)
     }
 
+    /// The largest difference that the bounds allow, rad/s.
+    pub fn largest(&self) -> Bound {
+        Bound::size(self.omega)
+    }
+
     /// The period of the beat of the two modes, s.
     pub fn beat(&self) -> Ball {
         period(self.omega)

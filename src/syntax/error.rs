@@ -164,8 +164,8 @@ pub enum Remark {
     NameStart,
     NameQuoted,
     FieldColon,
-    /// `move y`
-    Moves,
+    /// `move y`: the directions that follow.
+    Moves(&'static str),
     LineGoesOn,
     LineOfItsOwn,
     Semicolon,
@@ -358,7 +358,7 @@ impl Remark {
             (Remark::DecimalPoint(_), _) => None,
             (Remark::Hash, _) => write("//"),
             (Remark::FieldColon, _) => write(" ="),
-            (Remark::UnitGlued | Remark::Moves, _) => None,
+            (Remark::UnitGlued | Remark::Moves(_), _) => None,
             (Remark::UnitWithOne, _) => write(found.strip_prefix('1')?),
             (Remark::UnitOfNoNumber, _) => Some(Change::Replace(format!("* 1 {found}"))),
             (Remark::OperatorMissing, _) => Some(Change::Replace(format!("* {found}"))),
@@ -395,7 +395,9 @@ impl Remark {
             Remark::NameQuoted => "write the name without quotes, its words joined with `_`: `main_rotor`",
             Remark::NameStart => "a name starts with a letter or `_`",
             Remark::FieldColon => "write `=` between a field and its value: `mass = 1 kg`",
-            Remark::Moves => "the word before directions of motion is `moves`: `moves x`",
+            Remark::Moves(directions) => {
+                return format!("the word before directions of motion is `moves`: `moves {directions}`");
+            }
             Remark::LineGoesOn => {
                 "a declaration ends at the end of its line; put a value in brackets to continue it on the next line"
             }

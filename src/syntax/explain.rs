@@ -731,11 +731,24 @@ impl Reader<'_> {
             Some(';') => return Err(self.problem(Expected::Separator)),
             _ if flag => {}
             Some(_) if takes.is_none() && words::is_near(key, "moves") => {
-                return Err(self.problem_with(Expected::Sign("=", "after a field's name"), Remark::Moves));
+                let remark = Remark::Moves(self.directions());
+                return Err(self.problem_with(Expected::Sign("=", "after a field's name"), remark));
             }
             _ => return Err(self.problem(Expected::Sign("=", "after a field's name"))),
         }
         Ok(())
+    }
+
+    /// The directions of motion that stand here, as they are written after `moves`.
+    fn directions(&self) -> &'static str {
+        let words = self.rest().split([',', '}', '\n']).next().unwrap_or_default().split_whitespace();
+        match words.take(3).collect::<Vec<_>>()[..] {
+            ["y"] => "y",
+            ["x", "y"] => "x y",
+            ["y", "x"] => "y x",
+            [first, ..] if first.starts_with("along") => "along (a, b)",
+            _ => "x",
+        }
     }
 
     fn moves(&mut self) -> Read {

@@ -724,6 +724,22 @@ fn digits_are_printed_as_far_as_they_are_certain() {
     }
 }
 
+/// Two frequencies that differ by 2^(1/4) / 2 in the 32nd digit, a few times their own radius: that they differ is proved, and not
+/// one digit of the difference.
+#[test]
+fn frequencies_that_hardly_differ_have_a_largest_difference() {
+    let folder = folder();
+    let text = "body a { mass = 1 kg, moves x }
+                body b { mass = 1 kg, moves x }
+                spring s: ground -- a { k = sqrt(2) * 1 N/m, along = x }
+                spring t: ground -- b { k = sqrt(2) * 1.00000000000000000000000000000001 N/m, along = x }";
+    let out = run(&["analyze", &file(&folder, "near.vib", text)]).out;
+    let most = out.split_once("modes 1 and 2 differ, by at most ").expect("a line on the two modes").1;
+    let most: f64 = most.split_once(" rad/s\n").expect("a unit").0.parse().expect("a number");
+    let truth = 2f64.powf(0.25) / 2.0 * 1e-32;
+    assert!(truth <= most && most < 5.0 * truth, "{most:e} {truth:e}");
+}
+
 #[test]
 fn words_of_the_language_are_explained() {
     for (word, meaning) in [

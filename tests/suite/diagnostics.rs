@@ -80,7 +80,10 @@ fn two_directions_stand_after_one_word() {
     for (moves, help) in [
         ("moves x, y", "write both directions after `moves`, without a comma: `moves x y`"),
         ("moves x, moves y", "keep one of them; both directions together are `moves x y`"),
-        ("move y", "the word before directions of motion is `moves`: `moves x`"),
+        ("move y", "the word before directions of motion is `moves`: `moves y`"),
+        ("move x y", "the word before directions of motion is `moves`: `moves x y`"),
+        ("move along (1, 2)", "the word before directions of motion is `moves`: `moves along (a, b)`"),
+        ("move up", "the word before directions of motion is `moves`: `moves x`"),
         ("turns, y", "known here: `mass`, `moves`, `at`, `shape`, `turns`, `inertia`, `free`"),
     ] {
         let model = format!("body b {{ mass = 2 kg, {moves} }}\nspring s: ground -- b {{ k = 9 N/m, along = x }}\n");

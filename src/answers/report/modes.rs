@@ -238,16 +238,23 @@ fn left_out(answer: &ModalAnswer) -> Option<Line> {
     Some(line![empty, "not computed: ", which, " (use --modes N or --band FROM..TO for others)"])
 }
 
-/// Close frequencies: their difference keeps the digits that cancel in the two numbers.
+/// Close frequencies: their difference keeps the digits that cancel in the two numbers. Where not one digit of it is
+/// certain, what is proved is that they differ, and by how much at most.
 fn beats<'a>(answer: &'a ModalAnswer, options: &Options) -> impl Iterator<Item = Line> + use<'a> {
     let digits = options.digits(DIGITS);
     let shown = answer.modes.before.count() + MOST;
     let beat = move |split: Split| {
+        let both = range(split.lower, split.lower + 1);
+        let apart = Figure::ball(split.omega, digits).unit("rad/s");
+        if apart.is_bound() {
+            let most = Figure::bound(split.largest()).unit("rad/s");
+            return line!["modes ", both, " differ, by at most ", most];
+        }
         line![
             "modes ",
-            range(split.lower, split.lower + 1),
+            both,
             " are ",
-            Figure::ball(split.omega, digits).unit("rad/s"),
+            apart,
             " apart (error ",
             super::error(split.error_bound()),
             "): a beat of ",
