@@ -39,7 +39,7 @@ pub fn modal_answer(
     let spectra = if rest.is_proven() { dynamics::spectra(&reading.scene) } else { Vec::new() };
     let spectral = analysis::response_spectrum::maxima(&system, &modes, &spectra, study.spectra);
     let sensitivities = match study.sensitivity {
-        true => questions::sensitivities(&reading.text(), &reading.settings, request, &system, &modes, &poles),
+        true => questions::sensitivities(&reading.text(), &reading.settings, request, (&system, &rest), &modes, &poles),
         false => Vec::new(),
     };
     let tolerated = match study.tolerances {

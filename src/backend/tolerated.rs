@@ -17,6 +17,7 @@ pub(super) struct JsonTolerated<'a> {
     largest_at: Option<Place<'a>>,
     requirements: Vec<JsonThroughout<'a>>,
     places: usize,
+    follows_rest: bool,
     not_proved: Option<&'static str>,
 }
 
@@ -71,6 +72,7 @@ struct JsonThroughout<'a> {
     verdict: &'static str,
     at: Option<Place<'a>>,
     values: Option<JsonEnds<'a>>,
+    never_proved: Option<&'static str>,
 }
 
 /// A value for each parameter, SI.
@@ -128,7 +130,9 @@ impl<'a> JsonTolerated<'a> {
             };
             let verdict = verdict(everywhere);
             let values = found.measures.get(index).and_then(Option::as_ref).map(ends);
-            JsonThroughout { text: requirements.get(index).map_or("", |own| &own.text), verdict, at, values }
+            let text = requirements.get(index).map_or("", |own| &own.text);
+            let never_proved = found.never.get(index).copied().flatten();
+            JsonThroughout { text, verdict, at, values, never_proved }
         };
         JsonTolerated {
             parameters: found.parameters.iter().map(JsonRange::of).collect(),
@@ -139,6 +143,7 @@ impl<'a> JsonTolerated<'a> {
             largest_at: found.corners.as_ref().map(|[_, high]| place(high)),
             requirements: found.requirements.iter().enumerate().map(everywhere).collect(),
             places: found.places,
+            follows_rest: found.follows_rest,
             not_proved: found.not_proved,
         }
     }

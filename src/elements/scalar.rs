@@ -22,6 +22,7 @@ pub trait Scalar: Clone + Debug {
     fn atan2(y: &Self, x: &Self) -> Self;
     /// Whether it is certainly zero, so that products with it can be left out.
     fn is_zero(&self) -> bool;
+    /// About this value, in the middle of a range: for sizes, and for what is proved afterwards.
     fn to_f64(&self) -> f64;
     /// This value as a [`Number`](crate::base::Number).
     fn number(&self) -> Number;
@@ -162,11 +163,11 @@ impl Scalar for Number {
 
     #[inline]
     fn is_zero(&self) -> bool {
-        Number::is_zero(self)
+        self.vanishes()
     }
 
     fn to_f64(&self) -> f64 {
-        Number::to_f64(self)
+        self.enclosure().to_f64()
     }
 
     fn number(&self) -> Number {

@@ -9,6 +9,7 @@ use crate::base::number::jet;
 use crate::base::{Ball, Dd, Diagnostics, Jet, Number};
 use crate::dynamics;
 use crate::kernel::pencils::{self, Eigenvalues};
+use crate::lower::Lowered;
 use crate::model::scene::{Damping, Written};
 use crate::model::{self, Points};
 use crate::system::{CoordinateId, Form, LinearSystem};
@@ -122,6 +123,13 @@ impl Study<'_> {
 
     /// The system is the same with or without that damping.
     pub(super) fn system(&self, case: u64, si: Number, is_damped: bool) -> Option<LinearSystem> {
+        let Lowered { system, rest, .. } = self.lower_case(case, si, is_damped)?;
+        // Over a range another rest may be found at some of the values.
+        (!rest.moves_terms || !rest.is_ranged()).then_some(system)
+    }
+
+    /// The same with its rest, which is proven.
+    pub(super) fn lower_case(&self, case: u64, si: Number, is_damped: bool) -> Option<Lowered> {
         let mut values = [&self.held[..], &self.values(case)].concat();
         values.last_mut()?.1.si = si;
         let scene = model::check_with(self.sources, &self.tree, self.overrides, &values).scene?;
@@ -130,7 +138,7 @@ impl Study<'_> {
         }
         let scene = if is_damped { scene } else { scene.without_damping() };
         let lowered = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?.lowered;
-        lowered.rest.is_proven().then_some(lowered.system)
+        lowered.rest.is_proven().then_some(lowered)
     }
 
     /// The line of cases from `first` on, for so many lowest eigenvalues, if its matrices are certainly linear in the last parameter.

@@ -4,10 +4,11 @@
 
 use super::probe::Probe;
 use crate::analysis::range::{Course, Family, Phasor};
+use crate::base::number::jet;
 use crate::base::{Ball, Jet, Number, up};
 use crate::kernel::complex::Complex;
 use crate::model::scene::Question;
-use crate::system::Signal;
+use crate::system::{Noise, Signal};
 
 /// An enclosure of a measure over a range of a parameter.
 #[derive(Clone, Debug)]
@@ -366,6 +367,21 @@ pub fn ratio_slope((re, im): (Ball, Ball), (re_slope, im_slope): (Ball, Ball)) -
 fn lasting_response(family: &Family, loads: &[(usize, Number)], output: usize) -> Option<Number> {
     loads.iter().filter(|(_, load)| !load.is_zero()).try_fold(Number::ZERO, |sum, (input, load)| {
         Some(&sum + &(load * &family.response(*input, output, &Number::ZERO)?.re))
+    })
+}
+
+/// The one-sided density of an output under noises, each of which may reach several inputs with delays; `None` if it may be infinite, or
+/// the density of a noise has not one form over the range.
+pub fn spectral_density(family: &Family, noises: &[Noise], output: usize, frequency: &Number) -> Option<Number> {
+    let omega = frequency * &two_pi();
+    noises.iter().try_fold(Number::ZERO, |sum, noise| {
+        let density = jet::without_division(|| noise.density.at(frequency))??;
+        let gain = noise.inputs.iter().try_fold(Phasor::ZERO, |gain, (input, delay)| {
+            let response = family.response(*input, output, &omega)?;
+            Some(gain.plus(&response.rotate(&Number::ONE, &-&(&omega * delay))?))
+        })?;
+        let gain = gain.times_power(&omega, -i32::from(noise.derivative))?;
+        Some(&sum + &(&gain.square() * &density))
     })
 }
 

@@ -21,8 +21,12 @@ pub struct Tolerated {
     pub measures: Vec<Option<Range>>,
     /// For each requirement.
     pub requirements: Vec<Throughout>,
+    /// For each requirement why the values of its measure are not enclosed, where they never are.
+    pub never: Vec<Option<&'static str>>,
     /// The number of places that were looked at.
     pub places: usize,
+    /// Terms move with the rest, which is the one that the declared rest becomes as the values move.
+    pub follows_rest: bool,
     /// Why ranges are not proved, where one thing is to blame.
     pub not_proved: Option<&'static str>,
 }

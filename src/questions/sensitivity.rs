@@ -15,6 +15,7 @@ use crate::analysis::{Mode, ModeKind, Modes, Pole, PoleKind, Poles, Request};
 use crate::base::{Ball, Jet, Number, Quantity, Unproven};
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;
+use crate::lower::rest::Rest;
 use crate::model::Setting;
 use crate::model::scene::Parameter;
 use crate::system::LinearSystem;
@@ -29,7 +30,7 @@ pub fn sensitivities(
     text: &Text,
     settings: &[Setting],
     request: &Request,
-    system: &LinearSystem,
+    (system, rest): (&LinearSystem, &Rest),
     modes: &Modes,
     poles: &Poles,
 ) -> Vec<Sensitivity> {
@@ -37,9 +38,8 @@ pub fn sensitivities(
     let vectors = Vectors::of(system, &here);
     let parameters = text.parameters(settings);
     let (here, vectors, n) = (&here, &vectors, system.n());
-    let all =
-        parameters.iter().map(|parameter| SlopeComputation { text, settings, request, parameter, here, vectors, n });
-    all.map(|of| of.sensitivity()).collect()
+    let of = |parameter| SlopeComputation { text, settings, request, parameter, here, vectors, n, rest };
+    parameters.iter().map(of).map(|of| of.sensitivity()).collect()
 }
 
 /// The reported numbers of a system: `None` for a mode that does not oscillate.
@@ -134,6 +134,7 @@ struct SlopeComputation<'a> {
     here: &'a Spectrum,
     vectors: &'a Vectors,
     n: usize,
+    rest: &'a Rest,
 }
 
 /// The system on both sides of the parameter's value.
@@ -148,7 +149,7 @@ impl SlopeComputation<'_> {
         let Parameter { name, value, unit, .. } = self.parameter;
         let point = Jet::of_parameter(value.si.enclosure());
         let (mut frequencies, mut ratios) = (Vec::new(), Vec::new());
-        self.text.family(&self.settings_at(point), |undamped, damped| {
+        self.text.family(&self.settings_at(point), self.rest, |undamped, damped| {
             frequencies = (0..self.here.squares.len()).map(|i| self.frequency(undamped?, i)).collect();
             ratios = (0..self.here.motions.len()).map(|i| self.ratio(damped?, i)).collect();
         });

@@ -14,6 +14,7 @@ use crate::base::number::jet;
 use crate::base::{Diagnostics, Number, Sources};
 use crate::dynamics::{self, WrittenOut};
 use crate::lower::Lowered;
+use crate::lower::rest::Rest;
 use crate::model::scene::{Damping, Measure, Parameter, Question, Scene};
 use crate::model::{self, CheckedScene, Overrides, Setting};
 use crate::syntax::tree::Tree;
@@ -65,6 +66,11 @@ pub struct Ranged {
 
 /// In larger systems, only the lowest modes are computed if no poles are needed.
 const FEW: usize = 60;
+
+/// Whether terms move with a rest that moves with a range: another one may be found at some of its values.
+fn moves_terms(over: &Lowered) -> bool {
+    over.rest.moves_terms && over.rest.is_ranged()
+}
 
 impl Text<'_> {
     /// The scene with some parameters at these values.
@@ -139,6 +145,7 @@ impl Text<'_> {
     ) -> Option<T> {
         let (prepared, lost) = jet::watch_divisions(|| self.prepare(values, choose));
         let (scene, question, probe, lowered, context) = prepared?;
+        let lost = lost || moves_terms(&lowered);
         let family = Family::of(&lowered.system, lost);
         let measured =
             Measured { scene: scene.scene(), lowered: &lowered, modes: None, poles: None, context: &context };
@@ -157,7 +164,7 @@ impl Text<'_> {
         choose: impl Fn(&CheckedScene) -> Option<Question>,
     ) -> Option<(LinearSystem, Probe)> {
         let (prepared, lost) = jet::watch_divisions(|| self.prepare(values, choose));
-        let (_, _, probe, lowered, _) = prepared.filter(|_| !lost)?;
+        let (_, _, probe, lowered, _) = prepared.filter(|(_, _, _, lowered, _)| !lost && !moves_terms(lowered))?;
         Some((lowered.system, probe))
     }
 
@@ -304,9 +311,9 @@ impl Text<'_> {
         modes_as(&system, request).map_err(|error| error.to_diagnostic().message)
     }
 
-    /// Calls `tell` with the systems without and with damping, for values some of which are ranges; with `None` for a
-    /// system that cannot be enclosed.
-    pub fn family(&self, values: &[Setting], tell: impl FnOnce(Option<&Family>, Option<&Family>)) {
+    /// Calls `tell` with the systems without and with damping, for values some of which are ranges, about a rest that was found for some of
+    /// them; with `None` for a system that cannot be enclosed.
+    pub fn family(&self, values: &[Setting], rest: &Rest, tell: impl FnOnce(Option<&Family>, Option<&Family>)) {
         let lowered = |damped: bool| {
             jet::watch_divisions(|| {
                 let scene = self.scene(values).ok()?;
@@ -316,7 +323,7 @@ impl Text<'_> {
                 }
                 let scene = if damped { scene } else { scene.without_damping() };
                 let lowered = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?.lowered;
-                lowered.rest.is_proven().then_some(lowered.system)
+                (lowered.rest.is_proven() && lowered.rest.holds(rest)).then_some(lowered.system)
             })
         };
         let (without, with) = (lowered(false), lowered(true));

@@ -235,11 +235,11 @@ impl Form {
         weight: Number,
         row: impl IntoIterator<Item = (CoordinateId, Number)>,
     ) {
-        if weight.is_zero() {
+        if weight.vanishes() {
             return;
         }
         let start = self.entries.len();
-        self.entries.extend(row.into_iter().filter(|(_, value)| !value.is_zero()));
+        self.entries.extend(row.into_iter().filter(|(_, value)| !value.vanishes()));
         self.entries[start..].order_by_key(|(coordinate, _)| *coordinate);
         let len = self.entries.len() - start;
         if len > 0 {

@@ -187,6 +187,38 @@ fn curves_are_the_same_side_by_side() {
     }
 }
 
+/// The double pendulum of the examples, drawn away from its rest: (2 -+ sqrt 2) g / l. With a spring at its upper joint the rest moves with
+/// the length, too.
+#[test]
+fn curves_about_a_rest_that_moves_are_linked() {
+    let pendulum = std::fs::read_to_string("examples/double_pendulum.vib").expect("an example");
+    let over = ["--over", "l=1m..3m:20", "--modes", "2"];
+    let plain = study(&pendulum, &over);
+    assert_eq!((open_links(&plain), meetings(&plain).len()), (0, 0));
+    for (number, sign) in [(1, -1.0), (2, 1.0)] {
+        for (i, found) in curve(&plain, number).into_iter().enumerate() {
+            let l = 1.0 + 2.0 / 19.0 * i as f64;
+            let truth = f64::sqrt((2.0 + sign * f64::sqrt(2.0)) * 9.81 / l) / (2.0 * PI);
+            assert!((found - truth).abs() < 1e-14, "{number} {i} {found} {truth}");
+        }
+    }
+    let held = study(&format!("{pendulum}\nspring s: ground -- upper {{ k = 5 N*m/rad }}\n"), &over);
+    assert_eq!((open_links(&held), meetings(&held).len()), (0, 0));
+}
+
+/// A block between two slanted springs, which snaps through between 0.1 and 0.105 kg: its frequency jumps, so that this link is not proved,
+/// though there is no other curve.
+#[test]
+fn a_rest_that_snaps_through_breaks_the_link() {
+    let study = study(
+        "model truss\nparam m = 0.12 kg\ngravity 9.81 m/s^2\nbody b { mass = m, at = (0 m, 0.3 m), moves y }\n\
+         spring s: ground@(-1 m, 0 m) -- b { k = 100 N/m }\nspring t: ground@(1 m, 0 m) -- b { k = 100 N/m }\n",
+        &["--over", "m=0.08kg..0.14kg:13", "--modes", "1"],
+    );
+    let open = &study["following"]["curves"][0]["open_links"];
+    assert_eq!(*open, serde_json::json!([5]), "{}", study["following"]);
+}
+
 /// A stiffness of 1 + 100 (p - 1/2)^2 N/m comes to that of the other spring at p = 1/2 alone, between two of 16 points with the same
 /// frequencies: no direction, and the curves nearly meet within the step.
 #[test]

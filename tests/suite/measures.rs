@@ -372,6 +372,7 @@ fn sensitivities_follow_the_rest() {
         let expected = 0.5 * values[i] * slope / stiffness - if i == 2 { 0.5 } else { 0.0 };
         let found = list[i].1[0];
         assert!((found.to_f64() - expected).abs() < 1e-13, "{}: {found:?} {expected}", list[i].0);
+        assert!(found.rad < 1e-16, "enclosed, not by differences: {found:?}");
     }
 }
 

@@ -37,8 +37,15 @@ pub fn section(answer: &ModalAnswer) -> Section {
     let requirements =
         if found.requirements.is_empty() { Vec::new() } else { vec![Block::from(requirements(answer, found))] };
     let blocks = std::iter::once(Block::Line(caption.into())).chain(frequencies.map(Block::from)).chain(corners);
+    let never = answer.requirements.iter().zip(&found.never).filter_map(|(requirement, why)| {
+        let text = requirement.text.clone();
+        why.map(|why| Block::Line(line!["what is only reached of ", text, " is not proved: ", why]))
+    });
     let why = found.not_proved.map(|why| Block::Line(line!["what is only reached is not proved: ", why]));
-    Section::new(HEADING, blocks.chain(others).chain(more).chain(requirements).chain(why))
+    let rest = found
+        .follows_rest
+        .then(|| Block::Line("the rest is the one that the declared rest becomes as these values move".into()));
+    Section::new(HEADING, blocks.chain(others).chain(more).chain(requirements).chain(never).chain(rest).chain(why))
 }
 
 /// Ranges of one kind; `None` if there are none.

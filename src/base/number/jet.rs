@@ -43,6 +43,16 @@ pub fn without_division<T>(run: impl FnOnce() -> T) -> Option<T> {
     (!lost && !divided).then_some(result)
 }
 
+/// Runs a search that takes one number for all of a range. What it finds has to be proved afterwards, so nothing is lost and no question
+/// counts.
+pub fn in_the_middle<T>(search: impl FnOnce() -> T) -> T {
+    let (lost, divided) = (LOST.get(), DIVIDED.get());
+    let found = search();
+    LOST.set(lost);
+    DIVIDED.set(divided);
+    found
+}
+
 impl Jet {
     /// Notes a question about the sign of a number that is not zero everywhere.
     pub(super) fn note_question(&self) {
@@ -181,6 +191,15 @@ mod tests {
         assert_eq!(without_division(|| x.to_f64()), None);
         assert_eq!(without_division(|| x.to_ball()), None);
         assert!(without_division(|| 0).is_some(), "an earlier question is not this one's");
+    }
+
+    #[test]
+    fn a_search_in_the_middle_leaves_no_trace() {
+        let x = Jet::of_parameter(Ball::from(3.0).widen(1.0));
+        assert_eq!(without_division(|| in_the_middle(|| x.to_f64())), Some(3.0));
+        let before = || x.to_f64() + in_the_middle(|| 1.0);
+        assert_eq!(without_division(before), None, "what was noted before stays");
+        assert!(watch_divisions(|| (x.to_ball(), in_the_middle(|| x.to_ball()))).1);
     }
 
     #[test]

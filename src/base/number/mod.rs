@@ -102,6 +102,11 @@ impl Number {
         }
     }
 
+    /// Whether it is enclosed over a range of a parameter.
+    pub fn is_range(&self) -> bool {
+        matches!(self, Number::Jet(_))
+    }
+
     /// Whether the number is known itself, not by an enclosure.
     pub fn is_known_exactly(&self) -> bool {
         matches!(self, Number::Exact(_) | Number::Surd(_) | Number::Pi(_))
@@ -123,7 +128,7 @@ impl Number {
 
     /// Like [`Number::is_zero`], for uses in which the answer only saves work: over a range the product encloses all products, whether or not a factor is zero for
     /// some values, so that nothing is asked about it.
-    fn vanishes(&self) -> bool {
+    pub fn vanishes(&self) -> bool {
         match self {
             Number::Jet(jet) => jet.is_zero(),
             number => number.is_zero(),

@@ -6,7 +6,7 @@ use super::krawczyk::{self, Equations, Inverse, NEAR};
 use super::potential::{Detail, ELSEWHERE, Energy};
 use super::proof::Proven;
 use super::refinement::Refinement;
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd, Jet, Number};
 use crate::lower::kinematics::{Index, Kinematics};
 use nalgebra::DMatrix;
 
@@ -55,7 +55,8 @@ impl Refinement<'_> {
         }
         loop {
             let energy = self.energy(local, values.len(), Detail::Gradient);
-            let moved: Vec<usize> = (0..values.len()).filter(|&i| stays[i] && !energy.gradient[i].is_zero()).collect();
+            // Over a range of a parameter, one that moves for some values moves.
+            let moved: Vec<usize> = (0..values.len()).filter(|&i| stays[i] && !energy.gradient[i].vanishes()).collect();
             if moved.is_empty() {
                 break;
             }
@@ -77,12 +78,22 @@ impl Refinement<'_> {
             return convex::refine_and_prove(self, local, moving);
         }
         let mut middle: Vec<Dd> = moving.iter().map(|i| self.state.value(*i).to_ball().mid).collect();
-        let mut forces = Forces { part: self, local, moving };
-        let inverse = forces.inverse()?;
+        let energy = self.energy(local, moving.len(), Detail::Curvature);
+        let numbers = energy.gradient.iter().chain(energy.curvature.iter().map(|(_, _, value)| value));
+        let ranged = numbers.clone().any(Number::is_range);
+        let mut forces = Forces { part: self, local, moving, ranged };
+        let inverse = forces.inverse(&energy)?;
         if inverse.is_singular() {
             inverse.without_drift(&mut middle);
         }
         let last = inverse.refine(&mut forces, &mut middle);
+        if ranged {
+            let (proven, rest) = inverse.prove_over_ranges(&mut forces, &middle)?;
+            for (coordinate, jet) in moving.iter().zip(rest) {
+                self.state.set(self.kinematics, *coordinate, Number::Jet(Box::new(jet)));
+            }
+            return Some(proven);
+        }
         let proven = inverse.prove(&mut forces, &middle);
         if proven.is_none() {
             // An estimate: another step would gain as many digits as the last one.
@@ -116,20 +127,38 @@ struct Forces<'r, 'a> {
     part: &'r mut Refinement<'a>,
     local: &'r [u32],
     moving: &'r [Index],
+    /// Whether a parameter that they depend on is a range.
+    ranged: bool,
 }
 
 impl Forces<'_, '_> {
     /// `None` if the second derivative leaves the range of binary64.
-    fn inverse(&self) -> Option<Inverse> {
+    fn inverse(&self, energy: &Energy<Number>) -> Option<Inverse> {
         let n = self.moving.len();
-        let (curvature, _) = self.slope();
+        let (curvature, _) = self.dense(energy);
         let scale: Vec<f64> = (0..n).map(|i| curvature[(i, i)].abs().sqrt().max(f64::MIN_POSITIVE).recip()).collect();
         Inverse::of(&curvature, &scale)
+    }
+
+    fn dense(&self, energy: &Energy<Number>) -> (DMatrix<f64>, DMatrix<f64>) {
+        let entries = energy.curvature.iter().map(|(i, j, value)| (*i, *j, value));
+        match self.ranged {
+            true => krawczyk::dense_over_ranges(entries, self.moving.len()),
+            false => krawczyk::dense(entries, self.moving.len()),
+        }
     }
 }
 
 impl Equations for Forces<'_, '_> {
     fn place(&mut self, middle: &[Dd], radius: &dyn Fn(usize) -> f64) {
+        if self.ranged {
+            // Every question about what depends on the place is noted, as those about the parameters are.
+            for (place, coordinate) in self.moving.iter().enumerate() {
+                let anywhere = Jet { value: Ball::new(middle[place], radius(place)), slope: Ball::ZERO };
+                self.part.state.set(self.part.kinematics, *coordinate, Number::Jet(Box::new(anywhere)));
+            }
+            return;
+        }
         self.part.place(self.moving, middle, radius);
     }
 
@@ -138,8 +167,7 @@ impl Equations for Forces<'_, '_> {
     }
 
     fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>) {
-        let energy = self.part.energy(self.local, self.moving.len(), Detail::Curvature);
-        krawczyk::dense(energy.curvature.iter().map(|(i, j, value)| (*i, *j, value)), self.moving.len())
+        self.dense(&self.part.energy(self.local, self.moving.len(), Detail::Curvature))
     }
 }
 
@@ -159,7 +187,7 @@ pub fn relative(kinematics: &Kinematics, coordinates: &[Index], length: f64, act
     };
     let (pull, torque) = (largest(false), largest(true));
     let scale = |turning: bool| if turning { torque.max(pull * length) } else { pull.max(torque / length) };
-    let relative = |(place, force): (usize, &Number)| match force.to_ball().magnitude() {
+    let relative = |(place, force): (usize, &Number)| match force.enclosure().magnitude() {
         0.0 => 0.0,
         left => left / scale(turns(place)),
     };

@@ -7,7 +7,9 @@
 //! systems*, SIAM J. Numer. Anal. 14 (1977) 611-615). F'(Z) and F(m) are evaluated in ball arithmetic.
 
 use super::proof::Proven;
-use crate::base::{Ball, Dd, Number, up};
+use crate::base::{Ball, Dd, Jet, Number, up};
+use crate::kernel::dense::Matrix;
+use crate::kernel::dense::enclosure::{product, solve};
 use nalgebra::{DMatrix, DVector};
 
 /// Equations F(z) = 0 with a current box of z.
@@ -32,6 +34,8 @@ pub struct Inverse {
 pub const MAX_REFINEMENTS: usize = 8;
 /// Steps are measured relative to the solution, or to this if the solution is smaller.
 pub const NEAR: f64 = 1e-9;
+/// How often the enclosure over ranges is replaced by its image.
+const NARROWED: usize = 2;
 
 impl Inverse {
     /// `None` if numbers leave the range of binary64. `scale` makes rows of different magnitude comparable, so that a row
@@ -81,23 +85,52 @@ impl Inverse {
 
     /// Y F, in binary64.
     fn apply(&self, left: &[Number]) -> Vec<f64> {
-        let left = DVector::from_iterator(left.len(), left.iter().map(Number::to_f64));
+        let left = DVector::from_iterator(left.len(), left.iter().map(|force| force.enclosure().to_f64()));
         (&self.y * left).iter().copied().collect()
     }
 
     /// Finds radii that the Krawczyk operator maps into themselves; leaves the equations at that box.
     pub fn prove(&self, equations: &mut impl Equations, middle: &[Dd]) -> Option<Proven> {
-        let n = middle.len();
         equations.place(middle, &|_| 0.0);
-        let left = equations.remaining_forces();
-        let defect: Vec<f64> = (0..n).map(|i| self.defect(i, &left)).collect();
+        let left: Vec<Ball> = equations.remaining_forces().iter().map(Number::to_ball).collect();
+        self.enclose(equations, middle, &left).map(|(proven, _)| proven)
+    }
+
+    /// Encloses the solution for all values of the parameters that are ranges, and its derivative; leaves the equations at that box.
+    pub fn prove_over_ranges(&self, equations: &mut impl Equations, middle: &[Dd]) -> Option<(Proven, Vec<Jet>)> {
+        equations.place(middle, &|_| 0.0);
+        let left: Vec<Ball> = equations.remaining_forces().iter().map(Number::enclosure).collect();
+        let (proven, mut radius) = self.enclose(equations, middle, &left)?;
+        let defect: Vec<f64> = (0..middle.len()).map(|i| self.defect(i, &left)).collect();
+        // The solutions lie in the image of the box, so also in the image of that.
+        for _ in 0..NARROWED {
+            equations.place(middle, &|i| radius[i]);
+            let mapped = self.map_bound(equations.slope(), &defect, &radius);
+            radius.iter_mut().zip(mapped).for_each(|(radius, mapped)| *radius = radius.min(mapped));
+        }
+        equations.place(middle, &|i| radius[i]);
+        // F_z z' = -F_p, with the inverse taken to the left.
+        let n = middle.len();
+        let (slope, spread) = equations.slope();
+        let y = Matrix::from_fn(n, n, |i, j| Ball::from(self.y[(i, j)]));
+        let nearly_one = product(&y, &Matrix::from_fn(n, n, |i, j| Ball::new(Dd::from(slope[(i, j)]), spread[(i, j)])));
+        let forces: Vec<Ball> = equations.remaining_forces().iter().map(|force| -Jet::of(force).slope).collect();
+        let moved = solve(&nearly_one, &product(&y, &Matrix::from_fn(n, 1, |i, _| forces[i])))?;
+        let jet = |i: usize| Jet { value: Ball::new(middle[i], radius[i]), slope: moved[(i, 0)] };
+        Some((proven, (0..n).map(jet).collect()))
+    }
+
+    /// The proof, and the radii of the image of the box that it is about.
+    fn enclose(&self, equations: &mut impl Equations, middle: &[Dd], left: &[Ball]) -> Option<(Proven, Vec<f64>)> {
+        let n = middle.len();
+        let defect: Vec<f64> = (0..n).map(|i| self.defect(i, left)).collect();
         let mut radius: Vec<f64> =
             (0..n).map(|i| 2.0 * defect[i] + middle[i].hi.abs() * Dd::EPSILON + f64::MIN_POSITIVE).collect();
         for _ in 0..6 {
             equations.place(middle, &|i| radius[i]);
             let mapped = self.map_bound(equations.slope(), &defect, &radius);
             if let Some(proven) = Proven::inclusion(&mapped, &radius) {
-                return Some(proven);
+                return Some((proven, mapped));
             }
             for (radius, mapped) in radius.iter_mut().zip(&mapped) {
                 *radius = 4.0 * mapped.max(*radius);
@@ -107,8 +140,8 @@ impl Inverse {
     }
 
     /// An upper bound of |Y F|_i.
-    fn defect(&self, i: usize, left: &[Number]) -> f64 {
-        let products = left.iter().enumerate().map(|(j, force)| force.to_ball() * Ball::from(self.y[(i, j)]));
+    fn defect(&self, i: usize, left: &[Ball]) -> f64 {
+        let products = left.iter().enumerate().map(|(j, force)| *force * Ball::from(self.y[(i, j)]));
         products.fold(Ball::ZERO, |sum, product| sum + product).magnitude()
     }
 
@@ -147,14 +180,30 @@ fn approximate_inverse(matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f6
 }
 
 /// A symmetric matrix given by entries of one triangle, each pair once, places may repeat: binary64 numbers and bounds of
-/// their errors.
+/// their errors. Derivatives are lost, where there are some.
 pub fn dense<'a>(entries: impl IntoIterator<Item = (u32, u32, &'a Number)>, n: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+    dense_as(Number::to_ball, entries, n)
+}
+
+/// The same over ranges of parameters, whose derivatives are known from elsewhere.
+pub fn dense_over_ranges<'a>(
+    entries: impl IntoIterator<Item = (u32, u32, &'a Number)>,
+    n: usize,
+) -> (DMatrix<f64>, DMatrix<f64>) {
+    dense_as(Number::enclosure, entries, n)
+}
+
+fn dense_as<'a>(
+    ball: fn(&Number) -> Ball,
+    entries: impl IntoIterator<Item = (u32, u32, &'a Number)>,
+    n: usize,
+) -> (DMatrix<f64>, DMatrix<f64>) {
     let mut sums = vec![Number::ZERO; n * n];
     for (i, j, value) in entries {
         let sum = &mut sums[i.max(j) as usize * n + i.min(j) as usize];
         *sum = &*sum + value;
     }
-    let at = |i: usize, j: usize| sums[i.max(j) * n + i.min(j)].to_ball();
+    let at = |i: usize, j: usize| ball(&sums[i.max(j) * n + i.min(j)]);
     let middle = DMatrix::from_fn(n, n, |i, j| at(i, j).mid.hi);
     // The low part of the middle, and the radius.
     let spread = DMatrix::from_fn(n, n, |i, j| {

@@ -30,7 +30,8 @@ use super::error::{LowerError, NoRestReason, Unbalanced};
 use super::kinematics::{Index, Kinematics, State};
 use super::law::LawAtRest;
 use super::{assembly, law, loads};
-use crate::base::{Number, OrderBy};
+use crate::base::number::jet;
+use crate::base::{Ball, Number, OrderBy};
 use crate::elements::Scalar;
 use crate::model::scene::{Attachment, BodyId, ElementId, Part as ScenePart, Scene};
 use crate::system::{Coordinate, CoordinateKind, Label, LinearSystem};
@@ -169,7 +170,7 @@ impl PartialRest {
         constraints: &Constraints,
         survey: &mut Survey,
     ) -> Result<(), Vec<LowerError>> {
-        let mut steering: State<f64> = self.state.convert(kinematics);
+        let mut steering: State<f64> = jet::in_the_middle(|| self.state.convert(kinematics));
         let mut lost = Vec::new();
         let Survey { parts, local, forces } = survey;
         for part in parts.iter().filter(|part| !part.is_large_and_linear()) {
@@ -179,15 +180,18 @@ impl PartialRest {
                 }
                 continue;
             }
-            let drawn: Vec<f64> = part.coordinates.iter().map(|i| forces[*i as usize].to_f64()).collect();
-            let descended = descend(kinematics, part, local, drawn, &mut steering);
+            let descended = jet::in_the_middle(|| {
+                let drawn = part.coordinates.iter().map(|i| forces[*i as usize].to_f64()).collect();
+                descend(kinematics, part, local, drawn, &mut steering)
+            });
             if !descended.settled {
                 let stopped = law::undefined_law(scene, kinematics, part, &steering);
                 lost.push(stopped.unwrap_or_else(|| no_rest(scene, kinematics, part, &descended)));
                 continue;
             }
             let values: Vec<f64> = part.coordinates.iter().map(|i| *steering.value(*i)).collect();
-            let refinement = Refinement::new(kinematics, part, &mut self.state);
+            let length = jet::in_the_middle(|| part.length());
+            let refinement = Refinement::new(kinematics, part, length, &mut self.state);
             let mut refined = refinement.run(local, &values);
             if refined.proven.is_none()
                 && let Some(proven) = slack::prove(kinematics, part, local, &values, &mut self.state)
@@ -317,6 +321,25 @@ impl Rest {
     /// Whether it is proven that the rest is in its enclosure.
     pub fn is_proven(&self) -> bool {
         self.proven.is_some()
+    }
+
+    /// Whether it moves with a parameter that is a range.
+    pub fn is_ranged(&self) -> bool {
+        self.displacement.iter().any(Number::is_range)
+    }
+
+    /// Whether a rest that was found for some values in the ranges of this one is this one there. It is so then for all of them: in each
+    /// enclosure there is exactly one, which depends continuously on the values.
+    pub fn holds(&self, found: &Rest) -> bool {
+        let is_inside = |inner: &Rest, outer: &Rest| {
+            let inside = |(inner, outer): (&Number, &Number)| {
+                let (inner, outer) = (inner.enclosure(), outer.enclosure());
+                (Ball::exact(outer.mid) - Ball::exact(inner.mid)).magnitude() + inner.rad <= outer.rad
+            };
+            inner.displacement.iter().zip(&outer.displacement).all(inside)
+        };
+        let is_alike = self.displacement.len() == found.displacement.len() && found.is_proven();
+        !self.is_ranged() || is_alike && (is_inside(found, self) || is_inside(self, found))
     }
 
     /// Moves the dependent coordinates of linear parts to where the independent ones and the bases put them.

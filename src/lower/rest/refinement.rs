@@ -17,9 +17,14 @@ pub struct Refinement<'a> {
 }
 
 impl<'a> Refinement<'a> {
-    pub fn new(kinematics: &'a Kinematics, part: &'a Part, state: &'a mut State<Number>) -> Refinement<'a> {
+    pub fn new(
+        kinematics: &'a Kinematics,
+        part: &'a Part,
+        length: f64,
+        state: &'a mut State<Number>,
+    ) -> Refinement<'a> {
         let (coordinates, potential) = (&part.coordinates[..], &part.potential);
-        Refinement { kinematics, coordinates, potential, state, length: part.length() }
+        Refinement { kinematics, coordinates, potential, state, length }
     }
 
     pub fn set(&mut self, coordinate: Index, value: Ball) {

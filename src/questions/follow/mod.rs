@@ -138,7 +138,8 @@ fn choose(points: &[Place], count: usize) -> Result<Vec<Member>, Unfollowed> {
 
 fn curve(own: Member, classes: &[Vec<u32>], points: &[Place], steps: &[Step]) -> Curve {
     let neighbours = pairs_of(&[own], classes);
-    let is_proved = |step: &Step| neighbours.iter().all(|pair| !step.doubtful.contains(pair));
+    let is_proved =
+        |step: &Step| !step.unknown.contains(&own.class) && neighbours.iter().all(|pair| !step.doubtful.contains(pair));
     let link = |step: &Step| is_proved(step).then_some(Proved(()));
     Curve {
         class: own.class + 1,

@@ -24,6 +24,8 @@ pub struct Step {
     /// Modes (class, index) for which it is not proved that the next one in their class is a different curve everywhere
     /// on the step.
     pub doubtful: Vec<Member>,
+    /// Classes of which nothing is known somewhere on the step: the model may not depend continuously on the parameter there.
+    pub unknown: Vec<usize>,
     /// Pairs of curves of different classes that may meet within the step.
     pub near: Vec<[usize; 2]>,
 }
@@ -45,7 +47,9 @@ pub fn step(field: &Field, curves: &[Member], limits: Limits, ends: [&Place; 2])
         looked += 1;
         let doubtful = look.doubtful(&bounds);
         let near = look.near_curves(&bounds, [&low, &high]);
-        let is_open = !doubtful.is_empty() || !near.is_empty() || look.may_dip(&bounds, [&low, &high]);
+        let unknown: Vec<usize> = (0..bounds.len()).filter(|&class| bounds[class].is_none()).collect();
+        let is_undecided = !doubtful.is_empty() || !near.is_empty() || !unknown.is_empty();
+        let is_open = is_undecided || look.may_dip(&bounds, [&low, &high]);
         // If nothing is proved for any class, a few more halvings show whether a shorter piece has one form.
         let deepest = if bounds.iter().all(Option::is_none) { 4 } else { DEEPEST };
         let middle = match is_open && depth < deepest && looked + left.len() < limits.stretches {
@@ -61,6 +65,7 @@ pub fn step(field: &Field, curves: &[Member], limits: Limits, ends: [&Place; 2])
             None => {
                 found.doubtful.extend(doubtful);
                 found.near.extend(near);
+                found.unknown.extend(unknown);
             }
         }
     }

@@ -15,11 +15,14 @@ use crate::base::number::jet;
 use crate::base::{Ball, Dd, Diagnostics, Jet, Number, Rational};
 use crate::dynamics::{self, WrittenOut};
 use crate::kernel::complex::Complex;
+use crate::lower::rest::Rest;
 use crate::model::scene::{Arithmetic, Combined, Question, Scene};
 use crate::model::{CheckedScene, Setting};
 use crate::questions::answer::{Requirement, Value};
 use crate::questions::probe::Probe;
-use crate::questions::range_enclosure::{Centre, Drive, Moved, QuestionOverRange, frequency_slope, two_pi};
+use crate::questions::range_enclosure::{
+    Centre, Drive, Moved, QuestionOverRange, frequency_slope, spectral_density, two_pi,
+};
 use crate::questions::require::judged_alone;
 use crate::questions::tolerated::tubes::{Tube, Tubes, candidates, sizes};
 use crate::questions::trial::{Facts, Ranged, spectrum};
@@ -263,6 +266,10 @@ impl<'a> Boxes<'a> {
         }
         let half = |&i: &usize| (&ends[i][1] - &ends[i][0]).to_ball().magnitude() * 0.5 * (1.0 + f64::EPSILON);
         let radius: Vec<f64> = free.iter().map(half).collect();
+        let middle_rest = || self.point(&middle).rest().cloned();
+        if !self.corners.keeps_rest(&over.first()?.lowered.rest, middle_rest) {
+            return None;
+        }
         let systems: Vec<&LinearSystem> = over.iter().map(|ranged| &ranged.lowered.system).collect();
         let together = lower(None).and_then(|centre| Together::of(&systems, &centre.lowered.system, &radius));
         let (squares, poles, largest) = (OnceCell::new(), OnceCell::new(), RefCell::default());
@@ -274,11 +281,6 @@ impl<'a> Boxes<'a> {
         let whole: Part = vec![[0, WHOLE]; self.corners.free.len()];
         let Some(sheet) = self.sheet(&whole) else { return false };
         self.is_passive() && sheet.family(0).is_some_and(|family| family.is_held())
-    }
-
-    /// Whether the model over the whole box is a system.
-    pub fn is_lowered(&self) -> bool {
-        self.sheet(&vec![[0, WHOLE]; self.corners.free.len()]).is_some()
     }
 
     /// Whether no term supplies energy, whatever the values: nothing grows.
@@ -391,6 +393,13 @@ impl<'a> Boxes<'a> {
                 let drive = &Drive { signals: &ranged.context.drives, loads: &ranged.loads };
                 self.work(solving(2 * system.n() + 2));
                 QuestionOverRange { family: Some(&family), course: None, drive, probe, question }.measure()
+            }
+            Probe::Psd(output, at) => {
+                let family = sheet.family(own).filter(|_| ranged.is_damped && settles())?;
+                let inputs: usize = ranged.context.noises.iter().map(|noise| noise.inputs.len()).sum();
+                self.work(inputs as u64 * solving(2 * system.n() + 2));
+                let found = spectral_density(&family, &ranged.context.noises, *output, at)?;
+                Some(family.jet_of(&found)).filter(|jet| jet.value.is_finite())
             }
             Probe::Rest(terms, span) => {
                 let at_rest = || ranged.lowered.mechanism.at_rest(scene, &ranged.lowered.rest, terms, *span).ok();
@@ -552,6 +561,10 @@ impl Sheet {
 impl Point {
     pub fn scene(&self) -> Option<&CheckedScene> {
         self.scene.as_ref()
+    }
+
+    pub fn rest(&self) -> Option<&Rest> {
+        self.written.as_ref().map(|written| &written.lowered.rest)
     }
 
     pub fn system(&self) -> Option<&WrittenOut> {

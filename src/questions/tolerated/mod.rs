@@ -8,6 +8,7 @@
 mod boxes;
 mod extremes;
 mod reason;
+mod rests;
 mod tubes;
 mod worst;
 
@@ -20,11 +21,13 @@ use crate::analysis::{ModeKind, Modes, Request, modes_as};
 use crate::base::number::jet;
 use crate::base::{Ball, Diagnostics, Jet, Number, Quantity, Rational};
 use crate::dynamics;
+use crate::lower::rest::Rest;
 use crate::model::scene::{Comparison, Measure, Optimum, Parameter, Require, Scene, Tolerance};
 use crate::model::{CheckedScene, Setting};
 use crate::system::LinearSystem;
 use boxes::{Boxes, Point, Sought};
 use extremes::Seen;
+use std::cell::OnceCell;
 
 /// With so many parameters or fewer, every corner is looked at where nothing is proved; with more, the ends of each alone.
 const MOST_CORNERS: usize = 6;
@@ -58,7 +61,7 @@ pub fn within_tolerances(
         return None;
     }
     let held = &others(held, &free);
-    let corners = Corners { text, held, free: &free, subject: Subject::Requirements };
+    let corners = Corners::new(text, held, &free, Subject::Requirements);
     // Each parameter alone takes the scene through all stages once.
     let found = if free.len().saturating_mul(n) > MOST_WORK { None } else { corners.find(n) };
     let mut places = vec![free.iter().map(|tolerance| tolerance.parameter.value.si.clone()).collect::<Vec<_>>()];
@@ -69,10 +72,11 @@ pub fn within_tolerances(
     if ends.is_none() || !scene.scene().requires.iter().all(is_frequency) {
         places.extend(corners.others(&places[0], n));
     }
-    let mut frequencies = frequencies(&corners, &places, found.as_ref());
     let boxes = Boxes::new(&corners);
     let points: Vec<Point> = places.iter().map(|place| boxes.point_at(place)).collect();
-    let asked = Asked { scene, boxes: &boxes, places: &places, points: &points };
+    let asked = Asked::new(scene, &boxes, &places, &points);
+    let found = found.filter(|_| asked.keeps_rest);
+    let mut frequencies = frequencies(&corners, &places, found.as_ref());
     let (measures, requirements) = asked.requirements(found.as_ref(), &frequencies);
     let (mut ratios, mut poles) = (Vec::new(), Vec::new());
     if asked.can_cut() {
@@ -83,8 +87,11 @@ pub fn within_tolerances(
     }
     let mut ranges = frequencies.iter().chain(&ratios).chain(poles.iter().flatten()).chain(measures.iter().flatten());
     let is_open = ranges.any(|range| range.ends.is_some() && range.proof.is_none());
+    let follows_rest = corners.rest_over_all().is_some_and(|rest| rest.moves_terms && rest.is_ranged());
     Some(Tolerated {
-        not_proved: if is_open { boxes.why_unproved(&points[0]) } else { None },
+        follows_rest,
+        never: scene.scene().requires.iter().map(|require| reason::why_never(&require.question.measure)).collect(),
+        not_proved: if is_open { asked.why_unproved() } else { None },
         parameters: free.iter().filter_map(parameter).collect(),
         frequencies,
         ratios,
@@ -176,9 +183,15 @@ struct Corners<'a> {
     held: &'a [Setting],
     free: &'a [Tolerance],
     subject: Subject,
+    /// The rest over the whole box, where parameters move it.
+    rest: OnceCell<Option<Rest>>,
 }
 
-impl Corners<'_> {
+impl<'a> Corners<'a> {
+    fn new(text: &'a Text<'a>, held: &'a [Setting], free: &'a [Tolerance], subject: Subject) -> Corners<'a> {
+        Corners { text, held, free, subject, rest: OnceCell::new() }
+    }
+
     /// `None` if a parameter moves more than the weights of masses and springs. Where numbers over the whole box are too wide to
     /// decide, it is cut: what is constant, or rises, in each of two boxes with a common side, does so in both together.
     fn find(&self, n: usize) -> Option<Found> {
@@ -273,18 +286,20 @@ impl Corners<'_> {
             let slope = if i == own { Ball::ONE } else { Ball::ZERO };
             self.setting(i, Number::Jet(Box::new(Jet { value, slope })))
         };
-        let ranges: Vec<Setting> = ranges.iter().enumerate().map(range).collect();
-        let values = [self.held, &ranges].concat();
+        let own_values: Vec<Setting> = ranges.iter().enumerate().map(range).collect();
+        let values = [self.held, &own_values].concat();
         let prepared = jet::without_division(|| {
             let scene = self.text.scene(&values).ok()?.without_damping();
             let limits = self.subject.lines(scene.scene());
             let steady = limits.iter().map(|require| !matches!(require.question.value, Number::Jet(_))).collect();
             let lowered = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?.lowered;
             let fits = lowered.rest.is_proven() && !lowered.system.is_chained();
-            // Loss factors have no part in undamped modes.
-            fits.then_some((LinearSystem { losses: None, ..lowered.system }, steady))
+            fits.then_some((lowered, steady))
         });
-        prepared?
+        let (lowered, steady) = prepared??;
+        // Loss factors have no part in undamped modes.
+        let system = LinearSystem { losses: None, ..lowered.system };
+        self.keeps_rest(&lowered.rest, || self.rest_at(&middle_of(ranges))).then_some((system, steady))
     }
 
     /// Bounds of each frequency over a box, Hz; `None` for a mode that does not oscillate in the lower system.
@@ -361,6 +376,10 @@ fn union([low, high]: [Ball; 2], [other_low, other_high]: [Ball; 2]) -> [Ball; 2
     let least = if (other_low - low).mid.hi < 0.0 { other_low } else { low };
     let largest = if (other_high - high).mid.hi > 0.0 { other_high } else { high };
     [least, largest]
+}
+
+fn middle_of(ranges: &[[Number; 2]]) -> Vec<Number> {
+    ranges.iter().map(|[low, high]| &(low + high) * &Number::from(Rational::new(1, 2))).collect()
 }
 
 /// A box cut across the parameter that is widest beside its size.
@@ -446,12 +465,19 @@ struct Asked<'a> {
     places: &'a [Vec<Number>],
     /// The model at each place.
     points: &'a [Point],
+    /// Whether the rest at each place is the one that is enclosed over the whole box.
+    keeps_rest: bool,
 }
 
-impl Asked<'_> {
+impl<'a> Asked<'a> {
+    fn new(scene: &'a CheckedScene, boxes: &'a Boxes<'a>, places: &'a [Vec<Number>], points: &'a [Point]) -> Asked<'a> {
+        let keeps_rest = boxes.corners.keeps_rest_at(points);
+        Asked { scene, boxes, places, points, keeps_rest }
+    }
+
     /// Whether the box is cut where that narrows bounds.
     fn can_cut(&self) -> bool {
-        self.boxes.corners.free.len() <= MOST_CUT
+        self.keeps_rest && self.boxes.corners.free.len() <= MOST_CUT
     }
 
     /// What a quantity was at the places; `None` if it had no value at one of them.
@@ -824,6 +850,108 @@ mod tests {
             }
             encloses(velocity.as_ref().expect("values"), &[1.0 / (1.03 * c), 1.0 / (0.97 * c)]);
         }
+    }
+
+    /// A rod at an angle, held by a torsion spring under its weight: k q = -m g l cos q. Rest, the force of the spring there and the stiffness
+    /// k - m g l sin q depend on each parameter; a block that hangs moves by m g / k, and its frequency with none of this.
+    #[test]
+    fn a_rest_that_moves_is_enclosed() {
+        let rod = of("param k = 40 N*m/rad within 10 %\nparam m = 2 kg within 5 %\nparam l = 1.2 m within 3 %\ngravity 10 m/s^2\n\
+             body rod { mass = m, inertia = 0.1 kg*m^2, at = (l, 0 m) }\npivot p: ground@(0 m, 0 m) -- rod@(0 m, 0 m)\n\
+             spring s: ground -- rod { k = k }\ndamper d: ground -- rod { c = 0.5 N*m*s/rad }\n\
+             require rest(rod.angle) > -1 rad\nrequire rest(rod.y) > -1.2 m\nrequire frequency(1) > 0.1 Hz\n")
+        .expect("tolerances");
+        assert!(rod.follows_rest);
+        let at = |[k, m, l]: [f64; 3]| {
+            let g = 10.0 * m * l;
+            let (mut low, mut high) = (-1.5, 0.0);
+            for _ in 0..100 {
+                let q = 0.5 * (low + high);
+                if k * q + g * q.cos() < 0.0 { low = q } else { high = q }
+            }
+            let omega = ((k - g * low.sin()) / (m * l * l + 0.1)).sqrt();
+            [low, l * low.sin(), omega / std::f64::consts::TAU, -0.25 / (m * l * l + 0.1)]
+        };
+        let grid = |low: f64, high: f64, i: i32| low + (high - low) * f64::from(i) / 8.0;
+        let places = (0..729).map(|i| [grid(36.0, 44.0, i / 81), grid(1.9, 2.1, i / 9 % 9), grid(1.164, 1.236, i % 9)]);
+        let values: Vec<[f64; 4]> = places.map(at).collect();
+        let of_one = |i: usize| values.iter().map(|own| own[i]).collect::<Vec<_>>();
+        for (i, range) in rod.measures.iter().enumerate() {
+            encloses(range.as_ref().expect("values"), &of_one(i));
+        }
+        encloses(&rod.frequencies[0], &of_one(2));
+        encloses(&rod.poles[0][0], &of_one(3));
+        assert!(
+            rod.requirements.iter().all(|verdict| matches!(verdict, Throughout::Holds(_))),
+            "{:?}",
+            rod.requirements
+        );
+
+        let block = of(&format!(
+            "gravity 10 m/s^2\n{}require rest(b.y) > -1 m\n",
+            BLOCK.replace("moves x", "moves y").replace("ground -- b {", "ground@(0 m, 1 m) -- b { along = y,")
+        ))
+        .expect("tolerances");
+        assert!(!block.follows_rest && block.corners.is_some());
+        let moved = block.measures[0].as_ref().expect("values");
+        assert!(matches!(moved.proof, Some(RangeProof::Corners(_))), "{moved:?}");
+        for (end, truth) in moved.ends.expect("values").into_iter().zip([-12.0 / 90.0, -9.0 / 110.0]) {
+            assert!((end.to_f64() - truth).abs() < 1e-14, "{end:?} {truth}");
+        }
+    }
+
+    /// The double pendulum, drawn at 60 and 30 degrees: (2 -+ sqrt 2) g / l, largest and least at the ends of l, whatever the masses are.
+    #[test]
+    fn pendulums_have_their_extremes_at_the_ends_of_their_length() {
+        let text = std::fs::read_to_string("examples/double_pendulum.vib").expect("an example");
+        let text = text.replace("l = 1 m", "l = 1 m within 3 %").replace("m = 1 kg", "m = 1 kg within 3 %");
+        let found = of(&text).expect("tolerances");
+        for (range, sign) in found.frequencies.iter().zip([-1.0, 1.0]) {
+            let at = |l: f64| f64::sqrt((2.0 + sign * f64::sqrt(2.0)) * 9.81 / l) / std::f64::consts::TAU;
+            encloses(range, &[at(1.03), at(0.97)]);
+        }
+    }
+
+    /// White noise of a force, and one that shakes a base: S / ((k - m w^2)^2 + (w c)^2), and the relative motion m^2 S / (the same) under the
+    /// acceleration of the base, both together.
+    #[test]
+    fn densities_under_noise_are_enclosed() {
+        let found = of("param k = 100 N/m within 10 %\nparam m = 1 kg within 5 %\nparam c = 2 N*s/m within 20 %\n\
+             base g { moves x } = noise(white 0.5 m^2/s^4/Hz)\nbody b { mass = m, moves x }\n\
+             spring s: g -- b { k = k }\ndamper d: g -- b { c = c }\nforce F: b along x = noise(white 3 N^2/Hz)\n\
+             output e = b.x - g.x\nrequire psd(e, 1.3 Hz) < 1 m^2/Hz\n")
+        .expect("tolerances");
+        let w = std::f64::consts::TAU * 1.3;
+        let grid = |low: f64, high: f64, i: usize| low + (high - low) * i as f64 / 8.0;
+        let value = |i: usize| {
+            let (k, m, c) = (grid(90.0, 110.0, i / 81), grid(0.95, 1.05, i / 9 % 9), grid(1.6, 2.4, i % 9));
+            (3.0 + 0.5 * m * m) / ((k - w * w * m).powi(2) + (w * c).powi(2))
+        };
+        encloses(found.measures[0].as_ref().expect("values"), &(0..729).map(value).collect::<Vec<_>>());
+        assert!(matches!(found.requirements[0], Throughout::Holds(_)));
+    }
+
+    /// A block between two slanted springs snaps through under 1 N, 2 k (L0 / L - 1) y at its most: from 0.12 kg on it rests below, with
+    /// 0.09 kg above. Both rests depend continuously on the mass, and only one of them over all of the range.
+    #[test]
+    fn a_rest_that_another_value_does_not_find_proves_nothing() {
+        let of = |within: &str| {
+            of(&format!("param m = 0.12 kg within {within}\ngravity 9.81 m/s^2\nbody b {{ mass = m, at = (0 m, 0.3 m), moves y }}\n\
+                 spring s: ground@(-1 m, 0 m) -- b {{ k = 100 N/m }}\nspring t: ground@(1 m, 0 m) -- b {{ k = 100 N/m }}\n\
+                 require rest(b.y) < 0.5 m\n"))
+            .expect("tolerances")
+        };
+        let (both, below) = (of("0.09 kg .. 0.15 kg"), of("0.11 kg .. 0.15 kg"));
+        assert!(
+            both.frequencies[0].proof.is_none() && both.measures[0].as_ref().is_some_and(|range| range.proof.is_none())
+        );
+        assert_eq!(both.not_proved, Some("for some of these values the model comes to rest elsewhere"));
+        assert!(matches!(both.requirements[0], Throughout::Undetermined));
+        assert!(
+            below.frequencies[0].proof.is_some()
+                && below.measures[0].as_ref().is_some_and(|range| range.proof.is_some())
+        );
+        assert_eq!(below.not_proved, None);
     }
 
     /// k = 1/2 N/m + (p - 5 N/m)^2 / (1 N/m) is least within the range, and so the final value largest: at no corner.

@@ -26,12 +26,12 @@ pub fn worst(
     free: &[Tolerance],
 ) -> Option<WorstCase> {
     let held = &others(held, free);
-    let corners = Corners { text, held, free, subject: Subject::Optimum(index) };
+    let corners = Corners::new(text, held, free, Subject::Optimum(index));
     let places = corners.places();
     let boxes = Boxes::new(&corners);
     let points: Vec<Point> = places.iter().map(|place| boxes.point_at(place)).collect();
     let scene = text.scene(held).ok()?;
-    let asked = Asked { scene: &scene, boxes: &boxes, places: &places, points: &points };
+    let asked = Asked::new(&scene, &boxes, &places, &points);
     let mut seen = asked.seen_values(Sought::Measure(0))?;
     let sign = if optimum.highest { -1.0 } else { 1.0 };
     boxes.begin();
@@ -51,7 +51,7 @@ pub fn worst(
 
 /// The values at the middle and at corners that are looked at first.
 pub fn places(text: &Text, held: &[Setting], free: &[Tolerance]) -> Vec<Vec<Number>> {
-    Corners { text, held: &others(held, free), free, subject: Subject::Requirements }.places()
+    Corners::new(text, &others(held, free), free, Subject::Requirements).places()
 }
 
 impl Corners<'_> {
@@ -80,10 +80,8 @@ pub fn best_possible(
     known: Ball,
 ) -> Option<(Ball, Proved)> {
     let sign = if optimum.highest { 1.0 } else { -1.0 };
-    let corners = designs.iter().map(|Design { held, ranges }| {
-        let subject = Subject::Optimum(index);
-        Corners { text, held, free: ranges, subject }
-    });
+    let corners =
+        designs.iter().map(|Design { held, ranges }| Corners::new(text, held, ranges, Subject::Optimum(index)));
     let corners: Vec<Corners> = corners.collect();
     let boxes: Vec<Boxes> = corners.iter().map(Boxes::new).collect();
     boxes.iter().for_each(|boxes| boxes.begin_with_share(SHARE));
