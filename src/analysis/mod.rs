@@ -51,6 +51,7 @@ pub use modes::splits::{Split, splits};
 pub use modes::{all_modes, modes, modes_as};
 pub use nets::{Net, NetForm, nets, parts_of_modes};
 pub use poles::count::PoleCount;
+pub(crate) use poles::feedback::Feedback;
 pub use poles::poles;
 pub use poles::residues::Residues;
 pub use random::{Noisy, Peak, Spread};

@@ -16,6 +16,7 @@ pub(crate) mod philox;
 pub(crate) mod polynomial;
 pub(crate) mod precise;
 pub(crate) mod pseudosymmetric;
+pub mod rank_one;
 pub mod real;
 pub(crate) mod residues;
 pub mod secular;

@@ -204,12 +204,12 @@ impl<'a> Study<'a> {
         Column { name: one_line(self.sources.slice(question.span)), unit: question.unit.text.clone(), holds }
     }
 
-    /// Whether only the lowest frequencies are requested.
-    pub(super) fn asks_frequencies_alone(&self) -> bool {
-        self.columns
-            .iter()
-            .all(|column| matches!(column.holds, Holds::Parameter | Holds::Frequency | Holds::Curve | Holds::Link))
-            && self.sizes.0 > 0
+    /// Whether only the lowest frequencies and the poles are requested.
+    pub(super) fn asks_modes_alone(&self) -> bool {
+        use Holds::{Curve, Frequency, Link, Parameter, PoleIm, PoleRe};
+        let is_of_modes =
+            |column: &Column| matches!(column.holds, Parameter | Frequency | Curve | Link | PoleRe | PoleIm);
+        self.columns.iter().all(is_of_modes) && self.sizes != (0, 0)
     }
 
     /// The columns of the parameters.

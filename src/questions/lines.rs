@@ -1,20 +1,26 @@
-//! Cases of a study that differ in one parameter. If it only weighs terms of M and K, these matrices are linear in it,
-//! and the frequencies of many cases are computed side by side. In: numbers of cases. Out: their rows. See
+//! Cases of a study that differ in one parameter. If it only weighs terms of M, C and K, these matrices are linear in it,
+//! and the frequencies and poles of many cases are computed side by side. In: numbers of cases. Out: their rows. See
 //! docs/method/studies.md#lines.
 
-use super::answer::{Case, Entry, shown_in};
+mod changing;
+mod poles;
+mod steps;
+
+use super::answer::{Case, Entry};
 use super::cases::{Study, Varied};
-use super::updates::{Changing, Part, Updates};
+use super::updates::{Part, Updates};
 use crate::base::number::jet;
-use crate::base::{Ball, Dd, Diagnostics, Jet, Number};
+use crate::base::{Ball, Diagnostics, Jet, Number};
 use crate::dynamics;
 use crate::kernel::pencils::{self, Eigenvalues};
 use crate::lower::Lowered;
-use crate::model::scene::{Damping, Written};
-use crate::model::{self, Points};
-use crate::system::{CoordinateId, Form, LinearSystem};
-use num_integer::Integer;
+use crate::model;
+use crate::model::scene::Damping;
+use crate::system::{Form, LinearSystem};
+use changing::{changing, slopes};
+use poles::OfPoles;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use steps::{Range, Steps};
 
 /// A line pays off from this number of values on.
 const FEW: u64 = 16;
@@ -31,7 +37,7 @@ impl Study<'_> {
             Varied::Over(swept) => swept.last().map_or(1, |swept| swept.points.count()),
             Varied::Drawn(_) => 1,
         };
-        if inner < FEW || !self.asks_frequencies_alone() {
+        if inner < FEW || !self.asks_modes_alone() {
             return numbers.iter().map(|&number| self.case(number)).collect();
         }
         let lines = numbers.chunk_by(|a, b| a / inner == b / inner);
@@ -42,12 +48,27 @@ impl Study<'_> {
     fn of_line(&self, numbers: &[u64], first: u64) -> Vec<Case> {
         let line = self.lines.get(first, || self.line(first, self.sizes.0));
         let Some(line) = &*line else { return self.one_by_one(numbers) };
-        let found = self.eigenvalues(line, numbers, first);
-        let width = found.len() / numbers.len();
+        let eigenvalues = self.eigenvalues(line, numbers, first);
+        let width = eigenvalues.len() / numbers.len();
+        let places: Vec<u64> = numbers.iter().map(|number| number - first).collect();
+        let poles = match &line.poles {
+            Some(OfPoles::Stretches(list)) => poles::poles(list, &places),
+            _ => Vec::new(),
+        };
         let mut given = self.parameter_entries(&self.values(first));
-        let row = |(&number, found): (&u64, &[f64])| {
+        let row = |(at, &number): (usize, &u64)| {
             let mut entries = Vec::with_capacity(self.columns.len());
-            if !self.frequencies(found, given.len(), &mut entries) {
+            entries.resize(given.len(), Entry::None(None));
+            let eigenvalues = &eigenvalues[at * width..][..width];
+            let are_known = self.add_frequencies(eigenvalues, &mut entries)
+                && match &line.poles {
+                    None => true,
+                    Some(OfPoles::Frequencies(_)) => self.add_undamped_poles(eigenvalues, &mut entries),
+                    Some(OfPoles::Stretches(_)) => {
+                        self.add_poles(poles[at].as_deref().unwrap_or_default(), &mut entries)
+                    }
+                };
+            if !are_known {
                 return self.case(number);
             }
             if let Some(last) = given.last_mut() {
@@ -56,7 +77,7 @@ impl Study<'_> {
             entries[..given.len()].copy_from_slice(&given);
             Case { number, entries, code: None }
         };
-        numbers.iter().zip(found.chunks(width)).map(row).collect()
+        numbers.iter().enumerate().map(row).collect()
     }
 
     /// The lowest `count` frequencies of these cases of a study over one parameter, Hz, without proof of their order where they are close;
@@ -67,53 +88,59 @@ impl Study<'_> {
         let found = self.eigenvalues(line, numbers, 0);
         let of_case = |found: &[f64]| {
             let pairs = found.chunks_exact(2).take(count);
-            pairs.map(|pair| self.frequency([pair[0], pair[1]])).collect::<Option<Vec<Ball>>>()
+            pairs.map(|pair| self.root([pair[0], pair[1]], PER_TURN)).collect::<Option<Vec<Ball>>>()
         };
         found.chunks(found.len() / numbers.len()).map(|found| of_case(found).filter(|own| own.len() == count)).collect()
     }
 
-    /// Eigenvalues of these cases of a line, each before its bound, as many for each case.
+    /// Eigenvalues of these cases of a line, each before its bound, as many for each case; NaN for one before its first.
     fn eigenvalues(&self, line: &Line, numbers: &[u64], first: u64) -> Vec<f64> {
-        match &line.way {
+        let Some((way, steps)) = &line.squares else { return Vec::new() };
+        let mut found = match way {
             Way::Pencils(pencils) => {
-                let points = &line.steps.points;
-                let places: Vec<f64> = numbers.iter().map(|number| place(&points.value(number - first))).collect();
+                let places: Vec<f64> =
+                    numbers.iter().map(|number| place(&steps.points.value(number - first))).collect();
                 pencils.eigenvalues(&places).into_iter().flat_map(|found| in_pairs(found, pencils.n)).collect()
             }
-            Way::Updates(updates) => {
-                let changes: Vec<f64> = numbers.iter().map(|number| line.steps.change(number - first)).collect();
-                updates.lowest(&changes)
-            }
-        }
+            Way::Updates(updates) => updates.lowest(&steps.changes(numbers, first)),
+        };
+        let width = found.len() / numbers.len();
+        let before = numbers.iter().take_while(|number| **number - first < line.first).count();
+        found[..before * width].fill(f64::NAN);
+        found
     }
 
     fn one_by_one(&self, numbers: &[u64]) -> Vec<Case> {
         numbers.iter().map(|&number| self.case(number)).collect()
     }
 
-    /// Adds the lowest frequencies after the columns of this many parameters, if all of them are accurate enough.
-    /// Eigenvalues alternate with their bounds.
-    fn frequencies(&self, found: &[f64], parameters: usize, entries: &mut Vec<Entry>) -> bool {
-        entries.resize(parameters, Entry::None(None));
+    /// Adds the lowest frequencies, if all of them are accurate enough. Eigenvalues alternate with their bounds.
+    fn add_frequencies(&self, found: &[f64], entries: &mut Vec<Entry>) -> bool {
+        let end = entries.len() + self.sizes.0;
         for pair in found.chunks_exact(2).take(self.sizes.0) {
-            let Some(frequency) = self.frequency([pair[0], pair[1]]) else { return false };
+            let Some(frequency) = self.root([pair[0], pair[1]], PER_TURN) else { return false };
             entries.push(Entry::Enclosed(frequency));
         }
-        entries.resize(parameters + self.sizes.0, Entry::None(None));
+        entries.resize(end, Entry::None(None));
         true
     }
 
-    /// The frequency of an eigenvalue with its bound, Hz, if it is accurate enough.
-    fn frequency(&self, [square, bound]: [f64; 2]) -> Option<Ball> {
+    /// The largest relative error bound of a number that is taken from a line.
+    fn accuracy(&self) -> f64 {
+        self.asked.tolerance.min(1e-4)
+    }
+
+    /// The root of an eigenvalue times a factor that is known to a rounding, with its bound, if it is accurate enough.
+    fn root(&self, [square, bound]: [f64; 2], factor: f64) -> Option<Ball> {
         if square == 0.0 && bound == 0.0 {
             return Some(Ball::ZERO);
         }
-        // The square root halves a small relative change; three roundings and that of 1 / (2 pi) are added.
+        // The square root halves a small relative change; three roundings and that of the factor are added.
         let relative = 0.51 * (bound / square) + 4.0 * f64::EPSILON;
         // This comparison fails for NaN, too.
-        let is_accurate = square > 0.0 && relative <= self.asked.tolerance.min(1e-4);
-        let hertz = square.sqrt() * PER_TURN;
-        is_accurate.then(|| Ball::from(hertz).widen(hertz * relative))
+        let is_accurate = square > 0.0 && relative <= self.accuracy();
+        let root = square.sqrt() * factor;
+        is_accurate.then(|| Ball::from(root).widen(root * relative))
     }
 
     /// The system of a case without the damping that is declared for all of it, with another value of its last parameter.
@@ -141,33 +168,51 @@ impl Study<'_> {
         lowered.rest.is_proven().then_some(lowered)
     }
 
-    /// The line of cases from `first` on, for so many lowest eigenvalues, if its matrices are certainly linear in the last parameter.
+    /// The line of cases from `first` on, for so many lowest frequencies and for the poles of the study, if its matrices are certainly
+    /// linear in the last parameter.
     fn line(&self, first: u64, lowest: usize) -> Option<Line> {
         let Varied::Over(swept) = &self.varied else { return None };
         let swept = swept.last()?;
-        let ends = ends(&swept.points);
-        let centre = &(&ends[0] + &ends[1]) / &Number::from(2);
-        let reach = (&ends[1] - &centre).to_ball().magnitude();
-        let range = centre.to_ball().widen(reach * (1.0 + 4.0 * f64::EPSILON));
-        let at = |si: &Number| self.undamped_system(first, si.clone());
-        // The check and the lowering take the same branches for every value in the range, so none of them would fail.
-        let over = jet::without_division(|| at(&Jet::of_parameter(range)))??;
-        if over.is_chained() {
-            return None;
+        let whole = self.line_of(first, lowest, &Range::of(swept));
+        if whole.is_some() || swept.points.count() <= FEW {
+            return whole;
         }
+        self.line_of(first, lowest, &Range::without_first(swept)?)
+    }
+
+    fn line_of(&self, first: u64, lowest: usize, range: &Range) -> Option<Line> {
+        let poles = if self.sizes.1 > 0 { Some(self.poles_of_line(first, range)?) } else { None };
+        let lowest = match &poles {
+            Some(OfPoles::Frequencies(n)) => lowest.max(*n),
+            _ => lowest,
+        };
+        let squares = if lowest > 0 { Some(self.squares_of_line(first, range, lowest)?) } else { None };
+        Some(Line { squares, poles, steps: range.steps_from_end(0), first: range.first })
+    }
+
+    /// The systems of a line with the parameter anywhere in its range.
+    fn over(&self, first: u64, range: &Range, is_damped: bool) -> Option<LinearSystem> {
+        // The check and the lowering take the same branches for every value in the range, so none of them would fail.
+        let all = Jet::of_parameter(range.all);
+        let over = jet::without_division(|| self.system(first, all.clone(), is_damped))??;
+        (!over.is_chained()).then_some(over)
+    }
+
+    /// What changes the eigenvalues of a line.
+    fn squares_of_line(&self, first: u64, range: &Range, lowest: usize) -> Option<(Way, Steps)> {
+        let at = |si: &Number| self.undamped_system(first, si.clone());
+        let over = self.over(first, range, false)?;
         // Starts at the end from which eigenvalues rise, if there are enough cases to make the modes in double-double
         // worthwhile.
-        let are_enough = swept.points.count() >= (over.n() / 25).pow(2) as u64;
+        let are_enough = range.swept.points.count() >= (over.n() / 25).pow(2) as u64;
         for from in (0..2).take_while(|_| are_enough) {
-            let base = at(&ends[from])?;
-            let width = (&ends[1 - from] - &ends[from]).to_ball();
-            let Some(changing) = changing(&over, &base) else { break };
-            let reach = width.magnitude() * (1.0 + 4.0 * f64::EPSILON) * width.mid.hi.signum();
-            if let Some(updates) = Updates::of(&base, &changing, reach, lowest) {
-                let steps = Steps::new(&swept.points, &ends[from], &swept.parameter.unit);
-                return Some(Line { way: Way::Updates(updates), steps });
+            let base = at(&range.ends[from])?;
+            let Some(changing) = changing(&over, &base, &[Part::Stiffness, Part::Mass]) else { break };
+            if let Some(updates) = Updates::of(&base, &changing, range.reach_from(from), lowest) {
+                return Some((Way::Updates(updates), range.steps_from_end(from)));
             }
         }
+        let centre = range.centre();
         let centred = at(&centre)?;
         let n = centred.n();
         let fits = (1..=pencils::MOST).contains(&n) && !centred.is_chained() && over.n() == n;
@@ -180,16 +225,19 @@ impl Study<'_> {
             at_centre.iter().zip(slopes).map(row).collect::<Vec<Vec<Ball>>>()
         };
         let (of_k, of_m) = (first(centred.k.assemble(n), &k), first(centred.m.assemble(n), &m));
-        let pencils = pencils::Line::new(n, [&of_k, &k], [&of_m, &m], range.magnitude())?;
-        Some(Line { way: Way::Pencils(pencils), steps: Steps::new(&swept.points, &centre, &swept.parameter.unit) })
+        let pencils = pencils::Line::new(n, [&of_k, &k], [&of_m, &m], range.all.magnitude())?;
+        Some((Way::Pencils(pencils), range.steps_from(&centre, None)))
     }
 }
 
 /// Cases that differ in the last parameter only.
 #[derive(Clone, Debug)]
 struct Line {
-    way: Way,
+    squares: Option<(Way, Steps)>,
+    poles: Option<OfPoles>,
     steps: Steps,
+    /// The place of the first case that is on it.
+    first: u64,
 }
 
 /// The method for their frequencies.
@@ -235,122 +283,10 @@ impl Clone for Lines {
     }
 }
 
-/// The values of the last parameter along a line.
-#[derive(Clone, Debug)]
-struct Steps {
-    points: Points,
-    unit: Written,
-    base: Number,
-    /// The number of the case at `base`, and the distance between neighbours, SI, if values are equally spaced from an
-    /// end.
-    even: Option<(u64, f64)>,
-    /// Integers a, b and c such that the value with number i is (a + i b) / c in its unit.
-    fraction: Option<[i64; 3]>,
-}
-
-/// Integers up to this size are exact in binary64.
-const EXACT: u64 = 1 << 53;
-
-impl Steps {
-    fn new(points: &Points, base: &Number, unit: &Written) -> Steps {
-        let mut steps =
-            Steps { points: points.clone(), unit: unit.clone(), base: base.clone(), even: None, fraction: None };
-        if let Points::Even { low, high, count } = points {
-            let between = &(high - low) / &Number::from(*count as i64 - 1);
-            let at = [(low, 0), (high, count - 1)].into_iter().find(|(end, _)| *end == base).map(|(_, at)| at);
-            steps.even = at.filter(|_| is_known(between.to_ball())).map(|at| (at, between.to_f64()));
-            steps.fraction =
-                in_integers([low, &between].map(|si| unit.factor.as_ref().map(|factor| si / factor)), *count);
-        }
-        steps
-    }
-
-    /// The value with this number less the base, SI, with a relative error of a few roundings; NaN if it is not known
-    /// that accurately.
-    fn change(&self, index: u64) -> f64 {
-        if let Some((at, between)) = self.even {
-            return (index as f64 - at as f64) * between;
-        }
-        let change = (&self.points.value(index) - &self.base).to_ball();
-        if is_known(change) { change.to_f64() } else { f64::NAN }
-    }
-
-    /// The value with this number in its unit.
-    fn value_in_unit(&self, index: u64) -> Ball {
-        let Some([a, b, c]) = self.fraction else {
-            return shown_in(&self.points.value(index), &self.unit, false).number;
-        };
-        let (number, divisor) = ((a + b * index as i64) as f64, c as f64);
-        let quotient = number / divisor;
-        // The remainder is exact in binary64.
-        match (-quotient).mul_add(divisor, number) {
-            0.0 => Ball::from(quotient),
-            left => Ball::new(Dd::new(quotient, left / divisor), quotient.abs() * Dd::EPSILON),
-        }
-    }
-}
-
-/// Whether the relative error of a number is negligible in binary64.
-fn is_known(x: Ball) -> bool {
-    x.relative_error() <= f64::EPSILON / 8.0
-}
-
-/// First value and distance as integers over one divisor, if all values are exact in binary64.
-fn in_integers(of: [Option<Number>; 2], count: u64) -> Option<[i64; 3]> {
-    let [first, between] = of.map(|number| number.and_then(|number| number.exact()?.to_fraction()));
-    let ((a, c), (b, d)) = (first?, between?);
-    let over = i128::from(c).lcm(&i128::from(d));
-    let [a, b] = [(a, c), (b, d)].map(|(number, divisor)| i128::from(number) * (over / i128::from(divisor)));
-    let most = a.abs().checked_add(b.abs().checked_mul(i128::from(count))?)?.max(over);
-    let fits = most < i128::from(EXACT);
-    fits.then_some([a as i64, b as i64, over as i64])
-}
-
 /// Eigenvalues alternating with their bounds; NaN where there are none.
 fn in_pairs(found: Option<Eigenvalues>, n: usize) -> Vec<f64> {
     let pairs = found.map(|found| found.list.into_iter().zip(found.bounds).flat_map(|(x, bound)| [x, bound]).collect());
     pairs.unwrap_or_else(|| vec![f64::NAN; 2 * n])
-}
-
-/// The squares whose weights change, if all rows are the same everywhere. `over` holds over the range, `base` at one of its ends.
-fn changing(over: &LinearSystem, base: &LinearSystem) -> Option<Vec<Changing>> {
-    let mut list: Vec<(Row, Changing)> = Vec::new();
-    for (part, over, base) in [(Part::Stiffness, &over.k, &base.k), (Part::Mass, &over.m, &base.m)] {
-        for (row, slope) in moving(over, base)? {
-            match list.iter_mut().find(|(other, of)| of.part == part && *other == row) {
-                Some((_, of)) => of.slope = of.slope + slope,
-                None => {
-                    let entries = row.iter().map(|(at, a)| (at.index(), a.to_ball())).collect();
-                    list.push((row, Changing { part, row: entries, slope }));
-                }
-            }
-        }
-    }
-    Some(list.into_iter().map(|(_, changing)| changing).collect())
-}
-
-/// Coordinates and entries of a row.
-type Row<'a> = &'a [(CoordinateId, Number)];
-
-/// The rows whose weights change, with the derivatives of these; `None` if a row changes.
-fn moving<'a>(over: &'a Form, base: &Form) -> Option<Vec<(Row<'a>, Ball)>> {
-    if over.terms().len() != base.terms().len() {
-        return None;
-    }
-    let mut list = Vec::new();
-    for (term, other) in over.terms().iter().zip(base.terms()) {
-        let row = over.row(term);
-        let is_fixed = row.iter().all(|(_, entry)| !matches!(entry, Number::Jet(_)));
-        if !is_fixed || row != base.row(other) {
-            return None;
-        }
-        match &term.weight {
-            Number::Jet(jet) => list.push((row, jet.slope)),
-            weight if *weight == other.weight => {}
-            _ => return None,
-        }
-    }
-    Some(list)
 }
 
 /// A value in binary64; NaN if that is not accurate enough.
@@ -364,30 +300,3 @@ fn place(si: &Number) -> f64 {
 
 /// 1 / (2 pi)
 const PER_TURN: f64 = 0.159_154_943_091_895_35;
-
-/// The least and the largest value.
-fn ends(points: &Points) -> [Number; 2] {
-    match points {
-        Points::Even { low, high, .. } => [low.clone(), high.clone()],
-        Points::Listed(list) => {
-            let less = |a: &Number, b: &Number| (a - b).is_negative();
-            let pick = |rising: bool| list.iter().reduce(|a, b| if less(b, a) == rising { b } else { a });
-            [true, false].map(|rising| pick(rising).cloned().unwrap_or(Number::ZERO))
-        }
-    }
-}
-
-/// The derivative of the matrix of a form, if its rows are the same everywhere and only weights change. `over` holds over the range,
-/// `centred` in its middle.
-fn slopes(over: &Form, centred: &Form, n: usize) -> Option<Vec<Vec<Ball>>> {
-    let mut matrix = vec![vec![Ball::ZERO; n]; n];
-    for (row, slope) in moving(over, centred)? {
-        for (i, a) in row {
-            for (j, b) in row {
-                let entry = &mut matrix[i.index()][j.index()];
-                *entry = *entry + slope * a.to_ball() * b.to_ball();
-            }
-        }
-    }
-    Some(matrix)
-}

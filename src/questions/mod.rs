@@ -23,6 +23,7 @@ mod lines;
 mod newton;
 mod one_unknown;
 mod optimum;
+pub mod pole_updates;
 mod probe;
 mod range_enclosure;
 mod ranges;

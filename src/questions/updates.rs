@@ -8,7 +8,7 @@ use crate::analysis::projection::{ABOVE, off_diagonal_norm, project};
 use crate::analysis::{self, ModeKind, Request, Which};
 use crate::base::{Ball, Dd, OrderBy};
 use crate::kernel::secular::{Factor, Secular};
-use crate::system::LinearSystem;
+use crate::system::{Form, LinearSystem};
 
 /// The unit roundoff.
 const U: f64 = f64::EPSILON / 2.0;
@@ -24,7 +24,18 @@ pub const MOST: usize = 200;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     Stiffness,
+    Damping,
     Mass,
+}
+
+impl Part {
+    pub fn form(self, of: &LinearSystem) -> &Form {
+        match self {
+            Part::Stiffness => &of.k,
+            Part::Damping => &of.c,
+            Part::Mass => &of.m,
+        }
+    }
 }
 
 /// A square whose weight is linear in the parameter.
@@ -42,10 +53,10 @@ pub struct Changing {
 struct Update {
     part: Part,
     slope: f64,
-    /// Bounds of the relative errors of the slope and of the size.
-    errors: [f64; 2],
+    /// A bound of its relative error.
+    error: f64,
     /// The sum of the squares of the row in modal coordinates.
-    size: f64,
+    size: Ball,
     secular: Secular,
 }
 
@@ -74,6 +85,7 @@ impl Updates {
             match of.part {
                 Part::Stiffness => upward.is_positive(),
                 Part::Mass => upward.is_negative(),
+                Part::Damping => false,
             }
         };
         if changing.is_empty() || n > MOST || base.is_chained() || !changing.iter().all(raises) {
@@ -133,6 +145,7 @@ impl Updates {
             let of_square = most * left_out * (2.0 * size.magnitude().sqrt() + left_out) * ABOVE;
             match of.part {
                 Part::Stiffness => within_k += of_square,
+                Part::Damping => return None,
                 Part::Mass => {
                     within_m += of_square;
                     least = least.min((1.0 - most * size.magnitude()) * (1.0 - 1e-12));
@@ -148,7 +161,6 @@ impl Updates {
             // Each is within the radius and one rounding of the true root, and the errors of the products left out are
             // far smaller.
             let numbers = squares.iter().map(|square| square.to_f64()).collect();
-            let relative = |x: Ball| if x.is_zero() { 0.0 } else { x.relative_error() + 2.0 * U };
             let is_known = squares.iter().all(|square| square.relative_error() < U);
             if poles.is_empty() {
                 continue;
@@ -156,8 +168,8 @@ impl Updates {
             list.push(Update {
                 part: of.part,
                 slope: of.slope.to_f64(),
-                errors: [relative(of.slope), relative(size)],
-                size: size.to_f64(),
+                error: if of.slope.is_zero() { 0.0 } else { of.slope.relative_error() + 2.0 * U },
+                size,
                 secular: Secular::new(poles, numbers).filter(|_| is_known)?,
             });
         }
@@ -237,17 +249,24 @@ impl Update {
     /// The factor of the square in the equation of eigenvalues. See docs/method/studies.md#one-weight.
     fn factor(&self, change: f64) -> Factor {
         let weight = change * self.slope;
-        let error = self.errors[0] + ROUNDING_OF_CHANGE + 2.0 * U;
-        match self.part {
-            Part::Stiffness => Factor::new(weight, error),
-            Part::Mass => {
-                let (weight, part) = (-weight, -weight * self.size);
-                let left = 1.0 - part;
-                let off = part * (error + self.errors[1] + 4.0 * U) + 2.0 * U;
-                Factor::new(weight / left, (error + 2.0 * off / left + 2.0 * U) * ABOVE)
-            }
-        }
+        let error = self.error + ROUNDING_OF_CHANGE + 2.0 * U;
+        let (rho, error) = match self.part {
+            Part::Stiffness => (weight, error),
+            Part::Mass => of_mass(-weight, error, self.size),
+            Part::Damping => (f64::NAN, error),
+        };
+        Factor::new(rho, error)
     }
+}
+
+/// c / (1 - c g) for a mass that falls by c along a row, with g = a^T M^-1 a of the row a, and a bound of its relative error; `error` is
+/// that of c.
+pub(super) fn of_mass(c: f64, error: f64, g: Ball) -> (f64, f64) {
+    let part = c * g.to_f64();
+    let left = 1.0 - part;
+    let of_g = if g.is_zero() { 0.0 } else { g.relative_error() + 2.0 * U };
+    let off = part.abs() * (error + of_g + 4.0 * U) + 2.0 * U;
+    (c / left, (error + 2.0 * off / left + 2.0 * U) * ABOVE)
 }
 
 /// The number of eigenvalues that are exactly zero for every change: if no weight of K is negative, the null space of K

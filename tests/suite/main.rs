@@ -70,6 +70,7 @@ mod pencils;
 mod periodic;
 mod plots;
 mod pole_counts;
+mod pole_lines;
 mod poles;
 mod problems;
 mod program;

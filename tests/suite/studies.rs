@@ -220,19 +220,32 @@ fn what_cannot_be_swept_is_refused() {
     }
 }
 
-/// Frequencies of many cases are computed side by side: those of both ways agree within their bounds, whatever of the model the
+/// Frequencies and poles of many cases are computed side by side: those of both ways agree within their bounds, whatever of the model the
 /// parameter is, and a row does not depend on which others are computed with it.
 #[test]
 fn lines_of_cases_agree_with_the_cases_one_by_one() {
-    for (model, over, is_linear) in [
-        ("cart", "k=5N/m..50N/m:33", true),
-        ("cart", "m1=-1kg..2kg:31", false),
-        ("cart", "m2=0.5kg..2kg:16", true),
-        ("cart", "L=0.5m..2m:16", false),
-        ("shear_building", "m=2t..5t:40", true),
-        ("shear_building", "k=5kN/m..50kN/m:40", true),
-        ("rotor", "m=20kg..80kg:20", true),
-        ("free_free_chain", "k=1N/m..9N/m:20", false),
+    for (model, over, asked, is_linear) in [
+        ("cart", "k=5N/m..50N/m:33", "--modes=2", true),
+        ("cart", "m1=-1kg..2kg:31", "--modes=2", false),
+        ("cart", "m2=0.5kg..2kg:16", "--modes=2", true),
+        ("cart", "L=0.5m..2m:16", "--modes=2", false),
+        ("shear_building", "m=2t..5t:40", "--modes=6", true),
+        ("shear_building", "k=5kN/m..50kN/m:40", "--modes=6", true),
+        ("rotor", "m=20kg..80kg:20", "--modes=1", true),
+        ("free_free_chain", "k=1N/m..9N/m:20", "--modes=3", false),
+        ("shear_building", "k=0N/m..50kN/m:40", "--modes=6", true),
+        ("cart", "b=0N*s/m..50N*s/m:64", "--poles", true),
+        ("cart", "k=5N/m..50N/m:33", "--poles", true),
+        ("cart", "m2=0.5kg..2kg:16", "--poles", false),
+        ("tuned_absorber", "c=0N*s/m..400N*s/m:40", "--poles", true),
+        (
+            "tuned_absorber",
+            "c=5N*s/m,400N*s/m,40N*s/m,1N*s/m,2N*s/m,3N*s/m,4N*s/m,6N*s/m,7N*s/m,8N*s/m,9N*s/m,10N*s/m,11N*s/m,12N*s/m,13N*s/m,14N*s/m",
+            "--poles",
+            true,
+        ),
+        ("shear_building", "k=5kN/m..50kN/m:40", "--poles", true),
+        ("free_free_chain", "k=1N/m..9N/m:20", "--poles", false),
     ] {
         let model = fs::read_to_string(root().join(format!("examples/{model}.vib"))).expect("an example");
         // Requirements would be columns too.
@@ -241,17 +254,63 @@ fn lines_of_cases_agree_with_the_cases_one_by_one() {
         if !text.contains(&format!("param {}", &over[..over.find('=').expect("a name")])) {
             panic!("{over}: no such parameter");
         }
-        let (heading, lines) = table(&text, &["--over", over]);
-        let (_, single) = table(&text, &["--over", over, "--tolerance", "1e-16"]);
-        assert_eq!(lines != single, is_linear, "{over}");
+        let (heading, lines) = table(&text, &["--over", over, asked]);
+        let (_, single) = table(&text, &["--over", over, asked, "--tolerance", "1e-16"]);
+        assert_eq!(lines != single, is_linear, "{over} {asked}");
         for (a, b) in lines.iter().zip(&single) {
             for column in (0..heading.len()).filter(|&i| heading[i].ends_with("_bound") && !a[i].is_empty()) {
                 let (off, bounds) =
                     (number(&a[column - 1]) - number(&b[column - 1]), number(&a[column]) + number(&b[column]));
                 assert!(off.abs() <= bounds, "{over}: {a:?} {b:?}");
-                assert!(number(&a[column]) <= 1.01e-10 * number(&a[column - 1]), "{over}: {a:?}");
+                assert!(number(&a[column]) <= 1.01e-10 * number(&a[column - 1]).abs(), "{over}: {a:?}");
             }
         }
+    }
+}
+
+/// Poles of an oscillator from light to heavy damping side by side, s = (-c ± sqrt(c^2 - 4 k m)) / 2 m, with frequencies beside them; a
+/// spring and a mass that change; and the critical damping amid them, where both are one.
+#[test]
+fn poles_on_a_line_are_those_of_the_quadratic() {
+    for (over, values) in [
+        ("c=1N*s/m..41N*s/m:81", [0.5, 1.0]),
+        ("k=36N/m..196N/m:81", [2.0, 36.0]),
+        ("m=0.25kg..2.25kg:81", [0.025, 0.25]),
+    ] {
+        let model = OSCILLATOR.replace("c = 0", "c = 4");
+        let (_, rows) = table(&model, &["--over", over, "--poles", "--modes", "1"]);
+        let (mut together, mut exact) = (0, 0);
+        for (i, row) in rows.iter().enumerate() {
+            let value = values[1] + i as f64 * values[0];
+            let [m, c, k] = match &over[..1] {
+                "c" => [1.0, value, 100.0],
+                "k" => [1.0, 4.0, value],
+                _ => [value, 4.0, 100.0],
+            };
+            let omega = number(&row[2]) * 2.0 * PI;
+            assert!((omega * omega - k / m).abs() < 1e-9 * k / m, "{row:?}");
+            let (half, square) = (-c / (2.0 * m), c * c - 4.0 * k * m);
+            let root = square.abs().sqrt() / (2.0 * m);
+            let poles = match square < 0.0 {
+                true => [(half, -root), (half, root)],
+                // The smaller one first, from the product of both.
+                false => [(k / m / (half - root), 0.0), (half - root, 0.0)],
+            };
+            for (j, (re, im)) in poles.into_iter().enumerate() {
+                for (column, truth) in [(4 + 4 * j, re), (6 + 4 * j, im)] {
+                    let (found, bound) = (number(&row[column]), number(&row[column + 1]));
+                    // Near critical damping the root of the difference has lost digits in this test.
+                    let own = 4.0 * f64::EPSILON * (half.abs() + k / m / root.max(1e-300));
+                    assert!((found - truth).abs() <= bound + own, "{over} {i}: {found} ± {bound:e}, not {truth}");
+                    assert!(bound <= 1.01e-10 * truth.abs(), "{over} {i}: {bound:e}");
+                }
+            }
+            match number(&row[5]) > 1e-17 {
+                true => together += 1,
+                false => exact += 1,
+            }
+        }
+        assert!(together > 4 * exact, "{over}: {together} side by side, {exact} by themselves");
     }
 }
 

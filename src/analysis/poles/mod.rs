@@ -14,6 +14,7 @@ pub mod count;
 pub(in crate::analysis) mod disc_columns;
 pub(in crate::analysis) mod discs;
 pub(in crate::analysis) mod exact;
+pub(crate) mod feedback;
 pub(in crate::analysis) mod list;
 mod lossy;
 pub(in crate::analysis) mod passive;
@@ -165,7 +166,7 @@ fn poles_without_scaling(system: &LinearSystem, modes: &Modes, also: Also) -> Re
                 Some(poles) => part.take_lossy(&poles, lossy, &mut found),
                 None => return Ok(Poles::default()),
             }
-        } else if coordinates.coordinates.len() == 1 {
+        } else if coordinates.coordinates.len() == 1 && also != Also::Coordinates {
             part.single(&mut found)?;
         } else if parts.len() == 1 {
             part.solve(modes, &mut found)?;

@@ -1,0 +1,165 @@
+//! The values of the last parameter of a study: their range, and their distances from a base.
+
+use crate::base::{Ball, Dd, Number};
+use crate::model::scene::Written;
+use crate::model::{Points, Swept};
+use crate::questions::answer::shown_in;
+use num_integer::Integer;
+
+/// The values of the last parameter of a study, or all but the first.
+pub struct Range<'a> {
+    pub swept: &'a Swept,
+    /// The place of the first value on the line.
+    pub first: u64,
+    pub ends: [Number; 2],
+    /// All values between the ends.
+    pub all: Ball,
+}
+
+impl Range<'_> {
+    pub fn of(swept: &Swept) -> Range<'_> {
+        Range::between(swept, 0, ends(&swept.points))
+    }
+
+    /// Equally spaced values without the first, which may be a zero at which the model is another one.
+    pub fn without_first(swept: &Swept) -> Option<Range<'_>> {
+        let Points::Even { high, .. } = &swept.points else { return None };
+        Some(Range::between(swept, 1, [swept.points.value(1), high.clone()]))
+    }
+
+    fn between(swept: &Swept, first: u64, ends: [Number; 2]) -> Range<'_> {
+        let mut range = Range { swept, first, ends, all: Ball::ZERO };
+        let centre = range.centre();
+        let reach = (&range.ends[1] - &centre).to_ball().magnitude();
+        range.all = centre.to_ball().widen(reach * (1.0 + 4.0 * f64::EPSILON));
+        range
+    }
+
+    pub fn centre(&self) -> Number {
+        &(&self.ends[0] + &self.ends[1]) / &Number::from(2)
+    }
+
+    /// The change to the other end, no smaller than the true one.
+    pub fn reach_from(&self, end: usize) -> f64 {
+        let width = (&self.ends[1 - end] - &self.ends[end]).to_ball();
+        width.magnitude() * (1.0 + 4.0 * f64::EPSILON) * width.mid.hi.signum()
+    }
+
+    /// `at`: the place of the base on the line, if it is one of the values.
+    pub fn steps_from(&self, base: &Number, at: Option<u64>) -> Steps {
+        Steps::new(&self.swept.points, (base, at), &self.swept.parameter.unit)
+    }
+
+    /// Steps from the first or the last value.
+    pub fn steps_from_end(&self, end: usize) -> Steps {
+        self.steps_from(&self.ends[end], Some([self.first, self.count() - 1][end]))
+    }
+
+    pub fn count(&self) -> u64 {
+        self.swept.points.count()
+    }
+
+    /// The value at a place, as a base of those behind it; of listed values, which have no order, the least one alone is a base.
+    pub fn base(&self, place: u64) -> Option<(Number, Steps)> {
+        let points = &self.swept.points;
+        let base = match points {
+            Points::Even { .. } => points.value(place),
+            Points::Listed(_) if place == self.first => self.ends[0].clone(),
+            Points::Listed(_) => return None,
+        };
+        let steps = self.steps_from(&base, Some(place));
+        Some((base, steps))
+    }
+
+    /// The largest change from a base, no smaller than the true one.
+    pub fn end_from(&self, steps: &Steps) -> f64 {
+        (&self.ends[1] - &steps.base).to_ball().magnitude() * (1.0 + 4.0 * f64::EPSILON)
+    }
+}
+
+/// The values of the last parameter along a line.
+#[derive(Clone, Debug)]
+pub struct Steps {
+    pub points: Points,
+    unit: Written,
+    base: Number,
+    /// The place of the base, and the distance between neighbours, SI, if values are equally spaced and it is one of them.
+    even: Option<(u64, f64)>,
+    /// Integers a, b and c such that the value with number i is (a + i b) / c in its unit.
+    fraction: Option<[i64; 3]>,
+}
+
+/// Integers up to this size are exact in binary64.
+const EXACT: u64 = 1 << 53;
+
+impl Steps {
+    /// `at`: the place of the base on the line, if it is one of the values.
+    fn new(points: &Points, (base, at): (&Number, Option<u64>), unit: &Written) -> Steps {
+        let mut steps =
+            Steps { points: points.clone(), unit: unit.clone(), base: base.clone(), even: None, fraction: None };
+        if let Points::Even { low, high, count } = points {
+            let between = &(high - low) / &Number::from(*count as i64 - 1);
+            steps.even = at.filter(|_| is_known(between.to_ball())).map(|at| (at, between.to_f64()));
+            steps.fraction =
+                in_integers([low, &between].map(|si| unit.factor.as_ref().map(|factor| si / factor)), *count);
+        }
+        steps
+    }
+
+    /// The value with this number less the base, SI, with a relative error of a few roundings; NaN if it is not known
+    /// that accurately.
+    fn change(&self, index: u64) -> f64 {
+        if let Some((at, between)) = self.even {
+            return (index as f64 - at as f64) * between;
+        }
+        let change = (&self.points.value(index) - &self.base).to_ball();
+        if is_known(change) { change.to_f64() } else { f64::NAN }
+    }
+
+    /// The changes of these cases of the line that begins with the case `first`.
+    pub fn changes(&self, numbers: &[u64], first: u64) -> Vec<f64> {
+        numbers.iter().map(|number| self.change(number - first)).collect()
+    }
+
+    /// The value with this number in its unit.
+    pub fn value_in_unit(&self, index: u64) -> Ball {
+        let Some([a, b, c]) = self.fraction else {
+            return shown_in(&self.points.value(index), &self.unit, false).number;
+        };
+        let (number, divisor) = ((a + b * index as i64) as f64, c as f64);
+        let quotient = number / divisor;
+        // The remainder is exact in binary64.
+        match (-quotient).mul_add(divisor, number) {
+            0.0 => Ball::from(quotient),
+            left => Ball::new(Dd::new(quotient, left / divisor), quotient.abs() * Dd::EPSILON),
+        }
+    }
+}
+
+/// Whether the relative error of a number is negligible in binary64.
+fn is_known(x: Ball) -> bool {
+    x.relative_error() <= f64::EPSILON / 8.0
+}
+
+/// First value and distance as integers over one divisor, if all values are exact in binary64.
+fn in_integers(of: [Option<Number>; 2], count: u64) -> Option<[i64; 3]> {
+    let [first, between] = of.map(|number| number.and_then(|number| number.exact()?.to_fraction()));
+    let ((a, c), (b, d)) = (first?, between?);
+    let over = i128::from(c).lcm(&i128::from(d));
+    let [a, b] = [(a, c), (b, d)].map(|(number, divisor)| i128::from(number) * (over / i128::from(divisor)));
+    let most = a.abs().checked_add(b.abs().checked_mul(i128::from(count))?)?.max(over);
+    let fits = most < i128::from(EXACT);
+    fits.then_some([a as i64, b as i64, over as i64])
+}
+
+/// The least and the largest value.
+fn ends(points: &Points) -> [Number; 2] {
+    match points {
+        Points::Even { low, high, .. } => [low.clone(), high.clone()],
+        Points::Listed(list) => {
+            let less = |a: &Number, b: &Number| (a - b).is_negative();
+            let pick = |rising: bool| list.iter().reduce(|a, b| if less(b, a) == rising { b } else { a });
+            [true, false].map(|rising| pick(rising).cloned().unwrap_or(Number::ZERO))
+        }
+    }
+}

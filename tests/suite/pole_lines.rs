@@ -1,0 +1,226 @@
+//! Poles of systems in which one weight changes: each enclosure holds a root of the determinant, which is computed in exact arithmetic, and
+//! there are as many enclosures that do not meet as poles. See docs/method/studies.md#one-weight-and-all-poles.
+
+use super::exact::Quadratic;
+use super::sweeps::damped_net;
+use super::systems::{Builder, Random, number};
+use vibc::base::{Ball, Dd, Number, Rational};
+use vibc::kernel::complex::Complex;
+use vibc::kernel::rank_one::{Eigenvalue, Factor, Pole, RankOne};
+use vibc::questions::pole_updates::PoleUpdates;
+use vibc::questions::updates::{Changing, Part};
+use vibc::system::{CoordinateId, Form, LinearSystem, Nature};
+
+type Row = Vec<(usize, Number)>;
+
+/// A system in which a weight is `change` more, exactly.
+fn changed(system: &LinearSystem, part: Part, row: &Row, change: f64) -> LinearSystem {
+    let mut system = system.clone();
+    let name = system.coordinates[0].name;
+    let form = match part {
+        Part::Stiffness => &mut system.k,
+        Part::Damping => &mut system.c,
+        Part::Mass => &mut system.m,
+    };
+    let source = form.source(name);
+    let entries = row.iter().map(|(i, a)| (CoordinateId(*i as u32), a.clone()));
+    form.push(source, Nature::Property, Number::from(Rational::from_f64(change).expect("finite")), entries);
+    system
+}
+
+fn changing(part: Part, row: &Row) -> Changing {
+    Changing { part, row: row.iter().map(|(i, a)| (*i, a.to_ball())).collect(), slope: Ball::ONE }
+}
+
+fn row_of(form: &Form, at: usize) -> (Row, f64) {
+    let term = &form.terms()[at];
+    (form.row(term).iter().map(|(i, a)| (i.index(), a.clone())).collect(), term.weight.to_f64())
+}
+
+/// The largest bound relative to the size of its pole. Each rectangle is as wide as the error of its middle, and no two meet.
+fn check(truth: &LinearSystem, found: &[Eigenvalue], what: &str) -> f64 {
+    assert_eq!(found.len(), 2 * truth.n(), "{what}");
+    let exact = Quadratic::of(truth);
+    let mut widest = 0.0f64;
+    for (i, one) in found.iter().enumerate() {
+        let error = exact.error(Dd::from(one.s.re), Dd::from(one.s.im));
+        let bound = one.bounds[0].hypot(one.bounds[1]);
+        assert!(error <= bound * 1.001, "{what}: {one:?} is {error:e} off");
+        let size = one.s.re.hypot(one.s.im);
+        widest = widest.max(bound / size);
+        for other in &found[..i] {
+            let apart = (one.s.re - other.s.re).hypot(one.s.im - other.s.im);
+            assert!(apart > one.bounds[0] + other.bounds[0], "{what}: {one:?} {other:?}");
+            let sizes = (size, other.s.re.hypot(other.s.im));
+            assert!(sizes.0 >= sizes.1 * (1.0 - 1e-15), "{what}: in ascending order");
+        }
+    }
+    widest
+}
+
+/// Nets over decades, damped lightly and heavily: springs and dampers that become up to a thousand times as stiff, masses that nearly
+/// vanish or become fifty times as large.
+#[test]
+fn every_enclosure_of_a_changed_system_holds() {
+    let mut random = Random::new(5);
+    let (mut proved, mut all, mut widest) = ([0; 3], [0; 3], 0.0f64);
+    for n in [1, 2, 3, 5, 8] {
+        for (decades, level) in [(0.5, 0.0), (0.5, -1.0), (2.0, 0.0), (1.0, 1.0)] {
+            let system = damped_net(&mut random, n, decades, level, false);
+            for (at, part) in [Part::Stiffness, Part::Damping, Part::Mass].into_iter().enumerate() {
+                let form = part.form(&system);
+                if form.terms().is_empty() {
+                    continue;
+                }
+                let (row, weight) = row_of(form, random.below(form.terms().len()));
+                let reaches = if part == Part::Mass { [-0.95, 50.0] } else { [1000.0, 1.0] };
+                for reach in reaches.map(|share| share * weight) {
+                    let Some(updates) = PoleUpdates::of(&system, &[changing(part, &row)], reach) else { continue };
+                    let changes = [1.0, 1e-6, 0.02, 0.3].map(|share| share * reach);
+                    for (change, found) in changes.iter().zip(updates.poles(&changes)) {
+                        all[at] += 1;
+                        let Some(found) = found else { continue };
+                        let what = format!("{n} {decades} {level} {part:?} {change}");
+                        widest = widest.max(check(&changed(&system, part, &row, *change), &found, &what));
+                        proved[at] += 1;
+                        // Alone in its lanes, a case has the same bits.
+                        assert_eq!(updates.poles(&[*change])[0].as_ref(), Some(&found), "{what}");
+                    }
+                }
+            }
+        }
+    }
+    // What is not proved is beyond a place where poles meet, as most do while a damper becomes a thousand times as strong.
+    assert!((0..3).all(|at| all[at] > 60 && 2 * proved[at] > all[at]), "{proved:?} of {all:?}");
+    assert!(widest < 1e-10, "{widest:e}");
+}
+
+/// Oscillators in a row, coupled by springs so soft that each feels a change of the first by 1e-9 of what its neighbour feels: poles that
+/// move by a few digits, by a part of the last one, and by next to nothing. All are enclosed, to the last digits.
+#[test]
+fn poles_that_hardly_move_are_enclosed_where_they_are() {
+    let n = 6;
+    let mut builder = Builder::numbered(n);
+    for i in 0..n {
+        builder.mass(i, &Number::ONE);
+        builder.spring(None, i, &Number::from(100 + 37 * i as i64));
+        builder.damper(None, i, &Number::from(1 + i as i64 % 3));
+        if i > 0 {
+            builder.spring(Some(i - 1), i, &number("3e-7"));
+        }
+    }
+    let system = builder.finish();
+    let row = vec![(0, Number::ONE)];
+    for (part, reach) in [(Part::Stiffness, 25.0), (Part::Damping, 0.5), (Part::Mass, 0.3)] {
+        let updates = PoleUpdates::of(&system, &[changing(part, &row)], reach).expect("one square");
+        let changes = [1.0, 0.01].map(|share| share * reach);
+        for (change, found) in changes.iter().zip(updates.poles(&changes)) {
+            let found = found.unwrap_or_else(|| panic!("{part:?} {change}"));
+            let widest = check(&changed(&system, part, &row, *change), &found, &format!("{part:?} {change}"));
+            assert!(widest < 1e-13, "{part:?} {change}: {widest:e}");
+        }
+    }
+    // Two poles may be much closer to each other than the last digit: then they are not told apart.
+    let twins = |apart: f64| {
+        let complex = |re: f64, im: f64| Complex { re: Dd::from(re), im: Dd::from(im) };
+        let pole = |s: Complex<Dd>, b: f64| Pole { s, b: complex(b, 0.0), v: complex(1.0, 0.0) };
+        let close = Complex { re: Dd::from(-1.0), im: Dd::new(3.0, apart) };
+        RankOne::new(&[pole(complex(-1.0, 3.0), 0.5), pole(close, 1e-60)], [1e-28, 0.0], 1e-18).expect("usual sizes")
+    };
+    let is_known = |apart: f64| twins(apart).eigenvalues(&[Factor::new(1e-19, 0.0)])[0].is_some();
+    assert!(is_known(1e-2) && !is_known(1e-18));
+}
+
+/// Two pendulums alike, coupled: the damper between them does not act on the motion that both share, whose poles stay: then nothing is
+/// claimed. Nor is it for two squares, rigid motions, or a mass that a change uses up.
+#[test]
+fn what_is_not_covered_is_refused() {
+    let twins = |grounded: bool| {
+        let mut builder = Builder::numbered(2);
+        for i in 0..2 {
+            builder.mass(i, &number("2"));
+            if grounded {
+                builder.spring(None, i, &number("5"));
+            }
+        }
+        builder.spring(Some(0), 1, &number("0.1"));
+        builder.damper(None, 0, &number("0.3"));
+        builder.damper(Some(0), 1, &number("0.3"));
+        builder.finish()
+    };
+    let system = twins(true);
+    let one = vec![(0, Number::ONE)];
+    let of = |system: &LinearSystem, list: &[Changing], reach: f64| PoleUpdates::of(system, list, reach);
+    let (spring, mass) = (changing(Part::Stiffness, &one), changing(Part::Mass, &one));
+    assert!(of(&system, std::slice::from_ref(&spring), 3.0).is_some());
+    assert!(of(&system, &[spring.clone(), changing(Part::Stiffness, &vec![(1, Number::ONE)])], 3.0).is_none());
+    assert!(of(&twins(false), std::slice::from_ref(&spring), 3.0).is_none(), "a rigid motion");
+    let used_up = of(&system, std::slice::from_ref(&mass), -2.5);
+    assert!(used_up.is_none_or(|updates| updates.poles(&[-2.0, -2.2])[..] == [None, None]));
+    // Without a change, or in the other direction, there is no stretch.
+    let updates = of(&system, &[spring], 3.0).expect("one square");
+    assert_eq!(updates.poles(&[0.0, -1.0, f64::NAN, 3.5]), [None, None, None, None]);
+}
+
+/// Numbers of one pair of poles: D, and c with b = c and v = 1.
+fn pair(d: (f64, f64), c: (f64, f64)) -> Vec<Pole> {
+    let complex = |(re, im): (f64, f64)| Complex { re: Dd::from(re), im: Dd::from(im) };
+    vec![Pole { s: complex(d), b: complex(c), v: complex((1.0, 0.0)) }]
+}
+
+/// s^2 - 2 Re(D - rho c) s + |D|^2 - 2 rho Re(c D') = 0, of which all coefficients are exact: a pair that becomes real at rho = 8, where
+/// nothing is proved.
+#[test]
+fn eigenvalues_of_one_pair_are_those_of_a_quadratic() {
+    let matrix = RankOne::new(&pair((-1.0, 3.0), (0.5, -0.25)), [0.0; 2], 40.0).expect("usual sizes");
+    let truth = |rho: f64| {
+        let (half, product) = (-1.0 - rho * 0.5, 10.0 - 2.0 * rho * (-0.5 - 0.75));
+        (half, half * half - product)
+    };
+    let factors = [0.25, 1.0, 2.0, 3.5, 5.0];
+    let list: Vec<Factor> = factors.iter().map(|rho| Factor::new(*rho, 0.0)).collect();
+    for (rho, found) in factors.iter().zip(matrix.eigenvalues(&list)) {
+        let ((half, square), found) = (truth(*rho), found.expect("apart"));
+        assert!(square < 0.0 && found.len() == 2);
+        for (one, sign) in found.iter().zip([-1.0, 1.0]) {
+            let off = [one.s.re - half, one.s.im - sign * (-square).sqrt()];
+            assert!((0..2).all(|i| off[i].abs() <= one.bounds[i] + 1e-15), "{rho}: {one:?}");
+            assert!(one.bounds[0] < 1e-12);
+        }
+    }
+}
+
+/// What the true matrix has besides may be any matrix of that norm: D that lies somewhere else by as much, or another b.
+#[test]
+fn what_the_matrix_has_besides_is_in_the_bounds() {
+    let off = 1e-6;
+    let near = RankOne::new(&pair((-1.0, 3.0), (0.5, -0.25)), [off, 0.0], 4.0).expect("usual sizes");
+    let of_factor = RankOne::new(&pair((-1.0, 3.0), (0.5, -0.25)), [0.0, off], 4.0).expect("usual sizes");
+    let mut largest = [0.0f64; 2];
+    for rho in [0.5, 1.5, 3.9] {
+        let factor = [Factor::new(rho, 0.0)];
+        let of = |matrix: &RankOne| matrix.eigenvalues(&factor)[0].clone().expect("apart");
+        for (dx, dy) in [(1.0, 0.0), (0.0, 1.0), (-0.6, 0.8), (0.6, 0.8)] {
+            // The matrix beside is diagonal in the first case; in the second it is d b v^T with |v| = sqrt 2, |d b| = sqrt 2 |d|.
+            let shift = (0.999 * off * dx, 0.999 * off * dy);
+            let moved = pair((-1.0 + shift.0, 3.0 + shift.1), (0.5, -0.25));
+            let other = pair((-1.0, 3.0), (0.5 + shift.0 / 2.0, -0.25 + shift.1 / 2.0));
+            for (which, (poles, bounded)) in [(moved, &near), (other, &of_factor)].into_iter().enumerate() {
+                let exact = of(&RankOne::new(&poles, [0.0; 2], 4.0).expect("usual sizes"));
+                for (one, truth) in of(bounded).iter().zip(&exact) {
+                    let error = (one.s.re - truth.s.re).hypot(one.s.im - truth.s.im);
+                    assert!(error <= one.bounds[0], "{which} {rho}: {error:e} {one:?}");
+                    largest[which] = largest[which].max(error / one.bounds[0]);
+                }
+            }
+        }
+    }
+    // Otherwise the test would compare nothing.
+    assert!(largest.iter().all(|x| *x > 0.1), "{largest:?}");
+    // An error of the factor: rho (1 + e) instead of rho.
+    let matrix = RankOne::new(&pair((-1.0, 3.0), (0.5, -0.25)), [0.0; 2], 4.0).expect("usual sizes");
+    let found = matrix.eigenvalues(&[Factor::new(2.0, 1e-7), Factor::new(2.0 * (1.0 + 0.99e-7), 0.0)]);
+    let [one, truth] = [&found[0], &found[1]].map(|list| list.as_ref().expect("apart")[0]);
+    let error = (one.s.re - truth.s.re).hypot(one.s.im - truth.s.im);
+    assert!(error <= one.bounds[0] && 20.0 * error > one.bounds[0], "{error:e} {one:?}");
+}
