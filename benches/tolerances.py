@@ -2,6 +2,7 @@
 
     cargo build --release
     python benches/tolerances.py --scenes 300 --samples 10000      # generated scenes beside NumPy, some minutes
+    python benches/tolerances.py --hanging --scenes 100            # rods under gravity, whose rest the parameters move
     python benches/tolerances.py --examples                        # the project's examples beside `vibc sweep`
 
 Generated scenes are damped nets of one to four bodies whose masses, springs and dampers are functions of two to four parameters; the
@@ -135,6 +136,93 @@ class Scene:
         return found
 
 
+class Hanging(Scene):
+    """Rods one on another under gravity, held by torsion springs so stiff that there is one rest: it moves with masses, lengths and springs."""
+
+    def __init__(self, rng):
+        self.names, self.low, self.high, rows = [], [], [], ["gravity 9.81 m/s^2", "point P0 = (0 m, 0 m)"]
+        self.n = n = rng.choice((1, 1, 2, 2, 3))
+        self.out, self.hertz, inertia = rng.randrange(n), float(f"{rng.uniform(0.1, 1):.2g}"), 0.05
+        shares = (1, 3) if n > 1 else (1, 3, 5, 10)
+
+        def number(name, value, unit):
+            value = float(f"{value:.3g}")
+            if rng.random() < 0.5 and len(self.names) < 4 or name == "k0":
+                share, place = rng.choice(shares), len(self.names)
+                rows.append(f"param {name} = {value!r} {unit} within {share} %")
+                self.names.append(name)
+                self.low.append(value * (1 - share / 100))
+                self.high.append(value * (1 + share / 100))
+                return name, lambda p: p[:, place]
+            return f"{value!r} {unit}", lambda p: np.full(len(p), value)
+
+        masses = [number(f"m{i}", rng.uniform(0.5, 3), "kg") for i in range(n)]
+        lengths = [number(f"l{i}", rng.uniform(0.3, 1.5), "m") for i in range(n)]
+        # Every torque of the weights turns by less than the springs hold, wherever the rods are.
+        springs = [number(f"k{i}", rng.uniform(1.5, 5) * 9.81 * 3 * n * 1.5 * 2, "N*m/rad") for i in range(n)]
+        dampers = [number(f"c{i}", rng.uniform(0.5, 5), "N*m*s/rad") for i in range(n)]
+        turns = [rng.uniform(-1.5, 1.5) for _ in range(n)]
+        self.ways = [(float(f"{np.cos(turn):.3f}"), float(f"{np.sin(turn):.3f}")) for turn in turns]
+        self.of = [[of for _, of in kind] for kind in (masses, lengths, springs, dampers)]
+        self.inertia = inertia
+        before = lambda i: f"b{i - 1}" if i else "ground"
+        for i, (x, y) in enumerate(self.ways):
+            rows.append(f"point P{i + 1} = P{i} + {lengths[i][0]} * ({x!r}, {y!r})")
+        for i in range(n):
+            rows.append(f"body b{i} {{ mass = {masses[i][0]}, inertia = {inertia} kg*m^2, at = P{i + 1} }}")
+            rows.append(f"pivot p{i}: {before(i)}@P{i} -- b{i}@P{i}")
+            rows.append(f"spring s{i}: {before(i)} -- b{i} {{ k = {springs[i][0]} }}")
+            rows.append(f"damper d{i}: {before(i)} -- b{i} {{ c = {dampers[i][0]} }}")
+        rows += ["torque F: b0 = step(1 N*m, 0 s)", f"output y = b{self.out}.angle"]
+        self.measures = {
+            "damping": "damping(1) < 1e9 %", "gain": f"gain(F -> y, {self.hertz} Hz) < 1e9 rad/N/m", "static": "static(y) < 1e9 rad",
+            "rest": f"rest(b{n - 1}.angle) < 10 rad",
+        }
+        self.text = "\n".join(rows + [f"require {line}" for line in self.measures.values()]) + "\n"
+
+    def matrices(self, p):
+        n, count = self.n, len(p)
+        mass, length, spring, damper = (np.stack([of(p) for of in kind], 1) for kind in self.of)
+        drawn = length[:, :, None] * np.array(self.ways)[None]
+        above = np.flip(np.cumsum(np.flip(mass, 1), 1), 1)
+        joined = lambda weights: sum(
+            weights[:, i, None, None] * (row := np.eye(n)[i] - (np.eye(n)[i - 1] if i else 0))[:, None] * row for i in range(n)
+        )
+        stiffness = joined(spring)
+        turn = np.zeros((count, n))
+        for _ in range(60):
+            x = np.cos(turn) * drawn[:, :, 0] - np.sin(turn) * drawn[:, :, 1]
+            y = np.sin(turn) * drawn[:, :, 0] + np.cos(turn) * drawn[:, :, 1]
+            force = 9.81 * above * x + np.einsum("sij,sj->si", stiffness, turn)
+            k = stiffness - (9.81 * above * y)[:, :, None] * np.eye(n)
+            turn = turn - np.linalg.solve(k, force[:, :, None])[:, :, 0]
+        assert np.abs(force).max() < 1e-9
+        self.rest = turn
+        both = above[:, np.maximum.outer(np.arange(n), np.arange(n))]
+        m = both * (x[:, :, None] * x[:, None] + y[:, :, None] * y[:, None]) + self.inertia * np.eye(n)
+        return m, joined(damper), k
+
+    def values(self, p):
+        m, c, k = matrices = self.matrices(p)
+        found = {"rest": self.rest[:, -1]}
+        lower = np.linalg.inv(np.linalg.cholesky(m))
+        squares = np.linalg.eigvalsh(lower @ k @ lower.transpose(0, 2, 1))
+        found |= {f"frequency {i}": np.sqrt(squares[:, i]) / (2 * np.pi) for i in range(self.n)}
+        found["gain"] = np.abs(self.response(matrices, self.hertz))
+        found["static"] = self.response(matrices, 0).real
+        inverse = np.linalg.inv(m)
+        zero, one = np.zeros_like(m), np.broadcast_to(np.eye(self.n), m.shape)
+        poles = np.linalg.eigvals(np.concatenate([np.concatenate([zero, one], 2), np.concatenate([-inverse @ k, -inverse @ c], 2)], 1))
+        if (np.abs(poles.imag) > 1e-6 * np.abs(poles)).all():
+            upper = poles[poles.imag > 0].reshape(len(p), self.n)
+            upper = np.take_along_axis(upper, np.argsort(np.abs(upper), 1), 1)
+            for i in range(self.n):
+                found[f"ratio {i}"] = -upper[:, i].real / np.abs(upper[:, i])
+                found[f"re {i}"], found[f"im {i}"] = upper[:, i].real, upper[:, i].imag
+            found["damping"] = found["ratio 0"]
+        return found
+
+
 def told_ranges(scene, told):
     ranges = {f"frequency {row['mode'] - 1}": (row["least_hz"], row["largest_hz"], row["proved"], row["reached_hz"]) for row in told["frequencies"]}
     ends = lambda row: (row["least"], row["largest"], row["proved"], row["reached"])
@@ -147,14 +235,14 @@ def told_ranges(scene, told):
     return ranges
 
 
-def generated(program, scenes, samples, seed):
+def generated(program, scenes, samples, seed, kind):
     rng, numbers = random.Random(seed), np.random.default_rng(seed)
     rows, outside = defaultdict(list), 0
     kinds = lambda name: name.split()[0]
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "scene.vib"
         for number in range(scenes):
-            scene = Scene(rng)
+            scene = kind(rng)
             if not scene.names:
                 continue
             path.write_text(scene.text)
@@ -237,10 +325,11 @@ if __name__ == "__main__":
     parser.add_argument("--scenes", type=int, default=300)
     parser.add_argument("--samples", type=int, default=10000)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--hanging", action="store_true")
     parser.add_argument("--share", default="5", help="tolerance of each parameter of an example, percent")
     parser.add_argument("--examples", action="store_true")
     asked = parser.parse_args()
     if asked.examples:
         examples(asked.program, min(asked.samples, 2000), asked.share)
     else:
-        sys.exit(generated(asked.program, asked.scenes, asked.samples, asked.seed) > 0)
+        sys.exit(generated(asked.program, asked.scenes, asked.samples, asked.seed, Hanging if asked.hanging else Scene) > 0)

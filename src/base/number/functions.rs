@@ -100,7 +100,7 @@ impl Number {
 
     /// Exponential function; `None` beyond the range of binary64.
     pub fn exp(&self) -> Option<Number> {
-        if self.is_zero() {
+        if self.vanishes() {
             return Some(Number::ONE);
         }
         let ball = self.enclosure();
@@ -113,7 +113,7 @@ impl Number {
 
     /// Sine and cosine of an angle in radians; `None` if not even its quadrant is known.
     pub fn sin_cos(&self) -> Option<(Number, Number)> {
-        if self.is_zero() {
+        if self.vanishes() {
             return Some((Number::ZERO, Number::ONE));
         }
         if let Number::Pi(pi) = self
@@ -138,7 +138,7 @@ impl Number {
 
     /// Angle of the vector (x, y) in radians, in (-pi, pi]; `None` for the zero vector.
     pub fn atan2(y: &Number, x: &Number) -> Option<Number> {
-        if y.is_zero() {
+        if y.vanishes() {
             return if x.is_positive() {
                 Some(Number::ZERO)
             } else if x.is_negative() {
@@ -147,7 +147,10 @@ impl Number {
                 None
             };
         }
-        if let Some(twelfths) = twelfths_of_pi(y, x) {
+        if !y.is_range()
+            && !x.is_range()
+            && let Some(twelfths) = twelfths_of_pi(y, x)
+        {
             return Some(Number::of_pi(Rational::new(twelfths, 12)));
         }
         let (b, a) = (y.enclosure(), x.enclosure());

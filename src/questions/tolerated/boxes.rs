@@ -107,12 +107,14 @@ pub(super) struct Boxes<'a> {
     done: Cell<u64>,
     /// Where the quantity at hand has to stop.
     until: Cell<u64>,
+    /// Whether the rest in the middle of some part is not the one over the whole box.
+    strays: Cell<bool>,
 }
 
 impl<'a> Boxes<'a> {
     pub fn new(corners: &'a Corners<'a>) -> Boxes<'a> {
         let (sheets, points) = (RefCell::default(), RefCell::default());
-        Boxes { corners, sheets, points, done: Cell::new(0), until: Cell::new(0) }
+        Boxes { corners, sheets, points, done: Cell::new(0), until: Cell::new(0), strays: Cell::new(false) }
     }
 
     /// Begins with another quantity.
@@ -267,7 +269,9 @@ impl<'a> Boxes<'a> {
         let half = |&i: &usize| (&ends[i][1] - &ends[i][0]).to_ball().magnitude() * 0.5 * (1.0 + f64::EPSILON);
         let radius: Vec<f64> = free.iter().map(half).collect();
         let middle_rest = || self.point(&middle).rest().cloned();
-        if !self.corners.keeps_rest(&over.first()?.lowered.rest, middle_rest) {
+        let keeps_rest = self.corners.keeps_rest(&over.first()?.lowered.rest, middle_rest);
+        if !keeps_rest {
+            self.strays.set(true);
             return None;
         }
         let systems: Vec<&LinearSystem> = over.iter().map(|ranged| &ranged.lowered.system).collect();
@@ -299,6 +303,11 @@ impl<'a> Boxes<'a> {
             question.is_some_and(|question| !matches!(question.value, Number::Jet(_)))
         };
         self.sheet(&whole).is_some_and(|sheet| sheet.over.iter().all(is_fixed))
+    }
+
+    /// Whether another rest than the one over the whole box was found in the middle of some part, so that its bounds are not about all values.
+    pub fn strays(&self) -> bool {
+        self.strays.get()
     }
 
     /// How much each parameter of a part changes the system, about relative to it; nothing if that is not known.

@@ -113,7 +113,7 @@ impl Boxes<'_> {
             let is_done = found.reached.is_some() || found.bound - best <= allowed && !is_open;
             let cut = if is_done { None } else { halves(found) };
             let Some(halves) = cut.filter(|_| boxes.len() < MOST_PARTS && self.may_go_on()) else {
-                return (outermost(&boxes, worst, sign), boxes.len());
+                return (outermost(&boxes, worst, sign).filter(|_| !self.strays()), boxes.len());
             };
             let [first, second] = halves.map(|part| self.bound_over(part, quantity, sign, seen));
             // What holds over the whole holds over its halves.

@@ -935,23 +935,33 @@ mod tests {
     /// 0.09 kg above. Both rests depend continuously on the mass, and only one of them over all of the range.
     #[test]
     fn a_rest_that_another_value_does_not_find_proves_nothing() {
-        let of = |within: &str| {
-            of(&format!("param m = 0.12 kg within {within}\ngravity 9.81 m/s^2\nbody b {{ mass = m, at = (0 m, 0.3 m), moves y }}\n\
+        let truss = |mass: &str| {
+            of(&format!("{mass}\ngravity 9.81 m/s^2\nbody b {{ mass = m, at = (0 m, 0.3 m), moves y }}\n\
                  spring s: ground@(-1 m, 0 m) -- b {{ k = 100 N/m }}\nspring t: ground@(1 m, 0 m) -- b {{ k = 100 N/m }}\n\
-                 require rest(b.y) < 0.5 m\n"))
+                 require rest(b.y) < -0.3 m\n"))
             .expect("tolerances")
         };
-        let (both, below) = (of("0.09 kg .. 0.15 kg"), of("0.11 kg .. 0.15 kg"));
+        let within = |range: &str| truss(&format!("param m = 0.12 kg within {range}"));
+        let (both, below) = (within("0.09 kg .. 0.15 kg"), within("0.11 kg .. 0.15 kg"));
         assert!(
             both.frequencies[0].proof.is_none() && both.measures[0].as_ref().is_some_and(|range| range.proof.is_none())
         );
         assert_eq!(both.not_proved, Some("for some of these values the model comes to rest elsewhere"));
-        assert!(matches!(both.requirements[0], Throughout::Undetermined));
+        assert!(
+            matches!(both.requirements[0], Throughout::FailsAt(_))
+                && matches!(below.requirements[0], Throughout::Holds(_))
+        );
         assert!(
             below.frequencies[0].proof.is_some()
                 && below.measures[0].as_ref().is_some_and(|range| range.proof.is_some())
         );
         assert_eq!(below.not_proved, None);
+        // 0.1 kg at p = 1/2, more than 0.105 kg at the declared value, the ends and the middle: a part alone has a middle that rests above.
+        let inside = truss("param p = 0.9 within -1 .. 1\nlet m = 0.103 kg + 0.003 kg * cos(360 deg * p)");
+        assert!(inside.follows_rest);
+        assert!(inside.measures[0].as_ref().is_some_and(|range| range.proof.is_none()), "{:?}", inside.measures);
+        assert_eq!(inside.not_proved, both.not_proved);
+        assert!(matches!(inside.requirements[0], Throughout::FailsAt(_)), "{:?}", inside.requirements);
     }
 
     /// k = 1/2 N/m + (p - 5 N/m)^2 / (1 N/m) is least within the range, and so the final value largest: at no corner.

@@ -19,7 +19,7 @@ impl Asked<'_> {
         if system.losses.is_some() {
             return Some("it has loss factors");
         }
-        if !self.keeps_rest {
+        if !self.keeps_rest || self.boxes.strays() {
             return Some(match corners.rest_over_all() {
                 Some(_) => "for some of these values the model comes to rest elsewhere",
                 None => "the rest moves with these parameters, too far or too freely to be enclosed",

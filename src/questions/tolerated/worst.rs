@@ -105,7 +105,8 @@ pub fn best_possible(
         let (bound, part) = parts[worst].clone();
         let done = bound <= goal || parts.len() >= MOST_PARTS || !boxes.iter().all(Boxes::may_go_on);
         let Some([first, second]) = (if done { None } else { halves(&part) }) else {
-            return bound.is_finite().then(|| (Ball::from(sign * bound), Proved(())));
+            let is_proved = bound.is_finite() && !boxes.iter().any(Boxes::strays);
+            return is_proved.then(|| (Ball::from(sign * bound), Proved(())));
         };
         parts[worst] = (bound_of(&first, bound), first);
         parts.push((bound_of(&second, bound), second));
