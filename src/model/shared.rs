@@ -4,32 +4,35 @@
 use super::scene::Law;
 use std::sync::Arc;
 
-/// The springs and dampers of a repetition alternate, so a few laws are remembered; those of a long list all differ or
-/// all agree, so no more are.
-const REMEMBERED: usize = 4;
+/// Laws that are remembered, each in the place that its coefficient gives: written-out networks have a few sizes of springs and dampers,
+/// in any order.
+const REMEMBERED: usize = 64;
 
-/// The laws of the elements that came last.
+/// The last law of each place.
 #[derive(Debug, Default)]
 pub struct RecentLaws {
-    recent: Vec<Arc<Law>>,
-    /// The one that is forgotten next.
-    oldest: usize,
+    recent: Vec<Option<Arc<Law>>>,
 }
 
 impl RecentLaws {
     pub fn share(&mut self, law: Law) -> Arc<Law> {
-        if let Some(known) = self.recent.iter().find(|known| are_alike(known, &law)) {
-            return known.clone();
+        if self.recent.is_empty() {
+            self.recent.resize(REMEMBERED, None);
         }
-        let law = Arc::new(law);
-        if self.recent.len() < REMEMBERED {
-            self.recent.push(law.clone());
-        } else {
-            self.recent[self.oldest] = law.clone();
-            self.oldest = (self.oldest + 1) % REMEMBERED;
+        let recent = &mut self.recent[place(&law)];
+        match recent.as_ref().filter(|known| are_alike(known, &law)) {
+            Some(known) => known.clone(),
+            None => recent.insert(Arc::new(law)).clone(),
         }
-        law
     }
+}
+
+/// Where a law is remembered. Fibonacci hashing: the highest bits of a product depend on all bits of the number (Knuth, The Art of
+/// Computer Programming 3, 6.4).
+fn place(law: &Law) -> usize {
+    let bits = law.coefficient.exact().map_or(0, |value| value.to_f64().to_bits());
+    let product = bits.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    (product >> (64 - REMEMBERED.ilog2())) as usize
 }
 
 /// Whether two laws are the same linear law without a loss; others are rare and not compared.
@@ -61,15 +64,17 @@ mod tests {
         let (k, c) = (&spring::KIND, &damper::KIND);
         let mut laws = RecentLaws::default();
         let first = laws.share(law(k, 1));
+        assert!(Arc::ptr_eq(&laws.share(law(k, 1)), &first));
+        // Some of many others take the place of the first, which is forgotten then: a copy is as good.
+        let mut many = (2..1000).map(|coefficient| law(k, coefficient));
+        assert!(many.all(|other| laws.share(other.clone()).coefficient == other.coefficient));
+        assert!(!Arc::ptr_eq(&laws.share(law(k, 1)), &first));
+        let again = laws.share(law(k, 1));
         let others = [law(c, 1), law(k, 2), Law { rest: SpringRest::Preload(Number::ONE), ..law(k, 1) }];
         for other in others {
-            assert!(!Arc::ptr_eq(&laws.share(other), &first));
+            assert!(!Arc::ptr_eq(&laws.share(other), &again));
         }
-        assert!(Arc::ptr_eq(&laws.share(law(k, 1)), &first));
-        // Two more, and the first is forgotten: a copy is as good.
-        (3..5).for_each(|coefficient| drop(laws.share(law(k, coefficient))));
         let again = laws.share(law(k, 1));
-        assert!(!Arc::ptr_eq(&again, &first) && again.coefficient == first.coefficient);
         let lossy = Law { loss: Some(Box::new(Number::ONE)), ..law(k, 1) };
         assert!(!Arc::ptr_eq(&laws.share(lossy), &again));
     }

@@ -1,22 +1,16 @@
-//! Turns the text of one declaration into nodes of the tree: pest recognises it, this module stores the nodes in the
-//! arenas.
+//! Turns the tokens of one declaration into nodes of the tree, which are stored in arenas.
 //!
-//! In: the text of one declaration, as cut out by `split`. Out: nodes of the [`Tree`], or an error and an unchanged tree.
-//! pest yields operands and operators in the order of the text; they are put in order of precedence here by Dijkstra's
+//! In: the text of one declaration, as cut out by `split`, and its tokens, as found by `recognise`. Out: nodes of the [`Tree`], or an
+//! error and an unchanged tree. pest yields operands and operators in the order of the text; they are put in order of precedence here by Dijkstra's
 //! shunting yard, so that the recursion is only as deep as the brackets, whose nesting `split` limits.
 //! See spec.md#keywords and spec.md#expressions.
 
 use super::limits;
+use super::recognise::{Declaration, Rule, Token, recognise};
 use super::tree::*;
 use super::words;
 use crate::base::{FileId, Span};
-use crate::kinds::{self, ElementId, JointId, Shape};
-use pest::{Parser, Token, iterators::Tokens};
-use pest_derive::Parser;
-
-#[derive(Parser)]
-#[grammar = "../grammar/vib.pest"]
-struct Grammar;
+use crate::kinds::{ElementId, JointId, Shape};
 
 /// The result of a parse: a declaration, or the head of a `repeat`.
 pub(super) enum Built {
@@ -55,67 +49,37 @@ pub(super) enum Refused {
     Twice(Span),
 }
 
-/// The shape of the declaration whose keyword `text` starts with, and its grammar rule.
-fn rule_of(text: &str) -> Option<(Shape, Rule)> {
-    let end = text.bytes().position(|b| !b.is_ascii_lowercase()).unwrap_or(text.len());
-    let shape = kinds::declaration(&text[..end])?.shape;
-    let rule = match shape {
-        Shape::Body => Rule::body,
-        Shape::Element(_) => Rule::element,
-        Shape::Param => Rule::parameter,
-        Shape::Let => Rule::definition,
-        Shape::Point => Rule::point,
-        Shape::Joint(kind) if kind.kind().slides => Rule::slide,
-        Shape::Joint(_) => Rule::joint,
-        Shape::Couple => Rule::couple,
-        Shape::Base => Rule::base,
-        Shape::Force => Rule::force,
-        Shape::Torque => Rule::torque,
-        Shape::Unbalance => Rule::unbalance,
-        Shape::Output => Rule::output,
-        Shape::Initial => Rule::initial,
-        Shape::Gravity => Rule::gravity,
-        Shape::Model => Rule::model,
-        Shape::Damping if text[end..].trim_start().starts_with("rayleigh") => Rule::damping_rayleigh,
-        Shape::Damping => Rule::damping_modal,
-        Shape::Rest => Rule::rest,
-        Shape::Solve => Rule::solve,
-        Shape::Minimise => Rule::minimise,
-        Shape::Maximise => Rule::maximise,
-        Shape::Require => Rule::require,
-        Shape::Correlate => Rule::correlate,
-        Shape::Repeat => Rule::repeat,
-        Shape::Component => Rule::component,
-        Shape::Place => Rule::place,
-        Shape::Use => Rule::import,
-    };
-    Some((shape, rule))
-}
-
-/// Parses `text`, which starts at byte `offset` of the file, and appends it to the tree.
-pub(super) fn declaration(tree: &mut Tree, yard: &mut Yard, text: &str, offset: usize) -> Result<Built, Refused> {
-    let (shape, rule) = rule_of(text).ok_or(Refused::Grammar)?;
-    take(rule, tree, yard, text, offset, |build| build.declaration(shape))
+/// Appends the declaration with that text, which starts at byte `offset` of the file, to the tree.
+pub(super) fn declaration(
+    tree: &mut Tree,
+    yard: &mut Yard,
+    Declaration { shape, tokens }: Declaration<'_>,
+    text: &str,
+    offset: usize,
+) -> Result<Built, Refused> {
+    take(tree, yard, tokens, text, offset, |build| build.declaration(shape))
 }
 
 /// Parses a stand-alone value, such as that of `--set NAME=VALUE`. The caller has limited its brackets.
 pub(super) fn value(tree: &mut Tree, text: &str, offset: usize) -> Result<ExprId, Refused> {
-    take(Rule::expression, tree, &mut Yard::default(), text, offset, |build| build.expression().id)
+    let mut tokens = Vec::new();
+    // A file's control characters are refused before; the grammar takes them for blanks.
+    let has_control = text.bytes().any(|b| b.is_ascii_control() && !matches!(b, b'\t' | b'\n' | b'\r'));
+    if has_control || !recognise(Rule::expression, text, &mut tokens) {
+        return Err(Refused::Grammar);
+    }
+    take(tree, &mut Yard::default(), &tokens, text, offset, |build| build.expression().id)
 }
 
-/// Recognises all of `text` as `rule` and walks through pest's tokens. If that fails, the tree is left unchanged.
+/// Walks through the tokens of `text`. If that fails, the tree is left unchanged.
 fn take<T>(
-    rule: Rule,
     tree: &mut Tree,
     yard: &mut Yard,
+    tokens: &[Token],
     text: &str,
     offset: usize,
     walk: impl FnOnce(&mut Build<'_>) -> T,
 ) -> Result<T, Refused> {
-    let pairs = Grammar::parse(rule, text).map_err(|_| Refused::Grammar)?;
-    if pairs.as_str().len() != text.len() {
-        return Err(Refused::Grammar);
-    }
     let mark = tree.mark();
     yard.clear();
     let mut build = Build {
@@ -124,7 +88,7 @@ fn take<T>(
         yard,
         text,
         offset,
-        tokens: pairs.tokens(),
+        tokens: tokens.iter(),
         next: None,
         next_place: 0,
         refused: None,
@@ -211,14 +175,14 @@ fn binary(text: &str) -> Binary {
     }
 }
 
-/// Walks through pest's tokens. Each method consumes the tokens of the rule it is named after.
+/// Walks through the tokens. Each method consumes the tokens of the rule it is named after.
 struct Build<'a> {
     tree: &'a mut Tree,
     yard: &'a mut Yard,
     file: FileId,
     text: &'a str,
     offset: usize,
-    tokens: Tokens<'a, Rule>,
+    tokens: std::slice::Iter<'a, Token>,
     /// The rule that starts next, or `None` at the end of the enclosing rule.
     next: Option<Rule>,
     next_place: usize,
@@ -230,8 +194,7 @@ impl Build<'_> {
     fn step(&mut self) -> usize {
         let place = self.next_place;
         (self.next, self.next_place) = match self.tokens.next() {
-            Some(Token::Start { rule, pos }) => (Some(rule), pos.pos()),
-            Some(Token::End { pos, .. }) => (None, pos.pos()),
+            Some(&(rule, place)) => (rule, place as usize),
             None => (None, self.text.len()),
         };
         place
@@ -494,6 +457,11 @@ impl Build<'_> {
         let span = self.span((start, start + len));
         if len > limits::WORD {
             self.refuse(Refused::LongWord(span));
+        }
+        // The grammar takes letters of all scripts behind the first one: a single test for each character.
+        let word = &self.text[start..start + len];
+        if !word.is_ascii() && !word.chars().all(|c| words::is_letter(c) || c.is_ascii_digit()) {
+            self.refuse(Refused::Grammar);
         }
         span
     }

@@ -1,13 +1,14 @@
 //! Text to syntax tree. See spec.md#text.
 //!
 //! In: a model file. Out: the tree of every declaration that matches the grammar (`grammar/vib.pest`), and an error for
-//! every one that does not. `split` cuts the text into declarations, `build` parses them one by one, and `explain`
-//! finds the mistakes in those that pest refuses.
+//! every one that does not. `split` cuts the text into declarations, `recognise` lets pest find the rules in each, `build` makes
+//! nodes of them, and `explain` finds the mistakes in those that pest refuses.
 
 mod build;
 mod error;
 mod explain;
 pub mod limits;
+mod recognise;
 mod report;
 mod split;
 pub mod tree;
@@ -18,6 +19,7 @@ pub use error::SyntaxError;
 use crate::base::{Diagnostics, FileId, Sources, Span, runs};
 use build::{Built, ComponentHead, Head, Refused, RepeatHead, Yard};
 use error::{Expected, Intent, Remark};
+use recognise::{Cut, Declaration, next_pieces};
 use report::Report;
 use split::{Piece, Pieces, SplitError};
 use std::collections::HashSet;
@@ -93,8 +95,14 @@ fn parse_into(tree: Tree, text: &str) -> Parsed {
         return parse.finish();
     }
     let mut pieces = Pieces::new(text);
-    while let Some(piece) = pieces.next() {
-        parse.piece(piece, &mut pieces);
+    loop {
+        let (cuts, recognised) = next_pieces(&mut pieces, text);
+        if cuts.is_empty() {
+            break;
+        }
+        for (cut, found) in cuts.into_iter().zip(recognised.iter().flat_map(|some| some.declarations())) {
+            parse.piece(cut, found);
+        }
     }
     parse.close_rest();
     parse.finish()
@@ -144,8 +152,6 @@ struct Parse<'a> {
     yard: Yard,
     report: Report,
     open: Vec<Opened>,
-    /// Buffer for the text of a declaration with its comments replaced by blanks.
-    blanked: String,
     /// The previous declaration lacks its `{`: everything up to the next keyword belongs to it.
     missing_brace: bool,
     /// Number of brackets reported as unclosed: as many closing ones may still follow, without another error.
@@ -160,7 +166,6 @@ impl<'a> Parse<'a> {
             yard: Yard::default(),
             report: Report::default(),
             open: Vec::new(),
-            blanked: String::new(),
             missing_brace: false,
             abandoned: 0,
         }
@@ -174,22 +179,15 @@ impl<'a> Parse<'a> {
         Span::new(self.tree.file, range.start, range.end)
     }
 
-    fn piece(&mut self, piece: Piece, pieces: &mut Pieces<'_>) {
-        match piece {
-            Piece::Declaration { range, error } => {
-                let doc = pieces.take_doc();
-                if let Some(Built::Decl(decl)) = self.build(&range, error, pieces.comments()) {
-                    self.push(decl, doc);
+    fn piece(&mut self, cut: Cut, found: Option<Declaration<'_>>) {
+        match cut.piece {
+            Piece::Declaration { .. } => {
+                if let Some(Built::Decl(decl)) = self.build(&cut, found) {
+                    self.push(decl, cut.doc);
                 }
             }
-            Piece::Open { range, error } => {
-                let doc = pieces.take_doc();
-                self.open(range, error, doc, pieces.comments());
-            }
-            Piece::Close { at } => {
-                pieces.take_doc();
-                self.close(at + 1);
-            }
+            Piece::Open { .. } => self.open(cut, found),
+            Piece::Close { at } => self.close(at + 1),
             Piece::Character { range } => {
                 self.report_split_error(&range, SplitError::Character { range: range.clone() })
             }
@@ -230,36 +228,31 @@ impl<'a> Parse<'a> {
         self.tree.broken.push(self.span(range));
     }
 
-    fn build(&mut self, range: &Range<usize>, error: Option<SplitError>, comments: &[Range<usize>]) -> Option<Built> {
-        let built = self.try_build(range, error, comments);
+    fn build(&mut self, cut: &Cut, found: Option<Declaration<'_>>) -> Option<Built> {
+        let built = self.try_build(cut, found);
         if built.is_none() {
-            self.push_broken(range.clone());
+            self.push_broken(cut.range());
         }
         built
     }
 
-    fn try_build(
-        &mut self,
-        range: &Range<usize>,
-        error: Option<SplitError>,
-        comments: &[Range<usize>],
-    ) -> Option<Built> {
+    fn try_build(&mut self, cut: &Cut, found: Option<Declaration<'_>>) -> Option<Built> {
+        let range = &cut.range();
         if self.missing_brace && self.belongs_to_headless(range) {
             return None;
         }
-        if let Some(error) = error {
-            self.report_split_error(range, error);
+        if let Piece::Declaration { error: Some(error), .. } | Piece::Open { error: Some(error), .. } = &cut.piece {
+            self.report_split_error(range, error.clone());
             return None;
         }
         self.tree.make_room(range.start, self.text.len());
-        let mut text = &self.text[range.clone()];
-        if comments.iter().any(|comment| comment.start < range.end) {
-            blank_comments(text, range.start, comments, &mut self.blanked);
-            text = &self.blanked;
-        }
-        let refused = match build::declaration(&mut self.tree, &mut self.yard, text, range.start) {
-            Ok(built) => return Some(built),
-            Err(refused) => refused,
+        let mut blanked = String::new();
+        let text = cut.text(self.text, &mut blanked);
+        let built = found.map(|found| build::declaration(&mut self.tree, &mut self.yard, found, text, range.start));
+        let refused = match built {
+            Some(Ok(built)) => return Some(built),
+            Some(Err(refused)) => refused,
+            None => Refused::Grammar,
         };
         let error = match refused {
             Refused::Grammar if self.report.is_full() => {
@@ -369,20 +362,15 @@ impl<'a> Parse<'a> {
         self.report.push_error(SyntaxError::Stray { at: self.span(at..at + 1), bracket: self.char_at(at) });
     }
 
-    fn open(
-        &mut self,
-        range: Range<usize>,
-        error: Option<SplitError>,
-        doc: Option<Range<usize>>,
-        comments: &[Range<usize>],
-    ) {
+    fn open(&mut self, cut: Cut, found: Option<Declaration<'_>>) {
+        let range = cut.range();
         if self.open.len() == limits::REPEATS {
             self.report.push_error(SyntaxError::RepeatNesting { at: self.span(range.clone()) });
         }
         let head = match self.open.len() {
             // Reported once, for the outermost one that is too deep.
             limits::REPEATS.. => None,
-            _ => match self.build(&range, error, comments) {
+            _ => match self.build(&cut, found) {
                 Some(Built::Head(Head::Component(head))) if !self.open.is_empty() => {
                     self.report.push_error(SyntaxError::InnerComponent { at: head.name, keyword: "component" });
                     None
@@ -391,7 +379,7 @@ impl<'a> Parse<'a> {
                 _ => None,
             },
         };
-        self.open.push(Opened { range, doc, head, body: Vec::new() });
+        self.open.push(Opened { range, doc: cut.doc, head, body: Vec::new() });
     }
 
     fn close(&mut self, end: usize) {
@@ -421,20 +409,6 @@ impl<'a> Parse<'a> {
             self.close(self.text.len());
         }
     }
-}
-
-/// Copies the text of a declaration into `blanked`, with its comments replaced by spaces byte for byte.
-fn blank_comments(text: &str, offset: usize, comments: &[Range<usize>], blanked: &mut String) {
-    blanked.clear();
-    let mut done = 0;
-    for comment in comments {
-        let start = (comment.start - offset).min(text.len());
-        let end = (comment.end - offset).min(text.len());
-        blanked.push_str(&text[done..start]);
-        blanked.extend(std::iter::repeat_n(' ', end - start));
-        done = end;
-    }
-    blanked.push_str(&text[done..]);
 }
 
 /// The likely intention behind a declaration that starts with this word.

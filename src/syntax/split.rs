@@ -130,8 +130,13 @@ impl<'a> Pieces<'a> {
     }
 
     /// The comments inside the declaration that came last, and possibly one after it.
-    pub fn comments(&self) -> &[Range<usize>] {
-        &self.comments
+    pub fn take_comments(&mut self) -> Vec<Range<usize>> {
+        std::mem::take(&mut self.comments)
+    }
+
+    /// How far the text is read.
+    pub fn at(&self) -> usize {
+        self.at
     }
 
     fn byte(&self, at: usize) -> u8 {

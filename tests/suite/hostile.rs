@@ -325,6 +325,30 @@ fn nested_syntax_errors_are_stored_once() {
     assert_eq!(codes, ["vib::syntax::too_deep"]);
 }
 
+/// The grammar takes them for letters, the parser does not: names that look alike would be different ones.
+#[test]
+fn words_have_no_letters_of_other_scripts() {
+    let cases = [
+        ("body bé { mass = 1 kg, moves x }", "é"),
+        ("body aж1 { mass = 1 kg, moves x }", "ж1"),
+        ("spring s: ground -- aéb { k = 1 N/m }", "éb"),
+        ("body d { maéss = 1 kg, moves x }", "éss"),
+        ("output z = d.xé", "é"),
+        ("output z = sinή(1)", "\u{301}"),
+        ("let a = 2 * b·c", "·"),
+    ];
+    for (text, found) in cases {
+        let mut sources = Sources::new();
+        let file = sources.add(SourceFile::model("m.vib", text));
+        let parsed = vibc::syntax::parse(&sources, file);
+        let errors: Vec<_> = parsed.errors.iter().collect();
+        assert_eq!(errors.len(), 1, "{text}");
+        assert_eq!(errors[0].code.0, "vib::syntax::unexpected", "{text}");
+        assert!(sources.slice(errors[0].primary.span).starts_with(found), "{text}: {:?}", errors[0]);
+        assert!(parsed.tree.decls.is_empty(), "{text}");
+    }
+}
+
 #[test]
 fn the_first_hundred_errors_are_reported_and_the_rest_counted() {
     let body = "body b { mass = 1 kg, moves x }\n";
