@@ -3,7 +3,7 @@
 
 use crate::Dynamics;
 use crate::analysis::rates::{Rate, with_rate};
-use crate::analysis::{self, AnalysisError, Modes, Poles, Sweep};
+use crate::analysis::{self, AnalysisError, Modes, Poles, Request, Sweep};
 use crate::base::Diagnostic;
 use crate::kinds::motions::rate_of;
 use crate::system::LinearSystem;
@@ -58,7 +58,7 @@ impl Dynamics {
 
 /// The modes of a table; `None` if there are too many coordinates.
 pub(crate) fn modes(system: &LinearSystem, known: Option<Modes>) -> Result<Option<Modes>, AnalysisError> {
-    match known.map_or_else(|| analysis::modes(system), Ok) {
+    match known.map_or_else(|| analysis::all_modes(system, &Request::default().without_shares()), Ok) {
         Ok(modes) => Ok(Some(modes)),
         Err(AnalysisError::TooManyCoordinates { .. }) => Ok(None),
         Err(error) => Err(error),

@@ -20,7 +20,7 @@ use std::process::ExitCode;
 use std::thread;
 use terminal::{columns, report_defect, report_error, show, terminal_columns, write_to};
 use vibc::NotDriven;
-use vibc::analysis::{self, Methods, Sweep};
+use vibc::analysis::{self, Methods, Modes, Sweep};
 use vibc::answers::report;
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{SourceFile, SourceKind, Sources};
@@ -236,8 +236,9 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
         });
         return Status::Limit;
     }
-    let modes = dynamics.modes.as_ref().filter(|_| poles.is_some()).cloned().unwrap_or_default();
-    let table = analysis::table(&Methods::of(system, &modes), &poles.unwrap_or_default(), &sweep);
+    let no_modes = Modes::default();
+    let modes = dynamics.modes.as_ref().filter(|_| poles.is_some()).unwrap_or(&no_modes);
+    let table = analysis::table(&Methods::of(system, modes), &poles.unwrap_or_default(), &sweep);
     let text = match options.format {
         TableFormat::Text => {
             let width = columns(&options.page, options.output.file.as_deref());

@@ -57,6 +57,27 @@ fn shares_name_the_moving_parts_and_the_springs() {
     assert!((share.part.0 - spring).abs() < 1e-10);
 }
 
+/// What takes no shares from its modes does not pay for them, and finds the same modes.
+#[test]
+fn modes_without_shares_are_the_same_modes() {
+    let system = cart();
+    let modes = analysis::modes(&system).expect("a regular system").list;
+    let request = analysis::Request::default().without_shares();
+    let alone = analysis::all_modes(&system, &request).expect("a regular system").list;
+    assert_eq!(modes.len(), alone.len());
+    for (mode, alone) in modes.iter().zip(&alone) {
+        assert!(!mode.kinetic.is_empty() && !mode.strain.is_empty());
+        assert!(alone.kinetic.is_empty() && alone.strain.is_empty());
+        let rest = |mode: &analysis::Mode| {
+            let mut mode = mode.clone();
+            mode.kinetic.clear();
+            mode.strain.clear();
+            format!("{mode:?}")
+        };
+        assert_eq!(rest(mode), rest(alone));
+    }
+}
+
 #[test]
 fn an_upright_rod_on_a_weak_hinge_diverges() {
     // J = 1/3, k = 2 - m g l / 2 = 2 - 4.905: omega^2 = -8.715 1/s^2.

@@ -98,7 +98,7 @@ pub fn clean_product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
                 // Half of the factors between a mode and the coordinates are zero.
                 if !factor.is_zero() {
                     let term = a[(i, k)] * factor;
-                    sum += term;
+                    sum = if size == 0.0 { term } else { sum + term };
                     size += term.hi.abs();
                 }
             }

@@ -58,17 +58,17 @@ impl Cell {
         self.input.len()
     }
 
-    /// All coefficients.
-    pub fn numbers(&self) -> Vec<f64> {
+    /// Whether all coefficients are finite.
+    pub fn is_finite(&self) -> bool {
+        let all = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
         let form = match &self.form {
-            Form::Keep(x) | Form::Lose(x) => vec![*x],
-            Form::Pair(lift) => vec![lift.decay.value(), lift.k, lift.p],
-            Form::Dense { rows, .. } => rows.concat(),
+            Form::Keep(x) | Form::Lose(x) => x.is_finite(),
+            Form::Pair(lift) => all(&[lift.decay.value(), lift.k, lift.p]),
+            Form::Dense { rows, .. } => rows.iter().all(|row| all(row)),
         };
-        let input = self.input.iter().flatten().map(|(_, value)| *value);
-        let output = self.output.iter().flatten().map(|(_, value)| *value);
-        let tables = self.to.iter().chain(&self.back).chain([&self.start]).flatten().copied();
-        form.into_iter().chain(input).chain(output).chain(tables).collect()
+        let input = self.input.iter().flatten().all(|(_, value)| value.is_finite());
+        let output = self.output.iter().flatten().all(|(_, value)| value.is_finite());
+        form && input && output && self.to.iter().chain(&self.back).chain([&self.start]).all(|table| all(table))
     }
 }
 
@@ -231,15 +231,14 @@ impl Maker<'_> {
             let row = (0..c.rows()).map(|i| (i, round(c[(i, j)])));
             row.filter(|(_, value)| *value != 0.0).collect()
         });
-        let entries = |m: &Matrix<Dd>| (0..m.columns()).flat_map(|j| m.column(j).to_vec()).collect::<Vec<Dd>>();
         let most = |numbers: &[Dd]| numbers.iter().map(|x| x.hi.abs()).fold(0.0, f64::max);
         // If a motion does not start in this block, what is left here is rounding error.
-        let nothing = NOTHING * most(&entries(&to)) * most(start);
+        let nothing = NOTHING * most(to.data()) * most(start);
         let at_start = product(&to, &Matrix::from_fn(start.len(), 1, |i, _| start[i]));
         let at_start = at_start.map(|x| if x.hi.abs() <= nothing { Dd::ZERO } else { x });
         let driven = drive.iter().flat_map(|(_, column)| column.iter().copied());
         let kept = self.precision.keeps(driven)
-            && [&to, &back, &at_start].into_iter().all(|m| self.precision.keeps(entries(m)));
+            && [&to, &back, &at_start].into_iter().all(|m| self.precision.keeps(m.data().iter().copied()));
         if !kept {
             return None;
         }

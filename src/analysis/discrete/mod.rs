@@ -43,7 +43,7 @@ use crate::analysis::discrete::events::Fault;
 use crate::analysis::discrete::turn::too_far;
 use crate::analysis::error::AnalysisError;
 use crate::analysis::modes::modes_as;
-use crate::analysis::modes::request::{Request, Which};
+use crate::analysis::modes::request::Request;
 use crate::analysis::poles::{pole_coordinates, poles as all_poles};
 use crate::analysis::response::propagator;
 use crate::base::{Bound, Dd, Number};
@@ -160,7 +160,7 @@ impl DiscreteSystem {
     fn is_finite(&self) -> bool {
         let rows = [&self.direct, &self.offset, &self.taken].into_iter().flatten().flatten().map(|(_, value)| *value);
         let changes = self.events.iter().flat_map(|event| &event.change).copied();
-        rows.chain(changes).chain(self.cells.iter().flat_map(Cell::numbers)).all(f64::is_finite)
+        rows.chain(changes).all(f64::is_finite) && self.cells.iter().all(Cell::is_finite)
     }
 
     /// Whether the last inputs are part of the state.
@@ -192,7 +192,7 @@ const FROM_POLES: usize = 12;
 /// All modes of a system that is not too large for code.
 pub fn all_modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
     check_size(system)?;
-    modes_as(system, &Request { which: Which::All, ..Request::default() })
+    modes_as(system, &Request::default().without_shares())
 }
 
 fn check_size(system: &LinearSystem) -> Result<(), AnalysisError> {

@@ -33,7 +33,7 @@ pub(in crate::analysis) mod structure;
 pub(in crate::analysis) mod terms;
 pub(in crate::analysis) mod tree;
 
-use crate::analysis::answer::{Before, Mode, ModeKind, Modes, PRECISE};
+use crate::analysis::answer::{Before, Mode, ModeKind, Modes, PRECISE, Share};
 use crate::analysis::error::{AnalysisError, place};
 use crate::analysis::modes::condense::{Condensed, Stuck, condense};
 use crate::analysis::modes::eigen::{Failure, eigenpairs, eigenpairs_of};
@@ -46,7 +46,7 @@ use crate::analysis::modes::shape::Roots;
 use crate::analysis::modes::terms::Terms;
 use crate::base::{Ball, Number, OrderBy, Unproven, runs};
 use crate::kernel::triple::Triple;
-use crate::system::{CoordinateId, Form, LinearSystem};
+use crate::system::{CoordinateId, Form, LinearSystem, Source};
 
 /// Dense matrices of more coordinates than this would take minutes and gigabytes.
 pub const MAX_DENSE: usize = 2000;
@@ -86,7 +86,7 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
         let (count, limit) = (system.n(), MAX_ALL);
         return Err(AnalysisError::TooManyCoordinates { count, limit, at: place(system, 0) });
     }
-    let report = Report::of(system);
+    let report = Report::of(system, request.shares);
     let mut local = vec![0u32; system.n()];
     let (mut pairs, mut infinite, mut before) = (Vec::new(), 0, Before::default());
     for (index, part) in parts.iter().enumerate() {
@@ -314,14 +314,16 @@ struct Report<'a> {
     light: [Roots; 2],
     /// For each coordinate, whether it is a displacement.
     translates: Vec<bool>,
+    /// Whether shares of energies are asked for.
+    shares: bool,
 }
 
 impl<'a> Report<'a> {
-    fn of(system: &'a LinearSystem) -> Report<'a> {
+    fn of(system: &'a LinearSystem, shares: bool) -> Report<'a> {
         let (masses, stiffness) = (Terms::of(&system.m), Terms::of(&system.k));
         let light = [Roots::of(&system.m, &masses), Roots::of(&system.k, &stiffness)];
         let translates = (0..system.n()).map(shape::translates(system)).collect();
-        Report { system, masses, stiffness, light, translates }
+        Report { system, masses, stiffness, light, translates, shares }
     }
 
     fn mode(&self, pair: Pair, cluster: Option<u32>) -> Mode {
@@ -340,7 +342,7 @@ impl<'a> Report<'a> {
         {
             precise.iter_mut().for_each(|x| *x = -*x);
         }
-        let kinetic = shape::shares(&self.system.m, &by_body);
+        let kinetic = self.shares_of(&self.system.m, &by_body);
         let rigid = Mode {
             kind: ModeKind::Rigid,
             omega_squared: Ball::ZERO,
@@ -360,6 +362,11 @@ impl<'a> Report<'a> {
         }
     }
 
+    /// The shares of the sources of a form in its energy, if they are asked for.
+    fn shares_of(&self, form: &Form, by_source: &[f64]) -> Vec<Share<Source>> {
+        if self.shares { shape::shares(form, by_source) } else { Vec::new() }
+    }
+
     /// `energies`: the sum of the magnitudes of all terms' energies, and the energy of each source.
     fn elastic(&self, mode: Mode, energies: (f64, Vec<f64>), lambda: Triple, radius: f64, positive: bool) -> Mode {
         let omega_squared = certificate::ball(lambda, radius);
@@ -375,7 +382,7 @@ impl<'a> Report<'a> {
             omega_squared,
             omega,
             input_condition: certain.then(|| Unproven(whole / lambda.hi().abs() + 1.0)),
-            strain: shape::shares(&self.system.k, &by_source),
+            strain: self.shares_of(&self.system.k, &by_source),
             ..mode
         }
     }

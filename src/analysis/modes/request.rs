@@ -11,6 +11,8 @@ pub struct Request {
     pub asked: Option<f64>,
     /// Treat all independent parts as one. Splitting must not change a result; this option serves to compare.
     pub together: bool,
+    /// Whether modes come with the shares of their energies, which nothing but a report of modes reads.
+    pub shares: bool,
 }
 
 /// Larger bounds are reported even if no bound was asked for.
@@ -39,7 +41,7 @@ pub const FEW: usize = 20;
 
 impl Default for Request {
     fn default() -> Request {
-        Request { which: Which::All, tolerance: DEFAULT_TOLERANCE, asked: None, together: false }
+        Request { which: Which::All, tolerance: DEFAULT_TOLERANCE, asked: None, together: false, shares: true }
     }
 }
 
@@ -54,6 +56,11 @@ impl Request {
         // Half a unit in the last of these digits.
         let tolerance = (0..digits).fold(0.5, |unit: f64, _| unit / 10.0);
         Request { tolerance: self.tolerance.min(tolerance), ..self }
+    }
+
+    /// This request for an answer that takes no shares of energies from its modes.
+    pub fn without_shares(self) -> Request {
+        Request { shares: false, ..self }
     }
 
     /// The limit that the bounds are compared with.

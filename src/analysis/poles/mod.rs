@@ -35,7 +35,7 @@ use crate::analysis::modes::certificate::ball;
 use crate::analysis::modes::eigen::eigenpairs;
 use crate::analysis::modes::pair::Eigenvalue;
 use crate::analysis::modes::parts::{Part, as_system, choose_terms, independent};
-use crate::analysis::modes::request::{DEFAULT_TOLERANCE, Request, Which};
+use crate::analysis::modes::request::{DEFAULT_TOLERANCE, Request};
 use crate::analysis::poles::aberth::aberth;
 use crate::analysis::poles::batch::refine_all;
 use crate::analysis::poles::cluster::separate;
@@ -139,7 +139,7 @@ struct FromProof {
 
 /// All modes, whatever their number: the request for all poles implies it.
 fn all_modes(system: &LinearSystem) -> Result<Modes, AnalysisError> {
-    crate::analysis::modes_as(system, &Request { which: Which::All, ..Request::default() })
+    crate::analysis::modes_as(system, &Request::default().without_shares())
 }
 
 /// Poles outside the range of binary64 could not be printed.

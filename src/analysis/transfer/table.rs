@@ -7,7 +7,7 @@
 use crate::analysis::answer::{Modes, Poles};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::modes::modes_as;
-use crate::analysis::modes::request::{Request, Which};
+use crate::analysis::modes::request::Request;
 use crate::analysis::poles::{MAX_DAMPED, poles, poles_and_residues};
 use crate::analysis::transfer::extrema::{
     Exactly, Extrema, Extremum, MOST_ENCLOSED, bracket, by_expansion, by_path, sharpen,
@@ -182,7 +182,7 @@ pub fn poles_for_table(system: &LinearSystem, modes: &Modes) -> Result<Poles, An
 /// for they take less time than the tables, up to as many coordinates as have poles. `None` if there are too many.
 pub fn modes_of_many(system: &LinearSystem) -> Option<Modes> {
     let fits = system.n() <= MAX_DAMPED && system.losses.is_none();
-    let request = Request { which: Which::All, ..Request::default() };
+    let request = Request::default().without_shares();
     if fits { modes_as(system, &request).ok() } else { None }
 }
 

@@ -123,9 +123,9 @@ impl Motion<'_> {
             let upper = array.name.to_uppercase();
             let mut body = vec![Statement::Variable("sum".into(), Expression::Number(0.0))];
             for (part, letter) in ["Q", "V"].into_iter().enumerate() {
-                let own = |all: &[f64]| all[part * self.n..(part + 1) * self.n].to_vec();
+                let own = part * self.n..(part + 1) * self.n;
                 let name = format!("TO_{upper}_{letter}");
-                let values: Vec<f64> = states.iter().flat_map(|state| own(state.to())).collect();
+                let values = states.iter().map(|state| &state.to()[own.clone()]).collect::<Vec<_>>().concat();
                 if values.iter().any(|value| *value != 0.0) {
                     tables.push(Table { name: name.clone(), columns: self.n, values, note: "for set_state".into() });
                     let given =
@@ -134,9 +134,9 @@ impl Motion<'_> {
                     body.push(add_up("j", self.n, "sum", term));
                 }
                 let name = format!("{letter}_{upper}");
-                let values: Vec<f64> = (0..self.n)
-                    .flat_map(|row| states.iter().map(move |state| state.carried_back()[part * self.n + row]))
-                    .collect();
+                let columns: Vec<&[f64]> = states.iter().map(|state| &state.carried_back()[own.clone()]).collect();
+                let mut values = Vec::with_capacity(self.n * count);
+                (0..self.n).for_each(|row| values.extend(columns.iter().map(|column| column[row])));
                 if values.iter().any(|value| *value != 0.0) {
                     tables.push(Table { name: name.clone(), columns: count, values, note: "for get_state".into() });
                     let read = Expression::state(&array.name, at("j"));

@@ -20,7 +20,7 @@ use super::trail::Trail;
 use super::{History, UP};
 use crate::analysis::answer::Modes;
 use crate::analysis::modes::modes_as;
-use crate::analysis::modes::request::{Request, Which};
+use crate::analysis::modes::request::Request;
 use crate::analysis::poles::MAX_DAMPED;
 use crate::analysis::response::signal::Source;
 use crate::base::{Ball, Dd, Number, OrderBy};
@@ -150,7 +150,7 @@ struct Driving {
 
 /// All modes of a system that may be separated.
 fn all_modes(system: &LinearSystem) -> Option<Modes> {
-    let request = Request { which: Which::All, ..Request::default() };
+    let request = Request::default().without_shares();
     if system.n() > MAX_DAMPED { None } else { modes_as(system, &request).ok() }
 }
 
