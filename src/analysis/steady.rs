@@ -3,7 +3,7 @@
 //! complex amplitude for each frequency and output. See docs/method/response.md#steady-state.
 //!
 //! It is the motion that remains after damping has removed all others; without damping a motion from rest never reaches
-//! it.
+//! it, and where something feeds energy in the others may grow.
 
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Number, up};
@@ -21,7 +21,8 @@ pub struct Steady {
     pub outputs: Vec<Gain>,
 }
 
-/// The steady motion of all outputs, where harmonic signals alone make it; empty otherwise.
+/// The periodic motion of all outputs at the frequencies of harmonic signals; empty without one, and beside a table that comes again,
+/// which has periodic motions of its own.
 pub fn steady_alone(system: &LinearSystem, drives: &[Vec<Signal>]) -> Vec<Steady> {
     let mut signals = drives.iter().flatten();
     let is_harmonic = signals.clone().any(|signal| matches!(signal, Signal::Harmonic { .. }));

@@ -384,6 +384,24 @@ fn a_steady_state_is_reported() {
     assert!(reported[0].outputs[0].disc().is_none());
 }
 
+/// What swings with a force is a steady state only where nothing grows: a damper that feeds energy in, or a spring that pushes
+/// away, may leave no such state.
+#[test]
+fn a_steady_state_is_not_claimed_where_motions_may_grow() {
+    let force = Signal::Harmonic { value: n("1"), frequency: n("0.3"), phase: n("0"), at: Number::ZERO };
+    for (damping, stiffness, is_steady) in
+        [("0.1", "4", true), ("0", "4", true), ("-0.1", "4", false), ("0.1", "-4", false)]
+    {
+        let system = oscillator("1", damping, stiffness, "0", "0");
+        let drives = [vec![force.clone()]];
+        let history = respond(&system, &drives, &[n("0"), n("1")]).expect("a motion");
+        let steady = vibc::analysis::steady_alone(&system, &drives);
+        let text = report::laid_out(&answers::report::motion("shaken", &system, &history, &steady), report::WIDTH);
+        assert_eq!(text.contains("  steady state, without the free motion"), is_steady, "{text}");
+        assert_eq!(text.contains("which is not proved"), !is_steady, "{text}");
+    }
+}
+
 /// Random chains with random dampers under a step and a harmonic force: one long step and many short ones agree within
 /// their bounds. The energy balance holds too: the work of the force is stored or dissipated, and no more.
 #[test]

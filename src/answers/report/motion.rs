@@ -3,7 +3,7 @@
 use super::table::{Align, Cell, Table};
 use super::transfer::hundredths;
 use super::{Block, Figure, Line, Report, Section, line};
-use crate::analysis::{Gain, History, Steady};
+use crate::analysis::{Gain, History, Steady, is_passive};
 use crate::base::Number;
 use crate::system::LinearSystem;
 
@@ -54,7 +54,11 @@ fn steady_state(system: &LinearSystem, steady: &[Steady]) -> Vec<Block> {
             table.row(vec![name.into(), unit.into(), frequency.into(), amplitude, phase, error]);
         }
     }
-    let caption = "steady state, without the free motion: amplitude × sin(2π f t + phase)";
+    let caption = if is_passive(system) {
+        "steady state, without the free motion: amplitude × sin(2π f t + phase)"
+    } else {
+        "periodic part of the motion, amplitude × sin(2π f t + phase): the steady state if the free motion dies away, which is not proved"
+    };
     vec![Line::from(caption).into(), table.into()]
 }
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extremes, large, loaded, loss, loss_poles, measures, modal, modes, motions, noise, noise_loss, noise_maxima, noise_peaks, optima, periodic, planar, poles, rates, rayleigh, reactions, sensitivities, settle, shock, singular, solving, spectrum, tolerated, transfer
+from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extrema_large, extremes, large, loaded, loss, loss_poles, measures, modal, modes, motions, noise, noise_loss, noise_maxima, noise_peaks, optima, periodic, planar, poles, rates, rayleigh, reactions, sensitivities, settle, shock, singular, solving, spectrum, tolerated, transfer
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,7 @@ ALL = {
     "large": Class(large.scene, large.check, 2000, 6),
     "extremes": Class(extremes.scene, extremes.check, 5000, 50),
     "extrema": Class(extrema.scene, extrema.check, 10000, 100),
+    "extrema_large": Class(extrema_large.scene, extrema.check, 300, 2),
     "motions": Class(motions.scene, motions.check, 10000, 100),
     "periodic": Class(periodic.scene, periodic.check, 5000, 40),
     "transfer": Class(transfer.scene, transfer.check, 10000, 150),
