@@ -248,6 +248,8 @@ fn of_ordinary_size(x: Vec<Float>) -> Option<Vec<Float>> {
 mod tests {
     use super::*;
     use crate::analysis::test_systems::{blank, push};
+    use crate::base::{Ball, Name, Number, Words};
+    use crate::system::{CoordinateId, Label, LinearSystem, Nature};
 
     fn span(from: f64, to: f64) -> Span {
         let point = |x: f64| Point { shift: Float::from(x), below: 0 };
@@ -295,6 +297,72 @@ mod tests {
             }
         }
         assert!(wrong > 0, "nothing was rounded");
+    }
+
+    /// The same of masses of 1e-12 kg, by which an error of a pivot moves an eigenvalue 1e12 times as far, and of a pivot that all but
+    /// cancels, by which products grow.
+    #[test]
+    fn small_masses_and_pivots_are_in_the_error_of_a_count() {
+        let mut light = blank(1);
+        push(&mut light.m, "1e-12", 0, None);
+        push(&mut light.k, "1", 0, None);
+        let error = |system: &LinearSystem, bits| {
+            let mut counts = Counts::of(&system.k, &system.m, system.n(), (bits, 1 << 40)).expect("rational");
+            counts.factors_with_error(&Float::from(0.5)).expect("regular").1
+        };
+        assert!(error(&light, 256) >= 39 - 256, "{}", error(&light, 256));
+        // [e -1; -1 1] with e next to zero: the second pivot is 1 - 1 / e.
+        let mut cancelling = blank(2);
+        for i in 0..2 {
+            push(&mut cancelling.m, "1", i, None);
+        }
+        push(&mut cancelling.k, "1", 0, Some(1));
+        weigh(&mut cancelling.k, Number::from(-1), 0);
+        weigh(&mut cancelling.k, Number::from("0.5000000000000000000000000000001"), 0);
+        assert!(error(&cancelling, 256) >= 100 - 256, "{}", error(&cancelling, 256));
+    }
+
+    /// No counts where M is not positive or not known to be, where a row is not rational, or where uncertain weights have both signs.
+    #[test]
+    fn what_no_count_can_prove_is_refused() {
+        let made = |mass: Number, weight: Number, bits| {
+            let mut system = blank(2);
+            push(&mut system.m, "1", 0, None);
+            push(&mut system.m, "1", 1, None);
+            weigh(&mut system.m, mass, 1);
+            push(&mut system.k, "3", 1, Some(0));
+            weigh(&mut system.k, weight, 0);
+            Counts::of(&system.k, &system.m, 2, (bits, 1 << 40)).is_some()
+        };
+        let root = Number::from("2.1").sqrt().expect("positive");
+        assert!(made(Number::ONE, Number::ONE, 256) && made(Number::ONE, root.clone(), 256));
+        assert!(!made(Number::from(-2), Number::ONE, 256), "M has a negative eigenvalue");
+        assert!(!made(Number::ONE, Number::ONE, 8), "with 8 bits M may have one");
+        assert!(!made(Number::ONE, -&root, 256), "an uncertain weight may be any part of the difference");
+        let mut system = blank(1);
+        push(&mut system.m, "1", 0, None);
+        let source = system.k.source(Label { name: Name::plain(Words::new().intern("")), motion: "" });
+        system.k.push(source, Nature::Property, Number::ONE, [(CoordinateId(0), root)]);
+        assert!(Counts::of(&system.k, &system.m, 1, (256, 1 << 40)).is_none(), "a row is uncertain");
+    }
+
+    /// Adds weight x_i^2.
+    fn weigh(form: &mut Form, weight: Number, i: u32) {
+        let source = form.source(Label { name: Name::plain(Words::new().intern("")), motion: "" });
+        form.push(source, Nature::Property, weight, [(CoordinateId(i), Number::ONE)]);
+    }
+
+    /// One mass of 1 kg on 2 N/m to 1 in 1000, whose enclosure by counts of 2 N/m alone is narrow.
+    #[test]
+    fn uncertainty_of_a_weight_is_in_the_enclosure() {
+        let mut system = blank(1);
+        push(&mut system.m, "1", 0, None);
+        weigh(&mut system.k, Number::Ball(Ball::from(2.0).widen(2e-3)), 0);
+        let mut counts = Counts::of(&system.k, &system.m, 1, (256, 1 << 40)).expect("known to 1e-3");
+        let pairs = counts.modes(1, &[], -60).expect("a mode");
+        let Eigenvalue::Near { value, radius, .. } = pairs[0].value else { panic!("no motion is rigid") };
+        let off = (value.hi() - 2.0).abs();
+        assert!(off + 2e-3 <= radius && radius < 3e-3, "{radius:e}");
     }
 
     /// One mass of 1 kg on 2 N/m, known to lie between 1.5 and 3 1/s^2 and no more.

@@ -240,6 +240,20 @@ impl Expansion {
     }
 }
 
+#[cfg(test)]
+impl Expansion {
+    /// Over |omega| <= 1; beside a pole at i omega + offset = 0 that is known to `blur`.
+    pub fn sample(coefficients: &[Complex<f64>], errors: [f64; 3], pole: Option<(Complex<f64>, f64)>) -> Expansion {
+        let mut all = [Complex::<f64>::ZERO; DEGREE + 2];
+        all[..coefficients.len()].copy_from_slice(coefficients);
+        let pole = pole.map(|(offset, blur)| {
+            let p = Complex::new(-Dd::from(offset.re), -Dd::from(offset.im));
+            Beside { p, loose: blur, offset, blur, reach: (offset.abs() + 1.0 + blur) * up::FEW }
+        });
+        Expansion { coefficients: all, errors, cut: [0.0; 3], half: 1.0, pole }
+    }
+}
+
 impl Beside {
     pub fn is_on_axis(&self) -> bool {
         self.p.re.is_zero()

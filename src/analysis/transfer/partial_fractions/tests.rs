@@ -134,3 +134,223 @@ fn a_pole_on_the_axis_is_one_if_its_residue_is_certain() {
     // No pole is near.
     assert_eq!(about(&sum(2.0, 0.01, 0.02), 1.4, 0.1), Ok(None));
 }
+
+/// Poles on the axis or beside it, each with what it contributes: (i omega, growth, r_0, r_1).
+type Pole = (f64, f64, f64, f64);
+
+/// The sum over these poles and their conjugates: the distance to which the first one is known, the doubt of each product, and the rest.
+fn sum_over(poles: &[Pole], through: [f64; 3], (loose, doubt, rest): (f64, f64, f64)) -> PartialFractions {
+    let given = poles.iter().enumerate().map(|(i, &(im, re, r0, r1))| {
+        let ball = |x: f64| if x == 0.0 { Complex::<Ball>::ZERO } else { Complex::real(Ball::from(x).widen(doubt)) };
+        let none = Complex::<Ball>::ZERO;
+        Given {
+            s: Complex::new(Dd::from(re), Dd::from(im)),
+            loose: if i == 0 { loose } else { 0.0 },
+            products: [ball(r0), ball(r1), none, none, none],
+            rest: [rest, 0.0, 0.0, 0.0, 0.0],
+        }
+    });
+    let through = through.map(|x| Ball::from(x).widen(if x == 0.0 { 0.0 } else { doubt }));
+    PartialFractions::of_poles(given, [Ball::ZERO; 5], through, Part::Both).expect("finite")
+}
+
+/// A polynomial, or P, with two derivatives beside those of the truth, whose pole beside the interval is `pole`. Returns how much
+/// of the bounds is used.
+fn compare(
+    known: &PartialFractions,
+    truth: &PartialFractions,
+    interval: (f64, f64, bool),
+    pole: Complex<f64>,
+) -> [f64; 3] {
+    let (middle, half, precise) = interval;
+    let expansion = Expander::of(known).expansion(Dd::from(middle), half, precise).expect("clear");
+    let mut used = [0.0f64; 3];
+    for step in -4..=4 {
+        let t = f64::from(step) / 4.0;
+        let mut found = [Complex::<Dd>::ZERO; 3];
+        for &c in expansion.coefficients.iter().rev() {
+            let t = Dd::from(t);
+            found[2] = found[2].scale(t) + found[1].scale(Dd::from(2.0));
+            found[1] = found[1].scale(t) + found[0];
+            found[0] = found[0].scale(t) + c.into();
+        }
+        let omega = Dd::from(middle) + Dd::product(half, t);
+        let (wide, near) = (Dd::from(half), Dd::from(1e-10));
+        let local = truth.at(omega);
+        // Symmetric differences of the slope are exact to 1e-20.
+        let [above, below] = [omega + near, omega - near].map(|omega| truth.at(omega).slope);
+        let bend = (above - below).scale(Dd::from(0.5) / near);
+        let [h, h1, h2] = [local.h, local.slope.scale(wide), bend.scale(wide * wide)];
+        let delta = Complex::new(-Dd::from(pole.re), omega - Dd::from(pole.im)).scale(wide.recip());
+        let i = |z: Complex<Dd>| Complex::new(-z.im, z.re);
+        let wanted = match expansion.pole {
+            None => [h, h1, h2],
+            Some(_) => [delta * h, i(h) + delta * h1, i(h1).scale(Dd::from(2.0)) + delta * h2],
+        };
+        for k in 0..3 {
+            let off = (found[k] - wanted[k]).to_f64().abs();
+            assert!(off <= expansion.errors[k], "{interval:?} {t} {k}: {off:e} {:e}", expansion.errors[k]);
+            used[k] = used[k].max(off / expansion.errors[k]);
+        }
+    }
+    used
+}
+
+/// What is known of poles, residues, of what the input passes on at once and of the rest moves a polynomial and its derivatives by no
+/// more than the bounds: between poles, beside one on the axis and beside one that damping moved away.
+#[test]
+fn all_that_is_uncertain_is_in_a_polynomial() {
+    const OFF: f64 = 2e-4;
+    let axis: [Pole; 2] = [(1.0, 0.0, 0.3, 1.0), (5.0, 0.0, 1.0, 0.2)];
+    let damped: [Pole; 2] = [(1.0, -0.1, 0.3, 1.0), (5.0, -0.2, 1.0, 0.2)];
+    let values = |known: &PartialFractions, truth: &PartialFractions, omega: f64| {
+        let [a, b] = [known, truth].map(|sum| sum.at(Dd::from(omega)));
+        let off = [a.h - b.h, a.slope - b.slope].map(|z| z.to_f64().abs());
+        assert!(off[0] <= a.errors[0] && off[1] <= a.errors[1], "{omega}: {off:?} {:?}", a.errors);
+    };
+    let mut used = [0.0f64; 3];
+    let mut check = |known: &PartialFractions, truth: &PartialFractions, interval, pole| {
+        let part = compare(known, truth, interval, pole);
+        used = std::array::from_fn(|k| used[k].max(part[k]));
+    };
+    for precise in [false, true] {
+        for (middle, half) in [(1.003, 0.3), (1.05, 0.3), (2.5, 0.3)] {
+            let interval = (middle, half, precise);
+            for (first, second) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, -1.0)] {
+                // The first pole is not where it is said to be; one of the two products at a time.
+                for (r0, r1) in [(0.3, 0.0), (0.0, 1.0)] {
+                    let (mut a, b): (Pole, Pole) = ((1.0, 0.0, r0, r1), (4.0, 0.0, -7.0, 0.0));
+                    let known = sum_over(&[a, b], [0.0; 3], (OFF * 1.001, 0.0, 0.0));
+                    a.0 += first * OFF;
+                    check(&known, &sum_over(&[a, b], [0.0; 3], (0.0, 0.0, 0.0)), interval, Complex::new(0.0, a.0));
+                }
+                let plain = damped.map(|(im, re, r0, _)| (im, re, r0, 0.0));
+                let [mut a, mut b] = plain;
+                (a.2, b.2) = (a.2 + first * OFF, b.2 + second * OFF);
+                let known = sum_over(&plain, [0.0; 3], (0.0, OFF * 1.001, 0.0));
+                let truth = sum_over(&[a, b], [0.0; 3], (0.0, 0.0, 0.0));
+                check(&known, &truth, interval, Complex::new(-0.1, 1.0));
+                values(&known, &truth, middle);
+                for (poles, re) in [(axis, 0.0), (damped, -0.1)] {
+                    let [mut a, mut b] = poles;
+                    (a.2, b.3) = (a.2 + first * OFF, b.3 + second * OFF);
+                    let through = [0.7, 0.0, 0.2];
+                    let moved = [0.7 + second * OFF, 0.0, 0.2 - first * OFF];
+                    check(
+                        &sum_over(&poles, through, (0.0, OFF * 1.001, 0.0)),
+                        &sum_over(&[a, b], moved, (0.0, 0.0, 0.0)),
+                        interval,
+                        Complex::new(re, 1.0),
+                    );
+                }
+                // q / (s - p) is a change of the residue by q.
+                let [mut a, mut b] = damped;
+                (a.2, b.2) = (a.2 + first * OFF, b.2 + second * OFF);
+                let (known, truth) =
+                    (sum_over(&damped, [0.0; 3], (0.0, 0.0, OFF)), sum_over(&[a, b], [0.0; 3], (0.0, 0.0, 0.0)));
+                check(&known, &truth, interval, Complex::new(-0.1, 1.0));
+                values(&known, &truth, middle);
+            }
+        }
+    }
+    assert!(used.iter().all(|&used| used > 0.1), "{used:?}");
+}
+
+/// Two poles far away whose large residues all but cancel: the rounding of their sums is in the bounds, between poles and beside one.
+#[test]
+fn sums_that_cancel_are_known_to_their_rounding() {
+    let poles: [Pole; 3] = [(5.0, -0.1, 3e9, 1e9), (5.000_001, -0.1, -3e9, -1e9), (1.0, -0.1, 1e-3, 0.0)];
+    let sum = sum_over(&poles, [0.0; 3], (0.0, 0.0, 0.0));
+    for (middle, half, precise) in [(2.1, 0.3, false), (2.3, 0.2, true), (1.02, 0.3, false), (0.97, 0.2, true)] {
+        compare(&sum, &sum, (middle, half, precise), Complex::new(-0.1, 1.0));
+    }
+    // Intervals as wide as they may be: the terms that are left out are the largest part.
+    let sum = sum_over(&[(1.0, -0.1, 1.0, 0.0)], [0.0; 3], (0.0, 0.0, 0.0));
+    for interval in [(1.3, 0.1, true), (1.02, 0.6, true)] {
+        let used = compare(&sum, &sum, interval, Complex::new(-0.1, 1.0));
+        assert!(used.iter().all(|&used| used > 1e-4), "{interval:?} {used:?}");
+    }
+}
+
+/// No polynomial beside a pole whose place is known too badly, that is on the axis beside a rest, or uncertain off the axis.
+#[test]
+fn a_pole_that_is_not_known_well_has_no_polynomial_beside_it() {
+    let other: Pole = (9.0, -0.1, 1.0, 0.0);
+    let about = |pole: Pole, known: (f64, f64, f64), middle: f64| {
+        let sum = sum_over(&[pole, other], [0.0; 3], known);
+        Expander::of(&sum).expansion(Dd::from(middle), 0.2, false).map(|expansion| expansion.pole.is_some())
+    };
+    let axis: Pole = (1.0, 0.0, 1.0, 0.0);
+    assert_eq!(about(axis, (1e-4, 0.0, 0.0), 1.0), Ok(true));
+    assert_eq!(about(axis, (1e-3, 0.0, 0.0), 1.0), Err(Obstacle::Near));
+    assert_eq!(about(axis, (0.0, 0.0, 1e-20), 1.0), Err(Obstacle::Near));
+    let real: Pole = (0.0, -0.1, 1.0, 0.0);
+    assert_eq!(about(real, (0.0, 0.0, 0.0), 0.1), Ok(true));
+    assert_eq!(about(real, (1e-9, 0.0, 0.0), 0.1), Err(Obstacle::Near));
+}
+
+/// A double pole at zero is in none of the terms, and as near as zero is.
+#[test]
+fn a_double_pole_at_zero_is_near_too() {
+    let given = Given {
+        s: Complex::new(Dd::ZERO, Dd::from(9.0)),
+        loose: 0.0,
+        products: std::array::from_fn(|k| Complex::real(Ball::from(if k == 0 { 1.0 } else { 0.0 }))),
+        rest: [0.0; 5],
+    };
+    let mut free = [Ball::ZERO; 5];
+    free[0] = Ball::ONE;
+    let sum = PartialFractions::of_poles([given].into_iter(), free, [Ball::ZERO; 3], Part::Real).expect("finite");
+    assert_eq!(Expander::of(&sum).expansion(Dd::from(0.5), 0.2, false).err(), Some(Obstacle::Near));
+    compare(&sum, &sum, (0.7, 0.2, false), Complex::<f64>::ZERO);
+}
+
+/// Of P = 1 + 0.5 i + 0.7 t - 0.3 i t^2 or of t, and a pole that is anywhere within its blur: H = P / delta, the weight delta^3 / i^3
+/// and its sign, and the second derivative of H near a frequency.
+#[test]
+fn a_pole_within_its_blur_is_in_what_is_read_of_h() {
+    const BLUR: f64 = 1e-4;
+    let one = |re: f64, im: f64| Complex::new(re, im);
+    let cases =
+        [vec![one(1.0, 0.5), one(0.7, 0.0), one(0.0, -0.3)], vec![one(0.0, 0.0), one(1.0, 0.0)], vec![one(1.0, 0.0)]];
+    for (c, offset) in cases.iter().flat_map(|c| [one(0.0, 0.2), one(0.05, 0.2)].map(|offset| (c, offset))) {
+        let blur = if offset.re == 0.0 { BLUR } else { 0.0 };
+        let expansion = Expansion::sample(c, [0.0; 3], Some((offset, blur)));
+        // P, P' and P'' over delta, and their part in the derivatives of H: delta' = i.
+        let h = |t: f64, moved: f64| {
+            let mut p = [Complex::<f64>::ZERO; 3];
+            for &c in c.iter().rev() {
+                p = [p[0].scale(t) + c, p[1].scale(t) + p[0], p[2].scale(t) + p[1].scale(2.0)];
+            }
+            let inverse = Complex::new(offset.re, offset.im + t + moved).recip();
+            let bend = p[2] * inverse - (one(0.0, 2.0) * p[1] + p[0].scale(2.0) * inverse) * inverse * inverse;
+            [p[0] * inverse, bend]
+        };
+        for t in [0.0, -0.15, -0.199, 0.4] {
+            for moved in [-blur, 0.0, blur] {
+                let (value, error) = expansion.value(t);
+                let off = (h(t, moved)[0] - value).abs();
+                assert!(off <= error, "{offset:?} {t} {moved}: {off:e} {error:e}");
+                let (weight, error) = expansion.weight(Dd::from(t));
+                let distance = offset.im + t + moved;
+                let square = distance * distance + offset.re * offset.re;
+                let truth = if offset.re == 0.0 { distance.powi(3) } else { square * square };
+                let off = (weight.to_f64() - truth).abs();
+                assert!(off <= (error + 1e-15) * truth.abs().max(weight.to_f64().abs()), "{offset:?} {t}: {off:e}");
+                for reach in [0.0, 0.01, 0.15] {
+                    let size = h(t, moved)[0].abs() * (1.0 + 1e-12);
+                    let most = expansion.most_bend(Dd::from(t), reach, size);
+                    for there in [t - reach, t, t + reach] {
+                        let bend = h(there, moved)[1].abs();
+                        assert!(bend <= most * (1.0 + 1e-9), "{offset:?} {t} {reach}: {bend:e} {most:e}");
+                    }
+                }
+            }
+        }
+        if offset.re == 0.0 {
+            assert_eq!(expansion.is_weight_positive(-0.2 + 0.5 * blur, 1.0), None);
+            assert_eq!(expansion.is_weight_positive(-0.2 + 2.0 * blur, 1.0), Some(true));
+            assert_eq!(expansion.is_weight_positive(-1.0, -0.2 - 2.0 * blur), Some(false));
+        }
+    }
+}

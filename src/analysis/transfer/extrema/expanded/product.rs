@@ -190,3 +190,106 @@ impl Piece {
         self.slope.abs() * down::THOUSANDS - (self.slope_swing + self.slope_error) * up::THOUSANDS
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Dd;
+    use crate::kernel::complex::Complex;
+
+    /// A polynomial of complex coefficients and its first two derivatives at t.
+    fn derivatives(c: &[Complex<Dd>], t: Dd) -> [Complex<Dd>; 3] {
+        let mut found = [Complex::<Dd>::ZERO; 3];
+        for &c in c.iter().rev() {
+            found[2] = found[2].scale(t) + found[1].scale(Dd::from(2.0));
+            found[1] = found[1].scale(t) + found[0];
+            found[0] = found[0].scale(t) + c;
+        }
+        found
+    }
+
+    fn dot(a: Complex<Dd>, b: Complex<Dd>) -> Dd {
+        a.re * b.re + a.im * b.im
+    }
+
+    /// F and dF/dt by their definitions, with the pole moved by `moved`.
+    fn truth(c: &[Complex<Dd>], t: f64, pole: Option<Complex<f64>>, moved: f64) -> [Dd; 2] {
+        let [p, p1, p2] = derivatives(c, Dd::from(t));
+        let (a, next, square) = (dot(p, p1), dot(p1, p1) + dot(p, p2), dot(p, p));
+        let Some(offset) = pole else { return [a, next] };
+        let distance = Dd::from(t) + Dd::from(offset.im) + Dd::from(moved);
+        if offset.re == 0.0 {
+            return [a * distance - square, next * distance - a];
+        }
+        let both = distance * distance + Dd::product(offset.re, offset.re);
+        [a * both - square * distance, next * both - square]
+    }
+
+    /// What the polynomial and its derivative are off by at t.
+    fn off(product: &Product, t: f64, [f, next]: [Dd; 2]) -> [f64; 2] {
+        let (mut value, mut slope) = (Dd::ZERO, Dd::ZERO);
+        for &c in product.coefficients.iter().rev() {
+            slope = slope * Dd::from(t) + value;
+            value = value * Dd::from(t) + Dd::from(c);
+        }
+        [(value - f).to_f64().abs(), (slope - next).to_f64().abs()]
+    }
+
+    const POLES: [Option<Complex<f64>>; 5] = [
+        None,
+        Some(Complex { re: 0.0, im: 0.2 }),
+        Some(Complex { re: 0.0, im: -9.0 }),
+        Some(Complex { re: 0.3, im: 0.4 }),
+        Some(Complex { re: 2.0, im: 9.0 }),
+    ];
+
+    /// Coefficients that are off by a constant, a line or a parabola, and a pole that is not where it is said to be, move F and its
+    /// derivative by no more than the bounds, and at times by a good part of them.
+    #[test]
+    fn errors_of_the_expansion_are_in_f() {
+        const SMALL: f64 = 1e-5;
+        let mut largest = [0.0f64; 2];
+        for (c, pole) in [[0.7, 0.0, 0.0], [0.01, 2.0, 0.0], [0.9, -0.4, 0.3], [0.1, 0.01, 3.0]]
+            .into_iter()
+            .flat_map(|c| POLES.map(|pole| (c, pole)))
+        {
+            let c = [Complex::new(c[0], 0.1 * c[1]), Complex::new(c[1], 0.0), Complex::new(c[2], -0.2 * c[2])];
+            let blurs = if pole.is_some_and(|offset| offset.re == 0.0) { vec![0.0, SMALL] } else { vec![0.0] };
+            for (shape, blur) in [0, 1, 2, 3].into_iter().flat_map(|shape| blurs.iter().map(move |&blur| (shape, blur)))
+            {
+                let errors = [[SMALL, 0.0, 0.0], [SMALL, SMALL, 0.0], [0.5 * SMALL, SMALL, SMALL], [0.0; 3]][shape];
+                let size = [SMALL, SMALL, 0.5 * SMALL, 0.0][shape];
+                let product = Product::of(&Expansion::sample(&c, errors, pole.map(|offset| (offset, blur))));
+                for turn in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+                    let mut moved: Vec<Complex<Dd>> = c.iter().map(|&c| c.into()).collect();
+                    let at = shape.min(2);
+                    moved[at] = moved[at] + Complex::new(Dd::from(size * turn.0), Dd::from(size * turn.1));
+                    for (t, side) in [-1.0, -0.3, 0.0, 0.5, 1.0].into_iter().flat_map(|t| [(t, -1.0), (t, 1.0)]) {
+                        let off = off(&product, t, truth(&moved, t, pole, side * blur));
+                        for k in 0..2 {
+                            assert!(off[k] <= product.errors[k], "{c:?} {pole:?} {shape} {blur} {t} {k}: {off:?}");
+                            largest[k] = largest[k].max(off[k] / product.errors[k]);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(largest[0] > 0.4 && largest[1] > 0.4, "{largest:?}");
+    }
+
+    /// Coefficients without an error: what is lost is the rounding of their products.
+    #[test]
+    fn roundings_of_products_are_in_f() {
+        let c: Vec<Complex<f64>> = (0..DEGREE)
+            .map(|k| Complex::new(0.1 / (1.0 + k as f64), if k % 3 == 0 { -0.3 } else { 0.7 / (2.0 + k as f64) }))
+            .collect();
+        let wide: Vec<Complex<Dd>> = c.iter().map(|&c| c.into()).collect();
+        for pole in POLES {
+            let product = Product::of(&Expansion::sample(&c, [0.0; 3], pole.map(|offset| (offset, 0.0))));
+            for t in [-1.0, -0.6, 0.1, 0.9] {
+                let off = off(&product, t, truth(&wide, t, pole, 0.0));
+                assert!(off[0] <= product.errors[0] && off[1] <= product.errors[1], "{pole:?} {t}: {off:?}");
+            }
+        }
+    }
+}
