@@ -412,6 +412,26 @@ fn a_transfer_function_of_deep_links_is_refused_before_it_is_summed() {
     assert_eq!((found.len(), found[0]["code"].as_str()), (1, Some("vib::limit::depth")));
 }
 
+/// Regression: from 16 coordinates on, a motion without outputs waited for samples that nothing made.
+#[test]
+fn a_motion_without_outputs_ends_with_a_message() {
+    let folder = folder();
+    for count in [1, 16, 40] {
+        let text = format!(
+            "repeat i in 1..{count} {{ body m[i] {{ mass = 1 kg, moves x }} }}\nspring s[1]: ground -- m[1] {{ k = 9 N/m }}\n\
+             repeat i in 2..{count} {{ spring s[i]: m[i-1] -- m[i] {{ k = 9 N/m }} }}\nforce F: m[1] along x = step(1 N, 0 s)\n"
+        );
+        let model = write(
+            folder.path(),
+            "m.vib",
+            text.replace("repeat i in 2..1 { spring s[i]: m[i-1] -- m[i] { k = 9 N/m } }", ""),
+        );
+        let refused = run(&["simulate", "--until", "1s", "--step", "50ms", &model]);
+        assert_eq!((status(&refused), refused.stdout.len()), (2, 0), "{count}");
+        assert_eq!(messages(&refused).trim(), "error: the model declares no output", "{count}");
+    }
+}
+
 #[test]
 fn no_force_is_reported_as_infinite() {
     let folder = folder();
