@@ -34,6 +34,10 @@ def scene(rng):
     return net
 
 
+class Undecided(Exception):
+    """The oracle has too few digits."""
+
+
 class Curve:
     """|H|^2 = A(x) / B(x) over x = omega^2, with its extrema."""
 
@@ -64,6 +68,13 @@ class Curve:
             return None
         return value(self.top, x) / bottom
 
+    def is_below(self, x, half):
+        """Whether |H|^2 is less than this; `Undecided` where the digits do not tell."""
+        square = self.gain_squared(x)
+        if square is None or square.overlaps(half):
+            raise Undecided
+        return bool(square < half)
+
     def complex(self, x):
         """H at omega = sqrt(x)."""
         s = I * x.sqrt()
@@ -78,13 +89,13 @@ class Curve:
             above = self.extrema[index + 1][0]
         else:
             above = x * 2
-            while not self.gain_squared(above) < half:
+            while not self.is_below(above, half):
                 if above > x * fmpq(10) ** 40:
                     return None
                 above = above * 4
         sides = []
         for other in (below, above):
-            if not self.gain_squared(other) < half:
+            if not self.is_below(other, half):
                 return None
             sides.append(self.crossing(x, other, half))
         return (sides[1].sqrt() - sides[0].sqrt()) / (2 * pi())
@@ -200,7 +211,11 @@ def one(row, curve, index, tally):
     if row.get("phase_error_bound") is not None:
         transfer.phase(tally, "phase of an extremum", row["phase_deg"], row["phase_error_bound"], None, curve.complex(x))
     if kind == "peak":
-        width = curve.width(index)
+        try:
+            width = curve.width(index)
+        except Undecided:
+            tally.refuse("the oracle has too few digits for a width")
+            return
         if width is None:
             tally.verdict("width", row.get("width_hz"), None)
         elif row.get("width_hz") is None:
