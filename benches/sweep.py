@@ -254,9 +254,9 @@ def beside(folder):
         (Chain(2), False, 1_000_000, 200_000),
         (Chain(10), False, 400_000, 50_000),
         (Chain(50), False, 50_000, 1_000),
-        (Chain(2), True, 20_000, 100_000),
-        (Chain(10), True, 4_000, 10_000),
-        (Chain(50), True, 160, 300),
+        (Chain(2), True, 1_000_000, 100_000),
+        (Chain(10), True, 400_000, 10_000),
+        (Chain(50), True, 20_000, 300),
         (Pendulum(), False, 20_000, 200_000),
         (Pendulum(), True, 20_000, 100_000),
     ]
@@ -298,7 +298,7 @@ def growth(folder):
         model = Chain(n)
         pathlib.Path(folder, "model.vib").write_text(model.text)
         cases = max(400_000 // n, 4_000)
-        damped = max(20_000 // n**2, FEW + 4)
+        damped = max(400_000 // n, 4_000)
         cases, damped = (max(x // 20, FEW + 4) for x in (cases, damped)) if QUICK else (cases, damped)
         plain = a_case(folder, model, cases, ["--modes", str(n)])
         poles = a_case(folder, model, damped, ["--poles"])
@@ -354,7 +354,7 @@ def cores(folder):
         return
     print("\n| study | cases | one core [s] | two cores [s] | times |")
     print("| --- | --- | --- | --- | --- |")
-    for model, what, cases in ((Chain(10), ["--modes", "10"], 1_000_000), (Chain(10), ["--poles"], 10_000), (Pendulum(), ["--modes", "2"], 20_000)):
+    for model, what, cases in ((Chain(10), ["--modes", "10"], 1_000_000), (Chain(10), ["--poles"], 400_000), (Pendulum(), ["--modes", "2"], 40_000)):
         cases = cases // 20 if QUICK else cases
         pathlib.Path(folder, "model.vib").write_text(model.text)
         walls = []

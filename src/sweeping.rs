@@ -6,6 +6,8 @@ use crate::{Status, columns, deliver, failure, report_delivery, report_error, sh
 use std::fs::{self, File};
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
+use std::sync::mpsc;
+use std::thread;
 use std::time::{Duration, Instant};
 use vibc::answers::ranges::{Drawing, Ranges};
 use vibc::answers::report;
@@ -97,8 +99,9 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
     let written = match options.format {
         SweepFormat::Text => {
             let mut ranges = Ranges::new(&study.columns, drawing(options));
-            let gathered = in_blocks(0..count, true, |numbers| {
-                ranges.add(&cases(&study, numbers, |case| case));
+            let found = |numbers: &[u64]| cases(&study, numbers, |case| case);
+            let gathered = in_blocks(0..count, true, found, |cases| {
+                ranges.add(&cases);
                 Ok(())
             });
             if let Err(error) = gathered {
@@ -225,53 +228,83 @@ fn write_file(study: &Study, path: &Path, header: &Header, heading: &str, is_par
 
 /// Writes the rows from the one with index `first` on.
 fn write_rows(study: &Study, header: &Header, first: u64, is_file: bool, out: &mut dyn Write) -> io::Result<()> {
-    in_blocks(first..header.rows(), is_file, |indices| {
+    let made = |indices: &[u64]| {
         let numbers: Vec<u64> = indices.iter().map(|&index| header.shard.case(index)).collect();
-        out.write_all(&cases(study, &numbers, |case| rows::csv_row(&study.columns, &case)).concat())
-    })
+        cases(study, &numbers, |case| rows::csv_row(&study.columns, &case)).concat()
+    };
+    in_blocks(first..header.rows(), is_file, made, |rows| out.write_all(&rows))
 }
 
 fn write_arrays(mut npz: Npz, begun: &[u8], study: &Study, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(begun)?;
-    in_blocks(0..study.count(), true, |numbers| out.write_all(&npz.rows(&cases(study, numbers, |case| case))))?;
+    let found = |numbers: &[u64]| cases(study, numbers, |case| case);
+    in_blocks(0..study.count(), true, found, |cases| out.write_all(&npz.rows(&cases)))?;
     out.write_all(&npz.end())
 }
 
 fn write_json(model: &str, study: &Study, is_file: bool, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(rows::json_heading(model, &study.columns, study.followed.as_ref()).as_bytes())?;
     let mut comma = &b""[..];
-    in_blocks(0..study.count(), is_file, |numbers| {
-        out.write_all(comma)?;
-        comma = b",";
-        out.write_all(cases(study, numbers, |case| rows::json_row(&case)).join(",").as_bytes())
+    let made = |numbers: &[u64]| cases(study, numbers, |case| rows::json_row(&case)).join(",");
+    in_blocks(0..study.count(), is_file, made, |rows| {
+        out.write_all(std::mem::replace(&mut comma, b","))?;
+        out.write_all(rows.as_bytes())
     })?;
     out.write_all(rows::JSON_END.as_bytes())
 }
 
-/// Takes numbers in blocks that take about a second at most, so that little is lost where a run is ended; how they are divided
-/// changes no row. A terminal is told how far the run is, unless rows are written to one meanwhile: `is_quiet` says that none are.
-fn in_blocks(
+/// Makes something of numbers in blocks that take about a second at most, so that little is lost where a run is ended, and takes it in
+/// their order while the next block is made; how they are divided changes no row. A terminal is told how far the run is, unless rows are
+/// written to one meanwhile: `is_quiet` says that none are.
+fn in_blocks<T: Send>(
     numbers: std::ops::Range<u64>,
     is_quiet: bool,
-    mut work: impl FnMut(&[u64]) -> io::Result<()>,
+    make: impl Fn(&[u64]) -> T + Sync,
+    mut take: impl FnMut(T) -> io::Result<()>,
 ) -> io::Result<()> {
+    let mut bar = Bar::new(numbers.end, is_quiet);
+    let mut take = |(done, block): (u64, T)| {
+        take(block)?;
+        bar.show(done);
+        Ok(())
+    };
+    let taken = if thread::available_parallelism().map_or(1, |cores| cores.get()) == 1 {
+        make_blocks(numbers, make, &mut take)
+    } else {
+        thread::scope(|scope| {
+            // Without room between the two, no more than two blocks are there at a time. Where taking fails, the receiver is gone, and
+            // so the next sending fails.
+            let (sender, receiver) = mpsc::sync_channel(0);
+            let make = &make;
+            scope.spawn(move || make_blocks(numbers, make, |block| sender.send(block)));
+            receiver.into_iter().try_for_each(&mut take)
+        })
+    };
+    bar.remove();
+    taken
+}
+
+/// Makes each block, and sends it with the number behind its last until that fails.
+fn make_blocks<T, E>(
+    numbers: std::ops::Range<u64>,
+    make: impl Fn(&[u64]) -> T,
+    mut send: impl FnMut((u64, T)) -> Result<(), E>,
+) -> Result<(), E> {
     const SIZES: [u64; 2] = [16, 1 << 16];
     let (mut at, mut size) = (numbers.start, SIZES[0]);
-    let mut bar = Bar::new(numbers.end, is_quiet);
     while at < numbers.end {
         let end = numbers.end.min(at + size);
         let begun = Instant::now();
-        work(&(at..end).collect::<Vec<u64>>())?;
+        let block = make(&(at..end).collect::<Vec<u64>>());
         let took = begun.elapsed();
+        send((end, block))?;
         size = match () {
             () if took < Duration::from_millis(200) => SIZES[1].min(2 * size),
             () if took > Duration::from_secs(1) => SIZES[0].max(size / 2),
             () => size,
         };
         at = end;
-        bar.show(at);
     }
-    bar.remove();
     Ok(())
 }
 
