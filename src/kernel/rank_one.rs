@@ -163,10 +163,11 @@ const NOTHING: Eigenvalue = Eigenvalue { s: Complex { re: f64::NAN, im: f64::NAN
 fn in_order(some: &[Eigenvalue]) -> Option<Vec<Eigenvalue>> {
     let mut list: Vec<(f64, Eigenvalue)> = Vec::with_capacity(2 * some.len());
     for one in some {
-        let size = one.s.abs();
-        if size.is_nan() {
+        // Where something is not proved, the real part is no number.
+        if !one.s.is_finite() {
             return None;
         }
+        let size = one.s.abs();
         // Eigenvalues keep their order along most of a stretch, so that few are moved.
         let mut at = list.len();
         while at > 0 && (size, one.s.re) < (list[at - 1].0, list[at - 1].1.s.re) {
@@ -436,3 +437,6 @@ simd! {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -224,3 +224,53 @@ fn what_the_matrix_has_besides_is_in_the_bounds() {
     let error = (one.s.re - truth.s.re).hypot(one.s.im - truth.s.im);
     assert!(error <= one.bounds[0] && 20.0 * error > one.bounds[0], "{error:e} {one:?}");
 }
+
+/// A matrix beside that moves a pole that the change does not: it lies within four times its norm.
+#[test]
+fn a_pole_that_stays_may_be_where_the_matrix_beside_moves_it() {
+    let complex = |re: f64, im: f64| Complex { re: Dd::from(re), im: Dd::from(im) };
+    let (b, none) = (complex(0.5, -0.25), complex(1e-40, 0.0));
+    let poles = |shift: f64| {
+        let moving = Pole { s: complex(-1.0, 3.0), b, v: complex(1.0, 0.0) };
+        [moving, Pole { s: complex(-2.0 + shift, 5.0), b: none, v: none }]
+    };
+    let factor = [Factor::new(1.5, 0.0)];
+    let of = |shift: f64, off: f64| {
+        let matrix = RankOne::new(&poles(shift), [off, 0.0], 2.0).expect("usual sizes");
+        matrix.eigenvalues(&factor)[0].clone().expect("apart")
+    };
+    let (found, truth) = (of(0.0, 1e-9), of(0.999e-9, 0.0));
+    for (one, truth) in found.iter().zip(&truth).skip(2) {
+        let error = (one.s.re - truth.s.re).abs();
+        assert!(error <= one.bounds[0] && one.bounds[0] < 6.0 * error, "{error:e} {one:?}");
+    }
+}
+
+/// Near the place where a pair becomes real a small matrix beside moves both by the root of its size: what is claimed holds there too.
+#[test]
+fn bounds_hold_where_two_eigenvalues_nearly_meet() {
+    let (mut claimed, mut refused) = (0, 0);
+    // 3 + sqrt(45), where (1 + rho / 2)^2 = 10 + 2.5 rho.
+    let meeting = 3.0 + 45f64.sqrt();
+    for step in 4..40 {
+        let rho = meeting * (1.0 - 2f64.powf(-0.5 * f64::from(step)));
+        for off in [1e-8, 1e-6, 1e-4, 1e-3] {
+            let matrix = RankOne::new(&pair((-1.0, 3.0), (0.5, -0.25)), [off, 0.0], meeting).expect("usual sizes");
+            let Some(found) = &matrix.eigenvalues(&[Factor::new(rho, 0.0)])[0] else {
+                refused += 1;
+                continue;
+            };
+            claimed += 1;
+            for (dx, dy) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+                let (x, y) = (-1.0 + off * dx, 3.0 + off * dy);
+                // s^2 - 2 (x - rho / 2) s + x^2 + y^2 - 2 rho (x / 2 - y / 4) = 0.
+                let half = x - 0.5 * rho;
+                let square = x * x + y * y - 2.0 * rho * (0.5 * x - 0.25 * y) - half * half;
+                assert!(square > 0.0, "{rho} {off}: both are real, {found:?}");
+                let error = (found[1].s.re - half).hypot(found[1].s.im - square.sqrt());
+                assert!(error <= found[1].bounds[0].hypot(found[1].bounds[1]), "{rho} {off}: {error:e} {found:?}");
+            }
+        }
+    }
+    assert!(claimed > 20 && refused > 20, "{claimed} {refused}");
+}

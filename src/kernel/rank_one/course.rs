@@ -35,6 +35,11 @@ impl Root {
         if self.stays { all.without_origin() } else { all }
     }
 
+    #[cfg(test)]
+    pub fn conj(&self) -> Root {
+        Root { origin: self.origin.conj(), course: self.course.map(Complex::conj), ..self.clone() }
+    }
+
     /// The distance from the origin, nearly.
     #[inline(always)]
     pub fn start<V: Vector>(&self, rho: V, stretch: &Stretch) -> [V; 2] {
