@@ -1,3 +1,5 @@
+//! Courses that lead elsewhere than their eigenvalues.
+
 use super::*;
 
 fn pole(re: f64, im: f64, b: f64) -> Pole {

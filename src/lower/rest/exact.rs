@@ -20,7 +20,8 @@ pub fn simplest(ball: Ball, known: f64) -> Option<Rational> {
     let least = [hi?, lo?, radius?].iter().filter(|(mantissa, ..)| *mantissa != 0).map(|(_, power, _)| *power).min();
     let Some(least) = least else { return Some(Rational::ZERO) };
     let whole = |(mantissa, power, sign): (u64, i16, i8)| {
-        BigInt::from(mantissa) * i64::from(sign) << if mantissa == 0 { 0 } else { power - least } as u64
+        let shift = if mantissa == 0 { 0 } else { power - least };
+        (BigInt::from(mantissa) * i64::from(sign)) << shift as u64
     };
     let (middle, radius) = (whole(hi?) + whole(lo?), whole(radius?));
     let power = BigInt::from(1) << i32::from(least).unsigned_abs();
@@ -74,7 +75,9 @@ mod tests {
     /// Beside all fractions in the order of their denominators.
     #[test]
     fn no_fraction_within_the_distance_is_simpler() {
-        for (x, known) in [(0.3, 1e-1), (0.3, 1e-3), (2.718, 1e-4), (-0.0123, 1e-2), (7.99, 1e-2), (1e-3, 0.3)] {
+        for (x, known) in
+            [(0.3, 1e-1), (0.3, 1e-3), (2.7, 1e-4), (1.414, 1e-3), (-0.0123, 1e-2), (7.99, 1e-2), (1e-3, 0.3)]
+        {
             let fits = |n: i64, d: i64| (n as f64 / d as f64 - x).abs() <= x.abs() * known;
             let by_denominator = (1..).find_map(|d| (-10 * d..10 * d).find(|n| fits(*n, d)).map(|n| (n, d)));
             let found = simplest(Ball::from(x), known).and_then(|found| found.to_fraction()).expect("small");
