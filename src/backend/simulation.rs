@@ -3,7 +3,7 @@
 use super::decimal::{Decimal, certain_digits};
 use super::json_number::JsonNumber;
 use super::report;
-use crate::analysis::{Gain, History, Steady};
+use crate::analysis::{Gain, History, Steady, is_passive};
 use crate::base::{Ball, Dd, Rounded};
 use crate::system::{LinearSystem, Output};
 
@@ -60,7 +60,7 @@ fn settle(sample: &Ball) -> Option<Rounded> {
 /// `{"time_s": [...], "outputs": [{"name", "unit", "error_bound", "values": [...], "error_bounds": [...]}]}`: each
 /// value with its own absolute bound, and the largest of these. Under harmonic signals also `"steady_state":
 /// [{"output", "frequency_hz", "amplitude", "phase_deg", "error_bound"}]`, where the bound is relative, in the complex
-/// plane.
+/// plane, and `"nothing_grows"`: whether it is proved that the free motion does not, so that this may remain.
 pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Steady]) -> String {
     let outputs: Vec<JsonOutput> = (system.outputs.iter().enumerate())
         .map(|(i, output)| {
@@ -81,6 +81,7 @@ pub fn json(model: &str, system: &LinearSystem, history: &History, steady: &[Ste
         time_s: history.times.iter().map(JsonNumber::number).collect(),
         outputs,
         steady_state: steady.iter().flat_map(|part| steady_lines(system, part)).collect(),
+        nothing_grows: (!steady.is_empty()).then(|| is_passive(system)),
     };
     super::json_text(&report) + "\n"
 }
@@ -94,6 +95,8 @@ struct JsonHistory<'a> {
     outputs: Vec<JsonOutput>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     steady_state: Vec<JsonSteady>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nothing_grows: Option<bool>,
 }
 
 /// Infinite or unknown values are `null`; then `infinite` says which.

@@ -520,3 +520,18 @@ fn sanitizers_find_nothing() {
     let checked = run_c(&folder, "checked", &discrete, &program, "gcc", &flags);
     same(&checked, &run_c(&folder, "checked", &discrete, &program, "gcc", &["-O2", "-march=native"]), "native");
 }
+
+/// A force acts on another mass at once not at all: its share in that one's acceleration is zero, as the masses are, whatever the sum over
+/// the modes leaves of it. (An error of 1e-33 is infinite beside an output that is zero.)
+#[test]
+fn what_a_force_does_not_act_on_has_no_share_of_it() {
+    for damper in ["", "damper d: ground -- b { c = 0.3 N*s/m }\n"] {
+        let text = format!(
+            "model two\nbody a {{ mass = 4 kg, moves x }}\nbody b {{ mass = 5 kg, moves x }}\nspring s: a -- b {{ k = 1.848 N/m }}\n\
+             spring t: ground -- a {{ k = 9.23 N/m }}\n{damper}force F: a along x\noutput y = b.ax\noutput z = a.ax\n"
+        );
+        let system = emission("two", &text, &options("0.01")).system;
+        assert!(system.direct[0].iter().all(|(_, share)| *share == 0.0), "{:?}", system.direct);
+        assert!(system.direct[1].iter().any(|(_, share)| (share - 0.25).abs() < 1e-15), "{:?}", system.direct);
+    }
+}

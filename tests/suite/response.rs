@@ -398,6 +398,8 @@ fn a_steady_state_is_not_claimed_where_motions_may_grow() {
         let steady = vibc::analysis::steady_alone(&system, &drives);
         let text = report::laid_out(&answers::report::motion("shaken", &system, &history, &steady), report::WIDTH);
         assert_eq!(text.contains("  steady state, without the free motion"), is_steady, "{text}");
+        let json = vibc::backend::simulation::json("shaken", &system, &history, &steady);
+        assert!(json.contains(&format!("\"nothing_grows\":{is_steady}")), "{json}");
         assert_eq!(text.contains("which is not proved"), !is_steady, "{text}");
     }
 }

@@ -4,6 +4,7 @@
 
 use crate::base::Dd;
 use crate::kernel::dense::Matrix;
+use crate::system::LinearSystem;
 
 /// An independent group of states.
 #[derive(Clone, Debug)]
@@ -119,6 +120,65 @@ pub fn add(a: &mut Matrix<Dd>, b: &Matrix<Dd>) {
             *x += y;
         }
     }
+}
+
+/// Direct effects as sums over the blocks, which cancel if there are no direct effects.
+pub struct DirectSums {
+    outputs: [Sum; 3],
+    state: [Sum; 2],
+}
+
+struct Sum {
+    value: Matrix<Dd>,
+    /// The sum of the magnitudes.
+    size: Matrix<f64>,
+}
+
+impl DirectSums {
+    pub fn none(system: &LinearSystem) -> DirectSums {
+        let (n, inputs, outputs) = (system.n(), system.inputs.len(), system.outputs.len());
+        let of = |rows: usize| Sum { value: Matrix::zeros(rows, inputs), size: Matrix::fill_with(rows, inputs, 0.0) };
+        DirectSums { outputs: [0; 3].map(|_| of(outputs)), state: [0; 2].map(|_| of(2 * n)) }
+    }
+
+    /// Adds the effects of the inputs of a block at once: `at_once` on outputs, by power, and what its states hold of `offsets` of u and
+    /// u', which outputs and coordinates see by `c` and `back`.
+    pub fn add(&mut self, at_once: &[Matrix<Dd>; 3], offsets: &[Matrix<Dd>; 2], c: &Matrix<Dd>, back: &Matrix<Dd>) {
+        self.outputs.iter_mut().zip(at_once).for_each(|(sum, term)| sum.add(term));
+        for (power, offset) in offsets.iter().enumerate().filter(|(_, offset)| !is_zero(offset)) {
+            self.outputs[power].add(&product(c, offset));
+            self.state[power].add(&product(back, offset));
+        }
+    }
+
+    pub fn add_to(&self, direct: &mut Direct) {
+        let sums = self.outputs.iter().chain(&self.state);
+        for (sum, matrix) in sums.zip(direct.outputs.iter_mut().chain(&mut direct.state)) {
+            add(matrix, &sum.without_rounding());
+        }
+    }
+}
+
+impl Sum {
+    fn add(&mut self, term: &Matrix<Dd>) {
+        let places = self.value.data_mut().iter_mut().zip(self.size.data_mut());
+        for ((value, size), x) in places.zip(term.data()) {
+            *value += *x;
+            *size += x.hi.abs();
+        }
+    }
+
+    /// The sums, with exact zeros where terms cancel to rounding errors.
+    fn without_rounding(&self) -> Matrix<Dd> {
+        Matrix::from_fn(self.value.rows(), self.value.columns(), |i, j| {
+            let value = self.value[(i, j)];
+            if value.hi.abs() <= NOTHING * self.size[(i, j)] { Dd::ZERO } else { value }
+        })
+    }
+}
+
+fn is_zero(m: &Matrix<Dd>) -> bool {
+    m.data().iter().all(|x| x.is_zero())
 }
 
 impl Block {

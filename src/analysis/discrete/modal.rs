@@ -3,7 +3,7 @@
 //! if damping couples the modes. See docs/method/emit.md.
 
 use crate::analysis::answer::{Mode, ModeKind, Modes};
-use crate::analysis::discrete::block::{Block, NOTHING, Split, add, product, sum, without_derivatives};
+use crate::analysis::discrete::block::{Block, DirectSums, NOTHING, Split, without_derivatives};
 use crate::analysis::modes::form::{FEW, ModalForm, damping_clearly_couples, gram};
 use crate::base::{Ball, Dd, Number, Power};
 use crate::kernel::dense::Matrix;
@@ -28,6 +28,7 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
         return None;
     }
     let momentum = momenta(&m, &x);
+    let mut direct = DirectSums::none(system);
     let mut found = Split {
         blocks: Vec::with_capacity(n),
         direct: super::direct_of(system),
@@ -43,8 +44,9 @@ pub fn split(system: &LinearSystem, modes: &Modes) -> Option<Split> {
         let damping = if damping.contains_zero() { Dd::ZERO } else { damping.mid };
         let oscillator = Oscillator { system, shape: x.column(j), momentum: momentum.column(j), stiffness, damping };
         let name = name(j, mode);
-        oscillator.blocks(name, &mut found);
+        oscillator.blocks(name, &mut found.blocks, &mut direct);
     }
+    direct.add_to(&mut found.direct);
     Some(found)
 }
 
@@ -159,7 +161,7 @@ struct Oscillator<'a> {
 
 impl Oscillator<'_> {
     /// Adds the oscillator's blocks, and the direct effects of its inputs.
-    fn blocks(&self, name: String, found: &mut Split) {
+    fn blocks(&self, name: String, found: &mut Vec<Block>, direct: &mut DirectSums) {
         let system = self.system;
         let (n, inputs, outputs) = (system.n(), system.inputs.len(), system.outputs.len());
         let (k, c) = (self.stiffness, self.damping);
@@ -173,7 +175,7 @@ impl Oscillator<'_> {
         let beta: Vec<[Dd; 3]> =
             system.inputs.iter().map(|input| [0, 1, 2].map(|p| self.participation(&input.b[p]))).collect();
         let force = |p: usize| Matrix::from_fn(2, inputs, |i, j| if i == 1 { beta[j][p] } else { Dd::ZERO });
-        let (b, [e0, e1]) = without_derivatives(&a, [force(0), force(1), force(2)]);
+        let (b, offsets) = without_derivatives(&a, [force(0), force(1), force(2)]);
         // y = p0 eta + p1 eta' + p2 (beta u - k eta - c eta')
         let seen: Vec<[Dd; 3]> =
             system.outputs.iter().map(|output| [0, 1, 2].map(|p| self.participation(&output.p[p]))).collect();
@@ -182,17 +184,13 @@ impl Oscillator<'_> {
             _ => seen[i][1] - seen[i][2] * c,
         });
         let at_once = |p: usize| Matrix::from_fn(outputs, inputs, |i, j| seen[i][2] * beta[j][p]);
-        let direct = &mut found.direct;
-        add(&mut direct.outputs[0], &sum(&at_once(0), &product(&rows, &e0)));
-        add(&mut direct.outputs[1], &sum(&at_once(1), &product(&rows, &e1)));
-        add(&mut direct.outputs[2], &at_once(2));
+        let at_once = [0, 1, 2].map(at_once);
         let to = Matrix::from_fn(2, 2 * n, |i, j| if j / n == i { self.momentum[j % n] } else { Dd::ZERO });
         let back = Matrix::from_fn(2 * n, 2, |i, j| if i / n == j { self.shape[i % n] } else { Dd::ZERO });
-        add(&mut direct.state[0], &product(&back, &e0));
-        add(&mut direct.state[1], &product(&back, &e1));
+        direct.add(&at_once, &offsets, &rows, &back);
         let rate = k.hi.abs().sqrt().max(c.hi.abs());
         let block = Block { name, rate, a, b, c: rows, to, back };
-        found.blocks.extend(split_real_rates(block, k, c));
+        found.extend(split_real_rates(block, k, c));
     }
 
     /// x . column, exactly zero if only rounding error is left.

@@ -3,7 +3,7 @@
 //! vectors are not known to enough digits or are so close to each other that blocks would cancel. See
 //! docs/method/emit.md#blocks.
 
-use crate::analysis::discrete::block::{Block, Direct, NOTHING, Split, add, product, without_derivatives};
+use crate::analysis::discrete::block::{Block, DirectSums, NOTHING, Split, product, without_derivatives};
 use crate::analysis::poles::coordinates::PoleCoordinates;
 use crate::base::{Ball, Dd, Number};
 use crate::kernel::complex::Complex;
@@ -97,11 +97,7 @@ impl Maker<'_> {
         let at_once = [0, 1, 2].map(|power: usize| product(&of_rates, &forces[power]));
         let (b, [e0, e1]) = without_derivatives(&a, forces);
         let (to, back) = (self.to(j), self.to_coordinates(j, &row));
-        direct.outputs.iter_mut().zip(&at_once).for_each(|(sum, term)| sum.add(term));
-        for (power, offset) in [&e0, &e1].into_iter().enumerate().filter(|(_, offset)| !is_zero(offset)) {
-            direct.outputs[power].add(&product(&c, offset));
-            direct.state[power].add(&product(&back, offset));
-        }
+        direct.add(&at_once, &[e0, e1], &c, &back);
         let number = |x: Dd| format!("{:.5e}", x.to_f64());
         let name = match is_real {
             true => format!("pole {} 1/s", number(s.re)),
@@ -142,51 +138,6 @@ fn size_of(column: &[(CoordinateId, Number)]) -> f64 {
     column.iter().map(|(_, value)| value.to_ball().magnitude()).fold(0.0, f64::max)
 }
 
-/// Direct effects as sums over the blocks, which cancel if there are no direct effects.
-struct DirectSums {
-    outputs: [Sum; 3],
-    state: [Sum; 2],
-}
-
-struct Sum {
-    value: Matrix<Dd>,
-    /// The sum of the magnitudes.
-    size: Matrix<f64>,
-}
-
-impl DirectSums {
-    fn none(system: &LinearSystem) -> DirectSums {
-        let (n, inputs, outputs) = (system.n(), system.inputs.len(), system.outputs.len());
-        let of = |rows: usize| Sum { value: Matrix::zeros(rows, inputs), size: Matrix::fill_with(rows, inputs, 0.0) };
-        DirectSums { outputs: [0; 3].map(|_| of(outputs)), state: [0; 2].map(|_| of(2 * n)) }
-    }
-
-    fn add_to(&self, direct: &mut Direct) {
-        let sums = self.outputs.iter().chain(&self.state);
-        for (sum, matrix) in sums.zip(direct.outputs.iter_mut().chain(&mut direct.state)) {
-            add(matrix, &sum.without_rounding());
-        }
-    }
-}
-
-impl Sum {
-    fn add(&mut self, term: &Matrix<Dd>) {
-        let places = self.value.data_mut().iter_mut().zip(self.size.data_mut());
-        for ((value, size), x) in places.zip(term.data()) {
-            *value += *x;
-            *size += x.hi.abs();
-        }
-    }
-
-    /// The sums, with exact zeros where terms cancel to rounding errors.
-    fn without_rounding(&self) -> Matrix<Dd> {
-        Matrix::from_fn(self.value.rows(), self.value.columns(), |i, j| {
-            let value = self.value[(i, j)];
-            if value.hi.abs() <= NOTHING * self.size[(i, j)] { Dd::ZERO } else { value }
-        })
-    }
-}
-
 /// (sum w a a^T) x
 fn image(squares: &Squares, x: &[Dd]) -> Vec<Dd> {
     let mut image = vec![Dd::ZERO; x.len()];
@@ -198,13 +149,10 @@ fn image(squares: &Squares, x: &[Dd]) -> Vec<Dd> {
     image
 }
 
-fn is_zero(m: &Matrix<Dd>) -> bool {
-    m.data().iter().all(|x| x.is_zero())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::discrete::block::add;
     use crate::analysis::modes;
     use crate::analysis::poles::pole_coordinates;
     use crate::analysis::test_systems::{blank, push};
