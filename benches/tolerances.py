@@ -37,6 +37,22 @@ def analyze(program, model):
         return None
 
 
+def damped(k, c):
+    """The poles of q'' + c q' + k q = 0 of all samples and their damping ratios, if all of them oscillate."""
+    count, n, _ = k.shape
+    zero, one = np.zeros_like(k), np.broadcast_to(np.eye(n), k.shape)
+    poles = np.linalg.eigvals(np.concatenate([np.concatenate([zero, one], 2), np.concatenate([-k, -c], 2)], 1))
+    if not (np.abs(poles.imag) > 1e-6 * np.abs(poles)).all():
+        return {}
+    upper = poles[poles.imag > 0].reshape(count, n)
+    upper = np.take_along_axis(upper, np.argsort(np.abs(upper), 1), 1)
+    found = {}
+    for i in range(n):
+        found[f"ratio {i}"] = -upper[:, i].real / np.abs(upper[:, i])
+        found[f"re {i}"], found[f"im {i}"] = upper[:, i].real, upper[:, i].imag
+    return found | {"damping": found["ratio 0"]}
+
+
 class Scene:
     """A damped net: text, ranges, and functions of arrays of parameters."""
 
@@ -113,15 +129,7 @@ class Scene:
         squares = np.linalg.eigvalsh(k * root[:, :, None] * root[:, None, :])
         found = {f"frequency {i}": np.sqrt(squares[:, i]) / (2 * np.pi) for i in range(self.n)}
         inverse = root[:, :, None] ** 2
-        zero, one = np.zeros_like(m), np.broadcast_to(np.eye(self.n), m.shape)
-        poles = np.linalg.eigvals(np.concatenate([np.concatenate([zero, one], 2), np.concatenate([-inverse * k, -inverse * c], 2)], 1))
-        if (np.abs(poles.imag) > 1e-6 * np.abs(poles)).all():
-            upper = poles[poles.imag > 0].reshape(len(p), self.n)
-            upper = np.take_along_axis(upper, np.argsort(np.abs(upper), 1), 1)
-            for i in range(self.n):
-                found[f"ratio {i}"] = -upper[:, i].real / np.abs(upper[:, i])
-                found[f"re {i}"], found[f"im {i}"] = upper[:, i].real, upper[:, i].imag
-            found["damping"] = found["ratio 0"]
+        found |= damped(inverse * k, inverse * c)
         h = self.response(matrices, self.hertz)
         found["gain"] = found["amplitude"] = np.abs(h)
         found["phase"] = np.angle(h)
@@ -211,15 +219,7 @@ class Hanging(Scene):
         found["gain"] = np.abs(self.response(matrices, self.hertz))
         found["static"] = self.response(matrices, 0).real
         inverse = np.linalg.inv(m)
-        zero, one = np.zeros_like(m), np.broadcast_to(np.eye(self.n), m.shape)
-        poles = np.linalg.eigvals(np.concatenate([np.concatenate([zero, one], 2), np.concatenate([-inverse @ k, -inverse @ c], 2)], 1))
-        if (np.abs(poles.imag) > 1e-6 * np.abs(poles)).all():
-            upper = poles[poles.imag > 0].reshape(len(p), self.n)
-            upper = np.take_along_axis(upper, np.argsort(np.abs(upper), 1), 1)
-            for i in range(self.n):
-                found[f"ratio {i}"] = -upper[:, i].real / np.abs(upper[:, i])
-                found[f"re {i}"], found[f"im {i}"] = upper[:, i].real, upper[:, i].imag
-            found["damping"] = found["ratio 0"]
+        found |= damped(inverse @ k, inverse @ c)
         return found
 
 

@@ -57,7 +57,7 @@ fn steady_state(system: &LinearSystem, steady: &[Steady]) -> Vec<Block> {
     let caption = if is_passive(system) {
         "steady state, without the free motion: amplitude × sin(2π f t + phase)"
     } else {
-        "periodic part of the motion, amplitude × sin(2π f t + phase): the steady state if the free motion dies away, which is not proved"
+        "periodic part, amplitude × sin(2π f t + phase); the free motion may grow"
     };
     vec![Line::from(caption).into(), table.into()]
 }
