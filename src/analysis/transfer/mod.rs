@@ -180,6 +180,11 @@ impl<'a> Transfer<'a> {
         }
     }
 
+    /// Whether dampers certainly resist every motion, so that many frequencies are computed at once.
+    pub fn is_held(&self) -> bool {
+        TwoSided::of(self).is_some()
+    }
+
     /// H of one input and one output by its zeros and poles, if exact arithmetic finds them.
     pub fn zero_pole_form(&self, input: usize, output: usize) -> Option<&Exactly> {
         let found = || {

@@ -4,6 +4,8 @@
 //! The range and the grid come from the poles; every pole gets a star of points at distances in decades, so that a zero
 //! however close to it is bracketed. Extrema: see `extrema`. See docs/method/transfer.md.
 
+mod later_modes;
+
 use crate::analysis::answer::{Modes, Poles};
 use crate::analysis::error::AnalysisError;
 use crate::analysis::modes::modes_as;
@@ -104,7 +106,7 @@ impl<'a> Methods<'a> {
     fn gains(&self, pairs: &Pairs, sweep: &Sweep, frequency: &Frequency) -> Vec<Vec<Gain>> {
         let tolerance = sweep.tolerance.unwrap_or(TO_THE_LAST_DIGIT);
         let by_pair = |pair: &Pair| -> Option<Gain> {
-            let good = |gain: &Gain| gain.disc().is_some_and(|disc| disc.relative_error() <= tolerance);
+            let good = |gain: &Gain| is_within(gain, tolerance);
             let exactly = pair.exactly.map(|method| method.gain(frequency)).filter(good);
             let by_modes = || {
                 let (sum, modal) = self.sum.as_ref().zip(pair.modal.as_ref())?;
@@ -123,7 +125,7 @@ impl<'a> Methods<'a> {
     /// frequencies at once; the remaining ones one by one.
     fn rows(&self, pairs: &Pairs, sweep: &Sweep, frequencies: &[Frequency]) -> Vec<Row> {
         let tolerance = sweep.tolerance.unwrap_or(TO_THE_LAST_DIGIT);
-        let good = |gain: &Gain| gain.disc().is_some_and(|disc| disc.relative_error() <= tolerance);
+        let good = |gain: &Gain| is_within(gain, tolerance);
         let outputs = sweep.outputs.len().max(1);
         let mut rows = vec![vec![Gain::Unknown; sweep.inputs.len() * sweep.outputs.len()]; frequencies.len()];
         if let Some(sum) = self.sum.as_ref().filter(|_| tolerance >= FAST_ABOVE) {
@@ -195,7 +197,7 @@ pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
     let pairs = methods.pairs(poles, sweep, refined);
     let (inputs, outputs) = (sweep.inputs.clone(), sweep.outputs.clone());
     if !refined {
-        let rows = methods.rows(&pairs, sweep, &frequencies(poles, sweep));
+        let rows = later_modes::rows(methods, &pairs, sweep, &frequencies(poles, sweep));
         return Table { inputs, outputs, rows, extrema: None };
     }
     let range = sweep.range.clone().unwrap_or_else(|| default_range(poles));
@@ -223,6 +225,11 @@ pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
     rows.extend(more);
     sort(&mut rows);
     Table { inputs, outputs, rows, extrema: Some(extrema) }
+}
+
+/// Whether a value is known to a relative error.
+fn is_within(gain: &Gain, tolerance: f64) -> bool {
+    gain.disc().is_some_and(|disc| disc.relative_error() <= tolerance)
 }
 
 /// The extrema of each pair that its zeros and poles prove, `[input][output]`; empty if these are not known.
