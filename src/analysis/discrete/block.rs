@@ -97,8 +97,9 @@ pub fn clean_product(a: &Matrix<Dd>, b: &Matrix<Dd>) -> Matrix<Dd> {
             let (mut sum, mut size) = (Dd::ZERO, 0.0);
             for (k, &factor) in factors.iter().enumerate() {
                 // Half of the factors between a mode and the coordinates are zero.
-                if !factor.is_zero() {
-                    let term = a[(i, k)] * factor;
+                let other = a[(i, k)];
+                if !factor.is_zero() && !other.is_zero() {
+                    let term = other * factor;
                     sum = if size == 0.0 { term } else { sum + term };
                     size += term.hi.abs();
                 }
