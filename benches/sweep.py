@@ -10,6 +10,7 @@ that FLINT encloses in 50 digits; an error above its bound ends the program with
 twentieth of the cases, to see that all of it runs; `--only=growth` (beside, growth, cases, followed, cores) makes one table.
 """
 
+import copy
 import csv
 import filecmp
 import json
@@ -35,6 +36,8 @@ ONLY = [word.removeprefix("--only=") for word in sys.argv[1:] if word.startswith
 QUICK, LARGE = "--quick" in sys.argv, "--large" in sys.argv
 CORES = sorted(os.sched_getaffinity(0))
 FEW = 16
+# What is varied, if not a stiffness.
+LENGTHS = {"Cart": ", length of a cart's rod", "Pendulum": ", length of a pendulum", "Pendulums": ", length of pendulums"}
 REPEATS = 1 if QUICK else 3
 flint.ctx.dps = 50
 
@@ -81,6 +84,42 @@ class Pendulum:
     def matrices(self, l):
         g, zero = (981 * l) / 100, 0 * l
         return [[2 * l * l, l * l], [l * l, l * l]], [[zero, zero], [zero, zero]], [[2 * g, zero], [zero, g]]
+
+
+class Pendulums:
+    """Point masses that hang one from another on strings of equal length, drawn askew. The length moves places and rest."""
+
+    parameter, low, high, unit = "l", 1, 3, "m"
+
+    def __init__(self, n):
+        self.n = n
+        self.masses = [flint.fmpq(8 + i, 8) for i in range(n)]
+        rows = ["model pendulums", "param l = 1 m", "gravity 9.81 m/s^2", "point P0 = (0, 0)"]
+        for i in range(n):
+            rows.append(f"point P{i + 1} = P{i} + l * (sin({5 + 2 * i} deg), -cos({5 + 2 * i} deg))")
+        for i in range(n):
+            rows.append(f"body b{i} {{ mass = {(8 + i) / 8} kg, inertia = 0 kg*m^2, at = P{i + 1} }}")
+        for i in range(n):
+            rows.append(f"pivot p{i}: {f'b{i - 1}' if i else 'ground'}@P{i} -- b{i}")
+        self.text = "\n".join(rows) + "\n"
+
+    def matrices(self, l):
+        below = [sum(self.masses[i:], 0 * self.masses[0]) for i in range(self.n)]
+        places, zero = range(self.n), 0 * l
+        m = [[l * l * below[max(i, j)] for j in places] for i in places]
+        k = [[(981 * l) / 100 * below[i] if i == j else zero for j in places] for i in places]
+        return m, [[zero] * self.n for _ in places], k
+
+
+class Cart:
+    """The cart of the examples. The length of its rod is varied, which moves places."""
+
+    parameter, low, high, unit, n = "L", 1, 3, "m", 2
+    text = (ROOT / "examples" / "cart.vib").read_text()
+
+    def matrices(self, l):
+        zero = 0 * l
+        return [[zero + 3 / (zero + 2), l / 4], [l / 4, l * l / 6]], [[zero + 5, zero], [zero, zero]], [[zero + 10, zero], [zero, (981 * l) / 400]]
 
 
 def started(folder, arguments, cores=1):
@@ -224,10 +263,10 @@ def lambdified(model, poles):
     symbol = sympy.Symbol("p", positive=True)
     # Rational numbers of one library in symbols of the other.
     rational = lambda x: sympy.Rational(int(x.p), int(x.q)) if isinstance(x, flint.fmpq) else x
-    numbers = Chain(model.n) if isinstance(model, Chain) else model
-    if isinstance(model, Chain):
-        for name in ("masses", "springs", "dampers"):
-            setattr(numbers, name, [rational(x) for x in getattr(numbers, name)])
+    numbers = copy.copy(model)
+    for name in ("masses", "springs", "dampers"):
+        if hasattr(model, name):
+            setattr(numbers, name, [rational(x) for x in getattr(model, name)])
     entries = [[sympy.sympify(x) for row in matrix for x in row] for matrix in numbers.matrices(symbol)]
     functions = [sympy.lambdify(symbol, list_of, "numpy") for list_of in entries]
     n = model.n
@@ -257,7 +296,9 @@ def beside(folder):
         (Chain(2), True, 1_000_000, 100_000),
         (Chain(10), True, 400_000, 10_000),
         (Chain(50), True, 20_000, 300),
-        (Pendulum(), False, 20_000, 200_000),
+        (Cart(), False, 400_000, 200_000),
+        (Pendulum(), False, 400_000, 200_000),
+        (Pendulums(10), False, 100_000, 50_000),
         (Pendulum(), True, 20_000, 100_000),
     ]
     for model, poles, cases, theirs in studies:
@@ -283,7 +324,7 @@ def beside(folder):
         sympys, _ = timed(lambda: function(values), theirs)
         bound, error, of_numpy = judged(heading, rows, cases, model, poles, dict(zip(at, found)))
         _, _, of_sympy = judged(heading, rows, cases, model, poles, dict(zip(at, function(checked))))
-        name = f"{'all poles' if poles else 'frequencies'}, {model.n}" + (", length of a pendulum" if isinstance(model, Pendulum) else "")
+        name = f"{'all poles' if poles else 'frequencies'}, {model.n}" + LENGTHS.get(type(model).__name__, "")
         print(
             f"| {name} | {cases} | {plain:.3g} | {as_csv:.3g} | {size:.0f} | {bound:.1e} | {error:.1e} "
             f"| {numpys:.3g} | {of_numpy:.1e} | {sympys:.3g} | {of_sympy:.1e} |",
@@ -331,7 +372,7 @@ def followed(folder):
     """The cost of following modes beside that of the plain frequencies, and how many links are proved."""
     print("\n| followed modes | cases | links proved | veerings | plain [us] | followed [us] | times |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
-    for model, plainly, cases in ((Chain(2), 1_000_000, 10_000), (Chain(10), 400_000, 10_000), (Chain(50), 50_000, 10_000), (Pendulum(), 2_000, 1_000)):
+    for model, plainly, cases in ((Chain(2), 1_000_000, 10_000), (Chain(10), 400_000, 10_000), (Chain(50), 50_000, 10_000), (Cart(), 400_000, 10_000), (Pendulum(), 400_000, 10_000)):
         plainly, cases = (max(x // 20, 3 * FEW) for x in (plainly, cases)) if QUICK else (plainly, cases)
         pathlib.Path(folder, "model.vib").write_text(model.text)
         what = ["--modes", str(model.n)]
@@ -344,7 +385,7 @@ def followed(folder):
         whole = statistics.median(run(folder, asked(model, cases, [*what, "--follow"]))[0] for _ in range(REPEATS))
         start = statistics.median(run(folder, asked(model, FEW, what))[0] for _ in range(REPEATS))
         more = 1e6 * (whole - start) / cases
-        name = f"{model.n}" + (", length of a pendulum" if isinstance(model, Pendulum) else "")
+        name = f"{model.n}" + LENGTHS.get(type(model).__name__, "")
         print(f"| {name} | {cases} | {proved} | {len(told['meetings'])} | {plain:.3g} | {more:.3g} | {more / plain:.3g} |", flush=True)
 
 

@@ -1,8 +1,8 @@
 //! Eigenvalues of many small symmetric pencils K - lambda M side by side, one in each lane, with a bound of their errors. In: matrices
-//! that depend linearly on one number. Out: for each number the eigenvalues, or nothing where M is not certainly positive definite.
+//! that are polynomials in one number. Out: for each number the eigenvalues, or nothing where M is not certainly positive definite.
 //! See docs/method/studies.md#many-small-pencils.
 
-use crate::base::Ball;
+use crate::base::{Ball, Power};
 use crate::kernel::simd::{Vector, simd};
 
 /// The most coordinates: larger pencils are reduced faster by other means.
@@ -11,15 +11,20 @@ pub const MOST: usize = 16;
 /// The unit roundoff.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// K(d) = `k[0]` + d `k[1]` and M(d) alike; symmetric, row by row.
+/// K(d) = `k[0]` + d `k[1]` + d^2 `k[2]` + ... and M(d) with as many; symmetric, row by row.
 #[derive(Clone, Debug)]
 pub struct Line {
     pub n: usize,
-    k: [Vec<f64>; 2],
-    m: [Vec<f64>; 2],
-    /// Bounds of the distance (Frobenius) of the true K and M at d from the computed ones: the first and |d| times the second.
-    off: [[f64; 2]; 2],
+    k: Vec<Vec<f64>>,
+    m: Vec<Vec<f64>>,
+    /// Bounds of the distance (Frobenius) of the true K and M at d from the computed ones, as polynomials in |d|.
+    off: [Vec<f64>; 2],
+    /// Bounds of the derivatives (Frobenius) of the computed K and M, for all d up to the largest size.
+    slopes: [f64; 2],
 }
+
+/// The coefficients of a matrix that is a polynomial.
+type Coefficients<'a> = &'a [Vec<Vec<Ball>>];
 
 /// The eigenvalues of one pencil.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,13 +36,17 @@ pub struct Eigenvalues {
 }
 
 impl Line {
-    /// From enclosures of both parts of both matrices. `None` if the numbers are not of a size at which nothing underflows.
-    pub fn new(n: usize, k: [&[Vec<Ball>]; 2], m: [&[Vec<Ball>]; 2], most: f64) -> Option<Line> {
+    /// From enclosures of the coefficients of both matrices, for numbers up to a size. `None` if the numbers are not of a size at which
+    /// nothing underflows.
+    pub fn new(n: usize, k: Coefficients, m: Coefficients, most: f64) -> Option<Line> {
+        let count = k.len().max(m.len());
+        let none = vec![vec![Ball::ZERO; n]; n];
         let mass = |i: usize| {
-            m.map(|part| part[i][i].magnitude()).into_iter().zip([1.0, most]).map(|(x, d)| x * d).sum::<f64>()
+            m.iter().enumerate().map(|(at, part)| part[i][i].magnitude() * most.power(at as i32)).sum::<f64>()
         };
         let scale: Vec<f64> = (0..n).map(|i| power_near(mass(i).sqrt())).collect::<Option<_>>()?;
-        let split = |part: &[Vec<Ball>], d: f64| {
+        let split = |part: &[Vec<Ball>], at: usize| {
+            let d = most.power(at as i32);
             let (mut numbers, mut off, mut size) = (Vec::with_capacity(n * n), 0.0, 0.0);
             for at in 0..n * n {
                 let entry = times_power(part[at / n][at % n], scale[at / n] * scale[at % n]);
@@ -49,22 +58,36 @@ impl Line {
             }
             let (off, size) = (root(off), root(size));
             let is_usual = size * d == 0.0 || is_usual(size) && is_usual(size * d);
-            // The rounding of d, and that of each entry at d.
-            let off = (off + ROUNDING_OF_D * (size + off) + 2.0 * U * size) * 1.001 + UNDERFLOW;
-            is_usual.then_some((numbers, off))
+            // The rounding of the power of d, and those on the way of this coefficient to the entry at d.
+            let off = (off + at.max(1) as f64 * ROUNDING_OF_D * (size + off) + (at as f64 + 2.0) * U * size) * 1.001;
+            is_usual.then_some((numbers, off + UNDERFLOW))
         };
-        let parts = |[first, slope]: [&[Vec<Ball>]; 2]| Some((split(first, 1.0)?, split(slope, most)?));
-        let (((k0, a), (k1, b)), ((m0, c), (m1, d))) = (parts(k)?, parts(m)?);
-        Some(Line { n, k: [k0, k1], m: [m0, m1], off: [[a, b], [c, d]] })
+        let parts = |list: Coefficients| {
+            let parts = (0..count).map(|at| split(list.get(at).unwrap_or(&none), at));
+            Some(parts.collect::<Option<Vec<_>>>()?.into_iter().unzip::<Vec<f64>, f64, Vec<_>, Vec<_>>())
+        };
+        let ((k, off_k), (m, off_m)) = (parts(k)?, parts(m)?);
+        let slopes = [&k, &m].map(|parts: &Vec<Vec<f64>>| slope(n, parts, most));
+        Some(Line { n, k, m, off: [off_k, off_m], slopes })
     }
 
-    /// The eigenvalues for each d, which may be [`ROUNDING_OF_D`] off; `None` where they are not certain.
-    pub fn eigenvalues(&self, d: &[f64]) -> Vec<Option<Eigenvalues>> {
+    /// The eigenvalues for each d, which may be [`ROUNDING_OF_D`] off, with bounds that hold for all numbers within `half` of it (as many as
+    /// d, none of them beyond the size given at first); `None` where they are not certain.
+    pub fn eigenvalues(&self, d: &[f64], half: &[f64]) -> Vec<Option<Eigenvalues>> {
         let n = self.n;
         let mut found = vec![0.0; d.len() * (n + 1) * 2];
-        all(n, [&self.k[0], &self.k[1], &self.m[0], &self.m[1]], self.off, d, &mut found);
+        all(n, [&self.k, &self.m], [&self.off[0], &self.off[1]], self.slopes, d, half, &mut found);
         found.chunks(2 * (n + 1)).map(|numbers| sort(n, numbers)).collect()
     }
+}
+
+/// A bound of the derivative of a polynomial of matrices at all numbers up to a size: that of the sizes of its coefficients.
+fn slope(n: usize, parts: &[Vec<f64>], most: f64) -> f64 {
+    let entry = |i: usize| {
+        let terms = parts.iter().enumerate().skip(1);
+        terms.map(|(at, part)| at as f64 * part[i].abs() * most.power(at as i32 - 1)).sum::<f64>()
+    };
+    root((0..n * n).map(|i| entry(i) * entry(i)).sum::<f64>()) * 1.001 + UNDERFLOW
 }
 
 /// Quotients of the diagonals and what limits their errors, put in order.
@@ -121,18 +144,35 @@ fn sweeps(n: usize) -> usize {
 
 simd! {
     /// For each d, `n` quotients, then bounds of what is beside both diagonals, and the least entry of that of M.
-    fn all<V: Vector>(n: usize, parts: [&[f64]; 4], off: [[f64; 2]; 2], d: &[f64], found: &mut [f64]) {
+    fn all<V: Vector>(n: usize, parts: [&[Vec<f64>]; 2], off: [&[f64]; 2], slopes: [f64; 2], d: &[f64], half: &[f64], found: &mut [f64]) {
         let room = || vec![V::splat(0.0); n * n];
         let (mut k, mut m, mut a, mut l, mut v, mut w) = (room(), room(), room(), room(), room(), room());
         let mut lanes = vec![0.0; V::WIDTH];
-        for (ds, out) in d.chunks(V::WIDTH).zip(found.chunks_mut(2 * (n + 1) * V::WIDTH)) {
+        let blocks = d.chunks(V::WIDTH).zip(half.chunks(V::WIDTH));
+        for ((ds, halves), out) in blocks.zip(found.chunks_mut(2 * (n + 1) * V::WIDTH)) {
+            lanes.fill(halves[0]);
+            lanes[..halves.len()].copy_from_slice(halves);
+            let half = V::load(&lanes);
             lanes.fill(ds[0]);
             lanes[..ds.len()].copy_from_slice(ds);
             let at = V::load(&lanes);
-            let off_at = |[first, slope]: [f64; 2]| at.abs().mul_add(V::splat(slope), V::splat(first));
             for i in 0..n * n {
-                k[i] = V::splat(parts[1][i]).mul_add(at, V::splat(parts[0][i]));
-                m[i] = V::splat(parts[3][i]).mul_add(at, V::splat(parts[2][i]));
+                (k[i], m[i]) = (V::splat(0.0), V::splat(0.0));
+            }
+            let mut offs = [V::splat(0.0); 2];
+            // By Horner's rule, from the highest power on.
+            for c in (0..parts[0].len()).rev() {
+                let (of_k, of_m) = (&parts[0][c], &parts[1][c]);
+                for i in 0..n * n {
+                    k[i] = k[i].mul_add(at, V::splat(of_k[i]));
+                    m[i] = m[i].mul_add(at, V::splat(of_m[i]));
+                }
+                for (sum, off) in offs.iter_mut().zip(off) {
+                    *sum = sum.mul_add(at.abs(), V::splat(off[c]));
+                }
+            }
+            for (sum, slope) in offs.iter_mut().zip(slopes) {
+                *sum = half.mul_add(V::splat(slope), *sum);
             }
             reduce(n, &k, &m, &mut l, &mut a);
             turn(n, &mut a, &mut w);
@@ -142,7 +182,7 @@ simd! {
                 of_v = x.mul_add(*x, of_v);
             }
             of_v = of_v * V::splat(1.001);
-            let off_m = off_at(off[1]);
+            let off_m = offs[1];
             let (s, beside_s) = congruent(n, &m, &v, &mut w, (of_v, of_v), off_m);
             let mut least = V::splat(f64::MAX);
             for x in &s {
@@ -151,7 +191,7 @@ simd! {
             // |V|^2 is at most |V^T M V| / min x^T M x, and at most its Frobenius norm.
             let floor = (floor(n, &m) - off_m).max(V::splat(1e-290));
             let norm = of_v.min((most + beside_s) * V::splat(1.001) / floor);
-            let (diagonal, beside_t) = congruent(n, &k, &v, &mut w, (norm, of_v), off_at(off[0]));
+            let (diagonal, beside_t) = congruent(n, &k, &v, &mut w, (norm, of_v), offs[0]);
             let mut put = |place: usize, x: V| {
                 let x = x.to_array();
                 for (lane, row) in out.chunks_mut(2 * (n + 1)).enumerate() {

@@ -3,12 +3,14 @@
 //! docs/method/studies.md#lines.
 
 mod changing;
+mod pieces;
 mod poles;
 mod steps;
 
 use super::answer::{Case, Entry};
 use super::cases::{Study, Varied};
 use super::updates::{Part, Updates};
+use crate::analysis::undamped_block;
 use crate::base::number::jet;
 use crate::base::{Ball, Diagnostics, Jet, Number};
 use crate::dynamics;
@@ -18,6 +20,7 @@ use crate::model;
 use crate::model::scene::Damping;
 use crate::system::{Form, LinearSystem};
 use changing::{changing, slopes};
+use pieces::Pieces;
 use poles::OfPoles;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use steps::{Range, Steps};
@@ -80,17 +83,34 @@ impl Study<'_> {
         numbers.iter().enumerate().map(row).collect()
     }
 
-    /// The lowest `count` frequencies of these cases of a study over one parameter, Hz, without proof of their order where they are close;
-    /// `None` for a case that is not computed side by side with others. A line that is made here serves the rows of the study, too.
-    pub(super) fn side_by_side(&self, numbers: &[u64], count: usize) -> Vec<Option<Vec<Ball>>> {
-        let line = if self.count() < FEW { Arc::default() } else { self.lines.get(0, || self.line(0, count)) };
-        let Some(line) = &*line else { return vec![None; numbers.len()] };
+    /// The line of a class of coordinates of a study over one parameter, for so many lowest frequencies. That of all coordinates serves
+    /// the rows of the study, too.
+    pub(super) fn line_of_class(&self, coordinates: &[u32], is_all: bool, count: usize) -> Arc<Option<Line>> {
+        match is_all {
+            _ if self.count() < FEW => Arc::default(),
+            true => self.lines.get(0, || self.line(0, count)),
+            false => Arc::new(
+                self.line_for(0, Of { class: Some(coordinates), lowest: count.min(coordinates.len()), poles: 0 }),
+            ),
+        }
+    }
+
+    /// The lowest `count` frequencies of these cases of a line, Hz, without proof of their order where they are close; `None` for a case that
+    /// is not on it.
+    pub(super) fn side_by_side(&self, line: &Option<Line>, numbers: &[u64], count: usize) -> Vec<Option<Vec<Ball>>> {
+        let Some(line) = line else { return vec![None; numbers.len()] };
         let found = self.eigenvalues(line, numbers, 0);
         let of_case = |found: &[f64]| {
             let pairs = found.chunks_exact(2).take(count);
             pairs.map(|pair| self.root([pair[0], pair[1]], PER_TURN)).collect::<Option<Vec<Ball>>>()
         };
         found.chunks(found.len() / numbers.len()).map(|found| of_case(found).filter(|own| own.len() == count)).collect()
+    }
+
+    /// All frequencies at any value of the parameter on a piece of a line, Hz, without proof of their order where they are close.
+    pub(super) fn frequencies_at(&self, line: &Option<Line>, at: &Number) -> Option<Vec<Ball>> {
+        let found = line.as_ref()?.eigenvalues_over([at, at])?;
+        found.list.iter().zip(&found.bounds).map(|(square, bound)| self.root([*square, *bound], PER_TURN)).collect()
     }
 
     /// Eigenvalues of these cases of a line, each before its bound, as many for each case; NaN for one before its first.
@@ -100,7 +120,15 @@ impl Study<'_> {
             Way::Pencils(pencils) => {
                 let places: Vec<f64> =
                     numbers.iter().map(|number| place(&steps.points.value(number - first))).collect();
-                pencils.eigenvalues(&places).into_iter().flat_map(|found| in_pairs(found, pencils.n)).collect()
+                pencils
+                    .eigenvalues(&places, &vec![0.0; places.len()])
+                    .into_iter()
+                    .flat_map(|found| in_pairs(found, pencils.n))
+                    .collect()
+            }
+            Way::Pieces(pieces) => {
+                let places: Vec<u64> = numbers.iter().map(|number| number - first).collect();
+                pieces.eigenvalues(&places).into_iter().flat_map(|found| in_pairs(found, pieces.n)).collect()
             }
             Way::Updates(updates) => updates.lowest(&steps.changes(numbers, first)),
         };
@@ -169,24 +197,36 @@ impl Study<'_> {
     }
 
     /// The line of cases from `first` on, for so many lowest frequencies and for the poles of the study, if its matrices are certainly
-    /// linear in the last parameter.
+    /// linear in the last parameter, or nearly polynomials on a few pieces.
     fn line(&self, first: u64, lowest: usize) -> Option<Line> {
+        self.line_for(first, Of { class: None, lowest, poles: self.sizes.1 })
+    }
+
+    fn line_for(&self, first: u64, of: Of) -> Option<Line> {
         let Varied::Over(swept) = &self.varied else { return None };
         let swept = swept.last()?;
-        let whole = self.line_of(first, lowest, &Range::of(swept));
+        let whole = self.line_of(first, of, &Range::of(swept));
         if whole.is_some() || swept.points.count() <= FEW {
             return whole;
         }
-        self.line_of(first, lowest, &Range::without_first(swept)?)
+        let without_first = Range::without_first(swept).and_then(|range| self.line_of(first, of, &range));
+        without_first.or_else(|| self.line_in_pieces(first, of, &Range::of(swept)))
     }
 
-    fn line_of(&self, first: u64, lowest: usize, range: &Range) -> Option<Line> {
-        let poles = if self.sizes.1 > 0 { Some(self.poles_of_line(first, range)?) } else { None };
+    fn line_in_pieces(&self, first: u64, of: Of, range: &Range) -> Option<Line> {
+        let pieces = self.pieces_of_line(first, range, Of { lowest: of.lowest.max(of.poles / 2), ..of })?;
+        let poles = (of.poles > 0).then_some(OfPoles::Frequencies(pieces.n));
+        let (way, steps) = (Way::Pieces(pieces), range.steps_from_end(0));
+        Some(Line { squares: Some((way, steps.clone())), poles, steps, first: range.first })
+    }
+
+    fn line_of(&self, first: u64, of: Of, range: &Range) -> Option<Line> {
+        let poles = if of.poles > 0 { Some(self.poles_of_line(first, range)?) } else { None };
         let lowest = match &poles {
-            Some(OfPoles::Frequencies(n)) => lowest.max(*n),
-            _ => lowest,
+            Some(OfPoles::Frequencies(n)) => of.lowest.max(*n),
+            _ => of.lowest,
         };
-        let squares = if lowest > 0 { Some(self.squares_of_line(first, range, lowest)?) } else { None };
+        let squares = if lowest > 0 { Some(self.squares_of_line(first, range, Of { lowest, ..of })?) } else { None };
         Some(Line { squares, poles, steps: range.steps_from_end(0), first: range.first })
     }
 
@@ -199,9 +239,10 @@ impl Study<'_> {
     }
 
     /// What changes the eigenvalues of a line.
-    fn squares_of_line(&self, first: u64, range: &Range, lowest: usize) -> Option<(Way, Steps)> {
-        let at = |si: &Number| self.undamped_system(first, si.clone());
-        let over = self.over(first, range, false)?;
+    fn squares_of_line(&self, first: u64, range: &Range, of: Of) -> Option<(Way, Steps)> {
+        let lowest = of.lowest;
+        let at = |si: &Number| of.part(self.undamped_system(first, si.clone())?);
+        let over = of.part(self.over(first, range, false)?)?;
         // Starts at the end from which eigenvalues rise, if there are enough cases to make the modes in double-double
         // worthwhile.
         let are_enough = range.swept.points.count() >= (over.n() / 25).pow(2) as u64;
@@ -225,14 +266,43 @@ impl Study<'_> {
             at_centre.iter().zip(slopes).map(row).collect::<Vec<Vec<Ball>>>()
         };
         let (of_k, of_m) = (first(centred.k.assemble(n), &k), first(centred.m.assemble(n), &m));
-        let pencils = pencils::Line::new(n, [&of_k, &k], [&of_m, &m], range.all.magnitude())?;
+        let pencils = pencils::Line::new(n, &[of_k, k], &[of_m, m], range.all.magnitude())?;
+        // Weights that are not linear make it too wide.
+        let is_accurate = |found: &Eigenvalues| {
+            let mut pairs = found.list.iter().zip(&found.bounds).take(lowest);
+            pairs.all(|(square, bound)| self.root([*square, *bound], PER_TURN).is_some())
+        };
+        let ends = pencils.eigenvalues(&range.ends.each_ref().map(place), &[0.0; 2]);
+        if !ends.iter().flatten().any(is_accurate) {
+            return None;
+        }
         Some((Way::Pencils(pencils), range.steps_from(&centre, None)))
+    }
+}
+
+/// What a line is made for.
+#[derive(Clone, Copy)]
+struct Of<'a> {
+    /// The coordinates of a class, or all.
+    class: Option<&'a [u32]>,
+    lowest: usize,
+    /// The number of poles.
+    poles: usize,
+}
+
+impl Of<'_> {
+    /// The class of a system.
+    fn part(&self, system: LinearSystem) -> Option<LinearSystem> {
+        match self.class {
+            Some(coordinates) => undamped_block(&system, coordinates),
+            None => Some(system),
+        }
     }
 }
 
 /// Cases that differ in the last parameter only.
 #[derive(Clone, Debug)]
-struct Line {
+pub(super) struct Line {
     squares: Option<(Way, Steps)>,
     poles: Option<OfPoles>,
     steps: Steps,
@@ -245,6 +315,7 @@ struct Line {
 enum Way {
     Updates(Updates),
     Pencils(pencils::Line),
+    Pieces(Pieces),
 }
 
 /// The most recent lines: the cases of one line arrive in many pieces.
@@ -273,6 +344,16 @@ impl Lines {
             }
         };
         place.get_or_init(|| Arc::new(make())).clone()
+    }
+}
+
+impl Line {
+    /// Enclosures of the lowest eigenvalues for all values between two, ascending, if the line is one of pieces.
+    pub fn eigenvalues_over(&self, ends: [&Number; 2]) -> Option<Eigenvalues> {
+        match &self.squares {
+            Some((Way::Pieces(pieces), _)) => pieces.eigenvalues_over(ends),
+            _ => None,
+        }
     }
 }
 

@@ -19,7 +19,7 @@ pub mod error;
 mod exact;
 pub mod follow;
 mod followed;
-mod lines;
+pub mod lines;
 mod newton;
 mod one_unknown;
 mod optimum;

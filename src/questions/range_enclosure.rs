@@ -432,7 +432,7 @@ fn amplitude(family: &Family, signals: &[Vec<Signal>], output: usize) -> Option<
 }
 
 fn number(jet: Jet) -> Number {
-    Number::Jet(Box::new(jet))
+    Number::from(jet)
 }
 
 pub fn two_pi() -> Number {

@@ -52,6 +52,7 @@ mod language;
 mod language_page;
 mod laws;
 mod layouts;
+mod lengths;
 mod library;
 mod literals;
 mod loops;

@@ -39,34 +39,63 @@ fn balls(matrix: &[Vec<Number>]) -> Vec<Vec<Ball>> {
     matrix.iter().map(|row| row.iter().map(Number::to_ball).collect()).collect()
 }
 
-/// A + d B
-fn at(a: &[Vec<Number>], b: &[Vec<Number>], d: f64) -> Exact {
+/// A + d B + d^2 C + ...
+fn at(parts: &[&[Vec<Number>]], d: &BigRational) -> Exact {
     let exact = |x: &Number| x.exact().expect("rational").to_big();
-    let entry = |(a, b): (&Number, &Number)| exact(a) + binary(d) * exact(b);
-    a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(entry).collect()).collect()
+    let n = parts[0].len();
+    let sum = |i: usize, j: usize| parts.iter().rev().fold(binary(0.0), |sum, part| sum * d + exact(&part[i][j]));
+    (0..n).map(|i| (0..n).map(|j| sum(i, j)).collect()).collect()
 }
 
 /// Checks every enclosure; returns the number of pencils that have them, and the largest bound relative to the largest eigenvalue.
 fn check(k: [&[Vec<Number>]; 2], m: [&[Vec<Number>]; 2], places: &[f64]) -> (usize, f64) {
+    check_polynomials(&k, &m, places, 0.0)
+}
+
+/// The same for matrices of any degree, at places within `half` of the given ones.
+fn check_polynomials(k: &[&[Vec<Number>]], m: &[&[Vec<Number>]], places: &[f64], half: f64) -> (usize, f64) {
     let n = k[0].len();
-    let most = places.iter().fold(0.0f64, |most, d| most.max(d.abs()));
-    let [k0, k1, m0, m1] = [k[0], k[1], m[0], m[1]].map(balls);
-    let line = Line::new(n, [&k0, &k1], [&m0, &m1], most).expect("numbers of usual size");
+    let most = places.iter().fold(0.0f64, |most, d| most.max(d.abs() + half));
+    let [of_k, of_m] = [k, m].map(|parts| parts.iter().map(|part| balls(part)).collect::<Vec<_>>());
+    let line = Line::new(n, &of_k, &of_m, most).expect("numbers of usual size");
     let (mut found, mut widest) = (0, 0.0f64);
-    for (d, eigenvalues) in places.iter().zip(line.eigenvalues(places)) {
+    let shares: &[f64] = if half == 0.0 { &[0.0] } else { &[-1.0, 0.25, 1.0] };
+    for (d, eigenvalues) in places.iter().zip(line.eigenvalues(places, &vec![half; places.len()])) {
         let Some(eigenvalues) = eigenvalues else { continue };
         found += 1;
-        let pencil = ExactPencil::new(&at(k[0], k[1], *d), &at(m[0], m[1], *d));
         let largest = eigenvalues.list.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-        for (i, (value, bound)) in eigenvalues.list.iter().zip(&eigenvalues.bounds).enumerate() {
-            widest = widest.max(bound / largest);
-            let below = pencil.below(&(binary(*value) - binary(*bound)));
-            let above = pencil.below(&(binary(*value) + binary(*bound)));
-            assert!(below.is_none_or(|count| count <= i), "{i} of {n} at {d}: {value} ± {bound}");
-            assert!(above.is_none_or(|count| count > i), "{i} of {n} at {d}: {value} ± {bound}");
+        for share in shares {
+            let x = binary(*d) + binary(share * half);
+            let pencil = ExactPencil::new(&at(k, &x), &at(m, &x));
+            for (i, (value, bound)) in eigenvalues.list.iter().zip(&eigenvalues.bounds).enumerate() {
+                widest = widest.max(bound / largest);
+                let below = pencil.below(&(binary(*value) - binary(*bound)));
+                let above = pencil.below(&(binary(*value) + binary(*bound)));
+                assert!(below.is_none_or(|count| count <= i), "{i} of {n} at {d} + {share} {half}: {value} ± {bound}");
+                assert!(above.is_none_or(|count| count > i), "{i} of {n} at {d} + {share} {half}: {value} ± {bound}");
+            }
         }
     }
     (found, widest)
+}
+
+/// Matrices of the fourth and the second degree, at single numbers and over ranges, whose bounds are then as wide as eigenvalues move.
+#[test]
+fn polynomials_of_matrices_are_enclosed_over_ranges() {
+    let mut random = Random::new(71);
+    for n in [1, 2, 3, 6, 11] {
+        let k: Vec<_> = (0..5).map(|_| squares(&mut random, n, 2 * n, 1.0, true)).collect();
+        let m =
+            [diagonal(&mut random, n, 1.0), squares(&mut random, n, n / 3, 0.0, false), diagonal(&mut random, n, 0.0)];
+        let k: Vec<&[Vec<Number>]> = k.iter().map(|part| &part[..]).collect();
+        let m: Vec<&[Vec<Number>]> = m.iter().map(|part| &part[..]).collect();
+        let places = [0.0, 0.01, 0.25, 0.5, 0.93];
+        for (half, most) in [(0.0, 1e-12), (1e-9, 1e-5), (1e-4, 1.0)] {
+            let (found, widest) = check_polynomials(&k, &m, &places, half);
+            assert!(found == places.len(), "{found} of {n} coordinates");
+            assert!(widest < most && widest > 0.01 * half, "{n} coordinates, {half:e}: {widest:e}");
+        }
+    }
 }
 
 #[test]

@@ -485,7 +485,7 @@ impl Phasor {
 }
 
 fn number(jet: Jet) -> Number {
-    Number::Jet(Box::new(jet))
+    Number::from(jet)
 }
 
 fn ball_between(low: f64, high: f64) -> Ball {

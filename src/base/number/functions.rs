@@ -1,6 +1,7 @@
 //! Elementary functions of [`Number`], each with a rigorous bound: exact where the argument is one of the rational
 //! numbers whose value is rational, Taylor series in ball arithmetic with a bounded remainder otherwise.
 
+use super::series::{self, Series};
 use super::surd::Surd;
 use super::{Ball, Dd, Jet, MAX_EXACT_BITS, Number, Power, Rational, pi, two_to};
 
@@ -30,7 +31,7 @@ impl Number {
         }
         if let Number::Jet(jet) = self {
             let root = jet.value.sqrt();
-            return self.is_positive().then(|| jet.through(root, Ball::from(0.5) / root));
+            return self.is_positive().then(|| jet.through(root, Ball::from(0.5) / root, Series::root));
         }
         let ball = self.to_ball();
         (ball.is_zero() || self.is_positive()).then(|| Number::Ball(ball.sqrt()))
@@ -93,7 +94,7 @@ impl Number {
         let ball = self.enclosure();
         let value = (ball.is_positive() && ball.is_finite()).then(|| ln(ball))?;
         Some(match self {
-            Number::Jet(jet) => jet.through(value, Ball::ONE / ball),
+            Number::Jet(jet) => jet.through(value, Ball::ONE / ball, Series::logarithm),
             _ => Number::Ball(value),
         })
     }
@@ -106,7 +107,7 @@ impl Number {
         let ball = self.enclosure();
         let value = (ball.magnitude() < 700.0).then(|| exp(ball))?;
         Some(match self {
-            Number::Jet(jet) => jet.through(value, value),
+            Number::Jet(jet) => jet.through(value, value, Series::exponential),
             _ => Number::Ball(value),
         })
     }
@@ -131,7 +132,11 @@ impl Number {
             _ => sin_cos(ball),
         };
         if let Number::Jet(jet) = self {
-            return Some((jet.through(s, c), jet.through(c, -s)));
+            let [sine, cosine] = match jet.series().and_then(Series::sine_and_cosine) {
+                Some(both) => both.map(Some),
+                None => [None, None],
+            };
+            return Some((jet.through(s, c, |_| sine), jet.through(c, -s, |_| cosine)));
         }
         Some((Number::Ball(s), Number::Ball(c)))
     }
@@ -166,9 +171,10 @@ impl Number {
         if !matches!((y, x), (Number::Jet(_), _) | (_, Number::Jet(_))) {
             return Some(Number::Ball(angle));
         }
+        let series = series::angle(y, x);
         let (y, x) = (Jet::of(y), Jet::of(x));
         let slope = (x.value * y.slope - y.value * x.slope) / (x.value.square() + y.value.square());
-        Some(Number::Jet(Box::new(Jet { value: angle, slope })))
+        Some(Jet { value: angle, slope }.with(series))
     }
 }
 

@@ -7,8 +7,10 @@
 //! computed from such a ball is not taken for constant.
 
 use super::rounding::up;
+use super::series::{self, Series};
 use super::{Ball, Dd, Number};
 use std::cell::Cell;
+use std::ops::Deref;
 
 /// A number over a range of one parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +19,43 @@ pub struct Jet {
     pub value: Ball,
     /// Encloses its derivative by the parameter for every value of the parameter.
     pub slope: Ball,
+}
+
+/// The same, and where it was asked for a [`Series`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ranged {
+    jet: Jet,
+    series: Option<Box<Series>>,
+}
+
+impl Ranged {
+    pub fn series(&self) -> Option<&Series> {
+        self.series.as_deref()
+    }
+
+    /// f(self), from f and f' over the value, and f of the series.
+    pub(super) fn through(&self, value: Ball, slope: Ball, f: impl FnOnce(&Series) -> Option<Series>) -> Number {
+        Jet { value, slope: slope * self.jet.slope }.with(self.series().and_then(f))
+    }
+
+    pub(super) fn negative(&self) -> Number {
+        let Jet { value, slope } = self.jet;
+        Jet { value: -value, slope: -slope }.with(self.series().map(Series::negative))
+    }
+}
+
+impl Deref for Ranged {
+    type Target = Jet;
+
+    fn deref(&self) -> &Jet {
+        &self.jet
+    }
+}
+
+impl From<Jet> for Number {
+    fn from(jet: Jet) -> Number {
+        jet.with(None)
+    }
 }
 
 thread_local! {
@@ -68,19 +107,25 @@ impl Jet {
 
     /// The parameter itself, somewhere in a ball.
     pub fn of_parameter(range: Ball) -> Number {
-        Number::Jet(Box::new(Jet { value: range, slope: Ball::ONE }))
+        Number::from(Jet { value: range, slope: Ball::ONE })
+    }
+
+    /// The parameter within `reach` of a middle. Numbers that depend on it have a [`Series`] in it, so no two such parameters may meet.
+    pub fn of_parameter_in_series(middle: Ball, reach: f64) -> Number {
+        Jet { value: middle.widen(reach), slope: Ball::ONE }.with(Some(Series::of_parameter(middle, reach)))
+    }
+
+    /// The same number, known also by a series.
+    pub fn with(self, series: Option<Series>) -> Number {
+        Number::Jet(Box::new(Ranged { jet: self, series: series.map(Box::new) }))
     }
 
     /// Any number; one without a derivative is a constant.
     pub fn of(number: &Number) -> Jet {
         match number {
-            Number::Jet(jet) => (**jet).clone(),
+            Number::Jet(jet) => jet.jet.clone(),
             constant => Jet { value: constant.enclosure(), slope: Ball::ZERO },
         }
-    }
-
-    pub(super) fn number(value: Ball, slope: Ball) -> Number {
-        Number::Jet(Box::new(Jet { value, slope }))
     }
 
     pub(super) fn note_loss() {
@@ -90,36 +135,35 @@ impl Jet {
     pub(super) fn is_zero(&self) -> bool {
         self.value.is_zero() && self.slope.is_zero()
     }
-
-    /// f(self), from f and f' over the value.
-    pub(super) fn through(&self, value: Ball, slope: Ball) -> Number {
-        Jet::number(value, slope * self.slope)
-    }
 }
 
 pub(super) fn sum(a: &Number, b: &Number) -> Number {
+    let series = series::sum(a, b);
     let (a, b) = (Jet::of(a), Jet::of(b));
-    Jet::number(a.value + b.value, a.slope + b.slope)
+    Jet { value: a.value + b.value, slope: a.slope + b.slope }.with(series)
 }
 
 pub(super) fn product(a: &Number, b: &Number) -> Number {
     // Identical numbers, not only numbers with the same enclosures.
     let same = std::ptr::eq(a, b);
+    let series = series::product(a, b);
     let (a, b) = (Jet::of(a), Jet::of(b));
-    if same {
-        return Jet::number(square(a.value), a.value * a.slope * Ball::from(2.0));
-    }
-    Jet::number(a.value * b.value, a.value * b.slope + b.value * a.slope)
+    let (value, slope) = match same {
+        true => (square(a.value), a.value * a.slope * Ball::from(2.0)),
+        false => (a.value * b.value, a.value * b.slope + b.value * a.slope),
+    };
+    Jet { value, slope }.with(series)
 }
 
 pub(super) fn quotient(a: &Number, b: &Number) -> Number {
+    let series = series::quotient(a, b);
     let (a, b) = (Jet::of(a), Jet::of(b));
     if b.value.contains_zero() {
         let unknown = Ball::new(Dd::ZERO, f64::INFINITY);
-        return Jet::number(unknown, unknown);
+        return Number::from(Jet { value: unknown, slope: unknown });
     }
     let value = a.value / b.value;
-    Jet::number(value, (a.slope - value * b.slope) / b.value)
+    Jet { value, slope: (a.slope - value * b.slope) / b.value }.with(series)
 }
 
 /// The square of a number that is the same in both factors: never negative.

@@ -15,6 +15,7 @@ pub mod power;
 pub mod rational;
 pub mod rounded;
 pub mod rounding;
+pub mod series;
 pub mod surd;
 
 pub use ball::{Ball, larger};
@@ -27,6 +28,7 @@ pub use rational::{Literals, Rational};
 pub use rounded::{Rounded, Unproven};
 pub use rounding::{down, up};
 
+use jet::Ranged;
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use surd::{MAX_SURD_BITS, Surd};
@@ -45,7 +47,7 @@ pub enum Number {
     Pi(Box<PiPower>),
     Ball(Ball),
     /// Depends on a parameter that lies in a range: with its derivative.
-    Jet(Box<Jet>),
+    Jet(Box<Ranged>),
 }
 
 impl Number {
@@ -209,7 +211,7 @@ impl Number {
             // Either sign: its size is still within the radius of the midpoint's.
             Number::Ball(ball) => Number::Ball(ball.abs()),
             Number::Jet(jet) if jet.value.contains_zero() => {
-                Jet::number(jet.value.abs(), Ball::ZERO.widen(jet.slope.magnitude()))
+                Number::from(Jet { value: jet.value.abs(), slope: Ball::ZERO.widen(jet.slope.magnitude()) })
             }
             _ => self.clone(),
         }
@@ -300,7 +302,7 @@ impl Neg for &Number {
             }
             Number::Pi(pi) => PiPower::number(-pi.factor(), pi.power()),
             Number::Ball(ball) => Number::Ball(-*ball),
-            Number::Jet(jet) => Jet::number(-jet.value, -jet.slope),
+            Number::Jet(jet) => jet.negative(),
         }
     }
 }

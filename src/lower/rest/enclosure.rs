@@ -2,10 +2,11 @@
 
 use super::convex;
 use super::exact::simplest;
-use super::krawczyk::{self, Equations, Inverse, NEAR};
+use super::krawczyk::{self, Along, Equations, Inverse, NEAR, Part};
 use super::potential::{Detail, ELSEWHERE, Energy};
 use super::proof::Proven;
 use super::refinement::Refinement;
+use crate::base::number::series::Series;
 use crate::base::{Ball, Dd, Jet, Number};
 use crate::lower::kinematics::{Index, Kinematics};
 use nalgebra::DMatrix;
@@ -81,16 +82,22 @@ impl Refinement<'_> {
         let energy = self.energy(local, moving.len(), Detail::Curvature);
         let numbers = energy.gradient.iter().chain(energy.curvature.iter().map(|(_, _, value)| value));
         let ranged = numbers.clone().any(Number::is_range);
+        let has_series = ranged && numbers.clone().any(|x| x.is_range() && Series::of(x).is_some());
         let mut forces = Forces { part: self, local, moving, ranged };
         let inverse = forces.inverse(&energy)?;
         if inverse.is_singular() {
             inverse.without_drift(&mut middle);
         }
         let last = inverse.refine(&mut forces, &mut middle);
+        if has_series {
+            let (proven, rest) = inverse.prove_along(&mut forces, &middle)?;
+            forces.place_along(&rest);
+            return Some(proven);
+        }
         if ranged {
             let (proven, rest) = inverse.prove_over_ranges(&mut forces, &middle)?;
             for (coordinate, jet) in moving.iter().zip(rest) {
-                self.state.set(self.kinematics, *coordinate, Number::Jet(Box::new(jet)));
+                self.state.set(self.kinematics, *coordinate, Number::from(jet));
             }
             return Some(proven);
         }
@@ -155,7 +162,7 @@ impl Equations for Forces<'_, '_> {
             // Every question about what depends on the place is noted, as those about the parameters are.
             for (place, coordinate) in self.moving.iter().enumerate() {
                 let anywhere = Jet { value: Ball::new(middle[place], radius(place)), slope: Ball::ZERO };
-                self.part.state.set(self.part.kinematics, *coordinate, Number::Jet(Box::new(anywhere)));
+                self.part.state.set(self.part.kinematics, *coordinate, Number::from(anywhere));
             }
             return;
         }
@@ -168,6 +175,20 @@ impl Equations for Forces<'_, '_> {
 
     fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>) {
         self.dense(&self.part.energy(self.local, self.moving.len(), Detail::Curvature))
+    }
+}
+
+impl Along for Forces<'_, '_> {
+    fn place_along(&mut self, z: &[Series]) {
+        for (coordinate, series) in self.moving.iter().zip(z) {
+            self.part.state.set(self.part.kinematics, *coordinate, series.clone().into_number());
+        }
+    }
+
+    fn slope_along(&self) -> Option<Vec<Part>> {
+        let energy = self.part.energy(self.local, self.moving.len(), Detail::Curvature);
+        let entries = energy.curvature.iter().map(|(i, j, value)| (*i, *j, value));
+        krawczyk::dense_along(entries, self.moving.len())
     }
 }
 

@@ -7,6 +7,7 @@
 //! systems*, SIAM J. Numer. Anal. 14 (1977) 611-615). F'(Z) and F(m) are evaluated in ball arithmetic.
 
 use super::proof::Proven;
+use crate::base::number::series::{ORDER, Series};
 use crate::base::{Ball, Dd, Jet, Number, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::{product, solve};
@@ -23,6 +24,18 @@ pub trait Equations {
     /// F' over the box: binary64 numbers, and bounds of their errors.
     fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>);
 }
+
+/// Equations that are known along series in a parameter that is a range.
+pub trait Along: Equations {
+    /// Puts z along these series.
+    fn place_along(&mut self, z: &[Series]);
+
+    /// The coefficients of F', each as [`Equations::slope`] is; the first one holds what the series leave out.
+    fn slope_along(&self) -> Option<Vec<Part>>;
+}
+
+/// Binary64 numbers, and bounds of their errors.
+pub type Part = (DMatrix<f64>, DMatrix<f64>);
 
 /// An approximate inverse of the derivative, and the motions that it leaves out because nothing restrains them.
 pub struct Inverse {
@@ -105,7 +118,7 @@ impl Inverse {
         // The solutions lie in the image of the box, so also in the image of that.
         for _ in 0..NARROWED {
             equations.place(middle, &|i| radius[i]);
-            let mapped = self.map_bound(equations.slope(), &defect, &radius);
+            let mapped = self.map_bound(&[equations.slope()], &defect, &radius);
             radius.iter_mut().zip(mapped).for_each(|(radius, mapped)| *radius = radius.min(mapped));
         }
         equations.place(middle, &|i| radius[i]);
@@ -120,6 +133,52 @@ impl Inverse {
         Some((proven, (0..n).map(jet).collect()))
     }
 
+    /// Encloses the solution z(p) for all values p of a parameter by series with tubes around them: for each p, in the box of the radii around
+    /// the polynomial, the operator has the one fixed point of a box that it maps into its interior. As all is about one p, what moves with
+    /// it cancels: the derivative, with Y to the left, has to change by less than itself, however far the solution moves.
+    pub fn prove_along(&self, equations: &mut impl Along, middle: &[Dd]) -> Option<(Proven, Vec<Series>)> {
+        let mut found: Vec<Series> = middle.iter().map(|at| Series::constant(Ball::exact(*at))).collect();
+        // Each Newton step with the one Y makes one more coefficient right.
+        for _ in 0..=ORDER {
+            equations.place_along(&found);
+            let steps = self.apply_along(&equations.remaining_forces())?;
+            let mut is_last = true;
+            for (z, step) in found.iter_mut().zip(steps) {
+                is_last &= step.magnitude() <= Dd::EPSILON * z.magnitude();
+                z.terms = z.plus(&step.times_number(-1.0)).terms.map(|term| Ball::exact(term.mid));
+            }
+            if is_last {
+                break;
+            }
+        }
+        equations.place_along(&found);
+        let defect: Vec<f64> = self.apply_along(&equations.remaining_forces())?.iter().map(Series::magnitude).collect();
+        let least = |at: usize| middle[at].hi.abs() * Dd::EPSILON + f64::MIN_POSITIVE;
+        let mut radius: Vec<f64> = defect.iter().enumerate().map(|(at, defect)| 2.0 * defect + least(at)).collect();
+        for _ in 0..6 {
+            found.iter_mut().zip(&radius).for_each(|(z, radius)| z.rest = *radius);
+            equations.place_along(&found);
+            let mapped = self.map_bound(&equations.slope_along()?, &defect, &radius);
+            if let Some(proven) = Proven::inclusion(&mapped, &radius) {
+                return Some((proven, found));
+            }
+            for (radius, mapped) in radius.iter_mut().zip(&mapped) {
+                *radius = 4.0 * mapped.max(*radius);
+            }
+        }
+        None
+    }
+
+    /// Y F as series, if all of F is known as one.
+    fn apply_along(&self, left: &[Number]) -> Option<Vec<Series>> {
+        let left: Vec<Series> = left.iter().map(Series::of).collect::<Option<_>>()?;
+        let row = |i: usize| {
+            let parts = left.iter().enumerate().map(|(j, force)| force.times_number(self.y[(i, j)]));
+            parts.fold(Series::constant(Ball::ZERO), |sum, part| sum.plus(&part))
+        };
+        Some((0..left.len()).map(row).collect())
+    }
+
     /// The proof, and the radii of the image of the box that it is about.
     fn enclose(&self, equations: &mut impl Equations, middle: &[Dd], left: &[Ball]) -> Option<(Proven, Vec<f64>)> {
         let n = middle.len();
@@ -128,7 +187,7 @@ impl Inverse {
             (0..n).map(|i| 2.0 * defect[i] + middle[i].hi.abs() * Dd::EPSILON + f64::MIN_POSITIVE).collect();
         for _ in 0..6 {
             equations.place(middle, &|i| radius[i]);
-            let mapped = self.map_bound(equations.slope(), &defect, &radius);
+            let mapped = self.map_bound(&[equations.slope()], &defect, &radius);
             if let Some(proven) = Proven::inclusion(&mapped, &radius) {
                 return Some((proven, mapped));
             }
@@ -145,16 +204,20 @@ impl Inverse {
         products.fold(Ball::ZERO, |sum, product| sum + product).magnitude()
     }
 
-    /// An upper bound of |Y F| + |1 - Y F'(Z)| r, including rounding errors.
-    fn map_bound(&self, (middle, spread): (DMatrix<f64>, DMatrix<f64>), defect: &[f64], radius: &[f64]) -> Vec<f64> {
+    /// An upper bound of |Y F| + |1 - Y F'(Z)| r, including rounding errors. F' is a sum of coefficients, all but the first of which are
+    /// multiplied by numbers of at most 1 in size.
+    fn map_bound(&self, parts: &[Part], defect: &[f64], radius: &[f64]) -> Vec<f64> {
         let n = radius.len();
-        let product = &self.y * &middle;
-        let sizes = self.y.abs() * (middle.abs() * ((n + 2) as f64 * f64::EPSILON) + spread);
         let radii = DVector::from_column_slice(radius);
-        let wrong = DMatrix::from_fn(n, n, |i, j| {
-            let identity = if i == j { 1.0 } else { 0.0 };
-            (identity - product[(i, j)]).abs() * (1.0 + f64::EPSILON) + sizes[(i, j)]
-        });
+        let mut wrong = DMatrix::zeros(n, n);
+        for (at, (middle, spread)) in parts.iter().enumerate() {
+            let product = &self.y * middle;
+            let sizes = self.y.abs() * (middle.abs() * ((n + 2) as f64 * f64::EPSILON) + spread);
+            wrong += DMatrix::from_fn(n, n, |i, j| {
+                let identity = if i == j && at == 0 { 1.0 } else { 0.0 };
+                (identity - product[(i, j)]).abs() * (1.0 + f64::EPSILON) + sizes[(i, j)]
+            });
+        }
         // Sums of n positive numbers: each is right to n roundings, which the factor covers for all n that are dense.
         (wrong * radii).iter().zip(defect).map(|(moved, defect)| (moved + defect) * up::THOUSANDS).collect()
     }
@@ -193,16 +256,38 @@ pub fn dense_over_ranges<'a>(
     dense_as(Number::enclosure, entries, n)
 }
 
-fn dense_as<'a>(
-    ball: fn(&Number) -> Ball,
-    entries: impl IntoIterator<Item = (u32, u32, &'a Number)>,
-    n: usize,
-) -> (DMatrix<f64>, DMatrix<f64>) {
+/// The coefficients of the same along series, if all entries have one.
+pub fn dense_along<'a>(entries: impl IntoIterator<Item = (u32, u32, &'a Number)>, n: usize) -> Option<Vec<Part>> {
+    let sums = sum_of_entries(entries, n).iter().map(Series::of).collect::<Option<Vec<Series>>>()?;
+    let at = |i: usize, j: usize| &sums[i.max(j) * n + i.min(j)];
+    let part = |k: usize| {
+        let middle = DMatrix::from_fn(n, n, |i, j| at(i, j).terms[k].mid.hi);
+        let spread = DMatrix::from_fn(n, n, |i, j| {
+            let (series, term) = (at(i, j), at(i, j).terms[k]);
+            (term.mid.lo.abs() + term.rad + if k == 0 { series.rest } else { 0.0 }) * up::FEW
+        });
+        (middle, spread)
+    };
+    let count = sums.iter().map(Series::count).max()?.max(1);
+    Some((0..count).map(part).collect())
+}
+
+/// The lower triangle, row by row.
+fn sum_of_entries<'a>(entries: impl IntoIterator<Item = (u32, u32, &'a Number)>, n: usize) -> Vec<Number> {
     let mut sums = vec![Number::ZERO; n * n];
     for (i, j, value) in entries {
         let sum = &mut sums[i.max(j) as usize * n + i.min(j) as usize];
         *sum = &*sum + value;
     }
+    sums
+}
+
+fn dense_as<'a>(
+    ball: fn(&Number) -> Ball,
+    entries: impl IntoIterator<Item = (u32, u32, &'a Number)>,
+    n: usize,
+) -> (DMatrix<f64>, DMatrix<f64>) {
+    let sums = sum_of_entries(entries, n);
     let at = |i: usize, j: usize| ball(&sums[i.max(j) * n + i.min(j)]);
     let middle = DMatrix::from_fn(n, n, |i, j| at(i, j).mid.hi);
     // The low part of the middle, and the radius.
@@ -235,6 +320,42 @@ mod tests {
         fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>) {
             let twice = &self.z + &self.z;
             dense([(0, 0, &twice)], 1)
+        }
+    }
+
+    impl Along for Square {
+        fn place_along(&mut self, z: &[Series]) {
+            self.z = z[0].clone().into_number();
+        }
+
+        fn slope_along(&self) -> Option<Vec<Part>> {
+            dense_along([(0, 0, &(&self.z + &self.z))], 1)
+        }
+    }
+
+    /// The root of z^2 = p for all p within `reach` of `middle`, from a start that may be far from it.
+    fn root_along(middle: f64, reach: f64, start: f64) -> Option<Series> {
+        let c = Jet::of_parameter_in_series(Ball::from(middle), reach);
+        let mut square = Square { c, z: Number::Ball(Ball::from(start)) };
+        let inverse = Inverse::of(&square.slope().0, &[1.0]).expect("finite");
+        Some(inverse.prove_along(&mut square, &[Dd::from(start)])?.1.remove(0))
+    }
+
+    #[test]
+    fn a_root_that_moves_with_a_parameter_is_in_its_tube() {
+        for (middle, reach, most) in [(3.0, 1e-6, 1e-28), (3.0, 0.125, 1e-14), (3.0, 1.0, 1e-4)] {
+            let found = root_along(middle, reach, 1.73205080756887).expect("a tube");
+            assert!(found.rest < most, "{reach}: {:e}", found.rest);
+            for x in [-1.0, -0.5, 0.0, 0.75, 1.0] {
+                let truth = (Ball::from(middle) + Ball::from(x) * Ball::from(reach)).sqrt();
+                assert!((found.at(Ball::from(x)) - truth).contains_zero(), "{reach} {x}");
+                let polynomial = Series { rest: 0.0, ..found.clone() }.at(Ball::from(x)) - truth;
+                assert!(polynomial.mignitude() <= found.rest);
+            }
+        }
+        // Where roots meet within the range, or there is none, nothing is proved.
+        for (middle, reach) in [(0.125, 0.25), (0.25, 0.25), (-3.0, 0.125)] {
+            assert_eq!(root_along(middle, reach, 0.5), None, "{middle} {reach}");
         }
     }
 

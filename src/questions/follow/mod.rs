@@ -67,10 +67,13 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     let values: Vec<_> = (0..count).map(|i| swept.points.value(i)).collect();
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return Err(Unfollowed::NoModes) };
     let (classes, course) = places::classes(study, [first, last], n);
-    let field = Field { study, classes: &classes, course };
     let wanted = study.frequencies_asked().min(MOST_CURVES);
     // Of the last curve, the distance to the next one is needed.
-    let points = field.places(&values, (wanted + 1).min(n));
+    let count = (wanted + 1).min(n);
+    let line = |class: &Vec<u32>| study.line_of_class(class, classes.len() == 1, count);
+    let lines: Vec<_> = classes.iter().map(line).collect();
+    let field = Field { study, classes: &classes, course, lines: &lines };
+    let points = field.places(&values, count);
     let curves = choose(&points, wanted)?;
     let limits = Limits { stretches: stretches(values.len(), n) };
     let pairs: Vec<&[Place]> = points.windows(2).collect();
@@ -88,7 +91,7 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
         curves: curves.iter().map(|own| curve(*own, &classes, &points, &steps)).collect(),
         meetings,
         loci: if study.asked.poles { loci::loci(&field, &values) } else { Vec::new() },
-        onsets: onsets::onsets(&field, &values, grows),
+        onsets: onsets::onsets(&field, &points, grows),
         orders,
         parameter: (swept.parameter.name.clone(), swept.parameter.unit.clone()),
         places: values.iter().map(|value| value.to_f64()).collect(),

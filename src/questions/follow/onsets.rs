@@ -2,7 +2,7 @@
 //! of K or the real part of a pole passes zero. In: the model at all places in order. Out: each onset with its enclosed
 //! place. See docs/method/studies.md#onsets.
 
-use super::places::{Field, binary};
+use super::places::{Field, Place, binary};
 use crate::analysis::{self, ModeKind, PoleKind, Request};
 use crate::base::Number;
 use crate::kernel::cores;
@@ -13,13 +13,17 @@ use crate::system::LinearSystem;
 const MOST_ONSETS: usize = 20;
 
 /// The onsets between neighbouring values.
-pub fn onsets(field: &Field, values: &[Number], of: Grows) -> Onsets {
+pub fn onsets(field: &Field, places: &[Place], of: Grows) -> Onsets {
+    let count = |place: &Place| match of {
+        Grows::Modes if place.oscillates() => Some(0),
+        _ => growing(field, &place.at, of),
+    };
     let counts = match of {
-        Grows::Modes if field.course.is_some() => counts_by_halving(field, values),
-        _ => cores::in_pieces(values, 1, 1, |some| some.iter().map(|at| growing(field, at, of)).collect()),
+        Grows::Modes if field.course.is_some() => counts_by_halving(field, places),
+        _ => cores::in_pieces(places, 1, 1, |some| some.iter().map(count).collect()),
     };
     let certain: Vec<(f64, usize)> =
-        values.iter().zip(&counts).filter_map(|(at, count)| Some((at.to_f64(), (*count)?))).collect();
+        places.iter().zip(&counts).filter_map(|(place, count)| Some((place.at.to_f64(), (*count)?))).collect();
     let changes: Vec<[(f64, usize); 2]> =
         certain.windows(2).filter(|two| two[0].1 != two[1].1).map(|two| [two[0], two[1]]).collect();
     let list: Vec<Vec<Onset>> =
@@ -29,11 +33,11 @@ pub fn onsets(field: &Field, values: &[Number], of: Grows) -> Onsets {
 
 /// The number of growing modes at each value, where all eigenvalues of K move in one direction: what is the same at two values is the same
 /// between them.
-fn counts_by_halving(field: &Field, values: &[Number]) -> Vec<Option<usize>> {
-    let mut counts = vec![None; values.len()];
-    let last = values.len() - 1;
+fn counts_by_halving(field: &Field, places: &[Place]) -> Vec<Option<usize>> {
+    let mut counts = vec![None; places.len()];
+    let last = places.len() - 1;
     for end in [0, last] {
-        counts[end] = growing(field, &values[end], Grows::Modes);
+        counts[end] = growing(field, &places[end].at, Grows::Modes);
     }
     let mut left = vec![[0, last]];
     while let Some([low, high]) = left.pop() {
@@ -42,7 +46,7 @@ fn counts_by_halving(field: &Field, values: &[Number]) -> Vec<Option<usize>> {
             counts[low..high].fill(known);
         } else if high - low > 1 {
             let middle = low + (high - low) / 2;
-            counts[middle] = growing(field, &values[middle], Grows::Modes);
+            counts[middle] = growing(field, &places[middle].at, Grows::Modes);
             left.extend([[low, middle], [middle, high]]);
         }
     }

@@ -8,9 +8,12 @@ use crate::analysis::{self, ModeKind, Modes, Request, joined_by, undamped_block}
 use crate::base::number::jet;
 use crate::base::{Ball, Dd, Jet, Number, Rational};
 use crate::kernel::cores;
+use crate::kernel::pencils::Eigenvalues;
 use crate::questions::cases::Study;
+use crate::questions::lines::Line;
 use crate::questions::tolerated::hull;
 use crate::system::{Form, LinearSystem};
+use std::sync::Arc;
 
 /// The frequency of a mode that oscillates or is rigid.
 pub type Frequencies = Vec<Option<Ball>>;
@@ -40,11 +43,20 @@ pub struct Field<'a> {
     pub classes: &'a [Vec<u32>],
     /// The direction in which all eigenvalues move with the parameter over the whole range, if there is one.
     pub course: Option<Course>,
+    /// The line of each class.
+    pub lines: &'a [Arc<Option<Line>>],
 }
 
 impl Place {
     pub fn frequency(&self, class: usize, index: usize) -> Option<Ball> {
         *self.classes.get(class)?.get(index)?
+    }
+
+    /// Whether all modes certainly oscillate: the lowest of each class do.
+    pub fn oscillates(&self) -> bool {
+        let is_positive = |frequency: &Option<Ball>| frequency.is_some_and(|frequency| frequency.is_positive());
+        let oscillate = |class: &Frequencies| !class.is_empty() && class.iter().all(is_positive);
+        !self.classes.is_empty() && self.classes.iter().all(oscillate)
     }
 
     /// The distance from a mode to the next one of its class.
@@ -108,6 +120,13 @@ fn enclosing_system(study: &Study, [low, high]: [&Number; 2], is_damped: bool) -
 impl Field<'_> {
     /// The frequencies at a value; with `precisely`, to as many digits as possible.
     pub fn place(&self, at: &Number, precisely: bool) -> Place {
+        let quick = |line: &Arc<Option<Line>>| {
+            let list = self.study.frequencies_at(line, at)?;
+            Some(list.into_iter().map(Some).collect::<Frequencies>())
+        };
+        if !precisely && let Some(classes) = self.lines.iter().map(quick).collect() {
+            return Place { at: at.clone(), classes };
+        }
         let request = if precisely { Request::default().to_digits(28) } else { Request::default() };
         let system = self.study.undamped_system(0, at.clone()).filter(|system| !system.is_chained());
         let of_class = |coordinates: &Vec<u32>| {
@@ -121,16 +140,19 @@ impl Field<'_> {
     pub fn places(&self, values: &[Number], count: usize) -> Vec<Place> {
         let all: Vec<(u64, &Number)> = (0..).zip(values).collect();
         let of_cases = |some: &[(u64, &Number)]| {
-            // Frequencies of several classes come without the class that each is of.
-            let quick = match self.classes {
-                [_] => self.study.side_by_side(&some.iter().map(|(number, _)| *number).collect::<Vec<_>>(), count),
-                _ => vec![None; some.len()],
+            let numbers: Vec<u64> = some.iter().map(|(number, _)| *number).collect();
+            let of_class = |(line, coordinates): (&Arc<Option<Line>>, &Vec<u32>)| {
+                self.study.side_by_side(line, &numbers, count.min(coordinates.len()))
             };
-            let place = |(&(_, at), quick): (&(u64, &Number), Option<Vec<Ball>>)| match quick {
-                Some(list) => Place { at: at.clone(), classes: vec![list.into_iter().map(Some).collect()] },
-                None => self.place(at, false),
+            let quick: Vec<Vec<Option<Vec<Ball>>>> = self.lines.iter().zip(self.classes).map(of_class).collect();
+            let place = |(case, &(_, at)): (usize, &(u64, &Number))| {
+                let list = |of: &Vec<Option<Vec<Ball>>>| Some(of[case].as_ref()?.iter().copied().map(Some).collect());
+                match quick.iter().map(list).collect::<Option<Vec<Frequencies>>>() {
+                    Some(classes) => Place { at: at.clone(), classes },
+                    None => self.place(at, false),
+                }
             };
-            some.iter().zip(quick).map(place).collect()
+            some.iter().enumerate().map(place).collect()
         };
         cores::in_pieces(&all, 1, 1, of_cases)
     }
@@ -167,6 +189,10 @@ impl Field<'_> {
     /// Bounds for all values between two, for each class; by Weyl's inequality as in `outer`, or by the modes in the
     /// middle if rows change. `None` if nothing is proved.
     pub fn bounds(&self, ends: [&Number; 2]) -> Vec<Option<Bounds>> {
+        let quick = |line: &Arc<Option<Line>>| bounds_of(&(**line).as_ref()?.eigenvalues_over(ends)?);
+        if let Some(list) = self.lines.iter().map(quick).collect::<Option<Vec<Bounds>>>() {
+            return list.into_iter().map(Some).collect();
+        }
         let over = enclosing_system(self.study, ends, false);
         let sides = over.as_ref().and_then(outer);
         let middle = match (&over, &sides) {
@@ -187,6 +213,20 @@ impl Field<'_> {
         };
         self.classes.iter().map(of_class).collect()
     }
+}
+
+/// Bounds from those of the eigenvalues.
+fn bounds_of(found: &Eigenvalues) -> Option<Bounds> {
+    let pairs = || found.list.iter().zip(&found.bounds);
+    let root = |square: f64| analysis::derived::hertz(Ball::from(square).sqrt());
+    let lower = pairs().map(|(x, bound)| (x - bound) - 2.0 * f64::EPSILON * (x.abs() + bound));
+    let upper = pairs().map(|(x, bound)| (x + bound) + 2.0 * f64::EPSILON * (x.abs() + bound));
+    let (lower, upper): (Vec<f64>, Vec<f64>) = (lower.collect(), upper.collect());
+    let is_known = lower.iter().chain(&upper).all(|x| x.is_finite());
+    is_known.then(|| Bounds {
+        lower: lower.iter().map(|square| (*square > 0.0).then(|| root(*square))).collect(),
+        upper: upper.iter().map(|square| Some(if *square > 0.0 { root(*square) } else { Ball::ZERO })).collect(),
+    })
 }
 
 /// Bounds for a system over a range in coordinates of the modes of one in its middle: both matrices are nearly diagonal there.

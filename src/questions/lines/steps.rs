@@ -106,6 +106,11 @@ impl Steps {
         steps
     }
 
+    /// A value of the parameter less the base, SI.
+    pub fn distance_of(&self, si: &Number) -> Ball {
+        (si - &self.base).to_ball()
+    }
+
     /// The value with this number less the base, SI, with a relative error of a few roundings; NaN if it is not known
     /// that accurately.
     fn change(&self, index: u64) -> f64 {

@@ -245,11 +245,11 @@ impl<'a> Boxes<'a> {
                     _ if part[i][0] == part[i][1] => low.clone(),
                     Some(_) => {
                         let value = super::hull(low.enclosure(), high.enclosure());
-                        Number::Jet(Box::new(Jet { value, slope }))
+                        Number::from(Jet { value, slope })
                     }
                     None => {
                         let value = self.value(i, middle[i]).enclosure();
-                        Number::Jet(Box::new(Jet { value, slope }))
+                        Number::from(Jet { value, slope })
                     }
                 };
                 self.corners.setting(i, si)
@@ -627,7 +627,7 @@ fn value_of(combined: &Combined<Option<Jet>>) -> Option<Number> {
 }
 
 fn number(jet: Jet) -> Number {
-    Number::Jet(Box::new(jet))
+    Number::from(jet)
 }
 
 /// The work of linear equations in balls with their derivatives.

@@ -284,7 +284,7 @@ impl<'a> Corners<'a> {
         let range = |(i, [low, high]): (usize, &[Number; 2])| {
             let value = hull(low.enclosure(), high.enclosure());
             let slope = if i == own { Ball::ONE } else { Ball::ZERO };
-            self.setting(i, Number::Jet(Box::new(Jet { value, slope })))
+            self.setting(i, Number::from(Jet { value, slope }))
         };
         let own_values: Vec<Setting> = ranges.iter().enumerate().map(range).collect();
         let values = [self.held, &own_values].concat();

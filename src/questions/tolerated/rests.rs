@@ -43,7 +43,7 @@ impl Corners<'_> {
         let find = || {
             let setting = |(i, [low, high]): (usize, [Number; 2])| {
                 let value = super::hull(low.enclosure(), high.enclosure());
-                self.setting(i, Number::Jet(Box::new(Jet { value, slope: Ball::ZERO })))
+                self.setting(i, Number::from(Jet { value, slope: Ball::ZERO }))
             };
             let ranges = self.whole()?.into_iter().enumerate().map(setting);
             let values: Vec<Setting> = self.held.iter().cloned().chain(ranges).collect();
