@@ -269,6 +269,9 @@ pub fn ball(x: Triple, radius: f64) -> Ball {
 }
 
 #[cfg(test)]
+mod counts;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::analysis::modes::terms::Terms;

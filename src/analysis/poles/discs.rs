@@ -339,6 +339,9 @@ fn union_radius(
 }
 
 #[cfg(test)]
+mod extremes;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::analysis::modes;

@@ -316,6 +316,43 @@ mod tests {
         }
     }
 
+    /// Results hold those of the ends of both numbers, in exact arithmetic, and are hardly wider than they need to be.
+    #[test]
+    fn results_hold_those_of_the_ends() {
+        let sides = [(3.0, 0.5), (0.3, 1e-3), (-700.0, 40.0), (5.0, 0.0), (0.02, 1e-3), (1e9, 1e5)];
+        let balls = sides.map(|(mid, rad)| Ball::new(Dd::from(mid), rad));
+        let holds = |x: Ball, truth: &Number| {
+            let [low, high] = ends(x);
+            !(truth - &low).is_negative() && !(&high - truth).is_negative()
+        };
+        for (a, b) in balls.iter().flat_map(|&a| balls.map(|b| (a, b))) {
+            let (x, y) = (a.mid.hi.abs(), b.mid.hi.abs());
+            let results = [a + b, a - b, a * b, a / b];
+            for (p, q) in ends(a).iter().flat_map(|p| ends(b).map(|q| (p.clone(), q))) {
+                let truths = [&p + &q, &p - &q, &p * &q, &p / &q];
+                assert!(results.iter().zip(&truths).all(|(&x, truth)| holds(x, truth)), "{a:?} {b:?}: {results:?}");
+            }
+            let of_product = x * b.rad + y * a.rad + a.rad * b.rad;
+            let of_quotient = (a.rad + x / y * b.rad) / (y - b.rad);
+            for (found, needed) in results.iter().zip([a.rad + b.rad, a.rad + b.rad, of_product, of_quotient]) {
+                assert!(found.rad <= needed * (1.0 + 1e-12) + 1e-28 * found.magnitude(), "{a:?} {b:?} {found:?}");
+            }
+        }
+        for a in balls {
+            assert!(ends(a).iter().all(|end| holds(a.square(), &end.square())), "{a:?}");
+            assert!(ends(a.widen(2.0)).iter().zip(ends(a)).all(|(wide, end)| (wide - &end).to_f64().abs() >= 2.0));
+            assert!(a.widen(2.0).rad <= (a.rad + 2.0) * (1.0 + 1e-12) && a.to_f64() == a.mid.hi);
+            assert_eq!((a.is_exact(), a.is_finite()), (a.rad == 0.0, true));
+            let known = a.rad / (a.mid.hi.abs() - a.rad);
+            assert!(known <= a.relative_error() && a.relative_error() <= known * (1.0 + 1e-9) + 1e-300, "{a:?}");
+            if a.is_positive() {
+                let [low, high] = ends(a.sqrt());
+                let [from, to] = ends(a);
+                assert!(!(&from - &low.square()).is_negative() && !(&high.square() - &to).is_negative(), "{a:?}");
+            }
+        }
+    }
+
     /// An overflow, or a product with an unknown number, is unknown: it has no sign, and its bounds are infinite.
     #[test]
     fn nan_proves_nothing() {

@@ -121,4 +121,27 @@ mod tests {
         assert!(least < truth && least > 0.8 * truth, "{least:e} {truth:e}");
         assert_eq!(matrix.least_eigenvalue(1.1 * truth), None);
     }
+
+    /// [1 c; c 1] in other units, each entry uncertain by r, has a least eigenvalue of 1 - c - 2r, or so where the scale is not
+    /// known exactly either: a bound beyond it proves nothing, and one that is nearly as large is found.
+    #[test]
+    fn radii_of_all_entries_are_in_the_bound() {
+        let (c, r) = (0.9, 0.02);
+        for units in [[1.0, 1.0], [1e-3, 5e2], [3e4, 3e4]] {
+            let entry = |i: usize, j: usize, value: f64, r: f64| {
+                (i as u32, j as u32, Ball::new((value * units[i] * units[j]).into(), r * units[i] * units[j]))
+            };
+            let least = |r: f64| {
+                let entries = vec![entry(0, 0, 1.0, r), entry(0, 1, c, r), entry(1, 1, 1.0, r)];
+                Scaled::to_ones(2, entries).expect("a positive diagonal").least_eigenvalue((1.0 - c) * (1.0 - 1e-9))
+            };
+            let found = least(r).expect("positive");
+            assert!(found <= (1.0 - c) - 2.0 * r && found > (1.0 - c) - 2.01 * r, "{units:?}: {found}");
+            assert_eq!(least(0.0501), None, "{units:?}");
+            // The low word of an entry counts, as it is not in the factors.
+            let (low, high) = (crate::base::Dd { hi: 1.0, lo: 1e-17 }, Ball::from(1.0));
+            let spread = Scaled::to_ones(2, vec![(0, 0, Ball::exact(low)), (1, 1, high)]).expect("positive").spreads;
+            assert!(spread[0] >= spread[1] + 1e-17, "{spread:?}");
+        }
+    }
 }

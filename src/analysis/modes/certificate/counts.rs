@@ -1,0 +1,132 @@
+//! Enclosures beside counts of negative pivots (Sylvester), of random pencils whose axes are poor approximations of their modes: of
+//! masses and frequencies of all sizes, some of them close, with uncertainties of both forms that are used up in full.
+
+use super::*;
+use crate::analysis::modes::terms::Terms;
+use crate::analysis::test_systems::blank;
+use crate::base::{Number, Rational};
+use crate::system::{CoordinateId, Form, Nature};
+
+/// SplitMix64, between 0 and 1.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn sign(&mut self) -> f64 {
+        if self.next() < 0.5 { -1.0 } else { 1.0 }
+    }
+}
+
+type Symmetric = [[f64; 3]; 3];
+
+/// Sums of w_ij (x_i + x_j)^2 and of what is left on the diagonal.
+fn form(
+    system: &mut crate::system::LinearSystem,
+    a: &Symmetric,
+    which: fn(&mut crate::system::LinearSystem) -> &mut Form,
+) {
+    let source = {
+        let name = system.coordinates[0].name;
+        which(system).source(name)
+    };
+    let mut add = |w: f64, at: &[usize]| {
+        let row = at.iter().map(|&i| (CoordinateId(i as u32), Number::ONE));
+        let weight = Number::from(Rational::from_f64(w).expect("finite"));
+        which(system).push(source, Nature::Property, weight, row.collect::<Vec<_>>());
+    };
+    for (i, row) in a.iter().enumerate() {
+        let others: f64 = (0..3).filter(|&j| j != i).map(|j| row[j]).sum();
+        add(row[i], &[i]);
+        add(-others, &[i]);
+        (0..i).for_each(|j| add(row[j], &[i, j]));
+    }
+}
+
+/// The number of negative pivots of K - s M in double-double; `None` where a pivot is nearly zero.
+fn count(k: &Symmetric, m: &Symmetric, s: Dd) -> Option<usize> {
+    let mut a = [[Dd::ZERO; 3]; 3];
+    (0..9).for_each(|e| a[e / 3][e % 3] = Dd::from(k[e / 3][e % 3]) - s * Dd::from(m[e / 3][e % 3]));
+    let mut negative = 0;
+    for p in 0..3 {
+        let size = (0..3).map(|i| (s.hi * m[p][i]).abs() + k[p][i].abs()).fold(0.0, f64::max);
+        if a[p][p].hi.abs() < 1e-20 * size {
+            return None;
+        }
+        negative += usize::from(a[p][p].hi < 0.0);
+        for i in p + 1..3 {
+            let factor = a[i][p] / a[p][p];
+            (p + 1..3).for_each(|j| a[i][j] -= factor * a[p][j]);
+        }
+    }
+    Some(negative)
+}
+
+#[test]
+fn enclosures_agree_with_counts_of_negative_pivots() {
+    let mut random = Random(7);
+    let (mut finite, mut tight) = (0, 0);
+    for sample in 0..1500 {
+        // Frequencies, some of them close, and masses over three decades.
+        let unit = 10f64.powf(4.0 * random.next() - 2.0);
+        let masses = [0, 1, 2].map(|_| 10f64.powf(3.0 * random.next() - 1.5));
+        let close = [1.0, 1e-1, 1e-3, 1e-6][sample % 4];
+        let lambda = [unit, unit * (1.0 + close * random.next()), unit * (1.0 + 3.0 * random.next())];
+        let (mut k, mut m) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+        // Couplings from what is hardly a bound to nothing, of K or of M or of both.
+        let size = 10f64.powf(-4.0 * random.next()) * if sample % 8 < 4 { close } else { 1.0 };
+        let (in_k, in_m) = [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.0, 0.0)][(sample / 4) % 4];
+        for i in 0..3 {
+            (m[i][i], k[i][i]) = (masses[i], masses[i] * lambda[i]);
+            for j in 0..i {
+                let both = (masses[i] * masses[j]).sqrt() * size;
+                let (of_k, of_m) = (in_k * random.sign() * unit * both, in_m * random.sign() * both * random.next());
+                (k[i][j], k[j][i], m[i][j], m[j][i]) = (of_k, of_k, of_m, of_m);
+            }
+        }
+        let mut system = blank(3);
+        form(&mut system, &k, |system| &mut system.k);
+        form(&mut system, &m, |system| &mut system.m);
+        // The forms themselves may be off by the squares of these rows.
+        let of = |random: &mut Random, unit: f64, none: bool| -> Vec<f64> {
+            let size = if none { 0.0 } else { 10f64.powf(-3.0 * random.next()) * close.sqrt() };
+            masses.iter().map(|mass| (mass * unit).sqrt() * size * (0.1 + 0.2 * random.next())).collect()
+        };
+        let (slips_k, slips_m) = (of(&mut random, unit, sample % 3 == 0), of(&mut random, 1.0, sample % 5 < 2));
+        let x = Matrix::from_fn(3, 3, |i, j| Triple::from(if i == j { 1.0 } else { 0.0 }));
+        let (terms_k, terms_m) = (Terms::of(&system.k), Terms::of(&system.m));
+        let found = enclose(
+            &Gram::of(&terms_k, &x).with_slips(slips_k.clone()),
+            &Gram::of(&terms_m, &x).with_slips(slips_m.clone()),
+        );
+        for signs in 0..4 {
+            let (side_k, side_m) = ([1.0, -1.0][signs % 2], [1.0, -1.0][signs / 2]);
+            let turns = [random.sign(), random.sign(), random.sign()];
+            let moved = |a: &Symmetric, slips: &[f64], side: f64| -> Symmetric {
+                std::array::from_fn(|i| {
+                    std::array::from_fn(|j| a[i][j] + 0.999_999 * side * slips[i] * slips[j] * turns[i] * turns[j])
+                })
+            };
+            let (k, m) = (moved(&k, &slips_k, side_k), moved(&m, &slips_m, side_m));
+            for (i, found) in found.iter().enumerate().filter(|(_, found)| found.radius.is_finite()) {
+                let middle = found.lambda.dd();
+                let reach = Dd::from(found.radius + 1e-12 * middle.hi.abs());
+                let (below, above) = (count(&k, &m, middle - reach), count(&k, &m, middle + reach));
+                assert!(below.is_none_or(|n| n <= i), "{sample} {signs} {i}: {found:?} {below:?}");
+                assert!(above.is_none_or(|n| n > i), "{sample} {signs} {i}: {found:?} {above:?}");
+                // Half of the radius, in one of the cases, is not enough.
+                let part = Dd::from(0.5 * found.radius);
+                let inside = (count(&k, &m, middle - part), count(&k, &m, middle + part));
+                tight += usize::from(matches!(inside, (Some(a), Some(b)) if a > i || b <= i));
+                finite += 1;
+            }
+        }
+    }
+    assert!(finite > 9000 && tight > 900, "{finite} {tight}");
+}
