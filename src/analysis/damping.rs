@@ -95,6 +95,7 @@ fn add_scaled(c: &mut Form, source: u32, form: &Form, factor: &Number) {
 ///
 /// The modes keep the shapes that were refined for it: they are those of the damped system too.
 pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Result<(), AnalysisError> {
+    let is_alone = system.c.is_empty() && modes.list.iter().all(|mode| mode.kind != ModeKind::Undetermined);
     let mut terms: Vec<Option<Term>> = vec![None; modes.list.len()];
     for part in &independent_undamped(system) {
         let own = of_part(part, &modes.list);
@@ -121,6 +122,9 @@ pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Re
     for Term { omega, row } in terms.into_iter().flatten() {
         let weight = &(ratio * &Number::from(2)) * &Number::Ball(omega);
         system.c.push(source, Nature::Property, weight, row.into_iter().map(|(i, x)| (i, Number::Ball(x))));
+    }
+    if is_alone {
+        system.c.gives_ratio(ratio.clone());
     }
     Ok(())
 }

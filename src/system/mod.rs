@@ -120,6 +120,7 @@ pub struct Form {
     terms: Vec<Term>,
     entries: Vec<(CoordinateId, Number)>,
     sources: Vec<Source>,
+    ratio: Option<Number>,
 }
 
 /// One square of a [`Form`].
@@ -218,6 +219,7 @@ impl Form {
         self.terms.clear();
         self.entries.clear();
         self.sources.clear();
+        self.ratio = None;
     }
 
     /// Registers a source of terms; returns the index for [`Form::push`].
@@ -245,7 +247,19 @@ impl Form {
         if len > 0 {
             let (start, len) = (start as u32, len as u32);
             self.terms.push(Term { weight, nature, source, start, len });
+            self.ratio = None;
         }
+    }
+
+    /// Says that these terms are together exactly the C that gives every oscillation of the system this damping ratio, and all other
+    /// motions no damping. True until another term is added.
+    pub fn gives_ratio(&mut self, ratio: Number) {
+        self.ratio = Some(ratio);
+    }
+
+    /// The damping ratio of every oscillation if [`Form::gives_ratio`] has said so of these terms.
+    pub fn ratio(&self) -> Option<&Number> {
+        self.ratio.as_ref()
     }
 
     pub fn terms(&self) -> &[Term] {
@@ -254,6 +268,7 @@ impl Form {
 
     /// The form with other weights on its rows.
     pub fn with_weights(mut self, of: impl Fn(&Number) -> Number) -> Form {
+        self.ratio = None;
         self.terms.iter_mut().for_each(|term| term.weight = of(&term.weight));
         self
     }

@@ -52,6 +52,34 @@ fn damping_by_modes_keeps_its_bounds_in_a_long_chain() {
     keeps_its_bounds(model, &truth);
 }
 
+/// A ratio of 1e9, with poles in two heaps 18 decades apart: no pole is lost between them, and |H| has no extremum. Values as above.
+#[test]
+fn damping_far_beyond_critical_keeps_its_bounds_in_a_long_chain() {
+    let model = "model c\n\
+        repeat i in 1..100 { body b[i] { mass = 1 kg, moves x } }\n\
+        spring k0: ground -- b[1] { k = 100 N/m }\n\
+        repeat i in 2..100 { spring k[i]: b[i-1] -- b[i] { k = 100 N/m } }\n\
+        force F: b[1] along x\n\
+        output y = b[100].x\n\
+        damping modal 1e9\n";
+    let truth = [
+        ("1e-10", (6.617517239022449e-08, 3.1797743348397108e-24), (-0.0008053565688405524, -2.266663861080331e-20)),
+        ("0.001", (-2.5e-21, -1.3899057532692043e-37), (-7.918640005725403e-11, 6.3685082111281065e-27)),
+        ("1e9", (-1.1169962722330855e-34, 5.759861044248959e-51), (1.9857553406605084e-25, 8.178941333611512e-42)),
+        ("3e10", (-4.385392945329674e-83, 0.0), (7.261912812920861e-30, -4.992023371166452e-46)),
+    ];
+    keeps_its_bounds(model, &truth);
+    // Where the force acts each mode has a positive share, and all are overdamped: |H| falls everywhere.
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("model.vib");
+    std::fs::write(&path, model.replace("force F: b[1]", "force F: b[100]")).expect("a model");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+    let output = command.arg("transfer").arg(&path).args(["--format", "json"]).output().expect("the program runs");
+    let table: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(table["pairs"][0]["complete"], true);
+    assert_eq!(table["pairs"][0]["extrema"], serde_json::json!([]));
+}
+
 /// A body without mass between two others: the shapes are those of the springs in series.
 #[test]
 fn modal_damping_keeps_its_bounds_with_massless_bodies() {

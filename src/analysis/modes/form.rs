@@ -9,7 +9,7 @@
 
 use crate::analysis::answer::{Mode, ModeKind, Modes, PRECISE};
 use crate::analysis::modes::dense::basis::Basis;
-use crate::base::{Ball, Dd, larger, up};
+use crate::base::{Ball, Dd, Number, larger, up};
 use crate::kernel::dense::{Matrix, add_scaled};
 use crate::kernel::simd::simd;
 use crate::kernel::squares::Squares;
@@ -44,29 +44,36 @@ impl ModalForm {
     /// With X^T C X. `None` if modes are missing; beyond [`PRECISE`] coordinates also where some coordinate has no mass.
     pub fn with_damping(system: &LinearSystem, modes: &Modes) -> Option<(ModalForm, Matrix<Ball>)> {
         let n = system.n();
+        let kinds = kinds(&modes.list);
+        // Of modes that are damped by one ratio all is known, whatever the digits of the rows of C.
+        let by_ratio = |form: &ModalForm| form.damping_by_ratio(&kinds, system.c.ratio()?);
         let from_terms = || {
             let form = ModalForm::of(system, modes, gram)?;
-            let damping = gram(&Squares::of_form(&system.c), &form.shapes);
+            let damping = by_ratio(&form).unwrap_or_else(|| gram(&Squares::of_form(&system.c), &form.shapes));
             Some((form, damping))
         };
         let is_complete = modes.list.len() == n && modes.list.iter().all(|mode| mode.shape.len() == n);
         if n <= FEW || n > MOST || !is_complete {
             return if n <= FEW { from_terms() } else { None };
         }
-        let found = ModalForm::from_basis(system, modes);
+        let found = ModalForm::from_basis(system, modes, by_ratio);
         if n > PRECISE {
             return found;
         }
-        let kinds = kinds(&modes.list);
         found.filter(|(form, _)| form.epsilon(&kinds) <= ENOUGH).or_else(from_terms)
     }
 
     /// By products of matrices in binary64.
-    fn from_basis(system: &LinearSystem, modes: &Modes) -> Option<(ModalForm, Matrix<Ball>)> {
+    fn from_basis(
+        system: &LinearSystem,
+        modes: &Modes,
+        by_ratio: impl Fn(&ModalForm) -> Option<Matrix<Ball>>,
+    ) -> Option<(ModalForm, Matrix<Ball>)> {
         let shapes = Matrix::from_fn(system.n(), system.n(), |i, j| modes.list[j].shape[i]);
         let basis = Basis::of(system, shapes)?;
-        let (k, c) = (basis.form(&system.k), basis.form(&system.c));
-        Some((ModalForm { shapes: basis.shapes(), m: basis.m, k }, c))
+        let form = ModalForm { shapes: basis.shapes(), m: basis.m.clone(), k: basis.form(&system.k) };
+        let c = by_ratio(&form).unwrap_or_else(|| basis.form(&system.c));
+        Some((form, c))
     }
 
     /// How far M and K are from diagonal, relative to the diagonal.
@@ -155,6 +162,29 @@ impl ModalForm {
             .fold(off_diagonal(&self.k, &sizes(&k, least), false), |sum, (_, k)| larger(sum, k.hi.abs() * UP / least));
         let is_small = k.len() as f64 * (of_m + of_k) < 1e-3;
         is_small.then_some((8.0 * of_m + 3.0 * of_k) * UP)
+    }
+
+    /// X^T C X of the C that gives every oscillation one damping ratio, and other motions none. With X^T M X = 1 + F it is
+    /// (1 + E) W (1 + E)^T, 1 + E = (1 + F) (1 + G), G and W as [above](Self::uncertainty): with |E_ij| <= e an entry is within
+    /// e (w_i + w_j) + e^2 sum w of that of W. `None` if the basis is too far from one of modes.
+    pub fn damping_by_ratio(&self, kinds: &[ModeKind], ratio: &Number) -> Option<Matrix<Ball>> {
+        let g = self.uncertainty(kinds)?;
+        let n = kinds.len();
+        let f = off_diagonal(&self.m, &vec![1.0; n], true);
+        let e = (f + g + n as f64 * f * g) * UP;
+        let twice = ratio.to_ball() * Ball::from(2.0);
+        let rate = |(kind, k): (&ModeKind, &Dd)| match kind {
+            ModeKind::Oscillation => twice * Ball::exact(*k).sqrt(),
+            _ => Ball::ZERO,
+        };
+        let w: Vec<Ball> = kinds.iter().zip(&self.stiffnesses()).map(rate).collect();
+        let sizes: Vec<f64> = w.iter().map(|w| w.magnitude()).collect();
+        let all = e * e * sizes.iter().sum::<f64>();
+        let entry = |i: usize, j: usize| {
+            let own = if i == j { w[i] } else { Ball::ZERO };
+            own.widen((e * (sizes[i] + sizes[j]) + all) * UP)
+        };
+        Some(Matrix::from_fn(n, n, entry))
     }
 
     /// The diagonal of X^T K X.
@@ -354,6 +384,42 @@ mod tests {
         assert!(!of(&|_| Some("0.7")));
         assert!(of(&|i| (i == 17).then_some("0.7")));
         assert!(of(&|i| Some(if i % 2 == 0 { "0.7" } else { "0.7007" })));
+    }
+
+    /// Frequencies of 1 and 2 rad/s, and a free system with one of 1 rad/s: C is rational. Seen from modes that are turned against each
+    /// other, mixed or of the wrong size by 1e-10, it lies in the enclosure, which is not much wider.
+    #[test]
+    fn damping_by_a_ratio_is_enclosed_from_poor_modes() {
+        for (held, between, sum_of_rates) in [("1", "1.5", "1.5"), ("0", "0.5", "0")] {
+            let ratio = Number::from("0.75");
+            let mut system = blank(2);
+            for i in 0..2 {
+                push(&mut system.m, "1", i, None);
+                push(&mut system.k, held, i, None);
+                push(&mut system.c, sum_of_rates, i, None);
+            }
+            push(&mut system.k, between, 1, Some(0));
+            push(&mut system.c, "0.75", 1, Some(0));
+            let [m, c, k] = [&system.m, &system.c, &system.k].map(Squares::of_form);
+            let list = modes(&system).expect("modes").list;
+            let good = shapes(&list);
+            for by in [[[0.0, 1e-10], [-1e-10, 0.0]], [[0.0, 1e-10], [1e-10, 0.0]], [[3e-10, 0.0], [0.0, -1e-10]]] {
+                let poor = Matrix::from_fn(2, 2, |i, j| {
+                    (0..2).fold(good[(i, j)], |sum, l| sum + good[(i, l)] * Dd::from(by[l][j]))
+                });
+                let form = ModalForm::with(poor, &m, &k, gram);
+                let found = form.damping_by_ratio(&kinds(&list), &ratio).expect("near modes");
+                let truth = gram(&c, &form.shapes);
+                for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    assert!(
+                        (found[(i, j)] - truth[(i, j)]).contains_zero(),
+                        "{held} {by:?} {i} {j}: {found:?} {truth:?}"
+                    );
+                    // Eleven times the flaw, times the sum of two rates of at most 3 1/s.
+                    assert!(found[(i, j)].rad < 1e-7, "{found:?}");
+                }
+            }
+        }
     }
 
     /// A mode has the same sign in both representations of its shape.

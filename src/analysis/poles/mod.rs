@@ -196,14 +196,20 @@ pub fn poles_of(system: &LinearSystem, whole: &Part, modes: &Modes) -> Poles {
 /// The poles of the listed modes with this damping ratio for each oscillation, added to the effect of dampers; `None`
 /// if the dampers couple the modes.
 pub fn poles_by_ratio(system: &LinearSystem, whole: &Part, modes: &Modes, ratio: &Number) -> Option<Poles> {
-    let undamped = || Proportional { alpha: Number::ZERO, beta: Number::ZERO };
-    let base = if system.c.is_empty() { undamped() } else { proportional(system, whole)? };
-    let twice = ratio * &Number::from(2);
-    // s = omega z, with z^2 + 2 zeta z + 1 = 0 exactly.
-    let unit = roots(&Number::ONE, &twice, &Number::ONE);
+    let base = if system.c.is_empty() { Proportional::NONE } else { proportional(system, whole)? };
     let mut found = PoleList::default();
     let passive = Passive::of(system, whole, modes);
     let passive = Passive { damped: passive.damped && takes_energy(ratio), ..passive };
+    add_by_ratio(modes, ratio, &base, passive, &mut found);
+    without_inertia(modes, &base, passive, &mut found);
+    Some(finish_partial(found, system, modes))
+}
+
+/// The poles of modes of which each oscillation has this damping ratio, added to the damping `base`.
+fn add_by_ratio(modes: &Modes, ratio: &Number, base: &Proportional, passive: Passive, found: &mut PoleList) {
+    let twice = ratio * &Number::from(2);
+    // s = omega z, with z^2 + 2 zeta z + 1 = 0 exactly.
+    let unit = roots(&Number::ONE, &twice, &Number::ONE);
     for mode in &modes.list {
         let omega_squared = Number::Ball(mode.omega_squared);
         let own = base.of_mode(&omega_squared);
@@ -217,8 +223,6 @@ pub fn poles_by_ratio(system: &LinearSystem, whole: &Part, modes: &Modes, ratio:
             _ => found.quadratic(roots(&Number::ONE, &own, &omega_squared), passive),
         }
     }
-    without_inertia(modes, &base, passive, &mut found);
-    Some(finish_partial(found, system, modes))
 }
 
 /// Poles of motions without inertia for C = alpha M + beta K: det Q = (1 + beta s)^n det(sigma M + K), sigma = (s² +
@@ -314,12 +318,20 @@ impl Portion<'_> {
                     ));
                 }
             }
+        } else if let Some(ratio) = self.ratio_of_all(modes) {
+            add_by_ratio(modes, ratio, &Proportional::NONE, self.passive(modes), found);
         } else if let Some(damping) = proportional(self.system, self.part) {
             self.add_decoupled(modes, &damping, found);
         } else {
             self.general(modes, found)?;
         }
         Ok(())
+    }
+
+    /// The damping ratio that all oscillations of the system have, while nothing else is damped, unless it may be critical.
+    fn ratio_of_all(&self, modes: &Modes) -> Option<&Number> {
+        let ratio = self.system.c.ratio().filter(|ratio| !(*ratio - &Number::ONE).may_be_zero())?;
+        modes.list.iter().all(|mode| mode.kind != ModeKind::Undetermined).then_some(ratio)
     }
 
     /// Takes the poles of a part with loss factors. A pole s with Re s > 0 and Im s > 0 would need more energy than M, C, K and H,

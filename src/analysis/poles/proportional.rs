@@ -15,6 +15,8 @@ pub struct Proportional {
 }
 
 impl Proportional {
+    pub const NONE: Proportional = Proportional { alpha: Number::ZERO, beta: Number::ZERO };
+
     /// Damping of the mode with this omega^2, per unit of modal mass.
     pub fn of_mode(&self, omega_squared: &Number) -> Number {
         &self.alpha + &(&self.beta * omega_squared)

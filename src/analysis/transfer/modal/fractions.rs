@@ -24,11 +24,17 @@ impl ModalSum {
             return None;
         }
         let undamped = self.c.iter().all(|c| c.is_zero()) && self.off.c.iter().all(|c| *c == 0.0);
-        let (list, free) = if undamped { self.of_undamped(pair)? } else { self.of_damped(pair)? };
+        let beyond_critical = self.ratio.filter(|ratio| (*ratio - Ball::ONE).is_positive());
+        let (list, free) = match undamped || beyond_critical.is_some() {
+            true => self.of_true_modes(pair, beyond_critical)?,
+            false => self.of_damped(pair)?,
+        };
         let part = if undamped { part(pair) } else { Part::Both };
         PartialFractions::of_poles(list.into_iter(), free, pair.feed_through, part)
     }
 
+    /// H as the sum over the true modes, of a system that nothing damps, or whose oscillations all have one damping ratio, above one.
+    ///
     /// With y the coefficients of a true mode in the basis X, (k + E_K) y = lambda (1 + E_M) y: within
     /// d_i = (|E_K e_i| + |k_i| |E_M e_i|) / (1 - mu), mu >= |E_M|, of each k_i there is a true lambda, so exactly one if these
     /// intervals are disjoint, and with y^T (1 + E_M) y = 1
@@ -36,7 +42,7 @@ impl ModalSum {
     ///   |y_j| <= (|E_K e_j| + |lambda| |E_M e_j|) / (|k_j - k_i| - d_i) / (1 - mu),   |1 - y_i| <= mu + sum y_j^2.
     ///
     /// Rigid motions have lambda = 0 exactly and are taken together, so they need no distance from each other.
-    fn of_undamped(&self, pair: &ModalPair) -> Option<(Vec<Given>, [Ball; 5])> {
+    fn of_true_modes(&self, pair: &ModalPair, ratio: Option<Ball>) -> Option<(Vec<Given>, [Ball; 5])> {
         let (n, off) = (self.k.len(), &self.off);
         let (mu, reach) = self.reach()?;
         let eta = UP / (1.0 - mu);
@@ -68,7 +74,7 @@ impl ModalSum {
         let mut list = Vec::with_capacity(n);
         for i in (0..n).filter(|&i| !self.rigid[i]) {
             let k = Ball::new(self.k[i], reach[i]);
-            // 1 / (s^2 + k) = (1 / (s - z) - 1 / (s + z)) / 2z
+            // 1 / (s^2 + k) = (1 / (s - z) - 1 / (s + z)) / 2z, and likewise with other roots
             let half = Ball::from(0.5);
             let products = |factor: Complex<Ball>| {
                 let doubt = |which: usize| doubts[which][i];
@@ -80,7 +86,13 @@ impl ModalSum {
                 products: products(factor),
                 rest: [0.0; 5],
             };
-            if k.is_positive() {
+            if let Some(ratio) = ratio.filter(|_| k.is_positive()) {
+                let (omega, root) = (k.sqrt(), ((ratio - Ball::ONE) * (ratio + Ball::ONE)).sqrt());
+                let factor = half / (omega * root);
+                for (z, factor) in [(omega / (ratio + root), factor), (omega * (ratio + root), -factor)] {
+                    list.push(of(Complex::new(-z.mid, Dd::ZERO), z.rad, Complex::real(factor)));
+                }
+            } else if k.is_positive() {
                 let omega = k.sqrt();
                 let factor = Complex::new(Ball::ZERO, -(half / omega));
                 list.push(of(Complex::new(Dd::ZERO, omega.mid), omega.rad, factor));

@@ -40,6 +40,8 @@ pub struct ModalSum {
     rigid: Vec<bool>,
     /// Whether certainly no rigid motion is damped.
     is_undragged: bool,
+    /// The damping ratio of every oscillation, where one is declared for all and nothing else damps.
+    ratio: Option<Ball>,
 }
 
 /// Bounds of E_M, E_C and E_K, what X^T M X, X^T C X and X^T K X are beside 1, the c_i and the k_i: the norms of their columns.
@@ -88,8 +90,9 @@ impl ModalSum {
         }
         let (form, damping) = ModalForm::with_damping(system, modes)?;
         let sum = ModalSum::of_form(form, &damping, &kinds(&modes.list))?;
+        let ratio = system.c.ratio().map(Number::to_ball);
         let is_undragged = sum.is_undragged || is_undragged(system, &sum.rigid);
-        Some(ModalSum { is_undragged, ..sum })
+        Some(ModalSum { is_undragged, ratio, ..sum })
     }
 
     /// `damping` is X^T C X.
@@ -126,7 +129,19 @@ impl ModalSum {
         };
         let rigid: Vec<bool> = kinds.iter().map(|kind| *kind == ModeKind::Rigid).collect();
         let is_undragged = !rigid.contains(&true);
-        Some(ModalSum { shapes: form.shapes, k, c, omega, epsilon, k_size, c_size, off, rigid, is_undragged })
+        Some(ModalSum {
+            shapes: form.shapes,
+            k,
+            c,
+            omega,
+            epsilon,
+            k_size,
+            c_size,
+            off,
+            rigid,
+            is_undragged,
+            ratio: None,
+        })
     }
 
     /// Prepares an input and an output.
@@ -284,11 +299,12 @@ impl ModalSum {
     }
 }
 
-/// Whether all rigid motions are known exactly, and stretch no damper.
+/// Whether all rigid motions are known exactly, and stretch no damper. Damping by one ratio for all modes leaves them out.
 fn is_undragged(system: &LinearSystem, rigid: &[bool]) -> bool {
     let motions = null_space(&system.k, system.n()).vectors;
     let count = rigid.iter().filter(|rigid| **rigid).count();
-    motions.len() == count && motions.iter().all(|motion| is_rigid(&system.c, motion))
+    let by_ratio = system.c.ratio().is_some();
+    motions.len() == count && motions.iter().all(|motion| by_ratio || is_rigid(&system.c, motion))
 }
 
 /// (i W)^power z

@@ -1,6 +1,7 @@
 //! Sums over poles from modes against exact arithmetic, and from a basis that is not one of modes.
 
 use super::*;
+use crate::analysis::damping;
 use crate::analysis::modes::form::{ModalForm, gram, kinds, shapes};
 use crate::analysis::modes::modes;
 use crate::analysis::test_systems::{blank, push};
@@ -171,7 +172,7 @@ fn what_the_basis_lacks_is_in_the_bounds() {
                 let (list, free) = if what.is_damped() {
                     (Vec::new(), sum.of_damped(pair).expect("undragged").1)
                 } else {
-                    sum.of_undamped(pair).expect("apart")
+                    sum.of_true_modes(pair, None).expect("apart")
                 };
                 let products = list.iter().flat_map(|given| given.products).flat_map(|z| [z.re, z.im]);
                 products.chain(free).collect::<Vec<Ball>>()
@@ -197,6 +198,53 @@ fn what_the_basis_lacks_is_in_the_bounds() {
                 let omega = peak.frequency * Ball::PI * Ball::from(2.0);
                 let apart = |mode: &&crate::analysis::Mode| !(mode.omega - omega).contains_zero();
                 assert!(modes.list.iter().filter(|mode| !apart(mode)).count() == 1 && omega.rad > 1e-15, "{omega:?}");
+            }
+        }
+    }
+}
+
+/// Two masses of 1 kg with frequencies of 1 and 2 rad/s, or free with one of 1 rad/s: the C of one damping ratio for all modes is
+/// rational, so that exact arithmetic knows all extrema, zeros and poles. However far above one the ratio is, they are known to
+/// the last digit.
+#[test]
+fn a_ratio_far_above_one_is_exact() {
+    for (held, between, sum_of_rates) in [("1", "1.5", "2"), ("0", "0.5", "0")] {
+        for ratio in ["1.25", "3", "1000000000", "1000000000000000"] {
+            let ratio = Number::from(ratio);
+            let mut system = blank(2);
+            for i in 0..2 {
+                push(&mut system.m, "1", i, None);
+                add(&mut system.k, Number::from(held), i, None);
+            }
+            push(&mut system.k, between, 1, Some(0));
+            let mut written = system.clone();
+            for i in 0..2 {
+                add(&mut written.c, &ratio * &Number::from(sum_of_rates), i, None);
+            }
+            add(&mut written.c, ratio.clone(), 1, Some(0));
+            let mut modes = modes(&system).expect("modes");
+            damping::modal(&mut system, &ratio, &mut modes).expect("known modes");
+            let sum = ModalSum::of(&system, &modes).expect("diagonal");
+            let denominator = Denominator::of(&written, &[0, 1]).expect("rational");
+            for output in [0, 1] {
+                let which = format!("{held} {ratio:?} {output}");
+                let fractions = sum.fractions(&sum.pair(&system, 0, output)).expect("real poles");
+                let truth = Exactly::of(&denominator.pair(&written, 0, output).expect("roots")).expect("in range");
+                let (low, high) = (Ball::from(0.01) / ratio.to_ball(), Ball::from(100.0) * ratio.to_ball());
+                let (found, all) = (by_expansion(&fractions, low, high), truth.extrema(low, high));
+                assert!(found.is_complete() && all.is_complete(), "{which} {:?}", found.open.first());
+                assert_eq!(found.list.len(), all.list.len(), "{which}");
+                // Beyond the range the terms of the sum cancel.
+                let inside = |f: &Frequency| !(f.omega - low).is_negative() && !(high - f.omega).is_negative();
+                let places = ["1e-16", "1e-12", "0.01", "0.2", "7", "1e6", "1e14"]
+                    .map(|hertz| Frequency::hertz(&Number::from(hertz)));
+                for frequency in places.iter().filter(|place| inside(place)) {
+                    let found = fractions.gain(frequency).disc().expect("no pole is near");
+                    let truth = truth.gain(frequency).disc().expect("finite");
+                    let off = (found.value - truth.value).to_f64().abs();
+                    assert!(off <= found.radius + truth.radius, "{which} {frequency:?}: {off:e} {:e}", found.radius);
+                    assert!(found.relative_error() < 1e-20, "{which} {frequency:?}: {:e}", found.relative_error());
+                }
             }
         }
     }
