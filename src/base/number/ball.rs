@@ -319,7 +319,7 @@ mod tests {
     /// Results hold those of the ends of both numbers, in exact arithmetic, and are hardly wider than they need to be.
     #[test]
     fn results_hold_those_of_the_ends() {
-        let sides = [(3.0, 0.5), (0.3, 1e-3), (-700.0, 40.0), (5.0, 0.0), (0.02, 1e-3), (1e9, 1e5)];
+        let sides = [(3.0, 0.5), (0.3, 1e-3), (-700.0, 40.0), (5.0, 0.0), (5.0, 0.25), (0.02, 1e-3), (1e9, 1e5)];
         let balls = sides.map(|(mid, rad)| Ball::new(Dd::from(mid), rad));
         let holds = |x: Ball, truth: &Number| {
             let [low, high] = ends(x);
