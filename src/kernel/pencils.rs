@@ -168,7 +168,7 @@ simd! {
                     m[i] = m[i].mul_add(at, V::splat(of_m[i]));
                 }
                 for (sum, off) in offs.iter_mut().zip(off) {
-                    *sum = sum.mul_add(at.abs(), V::splat(off[c]));
+                    *sum = sum.mul_add(at.abs() + half, V::splat(off[c]));
                 }
             }
             for (sum, slope) in offs.iter_mut().zip(slopes) {

@@ -98,6 +98,20 @@ fn polynomials_of_matrices_are_enclosed_over_ranges() {
     }
 }
 
+/// K = 2 + c d with c known to 0.01 alone, over all d up to 1: what c may be counts where d is largest, not in the middle.
+#[test]
+fn coefficients_that_are_not_known_count_over_the_whole_range() {
+    let one = |x: Ball| vec![vec![x]];
+    let k = [one(Ball::from(2.0)), one(Ball::from(0.0).widen(0.01))];
+    let line = Line::new(1, &k, &[one(Ball::ONE)], 1.0).expect("numbers of usual size");
+    for (d, half) in [(0.0, 1.0), (0.5, 0.5), (-0.25, 0.75), (1.0, 0.0)] {
+        let found = line.eigenvalues(&[d], &[half]).remove(0).expect("one eigenvalue");
+        let reached = (found.list[0] - 2.0).abs() + found.bounds[0];
+        // A few bounds are a thousandth too large each.
+        assert!((0.01..0.0103).contains(&reached), "{d} {half}: {reached:e}");
+    }
+}
+
 #[test]
 fn every_enclosure_holds_its_eigenvalue() {
     let mut random = Random::new(20);
