@@ -70,14 +70,42 @@ fn damping_far_beyond_critical_keeps_its_bounds_in_a_long_chain() {
     ];
     keeps_its_bounds(model, &truth);
     // Where the force acts each mode has a positive share, and all are overdamped: |H| falls everywhere.
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("model.vib");
-    std::fs::write(&path, model.replace("force F: b[1]", "force F: b[100]")).expect("a model");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
-    let output = command.arg("transfer").arg(&path).args(["--format", "json"]).output().expect("the program runs");
-    let table: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let table = table_of(&model.replace("force F: b[1]", "force F: b[100]"));
     assert_eq!(table["pairs"][0]["complete"], true);
     assert_eq!(table["pairs"][0]["extrema"], serde_json::json!([]));
+}
+
+/// A row that nothing holds: its rigid motion is not damped, the others are. Every value has its bound, and every extremum is there.
+/// Values as above; the shapes are cosines.
+#[test]
+fn damping_by_modes_keeps_its_bounds_where_nothing_holds() {
+    let model = "model c\n\
+        repeat i in 1..30 { body b[i] { mass = 1 kg, moves x } }\n\
+        repeat i in 2..30 { spring k[i]: b[i-1] -- b[i] { k = 100 N/m } }\n\
+        force F: b[1] along x\n\
+        output y = b[30].x\n\
+        damping modal 3 %\n";
+    let truth = [
+        ("0.001", (-844.3931435275184, -3.1229723605132685e-14), (1.971133322245332e-05, 1.1177175101137264e-21)),
+        ("0.165", (-0.3122662208581522, 2.570170505910926e-17), (0.9257120398022408, 2.0550171785751574e-17)),
+        ("1.5", (0.006141992316090195, 9.512521783580096e-20), (0.002113967835840344, -1.2855306831310227e-19)),
+        ("4", (-2.7917426562866315e-21, 1.79149021849593e-38), (6.595539593526603e-08, 5.8620020630877375e-24)),
+    ];
+    keeps_its_bounds(model, &truth);
+    let table = table_of(model);
+    assert_eq!(table["pairs"][0]["complete"], true);
+    let rows = table["pairs"][0]["values"].as_array().expect("rows");
+    assert!(rows.len() > 200 && rows.iter().all(|row| row["error_bound"].as_f64().is_some_and(|bound| bound < 1e-15)));
+}
+
+/// The whole table of a model, with its extrema.
+fn table_of(model: &str) -> serde_json::Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("model.vib");
+    std::fs::write(&path, model).expect("a model");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibc"));
+    let output = command.arg("transfer").arg(&path).args(["--format", "json"]).output().expect("the program runs");
+    serde_json::from_slice(&output.stdout).expect("JSON")
 }
 
 /// A body without mass between two others: the shapes are those of the springs in series.

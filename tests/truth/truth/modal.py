@@ -18,7 +18,7 @@ BITS = 400
 def scene(rng):
     """An undamped net with a force or a moving base, and one ratio for all of its modes."""
     net = draw.plain(rng, 4, rng.choice((0, 0, 1, 3)), damped=False)
-    net.damping = ("modal", rng.choice(("0.02", "5e-3", "0.3", "1", "1e-9", draw.decimal_word(rng, -4, 0))))
+    net.damping = ("modal", rng.choice(("0.02", "5e-3", "0.3", "1", "1.25", "1e6", "1e-9", draw.decimal_word(rng, -4, 0))))
     held = [i for i, (a, _, _) in enumerate(net.springs) if a == GROUND]
     if held and rng.random() < 0.4:
         net.bases.append("")
