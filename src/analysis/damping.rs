@@ -124,7 +124,7 @@ pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Re
         system.c.push(source, Nature::Property, weight, row.into_iter().map(|(i, x)| (i, Number::Ball(x))));
     }
     if is_alone {
-        system.c.gives_ratio(ratio.clone());
+        system.c.gives_damping_ratio(ratio.clone());
     }
     Ok(())
 }

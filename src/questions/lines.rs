@@ -188,7 +188,8 @@ impl Study<'_> {
         let mut values = [&self.held[..], &self.values(case)].concat();
         values.last_mut()?.1.si = si;
         let scene = model::check_with(self.sources, &self.tree, self.overrides, &values).scene?;
-        if matches!(scene.scene().damping, Some(Damping::Modal { .. })) {
+        // Of damping by modes C is no sum of squares that a parameter weighs.
+        if is_damped && matches!(scene.scene().damping, Some(Damping::Modal { .. })) {
             return None;
         }
         let scene = if is_damped { scene } else { scene.without_damping() };

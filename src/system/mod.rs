@@ -120,7 +120,7 @@ pub struct Form {
     terms: Vec<Term>,
     entries: Vec<(CoordinateId, Number)>,
     sources: Vec<Source>,
-    ratio: Option<Number>,
+    damping_ratio: Option<Number>,
 }
 
 /// One square of a [`Form`].
@@ -219,7 +219,7 @@ impl Form {
         self.terms.clear();
         self.entries.clear();
         self.sources.clear();
-        self.ratio = None;
+        self.damping_ratio = None;
     }
 
     /// Registers a source of terms; returns the index for [`Form::push`].
@@ -247,19 +247,19 @@ impl Form {
         if len > 0 {
             let (start, len) = (start as u32, len as u32);
             self.terms.push(Term { weight, nature, source, start, len });
-            self.ratio = None;
+            self.damping_ratio = None;
         }
     }
 
     /// Says that these terms are together exactly the C that gives every oscillation of the system this damping ratio, and all other
     /// motions no damping. True until another term is added.
-    pub fn gives_ratio(&mut self, ratio: Number) {
-        self.ratio = Some(ratio);
+    pub fn gives_damping_ratio(&mut self, ratio: Number) {
+        self.damping_ratio = Some(ratio);
     }
 
-    /// The damping ratio of every oscillation if [`Form::gives_ratio`] has said so of these terms.
-    pub fn ratio(&self) -> Option<&Number> {
-        self.ratio.as_ref()
+    /// The damping ratio of every oscillation if [`Form::gives_damping_ratio`] has said so of these terms.
+    pub fn damping_ratio(&self) -> Option<&Number> {
+        self.damping_ratio.as_ref()
     }
 
     pub fn terms(&self) -> &[Term] {
@@ -268,7 +268,7 @@ impl Form {
 
     /// The form with other weights on its rows.
     pub fn with_weights(mut self, of: impl Fn(&Number) -> Number) -> Form {
-        self.ratio = None;
+        self.damping_ratio = None;
         self.terms.iter_mut().for_each(|term| term.weight = of(&term.weight));
         self
     }
@@ -340,4 +340,29 @@ pub struct Output {
     pub p: [Vec<(CoordinateId, Number)>; 3],
     /// Feed-through of inputs (a base's own motion in a relative output): input index and value.
     pub d: [Vec<(u32, Number)>; 3],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Words;
+
+    /// What is said of all terms together is not said of others.
+    #[test]
+    fn a_damping_ratio_is_forgotten_with_any_change() {
+        let label = Label { name: Name::plain(Words::new().intern("d")), motion: "" };
+        let term = |form: &mut Form| {
+            let source = form.source(label);
+            form.push(source, Nature::Property, Number::ONE, [(CoordinateId(0), Number::ONE)]);
+        };
+        let mut form = Form::new();
+        term(&mut form);
+        form.gives_damping_ratio(Number::from("0.02"));
+        assert_eq!(form.clone().damping_ratio(), Some(&Number::from("0.02")));
+        assert_eq!(form.clone().with_weights(|weight| weight + weight).damping_ratio(), None);
+        let mut more = form.clone();
+        term(&mut more);
+        form.clear();
+        assert_eq!([more, form].map(|form| form.damping_ratio().cloned()), [None, None]);
+    }
 }

@@ -74,6 +74,15 @@ fn two_masses_veer_where_their_closed_form_does() {
     }
 }
 
+/// One damping ratio for all modes changes no undamped mode: the same curves, links and veerings.
+#[test]
+fn damping_by_modes_changes_no_curve() {
+    let over = ["--over", "k1=0.5N/m..1.5N/m:41"];
+    let [damped, undamped] = [format!("{TWO}damping modal 3 %\n"), TWO.to_string()].map(|model| study(&model, &over));
+    assert_eq!(damped["following"], undamped["following"]);
+    assert!([1, 2].into_iter().all(|number| curve(&damped, number) == curve(&undamped, number)));
+}
+
 /// Falling values are the same curves from the other end.
 #[test]
 fn curves_are_followed_downwards_too() {
@@ -149,6 +158,28 @@ fn a_crossing_within_a_block_is_not_proved() {
     let linked = |column: usize| cases.iter().map(|case| case["values"][column].clone()).collect::<Vec<Value>>();
     assert_eq!(linked(2)[..3], [Value::Null, true.into(), true.into()]);
     assert_eq!(linked(4)[..4], [Value::Null, true.into(), false.into(), true.into()]);
+}
+
+/// Two rods of the length L with a spring between them, and a block between them on two more. Against each other the rods have
+/// 14.715/L + 60/L^2, and the block makes that of both together: the pair of squares with the sum 110 + a, a = 14.715/L + 10/L^2, and the
+/// product 110 a - 800/L^2. One of them meets the first where 126 L^2 = 14.715 L + 60, inside a step, whose bounds are those of the pieces
+/// of the line.
+#[test]
+fn a_crossing_along_a_length_is_not_proved() {
+    let model = "model rods\nparam L = 1 m\ngravity 9.81 m/s^2\nbody c { mass = 1 kg, at = (0, -0.5 m), moves x }\n\
+                 body a { mass = 3 kg, shape = rod((-0.5 m, 0), (-0.5 m, -L)) }\npivot p: ground@(-0.5 m, 0) -- a\n\
+                 body b { mass = 3 kg, shape = rod((0.5 m, 0), (0.5 m, -L)) }\npivot q: ground@(0.5 m, 0) -- b\n\
+                 spring s: a@(-0.5 m, -0.5 m) -- c { k = 40 N/m }\nspring t: b@(0.5 m, -0.5 m) -- c { k = 40 N/m }\n\
+                 spring u: a@(-0.5 m, -0.5 m) -- b@(0.5 m, -0.5 m) { k = 100 N/m }\n\
+                 spring v: ground@(-1 m, -0.5 m) -- c { k = 30 N/m }\n";
+    let meeting = (14.715 + f64::sqrt(14.715 * 14.715 + 4.0 * 126.0 * 60.0)) / 252.0;
+    for range in ["L=0.6m..1m:20", "L=0.55m..1.2m:40"] {
+        let study = study(model, &["--over", range, "--modes", "3"]);
+        let undecided: Vec<_> = meetings(&study).into_iter().filter(|(kind, ..)| *kind == "undecided").collect();
+        let [(_, [2, 3], told)] = undecided[..] else { panic!("{study}") };
+        meets(&told["parameter"], meeting, 1e-7);
+        assert_eq!(open_links(&study), 2, "{range}");
+    }
 }
 
 /// Where a parameter moves all eigenvalues in one direction, the frequencies at both ends of a step are its bounds, and the cases are computed

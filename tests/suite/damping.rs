@@ -31,44 +31,42 @@ fn keeps_its_bounds(model: &str, truth: &[(&str, Wide, Wide)]) {
     }
 }
 
+/// Masses in a row, the first one on the ground or not, a force on the first one, and the last displacement.
+fn row(n: usize, is_held: bool, ratio: &str) -> String {
+    let wall = if is_held { "spring k0: ground -- b[1] { k = 100 N/m }\n" } else { "" };
+    format!(
+        "model c\nrepeat i in 1..{n} {{ body b[i] {{ mass = 1 kg, moves x }} }}\n{wall}\
+         repeat i in 2..{n} {{ spring k[i]: b[i-1] -- b[i] {{ k = 100 N/m }} }}\n\
+         force F: b[1] along x\noutput y = b[{n}].x\ndamping modal {ratio}\n"
+    )
+}
+
 /// `damping modal` with 200 coordinates, whose modes are computed in binary64, compared with the closed form: the
 /// shapes of a chain that is fixed at one end are sines. Values to 32 digits by mpmath, each as the sum of two binary64
 /// numbers.
 #[test]
 fn damping_by_modes_keeps_its_bounds_in_a_long_chain() {
-    let model = "model c\n\
-        repeat i in 1..200 { body b[i] { mass = 1 kg, moves x } }\n\
-        spring k0: ground -- b[1] { k = 100 N/m }\n\
-        repeat i in 2..200 { spring k[i]: b[i-1] -- b[i] { k = 100 N/m } }\n\
-        force F: b[1] along x\n\
-        output y = b[200].x\n\
-        damping modal 0.02\n";
+    let model = row(200, true, "0.02");
     let truth = [
         ("0.05", (0.009920601265106075, 4.587878175570445e-19), (-0.0002140583924320127, 6.788107785169823e-21)),
         ("0.5", (0.004871310605636055, 1.9826782143862072e-20), (-0.001899448557638353, 1.4040355546858745e-20)),
         ("1.5", (-8.985808471460628e-05, -2.843203932404381e-21), (-0.00022598965316194023, 6.990617015564522e-22)),
         ("3", (7.253121840713361e-13, 2.5129403726127407e-29), (1.7052317239379366e-11, -9.571221291206215e-28)),
     ];
-    keeps_its_bounds(model, &truth);
+    keeps_its_bounds(&model, &truth);
 }
 
 /// A ratio of 1e9, with poles in two heaps 18 decades apart: no pole is lost between them, and |H| has no extremum. Values as above.
 #[test]
 fn damping_far_beyond_critical_keeps_its_bounds_in_a_long_chain() {
-    let model = "model c\n\
-        repeat i in 1..100 { body b[i] { mass = 1 kg, moves x } }\n\
-        spring k0: ground -- b[1] { k = 100 N/m }\n\
-        repeat i in 2..100 { spring k[i]: b[i-1] -- b[i] { k = 100 N/m } }\n\
-        force F: b[1] along x\n\
-        output y = b[100].x\n\
-        damping modal 1e9\n";
+    let model = row(100, true, "1e9");
     let truth = [
         ("1e-10", (6.617517239022449e-08, 3.1797743348397108e-24), (-0.0008053565688405524, -2.266663861080331e-20)),
         ("0.001", (-2.5e-21, -1.3899057532692043e-37), (-7.918640005725403e-11, 6.3685082111281065e-27)),
         ("1e9", (-1.1169962722330855e-34, 5.759861044248959e-51), (1.9857553406605084e-25, 8.178941333611512e-42)),
         ("3e10", (-4.385392945329674e-83, 0.0), (7.261912812920861e-30, -4.992023371166452e-46)),
     ];
-    keeps_its_bounds(model, &truth);
+    keeps_its_bounds(&model, &truth);
     // Where the force acts each mode has a positive share, and all are overdamped: |H| falls everywhere.
     let table = table_of(&model.replace("force F: b[1]", "force F: b[100]"));
     assert_eq!(table["pairs"][0]["complete"], true);
@@ -79,23 +77,42 @@ fn damping_far_beyond_critical_keeps_its_bounds_in_a_long_chain() {
 /// Values as above; the shapes are cosines.
 #[test]
 fn damping_by_modes_keeps_its_bounds_where_nothing_holds() {
-    let model = "model c\n\
-        repeat i in 1..30 { body b[i] { mass = 1 kg, moves x } }\n\
-        repeat i in 2..30 { spring k[i]: b[i-1] -- b[i] { k = 100 N/m } }\n\
-        force F: b[1] along x\n\
-        output y = b[30].x\n\
-        damping modal 3 %\n";
+    let model = row(30, false, "3 %");
     let truth = [
         ("0.001", (-844.3931435275184, -3.1229723605132685e-14), (1.971133322245332e-05, 1.1177175101137264e-21)),
         ("0.165", (-0.3122662208581522, 2.570170505910926e-17), (0.9257120398022408, 2.0550171785751574e-17)),
         ("1.5", (0.006141992316090195, 9.512521783580096e-20), (0.002113967835840344, -1.2855306831310227e-19)),
         ("4", (-2.7917426562866315e-21, 1.79149021849593e-38), (6.595539593526603e-08, 5.8620020630877375e-24)),
     ];
-    keeps_its_bounds(model, &truth);
-    let table = table_of(model);
+    keeps_its_bounds(&model, &truth);
+    let table = table_of(&model);
     assert_eq!(table["pairs"][0]["complete"], true);
     let rows = table["pairs"][0]["values"].as_array().expect("rows");
     assert!(rows.len() > 200 && rows.iter().all(|row| row["error_bound"].as_f64().is_some_and(|bound| bound < 1e-15)));
+}
+
+/// Dampers beside the damping by modes: one that couples the modes, and one on each mass, which does not. With frequencies of 1 and 2 rad/s
+/// C is rational, and the shapes of the row are sines. Values as above.
+#[test]
+fn dampers_beside_damping_by_modes_count_too() {
+    let model = "model c\nbody a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\n\
+        spring s: ground -- a { k = 1 N/m }\nspring t: ground -- b { k = 1 N/m }\nspring u: a -- b { k = 1.5 N/m }\n\
+        damper d: ground -- a { c = 0.3 N*s/m }\nforce F: a along x\noutput y = b.x\ndamping modal 25 %\n";
+    let truth = [
+        ("0.05", (0.4003804031320703, -1.0417481771709305e-17), (-0.1076438678445623, -4.9498933250922974e-18)),
+        ("0.16", (-0.1514065512410028, -4.1212164674134384e-18), (-0.7131275668971814, -3.347793154984498e-17)),
+        ("0.3", (-0.20488171673527253, 3.0728534208095725e-18), (0.14808461875829043, -7.804603682306182e-18)),
+        ("2", (4.232823730369997e-05, 3.338505480779244e-21), (0.00013690710813257301, -3.324285525087287e-21)),
+    ];
+    keeps_its_bounds(model, &truth);
+    let dampers = "repeat i in 1..30 { damper d[i]: ground -- b[i] { c = 0.4 N*s/m } }\n";
+    let truth = [
+        ("0.02", (0.01017561401982309, 5.353253823432164e-19), (-0.0027139711687205045, -5.55707970530533e-20)),
+        ("0.5", (-0.006830829978833046, 1.881321449817537e-19), (0.0012476039387069435, -8.178097983557753e-20)),
+        ("1.5", (0.0003035662179163118, -7.419618409281796e-21), (0.0034378579026890367, -5.3116481849142374e-21)),
+        ("4", (-1.0437404908696489e-10, -3.53671278380091e-27), (3.2850384221817923e-09, 2.518214465552076e-26)),
+    ];
+    keeps_its_bounds(&(row(30, true, "3 %") + dampers), &truth);
 }
 
 /// The whole table of a model, with its extrema.

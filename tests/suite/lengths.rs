@@ -67,6 +67,41 @@ fn a_block_between_two_slanted_springs() {
     are_side_by_side(&bounds);
 }
 
+/// A block between two long springs rests above the line of their anchors or below it. Where it is drawn decides which: of the values
+/// that draw it below, through the line, to above, each has its own rest, though there is one above for all. It is drawn beside the middle,
+/// so that cases are side by side where their rest is one.
+#[test]
+fn each_case_has_the_rest_that_is_found_from_its_drawing() {
+    let model = "model arch\nparam h = 0.3 m\ngravity 9.81 m/s^2\nbody b { mass = 3 kg, at = (0.1 m, h), moves x y }\n\
+                 spring l: ground@(-1 m, 0) -- b { k = 400 N/m, free_length = 1.3 m }\n\
+                 spring r: ground@(1 m, 0) -- b { k = 400 N/m, free_length = 1.3 m }\n";
+    let (k, s0, weight) = (400.0, 1.3, 3.0 * 9.81);
+    let frequencies = |[mut low, mut high]: [f64; 2]| {
+        let force = |y: f64| 2.0 * k * (1f64.hypot(y) - s0) * y / 1f64.hypot(y) + weight;
+        for _ in 0..200 {
+            let y = 0.5 * (low + high);
+            if force(y) < 0.0 { low = y } else { high = y }
+        }
+        let (y, s) = (low, 1f64.hypot(low));
+        let stiffness = |c: f64| 2.0 * (k * c * c + k * (s - s0) / s * (1.0 - c * c));
+        let mut list = [stiffness(1.0 / s), stiffness(y / s)].map(|k| (k / 3.0).sqrt() / (2.0 * PI));
+        list.sort_by(f64::total_cmp);
+        list
+    };
+    let [below, above] = [[-1.5, -0.83], [0.6, 1.5]].map(frequencies);
+    let rows_of = |arguments: &[&str]| rows(model, arguments);
+    let rows = rows_of(&["--over", "h=-0.7m..0.9m:400", "--modes=2"]);
+    assert!(below.iter().zip(&above).any(|(a, b)| (a - b).abs() > 0.1), "{below:?} {above:?}");
+    let sure = rows.iter().filter(|row| row[0].abs() > 0.4);
+    are_side_by_side(&sure.map(|row| meets(row, if row[0] < 0.0 { &below } else { &above })).collect::<Vec<_>>());
+    // Just above the line the weight wins: the first cases have the rest below, where each of them alone has it.
+    let ends = rows_of(&["--over", "h=0.05m,0.4m", "--modes=2"]);
+    let along = rows_of(&["--over", "h=0.05m..0.4m:200", "--modes=2"]);
+    for (ends, truth) in [([&ends[0], &along[0]], &below), ([&ends[1], &along[199]], &above)] {
+        ends.map(|row| meets(row, truth));
+    }
+}
+
 /// The double pendulum, drawn far from its rest: omega^2 = (2 -+ sqrt 2) g/l, over a length that becomes ten times as large.
 #[test]
 fn a_double_pendulum_of_any_length() {

@@ -46,7 +46,7 @@ impl ModalForm {
         let n = system.n();
         let kinds = kinds(&modes.list);
         // Of modes that are damped by one ratio all is known, whatever the digits of the rows of C.
-        let by_ratio = |form: &ModalForm| form.damping_by_ratio(&kinds, system.c.ratio()?);
+        let by_ratio = |form: &ModalForm| form.damping_by_ratio(&kinds, system.c.damping_ratio()?);
         let from_terms = || {
             let form = ModalForm::of(system, modes, gram)?;
             let damping = by_ratio(&form).unwrap_or_else(|| gram(&Squares::of_form(&system.c), &form.shapes));

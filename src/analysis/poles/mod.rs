@@ -330,7 +330,7 @@ impl Portion<'_> {
 
     /// The damping ratio that all oscillations of the system have, while nothing else is damped, unless it may be critical.
     fn ratio_of_all(&self, modes: &Modes) -> Option<&Number> {
-        let ratio = self.system.c.ratio().filter(|ratio| !(*ratio - &Number::ONE).may_be_zero())?;
+        let ratio = self.system.c.damping_ratio().filter(|ratio| !(*ratio - &Number::ONE).may_be_zero())?;
         modes.list.iter().all(|mode| mode.kind != ModeKind::Undetermined).then_some(ratio)
     }
 

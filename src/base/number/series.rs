@@ -310,7 +310,7 @@ mod tests {
     #[test]
     fn functions_lie_within_the_rest() {
         let two = Number::from(2);
-        let functions: [(&str, Function); 14] = [
+        let functions: [(&str, Function); 15] = [
             ("product", &|x| Some(&(x * x) * &(x + &two))),
             ("high power", &|x| x.powi(15)),
             ("reciprocal", &|x| x.recip()),
@@ -323,6 +323,8 @@ mod tests {
             ("sine", &|x| x.sin_cos().map(|(s, _)| s)),
             ("cosine of a quotient", &|x| x.recip()?.sin_cos().map(|(_, c)| c)),
             ("angle", &|x| Number::atan2(x, &two)),
+            // The arctangent alone leaves something out here.
+            ("angle about zero", &|x| Number::atan2(&(x - &Number::from("1.5")), &two)),
             ("angle behind", &|x| Number::atan2(&(x - &two), &-x)),
             ("length", &|x| (&(x * x) + &Number::from("0.3")).sqrt()),
         ];
@@ -336,6 +338,16 @@ mod tests {
         }
         check(|x| (-x).abs().asin(), 0.5, 0.1);
         check(|x| (-x).sqrt().or_else(|| (&Number::from(3) - x).sqrt()), 1.5, 0.1);
+    }
+
+    /// A number along a series is enclosed as far as the series changes, with what it leaves out: what signs are read off.
+    #[test]
+    fn the_enclosure_of_a_series_holds_all_of_it() {
+        let mut series = Series::of_parameter(Ball::from(AT), 0.5);
+        series.rest = 0.25;
+        let found = series.into_number().enclosure();
+        assert!(found.magnitude() >= AT + 0.75 && found.mignitude() <= AT - 0.75, "{found:?}");
+        assert!(found.rad < 0.7501);
     }
 
     #[test]

@@ -295,3 +295,21 @@ fn separate(modes: &Modes, of: impl Fn(&Modes, usize) -> Option<Ball>) -> Freque
     }
     list
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares within 3 of 4, and within 3 of 1.
+    #[test]
+    fn bounds_hold_both_ends() {
+        let found = bounds_of(&Eigenvalues { list: vec![1.0, 4.0], bounds: vec![3.0, 3.0] }).expect("known");
+        let hertz = |omega: f64| omega / (2.0 * std::f64::consts::PI);
+        let ends = |list: &Frequencies| list.iter().map(|x| x.map(|x| x.to_f64())).collect::<Vec<_>>();
+        let (lower, upper) = (ends(&found.lower), ends(&found.upper));
+        assert_eq!(lower[0], None);
+        for (found, truth) in [(lower[1], 1.0), (upper[0], 2.0), (upper[1], f64::sqrt(7.0))] {
+            assert!((found.expect("a frequency") / hertz(truth) - 1.0).abs() < 1e-14, "{found:?} {truth}");
+        }
+    }
+}

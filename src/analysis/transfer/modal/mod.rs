@@ -90,7 +90,7 @@ impl ModalSum {
         }
         let (form, damping) = ModalForm::with_damping(system, modes)?;
         let sum = ModalSum::of_form(form, &damping, &kinds(&modes.list))?;
-        let ratio = system.c.ratio().map(Number::to_ball);
+        let ratio = system.c.damping_ratio().map(Number::to_ball);
         let is_undragged = sum.is_undragged || is_undragged(system, &sum.rigid);
         Some(ModalSum { is_undragged, ratio, ..sum })
     }
@@ -303,7 +303,7 @@ impl ModalSum {
 fn is_undragged(system: &LinearSystem, rigid: &[bool]) -> bool {
     let motions = null_space(&system.k, system.n()).vectors;
     let count = rigid.iter().filter(|rigid| **rigid).count();
-    let by_ratio = system.c.ratio().is_some();
+    let by_ratio = system.c.damping_ratio().is_some();
     motions.len() == count && motions.iter().all(|motion| by_ratio || is_rigid(&system.c, motion))
 }
 
