@@ -120,7 +120,11 @@ class Scene:
         omega = np.reshape(2 * np.pi * hertz, (-1, 1, 1))
         force = np.zeros((len(m), self.n, 1))
         force[:, 0] = 1
-        return np.linalg.solve(k - omega**2 * m + 1j * omega * c, force)[:, self.out, 0]
+        try:
+            return np.linalg.solve(k - omega**2 * m + 1j * omega * c, force)[:, self.out, 0]
+        except np.linalg.LinAlgError:
+            # A branch that the force does not move and nothing damps, at its own frequency: beside it there is the same value.
+            return self.response(matrices, hertz * (1 + 1e-9))
 
     def values(self, p):
         """Of each quantity the values at all samples; least and largest of what is only known to lie between two numbers."""
