@@ -25,8 +25,16 @@ from collections import defaultdict
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-# What NumPy's eigenvalues of these small matrices are off by at most, relative to the size of the number.
+# What NumPy's eigenvalues of these small matrices are off by at most, relative to the size of the number: of a pole, not of its real part.
 ROUNDING = 1e-9
+
+
+def size_of(name, values):
+    """What the rounding of a quantity is relative to."""
+    if name == "damping" or name.startswith("ratio"):
+        return 1.0
+    pole = [values[f"{part} {name.split()[1]}"] for part in ("re", "im")] if name.startswith("re ") else [values[name]]
+    return max(np.abs(part).max() for part in pole)
 
 
 def analyze(program, model):
@@ -260,7 +268,7 @@ def generated(program, scenes, samples, seed, kind):
                     rows[kinds(name)].append((None, False, False))
                     continue
                 low, high = values[name].min(), values[name].max()
-                off = ROUNDING * max(abs(low), abs(high))
+                off = ROUNDING * size_of(name, values)
                 # The grid of frequencies finds a peak to some parts in 1e4, from below.
                 short = 2e-3 * high if name == "peak_gain" else off
                 if proved and (low + short < least or high - off > largest):

@@ -533,7 +533,7 @@ fn worst_radius(gains: &[Gain]) -> f64 {
 fn assemble(system: &LinearSystem) -> Vec<MatrixEntry> {
     let mut parts: Vec<Part> = Vec::new();
     for (which, form) in [&system.m, &system.c, &system.k].into_iter().enumerate() {
-        collect(form, which, &mut parts);
+        collect(form, system.n(), which, &mut parts);
     }
     sum_parts(&mut parts);
     // A coordinate may have no term: a row of zeros, singular at every frequency.
@@ -565,29 +565,49 @@ fn sum_parts(parts: &mut Vec<Part>) {
     });
 }
 
-fn collect(form: &Form, which: usize, parts: &mut Vec<Part>) {
-    /// Maximum number of contributions that wait to be summed: long rows have many times more of them than the matrix
+/// Appends what the terms of a form contribute. Of terms with more contributions than the matrix has entries, as those of damping by
+/// modes, the sums themselves: sorting would take longer than all else.
+fn collect(form: &Form, n: usize, which: usize, parts: &mut Vec<Part>) {
+    /// Maximum number of contributions that wait to be summed: long rows of a large system have many times more of them than it
     /// has entries.
     const WAITING: usize = 1 << 20;
-    let index = |i: &CoordinateId| i.0;
     let mut room = parts.len() + WAITING;
+    let index = |i: &CoordinateId| i.0;
+    let contributions = form.terms().iter().fold(0usize, |sum, term| sum.saturating_add(form.row(term).len().pow(2)));
+    let is_full = contributions > n.saturating_mul(n);
+    let mut sums: Vec<Option<Number>> = if is_full { vec![None; n * n] } else { Vec::new() };
     for term in form.terms() {
         let row = form.row(term);
         for (i, a) in row {
             let weighted = &term.weight * a;
-            parts.extend(row.iter().map(|(j, b)| (index(i), index(j), which, &weighted * b)));
+            let of_row = row.iter().map(|(j, b)| (index(j), &weighted * b));
+            if !is_full {
+                parts.extend(of_row.map(|(j, part)| (index(i), j, which, part)));
+                continue;
+            }
+            for (j, part) in of_row {
+                let sum = &mut sums[index(i) as usize * n + j as usize];
+                *sum = Some(match sum {
+                    Some(sum) => &*sum + &part,
+                    None => part,
+                });
+            }
         }
         if parts.len() > room {
             sum_parts(parts);
             room = 2 * parts.len() + WAITING;
         }
     }
+    let place = |at: usize| ((at / n) as u32, (at % n) as u32);
+    let with_place = |(at, sum): (usize, Option<Number>)| sum.map(|sum| (place(at).0, place(at).1, which, sum));
+    parts.extend(sums.into_iter().enumerate().filter_map(with_place));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::test_systems::oscillator;
+    use crate::analysis::test_systems::{blank, oscillator, push};
+    use crate::system::Nature;
 
     /// k = 4, m = 1, c = 2 at omega = 1: 1 / (3 + 2i) = (3 - 2i) / 13.
     #[test]
@@ -606,6 +626,34 @@ mod tests {
         let transfer = Transfer::of(&system);
         assert_eq!(transfer.at(&Frequency::radians(&Number::from(2)))[0][0], Gain::Infinite);
         assert!(matches!(transfer.at(&Frequency::radians(&Number::from("2.000000000001")))[0][0], Gain::Finite(_)));
+    }
+
+    /// Long rows, as of damping by modes, have more contributions than the matrix has entries and are summed in another way: here
+    /// integers, which the matrices hold exactly.
+    #[test]
+    fn entries_are_the_sums_of_all_contributions() {
+        for count in [1, 5] {
+            let mut system = blank(3);
+            let mut truth = [[0i64; 3]; 3];
+            for t in 0..count {
+                let row = [2 + t, -1 - 3 * t, 5 - t * t];
+                let source = system.c.source(system.inputs[0].name);
+                let numbers = (0..3).map(|i| (CoordinateId(i as u32), Number::from(row[i])));
+                system.c.push(source, Nature::Property, Number::from(t + 1), numbers);
+                (0..9).for_each(|at| truth[at / 3][at % 3] += (t + 1) * row[at / 3] * row[at % 3]);
+            }
+            push(&mut system.k, "7", 1, None);
+            let entries = assemble(&system);
+            for entry in &entries {
+                let (i, j) = (entry.i as usize, entry.j as usize);
+                let stiffness = if (i, j) == (1, 1) { 7.0 } else { 0.0 };
+                let found = [entry.m, entry.c, entry.k];
+                for (found, truth) in found.into_iter().zip([0.0, truth[i][j] as f64, stiffness]) {
+                    assert_eq!((found.mid, found.rad), (Dd::from(truth), 0.0));
+                }
+            }
+            assert_eq!(entries.len(), 9);
+        }
     }
 
     /// 4.7e297 kg on 5e-9 N/m: the product of displacement and mass exceeds binary64, so that a residual is meaningless
