@@ -223,4 +223,21 @@ mod tests {
         let found = found.flatten().expect("positive");
         assert!(found.mid.hi + found.rad >= 2.5, "{found:?}");
     }
+
+    /// The lesser of two numbers whose balls meet may be either: the enclosure holds the lesser of all of them.
+    #[test]
+    fn the_lesser_of_two_uncertain_numbers_is_in_its_enclosure() {
+        let ball = |x: f64, radius: f64| Ball::from(x).widen(radius);
+        for (a, b) in
+            [((2.0, 0.5), (5.0, 0.5)), ((2.0, 0.5), (2.25, 0.125)), ((-1.0, 2.0), (3.0, 1.5)), ((2.0, 0.0), (2.0, 0.0))]
+        {
+            for (a, b) in [(a, b), (b, a)] {
+                let found = lesser(ball(a.0, a.1), ball(b.0, b.1));
+                for (x, y) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 0.5)] {
+                    let least = (a.0 + x * a.1).min(b.0 + y * b.1);
+                    assert!((found - Ball::from(least)).contains_zero(), "{a:?} {b:?} {least}: {found:?}");
+                }
+            }
+        }
+    }
 }

@@ -139,6 +139,7 @@ impl Norms {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::modes::terms::Factor;
     use crate::analysis::test_systems::{blank, push};
     use crate::base::{Number, Rational};
 
@@ -174,6 +175,59 @@ mod tests {
                 error <= radius + 1e-47 * truth.to_f64().abs() && radius < gram.radius(i, j),
                 "{error:e} {radius:e}"
             );
+        }
+    }
+
+    /// Weights and rows at the ends of what is known of them, one at a time: a column that sees what is known beside one that sees
+    /// what is not, and one beside itself.
+    #[test]
+    fn entries_hold_those_of_the_worst_terms() {
+        // (row entry, what it is uncertain by) of two coordinates, and the weight likewise; every number is a power of two.
+        let r = 1.0 / (1u64 << 40) as f64;
+        let cases = [
+            ([(2.0, 0.0), (0.0, r)], (4.0, 0.0)),
+            ([(0.0, r), (8.0, 0.0)], (0.25, 0.0)),
+            ([(2.0, 0.0), (0.5, 0.0)], (4.0, r)),
+            ([(2.0, 0.0), (0.5, 0.0)], (-4.0, r)),
+            ([(2.0, 0.0), (0.5, 0.0)], (0.0, r)),
+            ([(0.0, 0.125), (0.5, 0.0)], (0.0, r)),
+            ([(0.0, 0.125), (0.0, 0.25)], (0.0, 64.0)),
+            ([(0.0, 8.0), (0.0, 2.0)], (16.0, 0.0)),
+            ([(1.0, 8.0), (2.0, 0.25)], (16.0, 4.0)),
+        ];
+        let precise = |(value, radius): (f64, f64)| Precise { value: Triple::from(value), radius };
+        for (row, weight) in cases {
+            // The same twice, one of them with the other columns: sums over terms.
+            let mut terms = Terms::with_capacity(2);
+            for turned in [false, true] {
+                let at = |i: usize| (i as u32, Factor::Other(precise(row[if turned { 1 - i } else { i }])));
+                terms.push(precise(weight), [at(0), at(1)]);
+            }
+            let x = Matrix::from_fn(2, 2, |i, j| Triple::from(if i == j { 1.0 } else { 0.0 }));
+            let slips = [r, 3.0 * r];
+            for with_slips in [false, true] {
+                let gram = Gram::of(&terms, &x);
+                let gram = if with_slips { gram.with_slips(slips.to_vec()) } else { gram };
+                for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let slip = if with_slips { slips[i] * slips[j] } else { 0.0 };
+                    for [a, b, w] in [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, -1.0, -1.0]] {
+                        let weight = Dd::from(weight.0) + Dd::from(w * weight.1);
+                        let ends = [0, 1].map(|c| Dd::from(row[c].0) + Dd::from([a, b][c] * row[c].1));
+                        let truth = weight * ends[i] * ends[j] + weight * ends[1 - i] * ends[1 - j];
+                        let off = (truth - gram.mid[(i, j)]).abs().to_f64() + slip;
+                        assert!(
+                            off <= gram.radius(i, j),
+                            "{row:?} {weight:?} {i} {j}: {off:e} {:e}",
+                            gram.radius(i, j)
+                        );
+                        let size = truth.abs().to_f64() + slip;
+                        assert!(size <= gram.magnitude(i, j), "{row:?} {weight:?} {i} {j}: {size:e}");
+                        let Precise { value, radius } = gram.precise(i, j);
+                        let off = (truth - value.dd()).abs().to_f64() + slip;
+                        assert!(off <= radius, "{row:?} {weight:?} {i} {j}: {off:e} {radius:e}");
+                    }
+                }
+            }
         }
     }
 }

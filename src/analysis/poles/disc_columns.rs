@@ -338,4 +338,119 @@ mod tests {
         let scaled = Bounded::of(z, Complex::new(0.0, 2.0));
         assert!(scaled.error >= 2e-5 && scaled.size >= 10.0 + 2e-5 && scaled.least() <= 10.0 - 2e-5);
     }
+
+    /// Numbers whose real and imaginary parts, factors and weights are of all sizes, and as far off as they are said to be: scaled
+    /// numbers, products of columns and bounds of forces hold each of them, one that is off at a time or all of them.
+    #[test]
+    fn scaled_numbers_and_products_hold_those_of_the_ends() {
+        let third = Triple::from(Dd::from(1.0) / Dd::from(3.0));
+        let complex = |re: f64, im: f64| Complex::new(Dd::from(re), Dd::from(im));
+        let turns = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (0.6, -0.8), (-0.8, -0.6)];
+        for size in [1e-3, 0.25, 7.0, 3e4] {
+            for factor in [Complex::new(0.75, -1.0), Complex::new(0.0, 1e-3), Complex::new(-3e3, 1.0)] {
+                for (re, im) in [(0.0, 0.0), (1e-4, 0.0), (0.0, 1e-4), (1e-4, 1e-4)] {
+                    let part = |x: f64, radius: f64| Precise { value: third * Triple::from(x), radius: radius * size };
+                    let z = Complex::new(part(size, re), part(-2.0 * size, im));
+                    let found = Bounded::of(z, factor);
+                    let f = complex(factor.re, factor.im);
+                    for (a, b) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                        let end = |x: Precise, side: f64| x.value.dd() + Dd::from(side * x.radius);
+                        let truth = Complex::new(end(z.re, a), end(z.im, b)) * f;
+                        let off = (truth - found.value.into()).to_f64().abs();
+                        assert!(off <= found.error, "{size} {factor:?} {re} {im}: {off:e} {:e}", found.error);
+                        let length = truth.to_f64().abs() * (1.0 - 1e-15);
+                        assert!(length <= found.size && found.least() * (1.0 - 2e-15) <= length);
+                        assert!(found.least() > 0.9 * length);
+                    }
+                }
+            }
+        }
+        // Columns of two entries; the first one of each is off.
+        let mut system = crate::analysis::test_systems::oscillator("1", "1", "1");
+        crate::analysis::test_systems::push(&mut system.m, "1", 0, None);
+        let part = crate::analysis::modes::parts::Part::whole(&system);
+        let mut pencil = Pencil::of(&system, &part, &[0]);
+        let of = |re: f64, im: f64, error: f64| {
+            let value = Complex::new(re, im);
+            Bounded { value, error, size: (value.abs() + error) * UP }
+        };
+        for which in 0..8 {
+            let off = |k: usize, x: f64| if which == k || which == 7 { x } else { 0.0 };
+            for scale in [1.0 / 64.0, 1.0, 256.0] {
+                let column = |own: usize| Column {
+                    x: vec![of(0.5 * scale, -2.0, off(own, 1e-3)), of(3.0, 0.25 * scale, 0.0)],
+                    mx: vec![of(0.5 * scale, -2.0, off(own, 1e-3)), of(3.0, 0.25 * scale, 0.0)],
+                    mv: vec![of(-1.5, 0.5 * scale, off(own + 1, 1e-3)), of(1.0, -scale, 0.0)],
+                    cx: vec![of(2.0 * scale, 0.125, off(own + 2, 1e-3))],
+                };
+                let (a, b) = (column(0), column(3));
+                pencil.m.weights[0] = Precise { value: Triple::from(0.375), radius: off(6, 1e-3) };
+                pencil.c.weights[0] = Precise { value: Triple::from(-5.0), radius: off(6, 1e-2) };
+                let found = a.product(&b, &pencil);
+                let force = [of(1.0, scale, off(3, 1e-3)), of(-2.0 * scale, 0.5, 0.0)];
+                let columns = Columns {
+                    list: vec![a, b],
+                    rigid: Vec::new(),
+                    of_pair: vec![(0, 0), (1, 1)],
+                    factors: vec![Complex::real(1.0); 2],
+                    mirror: vec![0, 1],
+                    centres: vec![Complex::ZERO; 2],
+                };
+                let dots = dot_products(&columns, &[force.to_vec()]);
+                for turn in turns {
+                    for other in turns {
+                        for side in [-1.0, 1.0] {
+                            let end = |z: &Bounded, (re, im): (f64, f64)| {
+                                Complex::<Dd>::from(z.value) + complex(re * z.error, im * z.error)
+                            };
+                            let weight = |w: &Precise| w.value.dd() + Dd::from(side * w.radius);
+                            let [a, b] = [&columns.list[0], &columns.list[1]];
+                            let pair =
+                                |x: &Bounded, y: &Bounded, w: &Precise| (end(x, turn) * end(y, other)).scale(weight(w));
+                            let of_m = |t: usize| {
+                                let w = &pencil.m.weights[t];
+                                pair(&a.mx[t], &b.mv[t], w) + pair(&a.mv[t], &b.mx[t], w)
+                            };
+                            let truth = of_m(0) + of_m(1) + pair(&a.cx[0], &b.cx[0], &pencil.c.weights[0]);
+                            let away = (truth - found.value.into()).to_f64().abs();
+                            assert!(away <= found.error, "{which} {scale}: {away:e} {:e}", found.error);
+                            let length = truth.to_f64().abs();
+                            assert!(length <= found.size * (1.0 + 1e-15) && found.least() <= length * (1.0 + 1e-15));
+                            for (k, column) in columns.list.iter().enumerate() {
+                                let parts = column.x.iter().zip(&force).map(|(x, f)| end(x, turn) * end(f, other));
+                                let truth = parts.fold(Complex::<Dd>::ZERO, |sum, part| sum + part).to_f64().abs();
+                                assert!(truth <= dots[(k, 0)], "{which} {scale} {k}: {truth} {}", dots[(k, 0)]);
+                                assert!(
+                                    dots[(k, 0)] < 1.05 * truth + 0.02 * scale.max(1.0),
+                                    "{which} {scale} {k}: {truth} {}",
+                                    dots[(k, 0)]
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Distances of centres, and from zero, are less than those of all points of their balls.
+    #[test]
+    fn gaps_and_sizes_are_lower_bounds() {
+        let ball = |x: f64, radius: f64| Ball::from(x).widen(radius);
+        let centres = vec![
+            Complex::new(ball(-1.0, 0.125), ball(2.0, 0.25)),
+            Complex::new(ball(-4.0, 0.5), ball(-2.0, 0.0625)),
+            Complex::new(ball(0.0, 0.5), ball(1.0, 0.0)),
+        ];
+        let (rigid, of_pair, factors) = (Vec::new(), Vec::new(), Vec::new());
+        let columns = Columns { list: Vec::new(), rigid, of_pair, factors, mirror: Vec::new(), centres };
+        for (i, k, nearest) in [(0, 1, (2.375f64, 3.6875f64)), (1, 0, (2.375, 3.6875)), (0, 2, (0.375, 0.75))] {
+            let truth = nearest.0.hypot(nearest.1);
+            assert!(columns.gap(i, k) <= truth && columns.gap(i, k) > 0.999 * truth, "{i} {k}: {}", columns.gap(i, k));
+        }
+        for (k, nearest) in [(0, (0.875f64, 1.75f64)), (1, (3.5, 1.9375)), (2, (0.0, 1.0))] {
+            let truth = nearest.0.hypot(nearest.1);
+            assert!(columns.size(k) <= truth && columns.size(k) > 0.999 * truth, "{k}: {}", columns.size(k));
+        }
+    }
 }

@@ -212,3 +212,6 @@ impl Rest {
         delta
     }
 }
+
+#[cfg(test)]
+mod extremes;

@@ -280,4 +280,58 @@ mod tests {
         let [found] = enclose_lanes(&small, &[[1.0]; 9], &tree, &[here]);
         assert_eq!(found.relative(), f64::INFINITY);
     }
+
+    /// Of a vector that two modes alone make up, Temple's bound is the eigenvalue itself. With the tree held or not, from a vector of any
+    /// length, beside what rounding and the tree's numbers may add: the eigenvalue is within the radius, and needs most of it.
+    #[test]
+    fn a_vector_of_two_modes_needs_the_whole_bound() {
+        let mut least_needed = f64::INFINITY;
+        for (lambda, other) in [(1.0, 3.0), (3.0, 1.0), (1.0, 1.25), (1000.0, 2.0), (0.015625, 4.0)] {
+            for (holding, scale, s) in
+                [(0.0, 1.0, 0.03125), (0.5, 8.0, 0.03125), (16.0, 0.25, 0.0078125), (0.0, 64.0, 0.125), (0.5, 2.0, 0.0)]
+            {
+                let of = |x: f64| Dd::from(x);
+                let [own, beside] = [lambda, other].map(|lambda: f64| (of(lambda) + of(holding)).recip());
+                let (c2, s2) = (of(1.0) - of(s * s), of(s * s));
+                let inertia = (c2 * own + s2 * beside) * of(scale * scale);
+                let strain = of(scale * scale);
+                let error = scale * ((1.0 - s * s).sqrt() * s) * (own - beside).abs().to_f64() * (1.0 + 1e-15);
+                let frame = Frame {
+                    previous: (other < lambda).then_some(other),
+                    next: (other > lambda).then_some(other),
+                    holding,
+                    least: 1e-3,
+                };
+                let tree = |data: f64| Tree { breadth: 1.0, coupled: 1.0, data: [data; 2] };
+                let found = enclose_near(strain, inertia, error, 0.0, &tree(0.0), &frame);
+                if !found.radius.is_finite() {
+                    continue;
+                }
+                let off = (found.lambda.dd() - of(lambda)).abs().to_f64();
+                assert!(off <= found.radius, "{lambda} {other} {holding} {s}: {off:e} {:e}", found.radius);
+                assert!((found.scale.to_f64() * inertia.to_f64().sqrt() - 1.0).abs() < 1e-15);
+                if s > 0.0 {
+                    least_needed = least_needed.min(off / found.radius);
+                }
+                // Sums that are off by half of the quotient's rounding each, and numbers of the tree that are off.
+                // Second order does not count: a ten-thousandth is left to it.
+                for (rounding, data) in [(1e-7, 0.0), (0.0, if s == 0.0 { 1e-3 } else { 1e-15 })] {
+                    for sides in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+                        let worse = |x: Dd, side: f64| x * of(1.0 + side * 0.4999 * rounding);
+                        let (strain, inertia) = (worse(strain, sides[0]), worse(inertia, sides[1]));
+                        let found = enclose_near(strain, inertia, error, rounding, &tree(data), &frame);
+                        for side in [-1.0, 1.0] {
+                            let off = (found.lambda.dd() - of(lambda) * (of(1.0) + of(side * data))).abs().to_f64();
+                            assert!(
+                                off <= found.radius,
+                                "{lambda} {other} {holding} {s} {rounding}: {off:e} {:e}",
+                                found.radius
+                            );
+                        }
+                    }
+                }
+            }
+        }
+        assert!(least_needed > 0.3 && least_needed < 1.0, "{least_needed}");
+    }
 }

@@ -320,4 +320,220 @@ mod tests {
         let proved = circle(1e-4 * inertia).expect("the slope is larger there");
         assert!(proved.s.im.rad >= rest / slope, "{proved:?}");
     }
+
+    fn precise(value: f64, radius: f64) -> Precise {
+        Precise { value: Triple::from(value), radius }
+    }
+
+    /// One mass and one damper whose weights, and the vector, are as far off as they may be: the slope is within its error, its least
+    /// size below that of all of them, and so are the inertia and the sizes of the forces.
+    #[test]
+    fn a_slope_holds_those_of_the_ends() {
+        const OFF: f64 = 1e-6;
+        let s = Complex::new(-0.25, 2.0);
+        for known in 0..16u32 {
+            let off = |bit: u32| if known >> bit & 1 == 1 { OFF } else { 0.0 };
+            let (m, c, t) = (
+                precise(3.0, off(0)),
+                precise(0.5, off(1)),
+                Complex::new(precise(0.75, off(2)), precise(-1.5, off(3))),
+            );
+            let squares = |weights: &[Precise]| {
+                let mut squares = Squares::with_capacity(weights.len());
+                weights.iter().for_each(|&w| squares.push(w, [(0, precise(2.0, off(0)))]));
+                squares
+            };
+            let pencil = Pencil { n: 1, m: squares(&[m]), c: squares(&[c, m]), k: squares(&[]) };
+            let zero = Complex::new(Precise::ZERO, Precise::ZERO);
+            let applied = Application { force: vec![zero], energy: zero, m_stretch: vec![t], c_stretch: vec![t, t] };
+            let slope = Slope::of(&pencil, s, &applied);
+            let drag = sizes_of_forces(&pencil.c, &applied.c_stretch, 1)[0];
+            for ends in 0..16u32 {
+                let end = |bit: u32| if ends >> bit & 1 == 1 { off(bit) } else { -off(bit) };
+                let (m, c) = (3.0 + end(0), 0.5 + end(1));
+                let t = Complex::new(0.75 + end(2), -1.5 + end(3));
+                let inertia = (t * t).scale(m);
+                let d = s.scale(2.0) * inertia + (t * t).scale(c) + inertia;
+                // Roundings of these few products.
+                let slack = 1e-14;
+                assert!(
+                    (d - slope.value).abs() <= slope.error + slack,
+                    "{known} {ends}: {:e}",
+                    (d - slope.value).abs()
+                );
+                assert!(slope.least() <= d.abs() + slack && inertia.abs() <= slope.inertia + slack, "{known} {ends}");
+                assert!((2.0 + end(0)) * t.abs() * (c + m) <= drag + slack, "{known} {ends} {drag}");
+            }
+        }
+    }
+
+    /// The disc about a sum of three words that do not fit into two.
+    #[test]
+    fn a_disc_holds_what_its_centre_loses() {
+        let exact = |x: f64| crate::base::Rational::from_f64(x).expect("finite");
+        let third = Dd::from(1.0) / Dd::from(3.0);
+        let pair = Pair {
+            s: Complex::new(-third, third + Dd::ONE),
+            x: crate::analysis::poles::pencil::Vector { re: vec![Dd::ONE], im: vec![] },
+        };
+        for step in [0.0, 1e-3 / 7.0, -1e-20 / 7.0, 1e-33 / 7.0] {
+            for radius in [0.0, 1e-30, 1e-3] {
+                let disc = around(&pair, Complex::new(step, -step), radius).expect("finite");
+                for (found, s, step) in [(disc.s.re, pair.s.re, step), (disc.s.im, pair.s.im, -step)] {
+                    let centre = &(&exact(s.hi) + &exact(s.lo)) + &exact(step);
+                    let mid = &exact(found.mid.hi) + &exact(found.mid.lo);
+                    let off = (&centre - &mid).to_f64().abs();
+                    assert!(off + radius <= found.rad, "{step:e} {radius:e}: {off:e} {:e}", found.rad);
+                }
+            }
+        }
+        assert!(
+            around(&pair, Complex::ZERO, f64::INFINITY).is_none() && around(&pair, Complex::ZERO, f64::NAN).is_none()
+        );
+    }
+
+    /// Matrices of two modes at the ends of what is known, anywhere in a circle: none is nearer to a singular one than the bound says.
+    /// And what the coupling to modes, or to what is outside of them, takes from f is as large as for the worst of these.
+    #[test]
+    fn a_block_and_a_share_hold_those_of_the_ends() {
+        let system = band(40, 2, -2, 2, true, 5);
+        let all = modes(&system).expect("modes");
+        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
+        let mut frame = large.frame(&all.list[..14], 8).expect("a gap");
+        let start = undamped_starts(&all.list[..8], 8).swap_remove(2);
+        let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
+        let (s, reach) = (Complex::new(-0.1, 1.0), 0.03125);
+        let numbers = [[(5.0, 0.02), (0.3, 0.01)], [(0.4, 0.03), (0.2, 0.005)], [(2.0, 0.01), (-0.1, 0.02)]];
+        let mut tightest = f64::INFINITY;
+        for (which, entry) in [(9, 9), (0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1)] {
+            let known = |form: usize, i: usize, j: usize| {
+                let (value, error) = numbers[form][usize::from(i != j)];
+                let own = if i == j && i == 1 { -0.7 * value } else { value };
+                (own, if which == 9 || (form, usize::from(i != j)) == (which, entry) { error } else { 0.0 })
+            };
+            for i in 0..2 {
+                for j in 0..2 {
+                    let of = |form: usize| known(form, i, j);
+                    for (matrix, (value, error)) in
+                        [&mut frame.k, &mut frame.c, &mut frame.m].into_iter().zip([of(0), of(1), of(2)])
+                    {
+                        (matrix[(i, j)].value, matrix[(i, j)].error) = (value, error);
+                    }
+                }
+            }
+            for reach in [0.0, reach] {
+                let block = Block::of(&frame, &[0, 1], s, reach).expect("regular");
+                let one = Block::of(&frame, &[0], s, reach).expect("regular");
+                for turn in 0..8 {
+                    let angle = f64::from(turn) * 0.25 * std::f64::consts::PI;
+                    let near = s + Complex::new(angle.cos(), angle.sin()).scale(reach);
+                    for ends in 0..64u32 {
+                        let entry = |i: usize, j: usize| {
+                            let [k, c, m] = [0, 1, 2].map(|form| {
+                                let (value, error) = known(form, i, j);
+                                let bit = 2 * form + usize::from(i != j);
+                                value + if ends >> bit & 1 == 1 { error } else { -error }
+                            });
+                            (near * near).scale(m) + near.scale(c) + Complex::real(k)
+                        };
+                        let scaled =
+                            |i: usize, j: usize| entry(i, j).scale(1.0 / (block.scale[i] * block.scale[j]).sqrt());
+                        let determinant = (scaled(0, 0) * scaled(1, 1) - scaled(0, 1) * scaled(1, 0)).abs();
+                        let squares: f64 =
+                            [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| scaled(i, j).abs().powi(2)).iter().sum();
+                        let root = (squares * squares - 4.0 * determinant * determinant).max(0.0).sqrt();
+                        let least = (2.0 * determinant * determinant / (squares + root)).sqrt();
+                        assert!(block.least <= least * (1.0 + 1e-9), "{which} {reach} {ends}: {least} {}", block.least);
+                        let alone = entry(0, 0).abs() / one.scale[0];
+                        assert!(one.least <= alone * (1.0 + 1e-9), "{which} {reach} {ends}: {alone} {}", one.least);
+                        tightest = tightest.min(alone / one.least);
+                    }
+                }
+            }
+        }
+        assert!(tightest < 1.001, "{tightest}");
+        // One coupling at a time, in each of its three parts.
+        let level = frame.top;
+        let (s, count) = (pair.s.to_f64(), frame.x.len());
+        let frame = large.frame(&all.list[..14], 8).expect("a gap");
+        for part in 0..3 {
+            for reach in [0.0, 1e-3] {
+                let eta = frame.stiffness(level, s, reach);
+                let amount = 1e-3 * [1.0, reach, reach * reach][part];
+                let one: [f64; 3] = std::array::from_fn(|k| if k == part { 1e-3 } else { 0.0 });
+                let share = |along: Option<usize>, outside: [f64; 3]| {
+                    let mut star = Star { along: vec![[0.0; 3]; count], outside };
+                    if let Some(i) = along {
+                        star.along[i] = one;
+                    }
+                    let slope = Slope { value: Complex::real(1.0), error: 0.0, inertia: 1.0 };
+                    Found { frame: &frame, pair: &pair, s, slope, star, from: 2 }.share(level, reach).expect("regular")
+                };
+                assert!(share(None, one) >= amount * amount / eta * (1.0 - 1e-12), "{part} {reach}");
+                for i in (0..level.count).filter(|&i| i != 2) {
+                    let (k, c, m) = (frame.k[(i, i)].value, frame.c[(i, i)].value, frame.m[(i, i)].value);
+                    let own = ((s * s).scale(m) + s.scale(c) + Complex::real(k)).abs();
+                    // Without couplings to others, and with these nearer to singular.
+                    assert!(share(Some(i), [0.0; 3]) >= amount * amount / own * (1.0 - 1e-9), "{part} {reach} {i}");
+                }
+                // Both together at the least as large as each.
+                let both = share(Some(0), one);
+                assert!(both >= share(Some(0), [0.0; 3]) + amount * amount / eta * (1.0 - 1e-12), "{part} {reach}");
+            }
+        }
+    }
+
+    /// f(w) = rho + d w + m w^2 + b with all of them as far off as they may be: the root is in the disc.
+    #[test]
+    fn a_circle_holds_the_root_of_the_worst_polynomial() {
+        let system = band(40, 2, -2, 2, true, 5);
+        let all = modes(&system).expect("modes");
+        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
+        let frame = large.frame(&all.list[..14], 8).expect("a gap");
+        let start = undamped_starts(&all.list[..8], 8).swap_remove(2);
+        let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
+        let s = pair.s.to_f64();
+        let d = Complex::new(0.6, 0.8).scale(s.im);
+        let eta = frame.stiffness(frame.top, s, 0.0);
+        let (unit, mut tightest) = (1e-6 * s.im * s.im, 0.0f64);
+        for which in 0..6 {
+            // rho, what it is uncertain by, d's error, m and b: one, and what makes it matter.
+            let only = |k: usize, x: f64| if which == k || which == 5 { x } else { 0.0 };
+            let rho = Complex::new(0.8, -0.6).scale(if which == 1 { 0.0 } else { unit });
+            let doubt = only(1, unit);
+            let error = only(2, 1e-3 * d.abs());
+            let inertia = only(3, 0.05 * d.abs() * d.abs() / unit);
+            let b = only(4, 0.01 * unit);
+            let star = Star { along: vec![[0.0; 3]; frame.x.len()], outside: [(b * eta).sqrt(), 0.0, 0.0] };
+            let slope = Slope { value: d, error, inertia };
+            let found = Found { frame: &frame, pair: &pair, s, slope, star, from: 2 };
+            let of = |x: f64| precise(x, doubt);
+            let Some(disc) = found.circle(frame.top, [of(rho.re), of(rho.im)]) else { panic!("{which}") };
+            for turn in 0..4096u32 {
+                let phase = |digit: u32| {
+                    let angle = f64::from(turn >> (3 * digit) & 7) * 0.25 * std::f64::consts::PI;
+                    Complex::new(angle.cos(), angle.sin())
+                };
+                let constant = rho + phase(0).scale(doubt) + phase(1).scale(b);
+                let (d, m) = (d + phase(2).scale(error), phase(3).scale(inertia));
+                // Newton's method from the linear root.
+                let mut w = -(constant * d.recip());
+                for _ in 0..30 {
+                    w = w - (constant + d * w + m * w * w) * (d + (m * w).scale(2.0)).recip();
+                }
+                let off = [disc.s.re, disc.s.im].map(|part| part.mid);
+                let centre = Complex::new((off[0] - pair.s.re).to_f64(), (off[1] - pair.s.im).to_f64());
+                let off = (w - centre).abs();
+                assert!(
+                    off <= disc.s.re.rad.min(disc.s.im.rad) + 1e-14 * w.abs(),
+                    "{which} {turn}: {off:e} {:e}",
+                    disc.s.re.rad
+                );
+                if which == 5 {
+                    tightest = tightest.max(off / disc.s.re.rad);
+                }
+            }
+        }
+        assert!(tightest > 0.2, "{tightest}");
+    }
 }

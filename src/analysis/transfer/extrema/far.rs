@@ -76,4 +76,16 @@ mod tests {
         }
         assert_eq!((Far::NONE.slopes(1e300), Far::NONE.spread(1e300)), ([0.0; 3], 0.0));
     }
+
+    /// Beyond the nearest of them nothing is bounded; of two polynomials, roots are as many as of both, and as near as the nearest.
+    #[test]
+    fn far_roots_of_two_polynomials_are_counted_together() {
+        let [a, b] = [(2, 100.0), (3, 70.0)].map(|(count, beyond)| Far { count, beyond });
+        for both in [a.and(b), b.and(a)] {
+            assert_eq!((both.count, both.beyond), (5, 70.0));
+            assert_eq!((both.slopes(120.0), both.spread(120.0)), ([f64::INFINITY; 3], f64::INFINITY));
+        }
+        assert_eq!(a.and(Far::NONE), a);
+        assert!(a.and(Far { count: 1, beyond: f64::NAN }).slopes(1.0).iter().all(|x| *x == f64::INFINITY));
+    }
 }

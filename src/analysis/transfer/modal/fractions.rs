@@ -303,4 +303,6 @@ fn part(pair: &ModalPair) -> Part {
 }
 
 #[cfg(test)]
+mod extremes;
+#[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! Taylor polynomials against the sums that they approximate, and poles on the axis.
 
 use super::*;
+use crate::base::Number;
 
 /// r / (s - p) + q / (s - p*) with p = -0.1 + i, residues of this doubt.
 fn pair_of_poles(residues: [Complex<f64>; 2], doubt: f64) -> PartialFractions {
@@ -352,5 +353,49 @@ fn a_pole_within_its_blur_is_in_what_is_read_of_h() {
             assert_eq!(expansion.is_weight_positive(-0.2 + 2.0 * blur, 1.0), Some(true));
             assert_eq!(expansion.is_weight_positive(-1.0, -0.2 - 2.0 * blur), Some(false));
         }
+    }
+}
+
+/// A frequency that is known to a hundredth, or to a tenth of the distance of the nearest pole: H at both its ends is within the bound
+/// of the one, whether poles, free motions, or powers of s make it steep.
+#[test]
+fn gains_of_an_uncertain_frequency_hold_those_of_its_ends() {
+    let none = [Ball::ZERO; 5];
+    let free = |power: usize| std::array::from_fn(|k| if k == power { Ball::from(0.7) } else { Ball::ZERO });
+    let through = |power: usize, x: f64| std::array::from_fn(|k| Ball::from(if k == power { x } else { 0.0 }));
+    let pole = |re: f64, im: f64, r: f64, power: usize| {
+        let mut products = [Complex::<Ball>::ZERO; 5];
+        products[power] = Complex::real(Ball::from(r));
+        Given { s: Complex::new(Dd::from(re), Dd::from(im)), loose: 0.0, products, rest: [0.0; 5] }
+    };
+    let alone = |of: [f64; 3]| vec![pole(of[0], of[1], of[2], 0)];
+    let through_all = [Ball::ZERO; 3];
+    let sums = [
+        (alone([-0.1, 1.0, 0.4]), none, through_all),
+        (alone([-3.0, 0.0, 0.4]), none, through_all),
+        (alone([0.0, 1.0, 0.4]), none, through_all),
+        (alone([-30.0, 0.0, 1e-9]), free(0), through_all),
+        (alone([-30.0, 0.0, 1e-9]), free(1), through_all),
+        (alone([-30.0, 0.0, 1e-9]), none, through(1, 0.3)),
+        (alone([-30.0, 0.0, 1e-9]), none, through(2, 0.3)),
+        (vec![pole(-30.0, 0.0, 1e-3, 4)], none, through_all),
+    ];
+    for (which, (poles, free, through)) in sums.into_iter().enumerate() {
+        let sum = PartialFractions::of_poles(poles.into_iter(), free, through, Part::Both).expect("finite");
+        let mut most = 0.0f64;
+        for omega in [0.4, 0.97, 1.3, 7.0] {
+            for part in [0.01, 0.1, 0.2] {
+                let reach = part * sum.clearance(Dd::from(omega));
+                let known = Frequency { omega: Ball::from(omega).widen(reach), ..Frequency::radians(&Number::ONE) };
+                let Some(found) = sum.gain(&known).disc() else { panic!("{which} {omega} {part}") };
+                for side in [-1.0, -0.5, 0.5, 1.0] {
+                    let off = (sum.at(Dd::from(omega) + Dd::from(side * reach)).h - found.value).to_f64().abs();
+                    assert!(off <= found.radius, "{which} {omega} {part}: {off:e} {:e}", found.radius);
+                    most = most.max(off / found.radius);
+                }
+            }
+        }
+        // Powers of s and the pole that they come from are bounded by themselves, though they cancel.
+        assert!(most > if which == 7 { 0.01 } else { 0.2 }, "{which}: {most}");
     }
 }

@@ -5,6 +5,7 @@ use crate::analysis::modes::modes;
 use crate::analysis::poles::poles_and_residues;
 use crate::analysis::test_systems::{blank, push};
 use crate::analysis::transfer::extrema::{Denominator, Exactly};
+use crate::analysis::transfer::partial_fractions::{Given, Part};
 use crate::analysis::transfer::{Frequency, Transfer};
 use crate::base::{Number, Rational};
 use crate::kernel::complex::Complex;
@@ -179,4 +180,94 @@ fn a_gain_that_is_the_same_everywhere_is_left_open() {
     let (low, high) = found.open.iter().fold((f64::INFINITY, 0.0f64), |(a, b), x| (a.min(x.0), b.max(x.1)));
     let two_pi = 2.0 * std::f64::consts::PI;
     assert!(low * two_pi < 0.5001 && high * two_pi > 1.9999, "{:?}", found.open);
+}
+
+/// The sum over these poles, (-decay + i omega, residue, what it is uncertain by), and over their conjugates.
+fn over(poles: &[(Complex<f64>, Complex<f64>, f64)]) -> PartialFractions {
+    let given = poles.iter().map(|&(s, r, doubt)| {
+        let none = Complex::<Ball>::ZERO;
+        let r =
+            Complex::new(Ball::from(r.re).widen(doubt), Ball::from(r.im).widen(if s.im == 0.0 { 0.0 } else { doubt }));
+        let s = Complex::new(Dd::from(s.re), Dd::from(s.im));
+        Given { s, loose: 0.0, products: [r, none, none, none, none], rest: [0.0; 5] }
+    });
+    PartialFractions::of_poles(given, [Ball::ZERO; 5], [Ball::ZERO; 3], Part::Both).expect("finite")
+}
+
+/// H = (a + s) / ((1 + s) (2 + s)), whose |H|^2 = (a^2 + x) / ((1 + x) (4 + x)), x = omega^2, is largest where
+/// x^2 + 2 a^2 x + 5 a^2 - 4 = 0: close to zero, in the first interval, from zero on.
+#[test]
+fn an_extremum_next_to_zero_is_found() {
+    for a in [0.893f64, 0.8944] {
+        let of = |s: f64, r: f64| (Complex::new(s, 0.0), Complex::new(r, 0.0), 0.0);
+        let found = by_expansion(&over(&[of(-1.0, a - 1.0), of(-2.0, 2.0 - a)]), Ball::ZERO, Ball::from(10.0));
+        assert!(found.is_complete(), "{found:?}");
+        let [peak] = &found.list[..] else { panic!("{found:?}") };
+        let square = a * a;
+        let x = (square * square + 4.0 - 5.0 * square).sqrt() - square;
+        let omega = peak.frequency.to_f64() * 2.0 * std::f64::consts::PI;
+        // Differences of numbers near one, under a root.
+        assert!(peak.kind == FeatureKind::Peak && (omega - x.sqrt()).abs() < 1e-13, "{omega} {}", x.sqrt());
+    }
+}
+
+/// Two peaks so close that |H|^2 stays above half of the first one between them: it has no width of its own, wherever the range
+/// ends, and the second is its neighbour if the range ends before it.
+#[test]
+fn what_lies_beyond_the_range_bounds_a_width() {
+    let of = |omega: f64| (Complex::new(-0.05, omega), Complex::new(0.0, -0.5 / omega), 0.0);
+    let sum = over(&[of(1.0), of(1.1)]);
+    let size = |omega: f64| {
+        let h = [1.0f64, 1.1].map(|own| {
+            let (re, im) = (own * own + 0.0025 - omega * omega, 0.1 * omega);
+            [re, -im].map(|x| x / (re * re + im * im))
+        });
+        (h[0][0] + h[1][0]).powi(2) + (h[0][1] + h[1][1]).powi(2)
+    };
+    let least = (0..=200).map(|step| size(0.99 + 5e-4 * f64::from(step))).fold(f64::INFINITY, f64::min);
+    assert!(least > 0.55 * size(0.9931) && size(1.1043) > 1.4 * least);
+    for high in [1.02, 1.07, 2.0] {
+        let found = by_expansion(&sum, Ball::from(0.5), Ball::from(high));
+        assert!(found.is_complete() && found.list[0].width.is_none(), "{high}: {found:?}");
+    }
+    // A range that ends next to a peak, and one that begins there: the width reaches out of both.
+    let alone = over(&[of(1.0)]);
+    let widths = [(0.5, 2.0), (0.5, 0.9995), (0.995, 2.0)].map(|(low, high)| {
+        let found = by_expansion(&alone, Ball::from(low), Ball::from(high));
+        assert_eq!(found.list.len(), 1, "{found:?}");
+        found.list[0].width.expect("a width")
+    });
+    // |H|^2 = 1 / ((x - w^2 + d^2)^2 + ..): half of the peak is at x = x_0 -+ 2 d w in x = omega^2, exactly.
+    let (d, w) = (0.05f64, 1.0f64);
+    let truth = [1.0, -1.0].map(|side| (w * w - d * d + side * 2.0 * d * w).sqrt());
+    let truth = (truth[0] - truth[1]) / (2.0 * std::f64::consts::PI);
+    assert!(widths.iter().all(|width| (width.to_f64() - truth).abs() < 1e-14), "{widths:?} {truth}");
+}
+
+/// An extremum so flat that what is not known of the residues moves it far: the gain is that of where it may be, of all residues that
+/// are within what is known, and there it differs by more than at any one frequency.
+#[test]
+fn gains_of_a_flat_extremum_hold_those_of_all_residues() {
+    // Nearly an all-pass: |H| = 1 but for what a far pair of poles adds, while the phase turns.
+    const DOUBT: f64 = 1e-9;
+    let sum = |turn: [f64; 2], doubt: f64| {
+        let r = |re: f64, im: f64, k: usize| Complex::new(re + DOUBT * turn[k], im);
+        over(&[(Complex::new(-1.0, 1.0), r(-2.0, 2.0, 0), doubt), (Complex::new(-0.5, 4.0), r(1e-4, -1e-4, 1), doubt)])
+    };
+    let range = (Ball::from(1e-2), Ball::from(20.0));
+    let found = by_expansion(&sum([0.0; 2], DOUBT * 1.0001), range.0, range.1);
+    assert!(!found.list.is_empty(), "{found:?}");
+    let mut tightest = 0.0f64;
+    for turn in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+        let truth = by_expansion(&sum(turn, 0.0), range.0, range.1);
+        for extremum in &found.list {
+            let near = truth.list.iter().filter(|other| (other.frequency - extremum.frequency).contains_zero());
+            let [other] = near.collect::<Vec<_>>()[..] else { panic!("{extremum:?} {truth:?}") };
+            let [a, b] = [extremum, other].map(|extremum| extremum.gain.disc().expect("finite"));
+            let off = (a.value - b.value).to_f64().abs();
+            assert!(off <= a.radius + b.radius, "{off:e} {a:?} {b:?}");
+            tightest = tightest.max(off / a.radius);
+        }
+    }
+    assert!(tightest > 0.1, "{tightest}");
 }
