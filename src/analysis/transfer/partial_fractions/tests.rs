@@ -399,3 +399,41 @@ fn gains_of_an_uncertain_frequency_hold_those_of_its_ends() {
         assert!(most > if which == 7 { 0.01 } else { 0.2 }, "{which}: {most}");
     }
 }
+
+/// Coefficients of powers of s, and of free motions, that are off by all that they are uncertain by, one at a time: H and its slope,
+/// below and above 1 rad/s, are within what is said of them, and need most of it.
+#[test]
+fn values_hold_those_of_uncertain_powers() {
+    const OFF: f64 = 1e-6;
+    let none = Complex::<Ball>::ZERO;
+    for which in 0..8 {
+        let of = |off: f64, doubt: f64| {
+            let ball = |k: usize, x: f64| {
+                let own = if k == which { (off, doubt) } else { (0.0, 0.0) };
+                if x == 0.0 && k != which { Ball::ZERO } else { Ball::from(x + own.0).widen(own.1) }
+            };
+            let through = [ball(0, 0.5), ball(1, -0.25), ball(2, 0.75)];
+            let free = [ball(3, 1.5), ball(4, 0.125), ball(5, -2.0), ball(6, 0.5), ball(7, 3.0)];
+            // What the pole adds to the powers is not in doubt.
+            let products = [Complex::real(Ball::from(1e-9)), none, none, none, none];
+            let pole = Given { s: Complex::new(Dd::from(-30.0), Dd::ZERO), loose: 0.0, products, rest: [0.0; 5] };
+            PartialFractions::of_poles([pole].into_iter(), free, through, Part::Both).expect("finite")
+        };
+        let known = of(0.0, OFF);
+        for side in [-1.0, 1.0] {
+            let truth = of(side * OFF * (1.0 - 1e-9), 0.0);
+            for omega in [0.125, 0.75, 1.5, 20.0] {
+                let [a, b] = [&known, &truth].map(|sum| sum.at(Dd::from(omega)));
+                let off = [a.h - b.h, a.slope - b.slope].map(|z| z.to_f64().abs());
+                assert!(off[0] <= a.errors[0] && off[1] <= a.errors[1], "{which} {omega}: {off:?} {:?}", a.errors);
+                assert!(off[0] > 0.2 * a.errors[0], "{which} {omega}: {off:?} {:?}", a.errors);
+                // In closed form: the coefficient's own power of i omega, and its slope.
+                let power = [0, 1, 2, -2, -1, 0, 1, 2][which];
+                let size = OFF * f64::powi(omega, power);
+                assert!((off[0] / size - 1.0).abs() < 1e-6, "{which} {omega}: {off:?}");
+                let slope = size * f64::from(power).abs() / omega;
+                assert!((off[1] - slope).abs() <= 1e-6 * size / omega, "{which} {omega}: {off:?} {slope:e}");
+            }
+        }
+    }
+}
