@@ -24,7 +24,7 @@ fn symmetric(of: &[f64; 6], i: usize, j: usize) -> f64 {
 }
 
 impl Pencil {
-    fn reduced(&self, sign: f64) -> Reduced {
+    fn with_errors(&self, sign: f64) -> Reduced {
         let size = [1.0, 2.0, 0.5];
         Reduced {
             theta: self.theta.map(Dd::from).to_vec(),
@@ -68,7 +68,7 @@ impl Pencil {
 
     fn check(&self, which: &str, least: f64) {
         for sign in [1.0, -1.0] {
-            let reduced = self.reduced(sign);
+            let reduced = self.with_errors(sign);
             let radii = reduced.radii();
             let mut most = 0.0f64;
             for (i, &radius) in radii.iter().enumerate() {

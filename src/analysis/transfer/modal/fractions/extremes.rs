@@ -32,7 +32,7 @@ fn diagonal(entries: &[f64]) -> Square {
 }
 
 /// sum_kl weights[k][l] w_k w_l^T
-fn combined(w: &[Vec<f64>], weights: &Square) -> Square {
+fn sum_of_products(w: &[Vec<f64>], weights: &Square) -> Square {
     let n = w[0].len();
     let entry = |i: usize, j: usize| {
         (0..w.len())
@@ -200,7 +200,7 @@ fn rigid_motions_are_within_what_is_known_of_a_basis() {
                         let form = if damped { 0 } else { 1 };
                         (weights[form][0][1], weights[form][1][0]) = (coupled, coupled);
                     }
-                    let truth = [m, combined(&w, &weights[0]), combined(&w, &weights[1])];
+                    let truth = [m, sum_of_products(&w, &weights[0]), sum_of_products(&w, &weights[1])];
                     let (c, k) = (about(&c), about(&k));
                     let case = Case::about([&vec![1.0; n], &c, &k], truth, rigid);
                     let which = format!("{damped} {sign} {w:?} {mass} {coupled}");
