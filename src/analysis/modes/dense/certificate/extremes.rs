@@ -55,12 +55,10 @@ impl Pencil {
         let mut count = 0;
         for i in 0..3 {
             count += usize::from(a[i][i].hi < 0.0);
-            for r in i + 1..3 {
-                let factor = a[r][i] / a[i][i];
-                for c in i..3 {
-                    let by = factor * a[i][c];
-                    a[r][c] -= by;
-                }
+            let own = a[i].clone();
+            for row in a.iter_mut().skip(i + 1) {
+                let factor = row[i] / own[i];
+                row.iter_mut().zip(&own).for_each(|(x, &y)| *x -= factor * y);
             }
         }
         count

@@ -192,9 +192,7 @@ fn rigid_motions_are_within_what_is_known_of_a_basis() {
                 let about = |own: &[f64]| [vec![0.0; n - elastic], own[..elastic].to_vec()].concat();
                 for (mass, coupled) in [(0.0, 0.0), (0.5 * e, 0.0), (0.0, 0.5 * e)] {
                     let mut m = diagonal(&vec![1.0; n]);
-                    for i in 1..n {
-                        (m[0][i], m[i][0]) = (sign * mass, sign * mass);
-                    }
+                    (1..n).for_each(|i| (m[0][i], m[i][0]) = (sign * mass, sign * mass));
                     let mut weights = [diagonal(&c[..elastic]), diagonal(&k[..elastic])];
                     if elastic > 1 {
                         let form = if damped { 0 } else { 1 };
