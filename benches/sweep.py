@@ -43,22 +43,26 @@ flint.ctx.dps = 50
 
 
 class Chain:
-    """Masses in a row with unlike springs and dampers. The stiffness of the last spring, `k`, is varied: it only weighs a term of K."""
+    """Masses in a row with unlike springs and dampers. The stiffness of the last spring, `k`, is varied: it only weighs a term of K. With a
+    `count` of two or three it is also that of the first spring, and of one more from the last mass to the ground."""
 
     parameter, low, high, unit = "k", 50, 150, "N/m"
 
-    def __init__(self, n):
-        self.n = n
+    def __init__(self, n, count=1):
+        self.n, self.count = n, count
+        self.varied = (n - 1, 0)[:count]
         self.masses = [flint.fmpq(8 + i, 8) for i in range(n)]
         self.springs = [flint.fmpq(90 + 7 * (i % 11)) for i in range(n - 1)]
         self.dampers = [flint.fmpq(1 + i % 3, 10) for i in range(n)]
         rows = ["model chain", "param k = 100 N/m"]
         for i in range(n):
             before = f"b{i - 1}" if i else "ground"
-            stiffness = "k" if i == n - 1 else f"{int(self.springs[i].p)} N/m"
+            stiffness = "k" if i in self.varied else f"{int(self.springs[i].p)} N/m"
             rows.append(f"body b{i} {{ mass = {(8 + i) / 8} kg, moves x }}")
             rows.append(f"spring s{i}: {before} -- b{i} {{ k = {stiffness} }}")
             rows.append(f"damper d{i}: {before} -- b{i} {{ c = {(1 + i % 3) / 10} N*s/m }}")
+        if count > 2:
+            rows.append(f"spring last: ground -- b{n - 1} {{ k = k }}")
         self.text = "\n".join(rows) + "\n"
 
     def matrices(self, k):
@@ -67,11 +71,13 @@ class Chain:
         m, c, s = ([[zero] * n for _ in range(n)] for _ in range(3))
         for i in range(n):
             m[i][i] = self.masses[i]
-            for matrix, value in ((c, self.dampers[i]), (s, k if i == n - 1 else self.springs[i])):
+            for matrix, value in ((c, self.dampers[i]), (s, k if i in self.varied else self.springs[i])):
                 matrix[i][i] = matrix[i][i] + value
                 if i:
                     matrix[i - 1][i - 1] = matrix[i - 1][i - 1] + value
                     matrix[i - 1][i] = matrix[i][i - 1] = -value
+        if self.count > 2:
+            s[n - 1][n - 1] = s[n - 1][n - 1] + k
         return m, c, s
 
 
@@ -296,6 +302,12 @@ def beside(folder):
         (Chain(2), True, 1_000_000, 100_000),
         (Chain(10), True, 400_000, 10_000),
         (Chain(50), True, 20_000, 300),
+        (Chain(2, 2), True, 400_000, 100_000),
+        (Chain(10, 2), True, 100_000, 10_000),
+        (Chain(50, 2), True, 10_000, 300),
+        (Chain(2, 3), True, 400_000, 100_000),
+        (Chain(10, 3), True, 100_000, 10_000),
+        (Chain(50, 3), True, 10_000, 300),
         (Cart(), False, 400_000, 200_000),
         (Pendulum(), False, 400_000, 200_000),
         (Pendulums(10), False, 100_000, 50_000),
@@ -325,6 +337,7 @@ def beside(folder):
         bound, error, of_numpy = judged(heading, rows, cases, model, poles, dict(zip(at, found)))
         _, _, of_sympy = judged(heading, rows, cases, model, poles, dict(zip(at, function(checked))))
         name = f"{'all poles' if poles else 'frequencies'}, {model.n}" + LENGTHS.get(type(model).__name__, "")
+        name += f", k in {model.count} springs" if getattr(model, "count", 1) > 1 else ""
         print(
             f"| {name} | {cases} | {plain:.3g} | {as_csv:.3g} | {size:.0f} | {bound:.1e} | {error:.1e} "
             f"| {numpys:.3g} | {of_numpy:.1e} | {sympys:.3g} | {of_sympy:.1e} |",

@@ -9,6 +9,7 @@ pub(crate) mod cores;
 pub mod dense;
 pub mod disc;
 pub(crate) mod lanes;
+pub mod low_rank;
 pub(crate) mod normal;
 pub(crate) mod pairwise;
 pub mod pencils;

@@ -8,29 +8,88 @@
 
 mod course;
 
-use crate::base::Dd;
+use crate::base::{Ball, Dd};
 use crate::kernel::complex::Complex;
 use crate::kernel::simd::{MOST, Vector, simd};
-use course::{Course, Root, Stretch};
+use course::Course;
+pub use course::{Root, Stretch};
 
 /// The unit roundoff.
-const U: f64 = f64::EPSILON / 2.0;
+pub(super) const U: f64 = f64::EPSILON / 2.0;
 
-/// A matrix diag(D) - rho b v^T with any rho between zero and an end. Conjugates follow their originals.
+/// diag(D) and what any factor between zero and an end adds to it. Conjugates follow their originals.
 #[derive(Clone, Debug)]
-pub struct RankOne {
-    terms: Terms,
-    /// The true matrix differs by at most the first, and the second times |rho|, in the 2-norm.
-    off: [f64; 2],
+pub struct Changed<E> {
+    equation: E,
     /// The sign of all factors.
     direction: f64,
     stretches: Vec<Stretch>,
 }
 
+/// A matrix diag(D) - rho b v^T.
+pub type RankOne = Changed<Terms>;
+
+/// A function F whose zeros are the eigenvalues of diag(D) and what a factor adds, and the proof that one lies near a number.
+pub trait Equation: Sized {
+    /// The D_j.
+    fn poles(&self) -> &[Complex<Dd>];
+    /// What the eigenvalue that begins at a pole moves by for a small factor, over this.
+    fn departure(&self, pole: usize) -> Complex<f64>;
+    /// An upper bound of its size, whatever cancels.
+    fn pull(&self, pole: usize) -> f64;
+    /// What leads to an eigenvalue, at a distance from an origin.
+    fn look(&self, from: &Differences, tau: [f64; 2], rho: f64) -> Look;
+    /// A bound of the relative error of a sum over the poles.
+    fn rounding(&self) -> f64;
+    /// A bound of the 2-norm of what the true matrix has besides.
+    fn eta<V: Vector>(&self, rho: V) -> V;
+    /// An eigenvalue that moves along its course, with room for a pass over the poles.
+    fn moving<V: Vector>(
+        &self,
+        from: &Differences,
+        root: &Root,
+        start: [V; 2],
+        of: &Cases<V>,
+        room: &mut Vec<Inverse<V>>,
+    ) -> Found<V>;
+    /// An eigenvalue that stays at its pole as far as can be seen. The differences are without the origin.
+    fn staying<V: Vector>(
+        &self,
+        from: &Differences,
+        root: &Root,
+        of: &Cases<V>,
+        room: &mut Vec<Inverse<V>>,
+    ) -> Found<V>;
+    /// [`on_stretch`], compiled for each kind of processor.
+    fn compiled(of: &Changed<Self>, stretch: &Stretch, factors: &[Factor], found: &mut [Eigenvalue]);
+}
+
+/// Near an eigenvalue.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// Newton's step.
+    pub step: Complex<f64>,
+    /// The derivative of the eigenvalue by the factor.
+    pub slope: Complex<f64>,
+    /// The square of the inverse distance from the nearest pole.
+    pub nearest: f64,
+}
+
+/// 1 / (s - D_j), its square, the sum of the sizes of its parts, and the square of its size.
+#[derive(Clone, Copy, Debug)]
+pub struct Inverse<V> {
+    pub q: [V; 2],
+    pub square: [V; 2],
+    pub parts: V,
+    pub size: V,
+}
+
 /// The sum in F.
 #[derive(Clone, Debug)]
-struct Terms {
+pub struct Terms {
     poles: Vec<Complex<Dd>>,
+    /// The true matrix differs by at most the first, and the second times |rho|, in the 2-norm.
+    off: [f64; 2],
     /// b_j v_j, each within 4 U of its size.
     products: Vec<Complex<f64>>,
     /// Upper bounds of |b_j v_j|, |b_j|^2 and |v_j|^2.
@@ -69,9 +128,16 @@ pub struct Eigenvalue {
 }
 
 /// Sizes at which no product or quotient of a few numbers overflows, nor one that underflows matters.
-const USUAL: std::ops::Range<f64> = 1e-50..1e50;
+pub(super) const USUAL: std::ops::Range<f64> = 1e-50..1e50;
 
 impl Eigenvalue {
+    /// What is enclosed. An imaginary part that is exactly zero has no bound.
+    pub fn of(re: Ball, im: Ball) -> Eigenvalue {
+        let rounded = [re, im].map(|x| x.to_f64());
+        let bound = |x: Ball, rounded: f64| (x - Ball::from(rounded)).magnitude();
+        Eigenvalue { s: Complex::new(rounded[0], rounded[1]), bounds: [bound(re, rounded[0]), bound(im, rounded[1])] }
+    }
+
     /// Whether both bounds are at most this share of what they are bounds of.
     pub fn is_accurate(&self, share: f64) -> bool {
         self.bounds[0] <= share * self.s.re.abs() && self.bounds[1] <= share * self.s.im.abs()
@@ -85,7 +151,7 @@ impl RankOne {
     /// `poles` holds one of each conjugate pair. For the factors from zero to `end`; `None` if numbers have no usual size.
     pub fn new(poles: &[Pole], off: [f64; 2], end: f64) -> Option<RankOne> {
         let mut terms =
-            Terms { poles: Vec::new(), products: Vec::new(), sizes: Vec::new(), squares: Default::default() };
+            Terms { poles: Vec::new(), off, products: Vec::new(), sizes: Vec::new(), squares: Default::default() };
         for pole in poles {
             terms.push(*pole);
             if !pole.s.im.is_zero() {
@@ -94,13 +160,19 @@ impl RankOne {
         }
         let is_small = |x: &f64| *x < USUAL.end;
         let fits = terms.sizes.iter().chain(terms.squares.iter().flatten()).chain(&off).all(is_small)
-            && poles.iter().all(|pole| USUAL.contains(&pole.s.to_f64().one_norm()))
-            && USUAL.contains(&end.abs());
-        if !fits {
+            && poles.iter().all(|pole| USUAL.contains(&pole.s.to_f64().one_norm()));
+        if fits { Changed::along(terms, end) } else { None }
+    }
+}
+
+impl<E: Equation> Changed<E> {
+    /// With the courses of all eigenvalues for the factors from zero to `end`; `None` if that has no usual size.
+    pub(super) fn along(equation: E, end: f64) -> Option<Changed<E>> {
+        if !USUAL.contains(&end.abs()) {
             return None;
         }
-        let stretches = Course { terms: &terms }.stretches(end);
-        Some(RankOne { terms, off, direction: end.signum(), stretches })
+        let stretches = Course { equation: &equation }.stretches(end);
+        Some(Changed { equation, direction: end.signum(), stretches })
     }
 
     /// For each factor all eigenvalues, ascending in size, of one size by their real parts and then their imaginary ones; `None` where
@@ -111,7 +183,7 @@ impl RankOne {
             match self.place(factors[0].rho).and_then(|at| self.stretches.get(at)) {
                 Some(stretch) => {
                     let mut list = vec![NOTHING; stretch.roots.len() * factors.len()];
-                    on_stretch(self, stretch, factors, &mut list);
+                    E::compiled(self, stretch, factors, &mut list);
                     found.extend(list.chunks(stretch.roots.len()).map(in_order));
                 }
                 None => found.extend(factors.iter().map(|_| None)),
@@ -139,12 +211,7 @@ impl RankOne {
 
 impl Terms {
     fn push(&mut self, Pole { s, b, v }: Pole) {
-        // A bound that no underflow is beyond.
-        let above = |z: Complex<Dd>| {
-            let (re, im) = (z.re.hi, z.im.hi);
-            (re * re + im * im) * (1.0 + 16.0 * U) + LEAST
-        };
-        let squares = [above(b), above(v)];
+        let squares = [square_above(b), square_above(v)];
         self.poles.push(s);
         self.products.push((b * v).to_f64());
         self.sizes.push(squares[0].sqrt() * squares[1].sqrt() * (1.0 + 4.0 * U));
@@ -152,6 +219,12 @@ impl Terms {
             list.push(square);
         }
     }
+}
+
+/// An upper bound of the square of the size, which no underflow is beyond.
+pub(super) fn square_above(z: Complex<Dd>) -> f64 {
+    let (re, im) = (z.re.hi, z.im.hi);
+    (re * re + im * im) * (1.0 + 16.0 * U) + LEAST
 }
 
 /// Below all squares of usual numbers.
@@ -181,21 +254,30 @@ fn in_order(some: &[Eigenvalue]) -> Option<Vec<Eigenvalue>> {
     Some(list.into_iter().map(|(_, one)| one).collect())
 }
 
+/// Ascending in size, of one size by the real parts and then the imaginary ones.
+pub fn sort(list: &mut [Eigenvalue]) {
+    let order = |a: &Eigenvalue, b: &Eigenvalue| {
+        let sizes = a.s.abs().total_cmp(&b.s.abs());
+        sizes.then_with(|| a.s.re.total_cmp(&b.s.re)).then_with(|| a.s.im.total_cmp(&b.s.im))
+    };
+    list.sort_by(order);
+}
+
 /// origin - D_j for each j, in two words.
 #[derive(Clone, Debug, Default)]
-struct Differences {
+pub struct Differences {
     re: [Vec<f64>; 2],
     im: [Vec<f64>; 2],
     /// One, but zero for the pole that is the origin.
-    others: Vec<f64>,
+    pub others: Vec<f64>,
     /// The square of the largest difference.
-    farthest: f64,
+    pub farthest: f64,
 }
 
 impl Differences {
-    fn of(terms: &Terms, origin: Complex<Dd>) -> Differences {
+    fn of(poles: &[Complex<Dd>], origin: Complex<Dd>) -> Differences {
         let mut found = Differences::default();
-        for &pole in &terms.poles {
+        for &pole in poles {
             let d = origin - pole;
             for (list, x) in [(&mut found.re, d.re), (&mut found.im, d.im)] {
                 list[0].push(x.hi);
@@ -231,7 +313,7 @@ struct Value<V> {
 
 /// 1 / (origin + tau - D_j) for one j, and the square of its size.
 #[inline(always)]
-fn inverse<V: Vector>(from: &Differences, j: usize, tau: [V; 2]) -> ([V; 2], V) {
+pub(super) fn inverse<V: Vector>(from: &Differences, j: usize, tau: [V; 2]) -> ([V; 2], V) {
     // The first sum is exact where it cancels.
     let x = (V::splat(from.re[0][j]) + tau[0]) + V::splat(from.re[1][j]);
     let y = (V::splat(from.im[0][j]) + tau[1]) + V::splat(from.im[1][j]);
@@ -240,7 +322,7 @@ fn inverse<V: Vector>(from: &Differences, j: usize, tau: [V; 2]) -> ([V; 2], V) 
 }
 
 #[inline(always)]
-fn times<V: Vector>(a: [V; 2], b: [V; 2]) -> [V; 2] {
+pub(super) fn times<V: Vector>(a: [V; 2], b: [V; 2]) -> [V; 2] {
     [a[0].mul_add(b[0], -(a[1] * b[1])), a[0].mul_add(b[1], a[1] * b[0])]
 }
 
@@ -291,42 +373,44 @@ fn sums<V: Vector>(terms: &Terms, from: &Differences, tau: [V; 2], rho: V) -> Su
 
 /// f / slope
 #[inline(always)]
-fn quotient<V: Vector>(f: [V; 2], slope: [V; 2]) -> [V; 2] {
+pub(super) fn quotient<V: Vector>(f: [V; 2], slope: [V; 2]) -> [V; 2] {
     let inverse = V::splat(1.0) / slope[0].mul_add(slope[0], slope[1] * slope[1]);
     let product = times(f, [slope[0], -slope[1]]);
     [product[0] * inverse, product[1] * inverse]
 }
 
 #[inline(always)]
-fn length<V: Vector>(z: [V; 2]) -> V {
+pub(super) fn length<V: Vector>(z: [V; 2]) -> V {
     z[0].mul_add(z[0], z[1] * z[1]).sqrt()
 }
 
 /// Newton's steps from the course of an eigenvalue: the first leaves less than 1e-9 of its distance from poles, the second nothing.
-const STEPS: usize = 2;
+pub(super) const STEPS: usize = 2;
 /// A distance from a pole that is not the origin is accurate if it is no smaller a share of the farthest one's.
-const NEAREST: f64 = 1e-12;
+pub(super) const NEAREST: f64 = 1e-12;
 
 /// What is known of an eigenvalue: its distance from the origin, the radius of a disc about it that holds one eigenvalue, and 1 where that
 /// is proved.
-struct Found<V> {
-    tau: [V; 2],
-    radius: V,
-    is_proved: V,
+#[derive(Clone, Copy, Debug)]
+pub struct Found<V> {
+    pub tau: [V; 2],
+    pub radius: V,
+    pub is_proved: V,
 }
 
 /// What all eigenvalues of some cases have in common.
-struct Cases<V> {
-    rho: V,
+#[derive(Clone, Copy, Debug)]
+pub struct Cases<V> {
+    pub rho: V,
     /// The relative error of a sum, with that of rho.
-    noise: V,
+    pub noise: V,
     /// A bound of the norm of what the matrix has besides.
-    eta: V,
+    pub eta: V,
 }
 
 /// 1 in the lanes in which the first number is less than the second. No comparison with NaN holds.
 #[inline(always)]
-fn holds<V: Vector>(least: V, most: V) -> V {
+pub(super) fn holds<V: Vector>(least: V, most: V) -> V {
     most.if_exceeds(least, V::splat(1.0), V::splat(0.0))
 }
 
@@ -377,63 +461,134 @@ fn staying<V: Vector>(terms: &Terms, from: &Differences, root: &Root, of: &Cases
     Found { tau, radius, is_proved }
 }
 
+impl Equation for Terms {
+    fn poles(&self) -> &[Complex<Dd>] {
+        &self.poles
+    }
+
+    fn departure(&self, pole: usize) -> Complex<f64> {
+        -self.products[pole]
+    }
+
+    fn pull(&self, pole: usize) -> f64 {
+        self.products[pole].abs()
+    }
+
+    fn look(&self, from: &Differences, tau: [f64; 2], rho: f64) -> Look {
+        let (Value { f, slope, .. }, nearest) = at(self, from, tau, rho);
+        let [re, im] = quotient(f, slope);
+        let slope = Complex::new(slope[0] * rho, slope[1] * rho).recip();
+        Look { step: Complex::new(re, im), slope, nearest }
+    }
+
+    // See docs/method/studies.md#one-weight-and-all-poles for this and the numbers above.
+    #[inline(always)]
+    fn rounding(&self) -> f64 {
+        (1.5 * self.poles.len() as f64 + 64.0) * U
+    }
+
+    #[inline(always)]
+    fn eta<V: Vector>(&self, rho: V) -> V {
+        V::splat(self.off[1]).mul_add(rho.abs(), V::splat(self.off[0]))
+    }
+
+    #[inline(always)]
+    fn moving<V: Vector>(
+        &self,
+        from: &Differences,
+        root: &Root,
+        start: [V; 2],
+        of: &Cases<V>,
+        _: &mut Vec<Inverse<V>>,
+    ) -> Found<V> {
+        moving(self, from, root, start, of)
+    }
+
+    #[inline(always)]
+    fn staying<V: Vector>(&self, from: &Differences, root: &Root, of: &Cases<V>, _: &mut Vec<Inverse<V>>) -> Found<V> {
+        staying(self, from, root, of)
+    }
+
+    fn compiled(of: &RankOne, stretch: &Stretch, factors: &[Factor], found: &mut [Eigenvalue]) {
+        of_one(of, stretch, factors, found);
+    }
+}
+
 simd! {
-    fn on_stretch<V: Vector>(of: &RankOne, stretch: &Stretch, factors: &[Factor], found: &mut [Eigenvalue]) {
-        let (terms, count) = (&of.terms, stretch.roots.len());
-        let differences: Vec<Differences> = stretch.roots.iter().map(|root| root.differences(terms)).collect();
-        let (zero, unknown) = (V::splat(0.0), V::splat(f64::NAN));
-        // See docs/method/studies.md#one-weight-and-all-poles for this and the numbers above.
-        let rounding = V::splat((1.5 * terms.poles.len() as f64 + 64.0) * U);
-        let mut discs: Vec<[V; 3]> = Vec::with_capacity(count);
-        let mut lanes = [0.0; MOST];
-        for (factors, out) in factors.chunks(V::WIDTH).zip(found.chunks_mut(count * V::WIDTH)) {
-            lanes.fill(factors[0].rho);
-            for (lane, factor) in lanes.iter_mut().zip(factors) {
-                *lane = factor.rho;
+    /// F with its derivative, and the square of the inverse distance from the nearest pole.
+    fn at(terms: &Terms, from: &Differences, tau: [f64; 2], rho: f64) -> (Value<f64>, f64) {
+        (value(terms, from, tau, rho), sums(terms, from, tau, rho).nearest)
+    }
+}
+
+simd! {
+    fn of_one<V: Vector>(of: &RankOne, stretch: &Stretch, factors: &[Factor], found: &mut [Eigenvalue]) {
+        on_stretch::<V, Terms>(of, stretch, factors, found);
+    }
+}
+
+/// All eigenvalues of factors on one stretch, a lane for each.
+#[inline(always)]
+pub(super) fn on_stretch<V: Vector, E: Equation>(
+    of: &Changed<E>,
+    stretch: &Stretch,
+    factors: &[Factor],
+    found: &mut [Eigenvalue],
+) {
+    let (equation, count) = (&of.equation, stretch.roots.len());
+    let differences: Vec<Differences> = stretch.roots.iter().map(|root| root.differences(equation.poles())).collect();
+    let (zero, unknown) = (V::splat(0.0), V::splat(f64::NAN));
+    let rounding = V::splat(equation.rounding());
+    let mut room = Vec::with_capacity(equation.poles().len());
+    let mut discs: Vec<[V; 3]> = Vec::with_capacity(count);
+    let mut lanes = [0.0; MOST];
+    for (factors, out) in factors.chunks(V::WIDTH).zip(found.chunks_mut(count * V::WIDTH)) {
+        lanes.fill(factors[0].rho);
+        for (lane, factor) in lanes.iter_mut().zip(factors) {
+            *lane = factor.rho;
+        }
+        let rho = V::load(&lanes);
+        lanes.fill(factors[0].error);
+        for (lane, factor) in lanes.iter_mut().zip(factors) {
+            *lane = factor.error;
+        }
+        let cases = Cases { rho, noise: V::load(&lanes) + rounding, eta: equation.eta(rho) };
+        discs.clear();
+        let mut is_proved = V::splat(1.0);
+        for (i, (root, from)) in stretch.roots.iter().zip(&differences).enumerate() {
+            let Found { tau, radius, is_proved: is_alone } = match root.stays {
+                true => equation.staying(from, root, &cases, &mut room),
+                false => equation.moving(from, root, root.start(rho, stretch), &cases, &mut room),
+            };
+            is_proved = is_proved * is_alone;
+            let part = |origin: Dd, tau: V| V::splat(origin.hi) + (V::splat(origin.lo) + tau);
+            let s = [part(root.origin.re, tau[0]), part(root.origin.im, tau[1])];
+            let bound =
+                |s: V, tau: V| (s.abs() + tau.abs()).mul_add(V::splat(2.0 * U), radius) * V::splat(1.0 + 8.0 * U);
+            let mut bounds = [bound(s[0], tau[0]), bound(s[1], tau[1])];
+            match root.is_real {
+                true => bounds[1] = zero,
+                false => is_proved = is_proved * holds(bounds[1], s[1]),
             }
-            let rho = V::load(&lanes);
-            lanes.fill(factors[0].error);
-            for (lane, factor) in lanes.iter_mut().zip(factors) {
-                *lane = factor.error;
-            }
-            let eta = V::splat(of.off[1]).mul_add(rho.abs(), V::splat(of.off[0]));
-            let cases = Cases { rho, noise: V::load(&lanes) + rounding, eta };
-            discs.clear();
-            let mut is_proved = V::splat(1.0);
-            for (i, (root, from)) in stretch.roots.iter().zip(&differences).enumerate() {
-                let Found { tau, radius, is_proved: is_alone } = match root.stays {
-                    true => staying(terms, from, root, &cases),
-                    false => moving(terms, from, root, root.start(rho, stretch), &cases),
-                };
-                is_proved = is_proved * is_alone;
-                let part = |origin: Dd, tau: V| V::splat(origin.hi) + (V::splat(origin.lo) + tau);
-                let s = [part(root.origin.re, tau[0]), part(root.origin.im, tau[1])];
-                let bound = |s: V, tau: V| (s.abs() + tau.abs()).mul_add(V::splat(2.0 * U), radius) * V::splat(1.0 + 8.0 * U);
-                let mut bounds = [bound(s[0], tau[0]), bound(s[1], tau[1])];
-                match root.is_real {
-                    true => bounds[1] = zero,
-                    false => is_proved = is_proved * holds(bounds[1], s[1]),
-                }
-                discs.push([s[0], s[1], bounds[0].max(bounds[1])]);
-                let (re, im) = (s[0].to_array(), s[1].to_array());
-                let bounds = bounds.map(V::to_array);
-                for (lane, row) in out.chunks_mut(count).enumerate() {
-                    let s = Complex { re: re[lane], im: im[lane] };
-                    row[i] = Eigenvalue { s, bounds: [bounds[0][lane], bounds[1][lane]] };
-                }
-            }
-            for (i, a) in discs.iter().enumerate() {
-                for b in &discs[..i] {
-                    let apart = [a[0] - b[0], a[1] - b[1]];
-                    let both = (a[2] + b[2]) * V::splat(1.0 + 1e-10);
-                    let square = apart[0].mul_add(apart[0], apart[1] * apart[1]);
-                    is_proved = square.if_exceeds(both * both, is_proved, zero);
-                }
-            }
-            let doubt = is_proved.if_exceeds(zero, zero, unknown).to_array();
+            discs.push([s[0], s[1], bounds[0].max(bounds[1])]);
+            let (re, im) = (s[0].to_array(), s[1].to_array());
+            let bounds = bounds.map(V::to_array);
             for (lane, row) in out.chunks_mut(count).enumerate() {
-                row.iter_mut().for_each(|one| one.s.re += doubt[lane]);
+                let s = Complex { re: re[lane], im: im[lane] };
+                row[i] = Eigenvalue { s, bounds: [bounds[0][lane], bounds[1][lane]] };
             }
+        }
+        for (i, a) in discs.iter().enumerate() {
+            for b in &discs[..i] {
+                let apart = [a[0] - b[0], a[1] - b[1]];
+                let both = (a[2] + b[2]) * V::splat(1.0 + 1e-10);
+                let square = apart[0].mul_add(apart[0], apart[1] * apart[1]);
+                is_proved = square.if_exceeds(both * both, is_proved, zero);
+            }
+        }
+        let doubt = is_proved.if_exceeds(zero, zero, unknown).to_array();
+        for (lane, row) in out.chunks_mut(count).enumerate() {
+            row.iter_mut().for_each(|one| one.s.re += doubt[lane]);
         }
     }
 }

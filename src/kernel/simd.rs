@@ -81,18 +81,19 @@ pub trait Eight: Vector {
 }
 
 /// Functions whose loops are compiled for each kind of processor: `fn name<V: Vector>(..)`, `fn name<V: Eight>(..)`, or
-/// `fn name(..)` for loops over [`crate::base::Dd`] that only want fused multiply-add as one instruction. What the body calls
+/// `fn name(..)` for loops over [`crate::base::Dd`] that only want fused multiply-add as one instruction. The first and the last may
+/// have a `const R: usize`. What the body calls
 /// has to be `#[inline(always)]`, or it is compiled without these instructions.
 macro_rules! simd {
-    ($(#[$meta:meta])* $visibility:vis fn $name:ident<$v:ident: Vector>($($argument:ident: $type:ty),* $(,)?)
-     $(-> $result:ty)? $body:block) => {
+    ($(#[$meta:meta])* $visibility:vis fn $name:ident<$v:ident: Vector $(, const $r:ident: usize)?>
+     ($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? $body:block) => {
         $(#[$meta])*
         #[allow(unsafe_code, clippy::too_many_arguments)]
-        $visibility fn $name($($argument: $type),*) $(-> $result)? {
+        $visibility fn $name$(<const $r: usize>)?($($argument: $type),*) $(-> $result)? {
             #[inline(always)]
-            fn with<$v: $crate::kernel::simd::Vector>($($argument: $type),*) $(-> $result)? $body
+            fn with<$v: $crate::kernel::simd::Vector $(, const $r: usize)?>($($argument: $type),*) $(-> $result)? $body
             $crate::kernel::simd::dispatch! {
-                [($($argument: $type),*) $(-> $result)?]
+                [$(const $r)? ($($argument: $type),*) $(-> $result)?]
                 f64, $crate::kernel::simd::x86::Four, $crate::kernel::simd::x86::Eight
             }
         }
@@ -112,18 +113,18 @@ macro_rules! simd {
             }
         }
     };
-    ($(#[$meta:meta])* $visibility:vis fn $name:ident($($argument:ident: $type:ty),* $(,)?)
+    ($(#[$meta:meta])* $visibility:vis fn $name:ident$(<const $r:ident: usize>)?($($argument:ident: $type:ty),* $(,)?)
      $(-> $result:ty)? $body:block) => {
         $(#[$meta])*
         #[allow(unsafe_code)]
-        $visibility fn $name($($argument: $type),*) $(-> $result)? {
+        $visibility fn $name$(<const $r: usize>)?($($argument: $type),*) $(-> $result)? {
             #[inline(always)]
-            fn plain($($argument: $type),*) $(-> $result)? $body
+            fn plain$(<const $r: usize>)?($($argument: $type),*) $(-> $result)? $body
 
             #[cfg(target_arch = "x86_64")]
             {
                 #[target_feature(enable = "avx2,fma")]
-                fn with_avx2($($argument: $type),*) $(-> $result)? {
+                fn with_avx2$(<const $r: usize>)?($($argument: $type),*) $(-> $result)? {
                     plain($($argument),*)
                 }
                 if $crate::kernel::simd::has_avx2() {
@@ -139,18 +140,18 @@ macro_rules! simd {
 /// The body of a function of [`simd!`]: calls `with` for the widest of these types for which the processor has
 /// instructions.
 macro_rules! dispatch {
-    ([($($argument:ident: $type:ty),*) $(-> $result:ty)?] $plain:ty, $avx2:ty, $avx512:ty) => {
+    ([$(const $r:ident)? ($($argument:ident: $type:ty),*) $(-> $result:ty)?] $plain:ty, $avx2:ty, $avx512:ty) => {
         #[cfg(target_arch = "x86_64")]
         {
             #[target_feature(enable = "avx512f")]
             #[allow(clippy::too_many_arguments)]
-            fn with_avx512($($argument: $type),*) $(-> $result)? {
-                with::<$avx512>($($argument),*)
+            fn with_avx512$(<const $r: usize>)?($($argument: $type),*) $(-> $result)? {
+                with::<$avx512 $(, $r)?>($($argument),*)
             }
             #[target_feature(enable = "avx2,fma")]
             #[allow(clippy::too_many_arguments)]
-            fn with_avx2($($argument: $type),*) $(-> $result)? {
-                with::<$avx2>($($argument),*)
+            fn with_avx2$(<const $r: usize>)?($($argument: $type),*) $(-> $result)? {
+                with::<$avx2 $(, $r)?>($($argument),*)
             }
             if std::arch::is_x86_feature_detected!("avx512f") {
                 // SAFETY: the processor has these instructions.
@@ -161,7 +162,7 @@ macro_rules! dispatch {
                 return unsafe { with_avx2($($argument),*) };
             }
         }
-        with::<$plain>($($argument),*)
+        with::<$plain $(, $r)?>($($argument),*)
     };
 }
 

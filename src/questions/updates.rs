@@ -44,6 +44,8 @@ pub struct Changing {
     pub part: Part,
     /// Coordinates and entries.
     pub row: Vec<(usize, Ball)>,
+    /// Rows that are equal, but for their signs, have one number.
+    pub number: usize,
     /// The derivative of the weight.
     pub slope: Ball,
 }

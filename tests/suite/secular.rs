@@ -178,7 +178,7 @@ fn changed(system: &LinearSystem, part: Part, row: &[(usize, Number)], change: f
 }
 
 fn changing(part: Part, row: &[(usize, Number)]) -> Changing {
-    Changing { part, row: row.iter().map(|(i, a)| (*i, a.to_ball())).collect(), slope: Ball::ONE }
+    Changing { part, row: row.iter().map(|(i, a)| (*i, a.to_ball())).collect(), number: 0, slope: Ball::ONE }
 }
 
 fn row_of(form: &vibc::system::Form, at: usize) -> (Vec<(usize, Number)>, f64) {

@@ -319,6 +319,97 @@ fn poles_on_a_line_are_those_of_the_quadratic() {
     }
 }
 
+/// Two equal masses between walls on three equal springs and dampers: one number weighs three rows, and the poles are those of two
+/// oscillators, of k and of 3 k, which pass critical damping one after the other.
+#[test]
+fn poles_of_three_springs_alike_are_those_of_two_quadratics() {
+    let model = "model alike\nparam k = 1 N/m\nparam m = 1 kg\nparam c = 2 N*s/m\nbody a { mass = m, moves x }\nbody b { mass = m, moves x }\n\
+        spring s1: ground -- a { k = k }\nspring s2: a -- b { k = k }\nspring s3: b -- ground { k = k }\n\
+        damper d1: ground -- a { c = c }\ndamper d2: a -- b { c = c }\ndamper d3: b -- ground { c = c }\n";
+    for (over, step, low) in [("k=0.25N/m..6.25N/m:97", 0.0625, 0.25), ("m=1kg..7kg:97", 0.0625, 1.0)] {
+        let (heading, rows) = table(model, &["--over", over, "--poles"]);
+        let (_, single) = table(model, &["--over", over, "--poles", "--tolerance", "1e-16"]);
+        let together = rows.iter().zip(&single).filter(|(a, b)| a != b).count();
+        assert!(together > 60, "{over}: {together} side by side");
+        for (i, row) in rows.iter().enumerate() {
+            let value = low + step * i as f64;
+            let [k, m] = if over.starts_with('k') { [value, 1.0] } else { [1.0, value] };
+            let mut truth: Vec<(f64, f64)> = Vec::new();
+            for times in [1.0, 3.0] {
+                let (half, square) = (-times / m, times * times / (m * m) - times * k / m);
+                let root = square.abs().sqrt();
+                truth.extend(match square < 0.0 {
+                    true => [(half, -root), (half, root)],
+                    false => [(times * k / m / (half - root), 0.0), (half - root, 0.0)],
+                });
+            }
+            let places = (0..heading.len()).filter(|&at| heading[at].ends_with("_re_bound"));
+            for at in places.filter(|&at| !row[at].is_empty()) {
+                let [re, of_re, im, of_im] = [0, 1, 2, 3].map(|more| number(&row[at - 1 + more]));
+                let nearest = truth.iter().map(|(x, y)| (re - x).hypot(im - y)).fold(f64::INFINITY, f64::min);
+                // The digits that this test has of the root of a difference.
+                let own = 1e-14 + 4.0 * f64::EPSILON / nearest_root(&truth).max(1e-8);
+                assert!(nearest <= of_re.hypot(of_im) + own, "{over} {value}: {re} {im}, {nearest:e} off");
+            }
+        }
+    }
+}
+
+/// The least distance between two of some numbers.
+fn nearest_root(list: &[(f64, f64)]) -> f64 {
+    let pairs = list.iter().enumerate().flat_map(|(i, a)| list[..i].iter().map(move |b| (a.0 - b.0).hypot(a.1 - b.1)));
+    pairs.fold(f64::INFINITY, f64::min)
+}
+
+/// What one parameter weighs on several rows: a body that moves and turns, a spring and its damper, masses in parts that nothing couples,
+/// one of which does not feel it.
+#[test]
+fn poles_of_a_few_weights_agree_with_the_cases_one_by_one() {
+    let plate = "model plate
+param m = 2 kg
+param k = 90 N/m
+body a { mass = m, inertia = m * (0.3 m)^2, at = (0 m, 0 m), moves x y, turns }
+spring s1: ground@(-1 m, 0 m) -- a@(-0.4 m, 0 m) { k = k }
+spring s2: ground@(0.1 m, -1 m) -- a@(0.1 m, -0.2 m) { k = k }
+spring s3: ground@(1 m, 1 m) -- a@(0.3 m, 0.2 m) { k = 70 N/m }
+damper d: ground@(-1 m, 0.1 m) -- a@(-0.4 m, 0.1 m) { c = 1 N*s/m }
+damper e: ground@(0.1 m, -1 m) -- a@(0.1 m, -0.2 m) { c = 0.5 N*s/m }
+";
+    let parts = "model parts
+param k = 50 N/m
+param m = 2 kg
+body a { mass = m, moves x }
+body b { mass = 3 kg, moves x }
+body c { mass = m, moves x }
+body f { mass = 1 kg, moves x }
+spring s1: ground -- a { k = k }
+spring s2: a -- b { k = 30 N/m }
+damper d1: ground -- a { c = 0.02 s * k }
+spring s3: ground -- c { k = 2 * k }
+damper d3: ground -- c { c = 3 N*s/m }
+spring s4: ground -- f { k = 20 N/m }
+damper d4: ground -- f { c = 11 N*s/m }
+";
+    for (model, over) in [
+        (plate, "m=1kg..4kg:48"),
+        (plate, "k=40N/m..160N/m:48"),
+        (parts, "k=40N/m..90N/m:48"),
+        (parts, "m=2kg..3kg:48"),
+    ] {
+        let (heading, lines) = table(model, &["--over", over, "--poles"]);
+        let (_, single) = table(model, &["--over", over, "--poles", "--tolerance", "1e-16"]);
+        let together = lines.iter().zip(&single).filter(|(a, b)| a != b).count();
+        assert!(together > 40, "{over}: {together} side by side");
+        for (a, b) in lines.iter().zip(&single) {
+            for column in (0..heading.len()).filter(|&i| heading[i].ends_with("_bound") && !a[i].is_empty()) {
+                let (off, bounds) =
+                    (number(&a[column - 1]) - number(&b[column - 1]), number(&a[column]) + number(&b[column]));
+                assert!(off.abs() <= bounds, "{over}: {a:?} {b:?}");
+            }
+        }
+    }
+}
+
 /// A number at which the model has no meaning, amid others where it has one.
 #[test]
 fn a_case_without_meaning_amid_a_line_keeps_its_code() {

@@ -93,6 +93,16 @@ pub fn as_system(system: &LinearSystem, part: &Part, local: &[u32]) -> LinearSys
     }
 }
 
+/// The parts as systems of their own, each behind its coordinates.
+pub fn separate(system: &LinearSystem) -> Vec<(Vec<u32>, LinearSystem)> {
+    let parts = independent(system);
+    let mut local = vec![0u32; system.n()];
+    for part in &parts {
+        part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
+    }
+    parts.iter().map(|part| (part.coordinates.clone(), as_system(system, part, &local))).collect()
+}
+
 /// The undamped system of some coordinates alone; `None` if a term couples them with others.
 pub fn undamped_block(system: &LinearSystem, coordinates: &[u32]) -> Option<LinearSystem> {
     let mut local = vec![u32::MAX; system.n()];

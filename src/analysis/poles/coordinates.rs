@@ -148,7 +148,8 @@ fn sparse(x: &[Ball]) -> Vec<(usize, Ball)> {
     x.iter().copied().enumerate().filter(|(_, x)| !x.is_zero()).collect()
 }
 
-fn power_of_two_below(x: f64) -> f64 {
+/// The sign and the exponent of a normal number alone; 1 of any other.
+pub(in crate::analysis) fn power_of_two_below(x: f64) -> f64 {
     // The exponent alone; the factors of columns are normal numbers.
     let power = f64::from_bits(x.to_bits() & f64::INFINITY.to_bits());
     if power.is_normal() { power } else { 1.0 }

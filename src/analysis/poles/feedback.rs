@@ -1,66 +1,178 @@
-//! A force along a row that is proportional to the displacement, the velocity or the acceleration along it, as a square whose weight
-//! changes is, in coordinates of the poles. In: a system and the row. Out: a matrix diag(D) - rho b v^T for all factors of the force,
-//! whose eigenvalues are the poles, with a bound of what the true one has besides. docs/method/studies.md#one-weight-and-all-poles
-//! derives it.
+//! Forces along rows that are proportional to the displacement, the velocity or the acceleration along them, as squares whose weights
+//! change are, in coordinates of the poles. In: a system and the rows. Out: a matrix diag(D) - t B (1 + t G)^-1 W^T for all factors t of
+//! the forces, whose eigenvalues are the poles, with bounds of what the true one has besides.
+//! docs/method/studies.md#one-weight-and-all-poles derives it for one row, and #a-few-weights-and-all-poles for several.
 
+use crate::analysis::poles::coordinates::power_of_two_below;
 use crate::analysis::poles::disc_columns::UP;
 use crate::analysis::poles::{all_modes, pole_coordinates};
-use crate::base::{Ball, Number, Power};
+use crate::base::{Ball, Dd, Number, Power};
 use crate::kernel::complex::Complex;
-use crate::kernel::rank_one::Pole;
+use crate::kernel::low_rank::{Columns, Off};
 use crate::system::{CoordinateId, Input, LinearSystem};
 
-/// The matrix for a row and a power of s.
+/// A row, and what the weights of its squares in K, C and M grow by for a factor of 1.
+#[derive(Clone, Debug)]
+pub struct WeighedRow {
+    pub entries: Vec<(usize, Ball)>,
+    pub slopes: [Ball; 3],
+}
+
+/// The matrix for some rows.
 #[derive(Clone, Debug)]
 pub struct Feedback {
-    /// One of each conjugate pair.
-    pub poles: Vec<Pole>,
-    /// Bounds of the 2-norm of what the true matrix has besides: the first, and the second times the factor.
-    pub off: [f64; 2],
-    /// v . b, which an acceleration feeds back at once; zero for other powers.
-    pub direct: Ball,
+    pub columns: Columns,
+    /// G, what accelerations feed back at once.
+    pub direct: Vec<Vec<Ball>>,
+}
+
+/// One row in coordinates of the poles.
+struct Column {
+    b: Vec<Complex<Ball>>,
+    w: Vec<Complex<Ball>>,
+    /// A bound of the length of what the true w has besides.
+    beside: f64,
+    /// The row after one power of D, and that of the true row besides.
+    velocity: Vec<Complex<Ball>>,
+    beside_velocity: f64,
+    of_mass: Ball,
 }
 
 impl Feedback {
-    /// `power`: 0, 1 or 2 for a spring, a damper or a mass on the row. `None` where the poles are no coordinates of the motion.
-    pub fn of(system: &LinearSystem, row: &[(usize, Ball)], power: usize) -> Option<Feedback> {
+    /// For factors of the sign of `direction`. `None` where the poles are no coordinates of the motion.
+    pub fn of(system: &LinearSystem, rows: &[WeighedRow], direction: f64) -> Option<Feedback> {
         let first = system.coordinates.first()?;
-        let force = row.iter().map(|(at, a)| (CoordinateId(*at as u32), Number::Ball(*a))).collect();
-        let input =
-            Input { name: first.name, span: first.span, unit: "N", b: [force, Vec::new(), Vec::new()], undamped: None };
-        let driven = LinearSystem { inputs: vec![input], outputs: Vec::new(), initial: Vec::new(), ..system.clone() };
+        let input = |row: &WeighedRow| {
+            let force = row.entries.iter().map(|(at, a)| (CoordinateId(*at as u32), Number::Ball(*a))).collect();
+            Input { name: first.name, span: first.span, unit: "N", b: [force, Vec::new(), Vec::new()], undamped: None }
+        };
+        let inputs = rows.iter().map(input).collect();
+        let driven = LinearSystem { inputs, outputs: Vec::new(), initial: Vec::new(), ..system.clone() };
         let of = pole_coordinates(&driven, &all_modes(&driven).ok()?)?;
-        let b = of.inputs.first()?[0].as_ref()?;
-        let (tau, seen) = (of.coupling, of.sees(row));
-        let v = seen.iter().zip(&of.scale).map(|(z, g)| z.scale(Ball::from(*g)));
-        // v (D - T)^power instead of v, from the left.
-        let (mut v, mut beside, mut direct): (Vec<Complex<Ball>>, f64, Ball) = (v.collect(), 0.0, Ball::ZERO);
+        let tau = of.coupling;
         let is_real = |j: usize| of.pairs[j].is_real();
         let length = |list: &[Complex<Ball>], part: fn(Complex<Ball>) -> f64| {
             let square = |(j, z): (usize, &Complex<Ball>)| part(*z).power(2) * if is_real(j) { 1.0 } else { 2.0 };
             list.iter().enumerate().map(square).sum::<f64>().sqrt() * UP
         };
-        for at in 1..=power {
-            let before = length(&v, Complex::<Ball>::magnitude);
-            v.iter_mut().zip(&of.pairs).for_each(|(v, pair)| *v = *v * pair.s.to_ball());
-            // What T does to the exact vector of the power before, and to what that one has besides.
-            let fastest = of.pairs.iter().map(|pair| pair.s.to_ball().magnitude()).fold(0.0, f64::max);
-            beside = (beside * (fastest + tau) + before * tau) * UP;
-            // An acceleration follows a force at once, a velocity and a displacement do not: v . b = 0 exactly.
-            if (at, power) == (1, 2) {
-                let both = |(j, (v, b)): (usize, (&Complex<Ball>, &Complex<Ball>))| {
-                    let product = (*v * *b).re;
-                    if is_real(j) { product } else { product * Ball::from(2.0) }
-                };
-                direct = v.iter().zip(b).enumerate().map(both).fold(Ball::ZERO, |sum, x| sum + x);
-                direct = direct.widen(beside * length(b, Complex::<Ball>::magnitude) * UP);
+        let fastest = of.pairs.iter().map(|pair| pair.s.to_ball().magnitude()).fold(0.0, f64::max);
+        let weighs_masses = rows.iter().any(|row| !row.slopes[2].is_zero());
+        // What is known of the inverse for several rows takes M to be positive.
+        let is_sum = system.m.terms().iter().all(|term| !term.weight.is_negative());
+        if weighs_masses && rows.len() > 1 && !is_sum {
+            return None;
+        }
+        let column = |(row, input): (&WeighedRow, &[Option<Vec<Complex<Ball>>>; 3])| {
+            let b = input[0].clone()?;
+            // v (D - T)^power instead of v, from the left, and what T adds to it.
+            let seen = of.sees(&row.entries);
+            let mut v: Vec<Complex<Ball>> = seen.iter().zip(&of.scale).map(|(z, g)| z.scale(Ball::from(*g))).collect();
+            let (mut w, mut beside, mut beside_v): (Option<Vec<Complex<Ball>>>, f64, f64) = (None, 0.0, 0.0);
+            let (mut velocity, mut beside_velocity) = (Vec::new(), 0.0);
+            let power = row.slopes.iter().rposition(|slope| !slope.is_zero())?;
+            for at in 0..=power.max(usize::from(weighs_masses)) {
+                if at > 0 {
+                    let before = length(&v, Complex::<Ball>::magnitude);
+                    v.iter_mut().zip(&of.pairs).for_each(|(v, pair)| *v = *v * pair.s.to_ball());
+                    // What T does to the exact vector of the power before, and to what that one has besides.
+                    beside_v = (beside_v * (fastest + tau) + before * tau) * UP;
+                }
+                if at == 1 {
+                    (velocity, beside_velocity) = (v.clone(), beside_v);
+                }
+                let slope = row.slopes[at];
+                // Without the rounding of a product with one.
+                let is_one = slope == Ball::ONE;
+                if !slope.is_zero() {
+                    let scaled = v.iter().map(|z| if is_one { *z } else { z.scale(slope) });
+                    w = Some(match w {
+                        None => scaled.collect(),
+                        Some(sum) => sum.iter().zip(scaled).map(|(a, b)| *a + b).collect(),
+                    });
+                    beside += if is_one { beside_v } else { beside_v * slope.magnitude() * UP };
+                }
+            }
+            Some(Column { b, w: w?, beside, velocity, beside_velocity, of_mass: row.slopes[2] })
+        };
+        let mut list = rows.iter().zip(&of.inputs).map(column).collect::<Option<Vec<Column>>>()?;
+        // An acceleration follows a force at once, a velocity and a displacement do not: v . b = 0 exactly.
+        let at_once = |of_row: &Column, to: &Column| {
+            let both = |(j, (v, b)): (usize, (&Complex<Ball>, &Complex<Ball>))| {
+                let product = (*v * *b).re;
+                if is_real(j) { product } else { product * Ball::from(2.0) }
+            };
+            let sum = of_row.velocity.iter().zip(&to.b).enumerate().map(both).fold(Ball::ZERO, |sum, x| sum + x);
+            sum.widen(of_row.beside_velocity * length(&to.b, Complex::<Ball>::magnitude) * UP)
+        };
+        let mut direct = vec![vec![Ball::ZERO; rows.len()]; rows.len()];
+        let mut felt = vec![0.0; rows.len()];
+        for (i, row) in list.iter().enumerate().filter(|_| weighs_masses) {
+            for (k, other) in list.iter().enumerate() {
+                let own = at_once(row, other);
+                if i == k {
+                    felt[i] = own.magnitude();
+                }
+                let slope = row.of_mass;
+                direct[i][k] = if slope == Ball::ONE { own } else { own * slope };
             }
         }
-        let sizes = [length(b, Complex::<Ball>::magnitude), length(&v, Complex::<Ball>::magnitude)];
-        let doubts = [length(b, Complex::<Ball>::radius), length(&v, Complex::<Ball>::radius)];
-        let of_factor = (doubts[0] * sizes[1] + sizes[0] * (doubts[1] + beside)) * UP;
-        let both = of.pairs.iter().zip(b.iter().zip(&v));
-        let poles = both.map(|(pair, (b, v))| Pole { s: pair.s, b: b.mid(), v: v.mid() }).collect();
-        Some(Feedback { poles, off: [tau, of_factor], direct })
+        // b and w of a row alike in size: what one is multiplied by the other is divided by, which changes no eigenvalue.
+        let mut scale = vec![1.0; rows.len()];
+        for (column, scale) in list.iter_mut().zip(&mut scale).filter(|_| rows.len() > 1) {
+            let size = |list: &[Complex<Ball>]| length(list, Complex::<Ball>::magnitude);
+            *scale = power_of_two_below((size(&column.b) / size(&column.w)).sqrt());
+            let exactly = |list: &mut Vec<Complex<Ball>>, by: f64| {
+                let scaled = |x: Ball| Ball::new(x.mid.scale(by), x.rad * by);
+                list.iter_mut().for_each(|z| *z = Complex::new(scaled(z.re), scaled(z.im)));
+            };
+            exactly(&mut column.b, 1.0 / *scale);
+            exactly(&mut column.w, *scale);
+            column.beside *= *scale;
+        }
+        for (row, own) in direct.iter_mut().zip(&scale) {
+            row.iter_mut().zip(&scale).for_each(|(g, other)| {
+                *g = Ball::new(g.mid.scale(own / other), g.rad * (own / other));
+            });
+        }
+        let all = |part: &dyn Fn(&Column) -> f64| list.iter().map(|column| part(column).power(2)).sum::<f64>();
+        let whole =
+            |part: &dyn Fn(&Column) -> f64| if list.len() == 1 { part(&list[0]) } else { all(part).sqrt() * UP };
+        let sizes = [
+            whole(&|column| length(&column.b, Complex::<Ball>::magnitude)),
+            whole(&|column| length(&column.w, Complex::<Ball>::magnitude)),
+        ];
+        let doubts = [
+            whole(&|column| length(&column.b, Complex::<Ball>::radius)),
+            whole(&|column| length(&column.w, Complex::<Ball>::radius) + column.beside),
+        ];
+        let once = (doubts[0] * sizes[1] + sizes[0] * doubts[1]) * UP;
+        let radii = direct.iter().flatten().map(|g| g.rad * g.rad).sum::<f64>().sqrt() * UP;
+        // See docs/method/studies.md#a-few-weights-and-all-poles.
+        let masses = || list.iter().map(|column| column.of_mass).zip(felt.iter().zip(&scale));
+        let [by_masses, by_rows] = [
+            masses().map(|(slope, (g, scale))| (slope.magnitude() * scale).power(2) * g).sum::<f64>(),
+            masses().map(|(_, (g, scale))| g / (scale * scale)).sum::<f64>(),
+        ];
+        let growth = (by_masses * by_rows).sqrt() * UP * UP;
+        let grows = |slope: Ball| slope.is_zero() || (slope * Ball::from(direction)).is_positive();
+        let falling = masses().filter(|(slope, _)| !grows(*slope));
+        let fall = falling.map(|(slope, (g, _))| slope.magnitude() * g).sum::<f64>() * UP;
+        let off = Off {
+            always: tau,
+            once,
+            twice: radii * sizes[0] * sizes[1] * UP,
+            growth: if fall > 0.0 { 2.0 * growth } else { growth },
+            reach: if fall > 0.0 { 0.499 / fall } else { f64::INFINITY },
+            direct: radii,
+        };
+        let mids = |list: &[Complex<Ball>]| list.iter().map(|z| z.mid()).collect::<Vec<Complex<Dd>>>();
+        let columns = Columns {
+            poles: of.pairs.iter().map(|pair| pair.s).collect(),
+            b: list.iter().map(|column| mids(&column.b)).collect(),
+            w: list.iter().map(|column| mids(&column.w)).collect(),
+            direct: direct.iter().map(|row| row.iter().map(|g| g.mid).collect()).collect(),
+            off,
+        };
+        Some(Feedback { columns, direct })
     }
 }

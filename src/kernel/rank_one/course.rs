@@ -1,10 +1,10 @@
-//! How eigenvalues move while the factor grows: where they are looked for. In: the sum of F. Out: stretches of the factor, on each of
+//! How eigenvalues move while the factor grows: where they are looked for. In: F. Out: stretches of the factor, on each of
 //! which a cubic polynomial follows each eigenvalue. Nothing here is proved, and no bound depends on it.
 
-use super::{Differences, Terms, Value, quotient, sums, value};
+use super::{Differences, Equation, Look};
 use crate::base::Dd;
 use crate::kernel::complex::Complex;
-use crate::kernel::simd::{Vector, simd};
+use crate::kernel::simd::Vector;
 
 /// The factors from one to another, both of one sign, in the direction from zero.
 #[derive(Clone, Debug)]
@@ -30,8 +30,8 @@ pub struct Root {
 
 impl Root {
     /// The distances of the poles from its origin, as its proof takes them.
-    pub fn differences(&self, terms: &Terms) -> Differences {
-        let all = Differences::of(terms, self.origin);
+    pub fn differences(&self, poles: &[Complex<Dd>]) -> Differences {
+        let all = Differences::of(poles, self.origin);
         if self.stays { all.without_origin() } else { all }
     }
 
@@ -54,8 +54,8 @@ impl Root {
 }
 
 /// The courses of the eigenvalues.
-pub struct Course<'a> {
-    pub terms: &'a Terms,
+pub struct Course<'a, E> {
+    pub equation: &'a E,
 }
 
 /// All eigenvalues at one factor, one of each conjugate pair.
@@ -89,7 +89,7 @@ const STAYING: f64 = 1e-19;
 /// Two eigenvalues closer than this share of their size are taken for one that was found twice.
 const TWICE: f64 = 1e-9;
 
-impl Course<'_> {
+impl<E: Equation> Course<'_, E> {
     /// Stretches from zero towards `end`, up to where two eigenvalues meet.
     pub fn stretches(&self, end: f64) -> Vec<Stretch> {
         let (mut list, mut state, mut step) = (Vec::new(), self.at_zero(end), end);
@@ -109,18 +109,16 @@ impl Course<'_> {
     }
 
     fn at_zero(&self, end: f64) -> State {
-        let terms = self.terms;
-        let of = |(pole, (s, c)): (usize, (&Complex<Dd>, &Complex<f64>))| Place {
+        let of = |(pole, s): (usize, &Complex<Dd>)| Place {
             origin: *s,
             pole,
             is_real: s.im.is_zero(),
-            stays: c.abs() * end.abs() <= STAYING * s.to_f64().abs(),
+            stays: self.equation.pull(pole) * end.abs() <= STAYING * s.to_f64().abs(),
             tau: Complex::ZERO,
-            slope: -*c,
+            slope: self.equation.departure(pole),
             room: 0.0,
         };
-        let pairs = terms.poles.iter().zip(&terms.products).enumerate();
-        let upper = pairs.filter(|(_, (s, _))| s.im.is_zero() || s.im.hi > 0.0);
+        let upper = self.equation.poles().iter().enumerate().filter(|(_, s)| s.im.is_zero() || s.im.hi > 0.0);
         State { rho: 0.0, list: upper.map(of).collect() }
     }
 
@@ -160,14 +158,14 @@ impl Course<'_> {
         if place.stays {
             return Some(Place { tau: Complex::ZERO, ..place });
         }
-        let from = Differences::of(self.terms, place.origin);
+        let from = Differences::of(self.equation.poles(), place.origin);
         for _ in 0..8 {
-            let (Value { f, slope, .. }, nearest) = at(self.terms, &from, [place.tau.re, place.tau.im], rho);
-            let [re, im] = quotient(f, slope);
-            let step = Complex::new(re, if place.is_real { 0.0 } else { im });
+            let Look { step, slope, nearest } = self.equation.look(&from, [place.tau.re, place.tau.im], rho);
+            // Roundings of conjugates need not cancel in a determinant.
+            let [step, slope] = [step, slope].map(|z| if place.is_real { Complex::new(z.re, 0.0) } else { z });
             place.tau = place.tau - step;
             place.room = 1.0 / nearest.sqrt();
-            place.slope = Complex::new(slope[0] * rho, slope[1] * rho).recip();
+            place.slope = slope;
             if !step.is_finite() {
                 return None;
             }
@@ -176,13 +174,6 @@ impl Course<'_> {
             }
         }
         None
-    }
-}
-
-simd! {
-    /// F with its derivative, and the square of the inverse distance from the nearest pole.
-    fn at(terms: &Terms, from: &Differences, tau: [f64; 2], rho: f64) -> (Value<f64>, f64) {
-        (value(terms, from, tau, rho), sums(terms, from, tau, rho).nearest)
     }
 }
 

@@ -15,7 +15,9 @@ pub fn changing(over: &LinearSystem, base: &LinearSystem, parts: &[Part]) -> Opt
                 Some((_, of)) => of.slope = of.slope + slope,
                 None => {
                     let entries = row.iter().map(|(at, a)| (at.index(), a.to_ball())).collect();
-                    list.push((row, Changing { part, row: entries, slope }));
+                    let known = list.iter().find(|(other, _)| are_alike(other, row));
+                    let number = known.map_or(list.len(), |(_, of)| of.number);
+                    list.push((row, Changing { part, row: entries, number, slope }));
                 }
             }
         }
@@ -25,6 +27,13 @@ pub fn changing(over: &LinearSystem, base: &LinearSystem, parts: &[Part]) -> Opt
 
 /// Coordinates and entries of a row.
 type Row<'a> = &'a [(CoordinateId, Number)];
+
+/// Whether two rows have the same square.
+fn are_alike(a: Row, b: Row) -> bool {
+    let both = || a.iter().zip(b);
+    let has_places = a.len() == b.len() && both().all(|((i, _), (j, _))| i == j);
+    has_places && (a == b || both().all(|((_, a), (_, b))| *a == -b))
+}
 
 /// The rows whose weights change, with the derivatives of these; `None` if a row changes.
 fn moving<'a>(over: &'a Form, base: &Form) -> Option<Vec<(Row<'a>, Ball)>> {
