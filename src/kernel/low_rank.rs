@@ -483,3 +483,6 @@ simd! {
 fn complex([re, im]: [f64; 2]) -> Complex<f64> {
     Complex::new(re, im)
 }
+
+#[cfg(test)]
+mod tests;

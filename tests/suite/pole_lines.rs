@@ -6,6 +6,7 @@ use super::sweeps::damped_net;
 use super::systems::{Builder, Random, number};
 use vibc::base::{Ball, Dd, Number, Rational};
 use vibc::kernel::complex::Complex;
+use vibc::kernel::low_rank::{Columns, LowRank, Off};
 use vibc::kernel::rank_one::{Eigenvalue, Factor, Pole, RankOne};
 use vibc::questions::pole_updates::PoleUpdates;
 use vibc::questions::updates::{Changing, Part};
@@ -163,9 +164,9 @@ fn every_enclosure_of_several_changed_squares_holds() {
             }
         }
     }
-    eprintln!("{proved:?} of {all:?}, {widest:e}");
-    assert!((0..9).all(|at| all[at] > 20 && 2 * proved[at] > all[at]), "{proved:?} of {all:?}");
-    assert!(widest < 1e-10, "{widest:e}");
+    assert!((0..9).all(|at| all[at] > 90 && 4 * proved[at] > 3 * all[at]), "{proved:?} of {all:?}");
+    // A study takes none that is wider than 1e-10: near where poles meet they are.
+    assert!(widest < 1e-7, "{widest:e}");
 }
 
 /// Oscillators in a row, coupled by springs so soft that each feels a change of the first by 1e-9 of what its neighbour feels: poles that
@@ -295,6 +296,107 @@ fn what_the_matrix_has_besides_is_in_the_bounds() {
     let [one, truth] = [&found[0], &found[1]].map(|list| list.as_ref().expect("apart")[0]);
     let error = (one.s.re - truth.s.re).hypot(one.s.im - truth.s.im);
     assert!(error <= one.bounds[0] && 20.0 * error > one.bounds[0], "{error:e} {one:?}");
+}
+
+/// Two pairs of poles, two columns, and what accelerations feed back.
+fn columns() -> Columns {
+    let complex = |(re, im): (f64, f64)| Complex { re: Dd::from(re), im: Dd::from(im) };
+    let list = |of: [(f64, f64); 2]| of.map(complex).to_vec();
+    Columns {
+        poles: list([(-1.0, 3.0), (-0.5, 7.0)]),
+        b: vec![list([(0.5, -0.25), (0.125, 0.5)]), list([(-0.25, 0.75), (0.5, 0.25)])],
+        w: vec![list([(1.0, 0.25), (0.5, -0.5)]), list([(0.5, 0.5), (-1.0, 0.125)])],
+        direct: [[0.5, 0.125], [0.125, 0.25]].map(|row| row.map(Dd::from).to_vec()).to_vec(),
+        off: Off { reach: f64::INFINITY, ..Off::default() },
+    }
+}
+
+/// F at s, in binary64.
+fn determinant_of(of: &Columns, t: f64, s: Complex<f64>) -> Complex<f64> {
+    let mut h = [[Complex::ZERO; 2]; 2];
+    for i in 0..2 {
+        for k in 0..2 {
+            let mut sum: Complex<f64> = Complex::real(of.direct[i][k].to_f64());
+            for (j, pole) in of.poles.iter().enumerate() {
+                let (pole, product) = (pole.to_f64(), of.w[i][j].to_f64() * of.b[k][j].to_f64());
+                sum = sum + product * (s - pole).recip() + product.conj() * (s - pole.conj()).recip();
+            }
+            h[i][k] = sum.scale(t) + Complex::real(if i == k { 1.0 } else { 0.0 });
+        }
+    }
+    h[0][0] * h[1][1] - h[0][1] * h[1][0]
+}
+
+/// With two columns, too, what the true matrix has besides may be any of that norm: other D, other b, other w, another G.
+#[test]
+fn what_the_matrix_of_two_columns_has_besides_is_in_the_bounds() {
+    let off = 1e-7;
+    let (end, factors) = (1.0, [0.125, 0.5, 0.9375]);
+    let of = |columns: &Columns, t: f64| {
+        let matrix = LowRank::<2>::new(columns, end).expect("usual sizes");
+        matrix.eigenvalues(&[Factor::new(t, 0.0)]).remove(0).expect("apart")
+    };
+    for t in factors {
+        for one in of(&columns(), t) {
+            // A zero of F: a step of a millionth changes it far more.
+            let at = |s: Complex<f64>| determinant_of(&columns(), t, s).abs();
+            assert!(at(one.s) < 1e-9 * at(one.s + Complex::real(1e-3)), "{t}: {one:?}");
+            assert!(one.bounds[0] < 1e-13, "{t}: {one:?}");
+        }
+    }
+    // The lengths of all columns of B, and of W: both of each pair count.
+    let length = |list: &[Vec<Complex<Dd>>]| {
+        let squares = list.iter().flatten().map(|z| 2.0 * z.to_f64().abs().powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let (of_b, of_w) = (length(&columns().b), length(&columns().w));
+    let shifted = |z: Complex<Dd>, (re, im): (f64, f64)| Complex { re: z.re + Dd::from(re), im: z.im + Dd::from(im) };
+    let mut largest = [0.0f64; 4];
+    for t in factors {
+        for (dx, dy) in [(1.0, 0.0), (0.0, 1.0), (-0.6, 0.8), (0.6, 0.8)] {
+            let by = (0.999 * off * dx, 0.999 * off * dy);
+            let (mut poles, mut b, mut w, mut direct) = (columns(), columns(), columns(), columns());
+            poles.poles[0] = shifted(poles.poles[0], by);
+            b.b[1][0] = shifted(b.b[1][0], by);
+            w.w[0][1] = shifted(w.w[0][1], by);
+            direct.direct[0][1] = direct.direct[0][1] + Dd::from(0.999 * off * dx);
+            direct.direct[1][0] = direct.direct[1][0] + Dd::from(0.999 * off * dy);
+            let both = off * 2f64.sqrt();
+            let bounds = [
+                Off { always: off, ..columns().off },
+                Off { once: both * of_w, ..columns().off },
+                Off { once: both * of_b, ..columns().off },
+                Off { twice: off * of_b * of_w, direct: off, ..columns().off },
+            ];
+            for (at, (changed, off)) in [poles, b, w, direct].iter().zip(bounds).enumerate() {
+                let (found, truth) = (of(&Columns { off, ..columns() }, t), of(changed, t));
+                for (one, truth) in found.iter().zip(&truth) {
+                    let error = (one.s.re - truth.s.re).hypot(one.s.im - truth.s.im);
+                    assert!(error <= one.bounds[0], "{at} {t}: {error:e} {one:?}");
+                    largest[at] = largest[at].max(error / one.bounds[0]);
+                }
+            }
+        }
+    }
+    // Otherwise the test would compare nothing.
+    assert!(largest.iter().all(|x| *x > 0.01), "{largest:?}");
+    // A bound of the inverse that grows with the factor counts, a factor beyond what is proved has none, and so has a G that is hardly known.
+    let with = |off: Off| LowRank::<2>::new(&Columns { off, ..columns() }, end);
+    let bound = |growth: f64| {
+        let matrix = with(Off { once: 1e-9, twice: 1e-9, growth, ..columns().off }).expect("usual sizes");
+        matrix.eigenvalues(&[Factor::new(0.5, 0.0)])[0].as_ref().expect("apart")[0].bounds[0]
+    };
+    assert!(bound(6.0) > 3.9 * bound(0.0) && bound(6.0) < 16.1 * bound(0.0));
+    let short = with(Off { reach: 0.25, ..columns().off }).expect("usual sizes");
+    let known = short.eigenvalues(&[Factor::new(0.2, 0.0), Factor::new(0.3, 0.0)]);
+    assert!(known[0].is_some() && known[1].is_none());
+    assert!(with(Off { direct: 0.01, ..columns().off }).is_none());
+    // An error of the factor.
+    let matrix = with(columns().off).expect("usual sizes");
+    let found = matrix.eigenvalues(&[Factor::new(0.5, 1e-7), Factor::new(0.5 * (1.0 + 0.99e-7), 0.0)]);
+    let [one, truth] = [&found[0], &found[1]].map(|list| list.as_ref().expect("apart")[0]);
+    let error = (one.s.re - truth.s.re).hypot(one.s.im - truth.s.im);
+    assert!(error <= one.bounds[0] && 100.0 * error > one.bounds[0], "{error:e} {one:?}");
 }
 
 /// A matrix beside that moves a pole that the change does not: it lies within four times its norm.

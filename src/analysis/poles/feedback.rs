@@ -176,3 +176,83 @@ impl Feedback {
         Some(Feedback { columns, direct })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::{blank, push};
+
+    fn chain() -> LinearSystem {
+        let mut system = blank(4);
+        for (i, k) in ["3.1", "1.7", "2.3", "0.9"].into_iter().enumerate() {
+            push(&mut system.m, "1.25", i, None);
+            push(&mut system.k, k, i, i.checked_sub(1));
+        }
+        push(&mut system.c, "0.37", 1, None);
+        system
+    }
+
+    fn row(entries: &[(usize, f64)], slopes: [f64; 3]) -> WeighedRow {
+        let entries = entries.iter().map(|(i, a)| (*i, Ball::from(*a))).collect();
+        WeighedRow { entries, slopes: slopes.map(Ball::from) }
+    }
+
+    /// What an acceleration feeds back is a . M^-1 a times the slope, and the bound of (1 + t G)^-1 holds with masses that grow, one by far,
+    /// and with masses that fall, up to half of what would use one up.
+    #[test]
+    fn what_is_fed_back_at_once_and_its_inverse_are_bounded() {
+        for (direction, slopes) in [(1.0, [2.0, 0.5]), (1.0, [400.0, 0.5]), (-1.0, [2.0, 0.5]), (1.0, [-0.125, 0.5])] {
+            let rows =
+                [row(&[(0, 1.0)], [1.0, 0.0, slopes[0]]), row(&[(0, -1.0), (1, 8.0)], [0.0, 0.25, slopes[1]])];
+            let Feedback { columns, direct } = Feedback::of(&chain(), &rows, direction).expect("coordinates");
+            let g = [[0.8, -0.8], [-0.8, 52.0]];
+            let known = |i: usize, k: usize| direct[i][k].to_f64();
+            for i in 0..2 {
+                assert!((known(i, i) - slopes[i] * g[i][i]).abs() < 1e-13 * known(i, i).abs());
+            }
+            let product = slopes[0] * slopes[1] * g[0][1] * g[1][0];
+            assert!((known(0, 1) * known(1, 0) - product).abs() < 1e-13 * product.abs());
+            // Masses that fall: those of both rows, or the first.
+            let fall = [0, 1].map(|i| (-direction * slopes[i] * g[i][i]).max(0.0)).iter().sum::<f64>();
+            assert_eq!(fall > 0.0, columns.off.reach.is_finite());
+            assert!(fall == 0.0 || (columns.off.reach * fall - 0.499).abs() < 1e-9);
+            let mut tightest = f64::INFINITY;
+            for share in [1e-3, 0.1, 1.0] {
+                let t = direction * share * columns.off.reach.min(10.0);
+                let a = [[1.0 + t * known(0, 0), t * known(0, 1)], [t * known(1, 0), 1.0 + t * known(1, 1)]];
+                let determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+                let [p, q, r, s] = [a[1][1], -a[0][1], -a[1][0], a[0][0]].map(|x| x / determinant);
+                // The largest singular value.
+                let (sum, difference) = (p * p + q * q + r * r + s * s, 2.0 * (p * s - q * r));
+                let norm = 0.5 * ((sum + difference).sqrt() + (sum - difference).max(0.0).sqrt());
+                let bound = 1.0 + columns.off.growth * t.abs();
+                assert!(norm <= bound, "{slopes:?} {t}: {norm} {bound}");
+                tightest = tightest.min(bound / norm);
+            }
+            assert!(tightest < 1.2, "{slopes:?}: {tightest}");
+        }
+        // One row in K, C and M together is one column; without a mass nothing is fed back.
+        let of = |slopes| Feedback::of(&chain(), &[row(&[(0, 1.0)], slopes)], 1.0).expect("coordinates").columns;
+        let [all, k, c, m] = [[2.0, 3.0, 5.0], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, 5.0]].map(of);
+        for j in 0..k.poles.len() {
+            let off = all.w[0][j] - (k.w[0][j] + c.w[0][j] + m.w[0][j]);
+            assert!(off.to_f64().abs() < 1e-25 * all.w[0][j].to_f64().abs());
+        }
+        assert!(k.direct[0][0].is_zero() && (m.direct[0][0].to_f64() - 4.0).abs() < 1e-13);
+        // Columns of very different rows are alike in size.
+        let long = Feedback::of(&chain(), &[row(&[(0, 1e3)], [1e4, 0.0, 0.0]), row(&[(2, 1e-3)], [1.0, 0.0, 0.0])], 1.0);
+        let long = long.expect("coordinates").columns;
+        let size = |list: &[Complex<Dd>]| list.iter().map(|z| z.to_f64().abs().powi(2)).sum::<f64>().sqrt();
+        assert!((0..2).all(|i| (0.2..5.0).contains(&(size(&long.b[i]) / size(&long.w[i])))));
+    }
+
+    /// A mass with a negative weight is in no sum of squares.
+    #[test]
+    fn the_inverse_is_not_bounded_where_masses_may_be_negative() {
+        let mut system = chain();
+        push(&mut system.m, "-0.25", 3, None);
+        let rows = |mass: f64| [row(&[(0, 1.0)], [1.0, 0.0, mass]), row(&[(1, 1.0)], [1.0, 0.0, 0.0])];
+        assert!(Feedback::of(&system, &rows(1.0), 1.0).is_none());
+        assert!(Feedback::of(&system, &rows(0.0), 1.0).is_some());
+    }
+}
