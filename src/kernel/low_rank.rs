@@ -452,7 +452,7 @@ impl<const R: usize> Equation for Terms<R> {
         Found { tau, radius, is_proved }
     }
 
-    fn compiled(of: &LowRank<R>, stretch: &Stretch, factors: &[Factor], found: &mut [Eigenvalue]) {
+    fn follow(of: &LowRank<R>, stretch: &Stretch, factors: &[Factor], found: &mut [Eigenvalue]) {
         of_few(of, stretch, factors, found);
     }
 }

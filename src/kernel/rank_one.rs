@@ -61,7 +61,7 @@ pub trait Equation: Sized {
         room: &mut Vec<Inverse<V>>,
     ) -> Found<V>;
     /// [`on_stretch`], compiled for each kind of processor.
-    fn compiled(of: &Changed<Self>, stretch: &Stretch, factors: &[Factor], found: &mut [Eigenvalue]);
+    fn follow(of: &Changed<Self>, stretch: &Stretch, factors: &[Factor], found: &mut [Eigenvalue]);
 }
 
 /// Near an eigenvalue.
@@ -183,7 +183,7 @@ impl<E: Equation> Changed<E> {
             match self.place(factors[0].rho).and_then(|at| self.stretches.get(at)) {
                 Some(stretch) => {
                     let mut list = vec![NOTHING; stretch.roots.len() * factors.len()];
-                    E::compiled(self, stretch, factors, &mut list);
+                    E::follow(self, stretch, factors, &mut list);
                     found.extend(list.chunks(stretch.roots.len()).map(in_order));
                 }
                 None => found.extend(factors.iter().map(|_| None)),
@@ -509,7 +509,7 @@ impl Equation for Terms {
         staying(self, from, root, of)
     }
 
-    fn compiled(of: &RankOne, stretch: &Stretch, factors: &[Factor], found: &mut [Eigenvalue]) {
+    fn follow(of: &RankOne, stretch: &Stretch, factors: &[Factor], found: &mut [Eigenvalue]) {
         of_one(of, stretch, factors, found);
     }
 }
