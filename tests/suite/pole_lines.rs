@@ -330,7 +330,7 @@ fn determinant_of(of: &Columns, t: f64, s: Complex<f64>) -> Complex<f64> {
 /// With two columns, too, what the true matrix has besides may be any of that norm: other D, other b, other w, another G.
 #[test]
 fn what_the_matrix_of_two_columns_has_besides_is_in_the_bounds() {
-    let off = 1e-7;
+    let off = 1e-9;
     let (end, factors) = (1.0, [0.125, 0.5, 0.9375]);
     let of = |columns: &Columns, t: f64| {
         let matrix = LowRank::<2>::new(columns, end).expect("usual sizes");
