@@ -1,4 +1,4 @@
-//! Poles of systems in which one weight changes: each enclosure holds a root of the determinant, which is computed in exact arithmetic, and
+//! Poles of systems in which one weight changes, or a few: each enclosure holds a root of the determinant, which is computed in exact arithmetic, and
 //! there are as many enclosures that do not meet as poles. See docs/method/studies.md#one-weight-and-all-poles.
 
 use super::exact::Quadratic;
@@ -206,7 +206,7 @@ fn poles_that_hardly_move_are_enclosed_where_they_are() {
 }
 
 /// Two pendulums alike, coupled: the damper between them does not act on the motion that both share, whose poles stay: then nothing is
-/// claimed. Nor is it for two squares, rigid motions, or a mass that a change uses up.
+/// claimed. Nor is it for five rows, rigid motions, or a mass that a change uses up.
 #[test]
 fn what_is_not_covered_is_refused() {
     let twins = |grounded: bool| {
@@ -227,6 +227,10 @@ fn what_is_not_covered_is_refused() {
     let of = |system: &LinearSystem, list: &[Changing], reach: f64| PoleUpdates::of(system, list, reach);
     let (spring, mass) = (changing(Part::Stiffness, &one), changing(Part::Mass, &one));
     assert!(of(&system, std::slice::from_ref(&spring), 3.0).is_some());
+    let row = |i: i64| (Part::Stiffness, vec![(0, Number::ONE), (1, Number::from(i + 1))], 1.0);
+    let rows: Vec<Weighed> = (0..5).map(row).collect();
+    assert!(of(&system, &several(&rows[..4]), 3.0).is_some());
+    assert!(of(&system, &several(&rows), 3.0).is_none(), "five rows");
     assert!(of(&twins(false), std::slice::from_ref(&spring), 3.0).is_none(), "a rigid motion");
     let used_up = of(&system, std::slice::from_ref(&mass), -2.5);
     assert!(used_up.is_none_or(|updates| updates.poles(&[-2.0, -2.2])[..] == [None, None]));

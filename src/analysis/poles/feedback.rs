@@ -181,7 +181,7 @@ impl Feedback {
 mod tests {
     use super::*;
     use crate::analysis::test_systems::{blank, push};
-    use crate::system::{Label, Nature};
+    use crate::system::Nature;
 
     fn chain() -> LinearSystem {
         let mut system = blank(4);
@@ -252,8 +252,7 @@ mod tests {
     #[test]
     fn the_inverse_is_not_bounded_where_masses_may_be_negative() {
         let mut system = chain();
-        let label = Label { name: system.coordinates[0].name, motion: "" };
-        let source = system.m.source(label);
+        let source = system.m.source(system.coordinates[0].name);
         let weight = -&Number::from("0.25");
         system.m.push(source, Nature::Property, weight, [(CoordinateId(3), Number::ONE)].into_iter());
         let rows = |mass: f64| [row(&[(0, 1.0)], [1.0, 0.0, mass]), row(&[(1, 1.0)], [1.0, 0.0, 0.0])];
