@@ -48,6 +48,7 @@ impl PoleUpdates {
             return None;
         }
         let mut found = PoleUpdates { parts: Vec::new(), still: Vec::new() };
+        let mut placed = 0;
         for (coordinates, part) in separate(base) {
             let local = |row: &[(usize, Ball)]| {
                 let place = |(at, a): &(usize, Ball)| coordinates.binary_search(&(*at as u32)).ok().map(|at| (at, *a));
@@ -56,6 +57,7 @@ impl PoleUpdates {
             let mut rows: Vec<(usize, WeighedRow)> = Vec::new();
             for of in changing {
                 let Some(entries) = local(&of.row) else { continue };
+                placed += 1;
                 let at = rows.iter().position(|(number, _)| *number == of.number).unwrap_or_else(|| {
                     rows.push((of.number, WeighedRow { entries, slopes: [Ball::ZERO; 3] }));
                     rows.len() - 1
@@ -69,7 +71,8 @@ impl PoleUpdates {
                 false => found.parts.push(Moving::of(&part, rows, end)?),
             }
         }
-        Some(found)
+        // A row over several parts couples them.
+        (placed == changing.len()).then_some(found)
     }
 
     /// The change up to which relative bounds are at most `accuracy`, where that was tried.
