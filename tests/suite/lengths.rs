@@ -98,7 +98,9 @@ fn each_case_has_the_rest_that_is_found_from_its_drawing() {
     let ends = rows_of(&["--over", "h=0.05m,0.4m", "--modes=2"]);
     let along = rows_of(&["--over", "h=0.05m..0.4m:200", "--modes=2"]);
     for (ends, truth) in [([&ends[0], &along[0]], &below), ([&ends[1], &along[199]], &above)] {
-        ends.map(|row| meets(row, truth));
+        for row in ends {
+            meets(row, truth);
+        }
     }
 }
 
