@@ -309,7 +309,7 @@ fn columns() -> Columns {
     Columns {
         poles: list([(-1.0, 3.0), (-0.5, 7.0)]),
         b: vec![list([(0.5, -0.25), (0.125, 0.5)]), list([(-0.25, 0.75), (0.5, 0.25)])],
-        w: vec![list([(1.0, 0.25), (0.5, -0.5)]), list([(0.5, 0.5), (-1.0, 0.125)])],
+        w: vec![list([(1.0, 0.25), (0.5, -0.5)]), list([(-0.5, -0.5), (1.0, -0.125)])],
         direct: [[0.5, 0.125], [0.125, 0.25]].map(|row| row.map(Dd::from).to_vec()).to_vec(),
         off: Off { reach: f64::INFINITY, ..Off::default() },
     }
