@@ -423,9 +423,9 @@ impl<const R: usize> Equation for Terms<R> {
         let f = length(f);
         // The term of the pole, times its distance.
         let mut term = sizes.of;
-        for i in 0..R {
-            for k in 0..R {
-                term[i][k] = of.rho.abs() * V::splat(self.sizes[root.pole][i][k]);
+        for (row, sizes) in term.iter_mut().zip(&self.sizes[root.pole]) {
+            for (term, size) in row.iter_mut().zip(sizes) {
+                *term = of.rho.abs() * V::splat(*size);
             }
         }
         let own = sum_of_products(&with_sizes(&term), &of_sizes.cofactors).0;

@@ -254,7 +254,7 @@ mod tests {
         let mut system = chain();
         let source = system.m.source(system.coordinates[0].name);
         let weight = -&Number::from("0.25");
-        system.m.push(source, Nature::Property, weight, [(CoordinateId(3), Number::ONE)].into_iter());
+        system.m.push(source, Nature::Property, weight, [(CoordinateId(3), Number::ONE)]);
         let rows = |mass: f64| [row(&[(0, 1.0)], [1.0, 0.0, mass]), row(&[(1, 1.0)], [1.0, 0.0, 0.0])];
         assert!(Feedback::of(&system, &rows(1.0), 1.0).is_none());
         assert!(Feedback::of(&system, &rows(0.0), 1.0).is_some());
