@@ -317,18 +317,15 @@ fn columns() -> Columns {
 
 /// F at s, in binary64.
 fn determinant_of(of: &Columns, t: f64, s: Complex<f64>) -> Complex<f64> {
-    let mut h = [[Complex::ZERO; 2]; 2];
-    for i in 0..2 {
-        for k in 0..2 {
-            let mut sum: Complex<f64> = Complex::real(of.direct[i][k].to_f64());
-            for (j, pole) in of.poles.iter().enumerate() {
-                let (pole, product) = (pole.to_f64(), of.w[i][j].to_f64() * of.b[k][j].to_f64());
-                sum = sum + product * (s - pole).recip() + product.conj() * (s - pole.conj()).recip();
-            }
-            h[i][k] = sum.scale(t) + Complex::real(if i == k { 1.0 } else { 0.0 });
+    let entry = |i: usize, k: usize| {
+        let mut sum: Complex<f64> = Complex::real(of.direct[i][k].to_f64());
+        for (j, pole) in of.poles.iter().enumerate() {
+            let (pole, product) = (pole.to_f64(), of.w[i][j].to_f64() * of.b[k][j].to_f64());
+            sum = sum + product * (s - pole).recip() + product.conj() * (s - pole.conj()).recip();
         }
-    }
-    h[0][0] * h[1][1] - h[0][1] * h[1][0]
+        sum.scale(t) + Complex::real(if i == k { 1.0 } else { 0.0 })
+    };
+    entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0)
 }
 
 /// With two columns, too, what the true matrix has besides may be any of that norm: other D, other b, other w, another G.

@@ -6,10 +6,10 @@ use super::*;
 fn check<const R: usize>(matrix: [[[f64; 2]; R]; R]) {
     let of = cofactors(&matrix);
     let whole = row_product(&matrix[0], &of[0]);
-    for i in 0..R {
-        for k in 0..R {
+    for (i, row) in matrix.iter().enumerate() {
+        for (k, cofactors) in of.iter().enumerate() {
             let expected = if i == k { whole } else { [0.0; 2] };
-            assert_eq!(row_product(&matrix[i], &of[k]), expected, "{R}: {i} {k}");
+            assert_eq!(row_product(row, cofactors), expected, "{R}: {i} {k}");
         }
     }
     assert_ne!(whole, [0.0; 2]);
