@@ -194,6 +194,14 @@ fn poles_that_hardly_move_are_enclosed_where_they_are() {
             assert!(widest < 1e-13, "{part:?} {change}: {widest:e}");
         }
     }
+    // On two rows, a spring and a mass.
+    let both = [(Part::Stiffness, row, 1.0), (Part::Mass, vec![(1, Number::ONE)], 0.015625)];
+    let updates = PoleUpdates::of(&system, &several(&both), 16.0).expect("two rows");
+    for change in [16.0, 0.25] {
+        let found = updates.poles(&[change]).remove(0).unwrap_or_else(|| panic!("{change}"));
+        let widest = check(&all_changed(&system, &both, change), &found, &format!("two rows {change}"));
+        assert!(widest < 1e-12, "{change}: {widest:e}");
+    }
     // Two poles may be much closer to each other than the last digit: then they are not told apart.
     let twins = |apart: f64| {
         let complex = |re: f64, im: f64| Complex { re: Dd::from(re), im: Dd::from(im) };
@@ -418,6 +426,45 @@ fn a_pole_that_stays_may_be_where_the_matrix_beside_moves_it() {
     for (one, truth) in found.iter().zip(&truth).skip(2) {
         let error = (one.s.re - truth.s.re).abs();
         assert!(error <= one.bounds[0] && one.bounds[0] < 6.0 * error, "{error:e} {one:?}");
+    }
+}
+
+/// The same of two columns: a third pair that feels neither stays within four times the norm, also beside a pole that it can hardly be
+/// told from, of which nothing is claimed; and the cofactors count in what the matrix beside does.
+#[test]
+fn a_pole_that_neither_of_two_columns_moves_stays() {
+    let complex = |re: f64, im: Dd| Complex { re: Dd::from(re), im };
+    let with_third = |s: Complex<Dd>, off: f64| {
+        let mut columns = columns();
+        columns.poles.push(s);
+        let small = complex(1e-40, Dd::ZERO);
+        columns.b.iter_mut().chain(&mut columns.w).for_each(|list| list.push(small));
+        columns.off.always = off;
+        let matrix = LowRank::<2>::new(&columns, 1.0).expect("usual sizes");
+        matrix.eigenvalues(&[Factor::new(0.5, 0.0)]).remove(0)
+    };
+    let of = |shift: f64, off: f64| with_third(complex(-2.0 + shift, Dd::from(5.0)), off).expect("apart");
+    let (found, truth) = (of(0.0, 1e-12), of(0.999e-12, 0.0));
+    let third = |list: &[Eigenvalue]| *list.iter().find(|one| (one.s.im - 5.0).abs() < 1e-9).expect("a third pair");
+    let (one, truth) = (third(&found), third(&truth));
+    let error = (one.s.re - truth.s.re).abs();
+    assert!(error <= one.bounds[0] && one.bounds[0] < 6.0 * error, "{error:e} {one:?}");
+    // Next to one of the others, which begins there.
+    let beside = |apart: f64| with_third(complex(-1.0, Dd::new(3.0, apart)), 1e-28);
+    assert!(beside(1e-2).is_some() && beside(1e-18).is_none());
+    // A term as large as the distance of the pole that has it is small: the columns are long, and H is far from 1.
+    let off = 1e-12;
+    let long = |shift: f64, off: f64| {
+        let mut columns = columns();
+        columns.b.iter_mut().flatten().for_each(|z| *z = z.scale(Dd::from(64.0)));
+        columns.poles[1].im = columns.poles[1].im + Dd::from(shift);
+        columns.off.always = off;
+        let matrix = LowRank::<2>::new(&columns, 1.0).expect("usual sizes");
+        matrix.eigenvalues(&[Factor::new(0.015625, 0.0)]).remove(0).expect("apart")
+    };
+    for (one, truth) in long(0.0, off).iter().zip(&long(0.999 * off, 0.0)) {
+        let error = (one.s.re - truth.s.re).hypot(one.s.im - truth.s.im);
+        assert!(error <= one.bounds[0], "{error:e} {one:?}");
     }
 }
 
