@@ -368,8 +368,8 @@ fn what_the_matrix_of_two_columns_has_besides_is_in_the_bounds() {
             poles.poles[0] = shifted(poles.poles[0], by);
             b.b[1][0] = shifted(b.b[1][0], by);
             w.w[0][1] = shifted(w.w[0][1], by);
-            direct.direct[0][1] = direct.direct[0][1] + Dd::from(0.999 * off * dx);
-            direct.direct[1][0] = direct.direct[1][0] + Dd::from(0.999 * off * dy);
+            direct.direct[0][1] += Dd::from(0.999 * off * dx);
+            direct.direct[1][0] += Dd::from(0.999 * off * dy);
             let both = off * 2f64.sqrt();
             let bounds = [
                 Off { always: off, ..columns().off },
@@ -457,7 +457,7 @@ fn a_pole_that_neither_of_two_columns_moves_stays() {
     let long = |shift: f64, off: f64| {
         let mut columns = columns();
         columns.b.iter_mut().flatten().for_each(|z| *z = z.scale(Dd::from(64.0)));
-        columns.poles[1].im = columns.poles[1].im + Dd::from(shift);
+        columns.poles[1].im += Dd::from(shift);
         columns.off.always = off;
         let matrix = LowRank::<2>::new(&columns, 1.0).expect("usual sizes");
         matrix.eigenvalues(&[Factor::new(0.015625, 0.0)]).remove(0).expect("apart")
