@@ -214,7 +214,7 @@ fn poles_that_hardly_move_are_enclosed_where_they_are() {
 }
 
 /// Two pendulums alike, coupled: the damper between them does not act on the motion that both share, whose poles stay: then nothing is
-/// claimed. Nor is it for five rows, rigid motions, or a mass that a change uses up.
+/// claimed. Nor is it for five rows, a row over two parts, which couples them, rigid motions, or a mass that a change uses up.
 #[test]
 fn what_is_not_covered_is_refused() {
     let twins = |grounded: bool| {
@@ -231,6 +231,13 @@ fn what_is_not_covered_is_refused() {
         builder.finish()
     };
     let system = twins(true);
+    let mut builder = Builder::numbered(2);
+    for (i, c) in ["0.3", "0.7"].into_iter().enumerate() {
+        builder.mass(i, &number("2"));
+        builder.spring(None, i, &number("5"));
+        builder.damper(None, i, &number(c));
+    }
+    let apart = builder.finish();
     let one = vec![(0, Number::ONE)];
     let of = |system: &LinearSystem, list: &[Changing], reach: f64| PoleUpdates::of(system, list, reach);
     let (spring, mass) = (changing(Part::Stiffness, &one), changing(Part::Mass, &one));
@@ -239,6 +246,10 @@ fn what_is_not_covered_is_refused() {
     let rows: Vec<Weighed> = (0..5).map(row).collect();
     assert!(of(&system, &several(&rows[..4]), 3.0).is_some());
     assert!(of(&system, &several(&rows), 3.0).is_none(), "five rows");
+    let over_both = (Part::Stiffness, vec![(0, Number::ONE), (1, -&Number::ONE)], 1.0);
+    let both = several(&[(Part::Stiffness, one.clone(), 1.0), over_both]);
+    assert!(of(&apart, &both[..1], 3.0).is_some());
+    assert!(of(&apart, &both, 3.0).is_none(), "a row over two parts");
     assert!(of(&twins(false), std::slice::from_ref(&spring), 3.0).is_none(), "a rigid motion");
     let used_up = of(&system, std::slice::from_ref(&mass), -2.5);
     assert!(used_up.is_none_or(|updates| updates.poles(&[-2.0, -2.2])[..] == [None, None]));
