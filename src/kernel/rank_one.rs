@@ -20,10 +20,10 @@ pub(super) const U: f64 = f64::EPSILON / 2.0;
 /// diag(D) and what any factor between zero and an end adds to it. Conjugates follow their originals.
 #[derive(Clone, Debug)]
 pub struct Changed<E> {
-    equation: E,
+    pub(super) equation: E,
     /// The sign of all factors.
     direction: f64,
-    stretches: Vec<Stretch>,
+    pub(super) stretches: Vec<Stretch>,
 }
 
 /// A matrix diag(D) - rho b v^T.
