@@ -76,7 +76,7 @@ def one(chosen, name, number, program, tally, options):
     rng = random.Random(f"{options.seed} {name} {number}")
     scene = chosen.scene(rng)
     before = len(tally.violations)
-    tally.scene, tally.scenes = scene, tally.scenes + 1
+    tally.scene, tally.model, tally.scenes = scene, "", tally.scenes + 1
     key = f"{options.seed} {name} {number} check"
     chosen.check(scene, program, tally, random.Random(key))
     fresh = tally.violations[before:]

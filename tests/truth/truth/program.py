@@ -88,6 +88,7 @@ class Program:
     def ask(self, tally, command, text, *options, tables=None):
         """The JSON that `command` prints; without one None, and the tally has the reason."""
         tally.command = " ".join(["vibc", command, "MODEL", *options])
+        tally.model = text
         answer = self.run(command, text, *options, tables=tables)
         told = answer.json()
         if told is None:

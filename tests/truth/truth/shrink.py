@@ -22,7 +22,7 @@ def shrink(chosen, violation, program, key):
             found = attempt(chosen, smaller, violation.kind, program, key)
             if found is not None:
                 violation.told, violation.true, violation.bound = found.told, found.true, found.bound
-                violation.command, violation.scene = found.command, smaller
+                violation.command, violation.model, violation.scene = found.command, found.model, smaller
                 going = True
                 break
 

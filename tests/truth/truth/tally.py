@@ -14,13 +14,14 @@ TINY = arb(2) ** -1074
 class Violation:
     """A number, count or verdict that is not as the program told it."""
 
-    def __init__(self, kind, told, true, bound=None, scene=None, command=""):
+    def __init__(self, kind, told, true, bound=None, scene=None, command="", model=""):
         self.kind = kind
         self.told = told
         self.true = true
         self.bound = bound
         self.scene = scene
         self.command = command
+        self.model = model
 
     def lines(self):
         """What was told and what is true, as comments above a model."""
@@ -49,6 +50,8 @@ class Tally:
         self.ratios = array("d")
         self.scene = None
         self.command = ""
+        # What the program was asked with last, where that is more than the scene's own text.
+        self.model = ""
 
     def refuse(self, reason):
         """The program gave no answer for a scene, or for a part of it."""
@@ -57,7 +60,7 @@ class Tally:
     def violate(self, kind, told, true, bound=None):
         """A claim that does not hold."""
         self.kinds[kind] = self.kinds.get(kind, 0) + 1
-        self.violations.append(Violation(kind, told, true, bound, self.scene, self.command))
+        self.violations.append(Violation(kind, told, true, bound, self.scene, self.command, self.model))
 
     def verdict(self, kind, told, true):
         """A count, a word or a verdict, compared as it stands."""
@@ -188,4 +191,4 @@ def write(tally, folder, limit):
         place = os.path.join(folder, f"{tally.name}-{violation.kind.replace(' ', '_').replace('/', '_')}-{count + 1}.vib")
         with open(place, "w", encoding="utf-8") as file:
             file.write("\n".join(violation.lines()) + "\n")
-            file.write(violation.scene.text() if violation.scene is not None else "")
+            file.write(violation.model or (violation.scene.text() if violation.scene is not None else ""))
