@@ -534,13 +534,16 @@ fn norm(f: &Matrix<f64>) -> f64 {
 }
 
 #[cfg(test)]
+mod extremes;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::analysis::discrete::lift::lift;
     use crate::analysis::discrete::turn::turn;
     use std::ops::{Add, Mul, Sub};
 
-    fn cell(form: Form, size: usize) -> Cell {
+    pub(super) fn cell(form: Form, size: usize) -> Cell {
         let none = || vec![Vec::new(); size];
         let (input, output) = (none(), vec![Vec::new(); size]);
         Cell { name: String::new(), form, input, output, to: vec![], back: vec![], start: vec![1.0; size] }
@@ -632,7 +635,7 @@ mod tests {
     }
 
     /// One step as it is emitted, in binary64 or in double-double.
-    fn advance<T>(cell: &Cell, w: &[T], u: f64) -> Vec<T>
+    pub(super) fn advance<T>(cell: &Cell, w: &[T], u: f64) -> Vec<T>
     where
         T: Copy + From<f64> + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
     {
