@@ -100,9 +100,15 @@ impl Found<'_> {
             e += frame.coupling(level, i, size).power(2) / scale;
         }
         let (p, e, q) = ((p * UP).sqrt() * UP, (e * UP).sqrt() * UP, of(self.star.outside));
-        let rest = block.least - e * e / eta * UP;
-        (eta > 0.0 && rest > 0.0).then(|| (q * q / eta + (p + e * q / eta).power(2) / rest) * UP)
+        bound_of_both_parts([p, q], [block.least, eta], e)
     }
+}
+
+/// A bound of |u^T Q^-1 u| where the two parts of u are at most p and q, Q is at least `least` on the first and `eta` on the second one,
+/// and couples them by at most e; `None` if Q may be singular.
+fn bound_of_both_parts([p, q]: [f64; 2], [least, eta]: [f64; 2], e: f64) -> Option<f64> {
+    let rest = least - e * e / eta * UP;
+    (eta > 0.0 && rest > 0.0).then(|| (q * q / eta + (p + e * q / eta).power(2) / rest) * UP)
 }
 
 /// The disc about s_0 + step; the part of the centre that double-double cannot hold is added to the radius.
@@ -481,6 +487,30 @@ mod tests {
                 assert!(both >= share(Some(0), [0.0; 3]) + amount * amount / eta * (1.0 - 1e-12), "{part} {reach}");
             }
         }
+    }
+
+    /// [least -e; -e eta] is the worst of all: by Cramer's rule.
+    #[test]
+    fn what_is_eliminated_is_that_of_the_worst_matrix() {
+        for (p, q, least, eta) in
+            [(1.0, 1.0, 1.0, 1.0), (3.0, 0.25, 0.5, 7.0), (0.0, 2.0, 5.0, 0.125), (2.0, 0.0, 0.25, 3.0)]
+        {
+            for share in [0.0, 0.25, 0.9, 0.99, 1.0, 1.5] {
+                let e = share * f64::sqrt(least * eta);
+                let found = bound_of_both_parts([p, q], [least, eta], e);
+                let determinant = least * eta - e * e;
+                if share >= 1.0 {
+                    assert_eq!(found, None, "{p} {q} {least} {eta} {share}");
+                    continue;
+                }
+                let truth = (p * p * eta + 2.0 * p * q * e + q * q * least) / determinant;
+                let found = found.expect("regular");
+                let over = found / truth;
+                assert!((1.0..1.0 + 1e-6).contains(&over), "{p} {q} {least} {eta} {share}: {found} {truth}");
+            }
+        }
+        assert_eq!(bound_of_both_parts([1.0, 1.0], [1.0, -1.0], 0.5), None);
+        assert_eq!(bound_of_both_parts([1.0, 1.0], [-1.0, 1.0], 0.5), None);
     }
 
     /// f(w) = rho + d w + m w^2 + b with all of them as far off as they may be: the root is in the disc.
