@@ -138,6 +138,14 @@ mod tests {
             let found = least(r).expect("positive");
             assert!(found <= (1.0 - c) - 2.0 * r && found > (1.0 - c) - 2.01 * r, "{units:?}: {found}");
             assert_eq!(least(0.0501), None, "{units:?}");
+            // The middle one of three rows has two entries beside its diagonal, one in each triangle: at their worst they take off
+            // (1 + sqrt 2) r of 1 - c sqrt 2.
+            let (c, root) = (0.5, 2f64.sqrt());
+            let wide = |i: usize, j: usize, value: f64| (i as u32, j as u32, Ball::new(value.into(), r));
+            let three = (0..3).map(|i| wide(i, i, 1.0)).chain((1..3).map(|i| wide(i, i - 1, -c))).collect();
+            let least = (1.0 - c * root) * (1.0 - 1e-9);
+            let found = Scaled::to_ones(3, three).expect("a positive diagonal").least_eigenvalue(least);
+            assert!(found.is_some_and(|found| found <= (1.0 - c * root) - (1.0 + root) * r), "{found:?}");
             // The low word of an entry counts, as it is not in the factors.
             let (low, high) = (crate::base::Dd { hi: 1.0, lo: 1e-17 }, Ball::from(1.0));
             let spread = Scaled::to_ones(2, vec![(0, 0, Ball::exact(low)), (1, 1, high)]).expect("positive").spreads;

@@ -334,4 +334,142 @@ mod tests {
         }
         assert!(least_needed > 0.3 && least_needed < 1.0, "{least_needed}");
     }
+
+    /// A tree of five nodes, two of them side by side, whose root alone is held: K, and M with its couplings, by rows, of the nodes.
+    fn branched_tree() -> (Vec<Node<f64>>, [[[f64; 5]; 5]; 2]) {
+        let of = |mass: f64, ground: f64, stiffness: f64, coupling: f64, parent: u32, children: u32| Node {
+            mass,
+            ground,
+            stiffness,
+            coupling,
+            parent,
+            children,
+        };
+        let nodes = vec![
+            of(2.0, 0.0, 7.0, 0.25, 1, 0),
+            of(3.0, 0.0, 5.0, 0.5, 4, 1),
+            of(1.0, 0.0, 11.0, -0.25, 3, 0),
+            of(4.0, 0.0, 2.0, 0.0, 4, 1),
+            of(5.0, 3.0, 0.0, 0.0, 4, 2),
+        ];
+        let (mut k, mut m) = ([[0.0; 5]; 5], [[0.0; 5]; 5]);
+        for (i, node) in nodes.iter().enumerate() {
+            k[i][i] += node.ground;
+            m[i][i] += node.mass;
+            let p = node.parent as usize;
+            for (a, b, sign) in [(i, i, 1.0), (p, p, 1.0), (i, p, -1.0), (p, i, -1.0)] {
+                k[a][b] += sign * node.stiffness;
+                m[a][b] -= sign * node.coupling;
+            }
+        }
+        (nodes, [k, m])
+    }
+
+    fn product(a: &[[f64; 5]; 5], x: [f64; 5]) -> [f64; 5] {
+        a.map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum())
+    }
+
+    /// By elimination without exchanges: the matrix is positive definite.
+    fn solve(mut a: [[f64; 5]; 5], mut b: [f64; 5]) -> [f64; 5] {
+        for i in 0..5 {
+            for r in (0..5).filter(|&r| r != i) {
+                let factor = a[r][i] / a[i][i];
+                let own = a[i];
+                a[r].iter_mut().zip(own).for_each(|(x, own)| *x -= factor * own);
+                b[r] -= factor * b[i];
+            }
+        }
+        from_fn(|i| b[i] / a[i][i])
+    }
+
+    /// Where the forces are those of the springs, which is so where nothing but the root is held and the root is in balance, the bound of
+    /// K^-1 M x - mu x in the norm of K is that number itself. Elsewhere it is not below it, with what is left unbalanced at the root.
+    #[test]
+    fn a_residual_is_that_of_elimination() {
+        let (nodes, [k, m]) = branched_tree();
+        let tree = Tree { breadth: 2.0, coupled: 2.0, data: [0.0; 2] };
+        let vectors = [[1.0, 2.0, -1.0, 0.5, 0.75], [-3.0, 1.0, 0.25, 2.0, 1.5], [1.0, 1.0, 1.0, 1.0, 1.0]];
+        for x in vectors {
+            let momentum = product(&m, x);
+            let balance = momentum.iter().sum::<f64>() / (nodes[4].ground * x[4]);
+            for (mu, holding) in [(balance, 0.0), (0.25, 0.0), (1.5, 0.0), (balance, 0.125), (0.5, 2.0)] {
+                let held: [[f64; 5]; 5] = from_fn(|i| from_fn(|j| k[i][j] + holding * m[i][j]));
+                // M - mu K, and what it moves.
+                let forces = product(&held, x);
+                let rest = from_fn(|i| momentum[i] - mu * forces[i]);
+                let moved = solve(held, rest);
+                let truth = moved.iter().zip(rest).map(|(u, f)| u * f).sum::<f64>().sqrt();
+                let lanes: Vec<[f64; 2]> = x.iter().map(|&x| [x, 2.0 * x]).collect();
+                let found = residual(&nodes, &lanes, Lanes([mu, mu]), holding, &tree);
+                // lambda >= 1 / (trace of K^-1 M)
+                let trace: f64 = (0..5).map(|j| solve(held, from_fn(|i| m[i][j]))[j]).sum();
+                let bound = found.elastic.0[0] + found.unbalanced.0[0] * trace.sqrt();
+                assert!(bound >= truth * (1.0 - 1e-12), "{x:?} {mu} {holding}: {bound} {truth}");
+                let [one, two] = found.elastic.0;
+                assert!((two - 2.0 * one).abs() <= 1e-9 * one, "{x:?} {mu} {holding}: {one} {two}");
+                // What is left at the root, in the norm of the inverse of the masses over kappa.
+                let left = if holding == 0.0 {
+                    (momentum.iter().sum::<f64>() - mu * nodes[4].ground * x[4]).abs()
+                } else {
+                    f64::NAN
+                };
+                let unbalanced = left * (tree.coupled / nodes[4].mass).sqrt();
+                assert!(
+                    holding != 0.0 || (found.unbalanced.0[0] - unbalanced).abs() <= 1e-9 * (1.0 + unbalanced),
+                    "{x:?} {mu}"
+                );
+                if (mu, holding) == (balance, 0.0) {
+                    assert!(
+                        (found.elastic.0[0] / truth - 1.0).abs() < 1e-11,
+                        "{x:?}: {found:?} {truth}",
+                        found = found.elastic.0
+                    );
+                }
+            }
+        }
+        // Held so much that a coupling takes more than half of a spring.
+        let found = residual(&nodes, &[[1.0]; 5], Lanes([1.0]), 8.0, &tree);
+        assert_eq!((found.elastic.0, found.unbalanced.0), ([f64::INFINITY], [f64::INFINITY]));
+        // What roundings leave is counted: a tree whose numbers cancel.
+        let found = residual(&nodes, &[[1.0]; 5], Lanes([0.0]), 0.0, &tree);
+        assert!(found.unbalanced.0[0] > 1.0);
+    }
+
+    /// Two nodes, held at the root, whose masses are coupled: both eigenvalues in closed form, from vectors that are off by much, with the
+    /// tree held and not.
+    #[test]
+    fn eigenvalues_of_two_nodes_in_closed_form_are_enclosed() {
+        let (m0, m1, c, k, g) = (2.0, 3.0, 0.5, 7.0, 5.0f64);
+        let root = Node { mass: m1, ground: g, stiffness: 0.0, coupling: 0.0, parent: 1, children: 1 };
+        let nodes = [Node { mass: m0, ground: 0.0, stiffness: k, coupling: c, parent: 1, children: 0 }, root];
+        // det(K - lambda M), K = [k -k; -k k+g], M = [m0-c c; c m1-c]
+        let (p, q, r) = ((m0 - c) * (m1 - c) - c * c, k * (m1 - c) + (k + g) * (m0 - c) + 2.0 * k * c, k * g);
+        let ends = [-1.0, 1.0].map(|side: f64| (q + side * (q * q - 4.0 * p * r).sqrt()) / (2.0 * p));
+        // The least eigenvalue of M over diag(m0, m1).
+        let (trace, det) = ((m0 - c) / m0 + (m1 - c) / m1, p / (m0 * m1));
+        let kappa = 1.0 / (0.5 * (trace - (trace * trace - 4.0 * det).sqrt()));
+        let mut tightest = 0.0f64;
+        for (j, lambda) in ends.into_iter().enumerate() {
+            for holding in [0.0, 0.25, 2.0] {
+                for slip in [0.0, 1e-5, -1e-3, 0.02] {
+                    let x = [[(k + lambda * c) * (1.0 + slip)], [k - lambda * (m0 - c)]];
+                    let frame = Frame {
+                        previous: (j == 1).then_some(ends[0]),
+                        next: (j == 0).then_some(ends[1]),
+                        holding,
+                        least: ends[0] + holding,
+                    };
+                    let tree = Tree { breadth: 1.0, coupled: kappa, data: [f64::ERROR; 2] };
+                    let [found] = enclose_lanes(&nodes, &x, &tree, &[frame]);
+                    let off = (found.lambda.hi() - lambda).abs();
+                    assert!(off <= found.radius, "{lambda} {holding} {slip}: {off:e} {:e}", found.radius);
+                    if slip.abs() > 1e-4 {
+                        tightest = tightest.max(off / found.radius);
+                    }
+                    assert!(slip != 0.0 || found.relative() < 1e-13, "{lambda} {holding}: {:e}", found.relative());
+                }
+            }
+        }
+        assert!(tightest > 0.05, "{tightest}");
+    }
 }

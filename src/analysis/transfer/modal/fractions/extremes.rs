@@ -233,3 +233,71 @@ fn damped_modes_are_within_what_is_known_of_a_basis() {
         }
     }
 }
+
+/// Two modes in closed form, close to each other, with all entries of M or K off by all that they may be: the frequency and the residue of
+/// each are within their bounds, between inputs and outputs that see either mode or both. What sees the other one alone needs most of its
+/// bound.
+#[test]
+fn residues_of_two_modes_in_closed_form_are_within_their_doubt() {
+    const GAP: f64 = 1.0 / (1u64 << 26) as f64;
+    let of = |x: f64| Dd::from(x);
+    let mut needed = [0.0f64; 2];
+    for k in [1.0, 3.5].into_iter().flat_map(|k| [[k, k * (1.0 + GAP)], [k * (1.0 + 16.0 * GAP), k]]) {
+        for (off, form) in [(0.125 * GAP, 2), (0.0625 * GAP, 0), (2.0 * GAP / 65536.0, 0)] {
+            for ends in 1..27i32 {
+                // Each of the three entries as it is, or at one of its ends.
+                let [a, b, c] = [1, 3, 9].map(|digit| off * f64::from((ends / digit + 1) % 3 - 1));
+                let mut truth = [diagonal(&[1.0; 2]), diagonal(&[0.0; 2]), diagonal(&k)];
+                for (i, j, e) in [(0, 0, a), (1, 1, b), (0, 1, c), (1, 0, c)] {
+                    truth[form][i][j] += e;
+                }
+                let [m, _, stiffness] = truth.clone();
+                let case = Case::about([&[1.0; 2], &[0.0; 2], &k], truth, 0);
+                let sum = case.sum();
+                // (k_00 - x m_00) (k_11 - x m_11) = (k_01 - x m_01)^2
+                let [two, four] = [2.0, 4.0].map(of);
+                let [m0, m1, mc] = [m[0][0], m[1][1], m[0][1]].map(of);
+                let [k0, k1, kc] = [stiffness[0][0], stiffness[1][1], stiffness[0][1]].map(of);
+                let (p, q, r) = (m0 * m1 - mc * mc, k0 * m1 + k1 * m0 - two * kc * mc, k0 * k1 - kc * kc);
+                let root = (q * q - four * p * r).sqrt();
+                let ends_of = [(q - root) / (two * p), (q + root) / (two * p)];
+                let mut system = blank(2);
+                for (sees_b, sees_p) in [
+                    ([1.0, 0.0], [1.0, 0.0]),
+                    ([0.0, 1.0], [0.0, 1.0]),
+                    ([1.0, 0.0], [0.0, 1.0]),
+                    ([1.0, 2.0], [1.0, -1.0]),
+                ] {
+                    let row = |sees: [f64; 2]| {
+                        let number = |x: f64| Number::from(Rational::from_f64(x).expect("finite"));
+                        (0..2).map(|i| (CoordinateId(i as u32), number(sees[i]))).collect::<Vec<_>>()
+                    };
+                    (system.inputs[0].b[0], system.outputs[0].p[0]) = (row(sees_b), row(sees_p));
+                    let (list, _) = sum.of_true_modes(&sum.pair(&system, 0, 0), None).expect("apart");
+                    assert_eq!(list.len(), 2);
+                    for (i, given) in list.iter().enumerate() {
+                        let x = ends_of[usize::from(k[i] > k[1 - i])];
+                        // What K - x M takes to nothing, by the row that is not small.
+                        let y = match i {
+                            0 => [k1 - x * m1, x * mc - kc],
+                            _ => [x * mc - kc, k0 - x * m0],
+                        };
+                        let size = m0 * y[0] * y[0] + two * mc * y[0] * y[1] + m1 * y[1] * y[1];
+                        let seen = |sees: [f64; 2]| of(sees[0]) * y[0] + of(sees[1]) * y[1];
+                        let omega = x.sqrt();
+                        let which = format!("{k:?} {form} {a} {b} {c} {sees_b:?} {sees_p:?} {i}");
+                        assert!((given.s.im - omega).abs().to_f64() <= given.loose + 1e-21, "{which}");
+                        let residue = -(seen(sees_b) * seen(sees_p) / size / (two * omega));
+                        let found = given.products[0].im;
+                        let off = (found.mid - residue).abs().to_f64();
+                        assert!(off <= found.rad + 1e-13 * found.rad, "{which}: {off:e} {:e}", found.rad);
+                        if sees_b == sees_p && sees_b[i] == 0.0 && c != 0.0 && (a, b) == (0.0, 0.0) {
+                            needed[form / 2] = needed[form / 2].max(off / found.rad);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(needed.iter().all(|needed| *needed > 0.5), "{needed:?}");
+}
