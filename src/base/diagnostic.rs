@@ -4,6 +4,7 @@
 
 use super::source::Span;
 use crate::base::OrderBy;
+use std::collections::HashMap;
 use std::fmt;
 
 /// A stable name of a kind of diagnostic, such as `vib::unit::mismatch`, and what an error of that kind means for the run. Its page
@@ -169,6 +170,24 @@ impl Diagnostic {
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error
     }
+
+    /// Whether both say the same, perhaps of different places.
+    fn is_like(&self, other: &Diagnostic) -> bool {
+        (self.severity, self.code) == (other.severity, other.code)
+            && (&self.message, &self.primary.text, &self.help) == (&other.message, &other.primary.text, &other.help)
+            && (&self.related, &self.fixes) == (&other.related, &other.fixes)
+    }
+
+    /// The same, of other places too.
+    fn also_at(mut self, places: &[Span]) -> Diagnostic {
+        let shown = &places[..places.len().min(MOST_PLACES)];
+        self.related.extend(shown.iter().map(|&span| Label { span, text: "and here".into() }));
+        let left = places.len() - shown.len();
+        if let Some(last) = self.related.last_mut().filter(|_| left > 0) {
+            last.text = format!("and here, and in {left} more {}", if left == 1 { "place" } else { "places" });
+        }
+        self
+    }
 }
 
 /// The findings of a run, in the order in which they were reported.
@@ -210,7 +229,8 @@ impl Diagnostics {
         self.list.iter()
     }
 
-    /// The findings sorted by place, then severity, without exact repetitions.
+    /// The findings sorted by place, then severity, without exact repetitions, and with one for all uses of what is wrong at its
+    /// declaration.
     pub fn into_sorted(mut self) -> Vec<Diagnostic> {
         self.list.order_by(|a, b| {
             (a.primary.span.file(), a.primary.span.start(), a.severity, a.code, &a.message).cmp(&(
@@ -222,8 +242,33 @@ impl Diagnostics {
             ))
         });
         self.list.dedup();
-        self.list
+        one_for_each_declaration(self.list)
     }
+}
+
+/// Further places that a finding shows when it stands for several.
+const MOST_PLACES: usize = 3;
+
+/// Joins findings that differ in nothing but their place and blame the same other one, such as a parameter in the wrong unit
+/// that three springs use: the first stands for all, and shows where the others are.
+fn one_for_each_declaration(list: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let mut kept: Vec<(Diagnostic, Vec<Span>)> = Vec::with_capacity(list.len());
+    let mut by_cause: HashMap<(Code, Span), Vec<usize>> = HashMap::new();
+    for next in list {
+        let Some(cause) = next.related.first() else {
+            kept.push((next, Vec::new()));
+            continue;
+        };
+        let alike = by_cause.entry((next.code, cause.span)).or_default();
+        match alike.iter().find(|&&i| kept[i].0.is_like(&next)) {
+            Some(&i) => kept[i].1.push(next.primary.span),
+            None => {
+                alike.push(kept.len());
+                kept.push((next, Vec::new()));
+            }
+        }
+    }
+    kept.into_iter().map(|(finding, others)| finding.also_at(&others)).collect()
 }
 
 impl IntoIterator for Diagnostics {

@@ -38,6 +38,25 @@ fn messages(checked: &Checked) -> String {
     shown.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
+#[test]
+fn a_parameter_in_the_wrong_unit_is_one_finding_wherever_it_stands() {
+    let with_springs = |count: usize| {
+        let springs = (0..count).map(|i| format!("spring s{i}: ground -- b {{ k = k }}\n")).collect::<String>();
+        check_text(&format!("param k = 3 N*s/m\nbody b {{ mass = 1 kg, moves x }}\n{springs}"))
+    };
+    let places = |count: usize| {
+        let found = with_springs(count).diagnostics.into_sorted();
+        assert_eq!(found.len(), 1, "{found:#?}");
+        found[0].related.iter().map(|label| label.text.clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(places(1), ["`k` is declared here"]);
+    assert_eq!(places(3), ["`k` is declared here", "and here", "and here"]);
+    assert_eq!(places(5)[3], "and here, and in 1 more place");
+    // Another expectation of the same parameter is another finding.
+    let both = "param k = 3 m\nbody b { mass = k, moves x }\nspring s: ground -- b { k = k }";
+    assert_eq!(codes(&check_text(both)).len(), 2);
+}
+
 /// The scene of a model, which must have no errors.
 fn scene(text: &str) -> Scene {
     scene_with(text, "", "")
