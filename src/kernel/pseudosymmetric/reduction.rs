@@ -10,7 +10,7 @@
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product::{View, add_product, product};
 use crate::kernel::pseudosymmetric::Tridiagonal;
-use crate::kernel::symmetric::tridiagonal::{PANEL, add_scaled, dot, multiply_lower, subtract_products};
+use crate::kernel::symmetric::tridiagonal::{PANEL, Panel};
 
 /// Where |x^T J x| is less than this part of |x|^2, the largest possible pivot is taken.
 const CANCELS: f64 = 0.1;
@@ -62,8 +62,8 @@ pub fn reduce(s: &Matrix<f64>, signs: &[f64], start: &[f64]) -> Option<Reduced> 
     let mut first = 0;
     while first + 1 < n {
         let end = (first + PANEL).min(n - 1);
-        let (v, w) = work.reduce_panel(first..end)?;
-        subtract_products(&mut work.a, end, first, &v, &w);
+        let panel = work.reduce_panel(first..end)?;
+        panel.subtract_from(&mut work.a, end);
         first = end;
     }
     work.diagonal[n - 1] = work.a[(n - 1, n - 1)];
@@ -77,46 +77,28 @@ pub fn reduce(s: &Matrix<f64>, signs: &[f64], start: &[f64]) -> Option<Reduced> 
 }
 
 impl Work {
-    /// Reduces the columns of the panel; returns V and W, from the panel's first row on, such that V W^T + W V^T must be
-    /// subtracted from the rest of the matrix.
-    fn reduce_panel(&mut self, panel: std::ops::Range<usize>) -> Option<(Matrix<f64>, Matrix<f64>)> {
-        let (n, first) = (self.a.columns(), panel.start);
-        let (mut v, mut w) =
-            (Matrix::fill_with(n - first, panel.len(), 0.0), Matrix::fill_with(n - first, panel.len(), 0.0));
-        for j in panel {
-            let done = j - first;
+    /// Reduces the columns of a panel.
+    fn reduce_panel(&mut self, columns: std::ops::Range<usize>) -> Option<Panel> {
+        let (n, first) = (self.a.columns(), columns.start);
+        let mut panel = Panel::new(n - first, columns.len());
+        for j in columns {
             let column = &mut self.a.column_mut(j)[j..];
-            for p in 0..done {
-                add_scaled(column, -w[(done, p)], &v.column(p)[done..]);
-                add_scaled(column, -v[(done, p)], &w.column(p)[done..]);
-            }
+            panel.bring_up_to_date(column);
             self.diagonal[j] = column[0];
             let pivot = j + 1 + pivot(&column[1..], &self.signs[j + 1..])?;
             if pivot > j + 1 {
                 self.exchange(j + 1, pivot);
-                v.swap_rows(done + 1, pivot - first);
-                w.swap_rows(done + 1, pivot - first);
+                panel.v.swap_rows(j + 1 - first, pivot - first);
+                panel.w.swap_rows(j + 1 - first, pivot - first);
             }
             let signs = &self.signs[j + 1..];
             let (factor, value) = reflection(&mut self.a.column_mut(j)[j + 1..], signs);
             (self.factors[j], self.beside[j]) = (factor, value);
             let normal = self.a.column(j)[j + 1..].to_vec();
             let signed: Vec<f64> = normal.iter().zip(signs).map(|(x, sign)| x * sign).collect();
-            let mut image = vec![0.0; normal.len()];
-            multiply_lower(self.a.data(), (n, j + 1), &signed, &mut image);
-            for p in 0..done {
-                let (v, w) = (&v.column(p)[done + 1..], &w.column(p)[done + 1..]);
-                let (along_w, along_v) = (dot(w, &signed), dot(v, &signed));
-                add_scaled(&mut image, -along_w, v);
-                add_scaled(&mut image, -along_v, w);
-            }
-            image.iter_mut().for_each(|x| *x *= factor);
-            let along = -0.5 * factor * dot(&image, &signed);
-            add_scaled(&mut image, along, &normal);
-            v.column_mut(done)[done + 1..].copy_from_slice(&normal);
-            w.column_mut(done)[done + 1..].copy_from_slice(&image);
+            panel.reflect(self.a.data(), (n, j + 1), &normal, &signed, factor);
         }
-        Some((v, w))
+        Some(panel)
     }
 
     /// Exchanges two rows and columns, p < q, in the lower triangle, and the same rows of all reflections so far.

@@ -32,8 +32,8 @@ pub fn reduce(mut a: Matrix<f64>) -> Reduced {
     let mut start = 0;
     while start + 1 < n {
         let end = (start + PANEL).min(n - 1);
-        let (v, w) = reduce_panel(&mut a, start..end, &mut beside, &mut factors, &mut diagonal);
-        subtract_products(&mut a, end, start, &v, &w);
+        let panel = reduce_panel(&mut a, start..end, &mut beside, &mut factors, &mut diagonal);
+        panel.subtract_from(&mut a, end);
         start = end;
     }
     if n > 0 {
@@ -42,44 +42,89 @@ pub fn reduce(mut a: Matrix<f64>) -> Reduced {
     Reduced { diagonal, beside, reflections: a, factors }
 }
 
-/// Reduces the columns of the panel; returns V and W, from the panel's first row on, such that V W^T + W V^T must be
-/// subtracted from the rest of the matrix.
-fn reduce_panel(
-    a: &mut Matrix<f64>,
-    panel: std::ops::Range<usize>,
-    beside: &mut [f64],
-    factors: &mut [f64],
-    diagonal: &mut [f64],
-) -> (Matrix<f64>, Matrix<f64>) {
-    let (n, first) = (a.columns(), panel.start);
-    let (mut v, mut w) =
-        (Matrix::fill_with(n - first, panel.len(), 0.0), Matrix::fill_with(n - first, panel.len(), 0.0));
-    for j in panel {
-        let done = j - first;
-        let column = &mut a.column_mut(j)[j..];
-        for p in 0..done {
-            add_scaled(column, -w[(done, p)], &v.column(p)[done..]);
-            add_scaled(column, -v[(done, p)], &w.column(p)[done..]);
+/// The reflections of a panel so far. V W^T + W V^T, whose rows begin at the panel's first, is still to be subtracted from the
+/// matrix.
+pub struct Panel {
+    pub v: Matrix<f64>,
+    pub w: Matrix<f64>,
+    /// The number of reflections.
+    done: usize,
+}
+
+impl Panel {
+    /// An empty panel for a matrix of so many rows.
+    pub fn new(rows: usize, columns: usize) -> Panel {
+        let empty = || Matrix::fill_with(rows, columns, 0.0);
+        Panel { v: empty(), w: empty(), done: 0 }
+    }
+
+    /// Subtracts what is still to be subtracted from the next column, whose entries begin at the diagonal.
+    pub fn bring_up_to_date(&self, column: &mut [f64]) {
+        let Panel { v, w, done } = self;
+        for p in 0..*done {
+            add_scaled(column, -w[(*done, p)], &v.column(p)[*done..]);
+            add_scaled(column, -v[(*done, p)], &w.column(p)[*done..]);
         }
-        diagonal[j] = column[0];
-        let (factor, value) = reflection(&mut column[1..]);
-        (factors[j], beside[j]) = (factor, value);
-        let normal = column[1..].to_vec();
-        let mut image = vec![0.0; normal.len()];
-        multiply_lower(a.data(), (n, j + 1), &normal, &mut image);
-        for p in 0..done {
-            let (v, w) = (&v.column(p)[done + 1..], &w.column(p)[done + 1..]);
-            let (along_w, along_v) = (dot(w, &normal), dot(v, &normal));
+    }
+
+    /// Takes in the reflection 1 - factor J x x^T from the left and from the right, with J x in `signed`. The matrix has n
+    /// columns, and those of the reflection begin at `first`.
+    pub fn reflect(&mut self, a: &[f64], (n, first): (usize, usize), x: &[f64], signed: &[f64], factor: f64) {
+        let Panel { v, w, done } = self;
+        let mut image = vec![0.0; x.len()];
+        multiply_lower(a, (n, first), signed, &mut image);
+        for p in 0..*done {
+            let (v, w) = (&v.column(p)[*done + 1..], &w.column(p)[*done + 1..]);
+            let (along_w, along_v) = (dot(w, signed), dot(v, signed));
             add_scaled(&mut image, -along_w, v);
             add_scaled(&mut image, -along_v, w);
         }
         image.iter_mut().for_each(|x| *x *= factor);
-        let along = -0.5 * factor * dot(&image, &normal);
-        add_scaled(&mut image, along, &normal);
-        v.column_mut(done)[done + 1..].copy_from_slice(&normal);
-        w.column_mut(done)[done + 1..].copy_from_slice(&image);
+        let along = -0.5 * factor * dot(&image, signed);
+        add_scaled(&mut image, along, x);
+        v.column_mut(*done)[*done + 1..].copy_from_slice(x);
+        w.column_mut(*done)[*done + 1..].copy_from_slice(&image);
+        *done += 1;
     }
-    (v, w)
+
+    /// Subtracts V W^T + W V^T of all reflections from the rest of the matrix, from row and column `end` on.
+    pub fn subtract_from(&self, a: &mut Matrix<f64>, end: usize) {
+        let Panel { v, w, done } = self;
+        let (n, width) = (a.columns(), v.columns());
+        let joined = |a: &Matrix<f64>, b: &Matrix<f64>| {
+            let column = |j: usize| if j < width { a.column(j) } else { b.column(j - width) };
+            Matrix::from_fn(n - end, 2 * width, |i, j| column(j)[done + i])
+        };
+        let (left, right) = (joined(v, w), joined(w, v));
+        for strip in (end..n).step_by(STRIP) {
+            let (rows, columns, from) = (n - strip, STRIP.min(n - strip), strip - end);
+            let left = View::of(&left).part((from, 0), (rows, 2 * width));
+            let right = View::of(&right).part((from, 0), (columns, 2 * width));
+            add_product(&mut a.data_mut()[strip * n + strip..], n, -1.0, left, right.transpose());
+        }
+    }
+}
+
+/// Reduces the columns of a panel.
+fn reduce_panel(
+    a: &mut Matrix<f64>,
+    columns: std::ops::Range<usize>,
+    beside: &mut [f64],
+    factors: &mut [f64],
+    diagonal: &mut [f64],
+) -> Panel {
+    let n = a.columns();
+    let mut panel = Panel::new(n - columns.start, columns.len());
+    for j in columns {
+        let column = &mut a.column_mut(j)[j..];
+        panel.bring_up_to_date(column);
+        diagonal[j] = column[0];
+        let (factor, value) = reflection(&mut column[1..]);
+        (factors[j], beside[j]) = (factor, value);
+        let normal = column[1..].to_vec();
+        panel.reflect(a.data(), (n, j + 1), &normal, &normal, factor);
+    }
+    panel
 }
 
 /// Reflects x onto its first axis: replaces x by v with v_0 = 1; returns tau and the first entry of the image.
@@ -99,22 +144,6 @@ fn reflection(x: &mut [f64]) -> (f64, f64) {
     x.iter_mut().for_each(|x| *x /= divisor);
     x[0] = 1.0;
     (factor, image * scale)
-}
-
-/// Subtracts V W^T + W V^T from the rest of the matrix, from row and column `end` on.
-pub fn subtract_products(a: &mut Matrix<f64>, end: usize, first: usize, v: &Matrix<f64>, w: &Matrix<f64>) {
-    let (n, offset, width) = (a.columns(), end - first, v.columns());
-    let joined = |a: &Matrix<f64>, b: &Matrix<f64>| {
-        let column = |j: usize| if j < width { a.column(j) } else { b.column(j - width) };
-        Matrix::from_fn(n - end, 2 * width, |i, j| column(j)[offset + i])
-    };
-    let (left, right) = (joined(v, w), joined(w, v));
-    for strip in (end..n).step_by(STRIP) {
-        let (rows, columns, from) = (n - strip, STRIP.min(n - strip), strip - end);
-        let left = View::of(&left).part((from, 0), (rows, 2 * width));
-        let right = View::of(&right).part((from, 0), (columns, 2 * width));
-        add_product(&mut a.data_mut()[strip * n + strip..], n, -1.0, left, right.transpose());
-    }
 }
 
 impl Reduced {
