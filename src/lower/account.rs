@@ -172,13 +172,24 @@ impl Explanation<'_> {
     }
 
     fn inputs_and_outputs(&mut self) {
-        for (declared, input) in self.scene.inputs.iter().zip(&self.system.inputs) {
+        let mut stiffens = vec![false; self.scene.inputs.len()];
+        for origin in origins(&self.system.k) {
+            if let Origin::Input(input) = origin {
+                stiffens[input as usize] = true;
+            }
+        }
+        for ((declared, input), stiffens) in self.scene.inputs.iter().zip(&self.system.inputs).zip(stiffens) {
             if input.b.iter().all(Vec::is_empty) {
+                let name = self.system.display(input.name);
+                if stiffens || declared.displaces(self.scene) {
+                    self.keep(name, "it drives no motion, but its constant part loads the rest");
+                    continue;
+                }
                 let why = match declared.kind {
                     InputKind::Base { .. } => "nothing that moves is attached to this motion",
                     _ => "it does no work in any motion of the scene",
                 };
-                self.leave_out(self.system.display(input.name), why);
+                self.leave_out(name, why);
             }
         }
         for output in &self.system.outputs {

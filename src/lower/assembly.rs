@@ -125,6 +125,8 @@ pub struct Assembly<'a> {
     idle: Vec<usize>,
     /// The springs whose law has zero slope at rest.
     flat: Vec<usize>,
+    /// Inputs whose constant part changes the stiffness, whether or not the rest drives anything.
+    stiffening: Vec<usize>,
     /// The forces on released motions, if there are any.
     released: Option<released::Forces>,
     /// Laws that have no tangent at rest.
@@ -158,6 +160,7 @@ impl<'a> Assembly<'a> {
             chain: Vec::new(),
             idle: Vec::new(),
             flat: Vec::new(),
+            stiffening: Vec::new(),
             released: None,
             faults: Vec::new(),
             felt: None,
@@ -446,6 +449,7 @@ impl<'a> Assembly<'a> {
     /// A constant load is part of the rest; only its curvature remains.
     fn constant_load(&mut self, index: usize, input: &Input) {
         let Some(load) = loads::constant(input) else { return };
+        let before = self.k.terms().len();
         let source = self.k.source(Source { name: plain(input.name), origin: Origin::Input(index as u32) });
         match &input.kind {
             InputKind::Force { ends, direction } => {
@@ -462,6 +466,9 @@ impl<'a> Assembly<'a> {
                 self.tension(source, &stretched.rate(&spring.tension(&stretched)), &stretched);
             }
             InputKind::Torque { .. } | InputKind::Unbalance { .. } | InputKind::Base { .. } => {}
+        }
+        if self.k.terms().len() > before {
+            self.stiffening.push(index);
         }
     }
 
