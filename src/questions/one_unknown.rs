@@ -66,7 +66,7 @@ impl Search<'_, '_> {
                 let found = narrow(&to_fraction(part.low), &to_fraction(part.high), &|at| self.measure(at));
                 self.seen.count += found.count;
                 self.seen.jumps.extend(found.jumps);
-                found.roots.into_iter().for_each(|root| self.seen.add(Some(root)));
+                found.roots.into_iter().for_each(|root| self.seen.add(root));
             }
             self.seen.roots.order_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
             self.rest = covered.rest;
@@ -113,7 +113,7 @@ impl Search<'_, '_> {
                 let near = short.enclosure().mid;
                 self.seen.roots.retain(|root| root.proof.is_some() || (root.near - near).hi.abs() > touch.within * 4.0);
                 let rounding = near.hi.abs() * two_to(-100);
-                self.seen.add(Some(Root { near, within: rounding, proof: Some(super::search::Crossing::exact()) }));
+                self.seen.add(Root { near, within: rounding, proof: Some(super::search::Crossing::exact()) });
             }
         }
         self.seen.roots.order_by(|a, b| a.near.hi.total_cmp(&b.near.hi));

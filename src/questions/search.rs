@@ -80,6 +80,9 @@ const DECADES: f64 = 20.0;
 const TURNING: usize = 60;
 /// Limit on the evaluations to narrow a change of sign.
 const NARROWING: usize = 240;
+/// A measure that changes by more than this part of what it changes by over so many times the width jumps.
+const MOST_OF_IT: f64 = 0.7;
+const WIDER: f64 = 16.0;
 
 /// Narrows an interval at whose ends the measure is on different sides, for a measure known to cross its target once.
 pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> SearchResult {
@@ -88,7 +91,7 @@ pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Differen
     let mut seen = SearchResult::default();
     search.interpolate(&evaluations[0], &evaluations[1], &mut seen);
     for evaluation in evaluations.iter().filter(|evaluation| sign(&evaluation.difference) == Some(Ordering::Equal)) {
-        seen.add(search.certify(evaluation));
+        search.certify(evaluation, &mut seen);
     }
     (seen.evaluations, seen.count) = (evaluations, search.count);
     seen
@@ -103,7 +106,7 @@ pub fn search(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Differen
         search.interpolate(&pair[0], &pair[1], &mut seen);
     }
     for evaluation in evaluations.iter().filter(|evaluation| sign(&evaluation.difference) == Some(Ordering::Equal)) {
-        seen.add(search.certify(evaluation));
+        search.certify(evaluation, &mut seen);
     }
     for three in evaluations.windows(3) {
         search.turn([&three[0], &three[1], &three[2]], &mut seen);
@@ -120,8 +123,7 @@ struct Search<'a> {
 
 impl SearchResult {
     /// Adds a root; one that was found from two sides counts once.
-    pub fn add(&mut self, root: Option<Root>) {
-        let Some(root) = root else { return };
+    pub fn add(&mut self, root: Root) {
         let same = |known: &Root| {
             let distance = (known.near - root.near).abs().to_f64();
             distance <= 4.0 * (known.within + root.within) + 1e-12 * root.near.hi.abs()
@@ -175,21 +177,26 @@ impl Search<'_> {
             return;
         }
         let near = if size(&a) <= size(&b) { a } else { b };
-        seen.add(self.certify(&near));
+        self.certify(&near, seen);
     }
 
-    /// The narrowest pair of numbers around this one, on different sides, that the enclosures allow.
-    fn certify(&mut self, near: &Evaluation) -> Option<Root> {
+    /// Adds the narrowest pair of numbers around this one, on different sides, that the enclosures allow: a root, or a jump.
+    fn certify(&mut self, near: &Evaluation, seen: &mut SearchResult) {
         let x = near.at.to_ball().mid;
         let mut within = (x.hi.abs() * two_to(-100)).max(f64::MIN_POSITIVE * two_to(60));
         for _ in 0..30 {
-            let (left, right) = (self.evaluate_at(x - Dd::from(within)), self.evaluate_at(x + Dd::from(within)));
+            let [left, right] = self.sides(x, within);
             let (a, b) = (sign(&left.difference), sign(&right.difference));
             if let (Some(a), Some(b)) = (a, b)
                 && a != Ordering::Equal
                 && b == a.reverse()
             {
-                return Some(Root { near: x, within, proof: Some(Crossing(())) });
+                // What is continuous changes by less here than over a wider interval, by half of it for a cube root.
+                let [far_left, far_right] = self.sides(x, within * WIDER);
+                if jump_size(&left, &right) > MOST_OF_IT * jump_size(&far_left, &far_right) {
+                    return seen.jumps.push(x.hi);
+                }
+                return seen.add(Root { near: x, within, proof: Some(Crossing(())) });
             }
             if a.is_none() || b.is_none() || within > 1e-3 * x.hi.abs() {
                 break;
@@ -197,7 +204,12 @@ impl Search<'_> {
             within *= 16.0;
         }
         // The measure touches its target, or cannot be distinguished from it over a whole range.
-        Some(Root::seen_root(x, within))
+        seen.add(Root::seen_root(x, within));
+    }
+
+    /// The evaluations at so much less and more.
+    fn sides(&mut self, x: Dd, within: f64) -> [Evaluation; 2] {
+        [x - Dd::from(within), x + Dd::from(within)].map(|x| self.evaluate_at(x))
     }
 
     /// Follows |difference| down to where it turns, and checks whether it reaches the other side there.
@@ -217,7 +229,7 @@ impl Search<'_> {
             let c = self.evaluate_at(best_at + (end_at - best_at) * 0.381_966_011_250_105);
             match sign(&c.difference) {
                 Some(found) if found == side => {}
-                Some(Ordering::Equal) => return seen.add(self.certify(&c)),
+                Some(Ordering::Equal) => return self.certify(&c, seen),
                 Some(_) => {
                     self.interpolate(&low, &c, seen);
                     self.interpolate(&c, &high, seen);
@@ -369,6 +381,28 @@ mod tests {
         let seen = search_range(0, 10, |x| if x.to_f64() < 3.3 { -Ball::ONE } else { Ball::ONE });
         assert!(seen.roots.is_empty());
         assert!((seen.jumps[0] - 3.3).abs() < 1e-12);
+    }
+
+    /// A measure whose enclosure reaches over the jump, as that of a settling time does where a swing just reaches the band: where it
+    /// falls otherwise by much more than it jumps.
+    #[test]
+    fn a_jump_that_is_not_resolved_is_no_root() {
+        let seen = search_range(0, 10, |x| {
+            let away = (x - Ball::from(3.3)).to_f64();
+            let jump = if away.abs() < 1e-14 { Ball::new(Dd::ZERO, 2.0) } else { Ball::from(away.signum()) };
+            jump + (x - Ball::from(3.3)) * Ball::from(1e9)
+        });
+        assert!(seen.roots.is_empty() && (seen.jumps[0] - 3.3).abs() < 1e-12, "{:?} {:?}", seen.roots, seen.jumps);
+    }
+
+    #[test]
+    fn a_root_of_infinite_slope_is_a_root() {
+        let cube_root = |x: Ball| {
+            let away = (x - Ball::ONE).to_f64();
+            Ball::new(Dd::from(away.cbrt()), 1e-15 * away.abs().cbrt())
+        };
+        let seen = search_range(0, 10, cube_root);
+        assert!(seen.jumps.is_empty() && seen.roots.len() == 1 && (seen.roots[0].near.hi - 1.0).abs() < 1e-9);
     }
 
     #[test]
