@@ -4,7 +4,7 @@ use super::convex;
 use super::exact::simplest;
 use super::krawczyk::{self, Along, Equations, Inverse, NEAR, Part};
 use super::potential::{Detail, ELSEWHERE, Energy};
-use super::proof::Proven;
+use super::proof::{Proven, Reached};
 use super::refinement::Refinement;
 use crate::base::number::series::Series;
 use crate::base::{Ball, Dd, Jet, Number};
@@ -17,6 +17,8 @@ pub struct Refined {
     /// Largest unbalanced force, relative to the largest that acts.
     pub residual: f64,
     pub proven: Option<Proven>,
+    /// Whether the search ends here for all values of parameters that are ranges, where it was tried.
+    pub reached: Option<Reached>,
 }
 
 /// Larger parts are refined and proven with sparse factors.
@@ -37,12 +39,12 @@ impl Refinement<'_> {
         for (place, coordinate) in moving.iter().enumerate() {
             local[*coordinate as usize] = place as u32;
         }
-        let proven = self.refine_and_prove(local, &moving);
+        let (proven, reached) = self.refine_and_prove(local, &moving);
         for (place, coordinate) in self.coordinates.iter().enumerate() {
             local[*coordinate as usize] = place as u32;
         }
         let energy = self.energy(local, values.len(), Detail::Sizes);
-        Refined { residual: residual(&self, &drawn, &energy), proven }
+        Refined { residual: residual(&self, &drawn, &energy), proven, reached }
     }
 
     /// The coordinates that leave the drawing. One that returned to it is exactly there only if no force acts on it
@@ -70,13 +72,13 @@ impl Refinement<'_> {
         coordinates.iter().zip(&stays).filter(|(_, stays)| !**stays).map(|(coordinate, _)| *coordinate).collect()
     }
 
-    fn refine_and_prove(&mut self, local: &[u32], moving: &[Index]) -> Option<Proven> {
+    fn refine_and_prove(&mut self, local: &[u32], moving: &[Index]) -> (Option<Proven>, Option<Reached>) {
         if moving.is_empty() {
             // A part stays as drawn only if no force acts on it.
-            return Proven::prove_balance(&[]);
+            return (Proven::prove_balance(&[]), Some(Reached::as_drawn()));
         }
         if moving.len() > MAX_DENSE {
-            return convex::refine_and_prove(self, local, moving);
+            return (convex::refine_and_prove(self, local, moving), None);
         }
         let mut middle: Vec<Dd> = moving.iter().map(|i| self.state.value(*i).to_ball().mid).collect();
         let energy = self.energy(local, moving.len(), Detail::Curvature);
@@ -84,22 +86,22 @@ impl Refinement<'_> {
         let ranged = numbers.clone().any(Number::is_range);
         let has_series = ranged && numbers.clone().any(|x| x.is_range() && Series::of(x).is_some());
         let mut forces = Forces { part: self, local, moving, ranged };
-        let inverse = forces.inverse(&energy)?;
+        let Some(inverse) = forces.inverse(&energy) else { return (None, None) };
         if inverse.is_singular() {
             inverse.without_drift(&mut middle);
         }
         let last = inverse.refine(&mut forces, &mut middle);
         if has_series {
-            let (proven, rest) = inverse.prove_along(&mut forces, &middle)?;
+            let Some((enclosed, rest)) = inverse.prove_along(&mut forces, &middle) else { return (None, None) };
             forces.place_along(&rest);
-            return Some(proven);
+            return (Some(enclosed.proven), enclosed.reached);
         }
         if ranged {
-            let (proven, rest) = inverse.prove_over_ranges(&mut forces, &middle)?;
+            let Some((enclosed, rest)) = inverse.prove_over_ranges(&mut forces, &middle) else { return (None, None) };
             for (coordinate, jet) in moving.iter().zip(rest) {
                 self.state.set(self.kinematics, *coordinate, Number::from(jet));
             }
-            return Some(proven);
+            return (Some(enclosed.proven), enclosed.reached);
         }
         let proven = inverse.prove(&mut forces, &middle);
         if proven.is_none() {
@@ -108,7 +110,7 @@ impl Refinement<'_> {
         }
         // If nothing restrains some motion, there is a choice of rests along it.
         let known = if inverse.is_singular() { 1e-14 } else { 1e-28 };
-        self.is_exactly_rational(local, moving, known).or(proven)
+        (self.is_exactly_rational(local, moving, known).or(proven), None)
     }
 
     /// Whether all forces vanish exactly at the simplest fractions within the relative distance `known`; if so, leaves

@@ -6,7 +6,8 @@
 //! mit Fehlerschranken*, Computing 4 (1969) 187-201; R. E. Moore, *A test for existence of solutions to nonlinear
 //! systems*, SIAM J. Numer. Anal. 14 (1977) 611-615). F'(Z) and F(m) are evaluated in ball arithmetic.
 
-use super::proof::Proven;
+use super::proof::{FARTHEST, MOST_CHANGE, Proven, Reached};
+use crate::base::number::jet;
 use crate::base::number::series::{ORDER, Series};
 use crate::base::{Ball, Dd, Jet, Number, up};
 use crate::kernel::dense::Matrix;
@@ -41,6 +42,13 @@ pub type Part = (DMatrix<f64>, DMatrix<f64>);
 pub struct Inverse {
     y: DMatrix<f64>,
     neutral: DMatrix<f64>,
+}
+
+/// What is known about solutions over ranges of parameters.
+pub struct Enclosed {
+    pub proven: Proven,
+    /// Whether the search from z = 0 ends in them.
+    pub reached: Option<Reached>,
 }
 
 /// Limit on the refinements: each gains the sixteen digits of binary64, less those lost to the conditioning.
@@ -110,7 +118,7 @@ impl Inverse {
     }
 
     /// Encloses the solution for all values of the parameters that are ranges, and its derivative; leaves the equations at that box.
-    pub fn prove_over_ranges(&self, equations: &mut impl Equations, middle: &[Dd]) -> Option<(Proven, Vec<Jet>)> {
+    pub fn prove_over_ranges(&self, equations: &mut impl Equations, middle: &[Dd]) -> Option<(Enclosed, Vec<Jet>)> {
         equations.place(middle, &|_| 0.0);
         let left: Vec<Ball> = equations.remaining_forces().iter().map(Number::enclosure).collect();
         let (proven, mut radius) = self.enclose(equations, middle, &left)?;
@@ -121,6 +129,15 @@ impl Inverse {
             let mapped = self.map_bound(&[equations.slope()], &defect, &radius);
             radius.iter_mut().zip(mapped).for_each(|(radius, mapped)| *radius = radius.min(mapped));
         }
+        let reached = jet::without_division(|| {
+            equations.place(&vec![Dd::ZERO; middle.len()], &|_| 0.0);
+            let drawn: Vec<Ball> = equations.remaining_forces().iter().map(Number::enclosure).collect();
+            let away: Vec<f64> = middle.iter().map(|at| at.hi.abs() * up::FEW).collect();
+            self.reach(&drawn, &away, &radius, |region| {
+                equations.place(middle, &|i| region[i]);
+                Some(vec![equations.slope()])
+            })
+        });
         equations.place(middle, &|i| radius[i]);
         // F_z z' = -F_p, with the inverse taken to the left.
         let n = middle.len();
@@ -129,14 +146,14 @@ impl Inverse {
         let nearly_one = product(&y, &Matrix::from_fn(n, n, |i, j| Ball::new(Dd::from(slope[(i, j)]), spread[(i, j)])));
         let forces: Vec<Ball> = equations.remaining_forces().iter().map(|force| -Jet::of(force).slope).collect();
         let moved = solve(&nearly_one, &product(&y, &Matrix::from_fn(n, 1, |i, _| forces[i])))?;
-        let jet = |i: usize| Jet { value: Ball::new(middle[i], radius[i]), slope: moved[(i, 0)] };
-        Some((proven, (0..n).map(jet).collect()))
+        let jets = (0..n).map(|i| Jet { value: Ball::new(middle[i], radius[i]), slope: moved[(i, 0)] }).collect();
+        Some((Enclosed { proven, reached: reached.flatten() }, jets))
     }
 
     /// Encloses the solution z(p) for all values p of a parameter by series with tubes around them: for each p, in the box of the radii around
     /// the polynomial, the operator has the one fixed point of a box that it maps into its interior. As all is about one p, what moves with
     /// it cancels: the derivative, with Y to the left, has to change by less than itself, however far the solution moves.
-    pub fn prove_along(&self, equations: &mut impl Along, middle: &[Dd]) -> Option<(Proven, Vec<Series>)> {
+    pub fn prove_along(&self, equations: &mut impl Along, middle: &[Dd]) -> Option<(Enclosed, Vec<Series>)> {
         let mut found: Vec<Series> = middle.iter().map(|at| Series::constant(Ball::exact(*at))).collect();
         // Each Newton step with the one Y makes one more coefficient right.
         for _ in 0..=ORDER {
@@ -160,13 +177,57 @@ impl Inverse {
             equations.place_along(&found);
             let mapped = self.map_bound(&equations.slope_along()?, &defect, &radius);
             if let Some(proven) = Proven::inclusion(&mapped, &radius) {
-                return Some((proven, found));
+                let reached = jet::without_division(|| self.reach_along(equations, &found, &radius)).flatten();
+                return Some((Enclosed { proven, reached }, found));
             }
             for (radius, mapped) in radius.iter_mut().zip(&mapped) {
                 *radius = 4.0 * mapped.max(*radius);
             }
         }
         None
+    }
+
+    /// Whether the search from z = 0 ends in the solutions in these tubes.
+    fn reach_along(&self, equations: &mut impl Along, found: &[Series], tube: &[f64]) -> Option<Reached> {
+        equations.place(&vec![Dd::ZERO; found.len()], &|_| 0.0);
+        let drawn: Vec<Ball> = equations.remaining_forces().iter().map(Number::enclosure).collect();
+        let away: Vec<f64> = found.iter().map(Series::magnitude).collect();
+        self.reach(&drawn, &away, tube, |region| {
+            let mut region_along = found.to_vec();
+            region_along.iter_mut().zip(region).for_each(|(z, radius)| z.rest = *radius);
+            equations.place_along(&region_along);
+            equations.slope_along()
+        })
+    }
+
+    /// Proves that the search from z = 0 ends in the solutions that are enclosed. In: F at z = 0, how far from there the middle of
+    /// the enclosure may be, its radii, and what gives F' within other radii. See docs/method/rest.md#where-the-search-ends.
+    fn reach(
+        &self,
+        drawn: &[Ball],
+        away: &[f64],
+        tube: &[f64],
+        slope_within: impl FnOnce(&[f64]) -> Option<Vec<Part>>,
+    ) -> Option<Reached> {
+        let y = (&self.y + self.y.transpose()) * 0.5;
+        if self.is_singular() || !is_positive_definite(&y) {
+            return None;
+        }
+        // F Y F at the drawing is the square of its distance from the solution in the norm of the inverse of Y, but for what F'
+        // changes by on the way.
+        let along =
+            |i: usize| (0..drawn.len()).map(|j| drawn[j] * Ball::from(y[(i, j)])).fold(Ball::ZERO, |sum, x| sum + x);
+        let square = (0..drawn.len()).map(|i| drawn[i] * along(i)).fold(Ball::ZERO, |sum, x| sum + x).magnitude();
+        let distance = square.sqrt() / (1.0 - MOST_CHANGE);
+        let unit: Vec<f64> = (0..drawn.len()).map(|i| y[(i, i)].sqrt()).collect();
+        let region: Vec<f64> =
+            tube.iter().zip(&unit).map(|(tube, unit)| (tube + FARTHEST * distance * unit) * up::FEW).collect();
+        if away.iter().zip(&region).any(|(away, region)| away > region) {
+            return None;
+        }
+        let parts = slope_within(&region)?;
+        let symmetric = Inverse { y, neutral: self.neutral.clone() };
+        Reached::by_convexity(&symmetric.map_bound(&parts, &vec![0.0; unit.len()], &unit), &unit)
     }
 
     /// Y F as series, if all of F is known as one.
@@ -221,6 +282,19 @@ impl Inverse {
         // Sums of n positive numbers: each is right to n roundings, which the factor covers for all n that are dense.
         (wrong * radii).iter().zip(defect).map(|(moved, defect)| (moved + defect) * up::THOUSANDS).collect()
     }
+}
+
+/// Whether a symmetric matrix certainly is positive definite: its diagonal scaled to 1 and lessened by more than what rounding does
+/// to Cholesky's factors, these exist (S. M. Rump, *Verification of positive definiteness*, BIT 46 (2006) 433-452).
+fn is_positive_definite(matrix: &DMatrix<f64>) -> bool {
+    let n = matrix.nrows();
+    let lessened = (1.0 - 4.0 * f64::EPSILON * ((n + 2) * (n + 2)) as f64).max(0.0);
+    let scale = matrix.diagonal().map(|entry| entry.sqrt().recip());
+    let scaled = DMatrix::from_fn(n, n, |i, j| match i == j {
+        true => lessened,
+        false => matrix[(i, j)] * scale[i] * scale[j],
+    });
+    scale.iter().all(|scale| scale.is_finite()) && scaled.cholesky().is_some()
 }
 
 /// The inverse; if the matrix is singular to working precision, the inverse of its regular part, and the motions that
@@ -395,6 +469,59 @@ mod tests {
                 assert!(!solve_case(c, start).0, "{c} {start:e}");
             }
         }
+    }
+
+    /// A spring that softens, drawn at z = 0, free at `at` and loaded by p: F = x - x^3 - p with x = z - at. It has a rest between
+    /// the hilltops at x = -1/sqrt(3) and 1/sqrt(3).
+    struct Softening {
+        at: Number,
+        p: Number,
+        z: Number,
+    }
+
+    impl Equations for Softening {
+        fn place(&mut self, middle: &[Dd], radius: &dyn Fn(usize) -> f64) {
+            self.z = Number::from(Jet { value: Ball::new(middle[0], radius(0)), slope: Ball::ZERO });
+        }
+
+        fn remaining_forces(&self) -> Vec<Number> {
+            let x = &self.z - &self.at;
+            vec![&(&x - &(&(&x * &x) * &x)) - &self.p]
+        }
+
+        fn slope(&self) -> (DMatrix<f64>, DMatrix<f64>) {
+            let x = &self.z - &self.at;
+            let slope = &Number::ONE - &(&Number::from("3") * &(&x * &x));
+            dense_over_ranges([(0, 0, &slope)], 1)
+        }
+    }
+
+    /// Downhill from the drawing the search comes to the rest if no hilltop lies between, and if none is near enough for a step to
+    /// lead across. Where one is, the rest is proved, but not that the search ends there.
+    #[test]
+    fn the_search_ends_in_the_rest_that_no_hill_hides() {
+        let ends = |at: &str, p: f64, rest: f64| {
+            let range = Jet::of_parameter(Ball::new(Dd::from(p), 1e-3));
+            let mut softening = Softening { at: Number::from(at), p: range, z: Number::ZERO };
+            let mut middle = [Dd::from(rest)];
+            softening.place(&middle, &|_| 0.0);
+            let inverse = Inverse::of(&softening.slope().0, &[1.0]).expect("finite");
+            inverse.refine(&mut softening, &mut middle);
+            inverse.prove_over_ranges(&mut softening, &middle).expect("a rest").0.reached.is_some()
+        };
+        assert!(ends("0", 0.05, 0.05) && ends("0", -0.05, -0.05));
+        // Beyond p = 2/(3 sqrt(3)) = 0.385 there is no rest, and the drawing leads past the hilltop.
+        assert!(!ends("0", 0.37, 0.5));
+        // The free place itself, with a hilltop between it and the drawing, or nearly.
+        assert!(!ends("3", 0.0, 3.0) && !ends("0.6", 0.0, 0.6) && ends("0.05", 0.0, 0.05));
+    }
+
+    #[test]
+    fn definite_matrices_are_told_from_others() {
+        let matrix = |off: f64| DMatrix::from_row_slice(2, 2, &[4e-9, off * 6e-3, off * 6e-3, 9e3]);
+        assert!([0.0, 0.5, -0.999].map(matrix).iter().all(is_positive_definite));
+        assert!(![1.0, -1.0, 1.5, f64::NAN].map(matrix).iter().any(is_positive_definite));
+        assert!(!is_positive_definite(&-matrix(0.5)));
     }
 
     #[test]

@@ -38,7 +38,7 @@ use crate::system::{Coordinate, CoordinateKind, Label, LinearSystem};
 pub use drawn::Held;
 use enclosure::{MAX_DENSE, Refined};
 use newton::{Descent, DescentResult};
-pub use proof::Proven;
+pub use proof::{Proven, Reached};
 use refinement::Refinement;
 pub use slack::Slack;
 use survey::{Part, Survey};
@@ -56,6 +56,9 @@ pub struct Rest {
     pub residual: f64,
     /// The proof that the rest is in its enclosure; `None` if there is none (see docs/method/rest.md).
     pub proven: Option<Proven>,
+    /// The proof that the search from the drawing ends here for all values of parameters that are ranges; `None` also where none of
+    /// them moves a rest that terms depend on.
+    pub reached: Option<Reached>,
     /// Whether terms of the system depend on the position of the rest: some loaded part is not linear, or tensions were
     /// found that hold the drawing. Relative changes of the model's numbers may cause larger relative changes of these
     /// terms.
@@ -196,12 +199,14 @@ impl PartialRest {
             if refined.proven.is_none()
                 && let Some(proven) = slack::prove(kinematics, part, local, &values, &mut self.state)
             {
-                refined = Refined { residual: 0.0, proven: Some(proven) };
+                refined = Refined { residual: 0.0, proven: Some(proven), reached: None };
                 self.slack.add(kinematics, part);
             }
             self.rest.steps += descended.steps;
             self.rest.residual = self.rest.residual.max(refined.residual);
             self.rest.proven = Proven::and(self.rest.proven, refined.proven);
+            let reached = if part.linear { Reached::of_linear(refined.proven) } else { refined.reached };
+            self.rest.reached = Reached::and(self.rest.reached, reached);
         }
         if lost.is_empty() { Ok(()) } else { Err(lost) }
     }
@@ -250,6 +255,7 @@ impl PartialRest {
         self.rest.steps += descended.steps;
         self.rest.residual = self.rest.residual.max(refined.residual);
         self.rest.proven = Proven::and(self.rest.proven, refined.proven);
+        self.rest.reached = Reached::and(self.rest.reached, refined.reached);
         Ok(())
     }
 
@@ -311,6 +317,7 @@ impl Rest {
             dependent: Vec::new(),
             residual: 0.0,
             proven: Proven::prove_balance(&[]),
+            reached: Some(Reached::as_drawn()),
             moves_terms: false,
             steps: 0,
             tensions: Vec::new(),
@@ -326,6 +333,12 @@ impl Rest {
     /// Whether it moves with a parameter that is a range.
     pub fn is_ranged(&self) -> bool {
         self.displacement.iter().any(Number::is_range)
+    }
+
+    /// Whether terms depend on a rest that moves with a parameter that is a range, and the search might find another one at some of
+    /// its values.
+    pub fn may_be_elsewhere(&self) -> bool {
+        self.moves_terms && self.is_ranged() && self.reached.is_none()
     }
 
     /// Whether a rest that was found for some values in the ranges of this one is this one there. It is so then for all of them: in each

@@ -45,6 +45,41 @@ impl Proven {
     }
 }
 
+/// Proof that the search for the rest, which goes downhill from the drawing, ends in the one that is enclosed and in no other, for
+/// all values of the parameters that are ranges. Only the tests in this file make one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reached(());
+
+impl Reached {
+    /// Where nothing moves there is no search.
+    pub fn as_drawn() -> Reached {
+        Reached(())
+    }
+
+    /// A quadratic energy has no other rest than one that is isolated.
+    pub fn of_linear(proven: Option<Proven>) -> Option<Reached> {
+        proven.map(|_| Reached(()))
+    }
+
+    /// In the region that the search cannot leave the stiffness is nearly constant: `changes` are upper bounds of what 1 less the
+    /// stiffness over that of the middle makes of a vector with the entries `of`. See docs/method/rest.md#where-the-search-ends.
+    pub fn by_convexity(changes: &[f64], of: &[f64]) -> Option<Reached> {
+        let is_small = |(change, of): (&f64, &f64)| *change <= MOST_CHANGE * of && of.is_finite();
+        (changes.len() == of.len() && changes.iter().zip(of).all(is_small)).then_some(Reached(()))
+    }
+
+    /// Both of two parts are reached.
+    pub fn and(first: Option<Reached>, second: Option<Reached>) -> Option<Reached> {
+        first.and(second)
+    }
+}
+
+/// The most that the stiffness may change, as a part of itself, in the region in which the search stays.
+pub const MOST_CHANGE: f64 = 0.25;
+/// How far the search tries to go from the rest, in units of an upper bound of the distance of the drawing, in the norm of the
+/// stiffness in the middle: (7/3) sqrt(5/3) for this change.
+pub const FARTHEST: f64 = 3.02;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -39,7 +39,7 @@ impl Balance<'_> {
             *at = Dd::from(multiplier);
         }
         let proven = self.refine_and_prove(&mut middle);
-        Refined { residual: self.residual(&drawn), proven }
+        Refined { residual: self.residual(&drawn), proven, reached: None }
     }
 
     fn refine_and_prove(&mut self, middle: &mut [Dd]) -> Option<Proven> {
