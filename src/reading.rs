@@ -20,8 +20,10 @@ use std::path::Path;
 pub(crate) struct Reading<'a> {
     sources: &'a Sources,
     overrides: &'a Overrides,
-    /// Simulated time, s, if given.
+    /// Simulated time, s, if it is given or was looked for.
     until: Option<Number>,
+    /// Whether it is not given, but the usual one of the model.
+    is_usual: bool,
     /// Whether the worst case within the tolerances is optimised.
     robust: bool,
     pub tree: Tree,
@@ -137,6 +139,7 @@ impl<'a> Reading<'a> {
             sources,
             overrides,
             until: None,
+            is_usual: false,
             robust: false,
             tree,
             scene,
@@ -157,6 +160,7 @@ impl<'a> Reading<'a> {
             let system = dynamics::lower_written_out(&self.scene, &mut Diagnostics::new());
             let spectrum = system.as_ref().and_then(trial::spectrum);
             self.until = spectrum.and_then(|(_, poles)| trial::usual_time(&self.scene, &poles));
+            self.is_usual = true;
         }
         match questions::settle(&self.text(), &self.scene, self.robust) {
             Ok(Settled { scene, settings, solved, optimised, unsettled }) => {
@@ -183,8 +187,8 @@ impl<'a> Reading<'a> {
 
     /// The text that questions are evaluated on.
     pub fn text(&self) -> Text<'_> {
-        let Reading { sources, overrides, until, tree, .. } = self;
-        Text { sources, tree, overrides, until: until.as_ref(), case: &[], fixed: &[] }
+        let Reading { sources, overrides, until, is_usual, tree, .. } = self;
+        Text { sources, tree, overrides, until: until.as_ref(), is_usual: *is_usual, case: &[], fixed: &[] }
     }
 
     /// Whether the requirements hold. The system, modes and poles are not computed again if they are known.
@@ -205,6 +209,7 @@ impl<'a> Reading<'a> {
                 spectrum = found.as_ref().map(|(modes, poles)| (modes, poles));
             }
             self.until = spectrum.and_then(|(_, poles)| trial::usual_time(&self.scene, poles));
+            self.is_usual = true;
         }
         let known = Facts { system, spectrum };
         let (list, errors) = questions::requirements(&self.text(), &self.scene, &self.settings, known);

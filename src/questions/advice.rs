@@ -164,20 +164,24 @@ impl Advice<'_> {
         if halfway == found { found } else { self.nearest(parameter, halfway, HALVINGS) }
     }
 
+    /// Whether the requirement holds in a run of the model with this value, whose simulated time is another one unless it is given.
     fn holds_at(&self, parameter: &Parameter, value: &Number) -> bool {
-        self.measure(parameter, value).is_some_and(|(question, measured)| {
+        let quantity = Quantity { si: value.clone(), ..parameter.value.clone() };
+        let of_time = self.require.question.measure.is_of_time();
+        let usual = of_time.then(|| self.text.usual_time_at(&[(parameter.name.clone(), quantity)])).flatten();
+        let text = Text { until: usual.as_ref().or(self.text.until), ..*self.text };
+        self.measure(&text, parameter, value).is_some_and(|(question, measured)| {
             holds_for(&measured, self.require.comparison, &question.value) == Some(true)
         })
     }
 
-    fn measure(&self, parameter: &Parameter, value: &Number) -> Option<(Question, Measurement)> {
+    fn measure(&self, text: &Text, parameter: &Parameter, value: &Number) -> Option<(Question, Measurement)> {
         let quantity = Quantity { si: value.clone(), ..parameter.value.clone() };
         let others = self.settings.iter().filter(|(name, _)| *name != parameter.name).cloned();
         let moved: Vec<Setting> = others.chain([(parameter.name.clone(), quantity)]).collect();
-        let scene = self.text.scene(&moved).ok()?;
+        let scene = text.scene(&moved).ok()?;
         let question = scene.scene().requires.get(self.index)?.question.clone();
-        let measured =
-            self.text.measure_scene(&scene, std::slice::from_ref(&question), Facts::default()).ok()?.pop()?;
+        let measured = text.measure_scene(&scene, std::slice::from_ref(&question), Facts::default()).ok()?.pop()?;
         Some((question, measured))
     }
 
@@ -185,7 +189,7 @@ impl Advice<'_> {
     /// and is reported to three digits.
     fn slope(&self, parameter: &Parameter, here: Ball) -> Option<Ball> {
         let h = step(&parameter.value.si, &Number::ONE, here.relative_error());
-        let at = |si: Number| match self.measure(parameter, &si)? {
+        let at = |si: Number| match self.measure(self.text, parameter, &si)? {
             (_, Measurement::Value(value)) => Some(value),
             _ => None,
         };

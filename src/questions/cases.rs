@@ -245,6 +245,7 @@ impl<'a> Study<'a> {
             tree: &self.tree,
             overrides: self.overrides,
             until: self.asked.until.as_ref(),
+            is_usual: false,
             case: &all,
             fixed: &[],
         };

@@ -179,8 +179,7 @@ impl Study<'_> {
     /// The system is the same with or without that damping.
     pub(super) fn system(&self, case: u64, si: Number, is_damped: bool) -> Option<LinearSystem> {
         let Lowered { system, rest, .. } = self.lower_case(case, si, is_damped)?;
-        // Over a range another rest may be found at some of the values.
-        (!rest.moves_terms || !rest.is_ranged()).then_some(system)
+        (!rest.may_be_elsewhere()).then_some(system)
     }
 
     /// The same with its rest, which is proven.

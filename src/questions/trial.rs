@@ -29,6 +29,8 @@ pub struct Text<'a> {
     pub overrides: &'a Overrides,
     /// Simulated time, s, if it is known.
     pub until: Option<&'a Number>,
+    /// Whether that is the usual time of the model, which other values change.
+    pub is_usual: bool,
     /// The values of a case of a study, which stay the same in all trials.
     pub case: &'a [Setting],
     /// Values that stay the same in all trials of a search.
@@ -66,11 +68,6 @@ pub struct Ranged {
 
 /// In larger systems, only the lowest modes are computed if no poles are needed.
 const FEW: usize = 60;
-
-/// Whether terms move with a rest that moves with a range: another one may be found at some of its values.
-fn moves_terms(over: &Lowered) -> bool {
-    over.rest.moves_terms && over.rest.is_ranged()
-}
 
 impl Text<'_> {
     /// The scene with some parameters at these values.
@@ -145,7 +142,9 @@ impl Text<'_> {
     ) -> Option<T> {
         let (prepared, lost) = jet::watch_divisions(|| self.prepare(values, choose));
         let (scene, question, probe, lowered, context) = prepared?;
-        let lost = lost || moves_terms(&lowered);
+        if lowered.rest.may_be_elsewhere() {
+            return None;
+        }
         let family = Family::of(&lowered.system, lost);
         let measured =
             Measured { scene: scene.scene(), lowered: &lowered, modes: None, poles: None, context: &context };
@@ -164,7 +163,8 @@ impl Text<'_> {
         choose: impl Fn(&CheckedScene) -> Option<Question>,
     ) -> Option<(LinearSystem, Probe)> {
         let (prepared, lost) = jet::watch_divisions(|| self.prepare(values, choose));
-        let (_, _, probe, lowered, _) = prepared.filter(|(_, _, _, lowered, _)| !lost && !moves_terms(lowered))?;
+        let (_, _, probe, lowered, _) =
+            prepared.filter(|(_, _, _, lowered, _)| !lost && !lowered.rest.may_be_elsewhere())?;
         Some((lowered.system, probe))
     }
 
@@ -330,6 +330,13 @@ impl Text<'_> {
         let a = without.0.as_ref().and_then(|system| Family::of(system, without.1));
         let b = with.0.as_ref().and_then(|system| Family::of(system, with.1));
         tell(a.as_ref(), b.as_ref());
+    }
+
+    /// The simulated time of the model as declared with some parameters at these values, unless it is given.
+    pub fn usual_time_at(&self, values: &[Setting]) -> Option<Number> {
+        let scene = self.is_usual.then(|| self.scene(values).ok()).flatten()?;
+        let system = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?;
+        usual_time(&scene, &spectrum(&system)?.1)
     }
 
     /// The simulated time for a measure, if it needs one.

@@ -301,6 +301,15 @@ fn advice_works() {
         "{:?}",
         messages.help
     );
+    // A softer spring takes longer to come to rest, and the rms is one over that time: in a run of its own it holds too.
+    let shaken = "param k = 106 N/m\nbody a { mass = 1.11 kg, moves x }\nbody b { mass = 1.36 kg, moves x }\n\
+                  spring s: ground -- a { k = k }\nspring t: a -- b { k = 9.29 N/m }\ndamper d: ground -- a { c = 0.114 N*s/m }\n\
+                  damper e: a -- b { c = 0.155 N*s/m }\nforce F: b along x = pulse(0.619 N, 0 s, 1 s)\noutput x = a.x\n\
+                  require rms(x) > 0.0669 m\n";
+    let help = finding(shaken).help.expect("advice");
+    if let Some(wanted) = help.split("k = ").nth(1).and_then(|rest| rest.split(" it").next()) {
+        assert!(run(&shaken.replace("106 N/m", wanted)).diagnostics.is_empty(), "{help}");
+    }
 }
 
 /// A requirement for a motion that nothing moves has no value.
@@ -474,4 +483,46 @@ fn roots_on_both_sides_of_a_resonance_are_all() {
     let undamped = "param k = 10 N/m\nparam m = 1 kg\nbody block { mass = m, moves x }\nspring s: ground -- block { k = k }\nforce F: block along x\n";
     let messages = finding(&format!("{undamped}solve k in 5 N/m .. 100 N/m: gain(F -> block.x, 1 Hz) = 0.05 m/N\n"));
     assert_eq!(messages.primary.text, "k = 19.4784 N/m and 59.4784 N/m");
+}
+
+/// A block between two slanted springs snaps through at 4.974958 N, and just below the stiffness falls to zero: with L0 = sqrt(1.09) and
+/// K = 1000 (1 - L0 / L^3) = (0.02 pi)^2 it is 0.01 Hz at some load. A rest that is followed back from where it has snapped through must
+/// not hide that.
+#[test]
+fn a_root_before_the_block_snaps_through_is_not_excluded() {
+    let block = |mass: &str, more: &str| {
+        format!(
+            "param P = 4.9749584632131012034761461069323 N\nbody b {{ mass = {mass}, at = (0, 0.3 m), moves y }}\n\
+             spring s: ground@(-1 m, 0) -- b {{ k = 500 N/m }}\nspring t: b -- ground@(1 m, 0) {{ k = 500 N/m }}\n\
+             force F: b along -y = constant(P)\n{more}"
+        )
+    };
+    // Just below the fold the block is at sqrt(1.09^(1/3) - 1) = 0.1708 m, and P = 1000 y (L0 / L - 1).
+    let l0 = 1.09f64.sqrt();
+    let length = (l0 / (1.0 - (0.02 * std::f64::consts::PI).powi(2) / 1000.0)).cbrt();
+    let y = (length * length - 1.0).sqrt();
+    let load = 1000.0 * y * (l0 / length - 1.0);
+    let set = answer(&block("1 kg", "").replace("4.9749584632131012034761461069323", &format!("{load:.17}")));
+    let frequency = set.modes.list[0].omega_squared.to_f64().sqrt() / std::f64::consts::TAU;
+    assert!((frequency - 0.01).abs() < 1e-5 && (0.0..20.0).contains(&load), "{frequency} {load}");
+
+    let none = finding(&block("1 kg", "solve P in 0 N .. 20 N: frequency(1) = 0.01 Hz"));
+    assert!(none.message.starts_with("none of ") && none.code.0 == "vib::solve::no_root", "{none:?}");
+    let heavy = "1 kg + 1e6 kg/N * max(P - 10 N, 0 N)";
+    let other = answer(&block(heavy, "solve P in 0 N .. 20 N: frequency(1) = 0.01 Hz"));
+    assert!(matches!(other.solved[0].others, Others::Unknown), "{:?}", other.solved[0].others);
+}
+
+/// A rod of 1 m on a torsion spring of 10 N m/rad: a load of 9 N on its end drives nothing, but leaves 1 N m/rad, so it is not called
+/// without effect, and nor is a base that is displaced for good. A load across the only motion of a block is.
+#[test]
+fn what_changes_the_stiffness_alone_has_an_effect() {
+    let rod = "body rod { mass = 3 kg, shape = rod((0, 0), (0, 1 m)) }\npivot p: ground@(0, 0) -- rod\nspring s: ground -- rod { k = 10 N*m/rad }\n";
+    let square = |more: &str| answer(&format!("{rod}{more}")).modes.list[0].omega_squared.to_f64();
+    assert!((square("force F: rod@(0, 1 m) along -y = constant(9 N)\n") - 1.0).abs() < 1e-14);
+    // The spring of 100 N/m pulls with 20 N, along the rod, at its end, 0.8 m from the base.
+    let base = "base g { at = (0, 2 m), moves y } = constant(-20 cm)\nspring z: g -- rod@(0, 1 m) { k = 100 N/m }\n";
+    assert!((square(base) - (10.0 - 20.0 * (1.0 + 1.0 / 0.8))).abs() < 1e-12, "{}", square(base));
+    let across = "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\nforce F: b along y = constant(9 N)\n";
+    assert_eq!(finding(across).code.0, "vib::unused::input");
 }

@@ -220,6 +220,38 @@ fn what_cannot_be_swept_is_refused() {
     }
 }
 
+/// A block between two slanted springs snaps through at 4.974958 N. Each row of a sweep is at the rest that a search for its own values
+/// finds, although its neighbours have snapped through and could be followed back.
+#[test]
+fn a_row_is_at_the_rest_that_its_own_search_finds() {
+    let model = "param a = 0.9\nbody b { mass = 1 kg, at = (0, 0.3 m), moves y }\n\
+                 spring s: ground@(-1 m, 0) -- b { k = 500 N/m }\nspring t: b -- ground@(1 m, 0) { k = 500 N/m }\n\
+                 force F: b along -y = constant(4.97495 N + 1 N * (a - 0.53)^2)\n";
+    // With y the height, L = sqrt(1 + y^2) and L0 = sqrt(1.09): P = 1000 y (L0 / L - 1) and K = 1000 (1 - L0 / L^3).
+    let load = |y: f64| 1000.0 * y * (1.09f64.sqrt() / y.hypot(1.0) - 1.0);
+    let frequency = |y: f64| (1000.0 * (1.0 - 1.09f64.sqrt() / y.hypot(1.0).powi(3))).sqrt() / std::f64::consts::TAU;
+    let height = |p: f64, mut low: f64, mut high: f64| {
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            // Over both branches the load falls as the height rises.
+            if load(middle) > p { low = middle } else { high = middle }
+        }
+        low
+    };
+    let fold = (1.09f64.powf(1.0 / 3.0) - 1.0).sqrt();
+    let (_, rows) = table(model, &["--over", "a=0..1:101", "--modes=1"]);
+    assert_eq!(rows.len(), 101);
+    let mut before = 0;
+    for row in &rows {
+        let p = 4.97495 + (number(&row[1]) - 0.53).powi(2);
+        let y = if p < load(fold) { height(p, fold, 0.3) } else { height(p, -2.0, -0.3) };
+        before += usize::from(y > 0.0);
+        // At the fold the frequency is as the square root of what the load is below it: half of the digits of P are left.
+        assert!((number(&row[2]) - frequency(y)).abs() < 1e-6, "{row:?} {}", frequency(y));
+    }
+    assert_eq!(before, 1);
+}
+
 /// Frequencies and poles of many cases are computed side by side: those of both ways agree within their bounds, whatever of the model the
 /// parameter is, and a row does not depend on which others are computed with it.
 #[test]
@@ -230,9 +262,10 @@ fn lines_of_cases_agree_with_the_cases_one_by_one() {
         ("cart", "m2=0.5kg..2kg:16", "--modes=2", true),
         ("cart", "L=0.5m..2m:16", "--modes=2", false),
         ("cart", "L=0.5m..2m:64", "--modes=2", true),
-        ("double_pendulum", "l=1m..3m:200", "--modes=2", true),
+        // Drawn far from the rest, or much softer there: that a search ends in it is not proved for all values.
+        ("double_pendulum", "l=1m..3m:200", "--modes=2", false),
         ("inverted_pendulum", "L=0.7m..1.5m:64", "--modes=1", true),
-        ("stiffening_mount", "k3=4e6N/m^3..9e6N/m^3:64", "--modes=1", true),
+        ("stiffening_mount", "k3=4e6N/m^3..9e6N/m^3:64", "--modes=1", false),
         ("half_car", "a=1m..1.4m:40", "--modes=2", true),
         ("shear_building", "m=2t..5t:40", "--modes=6", true),
         ("shear_building", "k=5kN/m..50kN/m:40", "--modes=6", true),

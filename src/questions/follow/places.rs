@@ -110,10 +110,10 @@ fn enclosing_system(study: &Study, [low, high]: [&Number; 2], is_damped: bool) -
     // Ends that are not binary64 numbers were rounded, and so was the middle.
     let range = range.widen(4.0 * f64::EPSILON * range.rad);
     let over = jet::without_division(|| study.lower_case(0, Jet::of_parameter(range), is_damped))??;
-    // Where terms move with the rest, it has to be the one that is found at both ends.
+    // Where another rest might be found, it has to be the one that is found at both ends.
     let rests_at =
         |end: &Number| study.lower_case(0, end.clone(), is_damped).is_some_and(|at| over.rest.holds(&at.rest));
-    let is_followed = !over.rest.moves_terms || !over.rest.is_ranged() || rests_at(low) && rests_at(high);
+    let is_followed = !over.rest.may_be_elsewhere() || rests_at(low) && rests_at(high);
     (is_followed && !over.system.is_chained()).then_some(over.system)
 }
 

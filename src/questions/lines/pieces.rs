@@ -8,7 +8,6 @@ use crate::base::number::jet;
 use crate::base::number::series::{ORDER, Series};
 use crate::base::{Ball, Jet, Number, up};
 use crate::kernel::pencils::{self, Eigenvalues};
-use crate::lower::Rest;
 use crate::model::Points;
 use crate::questions::cases::Study;
 use crate::system::Form;
@@ -86,14 +85,8 @@ impl Study<'_> {
         let along = Jet::of_parameter_in_series(at.to_ball(), reach);
         let over = jet::without_division(|| self.lower_case(first, along, is_damped))??;
         let steps = range.steps_from(&at, Some(middle));
-        let is_there = |place: u64| {
-            let found = self.lower_case(first, points.value(place), false);
-            found.is_some_and(|found| {
-                is_at(&over.rest, &found.rest, steps.distance_of(&points.value(place)) / Ball::from(reach))
-            })
-        };
-        // Along the piece the rest is the one that is found at three of its places.
-        if over.rest.moves_terms && over.rest.is_ranged() && ![places[0], middle, places[1]].into_iter().all(is_there) {
+        // A search at one of the cases has to find the rest that is known along the piece.
+        if over.rest.may_be_elsewhere() {
             return None;
         }
         let system = of.part(over.system)?;
@@ -154,19 +147,6 @@ impl Pieces {
         }
         found
     }
-}
-
-/// Whether a rest that was found at a place of the piece lies in the tube around the series, in which there is one for each value.
-fn is_at(along: &Rest, found: &Rest, x: Ball) -> bool {
-    let is_inside = |(along, found): (&Number, &Number)| {
-        let found = found.enclosure();
-        Series::of(along).is_some_and(|series| {
-            let tube = series.at(x);
-            (Ball::exact(tube.mid) - Ball::exact(found.mid)).magnitude() + found.rad <= tube.rad
-        })
-    };
-    along.displacement.len() == found.displacement.len()
-        && along.displacement.iter().zip(&found.displacement).all(is_inside)
 }
 
 /// A matrix as a polynomial.

@@ -87,7 +87,7 @@ pub fn within_tolerances(
     }
     let mut ranges = frequencies.iter().chain(&ratios).chain(poles.iter().flatten()).chain(measures.iter().flatten());
     let is_open = ranges.any(|range| range.ends.is_some() && range.proof.is_none());
-    let follows_rest = corners.rest_over_all().is_some_and(|rest| rest.moves_terms && rest.is_ranged());
+    let follows_rest = corners.rest_over_all().is_some_and(Rest::may_be_elsewhere);
     Some(Tolerated {
         follows_rest,
         never: scene.scene().requires.iter().map(|require| reason::why_never(&require.question.measure)).collect(),
@@ -606,7 +606,15 @@ mod tests {
         let tree = syntax::parse(&sources, file).tree;
         let checked = model::check(&sources, &tree, &overrides);
         let scene = checked.scene.unwrap_or_else(|| panic!("{:?}", checked.diagnostics));
-        let text = Text { sources: &sources, tree: &tree, overrides: &overrides, until: None, case: &[], fixed: &[] };
+        let text = Text {
+            sources: &sources,
+            tree: &tree,
+            overrides: &overrides,
+            until: None,
+            is_usual: false,
+            case: &[],
+            fixed: &[],
+        };
         within_tolerances(&text, (&scene, 1), &[], false)
     }
 
