@@ -213,14 +213,17 @@ mod tests {
         check(&system, 2.0 / 9.81);
     }
 
-    /// An eigenvalue of 2 +- 0.5 may be 2.5.
+    /// An eigenvalue of 2 +- 0.5 may be 2.5, and one of 0.25 +- 0.5 has no sign.
     #[test]
     fn uncertainty_of_an_eigenvalue_is_in_the_factor() {
         use crate::analysis::answer::Route;
         use crate::analysis::modes::pair::Displacements;
-        let value = Eigenvalue::Near { value: 2.0.into(), radius: 0.5, positive: false };
-        let found = sign_of(&Pair { value, x: Displacements::Plain(Vec::new()), route: Route::Exact });
-        let found = found.flatten().expect("positive");
+        let of = |value: f64| {
+            let value = Eigenvalue::Near { value: value.into(), radius: 0.5, positive: false };
+            sign_of(&Pair { value, x: Displacements::Plain(Vec::new()), route: Route::Exact })
+        };
+        assert!(of(0.25).is_none() && of(-0.25).is_none() && of(-2.0).is_some_and(|found| found.is_none()));
+        let found = of(2.0).flatten().expect("positive");
         assert!(found.mid.hi + found.rad >= 2.5, "{found:?}");
     }
 

@@ -55,12 +55,12 @@ mod tests {
     /// Roots at the least distance, in several directions, alone and three together: the sums and products themselves.
     #[test]
     fn what_far_roots_change_is_bounded() {
-        for count in [1, 3] {
-            let far = Far { count, beyond: 100.0 };
-            for omega in [0.0, 0.5, 5.0, 8.0] {
+        for (count, unit) in [(1, 1.0), (3, 1.0), (3, 1.0 / 65536.0)] {
+            let far = Far { count, beyond: 100.0 * unit };
+            for omega in [0.0, 0.5, 5.0, 8.0].map(|omega| omega * unit) {
                 let [g, slope, curvature] = far.slopes(omega);
                 for direction in [0.0, 0.7, 1.6, 2.5, 3.1] {
-                    let z = Complex::new(libm::cos(direction), libm::sin(direction)).scale(100.0);
+                    let z = Complex::new(libm::cos(direction), libm::sin(direction)).scale(100.0 * unit);
                     let from = Complex::new(omega - z.im, z.re).recip();
                     let n = count as f64;
                     assert!(n * from.re.abs() <= g && n * (from * from).re.abs() <= slope);
@@ -71,8 +71,8 @@ mod tests {
                     assert!(off.into_iter().all(|off| off <= far.spread(omega) + 1e-15), "{omega} {direction}");
                 }
             }
-            assert_eq!(far.slopes(100.0), [f64::INFINITY; 3]);
-            assert_eq!(far.spread(50.0), f64::INFINITY);
+            assert_eq!(far.slopes(100.0 * unit), [f64::INFINITY; 3]);
+            assert_eq!(far.spread(50.0 * unit), f64::INFINITY);
         }
         assert_eq!((Far::NONE.slopes(1e300), Far::NONE.spread(1e300)), ([0.0; 3], 0.0));
     }
