@@ -523,6 +523,7 @@ fn what_changes_the_stiffness_alone_has_an_effect() {
     // The spring of 100 N/m pulls with 20 N, along the rod, at its end, 0.8 m from the base.
     let base = "base g { at = (0, 2 m), moves y } = constant(-20 cm)\nspring z: g -- rod@(0, 1 m) { k = 100 N/m }\n";
     assert!((square(base) - (10.0 - 20.0 * (1.0 + 1.0 / 0.8))).abs() < 1e-12, "{}", square(base));
-    let across = "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\nforce F: b along y = constant(9 N)\n";
+    let across =
+        "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\nforce F: b along y = constant(9 N)\n";
     assert_eq!(finding(across).code.0, "vib::unused::input");
 }

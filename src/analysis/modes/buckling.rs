@@ -16,7 +16,7 @@ use crate::analysis::modes::eigen::{Failure, eigenpairs};
 use crate::analysis::modes::pair::{Eigenvalue, Pair};
 use crate::analysis::modes::parts::{Part, choose_terms, independent_undamped};
 use crate::analysis::{modes::certificate, modes::shape};
-use crate::base::{Ball, Unproven};
+use crate::base::{Ball, Dd, Unproven};
 use crate::system::{Form, LinearSystem, Nature, Term};
 
 /// Relative accuracy that a load factor should have.
@@ -31,58 +31,47 @@ pub struct Buckling {
 }
 
 /// The least load factor over all parts. `None` if no load softens anything, if the factor is not defined (some motion
-/// has no stiffness at all), or if it could not be certified.
+/// has no stiffness at all), or if that of some part could not be certified: it might be less than all others.
 pub fn buckling(system: &LinearSystem) -> Option<Buckling> {
+    least_of_parts(system).ok().flatten()
+}
+
+/// The least load factor, where all parts of the system are settled; `None` if no part buckles.
+pub fn least_load_factor(system: &LinearSystem) -> Result<Option<Ball>, &'static str> {
+    Ok(least_of_parts(system)?.map(|found| found.load_factor))
+}
+
+fn least_of_parts(system: &LinearSystem) -> Result<Option<Buckling>, &'static str> {
     let softened = |term: &Term| term.nature == Nature::Geometric && term.weight.is_negative();
-    if !system.k.terms().iter().any(softened) || system.is_chained() {
-        return None;
+    if system.is_chained() {
+        return Err("the links of this scene hang too deep for it");
+    }
+    if !system.k.terms().iter().any(softened) {
+        return Ok(None);
     }
     let mut local = vec![0u32; system.n()];
     let mut least: Option<Buckling> = None;
     for part in independent_undamped(system) {
         part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
         let k = choose_terms(&system.k, &part.k, &local);
-        if part.coordinates.len() > MAX_UNASKED || !k.terms().iter().any(softened) {
-            continue;
-        }
-        let Ok(Some(found)) = of_part(system, &part, &k) else { continue };
-        if least.as_ref().is_none_or(|other| found.load_factor.mid < other.load_factor.mid) {
-            least = Some(found);
-        }
-    }
-    least
-}
-
-/// The least load factor, where all parts of the system are settled; `None` if no part buckles.
-pub fn least_load_factor(system: &LinearSystem) -> Result<Option<Ball>, &'static str> {
-    if system.is_chained() {
-        return Err("the links of this scene hang too deep for it");
-    }
-    let mut local = vec![0u32; system.n()];
-    let mut least: Option<Ball> = None;
-    for part in independent_undamped(system) {
-        part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
-        let k = choose_terms(&system.k, &part.k, &local);
-        if !k.terms().iter().any(|term| term.nature == Nature::Geometric && term.weight.is_negative()) {
+        if !k.terms().iter().any(softened) {
             continue;
         }
         if part.coordinates.len() > MAX_UNASKED {
             return Err("the scene is too large for it");
         }
-        let Some(Buckling { load_factor, .. }) = of_part(system, &part, &k)? else { continue };
-        least = Some(least.map_or(load_factor, |other| lesser(other, load_factor)));
+        let Some(found) = of_part(system, &part, &k)? else { continue };
+        least = Some(match least {
+            Some(other) if begins_lower(other.load_factor, found.load_factor) => other,
+            _ => found,
+        });
     }
     Ok(least)
 }
 
-/// An enclosure of the lesser of two numbers.
-fn lesser(a: Ball, b: Ball) -> Ball {
-    let difference = a - b;
-    match () {
-        () if difference.is_negative() => a,
-        () if difference.is_positive() => b,
-        () => a.widen(difference.magnitude()),
-    }
+/// Whether the first ball begins at the lower number: it then holds the lesser of any two numbers in them.
+fn begins_lower(a: Ball, b: Ball) -> bool {
+    a.mid - Dd::from(a.rad) <= b.mid - Dd::from(b.rad)
 }
 
 /// `None` if the part does not buckle; an error where neither is proved.
@@ -227,7 +216,7 @@ mod tests {
         assert!(found.mid.hi + found.rad >= 2.5, "{found:?}");
     }
 
-    /// The lesser of two numbers whose balls meet may be either: the enclosure holds the lesser of all of them.
+    /// The lesser of two numbers whose balls meet may be either: the ball that begins lower holds the lesser of all of them.
     #[test]
     fn the_lesser_of_two_uncertain_numbers_is_in_its_enclosure() {
         let ball = |x: f64, radius: f64| Ball::from(x).widen(radius);
@@ -235,12 +224,31 @@ mod tests {
             [((2.0, 0.5), (5.0, 0.5)), ((2.0, 0.5), (2.25, 0.125)), ((-1.0, 2.0), (3.0, 1.5)), ((2.0, 0.0), (2.0, 0.0))]
         {
             for (a, b) in [(a, b), (b, a)] {
-                let found = lesser(ball(a.0, a.1), ball(b.0, b.1));
+                let (first, second) = (ball(a.0, a.1), ball(b.0, b.1));
+                let found = if begins_lower(first, second) { first } else { second };
                 for (x, y) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 0.5)] {
                     let least = (a.0 + x * a.1).min(b.0 + y * b.1);
                     assert!((found - Ball::from(least)).contains_zero(), "{a:?} {b:?} {least}: {found:?}");
                 }
             }
         }
+    }
+
+    /// A part that may buckle first, but whose factor is not defined, leaves no least one.
+    #[test]
+    fn a_part_that_is_not_settled_leaves_no_factor() {
+        let mut system = blank(2);
+        let source = system.k.source(system.coordinates[0].name);
+        for (i, spring) in ["2", "-5"].into_iter().enumerate() {
+            push(&mut system.m, "1", i, None);
+            let at = || [(CoordinateId(i as u32), Number::ONE)];
+            let spring = match spring.strip_prefix('-') {
+                Some(size) => -&Number::from(size),
+                None => Number::from(spring),
+            };
+            system.k.push(source, Nature::Property, spring, at());
+            system.k.push(source, Nature::Geometric, -&Number::from("0.5"), at());
+        }
+        assert!(buckling(&system).is_none() && least_load_factor(&system).is_err());
     }
 }
