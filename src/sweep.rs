@@ -10,6 +10,7 @@ use crate::model::{self, Overrides};
 use crate::questions::answer::Case;
 use crate::questions::cases::{Asked, Study, Varied};
 use crate::questions::follow::{MOST_COORDINATES, MOST_POINTS, Unfollowed};
+use crate::questions::rows::Rows;
 pub use crate::questions::samples::Draws;
 use crate::questions::samples::Samples;
 use crate::reading::{self, Reading};
@@ -156,5 +157,26 @@ fn unfollowed_message(why: &Unfollowed) -> String {
 
 /// Applies `make` to the rows of these cases on all cores; the results in order.
 pub fn cases<T: Send>(study: &Study, numbers: &[u64], make: impl Fn(Case) -> T + Sync) -> Vec<T> {
-    cores::in_pieces(numbers, 1, 1, |piece| study.cases(piece).into_iter().map(&make).collect())
+    let of_some = |rows: &Rows| {
+        let mut made = Vec::with_capacity(rows.len());
+        rows.for_each(|case| made.push(make(case.clone())));
+        made
+    };
+    some_rows(study, numbers, of_some).into_iter().flatten().collect()
 }
+
+/// Applies `make` to the rows of these cases, some at a time, on all cores; the results in order.
+pub fn some_rows<T: Send>(study: &Study, numbers: &[u64], make: impl Fn(&Rows) -> T + Sync) -> Vec<T> {
+    cores::in_pieces(numbers, 1, 1, |piece| {
+        // The same memory for all, so that the system need not make room again.
+        let mut rows = Rows::default();
+        let made = piece.chunks(AT_ONCE).map(|numbers| {
+            study.rows(numbers, &mut rows);
+            make(&rows)
+        });
+        made.collect()
+    })
+}
+
+/// Rows that are computed at once: few enough for the nearest memory, many enough that what they share costs little.
+const AT_ONCE: usize = 1024;

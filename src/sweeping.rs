@@ -17,7 +17,8 @@ use vibc::backend::{self, sweep as rows};
 use vibc::cli::{MOST_CASES, MOST_ORDERS, MOST_SHARDS, Messages, Shard, ShardOption, Sweep, SweepFormat};
 use vibc::questions::answer::REPLICATES;
 use vibc::questions::cases::Study;
-use vibc::sweep::{Draws, StudyRequest, cases, study};
+use vibc::questions::rows::Rows;
+use vibc::sweep::{Draws, StudyRequest, some_rows, study};
 
 /// Columns of every table, which no parameter may be taken for.
 const OWN_COLUMNS: [&str; 2] = ["case", "code"];
@@ -99,11 +100,24 @@ pub fn sweep(options: &Sweep, messages: &Messages) -> Status {
     let written = match options.format {
         SweepFormat::Text => {
             let mut ranges = Ranges::new(&study.columns, drawing(options));
-            let found = |numbers: &[u64]| cases(&study, numbers, |case| case);
-            let gathered = in_blocks(0..count, true, found, |cases| {
-                ranges.add(&cases);
-                Ok(())
-            });
+            let gathered = if ranges.is_random() {
+                let found = |numbers: &[u64]| some_rows(&study, numbers, Rows::clone);
+                in_blocks(0..count, true, found, |list| {
+                    list.iter().for_each(|rows| ranges.add(rows));
+                    Ok(())
+                })
+            } else {
+                let of_some = |rows: &Rows| {
+                    let mut own = Ranges::new(&study.columns, Drawing::Given);
+                    own.add(rows);
+                    own
+                };
+                let found = |numbers: &[u64]| some_rows(&study, numbers, of_some);
+                in_blocks(0..count, true, found, |list| {
+                    list.into_iter().for_each(|own| ranges.join(own));
+                    Ok(())
+                })
+            };
             if let Err(error) = gathered {
                 return report_delivery(path, Err(error));
             }
@@ -230,22 +244,32 @@ fn write_file(study: &Study, path: &Path, header: &Header, heading: &str, is_par
 fn write_rows(study: &Study, header: &Header, first: u64, is_file: bool, out: &mut dyn Write) -> io::Result<()> {
     let made = |indices: &[u64]| {
         let numbers: Vec<u64> = indices.iter().map(|&index| header.shard.case(index)).collect();
-        cases(study, &numbers, |case| rows::csv_row(&study.columns, &case)).concat()
+        let of_some = |some: &Rows| {
+            let mut text = Vec::new();
+            some.for_each(|case| rows::csv_row(&study.columns, case, &mut text));
+            text
+        };
+        some_rows(study, &numbers, of_some).concat()
     };
     in_blocks(first..header.rows(), is_file, made, |rows| out.write_all(&rows))
 }
 
 fn write_arrays(mut npz: Npz, begun: &[u8], study: &Study, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(begun)?;
-    let found = |numbers: &[u64]| cases(study, numbers, |case| case);
-    in_blocks(0..study.count(), true, found, |cases| out.write_all(&npz.rows(&cases)))?;
+    let found = |numbers: &[u64]| some_rows(study, numbers, Rows::clone);
+    in_blocks(0..study.count(), true, found, |list| list.iter().try_for_each(|rows| out.write_all(&npz.rows(rows))))?;
     out.write_all(&npz.end())
 }
 
 fn write_json(model: &str, study: &Study, is_file: bool, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(rows::json_heading(model, &study.columns, study.followed.as_ref()).as_bytes())?;
     let mut comma = &b""[..];
-    let made = |numbers: &[u64]| cases(study, numbers, |case| rows::json_row(&case)).join(",");
+    let of_some = |some: &Rows| {
+        let mut list = Vec::with_capacity(some.len());
+        some.for_each(|case| list.push(rows::json_row(case)));
+        list.join(",")
+    };
+    let made = |numbers: &[u64]| some_rows(study, numbers, of_some).join(",");
     in_blocks(0..study.count(), is_file, made, |rows| {
         out.write_all(std::mem::replace(&mut comma, b","))?;
         out.write_all(rows.as_bytes())

@@ -3,6 +3,7 @@
 
 use crate::base::{Ball, Bound};
 use crate::questions::answer::{Case, Column, Entry, REPLICATES};
+use crate::questions::rows::Rows;
 
 /// How the cases of a study were chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,6 +37,7 @@ pub struct Range {
     pub ends: Option<[(Ball, Case); 2]>,
     /// The largest absolute error bound.
     pub bound: Option<Bound>,
+    /// Of a random drawing.
     pub moments: Moments,
     /// The values of an independent drawing in the order of the cases, while [`Ranges::keeps_values`].
     pub values: Vec<f64>,
@@ -102,69 +104,91 @@ impl Ranges {
         self.drawing == Drawing::Independent && values <= MOST_KEPT
     }
 
-    /// Adds cases, which are in the order of their numbers.
-    pub fn add(&mut self, cases: &[Case]) {
-        let kept = match self.drawing {
-            Drawing::Independent => {
-                (MOST_KEPT / (self.columns.len() as u64).max(1)).saturating_sub(self.cases).min(cases.len() as u64)
-            }
-            Drawing::Given | Drawing::Replicated => 0,
-        };
-        self.cases += cases.len() as u64;
+    /// Adds rows, whose cases are behind those before.
+    pub fn add(&mut self, rows: &Rows) {
+        if self.is_random() {
+            return rows.for_each(|case| self.add_case(case));
+        }
+        rows.others().for_each(|case| self.add_case(case));
+        self.cases += (rows.len() - rows.others().count()) as u64;
         for (column, range) in self.columns.iter_mut().enumerate() {
-            range.add(cases, column, kept as usize);
+            let Some(summary) = rows.summary(column) else { continue };
+            for (end, at) in summary.ends.into_iter().enumerate() {
+                range.reach(end, rows.enclosed_in(column, at), rows.number(at), || rows.enclosed(at));
+            }
+            range.bound = larger(range.bound, summary.bound);
         }
-        for case in cases {
-            let Some(code) = case.code else { continue };
-            match self.codes.iter_mut().find(|(known, ..)| *known == code) {
-                Some((_, count, _)) => *count += 1,
-                None => self.codes.push((code, 1, case.clone())),
+    }
+
+    fn add_case(&mut self, case: &Case) {
+        self.cases += 1;
+        let is_kept = self.keeps_values();
+        for (entry, range) in case.entries.iter().zip(&mut self.columns) {
+            range.count(*entry, case.number, self.drawing);
+            let Entry::Enclosed(value) = *entry else { continue };
+            if is_kept {
+                range.values.push(value.to_f64());
+            }
+            for end in 0..2 {
+                range.reach(end, value, case.number, || case.clone());
             }
         }
+        if let Some(code) = case.code {
+            self.add_code((code, 1, case.clone()));
+        }
+    }
+
+    fn add_code(&mut self, (code, count, first): (&'static str, u64, Case)) {
+        match self.codes.iter_mut().find(|(known, ..)| *known == code) {
+            Some((_, number, _)) => *number += count,
+            None => self.codes.push((code, count, first)),
+        }
+    }
+
+    /// Adds what was gathered about cases behind these, which are not random ones.
+    pub fn join(&mut self, other: Ranges) {
+        self.cases += other.cases;
+        for (range, own) in self.columns.iter_mut().zip(other.columns) {
+            if let Some(ends) = own.ends {
+                for (end, (value, case)) in ends.into_iter().enumerate() {
+                    range.reach(end, value, case.number, || case.clone());
+                }
+            }
+            if let Some(bound) = own.bound {
+                range.bound = larger(range.bound, bound);
+            }
+            range.infinite += own.infinite;
+            range.unproven += own.unproven;
+            range.holds += own.holds;
+            range.fails += own.fails;
+            range.none += own.none;
+            range.reason = range.reason.or(own.reason);
+        }
+        other.codes.into_iter().for_each(|code| self.add_code(code));
     }
 }
 
+/// The larger of two bounds, of which the first may not be there.
+fn larger(known: Option<Bound>, bound: Bound) -> Option<Bound> {
+    Some(known.map_or(bound, |largest| if largest.value() < bound.value() { bound } else { largest }))
+}
+
 impl Range {
-    /// Adds the entries of a column; the values of the first `kept` cases are kept.
-    fn add(&mut self, cases: &[Case], column: usize, kept: usize) {
-        let (mut ends, mut found) =
-            (self.ends.as_ref().map(|ends| ends.each_ref().map(|(value, _)| *value)), [None; 2]);
-        for (i, case) in cases.iter().enumerate() {
-            let Some(entry) = case.entries.get(column) else { continue };
-            self.count(*entry, case.number);
-            let Entry::Enclosed(value) = *entry else { continue };
-            if i < kept {
-                self.values.push(value.to_f64());
-            }
-            match &mut ends {
-                None => (ends, found) = (Some([value; 2]), [Some(i); 2]),
-                Some([least, largest]) => {
-                    if value.mid < least.mid {
-                        (*least, found[0]) = (value, Some(i));
-                    }
-                    if value.mid > largest.mid {
-                        (*largest, found[1]) = (value, Some(i));
-                    }
+    /// Takes a value for the least (`end` 0) or the largest one (1), if it is, of equal ones that of the first case.
+    fn reach(&mut self, end: usize, value: Ball, number: u64, case: impl Fn() -> Case) {
+        match &mut self.ends {
+            None => self.ends = Some([(value, case()), (value, case())]),
+            Some(ends) => {
+                let (best, of) = &mut ends[end];
+                let is_beyond = if end == 0 { value.mid < best.mid } else { value.mid > best.mid };
+                if is_beyond || value.mid == best.mid && number < of.number {
+                    ends[end] = (value, case());
                 }
             }
-        }
-        // Cases are kept at the end alone: of a curve that rises, each is the last.
-        match (&mut self.ends, ends, found) {
-            (Some(own), Some(ends), found) => {
-                for ((own, value), found) in own.iter_mut().zip(ends).zip(found) {
-                    if let Some(i) = found {
-                        *own = (value, cases[i].clone());
-                    }
-                }
-            }
-            (none, Some(ends), [Some(i), Some(j)]) => {
-                *none = Some([(ends[0], cases[i].clone()), (ends[1], cases[j].clone())]);
-            }
-            _ => {}
         }
     }
 
-    fn count(&mut self, entry: Entry, number: u64) {
+    fn count(&mut self, entry: Entry, number: u64, drawing: Drawing) {
         if let Some((moments, verdicts)) = self.replicates.get_mut((number % REPLICATES) as usize) {
             match entry {
                 Entry::Enclosed(value) => moments.add(value.to_f64()),
@@ -173,7 +197,7 @@ impl Range {
             }
         }
         match entry {
-            Entry::Enclosed(value) => self.enclose(value),
+            Entry::Enclosed(value) => self.enclose(value, drawing),
             Entry::Infinite => self.infinite += 1,
             Entry::Unproven(_) => self.unproven += 1,
             Entry::Verdict(true) => self.holds += 1,
@@ -185,10 +209,10 @@ impl Range {
         }
     }
 
-    fn enclose(&mut self, value: Ball) {
-        let bound = Bound::of_midpoint(value);
-        self.bound =
-            Some(self.bound.map_or(bound, |largest| if largest.value() < bound.value() { bound } else { largest }));
-        self.moments.add(value.to_f64());
+    fn enclose(&mut self, value: Ball, drawing: Drawing) {
+        self.bound = larger(self.bound, Bound::of_midpoint(value));
+        if drawing != Drawing::Given {
+            self.moments.add(value.to_f64());
+        }
     }
 }

@@ -3,7 +3,8 @@
 
 use super::json_number::JsonNumber;
 use super::sweep::has_bound;
-use crate::questions::answer::{Case, Column, Entry};
+use crate::questions::answer::{Column, Entry};
+use crate::questions::rows::Rows;
 
 /// An archive that is being written: `columns`, `units`, `table` with a row for each case, `codes`.
 pub struct Npz<'a> {
@@ -64,9 +65,9 @@ impl<'a> Npz<'a> {
     }
 
     /// The bytes of the next rows.
-    pub fn rows(&mut self, cases: &[Case]) -> Vec<u8> {
-        let mut numbers = Vec::new();
-        for case in cases {
+    pub fn rows(&mut self, rows: &Rows) -> Vec<u8> {
+        let mut numbers = Vec::with_capacity(rows.len() * 8 * width(self.columns) as usize);
+        rows.for_each(|case| {
             for (column, entry) in self.columns.iter().zip(&case.entries) {
                 let (value, bound) = number(entry);
                 numbers.extend(value.to_le_bytes());
@@ -80,7 +81,7 @@ impl<'a> Npz<'a> {
                 self.codes.len() - 1
             });
             numbers.extend((place as f64).to_le_bytes());
-        }
+        });
         self.add(numbers)
     }
 

@@ -30,32 +30,30 @@ fn column_title(column: &Column) -> String {
     }
 }
 
-/// A row in UTF-8, with its line feed.
-pub fn csv_row(columns: &[Column], case: &Case) -> Vec<u8> {
-    let mut text = Vec::with_capacity(48 * columns.len() + 32);
+/// Adds a row in UTF-8, with its line feed.
+pub fn csv_row(columns: &[Column], case: &Case, text: &mut Vec<u8>) {
     text.extend(case.number.to_string().as_bytes());
     for (column, entry) in columns.iter().zip(&case.entries) {
         text.push(b',');
         let mut bound = JsonNumber::NULL;
         match *entry {
             Entry::Enclosed(value) => {
-                JsonNumber::from_enclosure(value).push_field(&mut text);
+                JsonNumber::from_enclosure(value).push_field(text);
                 bound = JsonNumber::absolute_bound(value);
             }
-            Entry::Unproven(value) => JsonNumber::unproven(value).push_field(&mut text),
+            Entry::Unproven(value) => JsonNumber::unproven(value).push_field(text),
             Entry::Infinite => text.extend(b"inf"),
             Entry::Verdict(holds) => text.extend(if holds { &b"true"[..] } else { b"false" }),
             Entry::None(_) => {}
         };
         if has_bound(column) {
             text.push(b',');
-            bound.push_field(&mut text);
+            bound.push_field(text);
         }
     }
     text.push(b',');
     text.extend(case.code.unwrap_or("").as_bytes());
     text.push(b'\n');
-    text
 }
 
 /// A field of CSV as RFC 4180 has it.

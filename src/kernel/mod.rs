@@ -4,6 +4,7 @@
 
 pub(crate) mod big_float;
 pub(crate) mod binomial;
+pub mod bounded;
 pub mod complex;
 pub(crate) mod cores;
 pub mod dense;

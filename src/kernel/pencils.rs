@@ -3,6 +3,7 @@
 //! See docs/method/studies.md#many-small-pencils.
 
 use crate::base::{Ball, Power};
+use crate::kernel::bounded::{Bounded, load};
 use crate::kernel::simd::{Vector, simd};
 
 /// The most coordinates: larger pencils are reduced faster by other means.
@@ -19,8 +20,8 @@ pub struct Line {
     m: Vec<Vec<f64>>,
     /// Bounds of the distance (Frobenius) of the true K and M at d from the computed ones, as polynomials in |d|.
     off: [Vec<f64>; 2],
-    /// Bounds of the derivatives (Frobenius) of the computed K and M, for all d up to the largest size.
-    slopes: [f64; 2],
+    /// Bounds of the first and the second derivatives (Frobenius) of the computed K and M, for all d up to the largest size.
+    slopes: [[f64; 2]; 2],
 }
 
 /// The coefficients of a matrix that is a polynomial.
@@ -67,41 +68,39 @@ impl Line {
             Some(parts.collect::<Option<Vec<_>>>()?.into_iter().unzip::<Vec<f64>, f64, Vec<_>, Vec<_>>())
         };
         let ((k, off_k), (m, off_m)) = (parts(k)?, parts(m)?);
-        let slopes = [&k, &m].map(|parts: &Vec<Vec<f64>>| slope(n, parts, most));
+        let slopes = [&k, &m].map(|parts: &Vec<Vec<f64>>| [1, 2].map(|order| slope(n, parts, most, order)));
         Some(Line { n, k, m, off: [off_k, off_m], slopes })
     }
 
     /// The eigenvalues for each d, which may be [`ROUNDING_OF_D`] off, with bounds that hold for all numbers within `half` of it (as many as
-    /// d, none of them beyond the size given at first); `None` where they are not certain.
+    /// d, none of them beyond the size given at first): ascending, each bound of the one with the same place in ascending order; NaN where
+    /// they are not certain.
+    pub fn side_by_side(&self, d: &[f64], half: &[f64]) -> Bounded {
+        let mut found = Bounded::unknown(self.n, d.len());
+        all(self.n, [&self.k, &self.m], [&self.off[0], &self.off[1]], self.slopes, d, half, &mut found);
+        found
+    }
+
+    /// The same for each d; `None` where they are not certain.
     pub fn eigenvalues(&self, d: &[f64], half: &[f64]) -> Vec<Option<Eigenvalues>> {
-        let n = self.n;
-        let mut found = vec![0.0; d.len() * (n + 1) * 2];
-        all(n, [&self.k, &self.m], [&self.off[0], &self.off[1]], self.slopes, d, half, &mut found);
-        found.chunks(2 * (n + 1)).map(|numbers| sort(n, numbers)).collect()
+        let found = self.side_by_side(d, half);
+        let of_case = |case: usize| {
+            let (list, bounds): (Vec<f64>, Vec<f64>) = (0..self.n).map(|i| found.pair(i, case).into()).unzip();
+            list.iter().all(|x| !x.is_nan()).then_some(Eigenvalues { list, bounds })
+        };
+        (0..d.len()).map(of_case).collect()
     }
 }
 
-/// A bound of the derivative of a polynomial of matrices at all numbers up to a size: that of the sizes of its coefficients.
-fn slope(n: usize, parts: &[Vec<f64>], most: f64) -> f64 {
+/// A bound of a derivative of a polynomial of matrices, the first or the second, at all numbers up to a size: that of the sizes of its
+/// coefficients.
+fn slope(n: usize, parts: &[Vec<f64>], most: f64, order: usize) -> f64 {
+    let factor = |at: usize| (at + 1 - order..=at).product::<usize>() as f64;
     let entry = |i: usize| {
-        let terms = parts.iter().enumerate().skip(1);
-        terms.map(|(at, part)| at as f64 * part[i].abs() * most.power(at as i32 - 1)).sum::<f64>()
+        let terms = parts.iter().enumerate().skip(order);
+        terms.map(|(at, part)| factor(at) * part[i].abs() * most.power((at - order) as i32)).sum::<f64>()
     };
     root((0..n * n).map(|i| entry(i) * entry(i)).sum::<f64>()) * 1.001 + UNDERFLOW
-}
-
-/// Quotients of the diagonals and what limits their errors, put in order.
-fn sort(n: usize, numbers: &[f64]) -> Option<Eigenvalues> {
-    let (off_t, off_s, least) = (numbers[n], numbers[n + 1], numbers[n + 2]);
-    let room = (least - off_s) * (1.0 - 4.0 * U);
-    // NaN, of a factor that does not exist, fails too.
-    if !(room > 0.5 * least && off_t.is_finite() && numbers[..n].iter().all(|x| x.is_finite())) {
-        return None;
-    }
-    let mut list = numbers[..n].to_vec();
-    list.sort_by(f64::total_cmp);
-    let bound = |x: &f64| ((off_t + x.abs() * off_s) / room + 2.0 * U * x.abs()) * (1.0 + 16.0 * U);
-    Some(Eigenvalues { bounds: list.iter().map(bound).collect(), list })
 }
 
 /// The relative error that d may have.
@@ -143,19 +142,12 @@ fn sweeps(n: usize) -> usize {
 }
 
 simd! {
-    /// For each d, `n` quotients, then bounds of what is beside both diagonals, and the least entry of that of M.
-    fn all<V: Vector>(n: usize, parts: [&[Vec<f64>]; 2], off: [&[f64]; 2], slopes: [f64; 2], d: &[f64], half: &[f64], found: &mut [f64]) {
+    fn all<V: Vector>(n: usize, parts: [&[Vec<f64>]; 2], off: [&[f64]; 2], slopes: [[f64; 2]; 2], d: &[f64], half: &[f64], found: &mut Bounded) {
         let room = || vec![V::splat(0.0); n * n];
         let (mut k, mut m, mut a, mut l, mut v, mut w) = (room(), room(), room(), room(), room(), room());
-        let mut lanes = vec![0.0; V::WIDTH];
-        let blocks = d.chunks(V::WIDTH).zip(half.chunks(V::WIDTH));
-        for ((ds, halves), out) in blocks.zip(found.chunks_mut(2 * (n + 1) * V::WIDTH)) {
-            lanes.fill(halves[0]);
-            lanes[..halves.len()].copy_from_slice(halves);
-            let half = V::load(&lanes);
-            lanes.fill(ds[0]);
-            lanes[..ds.len()].copy_from_slice(ds);
-            let at = V::load(&lanes);
+        let mut diagonals = [vec![V::splat(0.0); n], vec![V::splat(0.0); n]];
+        for (block, (d, half)) in d.chunks(V::WIDTH).zip(half.chunks(V::WIDTH)).enumerate() {
+            let (at, half) = (load::<V>(d), load::<V>(half));
             for i in 0..n * n {
                 (k[i], m[i]) = (V::splat(0.0), V::splat(0.0));
             }
@@ -171,9 +163,6 @@ simd! {
                     *sum = sum.mul_add(at.abs() + half, V::splat(off[c]));
                 }
             }
-            for (sum, slope) in offs.iter_mut().zip(slopes) {
-                *sum = half.mul_add(V::splat(slope), *sum);
-            }
             reduce(n, &k, &m, &mut l, &mut a);
             turn(n, &mut a, &mut w);
             vectors(n, &l, &w, &mut v);
@@ -183,29 +172,70 @@ simd! {
             }
             of_v = of_v * V::splat(1.001);
             let off_m = offs[1];
-            let (s, beside_s) = congruent(n, &m, &v, &mut w, (of_v, of_v), off_m);
+            let [t, s] = &mut diagonals;
+            let mut beside_s = congruent(n, &m, &v, &mut w, (of_v, of_v), off_m, s);
             let mut least = V::splat(f64::MAX);
-            for x in &s {
+            for x in s.iter() {
                 (least, most) = (least.min(*x), most.max(*x));
             }
             // |V|^2 is at most |V^T M V| / min x^T M x, and at most its Frobenius norm.
             let floor = (floor(n, &m) - off_m).max(V::splat(1e-290));
             let norm = of_v.min((most + beside_s) * V::splat(1.001) / floor);
-            let (diagonal, beside_t) = congruent(n, &k, &v, &mut w, (norm, of_v), offs[0]);
-            let mut put = |place: usize, x: V| {
-                let x = x.to_array();
-                for (lane, row) in out.chunks_mut(2 * (n + 1)).enumerate() {
-                    row[place] = x[lane];
+            let mut beside_t = congruent(n, &k, &v, &mut w, (norm, of_v), offs[0], t);
+            let zero = V::splat(0.0);
+            if half.exceeds(zero) != 0 {
+                for (c, beside) in [&mut beside_t, &mut beside_s].into_iter().enumerate() {
+                    derivative(at, parts[c], &mut k);
+                    // What its roundings leave out.
+                    let off = V::splat((parts[c].len() as f64 + 4.0) * U * slopes[c][0]);
+                    let off_diagonal = congruent(n, &k, &v, &mut w, (norm, of_v), off, &mut m[..n]);
+                    let mut squares = zero;
+                    for x in &m[..n] {
+                        squares = x.mul_add(*x, squares);
+                    }
+                    let change = half * (squares.sqrt() + off_diagonal + half * norm * V::splat(slopes[c][1]));
+                    *beside = half.if_exceeds(zero, (*beside + change) * V::splat(1.001), *beside);
                 }
-            };
-            for i in 0..n {
-                put(i, diagonal[i] / s[i]);
             }
-            put(n, beside_t);
-            put(n + 1, beside_s);
-            // `min` passes over NaN; a sum does not, nor does its product with 0.
-            let sum = s.iter().fold(V::splat(0.0), |sum, x| sum + *x);
-            put(n + 2, sum.mul_add(V::splat(0.0), least));
+            let room = (least - beside_s) * V::splat(1.0 - 4.0 * U);
+            // Zero, or NaN where a number is none: `min` passes over that, and a product with zero does not.
+            let mut known = room.if_exceeds(V::splat(0.5) * least, beside_t * V::splat(0.0), V::splat(f64::NAN));
+            for i in 0..n {
+                known = s[i].mul_add(V::splat(0.0), known);
+                t[i] = t[i] / s[i];
+                known = t[i].mul_add(V::splat(0.0), known);
+            }
+            sort(t);
+            for (i, x) in t.iter().enumerate() {
+                let bound = (x.abs().mul_add(beside_s, beside_t) / room + V::splat(2.0 * U) * x.abs()) * V::splat(1.0 + 16.0 * U);
+                let (numbers, bounds) = found.padded(i);
+                (*x + known).store(&mut numbers[block * V::WIDTH..]);
+                (bound + known).store(&mut bounds[block * V::WIDTH..]);
+            }
+        }
+    }
+}
+
+/// The derivative of a polynomial of matrices.
+#[inline(always)]
+fn derivative<V: Vector>(at: V, parts: &[Vec<f64>], to: &mut [V]) {
+    for x in to.iter_mut() {
+        *x = V::splat(0.0);
+    }
+    for (c, part) in parts.iter().enumerate().skip(1).rev() {
+        for (x, coefficient) in to.iter_mut().zip(part) {
+            *x = x.mul_add(at, V::splat(c as f64 * coefficient));
+        }
+    }
+}
+
+/// Puts the numbers of each lane in ascending order.
+#[inline(always)]
+fn sort<V: Vector>(list: &mut [V]) {
+    for end in (1..list.len()).rev() {
+        for i in 0..end {
+            let (a, b) = (list[i], list[i + 1]);
+            (list[i], list[i + 1]) = (a.if_exceeds(b, b, a), a.if_exceeds(b, a, b));
         }
     }
 }
@@ -318,10 +348,18 @@ fn floor<V: Vector>(n: usize, m: &[V]) -> V {
     floor
 }
 
-/// The diagonal of V^T B V, and a bound of the norm of what is beside it in the true product, for a B that is at most `off`
+/// Sets the diagonal of V^T B V; a bound of the norm of what is beside it in the true product, for a B that is at most `off`
 /// away. The squares of the norms of V are at most those given: the spectral one, and Frobenius' one.
 #[inline(always)]
-fn congruent<V: Vector>(n: usize, b: &[V], v: &[V], w: &mut [V], (norm, frobenius): (V, V), off: V) -> (Vec<V>, V) {
+fn congruent<V: Vector>(
+    n: usize,
+    b: &[V],
+    v: &[V],
+    w: &mut [V],
+    (norm, frobenius): (V, V),
+    off: V,
+    diagonal: &mut [V],
+) -> V {
     let zero = V::splat(0.0);
     let (mut of_w, mut of_b) = (zero, zero);
     for x in b {
@@ -338,7 +376,7 @@ fn congruent<V: Vector>(n: usize, b: &[V], v: &[V], w: &mut [V], (norm, frobeniu
             of_w = sum.mul_add(sum, of_w);
         }
     }
-    let (mut diagonal, mut beside) = (vec![zero; n], zero);
+    let mut beside = zero;
     for i in 0..n {
         for j in i..n {
             let mut sum = zero;
@@ -354,6 +392,5 @@ fn congruent<V: Vector>(n: usize, b: &[V], v: &[V], w: &mut [V], (norm, frobeniu
     // n rounded products and sums in each entry of W and of its product with V; sqrt(2), since one triangle stands for both.
     let gamma = V::splat(1.5 * n as f64 * U);
     let rounding = gamma * (frobenius.sqrt() * of_w.sqrt() + norm.sqrt() * (frobenius * of_b).sqrt()) + norm * off;
-    let beside = ((beside + beside).sqrt() + rounding) * V::splat(1.01);
-    (diagonal, beside)
+    ((beside + beside).sqrt() + rounding) * V::splat(1.01)
 }

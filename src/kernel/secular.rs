@@ -8,6 +8,7 @@
 //! See docs/method/studies.md#one-weight.
 
 use crate::base::Dd;
+use crate::kernel::bounded::Bounded;
 use crate::kernel::simd::{Vector, simd};
 
 /// The unit roundoff.
@@ -33,6 +34,7 @@ pub struct Factor {
 
 impl Factor {
     /// No eigenvalue is proved for a factor that is not positive, of no usual size, or not known well.
+    #[inline]
     pub fn new(rho: f64, error: f64) -> Factor {
         let is_usual = USUAL.contains(&rho) && (0.0..1e-3).contains(&error);
         Factor { rho: if is_usual { rho } else { f64::NAN }, error }
@@ -61,12 +63,12 @@ impl Secular {
         self.poles.is_empty()
     }
 
-    /// The `count` lowest eigenvalues for each factor, ascending, each followed by a bound of its error; NaN where none is proved.
-    pub fn lowest(&self, count: usize, factors: &[Factor]) -> Vec<f64> {
-        let count = count.min(self.len());
-        let mut found = vec![f64::NAN; factors.len() * count * 2];
-        if count > 0 {
-            roots(self, count, factors, &mut found);
+    /// The `count` lowest eigenvalues for each factor, ascending, with bounds of their errors; NaN where none is proved.
+    pub fn lowest(&self, count: usize, factors: &[Factor]) -> Bounded {
+        let mut found = Bounded::unknown(count.min(self.len()), factors.len());
+        match self.len() {
+            2 => roots(self, [(); 2], factors, &mut found),
+            _ => roots(self, [], factors, &mut found),
         }
         found
     }
@@ -106,13 +108,12 @@ fn sums<V: Vector>(squares: &[f64], split: usize, origin: &Origin<V>, tau: V, rh
 #[inline(always)]
 fn part<V: Vector>(squares: &[f64], poles: std::ops::Range<usize>, origin: &Origin<V>, tau: V) -> (V, V) {
     let (mut sum, mut slope) = (V::splat(0.0), V::splat(0.0));
-    let lists = origin.from_left[poles.clone()].iter().zip(&origin.from_right[poles.clone()]);
-    for ((left, right), square) in lists.zip(&squares[poles]) {
+    for j in poles {
         // One of the two products is zero, so that the sum is exact.
-        let right = origin.is_right * V::splat(*right);
-        let distance = origin.is_left.mul_add(V::splat(*left), right) - tau;
+        let right = origin.is_right * V::splat(origin.from_right[j]);
+        let distance = origin.is_left.mul_add(V::splat(origin.from_left[j]), right) - tau;
         let inverse = V::splat(1.0) / distance;
-        let term = V::splat(*square) * inverse;
+        let term = V::splat(squares[j]) * inverse;
         sum = sum + term;
         slope = term.mul_add(inverse, slope);
     }
@@ -133,11 +134,14 @@ fn quadratic<V: Vector>(a: V, b: V, c: V, is_other: bool) -> V {
 }
 
 simd! {
-    fn roots<V: Vector>(of: &Secular, count: usize, factors: &[Factor], found: &mut [f64]) {
-        let (m, zero, one) = (of.poles.len(), V::splat(0.0), V::splat(1.0));
+    /// For `M` poles, or any number of them if that is zero.
+    fn roots<V: Vector, const M: usize>(of: &Secular, _poles: [(); M], factors: &[Factor], found: &mut Bounded) {
+        let (m, zero, one) = (if M > 0 { M } else { of.poles.len() }, V::splat(0.0), V::splat(1.0));
+        let (squares, poles) = (&of.squares[..m], &of.poles[..m]);
+        let count = found.count();
         let mut lanes = [0.0; crate::kernel::simd::MOST];
-        let total = of.squares.iter().sum::<f64>();
-        for (factors, out) in factors.chunks(V::WIDTH).zip(found.chunks_mut(2 * count * V::WIDTH)) {
+        let total = squares.iter().sum::<f64>();
+        for (block, factors) in factors.chunks(V::WIDTH).enumerate() {
             lanes.fill(factors[0].rho);
             for (lane, factor) in lanes.iter_mut().zip(factors) {
                 *lane = factor.rho;
@@ -164,13 +168,20 @@ simd! {
                     // Where rho g^T g is added, f is not negative.
                     let most = rho * V::splat(total * (1.0 + (m as f64 + 8.0) * U));
                     (low, high, tau) = (zero, most, most);
+                    if m > 1 {
+                        // The two upper poles exactly, and all others as at that place.
+                        let gap = V::splat(from_left[i - 1].abs());
+                        let (s, t) = (rho * V::splat(squares[i - 1]), rho * V::splat(squares[i]));
+                        let rest = one + rho * part(squares, 0..i - 1, &origin, most).0;
+                        tau = clamp_or_middle(quadratic((s + t) - rest * gap, -(t * gap), rest, true), zero, most);
+                    }
                 } else {
                     let half = gap * V::splat(0.5);
-                    let at = sums(&of.squares, i + 1, &origin, half, rho);
+                    let at = sums(squares, i + 1, &origin, half, rho);
                     let value = one + (at.below + at.above);
                     origin.is_left = value.if_exceeds(zero, one, zero);
                     origin.is_right = one - origin.is_left;
-                    let (s, t) = (rho * V::splat(of.squares[i]), rho * V::splat(of.squares[i + 1]));
+                    let (s, t) = (rho * V::splat(squares[i]), rho * V::splat(squares[i + 1]));
                     // The poles on both sides exactly, and all others as at the middle.
                     let rest = value + (s - t) / half;
                     let whole = rest * gap;
@@ -184,7 +195,7 @@ simd! {
                 // Above the last root there is no pole: its own takes the place of the upper one, and the one before that of the lower.
                 let split = if is_last { i } else { i + 1 };
                 for _ in 0..MOST_STEPS {
-                    let at = sums(&of.squares, split, &origin, tau, rho);
+                    let at = sums(squares, split, &origin, tau, rho);
                     let (sum, slope) = (at.below + at.above, at.slope_below + at.slope_above);
                     let value = one + sum;
                     let sizes = if is_last { -sum } else { at.above - at.below };
@@ -217,15 +228,14 @@ simd! {
                 // f rises by at least 0.97 of its slope here times the distance, as long as that is small beside the nearest pole's.
                 let bound = reach * V::splat(1.05);
                 let is_near = (tau.abs() * V::splat(0.01)).if_exceeds(bound, zero, V::splat(f64::NAN));
-                let [near, far] = [&of.poles[i], &of.poles[if is_last { i } else { i + 1 }]];
+                let [near, far] = [&poles[i], &poles[if is_last { i } else { i + 1 }]];
                 let high_word = origin.is_left.if_exceeds(zero, V::splat(near.hi), V::splat(far.hi));
                 let low_word = origin.is_left.if_exceeds(zero, V::splat(near.lo), V::splat(far.lo));
                 let root = high_word + (low_word + tau);
                 let bound = (bound + (root.abs() + tau.abs()) * V::splat(2.0 * U)) * V::splat(1.0 + 8.0 * U) + is_near;
-                let (root, bound) = (root.to_array(), bound.to_array());
-                for (lane, row) in out.chunks_mut(2 * count).enumerate() {
-                    (row[2 * i], row[2 * i + 1]) = (root[lane], bound[lane]);
-                }
+                let (roots, bounds) = found.padded(i);
+                root.store(&mut roots[block * V::WIDTH..]);
+                bound.store(&mut bounds[block * V::WIDTH..]);
             }
         }
     }

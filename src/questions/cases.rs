@@ -91,7 +91,7 @@ pub struct Study<'a> {
     /// The modes as curves, if they are followed.
     pub followed: Option<Followed>,
     /// The number of columns with numbered modes.
-    width: usize,
+    pub(super) width: usize,
     /// The numbers of columns for frequencies and for poles.
     pub(super) sizes: (usize, usize),
     /// Cases that differ in a single parameter.

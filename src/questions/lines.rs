@@ -7,13 +7,15 @@ mod pieces;
 mod poles;
 mod steps;
 
-use super::answer::{Case, Entry};
+use super::answer::Entry;
 use super::cases::{Study, Varied};
+use super::rows::Rows;
 use super::updates::{Part, Updates};
 use crate::analysis::undamped_block;
 use crate::base::number::jet;
-use crate::base::{Ball, Diagnostics, Jet, Number};
+use crate::base::{Ball, Dd, Diagnostics, Jet, Number};
 use crate::dynamics;
+use crate::kernel::bounded::Bounded;
 use crate::kernel::pencils::{self, Eigenvalues};
 use crate::lower::Lowered;
 use crate::model;
@@ -29,58 +31,74 @@ use steps::{Range, Steps};
 const FEW: u64 = 16;
 
 impl Study<'_> {
-    /// The rows of these cases, which are in ascending order. A row depends only on the number of its case.
-    pub fn cases(&self, numbers: &[u64]) -> Vec<Case> {
-        let Some(followed) = &self.followed else { return self.numbered_cases(numbers) };
-        self.numbered_cases(numbers).into_iter().map(|case| followed.row(case, self.sizes.0)).collect()
+    /// The rows of these cases, which are in ascending order, in place of others. A row depends only on the number of its case.
+    pub fn rows(&self, numbers: &[u64], rows: &mut Rows) {
+        let Some(followed) = &self.followed else { return self.numbered_rows(numbers, rows) };
+        let mut numbered = Rows::default();
+        self.numbered_rows(numbers, &mut numbered);
+        rows.clear(0);
+        numbered.for_each(|case| rows.push(followed.row(case.clone(), self.sizes.0)));
     }
 
-    fn numbered_cases(&self, numbers: &[u64]) -> Vec<Case> {
+    fn numbered_rows(&self, numbers: &[u64], rows: &mut Rows) {
         let inner = match &self.varied {
             Varied::Over(swept) => swept.last().map_or(1, |swept| swept.points.count()),
             Varied::Drawn(_) => 1,
         };
         if inner < FEW || !self.asks_modes_alone() {
-            return numbers.iter().map(|&number| self.case(number)).collect();
+            rows.clear(0);
+            return self.one_by_one(numbers, rows);
         }
-        let lines = numbers.chunk_by(|a, b| a / inner == b / inner);
-        lines.flat_map(|numbers| self.of_line(numbers, numbers[0] / inner * inner)).collect()
+        rows.clear(self.width);
+        for numbers in numbers.chunk_by(|a, b| a / inner == b / inner) {
+            self.of_line(numbers, numbers[0] / inner * inner, rows);
+        }
     }
 
-    /// The rows of cases on the line that begins with the case `first`.
-    fn of_line(&self, numbers: &[u64], first: u64) -> Vec<Case> {
+    /// Adds the rows of cases on the line that begins with the case `first`.
+    fn of_line(&self, numbers: &[u64], first: u64, rows: &mut Rows) {
         let line = self.lines.get(first, || self.line(first, self.sizes.0));
-        let Some(line) = &*line else { return self.one_by_one(numbers) };
-        let eigenvalues = self.eigenvalues(line, numbers, first);
-        let width = eigenvalues.len() / numbers.len();
+        let Some(line) = &*line else { return self.one_by_one(numbers, rows) };
+        let given = self.parameter_entries(&self.values(first));
         let places: Vec<u64> = numbers.iter().map(|number| number - first).collect();
-        let poles = match &line.poles {
-            Some(OfPoles::Stretches(list)) => poles::poles(list, &places),
-            _ => Vec::new(),
-        };
-        let mut given = self.parameter_entries(&self.values(first));
-        let row = |(at, &number): (usize, &u64)| {
-            let mut entries = Vec::with_capacity(self.columns.len());
-            entries.resize(given.len(), Entry::None(None));
-            let eigenvalues = &eigenvalues[at * width..][..width];
-            let are_known = self.add_frequencies(eigenvalues, &mut entries)
-                && match &line.poles {
-                    None => true,
-                    Some(OfPoles::Frequencies(_)) => self.add_undamped_poles(eigenvalues, &mut entries),
-                    Some(OfPoles::Stretches(_)) => {
-                        self.add_poles(poles[at].as_deref().unwrap_or_default(), &mut entries)
-                    }
-                };
-            if !are_known {
-                return self.case(number);
+        let eigenvalues = self.eigenvalues(line, &places);
+        let at = rows.extend(numbers);
+        let (parameters, answers) = rows.columns_mut().split_at_mut(given.len());
+        for (entry, column) in given.iter().zip(parameters.iter_mut()) {
+            if let Entry::Enclosed(value) = entry {
+                (at..at + places.len()).for_each(|place| column.set(place, *value));
             }
-            if let Some(last) = given.last_mut() {
-                *last = Entry::Enclosed(line.steps.value_in_unit(number - first));
-            }
-            entries[..given.len()].copy_from_slice(&given);
-            Case { number, entries, code: None }
-        };
-        numbers.iter().enumerate().map(row).collect()
+        }
+        if let Some(last) = parameters.last_mut() {
+            line.steps.values_in_unit(&places, at, last);
+        }
+        // Zero, and NaN where something is not known.
+        let mut known = vec![0.0; places.len()];
+        let (frequencies, poles) = answers.split_at_mut(self.sizes.0);
+        for (i, column) in frequencies.iter_mut().enumerate().take(eigenvalues.count()) {
+            eigenvalues.roots(i, PER_TURN, self.accuracy(), (&mut column.high[at..], &mut column.radius[at..]));
+            column.low[at..].fill(0.0);
+            known.iter_mut().zip(&column.high[at..]).for_each(|(known, x)| *known += 0.0 * x);
+        }
+        match &line.poles {
+            None => {}
+            Some(OfPoles::Frequencies(_)) => self.undamped_poles(&eigenvalues, at, poles, &mut known),
+            Some(OfPoles::Stretches(list)) => self.poles_of(&poles::poles(list, &places), at, poles, &mut known),
+        }
+        // Where there are fewer modes than columns, the others stay empty.
+        let is_narrow = line.squares.is_some() && eigenvalues.count() < self.sizes.0;
+        for (i, number) in numbers.iter().enumerate().filter(|(i, _)| is_narrow || known[*i].is_nan()) {
+            let case = match known[i].is_nan() {
+                true => self.case(*number),
+                false => {
+                    let mut case = rows.enclosed(at + i);
+                    let empty = given.len() + eigenvalues.count()..given.len() + self.sizes.0;
+                    case.entries[empty].fill(Entry::None(None));
+                    case
+                }
+            };
+            rows.replace(at + i, case);
+        }
     }
 
     /// The line of a class of coordinates of a study over one parameter, for so many lowest frequencies. That of all coordinates serves
@@ -99,12 +117,22 @@ impl Study<'_> {
     /// is not on it.
     pub(super) fn side_by_side(&self, line: &Option<Line>, numbers: &[u64], count: usize) -> Vec<Option<Vec<Ball>>> {
         let Some(line) = line else { return vec![None; numbers.len()] };
-        let found = self.eigenvalues(line, numbers, 0);
-        let of_case = |found: &[f64]| {
-            let pairs = found.chunks_exact(2).take(count);
-            pairs.map(|pair| self.root([pair[0], pair[1]], PER_TURN)).collect::<Option<Vec<Ball>>>()
-        };
-        found.chunks(found.len() / numbers.len()).map(|found| of_case(found).filter(|own| own.len() == count)).collect()
+        let found = self.eigenvalues(line, numbers);
+        let (mut roots, mut errors) = (vec![0.0; numbers.len()], vec![0.0; numbers.len()]);
+        let mut cases = vec![Some(Vec::with_capacity(count)); numbers.len()];
+        for i in 0..count {
+            if i == found.count() {
+                return vec![None; numbers.len()];
+            }
+            found.roots(i, PER_TURN, self.accuracy(), (&mut roots, &mut errors));
+            for ((list, root), error) in cases.iter_mut().zip(&roots).zip(&errors) {
+                match list {
+                    Some(own) if !root.is_nan() => own.push(Ball::new(Dd::from(*root), *error)),
+                    _ => *list = None,
+                }
+            }
+        }
+        cases
     }
 
     /// All frequencies at any value of the parameter on a piece of a line, Hz, without proof of their order where they are close.
@@ -113,44 +141,20 @@ impl Study<'_> {
         found.list.iter().zip(&found.bounds).map(|(square, bound)| self.root([*square, *bound], PER_TURN)).collect()
     }
 
-    /// Eigenvalues of these cases of a line, each before its bound, as many for each case; NaN for one before its first.
-    fn eigenvalues(&self, line: &Line, numbers: &[u64], first: u64) -> Vec<f64> {
-        let Some((way, steps)) = &line.squares else { return Vec::new() };
+    /// Eigenvalues of the cases at these places of a line; unknown for one before its first.
+    fn eigenvalues(&self, line: &Line, places: &[u64]) -> Bounded {
+        let Some((way, steps)) = &line.squares else { return Bounded::unknown(0, places.len()) };
         let mut found = match way {
-            Way::Pencils(pencils) => {
-                let places: Vec<f64> =
-                    numbers.iter().map(|number| place(&steps.points.value(number - first))).collect();
-                pencils
-                    .eigenvalues(&places, &vec![0.0; places.len()])
-                    .into_iter()
-                    .flat_map(|found| in_pairs(found, pencils.n))
-                    .collect()
-            }
-            Way::Pieces(pieces) => {
-                let places: Vec<u64> = numbers.iter().map(|number| number - first).collect();
-                pieces.eigenvalues(&places).into_iter().flat_map(|found| in_pairs(found, pieces.n)).collect()
-            }
-            Way::Updates(updates) => updates.lowest(&steps.changes(numbers, first)),
+            Way::Pencils(pencils) => pencils.side_by_side(&steps.values(places), &vec![0.0; places.len()]),
+            Way::Pieces(pieces) => pieces.eigenvalues(places),
+            Way::Updates(updates) => updates.lowest(&steps.changes(places)),
         };
-        let width = found.len() / numbers.len();
-        let before = numbers.iter().take_while(|number| **number - first < line.first).count();
-        found[..before * width].fill(f64::NAN);
+        found.forget(0..places.iter().take_while(|place| **place < line.first).count());
         found
     }
 
-    fn one_by_one(&self, numbers: &[u64]) -> Vec<Case> {
-        numbers.iter().map(|&number| self.case(number)).collect()
-    }
-
-    /// Adds the lowest frequencies, if all of them are accurate enough. Eigenvalues alternate with their bounds.
-    fn add_frequencies(&self, found: &[f64], entries: &mut Vec<Entry>) -> bool {
-        let end = entries.len() + self.sizes.0;
-        for pair in found.chunks_exact(2).take(self.sizes.0) {
-            let Some(frequency) = self.root([pair[0], pair[1]], PER_TURN) else { return false };
-            entries.push(Entry::Enclosed(frequency));
-        }
-        entries.resize(end, Entry::None(None));
-        true
+    fn one_by_one(&self, numbers: &[u64], rows: &mut Rows) {
+        numbers.iter().for_each(|&number| rows.push(self.case(number)));
     }
 
     /// The largest relative error bound of a number that is taken from a line.
@@ -362,12 +366,6 @@ impl Clone for Lines {
     fn clone(&self) -> Lines {
         Lines::default()
     }
-}
-
-/// Eigenvalues alternating with their bounds; NaN where there are none.
-fn in_pairs(found: Option<Eigenvalues>, n: usize) -> Vec<f64> {
-    let pairs = found.map(|found| found.list.into_iter().zip(found.bounds).flat_map(|(x, bound)| [x, bound]).collect());
-    pairs.unwrap_or_else(|| vec![f64::NAN; 2 * n])
 }
 
 /// A value in binary64; NaN if that is not accurate enough.

@@ -28,6 +28,7 @@ mod probe;
 mod range_enclosure;
 mod ranges;
 mod require;
+pub mod rows;
 pub mod samples;
 mod search;
 mod sensitivity;

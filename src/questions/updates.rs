@@ -7,6 +7,7 @@ use crate::analysis::modes::request::DEFAULT_TOLERANCE;
 use crate::analysis::projection::{ABOVE, off_diagonal_norm, project};
 use crate::analysis::{self, ModeKind, Request, Which};
 use crate::base::{Ball, Dd, OrderBy};
+use crate::kernel::bounded::Bounded;
 use crate::kernel::secular::{Factor, Secular};
 use crate::system::{Form, LinearSystem};
 
@@ -188,59 +189,60 @@ impl Updates {
         Some(Updates { list, constant, rigid, off, count: count.min(n) })
     }
 
-    /// The lowest eigenvalues for each change of the parameter, ascending, each followed by its error bound; NaN where
-    /// it is not known. A change may have an error of [`ROUNDING_OF_CHANGE`].
-    pub fn lowest(&self, changes: &[f64]) -> Vec<f64> {
-        let width = 2 * self.count;
-        let of_lists: Vec<(usize, Vec<f64>)> = self
-            .list
-            .iter()
-            .map(|update| {
-                let factors: Vec<Factor> = changes.iter().map(|change| update.factor(*change)).collect();
-                let count = self.count.min(update.secular.len());
-                (2 * count, update.secular.lowest(count, &factors))
-            })
-            .collect();
-        let is_alone = self.constant.is_empty() && of_lists.len() == 1;
-        let mut found = Vec::with_capacity(changes.len() * width);
+    /// The lowest eigenvalues for each change of the parameter, ascending, with their error bounds; NaN where they are not known. A change
+    /// may have an error of [`ROUNDING_OF_CHANGE`].
+    pub fn lowest(&self, changes: &[f64]) -> Bounded {
+        let of_update = |update: &Update| {
+            let factors: Vec<Factor> = changes.iter().map(|change| update.factor(*change)).collect();
+            update.secular.lowest(self.count, &factors)
+        };
+        let mut of_lists: Vec<Bounded> = self.list.iter().map(of_update).collect();
+        let mut found = match of_lists.pop() {
+            Some(alone) if self.constant.is_empty() && of_lists.is_empty() => alone,
+            last => {
+                of_lists.extend(last);
+                self.in_order(&of_lists, changes.len())
+            }
+        };
+        for i in 0..found.count() {
+            let (numbers, bounds) = found.padded(i);
+            if i < self.rigid {
+                numbers.fill(0.0);
+                bounds.fill(0.0);
+                continue;
+            }
+            for (x, bound) in numbers.iter().zip(bounds) {
+                *bound = (*bound + self.off[0] + self.off[1] * (x.abs() + *bound)) * (1.0 + 16.0 * U);
+            }
+        }
+        found
+    }
+
+    /// The lowest of several lists and of what is constant: the i-th eigenvalue lies between the i-th smallest lower end and the i-th
+    /// smallest upper end.
+    fn in_order(&self, lists: &[Bounded], cases: usize) -> Bounded {
+        let mut found = Bounded::unknown(self.count, cases);
         let (mut lows, mut highs) = (Vec::new(), Vec::new());
-        for case in 0..changes.len() {
-            if is_alone {
-                let (size, list) = &of_lists[0];
-                found.extend_from_slice(&list[case * size..][..*size]);
-            } else {
-                // The i-th eigenvalue lies between the i-th smallest lower end and the i-th smallest upper end.
-                lows.clear();
-                highs.clear();
-                for (size, list) in &of_lists {
-                    for pair in list[case * size..][..*size].chunks(2) {
-                        lows.push(pair[0] - pair[1]);
-                        highs.push(pair[0] + pair[1]);
-                    }
-                }
-                lows.extend(self.constant.iter().map(|d| d.hi));
-                highs.extend(self.constant.iter().map(|d| d.hi));
-                // A root that is not known may lie anywhere, which leaves the order of all others unknown.
-                if lows.iter().any(|low| low.is_nan()) {
-                    found.extend(std::iter::repeat_n(f64::NAN, width));
-                    continue;
-                }
-                lows.sort_by(f64::total_cmp);
-                highs.sort_by(f64::total_cmp);
-                for (low, high) in lows.iter().zip(&highs).take(self.count) {
-                    let middle = 0.5 * (low + high);
-                    found.extend([middle, 0.5 * (high - low) + 4.0 * U * (low.abs() + high.abs())]);
+        for case in 0..cases {
+            lows.clear();
+            highs.clear();
+            for list in lists {
+                for [x, bound] in (0..list.count()).map(|i| list.pair(i, case)) {
+                    lows.push(x - bound);
+                    highs.push(x + bound);
                 }
             }
-            let from = found.len() - width;
-            for (i, pair) in found[from..].chunks_mut(2).enumerate() {
-                match i < self.rigid {
-                    true => pair.fill(0.0),
-                    false => {
-                        let size = pair[0].abs() + pair[1];
-                        pair[1] = (pair[1] + self.off[0] + self.off[1] * size) * (1.0 + 16.0 * U);
-                    }
-                }
+            lows.extend(self.constant.iter().map(|d| d.hi));
+            highs.extend(self.constant.iter().map(|d| d.hi));
+            // A root that is not known may lie anywhere, which leaves the order of all others unknown.
+            if lows.iter().any(|low| low.is_nan()) {
+                continue;
+            }
+            lows.sort_by(f64::total_cmp);
+            highs.sort_by(f64::total_cmp);
+            for (i, (low, high)) in lows.iter().zip(&highs).take(self.count).enumerate() {
+                let middle = 0.5 * (low + high);
+                found.set(i, case, [middle, 0.5 * (high - low) + 4.0 * U * (low.abs() + high.abs())]);
             }
         }
         found
@@ -249,6 +251,7 @@ impl Updates {
 
 impl Update {
     /// The factor of the square in the equation of eigenvalues. See docs/method/studies.md#one-weight.
+    #[inline]
     fn factor(&self, change: f64) -> Factor {
         let weight = change * self.slope;
         let error = self.error + ROUNDING_OF_CHANGE + 2.0 * U;

@@ -67,13 +67,13 @@ fn every_root_lies_in_its_enclosure() {
                     }
                 }
                 let pencil = ExactPencil::new(&k, &diagonal(&vec![binary(1.0); m]));
-                let row = &found[2 * m * case..][..2 * m];
+                let row = &found.of_case(case)[..];
                 check(&pencil, row, &format!("{m} {closeness} {decades} {rho}"));
                 let count = m.div_ceil(2);
                 // Rows with fewer roots are the same numbers, and so is each alone in its lane.
                 let bits = |x: &[f64]| x.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
-                assert_eq!(bits(&row[..2 * count]), bits(&few[2 * count * case..][..2 * count]));
-                assert_eq!(bits(row), bits(&secular.lowest(m, &list[case..=case])));
+                assert_eq!(bits(&row[..2 * count]), bits(&few.of_case(case)));
+                assert_eq!(bits(row), bits(&secular.lowest(m, &list[case..=case]).of_case(0)));
                 let known = row.chunks(2).filter(|pair| pair[1].is_finite()).count();
                 assert!(known == m, "{known} of {m}: {closeness} {decades} {rho}: {row:?}");
             }
@@ -99,7 +99,9 @@ fn roots_of_extreme_sizes_are_right_or_not_proved() {
         let Some(secular) = Secular::new(poles.clone(), roots.iter().map(|g| g * g).collect()) else { continue };
         let factors = [1e-60, 1e-20, 1.0, 1e20, 1e60].map(|rho| rho * random.decimal(3.0).to_f64());
         let list: Vec<Factor> = factors.iter().map(|rho| Factor::new(*rho, 0.0)).collect();
-        for (rho, row) in factors.iter().zip(secular.lowest(m, &list).chunks(2 * m)) {
+        let found = secular.lowest(m, &list);
+        for (case, rho) in factors.iter().enumerate() {
+            let row = &found.of_case(case)[..];
             let mut k = diagonal(&poles.iter().map(|pole| value(*pole)).collect::<Vec<_>>());
             for i in 0..m {
                 for j in 0..m {
@@ -127,7 +129,7 @@ fn a_root_is_proved_only_where_the_slope_is_known() {
         let roots = [1.0, (2f64.sqrt() * x) as f32 as f64, 1.0];
         let secular = Secular::new(poles.clone(), roots.map(|g| g * g).to_vec()).expect("usual sizes");
         let rho = 1e40;
-        let row = secular.lowest(3, &[Factor::new(rho, 0.0)]);
+        let row = secular.lowest(3, &[Factor::new(rho, 0.0)]).of_case(0);
         let mut k = diagonal(&poles.iter().map(|pole| value(*pole)).collect::<Vec<_>>());
         for i in 0..3 {
             for j in 0..3 {
@@ -150,11 +152,14 @@ fn a_root_is_proved_only_where_the_slope_is_known() {
 fn no_root_without_a_factor() {
     let secular = Secular::new(vec![Dd::from(1.0), Dd::from(2.0)], vec![1.0, 1.0]).expect("usual sizes");
     for (rho, error) in [(0.0, 0.0), (-1.0, 0.0), (f64::NAN, 0.0), (1e90, 0.0), (1.0, f64::NAN), (1.0, 0.5)] {
-        assert!(secular.lowest(2, &[Factor::new(rho, error)]).chunks(2).all(|pair| pair[1].is_nan()), "{rho} {error}");
+        assert!(
+            secular.lowest(2, &[Factor::new(rho, error)]).of_case(0).chunks(2).all(|pair| pair[1].is_nan()),
+            "{rho} {error}"
+        );
     }
     // An error of the factor is in the bounds: 1 + rho (1 - x)^-1 = 0 is at 1 + rho.
     let one = Secular::new(vec![Dd::from(1.0)], vec![1.0]).expect("usual sizes");
-    let found = one.lowest(1, &[Factor::new(2.0, 1e-9)]);
+    let found = one.lowest(1, &[Factor::new(2.0, 1e-9)]).of_case(0);
     assert!((found[0] - 3.0).abs() < found[1] && (2e-9..2.2e-9).contains(&found[1]), "{found:?}");
     assert!(Secular::new(vec![Dd::from(1.0); 2], vec![1.0; 2]).is_none(), "equal poles");
     assert!(Secular::new(vec![Dd::from(1.0)], vec![0.0]).is_none(), "no square");
@@ -204,7 +209,9 @@ fn every_enclosure_of_a_changed_system_holds() {
                 let updates = Updates::of(&system, &[changing(part, &row)], reach, n);
                 let Some(updates) = updates else { panic!("{n} {decades} {part:?}") };
                 let changes = [1.0, 1e-6, 0.03].map(|share| share * reach);
-                for (change, found) in changes.iter().zip(updates.lowest(&changes).chunks(2 * n)) {
+                let all = updates.lowest(&changes);
+                for (case, change) in changes.iter().enumerate() {
+                    let found = &all.of_case(case)[..];
                     let pencil = changed(&system, part, &row, *change);
                     let widest = check(&pencil, found, &format!("{n} {decades} {part:?} {change}"));
                     assert!(widest < 1e-11, "{n} {decades} {part:?} {change}: {found:?}");
@@ -235,7 +242,9 @@ fn modes_that_feel_no_change_stay() {
         for (part, reach) in [(Part::Stiffness, 3.0), (Part::Mass, -1.5)] {
             let updates = Updates::of(&system, &[changing(part, &row)], reach, n).expect("one square");
             let changes = [reach, 0.25 * reach];
-            for (change, found) in changes.iter().zip(updates.lowest(&changes).chunks(2 * n)) {
+            let all = updates.lowest(&changes);
+            for (case, change) in changes.iter().enumerate() {
+                let found = &all.of_case(case)[..];
                 let widest = check(&changed(&system, part, &row, *change), found, &format!("{n} {part:?} {change}"));
                 // Some 50 roundings, four times as many where a quarter of the mass is left.
                 assert!(widest < 1e-13, "{widest:e}");
@@ -243,7 +252,7 @@ fn modes_that_feel_no_change_stay() {
         }
         // Without a change no root is proved, and then the place in the order of the modes that stay is not known either.
         let updates = Updates::of(&system, &[changing(Part::Stiffness, &row)], 3.0, n).expect("one square");
-        assert!(updates.lowest(&[0.0]).iter().all(|x| x.is_nan()));
+        assert!(updates.lowest(&[0.0]).of_case(0).iter().all(|x| x.is_nan()));
         // Two squares that the same modes feel are refused, and so is a change that lowers frequencies.
         let other = [(1, Number::ONE)];
         let both = [changing(Part::Stiffness, &row), changing(Part::Stiffness, &other)];
@@ -273,7 +282,7 @@ fn enclosures_hold_for_every_slope_and_row() {
         blurred.row = vec![(0, Ball::ONE.widen(1e-6))];
         for (of, power) in [(wide, 1), (blurred, 2)] {
             let updates = Updates::of(&system, &[of], change, 3).expect("one square");
-            let found = updates.lowest(&[change]);
+            let found = updates.lowest(&[change]).of_case(0);
             for factor in [1.0 - 0.999e-6f64, 1.0, 1.0 + 0.999e-6] {
                 let widest = check(&changed(&system, part, &row, change * factor.powi(power)), &found, "uncertain");
                 assert!(widest < 1e-4, "{part:?}: {found:?}");
@@ -297,7 +306,11 @@ fn what_is_rigid_at_the_base_need_not_stay_so() {
         let system = builder.finish();
         let row = [(0, Number::ONE)];
         if let Some(updates) = Updates::of(&system, &[changing(Part::Stiffness, &row)], 3.0, 2) {
-            check(&changed(&system, Part::Stiffness, &row, 3.0), &updates.lowest(&[3.0]), &format!("{cancels}"));
+            check(
+                &changed(&system, Part::Stiffness, &row, 3.0),
+                &updates.lowest(&[3.0]).of_case(0),
+                &format!("{cancels}"),
+            );
         }
     }
 }
@@ -317,7 +330,9 @@ fn squares_of_separate_blocks_are_taken_together() {
     let both = rows.each_ref().map(|row| changing(Part::Stiffness, row));
     for count in [4, 2] {
         let updates = Updates::of(&system, &both, 9.0, count).expect("separate blocks");
-        for (change, found) in [9.0, 0.5].iter().zip(updates.lowest(&[9.0, 0.5]).chunks(2 * count)) {
+        let all = updates.lowest(&[9.0, 0.5]);
+        for (case, change) in [9.0, 0.5].iter().enumerate() {
+            let found = &all.of_case(case)[..];
             let n = system.n();
             let exact = |matrix: Vec<Vec<Number>>| -> Exact {
                 matrix.iter().map(|row| row.iter().map(|x| x.exact().expect("rational").to_big()).collect()).collect()

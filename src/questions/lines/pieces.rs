@@ -7,6 +7,7 @@ use super::{FEW, Of, PER_TURN};
 use crate::base::number::jet;
 use crate::base::number::series::{ORDER, Series};
 use crate::base::{Ball, Jet, Number, up};
+use crate::kernel::bounded::Bounded;
 use crate::kernel::pencils::{self, Eigenvalues};
 use crate::model::Points;
 use crate::questions::cases::Study;
@@ -97,22 +98,16 @@ impl Study<'_> {
         let pencils = pencils::Line::new(n, &k.terms, &m.terms, 1.0)?;
         let piece = Piece { places, steps, reach, pencils, is_fine: k.is_fine && m.is_fine };
         let lowest = of.lowest;
-        let is_accurate = |found: &Option<Eigenvalues>| {
-            let pairs = |found: &Eigenvalues| {
-                let mut pairs = found.list.iter().zip(&found.bounds).take(lowest);
-                pairs.all(|(square, bound)| self.root([*square, *bound], PER_TURN).is_some())
-            };
-            found.as_ref().is_some_and(pairs)
-        };
-        piece.eigenvalues([places[0], middle, places[1]]).iter().all(is_accurate).then_some(piece)
+        let found = piece.eigenvalues(&[places[0], middle, places[1]]);
+        let is_accurate = |i: usize| (0..3).all(|case| self.root(found.pair(i, case), PER_TURN).is_some());
+        (0..lowest.min(n)).all(is_accurate).then_some(piece)
     }
 }
 
 impl Piece {
-    fn eigenvalues(&self, places: impl IntoIterator<Item = u64>) -> Vec<Option<Eigenvalues>> {
-        let numbers: Vec<u64> = places.into_iter().collect();
-        let x: Vec<f64> = self.steps.changes(&numbers, 0).iter().map(|change| change / self.reach).collect();
-        self.pencils.eigenvalues(&x, &vec![0.0; x.len()])
+    fn eigenvalues(&self, places: &[u64]) -> Bounded {
+        let x: Vec<f64> = self.steps.changes(places).iter().map(|change| change / self.reach).collect();
+        self.pencils.side_by_side(&x, &vec![0.0; x.len()])
     }
 
     /// Enclosures of the eigenvalues for all values between two, if both lie on the piece.
@@ -134,16 +129,16 @@ impl Pieces {
     }
 
     /// The eigenvalues at these places, where they are known.
-    pub fn eigenvalues(&self, places: &[u64]) -> Vec<Option<Eigenvalues>> {
+    pub fn eigenvalues(&self, places: &[u64]) -> Bounded {
         let piece = |place: &u64| self.list.partition_point(|piece| piece.places[1] < *place);
-        let mut found = Vec::with_capacity(places.len());
+        let mut found = Bounded::unknown(self.n, places.len());
+        let mut at = 0;
         for some in places.chunk_by(|a, b| piece(a) == piece(b)) {
-            let own = self.list.get(piece(&some[0]));
-            let before = own.map_or(some.len(), |own| some.iter().take_while(|place| **place < own.places[0]).count());
-            found.extend(some[..before].iter().map(|_| None));
-            if let Some(own) = own {
-                found.extend(own.eigenvalues(some[before..].iter().copied()));
+            if let Some(own) = self.list.get(piece(&some[0])) {
+                let before = some.iter().take_while(|place| **place < own.places[0]).count();
+                found.copy_from(at + before, &own.eigenvalues(&some[before..]));
             }
+            at += some.len();
         }
         found
     }

@@ -4,10 +4,11 @@ use super::FEW;
 use super::changing::changing;
 use super::steps::{Range, Steps};
 use crate::base::Ball;
+use crate::kernel::bounded::Bounded;
 use crate::kernel::rank_one::Eigenvalue;
-use crate::questions::answer::Entry;
 use crate::questions::cases::Study;
 use crate::questions::pole_updates::PoleUpdates;
+use crate::questions::rows::Enclosures;
 use crate::questions::updates::Part;
 
 /// What the poles of a line come from.
@@ -68,29 +69,44 @@ impl Study<'_> {
         (!list.is_empty()).then_some(OfPoles::Stretches(list))
     }
 
-    /// Adds all poles, if all of them are accurate enough.
-    pub(super) fn add_poles(&self, poles: &[Eigenvalue], entries: &mut Vec<Entry>) -> bool {
-        if poles.len() != self.sizes.1 || !poles.iter().all(|pole| pole.is_accurate(self.accuracy())) {
-            return false;
-        }
-        for Eigenvalue { s, bounds } in poles {
-            for (x, bound) in [(s.re, bounds[0]), (s.im, bounds[1])] {
-                entries.push(Entry::Enclosed(Ball::from(x).widen(bound)));
+    /// Sets the columns of poles from one place on; `known` becomes NaN where not all of them are accurate enough.
+    pub(super) fn poles_of(
+        &self,
+        found: &[Option<Vec<Eigenvalue>>],
+        at: usize,
+        columns: &mut [Enclosures],
+        known: &mut [f64],
+    ) {
+        for (i, poles) in found.iter().enumerate() {
+            let is_accurate = |poles: &&Vec<Eigenvalue>| {
+                poles.len() == self.sizes.1 && poles.iter().all(|pole| pole.is_accurate(self.accuracy()))
+            };
+            let Some(poles) = poles.as_ref().filter(is_accurate) else {
+                known[i] = f64::NAN;
+                continue;
+            };
+            let parts = poles.iter().flat_map(|Eigenvalue { s, bounds }| [(s.re, bounds[0]), (s.im, bounds[1])]);
+            for (column, (x, bound)) in columns.iter_mut().zip(parts) {
+                column.set(at + i, Ball::from(x).widen(bound));
             }
         }
-        true
     }
 
-    /// Adds the poles of the eigenvalues of a system that nothing damps.
-    pub(super) fn add_undamped_poles(&self, eigenvalues: &[f64], entries: &mut Vec<Entry>) -> bool {
-        for pair in eigenvalues.chunks_exact(2) {
-            let Some(omega) = self.root([pair[0], pair[1]], 1.0) else { return false };
-            let negative = if omega.is_zero() { omega } else { -omega };
-            for im in [negative, omega] {
-                entries.extend([Entry::Enclosed(Ball::ZERO), Entry::Enclosed(im)]);
+    /// The same from the eigenvalues of systems that nothing damps.
+    pub(super) fn undamped_poles(&self, found: &Bounded, at: usize, columns: &mut [Enclosures], known: &mut [f64]) {
+        for (i, columns) in columns.chunks_exact_mut(4).enumerate().take(found.count()) {
+            let [re, below, re_too, above] = columns else { continue };
+            for re in [re, re_too] {
+                (at..re.high.len()).for_each(|place| re.set(place, Ball::ZERO));
+            }
+            found.roots(i, 1.0, self.accuracy(), (&mut above.high[at..], &mut above.radius[at..]));
+            above.low[at..].fill(0.0);
+            for (i, place) in (at..above.high.len()).enumerate() {
+                let omega = above.get(place);
+                known[i] += 0.0 * omega.mid.hi;
+                below.set(place, if omega.is_zero() { omega } else { -omega });
             }
         }
-        true
     }
 }
 
@@ -100,7 +116,7 @@ pub fn poles(list: &[Stretch], places: &[u64]) -> Vec<Option<Vec<Eigenvalue>>> {
     let mut found = Vec::with_capacity(places.len());
     for some in places.chunk_by(|a, b| stretch(a) == stretch(b)) {
         match list.get(stretch(&some[0])) {
-            Some(Stretch { updates, steps, .. }) => found.extend(updates.poles(&steps.changes(some, 0))),
+            Some(Stretch { updates, steps, .. }) => found.extend(updates.poles(&steps.changes(some))),
             None => found.extend(some.iter().map(|_| None)),
         }
     }

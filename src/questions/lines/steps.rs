@@ -1,9 +1,14 @@
 //! The values of the last parameter of a study: their range, and their distances from a base.
 
+use super::place;
 use crate::base::{Ball, Dd, Number};
+use crate::kernel::bounded::{load, store};
+use crate::kernel::pencils;
+use crate::kernel::simd::simd;
 use crate::model::scene::Written;
 use crate::model::{Points, Swept};
 use crate::questions::answer::shown_in;
+use crate::questions::rows::Enclosures;
 use num_integer::Integer;
 
 /// The values of the last parameter of a study, or all but the first.
@@ -85,8 +90,9 @@ pub struct Steps {
     base: Number,
     /// The place of the base, and the distance between neighbours, SI, if values are equally spaced and it is one of them.
     even: Option<(u64, f64)>,
-    /// Integers a, b and c such that the value with number i is (a + i b) / c in its unit.
+    /// Integers a, b and c such that the value with number i is (a + i b) / c in its unit, and such integers in SI.
     fraction: Option<[i64; 3]>,
+    fraction_in_si: Option<[i64; 3]>,
 }
 
 /// Integers up to this size are exact in binary64.
@@ -95,13 +101,14 @@ const EXACT: u64 = 1 << 53;
 impl Steps {
     /// `at`: the place of the base on the line, if it is one of the values.
     fn new(points: &Points, (base, at): (&Number, Option<u64>), unit: &Written) -> Steps {
-        let mut steps =
-            Steps { points: points.clone(), unit: unit.clone(), base: base.clone(), even: None, fraction: None };
-        if let Points::Even { low, high, count } = points {
+        let (points, unit, base) = (points.clone(), unit.clone(), base.clone());
+        let mut steps = Steps { points, unit, base, even: None, fraction: None, fraction_in_si: None };
+        if let Points::Even { low, high, count } = &steps.points {
             let between = &(high - low) / &Number::from(*count as i64 - 1);
             steps.even = at.filter(|_| is_known(between.to_ball())).map(|at| (at, between.to_f64()));
             steps.fraction =
-                in_integers([low, &between].map(|si| unit.factor.as_ref().map(|factor| si / factor)), *count);
+                in_integers([low, &between].map(|si| steps.unit.factor.as_ref().map(|factor| si / factor)), *count);
+            steps.fraction_in_si = in_integers([low, &between].map(|si| Some(si.clone())), *count);
         }
         steps
     }
@@ -111,32 +118,60 @@ impl Steps {
         (si - &self.base).to_ball()
     }
 
-    /// The value with this number less the base, SI, with a relative error of a few roundings; NaN if it is not known
-    /// that accurately.
+    /// The value with this number less the base, SI; NaN if it is not known to a few roundings.
     fn change(&self, index: u64) -> f64 {
-        if let Some((at, between)) = self.even {
-            return (index as f64 - at as f64) * between;
-        }
         let change = (&self.points.value(index) - &self.base).to_ball();
         if is_known(change) { change.to_f64() } else { f64::NAN }
     }
 
-    /// The changes of these cases of the line that begins with the case `first`.
-    pub fn changes(&self, numbers: &[u64], first: u64) -> Vec<f64> {
-        numbers.iter().map(|number| self.change(number - first)).collect()
+    /// The changes of the cases at these places of the line.
+    pub fn changes(&self, places: &[u64]) -> Vec<f64> {
+        match self.even {
+            Some((at, between)) => places.iter().map(|place| (*place as f64 - at as f64) * between).collect(),
+            None => places.iter().map(|place| self.change(*place)).collect(),
+        }
     }
 
-    /// The value with this number in its unit.
-    pub fn value_in_unit(&self, index: u64) -> Ball {
+    /// The values at these places of the line, SI, nearest to the true ones; NaN where a value is not known that well or of no usual size.
+    pub fn values(&self, places: &[u64]) -> Vec<f64> {
+        let is_usual = |x: &f64| *x == 0.0 || pencils::is_usual(x.abs());
+        match self.fraction_in_si {
+            Some([a, b, c]) => {
+                let value = |place: &u64| (a + b * *place as i64) as f64 / c as f64;
+                places.iter().map(|place| Some(value(place)).filter(is_usual).unwrap_or(f64::NAN)).collect()
+            }
+            None => places.iter().map(|at| place(&self.points.value(*at))).collect(),
+        }
+    }
+
+    /// The values at these places of the line in their unit, set in a column from `at` on.
+    pub fn values_in_unit(&self, places: &[u64], at: usize, column: &mut Enclosures) {
         let Some([a, b, c]) = self.fraction else {
-            return shown_in(&self.points.value(index), &self.unit, false).number;
+            for (place, row) in places.iter().zip(at..) {
+                column.set(row, shown_in(&self.points.value(*place), &self.unit, false).number);
+            }
+            return;
         };
-        let (number, divisor) = ((a + b * index as i64) as f64, c as f64);
-        let quotient = number / divisor;
-        // The remainder is exact in binary64.
-        match (-quotient).mul_add(divisor, number) {
-            0.0 => Ball::from(quotient),
-            left => Ball::new(Dd::new(quotient, left / divisor), quotient.abs() * Dd::EPSILON),
+        let to = [&mut column.high, &mut column.low, &mut column.radius].map(|list| &mut list[at..]);
+        let numbers: Vec<f64> = places.iter().map(|place| (a + b * *place as i64) as f64).collect();
+        quotients(&numbers, c as f64, to);
+    }
+}
+
+simd! {
+    /// Integers over one: quotients in two words, and bounds of their errors.
+    fn quotients<V: Vector>(numbers: &[f64], divisor: f64, to: [&mut [f64]; 3]) {
+        let [high, low, radius] = to.map(|list| list.chunks_mut(V::WIDTH));
+        let (divisor, zero) = (V::splat(divisor), V::splat(0.0));
+        for (((x, high), low), radius) in numbers.chunks(V::WIDTH).zip(high).zip(low).zip(radius) {
+            let x = load::<V>(x);
+            let quotient = x / divisor;
+            // The remainder is exact in binary64, and its quotient is half a unit of the other one at most.
+            let left = (-quotient).mul_add(divisor, x);
+            let rest = left / divisor;
+            store(quotient, high);
+            store(rest, low);
+            store(left.abs().if_exceeds(zero, quotient.abs() * V::splat(Dd::EPSILON), zero), radius);
         }
     }
 }
