@@ -14,7 +14,7 @@ const MOST_NEIGHBOURS: usize = 8;
 const MOST_STEPS: usize = 200;
 
 /// The veerings between a curve and the next one of its class.
-pub fn veerings(field: &Field, places: &[Place], member: Member, curves: [usize; 2]) -> Vec<Meeting> {
+pub fn veerings(field: &Field, places: &[&Place], member: Member, curves: [usize; 2]) -> Vec<Meeting> {
     let distance = |i: usize| places.get(i)?.distance(member.class, member.index);
     let (mut list, mut after) = (Vec::new(), 0);
     for i in 1..places.len().saturating_sub(1) {
@@ -33,33 +33,63 @@ pub fn veerings(field: &Field, places: &[Place], member: Member, curves: [usize;
     list
 }
 
+/// The golden section of the longer one of two intervals.
+fn golden_section([(first, _), (middle, _), (last, _)]: &[Seen; 3]) -> f64 {
+    let farther = if (last - middle).abs() > (middle - first).abs() { last } else { first };
+    middle + 0.381_966 * (farther - middle)
+}
+
+/// The next place to look at, by the parabola through three: its vertex, which is where the least distance soon is, if both ends are about as
+/// near to the middle; otherwise a place on the longer side a few times as far from the middle as the vertex, behind which the distance is
+/// larger again. `None` where no nearer place is certainly farther.
+fn near_vertex(three: &[Seen; 3]) -> Option<f64> {
+    let [(first, before), (middle, own), (last, behind)] = *three;
+    let (s, t) = (first - middle, last - middle);
+    let rises = [(before - own).to_f64() / s, (behind - own).to_f64() / t];
+    let curvature = (rises[0] - rises[1]) / (s - t);
+    let vertex = -0.5 * (rises[0] - curvature * s) / curvature;
+    // Nearer to the vertex the distance rises by less than is known of it, or places are no other numbers.
+    let least = 4.0 * (2.0 * own.rad / curvature).sqrt() + 8.0 * f64::EPSILON * middle.abs();
+    let (longer, shorter) = if t.abs() > s.abs() { (t, s) } else { (s, t) };
+    let reach = (4.0 * vertex.abs()).max(least);
+    let at = match () {
+        () if longer.abs() > 2.0 * reach => middle + reach * longer.signum(),
+        () if vertex.abs() > least => middle + vertex,
+        () if longer.abs() > 2.0 * least && longer.abs() > 2.0 * shorter.abs() => golden_section(three),
+        () => return None,
+    };
+    at.is_finite().then_some(at)
+}
+
+/// A place, and the distance of two curves there.
+type Seen = (f64, Ball);
+
 /// The least distance between the outer two of three places; at the middle one the distance is certainly smaller than
 /// at the ends.
-fn veering(
-    field: &Field,
-    member: Member,
-    curves: [usize; 2],
-    [mut first, mut middle, mut last]: [f64; 3],
-) -> Option<Meeting> {
+fn veering(field: &Field, member: Member, curves: [usize; 2], places: [f64; 3]) -> Option<Meeting> {
     let distance = |x: f64| field.place(&binary(x)?, true).distance(member.class, member.index);
-    let mut own = distance(middle)?;
-    if ![first, last].iter().all(|&x| distance(x).is_some_and(|other| (other - own).is_positive())) {
+    let seen = |x: f64| Some((x, distance(x)?));
+    let [first, middle, last] = places;
+    let mut three = [seen(first)?, seen(middle)?, seen(last)?];
+    let own = three[1].1;
+    if ![three[0], three[2]].iter().all(|(_, other)| (*other - own).is_positive()) {
         return None;
     }
+    let mut is_smooth = true;
     for _ in 0..MOST_STEPS {
-        let is_last = (last - middle).abs() > (middle - first).abs();
-        // The golden section.
-        let x = middle + 0.381_966 * (if is_last { last } else { first } - middle);
-        let Some(other) = distance(x).filter(|_| x != middle) else { break };
-        let (nearer, farther) = ((own - other).is_positive(), (other - own).is_positive());
-        match (nearer, farther, is_last) {
-            (true, _, true) => (first, middle, own) = (middle, x, other),
-            (true, _, false) => (last, middle, own) = (middle, x, other),
-            (_, true, true) => last = x,
-            (_, true, false) => first = x,
+        let next = if is_smooth { near_vertex(&three) } else { Some(golden_section(&three)) };
+        let Some(other) = next.filter(|x| *x != three[1].0).and_then(seen) else { break };
+        // On the side of the last place, or of the first one.
+        let side = if (other.0 > three[1].0) == (three[2].0 > three[1].0) { 2 } else { 0 };
+        let own = three[1].1;
+        match ((own - other.1).is_positive(), (other.1 - own).is_positive()) {
+            (true, _) => (three[2 - side], three[1]) = (three[1], other),
+            (_, true) => three[side] = other,
+            _ if is_smooth => is_smooth = false,
             _ => break,
         }
     }
+    let [(first, _), (_, own), (last, _)] = three;
     let ends = [binary(first)?, binary(last)?];
     let bounds = field.bounds([&ends[0], &ends[1]]).swap_remove(member.class);
     let apart = bounds.and_then(|bounds| {
@@ -90,7 +120,7 @@ pub struct Two<'a> {
 }
 
 /// The crossings of two curves of different classes, and the places where their order is not certain.
-pub fn crossings(field: &Field, places: &[Place], of: [Member; 2], curves: [usize; 2]) -> Vec<Meeting> {
+pub fn crossings(field: &Field, places: &[&Place], of: [Member; 2], curves: [usize; 2]) -> Vec<Meeting> {
     let value = |ends: [&Number; 2]| {
         let bounds = field.bounds(ends);
         enclose(&bounds, of[1]).and(enclose(&bounds, of[0]))
@@ -108,7 +138,7 @@ pub fn crossings(field: &Field, places: &[Place], of: [Member; 2], curves: [usiz
 }
 
 /// Places where two numbers pass each other, and places where their order is not certain.
-pub fn passages(field: &Field, places: &[Place], two: &Two) -> Vec<Passage> {
+pub fn passages(field: &Field, places: &[&Place], two: &Two) -> Vec<Passage> {
     let mut list = Vec::new();
     let open = |ends: [usize; 2]| Passage { place: ends.map(|i| places[i].at.to_f64()), value: None };
     // The last place where the order is certain, and the first place after it where it is not.

@@ -12,9 +12,8 @@ mod steps;
 use super::answer::{Case, Column, Entry, Holds, Proved};
 use super::cases::{Study, Varied};
 use super::followed::{Curve, Followed, Grows, Meeting, MeetingKind};
-use crate::base::{Ball, OrderBy};
+use crate::base::{Ball, Number, OrderBy};
 use crate::kernel::cores;
-use crate::model::Swept;
 use places::{Field, Place};
 use steps::{Limits, Step};
 
@@ -58,13 +57,12 @@ fn pairs_of(curves: &[Member], classes: &[Vec<u32>]) -> Vec<Member> {
 pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     let Varied::Over(swept) = &study.varied else { return Err(Unfollowed::NotInOrder) };
     let [swept] = &swept[..] else { return Err(Unfollowed::NotInOrder) };
-    let n = fitting(study, swept)?;
+    let values: Vec<Number> = (0..study.count().min(MOST_POINTS + 1)).map(|i| swept.points.value(i)).collect();
+    let n = fitting(study, &values)?;
     let rate = &swept.parameter.value;
     if !orders.is_empty() && !orders::is_rate(rate) {
         return Err(Unfollowed::NoRate);
     }
-    let count = study.count();
-    let values: Vec<_> = (0..count).map(|i| swept.points.value(i)).collect();
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return Err(Unfollowed::NoModes) };
     let (classes, course) = places::classes(study, [first, last], n);
     let wanted = study.frequencies_asked().min(MOST_CURVES);
@@ -77,8 +75,9 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     let curves = choose(&points, wanted)?;
     let limits = Limits { stretches: stretches(values.len(), n) };
     let pairs: Vec<&[Place]> = points.windows(2).collect();
+    let look = steps::Look { curves: &curves, pairs: pairs_of(&curves, &classes) };
     let steps = cores::in_pieces(&pairs, 1, 1, |some| {
-        some.iter().map(|ends| steps::step(&field, &curves, limits, [&ends[0], &ends[1]])).collect()
+        some.iter().map(|ends| steps::step(&field, &look, limits, [&ends[0], &ends[1]])).collect()
     });
     let places = all_places(&points, &steps);
     let mut meetings = meetings_of(&field, &curves, &points, &steps, &places);
@@ -100,7 +99,7 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
 }
 
 /// The number of coordinates, if the study is one that can be followed.
-fn fitting(study: &Study, swept: &Swept) -> Result<usize, Unfollowed> {
+fn fitting(study: &Study, points: &[Number]) -> Result<usize, Unfollowed> {
     let count = study.count();
     if count > MOST_POINTS {
         return Err(Unfollowed::TooManyPoints(count));
@@ -108,13 +107,14 @@ fn fitting(study: &Study, swept: &Swept) -> Result<usize, Unfollowed> {
     if study.columns.iter().any(|column| column.holds == Holds::Determined) {
         return Err(Unfollowed::Determined);
     }
-    let values: Vec<f64> = (0..count).map(|i| swept.points.value(i).to_f64()).collect();
+    let values: Vec<f64> = points.iter().map(Number::to_f64).collect();
     let is_in_order = values.windows(2).all(|two| two[0] < two[1]) || values.windows(2).all(|two| two[0] > two[1]);
     if !is_in_order {
         return Err(Unfollowed::NotInOrder);
     }
-    let n = (0..count)
-        .find_map(|i| Some(study.undamped_system(i, swept.points.value(i))?.n()))
+    let n = (0..)
+        .zip(points)
+        .find_map(|(i, value)| Some(study.undamped_system(i, value.clone())?.n()))
         .ok_or(Unfollowed::NoModes)?;
     if n > MOST_COORDINATES { Err(Unfollowed::TooManyCoordinates(n)) } else { Ok(n) }
 }
@@ -152,17 +152,17 @@ fn curve(own: Member, classes: &[Vec<u32>], points: &[Place], steps: &[Step]) ->
 }
 
 /// All evaluated places, in order.
-fn all_places(points: &[Place], steps: &[Step]) -> Vec<Place> {
-    let mut places: Vec<Place> = Vec::new();
+fn all_places<'a>(points: &'a [Place], steps: &'a [Step]) -> Vec<&'a Place> {
+    let mut places: Vec<&Place> = Vec::with_capacity(points.len());
     for (i, point) in points.iter().enumerate() {
-        places.push(point.clone());
-        places.extend(steps.get(i).into_iter().flat_map(|step| step.inner.iter().cloned()));
+        places.push(point);
+        places.extend(steps.get(i).into_iter().flat_map(|step| &step.inner));
     }
     places
 }
 
 /// The results about pairs of curves.
-fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step], places: &[Place]) -> Vec<Meeting> {
+fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step], places: &[&Place]) -> Vec<Meeting> {
     let pairs: Vec<[usize; 2]> = (0..curves.len()).flat_map(|i| (i + 1..curves.len()).map(move |j| [i, j])).collect();
     let of_pair = |pair: &[usize; 2]| {
         let [a, b] = pair.map(|i| curves[i]);

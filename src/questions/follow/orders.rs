@@ -23,7 +23,7 @@ pub fn is_rate(quantity: &Quantity) -> bool {
 }
 
 /// The places where the curves have the frequencies of these orders of the parameter.
-pub fn orders(field: &Field, places: &[Place], curves: &[Member], rate: &Quantity, list: &[u32]) -> Orders {
+pub fn orders(field: &Field, places: &[&Place], curves: &[Member], rate: &Quantity, list: &[u32]) -> Orders {
     let Some(cycles) = cycles(rate) else { return Orders::default() };
     let mut critical = Vec::new();
     for &order in list {

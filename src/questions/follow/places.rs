@@ -13,6 +13,7 @@ use crate::questions::cases::Study;
 use crate::questions::lines::Line;
 use crate::questions::tolerated::hull;
 use crate::system::{Form, LinearSystem};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The frequency of a mode that oscillates or is rigid.
@@ -30,9 +31,9 @@ pub struct Place {
 /// Bounds of the frequencies of a class for all values between two: the i-th frequency lies between the i-th bounds. A
 /// lower bound is `None` if the mode may not oscillate.
 #[derive(Clone, Debug)]
-pub struct Bounds {
-    pub lower: Frequencies,
-    pub upper: Frequencies,
+pub struct Bounds<'a> {
+    pub lower: Cow<'a, [Option<Ball>]>,
+    pub upper: Cow<'a, [Option<Ball>]>,
 }
 
 /// The classes of a study, and the data needed to evaluate them.
@@ -65,7 +66,7 @@ impl Place {
     }
 }
 
-impl Bounds {
+impl Bounds<'_> {
     /// A lower bound of the distance between a mode and the next.
     pub fn distance(&self, index: usize) -> Option<Ball> {
         Some((*self.lower.get(index + 1)?)? - (*self.upper.get(index)?)?)
@@ -74,7 +75,7 @@ impl Bounds {
     /// Whether the i-th mode and the next are certainly separate curves: apart, or both rigid for every value.
     pub fn are_apart(&self, index: usize) -> bool {
         let is_rigid = |index: usize| {
-            let rigid = |list: &Frequencies| matches!(list.get(index), Some(Some(frequency)) if frequency.is_zero());
+            let rigid = |list: &[Option<Ball>]| matches!(list.get(index), Some(Some(frequency)) if frequency.is_zero());
             rigid(&self.lower) && rigid(&self.upper)
         };
         self.distance(index).is_some_and(|least| least.is_positive()) || is_rigid(index) && is_rigid(index + 1)
@@ -159,7 +160,7 @@ impl Field<'_> {
 
     /// Bounds for all values between two places, for each class. Where all eigenvalues move in one direction, these are the frequencies at
     /// the places themselves.
-    pub fn bounds_between(&self, ends: [&Place; 2]) -> Vec<Option<Bounds>> {
+    pub fn bounds_between<'b>(&self, ends: [&'b Place; 2]) -> Vec<Option<Bounds<'b>>> {
         let [first, last] = ends;
         let along = first.at.to_f64() <= last.at.to_f64();
         let [lower, upper] = match self.course {
@@ -171,8 +172,9 @@ impl Field<'_> {
         if !lower.classes.iter().chain(&upper.classes).all(known) {
             return self.bounds(ends.map(|place| &place.at));
         }
-        let of_class =
-            |(lower, upper): (&Frequencies, &Frequencies)| Some(Bounds { lower: lower.clone(), upper: upper.clone() });
+        let of_class = |(lower, upper): (&'b Frequencies, &'b Frequencies)| {
+            Some(Bounds { lower: lower.into(), upper: upper.into() })
+        };
         lower.classes.iter().zip(&upper.classes).map(of_class).collect()
     }
 
@@ -188,9 +190,9 @@ impl Field<'_> {
 
     /// Bounds for all values between two, for each class; by Weyl's inequality as in `outer`, or by the modes in the
     /// middle if rows change. `None` if nothing is proved.
-    pub fn bounds(&self, ends: [&Number; 2]) -> Vec<Option<Bounds>> {
+    pub fn bounds(&self, ends: [&Number; 2]) -> Vec<Option<Bounds<'static>>> {
         let quick = |line: &Arc<Option<Line>>| bounds_of(&(**line).as_ref()?.eigenvalues_over(ends)?);
-        if let Some(list) = self.lines.iter().map(quick).collect::<Option<Vec<Bounds>>>() {
+        if let Some(list) = self.lines.iter().map(quick).collect::<Option<Vec<Bounds<'static>>>>() {
             return list.into_iter().map(Some).collect();
         }
         let over = enclosing_system(self.study, ends, false);
@@ -208,15 +210,15 @@ impl Field<'_> {
             }
             let [low, high] =
                 sides.as_ref()?.each_ref().map(|system| all_modes(system, coordinates, &Request::default()));
-            let lower = separate(&low?, frequency);
-            Some(Bounds { lower, upper: separate(&high?, |modes, i| Some(from_above(modes, i))) })
+            let upper = separate(&high?, |modes, i| Some(from_above(modes, i)));
+            Some(Bounds { lower: separate(&low?, frequency).into(), upper: upper.into() })
         };
         self.classes.iter().map(of_class).collect()
     }
 }
 
 /// Bounds from those of the eigenvalues.
-fn bounds_of(found: &Eigenvalues) -> Option<Bounds> {
+fn bounds_of(found: &Eigenvalues) -> Option<Bounds<'static>> {
     let pairs = || found.list.iter().zip(&found.bounds);
     let root = |square: f64| analysis::derived::hertz(Ball::from(square).sqrt());
     let lower = pairs().map(|(x, bound)| (x - bound) - 2.0 * f64::EPSILON * (x.abs() + bound));
@@ -230,7 +232,7 @@ fn bounds_of(found: &Eigenvalues) -> Option<Bounds> {
 }
 
 /// Bounds for a system over a range in coordinates of the modes of one in its middle: both matrices are nearly diagonal there.
-fn bounds_around(over: &LinearSystem, middle: &LinearSystem, coordinates: &[u32]) -> Option<Bounds> {
+fn bounds_around(over: &LinearSystem, middle: &LinearSystem, coordinates: &[u32]) -> Option<Bounds<'static>> {
     if middle.is_chained() || middle.n() != over.n() {
         return None;
     }
@@ -305,7 +307,7 @@ mod tests {
     fn bounds_hold_both_ends() {
         let found = bounds_of(&Eigenvalues { list: vec![1.0, 4.0], bounds: vec![3.0, 3.0] }).expect("known");
         let hertz = |omega: f64| omega / (2.0 * std::f64::consts::PI);
-        let ends = |list: &Frequencies| list.iter().map(|x| x.map(|x| x.to_f64())).collect::<Vec<_>>();
+        let ends = |list: &[Option<Ball>]| list.iter().map(|x| x.map(|x| x.to_f64())).collect::<Vec<_>>();
         let (lower, upper) = (ends(&found.lower), ends(&found.upper));
         assert_eq!(lower[0], None);
         for (found, truth) in [(lower[1], 1.0), (upper[0], 2.0), (upper[1], f64::sqrt(7.0))] {

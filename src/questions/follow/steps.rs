@@ -1,9 +1,10 @@
 //! Steps from one value of the parameter to the next: which curves certainly keep their order. In: the frequencies at
 //! both ends. Out: what is proved, and the evaluated places between them. See docs/method/studies.md#curves.
 
+use super::Member;
 use super::places::{Bounds, Field, Place, binary};
-use super::{Member, pairs_of};
 use crate::base::OrderBy;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 
 /// Limit on the halvings of a step.
@@ -31,16 +32,15 @@ pub struct Step {
 }
 
 /// The properties to be decided for a piece of a step.
-struct Look<'a> {
-    curves: &'a [Member],
+pub struct Look<'a> {
+    pub curves: &'a [Member],
     /// Modes whose distance to the next one in their class is needed.
-    pairs: Vec<Member>,
+    pub pairs: Vec<Member>,
 }
 
 /// The step between two places.
-pub fn step(field: &Field, curves: &[Member], limits: Limits, ends: [&Place; 2]) -> Step {
-    let look = Look { curves, pairs: pairs_of(curves, field.classes) };
-    let mut left = VecDeque::from([(ends[0].clone(), ends[1].clone(), 0)]);
+pub fn step(field: &Field, look: &Look, limits: Limits, ends: [&Place; 2]) -> Step {
+    let mut left = VecDeque::from([(Cow::Borrowed(ends[0]), Cow::Borrowed(ends[1]), 0)]);
     let (mut found, mut looked) = (Step::default(), 0);
     while let Some((low, high, depth)) = left.pop_front() {
         let bounds = field.bounds_between([&low, &high]);
@@ -58,8 +58,9 @@ pub fn step(field: &Field, curves: &[Member], limits: Limits, ends: [&Place; 2])
         };
         match middle {
             Some(middle) => {
-                left.push_back((low, middle.clone(), depth + 1));
-                left.push_back((middle.clone(), high, depth + 1));
+                drop(bounds);
+                left.push_back((low, Cow::Owned(middle.clone()), depth + 1));
+                left.push_back((Cow::Owned(middle.clone()), high, depth + 1));
                 found.inner.push(middle);
             }
             None => {
