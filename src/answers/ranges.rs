@@ -114,7 +114,7 @@ impl Ranges {
         for (column, range) in self.columns.iter_mut().enumerate() {
             let Some(summary) = rows.summary(column) else { continue };
             for (end, at) in summary.ends.into_iter().enumerate() {
-                range.reach(end, rows.enclosed_in(column, at), rows.number(at), || rows.enclosed(at));
+                range.reach(end, rows.enclosed_in(column, at), rows.number(at), || rows.case_at(at));
             }
             range.bound = larger(range.bound, summary.bound);
         }

@@ -49,7 +49,7 @@ impl Bounded {
     }
 
     /// The i-th numbers of all cases and their bounds, with room for whole vectors.
-    pub fn padded(&mut self, i: usize) -> (&mut [f64], &mut [f64]) {
+    pub fn whole_lanes(&mut self, i: usize) -> (&mut [f64], &mut [f64]) {
         let places = i * stride(self.cases)..(i + 1) * stride(self.cases);
         (&mut self.numbers[places.clone()], &mut self.bounds[places])
     }

@@ -208,7 +208,7 @@ simd! {
             sort(t);
             for (i, x) in t.iter().enumerate() {
                 let bound = (x.abs().mul_add(beside_s, beside_t) / room + V::splat(2.0 * U) * x.abs()) * V::splat(1.0 + 16.0 * U);
-                let (numbers, bounds) = found.padded(i);
+                let (numbers, bounds) = found.whole_lanes(i);
                 (*x + known).store(&mut numbers[block * V::WIDTH..]);
                 (bound + known).store(&mut bounds[block * V::WIDTH..]);
             }

@@ -233,7 +233,7 @@ simd! {
                 let low_word = origin.is_left.if_exceeds(zero, V::splat(near.lo), V::splat(far.lo));
                 let root = high_word + (low_word + tau);
                 let bound = (bound + (root.abs() + tau.abs()) * V::splat(2.0 * U)) * V::splat(1.0 + 8.0 * U) + is_near;
-                let (roots, bounds) = found.padded(i);
+                let (roots, bounds) = found.whole_lanes(i);
                 root.store(&mut roots[block * V::WIDTH..]);
                 bound.store(&mut bounds[block * V::WIDTH..]);
             }

@@ -91,7 +91,7 @@ impl Study<'_> {
             let case = match known[i].is_nan() {
                 true => self.case(*number),
                 false => {
-                    let mut case = rows.enclosed(at + i);
+                    let mut case = rows.case_at(at + i);
                     let empty = given.len() + eigenvalues.count()..given.len() + self.sizes.0;
                     case.entries[empty].fill(Entry::None(None));
                     case

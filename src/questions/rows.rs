@@ -133,7 +133,7 @@ impl Rows {
     }
 
     /// The row at a place, which is none of the others.
-    pub fn enclosed(&self, at: usize) -> Case {
+    pub fn case_at(&self, at: usize) -> Case {
         let entries = self.columns.iter().map(|column| Entry::Enclosed(column.get(at))).collect();
         Case { number: self.numbers[at], entries, code: None }
     }
@@ -235,7 +235,7 @@ mod tests {
         assert_eq!(seen.len(), 201);
         assert!(seen.iter().zip(7..).all(|(case, number)| case.number == number));
         assert_eq!((&seen[5], &seen[200]), (&case(12, Ball::from(1e9)), &case(207, Ball::ONE)));
-        assert_eq!(seen[8], rows.enclosed(8));
+        assert_eq!(seen[8], rows.case_at(8));
         assert_eq!(seen[8].entries[0], Entry::Enclosed(x(8)));
         rows.clear(2);
         rows.push(case(3, Ball::ONE));

@@ -205,7 +205,7 @@ impl Updates {
             }
         };
         for i in 0..found.count() {
-            let (numbers, bounds) = found.padded(i);
+            let (numbers, bounds) = found.whole_lanes(i);
             if i < self.rigid {
                 numbers.fill(0.0);
                 bounds.fill(0.0);

@@ -126,6 +126,11 @@ def grid(parts, low, high, fine):
     places = {at * (1 + 1e-12), to * (1 - 1e-12)}
     count = int(math.log(to / at) * FINE * fine) + 2
     places |= {at * (to / at) ** (j / count) for j in range(1, count)}
+    if not low:
+        # Far below all poles a density that rises from 0 Hz on has a peak where a slow motion begins to fall behind.
+        least = at * 1e-15
+        places |= {at * 10 ** (-j / 4) for j in range(1, 60)}
+        at = least
     for root in {root for part in parts for root in map(complex, part.roots)}:
         width = max(abs(root.real), 1e-9 * abs(root))
         places |= {abs(root.imag) + width * math.sinh(6 * j / (FINE * fine)) for j in range(-2 * FINE * fine, 2 * FINE * fine + 1)}
