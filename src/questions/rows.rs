@@ -218,6 +218,8 @@ mod tests {
             rows.columns_mut()[0].set(first + at, x(at));
             rows.columns_mut()[1].set(first + at, Ball::ZERO);
         }
+        // What a row held before does not count.
+        rows.columns_mut()[0].set(first + 5, Ball::from(99.0).widen(1.0));
         rows.replace(5, case(12, Ball::from(1e9)));
         rows.push(case(207, Ball::ONE));
         let own = || (0..numbers.len()).filter(|at| *at != 5);
