@@ -46,10 +46,19 @@ pub fn effective_mass(system: &LinearSystem, modes: &Modes, input: usize, i: usi
         Ok(excitation) => excitation.modes,
         Err(why) => return Measurement::None(why),
     };
-    match i.checked_sub(1).and_then(|i| shares.get(i)) {
-        None => Measurement::None("there is no such mode"),
-        Some(Excited { mass: Some(mass), .. }) => Measurement::Value(*mass),
-        Some(_) => Measurement::None("modes of the same frequency have an effective mass only together"),
+    const TOGETHER: &str = "modes of the same frequency have an effective mass only together";
+    let Some((at, own)) = i.checked_sub(1).and_then(|at| Some((at, shares.get(at)?))) else {
+        return Measurement::None("there is no such mode");
+    };
+    let Some(mass) = own.mass else { return Measurement::None(TOGETHER) };
+    // Of modes of different parts whose frequencies are not apart, any may be the i-th: their masses have to agree.
+    let square = |at: usize| modes.list.get(at).map(|mode| mode.omega_squared);
+    let is_as_fast = |other: usize| square(at).zip(square(other)).is_some_and(|(a, b)| (a - b).contains_zero());
+    let others = shares.iter().enumerate().filter(|(other, _)| *other != at && is_as_fast(*other));
+    let apart = |other: &Excited| other.mass.map(|other| other - mass).filter(Ball::contains_zero);
+    match others.map(|(_, other)| apart(other)).collect::<Option<Vec<Ball>>>() {
+        Some(apart) => Measurement::Value(mass.widen(apart.iter().map(Ball::magnitude).fold(0.0, f64::max))),
+        None => Measurement::None(TOGETHER),
     }
 }
 

@@ -181,3 +181,24 @@ fn a_model_asks_for_it() {
     let found = whole["solved"][0]["si"].as_f64().expect("a mass");
     assert!((found - 2.0).abs() < 1e-12, "{found}");
 }
+
+/// Two bodies of different parts with one frequency: which of them is the first mode is a matter of the text, so neither mass is that of
+/// mode 1. Of equal bodies it does not matter.
+#[test]
+fn equal_frequencies_of_different_parts_have_no_mass_of_their_own() {
+    let said = |m: &str, k: &str| {
+        let model = format!(
+            "base q {{ moves x }}\nbody a {{ mass = 1 kg, moves x }}\nbody b {{ mass = {m}, moves x }}\n\
+             spring s: q -- a {{ k = 10 N/m }}\nspring t: q -- b {{ k = {k} }}\nrequire effective_mass(q, 1) <= 2 kg\n"
+        );
+        let output = ran(&model, &["check"]);
+        (
+            output.status.code(),
+            String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr),
+        )
+    };
+    let (status, text) = said("3 kg", "30 N/m");
+    assert!(status != Some(0) && text.contains("only together"), "{text}");
+    assert_eq!(said("1 kg", "10 N/m").0, Some(0));
+    assert_eq!(said("3 kg", "31 N/m").0, Some(0));
+}

@@ -270,7 +270,11 @@ impl Spread {
             (Spread::Finite(rate), Spread::Finite(square)) => {
                 Spread::Finite((rate / square).sqrt() / (Ball::PI * Ball::from(2.0)))
             }
-            (_, Spread::Infinite(why)) | (Spread::Infinite(why), _) => Spread::Infinite(why),
+            // A motion that drifts crosses zero ever more rarely, one that nothing damps as often as it oscillates.
+            (_, Spread::Infinite(_)) => {
+                Spread::Unknown("its mean square is infinite, so that no rate of zero crossings follows from it")
+            }
+            (Spread::Infinite(why), _) => Spread::Infinite(why),
             (Spread::Unknown(why), _) | (_, Spread::Unknown(why)) => Spread::Unknown(why),
         }
     }
