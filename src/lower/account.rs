@@ -181,7 +181,7 @@ impl Explanation<'_> {
         for ((declared, input), stiffens) in self.scene.inputs.iter().zip(&self.system.inputs).zip(stiffens) {
             if input.b.iter().all(Vec::is_empty) {
                 let name = self.system.display(input.name);
-                if stiffens || declared.displaces(self.scene) {
+                if stiffens || loads::displaces_a_base(self.scene, declared) {
                     self.keep(name, "it drives no motion, but its constant part loads the rest");
                     continue;
                 }

@@ -5,7 +5,9 @@ use super::kinematics::{End, Index, Kinematics, Path, PathEvaluation, State};
 use crate::base::{Number, Vec3};
 use crate::elements::stretch::over_length;
 use crate::elements::{Pull, Response, Scalar, Spring, Stretch, Stretched, Vector};
-use crate::model::scene::{Attachment, Geometry, Input, InputKind, Law, Scene, Signal, SpringRest};
+use crate::model::scene::{
+    Attachment, BaseId, Element, Geometry, Input, InputKind, Law, Part, Scene, Signal, SpringRest,
+};
 
 /// The path between two ends, and the angles of both.
 #[derive(Clone, Debug)]
@@ -272,6 +274,16 @@ pub fn constant(input: &Input) -> Option<Number> {
         }
     }
     (!sum.is_zero()).then_some(sum)
+}
+
+/// Whether an input displaces a base for good to which an element is attached: it then pulls or pushes otherwise, which may change the
+/// rest and the stiffness.
+pub fn displaces_a_base(scene: &Scene, input: &Input) -> bool {
+    let holds = |base: BaseId, element: &Element| {
+        !element.law.is_zero() && element.ends.iter().any(|end| end.part == Part::Base(base))
+    };
+    let is_held = |base: BaseId| scene.elements.iter().any(|element| holds(base, element));
+    input.kind.base().is_some_and(|base| constant(input).is_some() && is_held(base))
 }
 
 /// A constant force that pushes two points apart, represented as a spring without stiffness.

@@ -388,20 +388,6 @@ impl Axis {
     }
 }
 
-impl Input {
-    /// Whether a constant signal displaces a base to which an element is attached: the element pulls or pushes otherwise then, and this
-    /// may change the rest and the stiffness.
-    pub fn displaces(&self, scene: &Scene) -> bool {
-        let is_displaced = |signal: &Signal| matches!(signal, Signal::Constant { value } if !value.is_zero());
-        let holds = |base: BaseId, element: &Element| {
-            !element.law.is_zero() && element.ends.iter().any(|end| end.part == Part::Base(base))
-        };
-        self.kind.base().is_some_and(|base| {
-            self.signal.iter().any(is_displaced) && scene.elements.iter().any(|element| holds(base, element))
-        })
-    }
-}
-
 impl InputKind {
     /// The base whose motion this is.
     pub fn base(&self) -> Option<BaseId> {

@@ -80,8 +80,8 @@ const DECADES: f64 = 20.0;
 const TURNING: usize = 60;
 /// Limit on the evaluations to narrow a change of sign.
 const NARROWING: usize = 240;
-/// A measure that changes by more than this part of what it changes by over so many times the width jumps.
-const MOST_OF_IT: f64 = 0.7;
+/// A measure jumps if its change between two numbers is more than this share of its change over an interval so many times as wide.
+const SHARE_OF_A_JUMP: f64 = 0.7;
 const WIDER: f64 = 16.0;
 
 /// Narrows an interval at whose ends the measure is on different sides, for a measure known to cross its target once.
@@ -191,9 +191,9 @@ impl Search<'_> {
                 && a != Ordering::Equal
                 && b == a.reverse()
             {
-                // What is continuous changes by less here than over a wider interval, by half of it for a cube root.
+                // A continuous measure changes by a sixteenth of it, or by four tenths where it is a cube root.
                 let [far_left, far_right] = self.sides(x, within * WIDER);
-                if jump_size(&left, &right) > MOST_OF_IT * jump_size(&far_left, &far_right) {
+                if jump_size(&left, &right) > SHARE_OF_A_JUMP * jump_size(&far_left, &far_right) {
                     return seen.jumps.push(x.hi);
                 }
                 return seen.add(Root { near: x, within, proof: Some(Crossing(())) });

@@ -307,9 +307,8 @@ fn advice_works() {
                   damper e: a -- b { c = 0.155 N*s/m }\nforce F: b along x = pulse(0.619 N, 0 s, 1 s)\noutput x = a.x\n\
                   require rms(x) > 0.0669 m\n";
     let help = finding(shaken).help.expect("advice");
-    if let Some(wanted) = help.split("k = ").nth(1).and_then(|rest| rest.split(" it").next()) {
-        assert!(run(&shaken.replace("106 N/m", wanted)).diagnostics.is_empty(), "{help}");
-    }
+    let wanted = help.split("k = ").nth(1).and_then(|rest| rest.split(" it").next()).expect("a value");
+    assert!(run(&shaken.replace("106 N/m", wanted)).diagnostics.is_empty(), "{help}");
 }
 
 /// A requirement for a motion that nothing moves has no value.
@@ -506,11 +505,15 @@ fn a_root_before_the_block_snaps_through_is_not_excluded() {
     let frequency = set.modes.list[0].omega_squared.to_f64().sqrt() / std::f64::consts::TAU;
     assert!((frequency - 0.01).abs() < 1e-5 && (0.0..20.0).contains(&load), "{frequency} {load}");
 
+    // What is left undetermined has to hold that load, whether or not the other root, of a block that gets heavy, is found.
+    let holds_it = |label: &str| matches!(numbers(label)[..], [.., low, high] if low < load && load < high);
     let none = finding(&block("1 kg", "solve P in 0 N .. 20 N: frequency(1) = 0.01 Hz"));
-    assert!(none.message.starts_with("none of ") && none.code.0 == "vib::solve::no_root", "{none:?}");
-    let heavy = "1 kg + 1e6 kg/N * max(P - 10 N, 0 N)";
-    let other = answer(&block(heavy, "solve P in 0 N .. 20 N: frequency(1) = 0.01 Hz"));
-    assert!(matches!(other.solved[0].others, Others::Unknown), "{:?}", other.solved[0].others);
+    assert_eq!(none.code.0, "vib::solve::unsettled");
+    assert!(holds_it(none.primary.text.split(';').next().expect("a label")), "{none:?}");
+    let heavy = run(&block("1 kg + 1e6 kg/N * max(P - 10 N, 0 N)", "solve P in 0 N .. 20 N: frequency(1) = 0.01 Hz"));
+    let solved = heavy.answer.expect("a report").solved.remove(0);
+    let Others::Unsettled(parts) = &solved.others else { panic!("{:?}", solved.others) };
+    assert!(parts.iter().any(|(low, high)| holds_it(&format!("{low} {high}"))), "{parts:?}");
 }
 
 /// A rod of 1 m on a torsion spring of 10 N m/rad: a load of 9 N on its end drives nothing, but leaves 1 N m/rad, so it is not called

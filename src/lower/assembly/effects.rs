@@ -5,6 +5,7 @@ use super::{Assembly, Row};
 use crate::base::Number;
 use crate::lower::error::LowerError;
 use crate::lower::kinematics::FreeCoordinate;
+use crate::lower::loads;
 use crate::model::scene::{Damping, Element};
 use crate::system::{CoordinateKind, Form};
 
@@ -85,8 +86,9 @@ impl Assembly<'_> {
         let counts = |factor: &Number| !factor.is_zero() || !self.flat.is_empty();
         let still = |columns: &[Row; 3]| !columns.iter().flatten().any(|(_, factor)| counts(factor));
         let inputs = self.columns.iter().enumerate().filter(|(_, columns)| still(columns)).map(|(number, _)| number);
-        let inputs = inputs
-            .filter(|number| !self.stiffening.contains(number) && !self.scene.inputs[*number].displaces(self.scene));
+        let inputs = inputs.filter(|number| {
+            !self.stiffening.contains(number) && !loads::displaces_a_base(self.scene, &self.scene.inputs[*number])
+        });
         let flat = self.flat.iter().copied().map(Idle::Flat);
         elements.map(Idle::Element).chain(flat).chain(inputs.map(Idle::Input)).collect()
     }

@@ -61,11 +61,15 @@ impl Reached {
         proven.map(|_| Reached(()))
     }
 
-    /// In the region that the search cannot leave the stiffness is nearly constant: `changes` are upper bounds of what 1 less the
-    /// stiffness over that of the middle makes of a vector with the entries `of`. See docs/method/rest.md#where-the-search-ends.
-    pub fn by_convexity(changes: &[f64], of: &[f64]) -> Option<Reached> {
-        let is_small = |(change, of): (&f64, &f64)| *change <= MOST_CHANGE * of && of.is_finite();
-        (changes.len() == of.len() && changes.iter().zip(of).all(is_small)).then_some(Reached(()))
+    /// Where the energy is at most as drawn, the stiffness is nearly constant, and in all places that a step from there may lead to it
+    /// is positive: `near` and `far` are upper bounds of what 1 less the stiffness over that of the middle makes of a vector with the
+    /// entries `of`. See docs/method/rest.md#where-the-search-ends.
+    pub fn by_convexity(near: &[f64], far: &[f64], of: &[f64]) -> Option<Reached> {
+        let is_within = |changes: &[f64], most: f64| {
+            let is_small = |(change, of): (&f64, &f64)| *change <= most * of && of.is_finite();
+            changes.len() == of.len() && changes.iter().zip(of).all(is_small)
+        };
+        (is_within(near, MOST_CHANGE) && is_within(far, LESS_THAN_ALL)).then_some(Reached(()))
     }
 
     /// Both of two parts are reached.
@@ -74,11 +78,13 @@ impl Reached {
     }
 }
 
-/// The most that the stiffness may change, as a part of itself, in the region in which the search stays.
+/// The most that the stiffness may change, as a part of itself, where the search stays.
 pub const MOST_CHANGE: f64 = 0.25;
-/// How far the search tries to go from the rest, in units of an upper bound of the distance of the drawing, in the norm of the
-/// stiffness in the middle: (7/3) sqrt(5/3) for this change.
-pub const FARTHEST: f64 = 3.02;
+/// Below 1, a change leaves the stiffness positive; with room for what rounding may add.
+const LESS_THAN_ALL: f64 = 0.9;
+/// The distances from the rest, in units of an upper bound of that of the drawing and in the norm of the stiffness in the middle, within
+/// which the search stays and within which each of its steps ends: sqrt(5/3) and 7/3 of that for this change.
+pub const REGIONS: [f64; 2] = [1.291, 3.0124];
 
 #[cfg(test)]
 mod tests {
@@ -114,6 +120,19 @@ mod tests {
         for (w, v) in [([1.0, 0.0], [1.0, 1.0]), ([1.0, 1.0], [1.0, f64::NAN]), ([1.0, 1.0], [1.0, -1.0])] {
             assert_eq!(Proven::positivity(&w, &v), None);
         }
+    }
+
+    #[test]
+    fn a_search_that_may_leave_the_region_proves_nothing() {
+        assert!(Reached::by_convexity(&[0.2, 0.5], &[0.8, 1.7], &[1.0, 2.0]).is_some());
+        assert_eq!(Reached::by_convexity(&[0.3, 0.5], &[0.8, 1.7], &[1.0, 2.0]), None);
+        assert_eq!(Reached::by_convexity(&[0.2, 0.5], &[0.8, 2.0], &[1.0, 2.0]), None);
+        assert_eq!(Reached::by_convexity(&[f64::NAN, 0.5], &[0.8, 1.7], &[1.0, 2.0]), None);
+        assert_eq!(Reached::by_convexity(&[0.2], &[0.8, 1.7], &[1.0, 2.0]), None);
+        // The constants are those of the text: sqrt((1 + c) / (1 - c)), and (1 + 3 c) / (1 - c) of it, rounded upwards.
+        let near = ((1.0 + MOST_CHANGE) / (1.0 - MOST_CHANGE)).sqrt();
+        let far = near * (1.0 + 3.0 * MOST_CHANGE) / (1.0 - MOST_CHANGE);
+        assert!((near..near + 1e-4).contains(&REGIONS[0]) && (far..far + 1e-4).contains(&REGIONS[1]), "{near} {far}");
     }
 
     #[test]
