@@ -26,6 +26,10 @@ pub trait Scalar: Clone + Debug {
     fn to_f64(&self) -> f64;
     /// This value as a [`Number`](crate::base::Number).
     fn number(&self) -> Number;
+    /// The middle of the values that this one takes over a range, exactly, and how far each is from it; `None` if it takes one.
+    fn apart(&self) -> Option<(Self, Self)> {
+        None
+    }
     /// A value of which nothing is known.
     fn unknown() -> Self;
     /// The integral of a function from 0, which only a search needs.
@@ -172,6 +176,11 @@ impl Scalar for Number {
 
     fn number(&self) -> Number {
         self.clone()
+    }
+
+    fn apart(&self) -> Option<(Number, Number)> {
+        let middle = || Number::Ball(Ball::exact(self.enclosure().mid));
+        self.is_range().then(middle).map(|middle| (middle.clone(), self - &middle))
     }
 
     /// A ball that contains every number.

@@ -8,7 +8,8 @@
 //!   the disks wind up; grad e = s / |s| for the centres, and for them grad^2 e = (1 - s s^T / |s|^2) / |s|, as of a line
 //!
 //! Directions are not normalised; their squared length is kept beside them, so that the squares
-//! `(k / |d|^2) (d . delta)^2` are rational if the scene is.
+//! `(k / |d|^2) (d . delta)^2` are rational if the scene is. Over a range they are divided by their largest component, whose share of the
+//! direction then is known without the range.
 
 use super::{Scalar, Square, Vector};
 
@@ -29,8 +30,9 @@ pub enum Stretch<S> {
 /// A stretch at a state of its ends.
 #[derive(Clone, Debug)]
 pub enum Stretched<S> {
-    /// grad e = direction / sqrt(length_squared); `curved` if grad^2 e is not zero.
-    Displacement { change: S, direction: Vector<S>, length_squared: S, curved: bool },
+    /// grad e = direction / sqrt(length_squared); d is the direction times `unit`, or the direction itself. `curved` if grad^2 e is not
+    /// zero.
+    Displacement { change: S, direction: Vector<S>, length_squared: S, unit: Option<S>, curved: bool },
     /// e is the relative rotation itself.
     Turn { change: S },
 }
@@ -43,7 +45,13 @@ impl<S: Scalar> Stretch<S> {
             Stretch::Along { direction } => {
                 let length_squared = direction.norm_squared();
                 let change = over_length(direction.dot(delta), &length_squared);
-                Stretched::Displacement { change, direction: direction.clone(), length_squared, curved: false }
+                Stretched::Displacement {
+                    change,
+                    direction: direction.clone(),
+                    length_squared,
+                    unit: None,
+                    curved: false,
+                }
             }
             Stretch::Torsion => Stretched::Turn { change: turn.clone() },
             Stretch::Span { drawn, gap, left } => span(drawn, gap, *left, delta, turn),
@@ -58,7 +66,16 @@ fn line<S: Scalar>(drawn: &Vector<S>, delta: &Vector<S>) -> Stretched<S> {
     let gain = drawn.plus(&direction).dot(delta);
     let change =
         if gain.is_zero() { S::zero() } else { gain.over(&length_squared.root().plus(&drawn.norm_squared().root())) };
-    Stretched::Displacement { change, direction, length_squared, curved: true }
+    curved(change, direction, length_squared)
+}
+
+/// A stretch along d, whose squared length is given too.
+fn curved<S: Scalar>(change: S, d: Vector<S>, length_squared: S) -> Stretched<S> {
+    let Some((direction, unit)) = d.by_largest() else {
+        return Stretched::Displacement { change, direction: d, length_squared, unit: None, curved: true };
+    };
+    let length_squared = direction.norm_squared();
+    Stretched::Displacement { change, direction, length_squared, unit: Some(unit), curved: true }
 }
 
 fn span<S: Scalar>(drawn: &Vector<S>, gap: &S, left: bool, delta: &Vector<S>, turn: &S) -> Stretched<S> {
@@ -74,14 +91,14 @@ fn span<S: Scalar>(drawn: &Vector<S>, gap: &S, left: bool, delta: &Vector<S>, tu
     };
     if delta.is_zero() {
         let (direction, _, length_squared) = tangent(drawn);
-        return Stretched::Displacement { change: turn.clone(), direction, length_squared, curved: true };
+        return curved(turn.clone(), direction, length_squared);
     }
     let apart = drawn.plus(delta);
     let ((before, length, _), (direction, now, length_squared)) = (tangent(drawn), tangent(&apart));
     let longer = drawn.plus(&apart).dot(delta).over(&length.plus(&now));
     let turned = S::atan2(&before.cross(&direction).z, &before.dot(&direction));
     let change = longer.minus(&gap.times(&turned)).plus(turn);
-    Stretched::Displacement { change, direction, length_squared, curved: true }
+    curved(change, direction, length_squared)
 }
 
 /// value / sqrt(length_squared), exactly zero if the value is.
@@ -101,7 +118,7 @@ impl<S: Scalar> Stretched<S> {
         matches!(self, Stretched::Displacement { curved: false, .. })
     }
 
-    /// tension / |d|, the tension per metre of the element; for a torsion, the tension itself.
+    /// tension / |direction|: the tension per metre of the element, or of its largest component's share; for a torsion, the tension itself.
     ///
     /// In a rational drawing it is rational even if the tension that holds the drawing is not.
     pub fn rate(&self, tension: &S) -> S {
@@ -119,11 +136,12 @@ impl<S: Scalar> Stretched<S> {
         }
     }
 
-    /// The squares of `tension grad^2 e`: rate / |d|^2 (d x delta)^2. `None` if the tension is zero.
+    /// The squares of `tension grad^2 e`: tension / |d|^3 (d x delta)^2. `None` if the tension is zero.
     pub fn tension_squares(&self, rate: &S) -> Option<[Square<S>; 3]> {
         match self {
-            Stretched::Displacement { direction, length_squared, curved: true, .. } if !rate.is_zero() => {
+            Stretched::Displacement { direction, length_squared, unit, curved: true, .. } if !rate.is_zero() => {
                 let weight = rate.over(length_squared);
+                let weight = unit.iter().fold(weight, |weight, unit| weight.over(unit));
                 Some(direction.cross_rows().map(|direction| Square { weight: weight.clone(), direction }))
             }
             _ => None,

@@ -64,6 +64,24 @@ impl<S: Scalar> Vector<S> {
         self.dot(self)
     }
 
+    /// The vector over the size of its largest component, and that; `None` if it takes one value only, or that component may be zero.
+    pub fn by_largest(&self) -> Option<(Vector<S>, S)> {
+        let components = [&self.x, &self.y, &self.z];
+        if components.iter().all(|component| component.apart().is_none()) {
+            return None;
+        }
+        let size = |place: usize| components[place].to_f64().abs();
+        let largest = (1..3).fold(0, |largest, place| if size(place) > size(largest) { place } else { largest });
+        let number = components[largest].number().enclosure();
+        if number.contains_zero() || !number.is_finite() {
+            return None;
+        }
+        let sign = if number.is_positive() { S::one() } else { S::one().negate() };
+        let unit = sign.times(components[largest]);
+        let component = |place: usize| if place == largest { sign.clone() } else { components[place].over(&unit) };
+        Some((Vector { x: component(0), y: component(1), z: component(2) }, unit))
+    }
+
     /// Whether it is certainly zero.
     pub fn is_zero(&self) -> bool {
         self.x.is_zero() && self.y.is_zero() && self.z.is_zero()

@@ -1,6 +1,7 @@
 //! Elementary functions of [`Number`], each with a rigorous bound: exact where the argument is one of the rational
 //! numbers whose value is rational, Taylor series in ball arithmetic with a bounded remainder otherwise.
 
+use super::rounding::up;
 use super::series::{self, Series};
 use super::surd::Surd;
 use super::{Ball, Dd, Jet, MAX_EXACT_BITS, Number, Power, Rational, pi, two_to};
@@ -124,9 +125,14 @@ impl Number {
         }
         let ball = self.enclosure();
         let (s, c) = match self {
+            Number::Jet(_) if ball.rad > TURNED => match Number::Ball(Ball::exact(ball.mid)).sin_cos() {
+                Some((s, c)) => {
+                    let (s, c, [sine, cosine]) = (s.enclosure(), c.enclosure(), sine_and_cosine_within(ball.rad));
+                    (s * cosine + c * sine, c * cosine - s * sine)
+                }
+                None => (Ball::ZERO.widen(1.0), Ball::ZERO.widen(1.0)),
+            },
             Number::Exact(value) if ball.mid.hi.abs() > NEAR => wide::sin_cos(&value.to_big(), 0.0),
-            // A range of angles may contain a whole turn.
-            Number::Jet(_) if ball.rad > LEAST_KNOWN => (Ball::ZERO.widen(1.0), Ball::ZERO.widen(1.0)),
             _ if !ball.is_finite() || ball.rad > LEAST_KNOWN => return None,
             _ if ball.mid.hi.abs() > NEAR => wide::sin_cos_of_ball(ball)?,
             _ => sin_cos(ball),
@@ -235,6 +241,11 @@ fn twelfths_of_pi(y: &Number, x: &Number) -> Option<i64> {
 /// Up to this angle, multiples of pi/2 are subtracted in double-double; beyond it in integers, with as many digits of pi
 /// as the angle has before its point and forty more.
 const NEAR: f64 = 1e5;
+/// Angles of a range that is wider than this are those in its middle, turned further: what powers of the angle multiply is wider than
+/// that.
+const TURNED: f64 = 1e-3;
+/// Up to this angle, below a right one, the sine rises and the cosine falls.
+const RISING: f64 = 1.57;
 /// An angle that is off by more than this may be in any quadrant.
 const LEAST_KNOWN: f64 = 1.0;
 
@@ -278,6 +289,16 @@ fn ln(x: Ball) -> Ball {
     }
     // |2 artanh z - 2 z| <= z^3 for |z| <= 1/2.
     Ball::exact(y) + (z * Ball::from(2.0)).widen(size.power(3))
+}
+
+/// Sine and cosine of all angles of at most this size.
+pub(super) fn sine_and_cosine_within(size: f64) -> [Ball; 2] {
+    if size > RISING {
+        return [Ball::ZERO.widen(1.0), Ball::ZERO.widen(1.0)];
+    }
+    let (most, least) = near_zero(Ball::from(size));
+    let half = 0.5 * (Ball::ONE - least).magnitude() * up::FEW;
+    [Ball::ZERO.widen(most.magnitude()), (Ball::ONE - Ball::from(half)).widen(half)]
 }
 
 /// Sine and cosine: r = x - k pi/2 with |r| <= pi/4.

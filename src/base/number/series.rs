@@ -5,6 +5,7 @@
 //!
 //! [`Jet::of_parameter_in_series`]: super::Jet::of_parameter_in_series
 
+use super::functions::sine_and_cosine_within;
 use super::rounding::up;
 use super::{Ball, Dd, Jet, Number};
 
@@ -66,6 +67,11 @@ impl Series {
         (self.terms[1..].iter().map(Ball::magnitude).sum::<f64>() + self.rest) * up::DOZENS
     }
 
+    /// An upper bound of the size of the polynomial.
+    fn size_of_polynomial(&self) -> f64 {
+        self.terms.iter().map(Ball::magnitude).sum::<f64>() * up::DOZENS
+    }
+
     /// An upper bound of the size.
     pub fn magnitude(&self) -> f64 {
         (self.terms[0].magnitude() + self.change()) * up::FEW
@@ -102,8 +108,8 @@ impl Series {
         if a + b <= ORDER + 1 && self.rest == 0.0 && other.rest == 0.0 {
             return Series { terms, rest: 0.0 };
         }
-        // The sizes hold the rests, so one of the two products of a rest could do without.
-        let rest = beyond + self.magnitude() * other.rest + other.magnitude() * self.rest;
+        // (P + r) (Q + s) - P Q = P s + (Q + s) r.
+        let rest = beyond + self.size_of_polynomial() * other.rest + other.magnitude() * self.rest;
         Series { terms, rest: rest * up::THOUSANDS + UNDERFLOW }
     }
 
@@ -186,9 +192,10 @@ impl Series {
         if size <= 1.0 { change.polynomial(&coefficients, tail) } else { None }
     }
 
-    /// Sine and cosine; what is left out of either is at most |u|^N / N!.
+    /// Sine and cosine; what is left out of either is at most |u|^N / N!. The angle that the polynomial leaves out turns both further.
     pub fn sine_and_cosine(&self) -> Option<[Series; 2]> {
-        let (middle, change) = self.split();
+        let (middle, mut change) = self.split();
+        let left_out = std::mem::take(&mut change.rest);
         let tail = over_factorial(change.change());
         let (sine, cosine) = Number::Ball(middle).sin_cos()?;
         let (sine, cosine) = (sine.enclosure(), cosine.enclosure());
@@ -197,7 +204,16 @@ impl Series {
             let coefficients: [Ball; ORDER] = std::array::from_fn(|k| values[k % 4] * factors[k]);
             change.polynomial(&coefficients, tail)
         };
-        Some([turned([sine, cosine, -sine, -cosine])?, turned([cosine, -sine, -cosine, sine])?])
+        let (s, c) = (turned([sine, cosine, -sine, -cosine])?, turned([cosine, -sine, -cosine, sine])?);
+        if left_out == 0.0 {
+            return Some([s, c]);
+        }
+        let [sine, cosine] = sine_and_cosine_within(left_out).map(|ball| {
+            let mut series = Series::constant(Ball::exact(ball.mid));
+            series.rest = ball.rad;
+            series
+        });
+        Some([s.times(&cosine).plus(&c.times(&sine)), c.times(&cosine).plus(&s.times(&sine).negative())])
     }
 
     /// The angle of a direction (x, y) that does not cross the negative x axis: turned by the angle t in the middle, (u, v), it is

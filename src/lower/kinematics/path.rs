@@ -107,13 +107,38 @@ impl Path<Number> {
     }
 }
 
+/// The sine and the cosine of an angle. One that takes many values is the sum of two, about which a vector turns one after the other: so
+/// the lever arms of a range are as narrow as those about its middle.
+#[derive(Clone, Debug)]
+pub(super) struct Rotation<S> {
+    first: (S, S),
+    then: Option<(S, S)>,
+}
+
+impl<S: Scalar> Rotation<S> {
+    fn by(angle: &S) -> Rotation<S> {
+        match angle.apart() {
+            Some((middle, change)) => Rotation { first: middle.sin_cos(), then: Some(change.sin_cos()) },
+            None => Rotation { first: angle.sin_cos(), then: None },
+        }
+    }
+
+    fn of(&self, v: &Vector<S>, axis: &Vector<S>) -> Vector<S> {
+        let turned = v.rotate(axis, &self.first.0, &self.first.1);
+        match &self.then {
+            Some((sine, cosine)) => turned.rotate(axis, sine, cosine),
+            None => turned,
+        }
+    }
+}
+
 /// Values of the coordinates, with the rotations of the groups evaluated.
 #[derive(Clone, Debug)]
 pub struct State<S> {
     /// Empty if all are as drawn.
     pub(super) values: Vec<S>,
-    /// Sine and cosine of each group's angle; `None` if it has not turned.
-    pub(super) turned: Vec<Option<(S, S)>>,
+    /// The rotation of each group; `None` if it has not turned.
+    pub(super) turned: Vec<Option<Rotation<S>>>,
     zero: S,
 }
 
@@ -134,7 +159,7 @@ impl<S: Scalar> State<S> {
     /// A vector rotated by an angle coordinate.
     pub fn rotate_by(&self, kinematics: &Kinematics, angle: Index, v: &Vector<S>) -> Vector<S> {
         match self.turned.get(kinematics.group_of[angle as usize] as usize) {
-            Some(Some((sine, cosine))) => v.rotate(&kinematics.axis(angle), sine, cosine),
+            Some(Some(rotation)) => rotation.of(v, &kinematics.axis(angle)),
             _ => v.clone(),
         }
     }
@@ -147,7 +172,7 @@ impl<S: Scalar> State<S> {
         }
         let group = kinematics.group_of[coordinate as usize];
         if group != NO_TURN {
-            self.turned[group as usize] = (!value.is_zero()).then(|| value.sin_cos());
+            self.turned[group as usize] = (!value.is_zero()).then(|| Rotation::by(&value));
         }
         self.values[coordinate as usize] = value;
     }
@@ -235,8 +260,8 @@ impl<S: Scalar> PathEvaluation<S> {
 
     /// R_g v; `None` if the group has not turned.
     fn rotate(&self, kinematics: &Kinematics, state: &State<S>, group: u32, v: &Vector<S>) -> Option<Vector<S>> {
-        let (sine, cosine) = state.turned.get(group as usize)?.as_ref()?;
-        Some(v.rotate(&Vector::of(&kinematics.groups[group as usize].axis), sine, cosine))
+        let rotation = state.turned.get(group as usize)?.as_ref()?;
+        Some(rotation.of(v, &Vector::of(&kinematics.groups[group as usize].axis)))
     }
 
     /// Adds an arm to the entry of its group in `swept`, and returns the index of that entry.

@@ -6,7 +6,7 @@
 //! mit Fehlerschranken*, Computing 4 (1969) 187-201; R. E. Moore, *A test for existence of solutions to nonlinear
 //! systems*, SIAM J. Numer. Anal. 14 (1977) 611-615). F'(Z) and F(m) are evaluated in ball arithmetic.
 
-use super::proof::{MOST_CHANGE, Proven, REGIONS, Reached};
+use super::proof::{Proven, Reached};
 use crate::base::number::jet;
 use crate::base::number::series::{ORDER, Series};
 use crate::base::{Ball, Dd, Jet, Number, up};
@@ -57,6 +57,12 @@ pub const MAX_REFINEMENTS: usize = 8;
 pub const NEAR: f64 = 1e-9;
 /// How often the enclosure over ranges is replaced by its image.
 const NARROWED: usize = 2;
+/// What the stiffness in the middle is divided by before others are compared with it, for it may be the most or the least of those on the
+/// way, and by how much these may differ from it.
+const TRIED: [(f64, f64); 4] = [(1.0, 0.25), (1.0, 0.3), (1.25, 0.25), (0.8, 0.25)];
+/// A lower bound of the eigenvalues of the inverse with its diagonal scaled to 1: a stiffness near it is factored, without a shift, by
+/// the search too.
+const WELL_CONDITIONED: f64 = 1e-8;
 
 impl Inverse {
     /// `None` if numbers leave the range of binary64. `scale` makes rows of different magnitude comparable, so that a row
@@ -210,26 +216,27 @@ impl Inverse {
         mut slope_within: impl FnMut(&[f64]) -> Option<Vec<Part>>,
     ) -> Option<Reached> {
         let y = (&self.y + self.y.transpose()) * 0.5;
-        if self.is_singular() || !is_positive_definite(&y) {
+        if self.is_singular() || !is_positive_definite(&y, WELL_CONDITIONED) {
             return None;
         }
-        // F Y F at the drawing is the square of its distance from the solution in the norm of the inverse of Y, but for what F'
-        // changes by on the way.
+        // F Y F at the drawing bounds the energy that the search can lose.
         let n = drawn.len();
         let along = |i: usize| (0..n).map(|j| drawn[j] * Ball::from(y[(i, j)])).fold(Ball::ZERO, |sum, x| sum + x);
         let square = (0..n).map(|i| drawn[i] * along(i)).fold(Ball::ZERO, |sum, x| sum + x).magnitude();
-        let distance = square.sqrt() / (1.0 - MOST_CHANGE);
-        let unit: Vec<f64> = (0..n).map(|i| y[(i, i)].sqrt()).collect();
-        let [near, far] = REGIONS.map(|times| -> Vec<f64> {
-            tube.iter().zip(&unit).map(|(tube, unit)| (tube + times * distance * unit) * up::FEW).collect()
-        });
-        // The way from the drawing has to lie in the nearer region.
-        if away.iter().zip(&near).any(|(away, near)| away > near) {
-            return None;
-        }
-        let symmetric = Inverse { y, neutral: self.neutral.clone() };
-        let mut changes = |region: &[f64]| Some(symmetric.map_bound(&slope_within(region)?, &vec![0.0; n], &unit));
-        Reached::by_convexity(&changes(&near)?, &changes(&far)?, &unit)
+        TRIED.iter().find_map(|&(weight, change)| {
+            let distance = (weight * square).sqrt() / (1.0 - change);
+            let unit: Vec<f64> = (0..n).map(|i| (weight * y[(i, i)]).sqrt()).collect();
+            let [near, far] = Reached::regions(change).map(|times| -> Vec<f64> {
+                tube.iter().zip(&unit).map(|(tube, unit)| (tube + times * distance * unit) * up::FEW).collect()
+            });
+            // The way from the drawing has to lie in the nearer region.
+            if away.iter().zip(&near).any(|(away, near)| away > near) {
+                return None;
+            }
+            let symmetric = Inverse { y: &y * weight, neutral: self.neutral.clone() };
+            let mut changes = |region: &[f64]| Some(symmetric.map_bound(&slope_within(region)?, &vec![0.0; n], &unit));
+            Reached::by_convexity(change, &changes(&near)?, &changes(&far)?, &unit)
+        })
     }
 
     /// Y F as series, if all of F is known as one.
@@ -286,11 +293,12 @@ impl Inverse {
     }
 }
 
-/// Whether a symmetric matrix certainly is positive definite: its diagonal scaled to 1 and lessened by more than what rounding does
-/// to Cholesky's factors, these exist (S. M. Rump, *Verification of positive definiteness*, BIT 46 (2006) 433-452).
-fn is_positive_definite(matrix: &DMatrix<f64>) -> bool {
+/// Whether all eigenvalues of a symmetric matrix with its diagonal scaled to 1 are certainly above a number: lessened by that and by
+/// more than what rounding does to Cholesky's factors, these exist (S. M. Rump, *Verification of positive definiteness*, BIT 46 (2006)
+/// 433-452).
+fn is_positive_definite(matrix: &DMatrix<f64>, least: f64) -> bool {
     let n = matrix.nrows();
-    let lessened = (1.0 - 4.0 * f64::EPSILON * ((n + 2) * (n + 2)) as f64).max(0.0);
+    let lessened = (1.0 - least - 4.0 * f64::EPSILON * ((n + 2) * (n + 2)) as f64).max(0.0);
     let scale = matrix.diagonal().map(|entry| entry.sqrt().recip());
     let scaled = DMatrix::from_fn(n, n, |i, j| match i == j {
         true => lessened,
@@ -523,9 +531,9 @@ mod tests {
     #[test]
     fn definite_matrices_are_told_from_others() {
         let matrix = |off: f64| DMatrix::from_row_slice(2, 2, &[4e-9, off * 6e-3, off * 6e-3, 9e3]);
-        assert!([0.0, 0.5, -0.999].map(matrix).iter().all(is_positive_definite));
-        assert!(![1.0, -1.0, 1.5, f64::NAN].map(matrix).iter().any(is_positive_definite));
-        assert!(!is_positive_definite(&-matrix(0.5)));
+        assert!([0.0, 0.5, -0.999].map(matrix).iter().all(|matrix| is_positive_definite(matrix, 0.0)));
+        assert!(![1.0, -1.0, 1.5, f64::NAN].map(matrix).iter().any(|matrix| is_positive_definite(matrix, 0.0)));
+        assert!(!is_positive_definite(&-matrix(0.5), 0.0));
     }
 
     #[test]

@@ -61,15 +61,22 @@ impl Reached {
         proven.map(|_| Reached(()))
     }
 
-    /// Where the energy is at most as drawn, the stiffness is nearly constant, and in all places that a step from there may lead to it
-    /// is positive: `near` and `far` are upper bounds of what 1 less the stiffness over that of the middle makes of a vector with the
-    /// entries `of`. See docs/method/rest.md#where-the-search-ends.
-    pub fn by_convexity(near: &[f64], far: &[f64], of: &[f64]) -> Option<Reached> {
+    /// Where the energy is at most as drawn, the stiffness changes by a part of itself at the most, and in all places that a step from
+    /// there may lead to it is positive: `near` and `far` are upper bounds, in the two regions, of what 1 less the stiffness over that of
+    /// the middle makes of a vector with the entries `of`. See docs/method/rest.md#where-the-search-ends.
+    pub fn by_convexity(change: f64, near: &[f64], far: &[f64], of: &[f64]) -> Option<Reached> {
         let is_within = |changes: &[f64], most: f64| {
             let is_small = |(change, of): (&f64, &f64)| *change <= most * of && of.is_finite();
             changes.len() == of.len() && changes.iter().zip(of).all(is_small)
         };
-        (is_within(near, MOST_CHANGE) && is_within(far, LESS_THAN_ALL)).then_some(Reached(()))
+        (is_within(near, change) && is_within(far, LESS_THAN_ALL)).then_some(Reached(()))
+    }
+
+    /// The distances from the rest, in units of the most that the drawing may be away and in the norm of the stiffness, within which the
+    /// search stays and within which each of its steps ends, if the stiffness changes by this part of itself in the first: 1, with room
+    /// for what rounding does to energies, and (1 + change) / (1 - change) of that.
+    pub fn regions(change: f64) -> [f64; 2] {
+        [ROOM, ROOM * (1.0 + change) / (1.0 - change)]
     }
 
     /// Both of two parts are reached.
@@ -78,13 +85,10 @@ impl Reached {
     }
 }
 
-/// The most that the stiffness may change, as a part of itself, where the search stays.
-pub const MOST_CHANGE: f64 = 0.25;
 /// Below 1, a change leaves the stiffness positive; with room for what rounding may add.
 const LESS_THAN_ALL: f64 = 0.9;
-/// The distances from the rest, in units of an upper bound of that of the drawing and in the norm of the stiffness in the middle, within
-/// which the search stays and within which each of its steps ends: sqrt(5/3) and 7/3 of that for this change.
-pub const REGIONS: [f64; 2] = [1.291, 3.0124];
+/// Of the energy that the search can lose at most, rounding may add a tenth.
+const ROOM: f64 = 1.05;
 
 #[cfg(test)]
 mod tests {
@@ -124,15 +128,15 @@ mod tests {
 
     #[test]
     fn a_search_that_may_leave_the_region_proves_nothing() {
-        assert!(Reached::by_convexity(&[0.2, 0.5], &[0.8, 1.7], &[1.0, 2.0]).is_some());
-        assert_eq!(Reached::by_convexity(&[0.3, 0.5], &[0.8, 1.7], &[1.0, 2.0]), None);
-        assert_eq!(Reached::by_convexity(&[0.2, 0.5], &[0.8, 2.0], &[1.0, 2.0]), None);
-        assert_eq!(Reached::by_convexity(&[f64::NAN, 0.5], &[0.8, 1.7], &[1.0, 2.0]), None);
-        assert_eq!(Reached::by_convexity(&[0.2], &[0.8, 1.7], &[1.0, 2.0]), None);
-        // The constants are those of the text: sqrt((1 + c) / (1 - c)), and (1 + 3 c) / (1 - c) of it, rounded upwards.
-        let near = ((1.0 + MOST_CHANGE) / (1.0 - MOST_CHANGE)).sqrt();
-        let far = near * (1.0 + 3.0 * MOST_CHANGE) / (1.0 - MOST_CHANGE);
-        assert!((near..near + 1e-4).contains(&REGIONS[0]) && (far..far + 1e-4).contains(&REGIONS[1]), "{near} {far}");
+        let reached = |near: [f64; 2], far: [f64; 2]| Reached::by_convexity(0.25, &near, &far, &[1.0, 2.0]);
+        assert!(reached([0.2, 0.5], [0.8, 1.7]).is_some());
+        assert_eq!(reached([0.3, 0.5], [0.8, 1.7]), None);
+        assert_eq!(reached([0.2, 0.5], [0.8, 2.0]), None);
+        assert_eq!(reached([f64::NAN, 0.5], [0.8, 1.7]), None);
+        assert_eq!(Reached::by_convexity(0.25, &[0.2], &[0.8, 1.7], &[1.0, 2.0]), None);
+        // A step from the edge of the first region ends within 5/3 of its distance, if stiffnesses are within a quarter.
+        let [near, far] = Reached::regions(0.25);
+        assert!(near > 1.0 && (far / near - 5.0 / 3.0).abs() < 1e-12);
     }
 
     #[test]
