@@ -25,7 +25,7 @@ pub struct Tolerated {
     pub never: Vec<Option<&'static str>>,
     /// The number of places that were looked at.
     pub places: usize,
-    /// Terms move with the rest, which is the one that the declared rest becomes as the values move.
+    /// Terms move with the rest, which is the one that the declared rest becomes as the values move; a search may end in another one.
     pub follows_rest: bool,
     /// Why ranges are not proved, where one thing is to blame.
     pub not_proved: Option<&'static str>,

@@ -44,7 +44,7 @@ pub fn section(answer: &ModalAnswer) -> Section {
     let why = found.not_proved.map(|why| Block::Line(line!["what is only reached is not proved: ", why]));
     let rest = found
         .follows_rest
-        .then(|| Block::Line("the rest is the one that the declared rest becomes as these values move".into()));
+        .then(|| Block::Line("ranges are about the rest that the declared rest becomes as these values move; a search may end in another".into()));
     Section::new(HEADING, blocks.chain(others).chain(more).chain(requirements).chain(never).chain(rest).chain(why))
 }
 

@@ -61,22 +61,19 @@ impl Reached {
         proven.map(|_| Reached(()))
     }
 
-    /// Where the energy is at most as drawn, the stiffness changes by a part of itself at the most, and in all places that a step from
-    /// there may lead to it is positive: `near` and `far` are upper bounds, in the two regions, of what 1 less the stiffness over that of
-    /// the middle makes of a vector with the entries `of`. See docs/method/rest.md#where-the-search-ends.
-    pub fn by_convexity(change: f64, near: &[f64], far: &[f64], of: &[f64]) -> Option<Reached> {
-        let is_within = |changes: &[f64], most: f64| {
-            let is_small = |(change, of): (&f64, &f64)| *change <= most * of && of.is_finite();
-            changes.len() == of.len() && changes.iter().zip(of).all(is_small)
-        };
-        (is_within(near, change) && is_within(far, LESS_THAN_ALL)).then_some(Reached(()))
+    /// Where a step may lead while the energy is at most as drawn, the stiffness changes by a part of itself at the most: `changes` are
+    /// upper bounds of what 1 less the stiffness over that of the middle makes of a vector with the entries `of`, within
+    /// [`Reached::within`]. See docs/method/rest.md#where-the-search-ends.
+    pub fn by_convexity(change: f64, changes: &[f64], of: &[f64]) -> Option<Reached> {
+        let is_small = |(own, of): (&f64, &f64)| *own <= change * of && of.is_finite();
+        (changes.len() == of.len() && changes.iter().zip(of).all(is_small)).then_some(Reached(()))
     }
 
-    /// The distances from the rest, in units of the most that the drawing may be away and in the norm of the stiffness, within which the
-    /// search stays and within which each of its steps ends, if the stiffness changes by this part of itself in the first: 1, with room
-    /// for what rounding does to energies, and (1 + change) / (1 - change) of that.
-    pub fn regions(change: f64) -> [f64; 2] {
-        [ROOM, ROOM * (1.0 + change) / (1.0 - change)]
+    /// How far from the rest each step of the search ends, in units of the most that the drawing may be away and in the norm of the
+    /// stiffness, if that changes by a part of itself below 1/2: 1 / sqrt(1 - (change / (1 - change))^2), and some room.
+    pub fn within(change: f64) -> f64 {
+        let turned = change / (1.0 - change);
+        ROOM / (1.0 - turned * turned).sqrt()
     }
 
     /// Both of two parts are reached.
@@ -85,8 +82,6 @@ impl Reached {
     }
 }
 
-/// Below 1, a change leaves the stiffness positive; with room for what rounding may add.
-const LESS_THAN_ALL: f64 = 0.9;
 /// Of the energy that the search can lose at most, rounding may add a tenth.
 const ROOM: f64 = 1.05;
 
@@ -128,15 +123,42 @@ mod tests {
 
     #[test]
     fn a_search_that_may_leave_the_region_proves_nothing() {
-        let reached = |near: [f64; 2], far: [f64; 2]| Reached::by_convexity(0.25, &near, &far, &[1.0, 2.0]);
-        assert!(reached([0.2, 0.5], [0.8, 1.7]).is_some());
-        assert_eq!(reached([0.3, 0.5], [0.8, 1.7]), None);
-        assert_eq!(reached([0.2, 0.5], [0.8, 2.0]), None);
-        assert_eq!(reached([f64::NAN, 0.5], [0.8, 1.7]), None);
-        assert_eq!(Reached::by_convexity(0.25, &[0.2], &[0.8, 1.7], &[1.0, 2.0]), None);
-        // A step from the edge of the first region ends within 5/3 of its distance, if stiffnesses are within a quarter.
-        let [near, far] = Reached::regions(0.25);
-        assert!(near > 1.0 && (far / near - 5.0 / 3.0).abs() < 1e-12);
+        let reached = |changes: &[f64]| Reached::by_convexity(0.25, changes, &[1.0, 2.0]);
+        assert!(reached(&[0.2, 0.5]).is_some());
+        assert_eq!([&[0.3, 0.5][..], &[0.2, 0.6], &[f64::NAN, 0.5], &[0.2]].map(reached), [None; 4]);
+    }
+
+    /// A step -(H + s D)^-1 G e from e leads no farther than is said, and hardly less far for some H and G within c of 1, D that is
+    /// positive and s >= 0: planes at random.
+    #[test]
+    fn a_step_ends_in_the_region() {
+        let mut state = 7u64;
+        let mut random = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        for change in [0.25, 0.3] {
+            let most = Reached::within(change) / ROOM;
+            let mut longest = 0.0f64;
+            for _ in 0..100_000 {
+                let mut turned = |[a, b]: [f64; 2]| {
+                    let (sine, cosine) = (std::f64::consts::TAU * random()).sin_cos();
+                    nalgebra::Matrix2::new(
+                        a * cosine * cosine + b * sine * sine,
+                        (a - b) * sine * cosine,
+                        (a - b) * sine * cosine,
+                        a * sine * sine + b * cosine * cosine,
+                    )
+                };
+                let ends = [1.0 - change, 1.0 + change];
+                let (h, g, d) = (turned(ends), turned(ends), turned([1e-3, 1.0]));
+                let shift = if random() < 0.5 { 0.0 } else { 10f64.powf(6.0 * random() - 3.0) };
+                let e = nalgebra::Vector2::new(1.0, 0.0);
+                let step = (h + d * shift).try_inverse().expect("positive") * (g * e);
+                longest = longest.max((e - step).norm());
+            }
+            assert!(longest <= most && longest > 1.0 + 0.5 * (most - 1.0), "{change} {longest}");
+        }
     }
 
     #[test]

@@ -38,6 +38,12 @@ impl Corners<'_> {
         points.iter().any(|point| displacement(point) != points.first().and_then(displacement))
     }
 
+    /// Whether terms move with the rest over the whole box, and it is not proved that the search ends there for all values: what is known
+    /// of that rest then proves nothing about what the model does at each of them.
+    pub fn follows_rest(&self) -> bool {
+        self.rest_over_all().is_some_and(Rest::may_be_elsewhere)
+    }
+
     /// The rest over the whole box; `None` if it is not enclosed.
     pub fn rest_over_all(&self) -> Option<&Rest> {
         let find = || {

@@ -35,7 +35,7 @@ pub fn worst(
     let mut seen = asked.seen_values(Sought::Measure(0))?;
     let sign = if optimum.highest { -1.0 } else { 1.0 };
     boxes.begin();
-    let bound = match asked.can_cut() {
+    let bound = match asked.can_cut() && !corners.follows_rest() {
         true => boxes.extreme(Sought::Measure(0), sign, &mut seen, Until::Close).0,
         false => None,
     };
@@ -83,6 +83,9 @@ pub fn best_possible(
     let corners =
         designs.iter().map(|Design { held, ranges }| Corners::new(text, held, ranges, Subject::Optimum(index)));
     let corners: Vec<Corners> = corners.collect();
+    if corners.iter().any(Corners::follows_rest) {
+        return None;
+    }
     let boxes: Vec<Boxes> = corners.iter().map(Boxes::new).collect();
     boxes.iter().for_each(|boxes| boxes.begin_with_share(SHARE));
     let goal = sign * known.to_f64() + LITTLE * known.magnitude();
