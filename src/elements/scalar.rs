@@ -27,7 +27,7 @@ pub trait Scalar: Clone + Debug {
     /// This value as a [`Number`](crate::base::Number).
     fn number(&self) -> Number;
     /// The middle of the values that this one takes over a range, exactly, and how far each is from it; `None` if it takes one.
-    fn apart(&self) -> Option<(Self, Self)> {
+    fn middle_and_change(&self) -> Option<(Self, Self)> {
         None
     }
     /// A value of which nothing is known.
@@ -178,7 +178,7 @@ impl Scalar for Number {
         self.clone()
     }
 
-    fn apart(&self) -> Option<(Number, Number)> {
+    fn middle_and_change(&self) -> Option<(Number, Number)> {
         let middle = || Number::Ball(Ball::exact(self.enclosure().mid));
         self.is_range().then(middle).map(|middle| (middle.clone(), self - &middle))
     }

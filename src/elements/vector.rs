@@ -67,7 +67,7 @@ impl<S: Scalar> Vector<S> {
     /// The vector over the size of its largest component, and that; `None` if it takes one value only, or that component may be zero.
     pub fn by_largest(&self) -> Option<(Vector<S>, S)> {
         let components = [&self.x, &self.y, &self.z];
-        if components.iter().all(|component| component.apart().is_none()) {
+        if components.iter().all(|component| component.middle_and_change().is_none()) {
             return None;
         }
         let size = |place: usize| components[place].to_f64().abs();

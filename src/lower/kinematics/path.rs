@@ -117,7 +117,7 @@ pub(super) struct Rotation<S> {
 
 impl<S: Scalar> Rotation<S> {
     fn by(angle: &S) -> Rotation<S> {
-        match angle.apart() {
+        match angle.middle_and_change() {
             Some((middle, change)) => Rotation { first: middle.sin_cos(), then: Some(change.sin_cos()) },
             None => Rotation { first: angle.sin_cos(), then: None },
         }

@@ -226,7 +226,7 @@ impl Inverse {
         TRIED.iter().find_map(|&(weight, change)| {
             let distance = (weight * square).sqrt() / (1.0 - change);
             let unit: Vec<f64> = (0..n).map(|i| (weight * y[(i, i)]).sqrt()).collect();
-            let far = Reached::within(change) * distance;
+            let far = Reached::reach_of_steps(change) * distance;
             let region: Vec<f64> = tube.iter().zip(&unit).map(|(tube, unit)| (tube + far * unit) * up::FEW).collect();
             // The way from the drawing has to lie in it.
             if away.iter().zip(&region).any(|(away, region)| away > region) {

@@ -63,7 +63,7 @@ impl Reached {
 
     /// Where a step may lead while the energy is at most as drawn, the stiffness changes by a part of itself at the most: `changes` are
     /// upper bounds of what 1 less the stiffness over that of the middle makes of a vector with the entries `of`, within
-    /// [`Reached::within`]. See docs/method/rest.md#where-the-search-ends.
+    /// [`Reached::reach_of_steps`]. See docs/method/rest.md#where-the-search-ends.
     pub fn by_convexity(change: f64, changes: &[f64], of: &[f64]) -> Option<Reached> {
         let is_small = |(own, of): (&f64, &f64)| *own <= change * of && of.is_finite();
         (changes.len() == of.len() && changes.iter().zip(of).all(is_small)).then_some(Reached(()))
@@ -71,7 +71,7 @@ impl Reached {
 
     /// How far from the rest each step of the search ends, in units of the most that the drawing may be away and in the norm of the
     /// stiffness, if that changes by a part of itself below 1/2: 1 / sqrt(1 - (change / (1 - change))^2), and some room.
-    pub fn within(change: f64) -> f64 {
+    pub fn reach_of_steps(change: f64) -> f64 {
         let turned = change / (1.0 - change);
         ROOM / (1.0 - turned * turned).sqrt()
     }
@@ -138,7 +138,7 @@ mod tests {
             (state >> 11) as f64 / (1u64 << 53) as f64
         };
         for change in [0.25, 0.3] {
-            let most = Reached::within(change) / ROOM;
+            let most = Reached::reach_of_steps(change) / ROOM;
             let mut longest = 0.0f64;
             for _ in 0..100_000 {
                 let mut turned = |[a, b]: [f64; 2]| {
