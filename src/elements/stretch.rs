@@ -66,11 +66,11 @@ fn line<S: Scalar>(drawn: &Vector<S>, delta: &Vector<S>) -> Stretched<S> {
     let gain = drawn.plus(&direction).dot(delta);
     let change =
         if gain.is_zero() { S::zero() } else { gain.over(&length_squared.root().plus(&drawn.norm_squared().root())) };
-    curved(change, direction, length_squared)
+    stretched_along(change, direction, length_squared)
 }
 
 /// A stretch along d, whose squared length is given too.
-fn curved<S: Scalar>(change: S, d: Vector<S>, length_squared: S) -> Stretched<S> {
+fn stretched_along<S: Scalar>(change: S, d: Vector<S>, length_squared: S) -> Stretched<S> {
     let Some((direction, unit)) = d.by_largest() else {
         return Stretched::Displacement { change, direction: d, length_squared, unit: None, curved: true };
     };
@@ -91,14 +91,14 @@ fn span<S: Scalar>(drawn: &Vector<S>, gap: &S, left: bool, delta: &Vector<S>, tu
     };
     if delta.is_zero() {
         let (direction, _, length_squared) = tangent(drawn);
-        return curved(turn.clone(), direction, length_squared);
+        return stretched_along(turn.clone(), direction, length_squared);
     }
     let apart = drawn.plus(delta);
     let ((before, length, _), (direction, now, length_squared)) = (tangent(drawn), tangent(&apart));
     let longer = drawn.plus(&apart).dot(delta).over(&length.plus(&now));
     let turned = S::atan2(&before.cross(&direction).z, &before.dot(&direction));
     let change = longer.minus(&gap.times(&turned)).plus(turn);
-    curved(change, direction, length_squared)
+    stretched_along(change, direction, length_squared)
 }
 
 /// value / sqrt(length_squared), exactly zero if the value is.
