@@ -67,15 +67,9 @@ mod sweep;
 pub mod sweep;
 
 #[cfg(not(feature = "program"))]
-mod analysis;
-#[cfg(not(feature = "program"))]
 mod answers;
 #[cfg(not(feature = "program"))]
 mod backend;
-#[cfg(not(feature = "program"))]
-mod base;
-#[cfg(not(feature = "program"))]
-mod bench;
 #[cfg(not(feature = "program"))]
 mod dynamics;
 #[cfg(not(feature = "program"))]
@@ -86,8 +80,6 @@ mod elements;
 mod equations;
 #[cfg(not(feature = "program"))]
 mod joints;
-#[cfg(not(feature = "program"))]
-mod kernel;
 #[cfg(not(feature = "program"))]
 mod kinds;
 #[cfg(not(feature = "program"))]
@@ -102,24 +94,13 @@ mod questions;
 mod symbols;
 #[cfg(not(feature = "program"))]
 mod syntax;
-#[cfg(not(feature = "program"))]
-mod system;
 
-#[cfg(feature = "program")]
-#[doc(hidden)]
-pub mod analysis;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod answers;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod backend;
-#[cfg(feature = "program")]
-#[doc(hidden)]
-pub mod base;
-#[cfg(feature = "program")]
-#[doc(hidden)]
-pub mod bench;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod cli;
@@ -138,9 +119,6 @@ pub mod equations;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod joints;
-#[cfg(feature = "program")]
-#[doc(hidden)]
-pub mod kernel;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod kinds;
@@ -162,9 +140,12 @@ pub mod symbols;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod syntax;
+
+#[cfg(not(feature = "program"))]
+use vibc_linear::{analysis, base, bench, kernel, system};
 #[cfg(feature = "program")]
 #[doc(hidden)]
-pub mod system;
+pub use vibc_linear::{analysis, base, bench, kernel, system};
 
 // ---- the interface
 

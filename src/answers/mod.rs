@@ -3,8 +3,6 @@
 
 pub mod ranges;
 pub mod report;
-#[cfg(test)]
-pub(crate) mod samples;
 
 use crate::analysis::response_spectrum::Spectral;
 use crate::analysis::shock::{Quantity, ShockSpectrum};

@@ -3,6 +3,7 @@
 //!
 //! `VIBC_WRITE_WORDS=1 cargo test --test suite kinds::` writes the lists; without the variable the test compares them.
 
+use crate::models::SOURCES;
 use std::fs;
 use std::path::Path;
 use vibc::base::{Field, Takes};
@@ -173,7 +174,7 @@ fn no_other_file_has_the_words_of_elements_and_joints() {
     let words = keywords(|declaration| matches!(declaration.shape, Shape::Element(_) | Shape::Joint(_)));
     assert!(words.contains(&"inerter") && words.contains(&"weld"));
     let mut found = Vec::new();
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src")];
+    let mut folders = SOURCES.map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).to_vec();
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(&folder).expect("a folder of sources") {
             let path = entry.expect("an entry").path();

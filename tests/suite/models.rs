@@ -82,10 +82,15 @@ impl Run {
     }
 }
 
+/// The sources of the program's two crates, below the root.
+pub const SOURCES: [&str; 2] = ["src", "linear/src"];
+
 /// Every `"vib::..."` in the sources.
 pub fn codes_in_sources() -> BTreeSet<String> {
     let mut codes = BTreeSet::new();
-    collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut codes);
+    for folder in SOURCES {
+        collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut codes);
+    }
     codes
 }
 

@@ -8,7 +8,7 @@ use std::process::Command;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 #[test]
 fn wide_loops_stay_within_their_slices() {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/kernel/simd.rs");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("linear/src/kernel/simd.rs");
     let folder = tempfile::tempdir().expect("a folder");
     let root = folder.path().join("simd.rs");
     let text = format!(

@@ -84,6 +84,7 @@ pub trait Eight: Vector {
 /// `fn name(..)` for loops over [`crate::base::Dd`] that only want fused multiply-add as one instruction. The first and the last may
 /// have a `const R: usize`. What the body calls
 /// has to be `#[inline(always)]`, or it is compiled without these instructions.
+#[macro_export]
 macro_rules! simd {
     ($(#[$meta:meta])* $visibility:vis fn $name:ident<$v:ident: Vector $(, const $r:ident: usize)?>
      ($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? $body:block) => {
@@ -139,6 +140,7 @@ macro_rules! simd {
 
 /// The body of a function of [`simd!`]: calls `with` for the widest of these types for which the processor has
 /// instructions.
+#[macro_export]
 macro_rules! dispatch {
     ([$(const $r:ident)? ($($argument:ident: $type:ty),*) $(-> $result:ty)?] $plain:ty, $avx2:ty, $avx512:ty) => {
         #[cfg(target_arch = "x86_64")]
@@ -166,7 +168,7 @@ macro_rules! dispatch {
     };
 }
 
-pub(crate) use {dispatch, simd};
+pub use {dispatch, simd};
 
 /// Whether the processor has AVX2 and fused multiply-add.
 #[cfg(target_arch = "x86_64")]

@@ -78,7 +78,7 @@ impl Verdict {
 
     /// A verdict for tests of reports, without an analysis.
     #[cfg(test)]
-    pub(crate) fn sample(kind: Stability, reason: Reason) -> Verdict {
+    pub fn sample(kind: Stability, reason: Reason) -> Verdict {
         Verdict { kind, reason }
     }
 }

@@ -14,7 +14,7 @@ pub mod count;
 pub(in crate::analysis) mod disc_columns;
 pub(in crate::analysis) mod discs;
 pub(in crate::analysis) mod exact;
-pub(crate) mod feedback;
+pub mod feedback;
 pub(in crate::analysis) mod list;
 mod lossy;
 pub(in crate::analysis) mod passive;

@@ -181,7 +181,7 @@ pub struct Poles {
     /// The motion in coordinates of the poles, where it was asked for and proved.
     pub coordinates: Option<Arc<PoleCoordinates>>,
     /// The state matrix with its Schur form, where the poles were found by one of a system that is one part.
-    pub(crate) state: Option<Arc<StateForm>>,
+    pub state: Option<Arc<StateForm>>,
 }
 
 impl Poles {

@@ -5,8 +5,8 @@
 //! results are certified elsewhere.
 
 pub mod divide;
-pub(crate) mod secular;
-pub(crate) mod tridiagonal;
+pub mod secular;
+pub mod tridiagonal;
 
 use crate::kernel::dense::Matrix;
 use crate::kernel::symmetric::divide::Eigen;

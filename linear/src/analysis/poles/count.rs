@@ -24,7 +24,7 @@ impl PoleCount {
 
     /// A count for tests of reports, without an analysis.
     #[cfg(test)]
-    pub(crate) fn sample(finite: usize, infinite: usize) -> PoleCount {
+    pub fn sample(finite: usize, infinite: usize) -> PoleCount {
         PoleCount { finite, infinite }
     }
 }

@@ -2,30 +2,30 @@
 //! numbers, polynomials, dense and sparse elimination, and loops over wide registers. Nothing here depends on a
 //! mechanical system. docs/method/kernel.md says which of them to use.
 
-pub(crate) mod big_float;
-pub(crate) mod binomial;
+pub mod big_float;
+pub mod binomial;
 pub mod bounded;
 pub mod complex;
-pub(crate) mod cores;
+pub mod cores;
 pub mod dense;
 pub mod disc;
-pub(crate) mod lanes;
+pub mod lanes;
 pub mod low_rank;
-pub(crate) mod normal;
-pub(crate) mod pairwise;
+pub mod normal;
+pub mod pairwise;
 pub mod pencils;
-pub(crate) mod philox;
-pub(crate) mod polynomial;
-pub(crate) mod precise;
-pub(crate) mod pseudosymmetric;
+pub mod philox;
+pub mod polynomial;
+pub mod precise;
+pub mod pseudosymmetric;
 pub mod rank_one;
 pub mod real;
-pub(crate) mod residues;
+pub mod residues;
 pub mod secular;
-pub(crate) mod simd;
-pub(crate) mod sobol;
+pub mod simd;
+pub mod sobol;
 pub mod sparse;
-pub(crate) mod squares;
-pub(crate) mod sturm;
+pub mod squares;
+pub mod sturm;
 pub mod symmetric;
-pub(crate) mod triple;
+pub mod triple;

@@ -13,10 +13,12 @@ use std::ops::Add;
 /// A plain number cannot become a bound:
 ///
 /// ```compile_fail,E0423
+/// # use vibc_linear::base as vibc;
 /// let bound = vibc::Bound(1e-16);
 /// ```
 ///
 /// ```compile_fail,E0277
+/// # use vibc_linear::base as vibc;
 /// let bound: vibc::Bound = 1e-16.into();
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]

@@ -10,7 +10,7 @@ const PIECES: usize = 4;
 
 /// Applies `work` to the whole list, in pieces of at least `least` items, each a multiple of `multiple`; returns the results in
 /// order.
-pub(crate) fn in_pieces<T: Sync, U: Send>(
+pub fn in_pieces<T: Sync, U: Send>(
     items: &[T],
     least: usize,
     multiple: usize,
@@ -34,7 +34,7 @@ pub(crate) fn in_pieces<T: Sync, U: Send>(
 
 /// Applies `work` to the numbers of a slice in pieces of whole columns, `stride` numbers each, of at least `least` columns; with the
 /// index of each piece's first column and the number of its columns. The last column may be shorter than the stride.
-pub(crate) fn in_columns(
+pub fn in_columns(
     numbers: &mut [f64],
     (stride, columns, least): (usize, usize, usize),
     work: impl Fn(&mut [f64], usize, usize) + Sync,

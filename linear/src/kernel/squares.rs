@@ -38,6 +38,7 @@ impl<W, A> Squares<W, A> {
     }
 
     /// The number of terms.
+    #[allow(clippy::len_without_is_empty)]
     #[inline]
     pub fn len(&self) -> usize {
         self.weights.len()

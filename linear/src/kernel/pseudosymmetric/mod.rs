@@ -6,9 +6,9 @@
 //! digits is promised. They are starting values. Callers refine and prove them, and fall back to a Schur form if that
 //! fails.
 
-pub(crate) mod eigenvalues;
-pub(crate) mod eigenvectors;
-pub(crate) mod reduction;
+pub mod eigenvalues;
+pub mod eigenvectors;
+pub mod reduction;
 
 use crate::kernel::complex::Complex;
 use crate::kernel::dense::Matrix;

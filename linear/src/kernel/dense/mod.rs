@@ -3,14 +3,14 @@
 //!
 //! The algorithms here work on columns (rotations of pairs, Gram products, modes), so a column is a slice.
 
-pub(crate) mod cholesky;
-pub(crate) mod echelon;
-pub(crate) mod enclosure;
-pub(crate) mod inverse_factor;
-pub(crate) mod jacobi;
-pub(crate) mod lu;
-pub(crate) mod pivoted_qr;
-pub(crate) mod product;
+pub mod cholesky;
+pub mod echelon;
+pub mod enclosure;
+pub mod inverse_factor;
+pub mod jacobi;
+pub mod lu;
+pub mod pivoted_qr;
+pub mod product;
 
 use crate::base::Dd;
 use crate::kernel::real::Float;
