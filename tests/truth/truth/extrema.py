@@ -52,7 +52,13 @@ class Curve:
         self.extrema = []
         if slope.is_zero():
             return
-        places = [(x, many) for x, many in real_roots(slope, BITS) if x > 0]
+        # Poles on the axis, where the gain is infinite, make both zero. Else more digits tell that it is finite.
+        may_be_infinite = bottom.gcd(slope).degree() > 0
+        for bits in (BITS, 4 * BITS, 16 * BITS):
+            ctx.prec = bits
+            places = [(x, many) for x, many in real_roots(slope, bits) if x > 0]
+            if may_be_infinite or not any(value(bottom, x).contains(0) for x, _ in places):
+                break
         sign = 1 if slope.leading_coefficient() > 0 else -1
         for x, many in reversed(places):
             if many % 2 == 0:

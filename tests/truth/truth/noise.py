@@ -208,7 +208,7 @@ def banded(parts, delays, noise, more):
     if not parts:
         return arb(0)
     curves = [(acb_poly(top), acb_poly(bottom), arb(t)) for (top, bottom), t in parts]
-    total = arb(0)
+    total, evaluations = arb(0), 0
 
     def of(s):
         return sum((above(s) / below(s) * (-s * t).exp() for above, below, t in curves), acb(0))
@@ -221,6 +221,10 @@ def banded(parts, delays, noise, more):
         course = density(low, high, size, slope, last)
 
         def gain(f):
+            nonlocal evaluations
+            evaluations += 1
+            if evaluations > MOST_EVALUATIONS:
+                raise TooLong
             s = I * 2 * pi() * f
             h = of(s) * of(-s)
             return h * (2 * pi() * f) ** more if more else h
@@ -281,7 +285,10 @@ def square_at(net, i, more):
             parts.append((top, bottom * fmpq_poly([0, 1]) ** noise.derivative))
         if len(set(delays)) == 1:
             parts, delays = [(sum((top for top, _ in parts), fmpq_poly([])), parts[0][1])], [fmpq(0)]
-        part = banded(parts, delays, noise, more) if noise.white is None else whites(parts, delays, noise, more)
+        try:
+            part = banded(parts, delays, noise, more) if noise.white is None else whites(parts, delays, noise, more)
+        except TooLong:
+            return OPEN
         if part is OPEN or part is None:
             return part
         total += part
@@ -290,6 +297,13 @@ def square_at(net, i, more):
 
 # No truth is computed.
 OPEN = object()
+# Delays that turn the phase a thousand times in a band: some seconds.
+MOST_EVALUATIONS = 100_000
+
+
+class TooLong(Exception):
+    """The integral takes more evaluations than these."""
+
 
 
 def whites(parts, delays, noise, more):
