@@ -78,6 +78,18 @@ pub struct SignalKind {
     pub density: Expected,
 }
 
+impl SignalKind {
+    /// Whether it is a force or a torque.
+    pub fn is_load(&self) -> bool {
+        [FORCE_SIGNAL, TORQUE_SIGNAL].contains(self)
+    }
+
+    /// Whether it is the motion of a base itself, not its rate or acceleration.
+    pub fn is_motion(&self) -> bool {
+        [DISPLACEMENT_SIGNAL, ANGLE_SIGNAL].contains(self)
+    }
+}
+
 pub const FORCE_SIGNAL: SignalKind = SignalKind {
     amplitude: Expected::new("a force", Dimension::FORCE, "10 N"),
     impulse: Expected::new("an impulse", Dimension::IMPULSE, "3 N*s"),

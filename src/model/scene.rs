@@ -480,6 +480,33 @@ pub struct TableRows {
     pub values: Vec<Number>,
 }
 
+impl TableRows {
+    /// The rows from t = 0 on if there are earlier ones, with the value on the line at t = 0 as the first. `keeps`: the last value
+    /// remains after the last row, else there is nothing left of a table that ends by then.
+    pub fn from_zero(&self, keeps: bool) -> Option<TableRows> {
+        self.times.first().filter(|first| first.is_negative())?;
+        let Some(next) = self.times.iter().position(|time| !time.is_negative()) else {
+            let last = self.values.last().filter(|_| keeps).cloned();
+            return Some(TableRows {
+                times: last.iter().map(|_| Number::ZERO).collect(),
+                values: last.into_iter().collect(),
+            });
+        };
+        let (mut times, mut values) = (self.times[next..].to_vec(), self.values[next..].to_vec());
+        if times[0].is_zero() {
+            // The last row alone is no course.
+            let is_over = times.len() == 1 && !keeps;
+            return Some(if is_over { TableRows::default() } else { TableRows { times, values } });
+        }
+        let (before, after) = (&self.times[next - 1], &self.times[next]);
+        let rise = &self.values[next] - &self.values[next - 1];
+        let at_zero = &self.values[next] - &(&rise * &(after / &(after - before)));
+        times.insert(0, Number::ZERO);
+        values.insert(0, at_zero);
+        Some(TableRows { times, values })
+    }
+}
+
 /// A named linear combination of motions.
 #[derive(Clone, Debug)]
 pub struct Output {

@@ -14,6 +14,7 @@ use crate::base::{Dimension, Number, Span};
 use crate::kinds::functions::{self, Named, SIGNALS, SignalKind};
 use crate::syntax::tree::{Binary, ExprId, ExprKind};
 use crate::system::Signal as Function;
+use std::sync::Arc;
 
 const TIME: Expected = Expected::new("a time", Dimension::TIME, "0.5 s");
 const SPEED: Expected = Expected::new("a speed", Dimension::VELOCITY, "20 m/s");
@@ -184,27 +185,39 @@ impl<'a> Check<'a> {
         let given = &called.given;
         if called.signal == Word::Table {
             let table = self.table(called, &kind.amplitude, environment)?;
-            list.push(table);
+            list.extend(self.table_from_zero(table, kind, called.span, environment));
             return Ok(());
         }
         if called.signal == Word::Periodic {
             let table = self.repeated_table(called, environment)?;
             let table = self.table(&table, &kind.amplitude, environment)?;
-            let moves = [functions::DISPLACEMENT_SIGNAL, functions::ANGLE_SIGNAL].contains(kind);
-            list.push(self.periodic(table, given[1], moves, environment)?);
+            list.push(self.periodic(table, given[1], kind.is_motion(), environment)?);
             return Ok(());
         }
         let expected = if called.signal == Word::Impulse { &kind.impulse } else { &kind.amplitude };
         let value = self.number(given[0], environment, expected);
         let time = |check: &mut Check<'a>, index: usize| check.number(given[index], environment, &TIME);
-        match called.signal {
-            Word::Constant => list.push(Signal::Constant { value: value? }),
-            Word::Step => list.push(Function::Step { at: time(self, 1)?, value: value? }.into()),
-            Word::Impulse => list.push(Function::Impulse { at: time(self, 1)?, value: value? }.into()),
+        let made = match called.signal {
+            Word::Constant => {
+                list.push(Signal::Constant { value: value? });
+                return Ok(());
+            }
+            Word::Step => {
+                let at = time(self, 1)?;
+                self.note_before_zero(called.span, &at, None, environment);
+                vec![Function::Step { at, value: value? }]
+            }
+            Word::Impulse => {
+                let at = time(self, 1)?;
+                self.note_before_zero(called.span, &at, Some(&at), environment);
+                vec![Function::Impulse { at, value: value? }]
+            }
             Word::Ramp | Word::Pulse | Word::HalfSine | Word::Haversine | Word::Sawtooth => {
                 let (from, to) = (time(self, 1)?, time(self, 2)?);
                 self.require_later(&from, &to, given[2], environment)?;
-                list.extend(pulse(called.signal, value?, from, to).into_iter().map(Signal::from));
+                let end = (called.signal != Word::Ramp).then_some(&to);
+                self.note_before_zero(called.span, &from, end, environment);
+                pulse(called.signal, value?, from, to)
             }
             Word::Trapezoid => {
                 let times = [time(self, 1)?, time(self, 2)?, time(self, 3)?, time(self, 4)?];
@@ -212,25 +225,56 @@ impl<'a> Check<'a> {
                     self.require_later(&times[i - 1], &times[i], given[i + 1], environment)?;
                 }
                 let [from, rise, fall, to] = times;
+                self.note_before_zero(called.span, &from, Some(&to), environment);
                 let value = value?;
-                list.push(Function::Ramp { value: value.clone(), from, to: rise }.into());
-                list.push(Function::Ramp { value: -&value, from: fall, to }.into());
+                let falls = Function::Ramp { value: -&value, from: fall, to };
+                vec![Function::Ramp { value, from, to: rise }, falls]
             }
             Word::Harmonic => {
                 let frequency = self.frequency(given[1], environment)?;
                 let phase = given.get(2).map(|&phase| self.number(phase, environment, &PHASE)).transpose()?;
                 let (phase, at) = (phase.unwrap_or(Number::ZERO), Number::ZERO);
-                list.push(Function::Harmonic { value: value?, frequency, phase, at }.into());
+                vec![Function::Harmonic { value: value?, frequency, phase, at }]
             }
             Word::Chirp | Word::Table | Word::Periodic | Word::Delayed | Word::Noise | Word::Spectrum => {
                 let (from, to) = (self.frequency(given[1], environment)?, self.frequency(given[2], environment)?);
                 let duration = self.number(given[3], environment, &TIME)?;
                 self.require_later(&Number::ZERO, &duration, given[3], environment)?;
                 let (at, phase) = (Number::ZERO, Number::ZERO);
-                list.push(Function::Chirp { value: value?, from, to, duration, at, phase }.into());
+                vec![Function::Chirp { value: value?, from, to, duration, at, phase }]
             }
-        }
+        };
+        list.extend(made.into_iter().flat_map(Function::from_zero).map(Signal::from));
         Ok(())
+    }
+
+    /// Says what of a signal is left out because it is before t = 0. `end`: when it is over, if it ever is.
+    fn note_before_zero(&mut self, span: Span, begin: &Number, end: Option<&Number>, environment: Environment) {
+        if !begin.is_negative() {
+            return;
+        }
+        let error = match end {
+            Some(end) if end.is_negative() || end.is_zero() => PartError::SignalOver { span, at: end.to_f64() },
+            _ => PartError::SignalCut { span, at: begin.to_f64() },
+        };
+        self.report(environment, error);
+    }
+
+    /// The rows of a table from t = 0 on. A spline keeps those before, which determine its course.
+    fn table_from_zero(
+        &mut self,
+        table: Signal,
+        kind: &SignalKind,
+        span: Span,
+        environment: Environment,
+    ) -> Option<Signal> {
+        let Signal::Table { file, span: named, rows: Some(rows), period: None } = table else { return Some(table) };
+        if let Some((first, last)) = rows.times.first().zip(rows.times.last()) {
+            let end = (!kind.is_load() && !kind.is_motion()).then_some(last);
+            self.note_before_zero(span, first, end, environment);
+        }
+        let rows = if kind.is_motion() { rows } else { rows.from_zero(kind.is_load()).map_or(rows, Arc::new) };
+        (!rows.times.is_empty()).then_some(Signal::Table { file, span: named, rows: Some(rows), period: None })
     }
 
     /// Checks that the later time is certainly later.

@@ -361,7 +361,13 @@ impl Measured<'_> {
                 }
             }
             Probe::Static(_) if self.loads().iter().all(|(_, load)| load.is_zero()) => {
-                Measurement::None("no input has a lasting signal: nothing moves")
+                let is_constant = |signal: &Signal| matches!(signal, Signal::Constant { value } if !value.is_zero());
+                Measurement::None(match self.scene.inputs.iter().flat_map(|input| &input.signal).any(is_constant) {
+                    true => {
+                        "constant loads are part of the rest, from which motion is measured: `rest(block.x)` is what they displace"
+                    }
+                    false => "no input has a lasting signal: nothing moves",
+                })
             }
             Probe::Static(output) => {
                 let loads = self.loads();
@@ -488,40 +494,26 @@ impl Measured<'_> {
 
     /// The final course of each input, c0 + c1 t + c2 t^2 / 2; `None` if that is not computed for one of them.
     fn ends(&self) -> Option<Vec<(usize, [Number; 3])>> {
-        let constants = self.constants().chain(std::iter::repeat(Number::ZERO));
         let swings = |signal: &DrivenBy| matches!(signal, DrivenBy::Harmonic { .. });
-        let of_input = |(signals, constant): (&Vec<DrivenBy>, Number)| {
+        let of_input = |signals: &Vec<DrivenBy>| {
             // A base that swings by its acceleration keeps its initial drift, so nothing settles.
             if signals.iter().any(swings) && signals.iter().any(|signal| signal.final_value().is_none()) {
                 return None;
             }
-            let start = [constant, Number::ZERO, Number::ZERO];
+            let start = [Number::ZERO, Number::ZERO, Number::ZERO];
             let add = |sum: [Number; 3], end: [Number; 3]| std::array::from_fn(|k| &sum[k] + &end[k]);
             signals.iter().try_fold(start, |sum, signal| Some(add(sum, signal.in_the_end()?)))
         };
-        let ends: Option<Vec<_>> = self.context.drives.iter().zip(constants).map(of_input).collect();
+        let ends: Option<Vec<_>> = self.context.drives.iter().map(of_input).collect();
         Some(ends?.into_iter().enumerate().collect())
     }
 
-    /// The constant signals of each input, which are part of the rest.
-    fn constants(&self) -> impl Iterator<Item = Number> + '_ {
-        self.scene.inputs.iter().map(|input| {
-            input.signal.iter().fold(Number::ZERO, |sum, signal| match signal {
-                Signal::Constant { value } => &sum + value,
-                _ => sum,
-            })
-        })
-    }
-
-    /// The lasting part of each input's signals: constants, which are part of the rest, and the final values of the
-    /// other signals.
+    /// The final value of each input's signals. Constant ones are part of the rest, from which motion is measured.
     pub fn loads(&self) -> Loads {
         // The final value of a signal that does not settle is unknown.
         let unknown = || Number::Ball(Ball::ZERO.widen(f64::INFINITY));
-        let lasting =
-            self.context.drives.iter().map(|signals| measures::lasting_value(signals).unwrap_or_else(unknown));
-        let lasting = lasting.chain(std::iter::repeat(Number::ZERO));
-        self.constants().zip(lasting).map(|(constant, lasting)| &constant + &lasting).enumerate().collect()
+        let last = |signals: &Vec<DrivenBy>| measures::lasting_value(signals).unwrap_or_else(unknown);
+        self.context.drives.iter().map(last).enumerate().collect()
     }
 }
 

@@ -623,7 +623,7 @@ fn motions_are_of_the_component_inside_and_of_the_scene_outside() {
         let text = format!(
             "component c(m = 2 kg) {{\n  body b {{ mass = m, at = (0, 0), moves x }}\n  spring s: ground@(-1 m, 0) -- b {{ k = 8 N/m }}\n  \
              damper d: ground@(-1 m, 0) -- b {{ c = 1 N*s/m }}\n  output u = b.x\n}}\nplace p = c() at (5 m, 7 m) {placing}\n\
-             output up = p.b.y\nforce F: p.b along y = constant(4 N)\nrequire 0.499 m < static(up) < 0.501 m\n\
+             output up = p.b.y\nforce F: p.b along y = step(4 N, 0 s)\nrequire 0.499 m < static(up) < 0.501 m\n\
              require {inside} m - 1 mm < static(p.u) < {inside} m + 1 mm\n"
         );
         assert_eq!(found(&text), [], "{placing}");

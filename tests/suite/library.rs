@@ -116,7 +116,7 @@ fn a_corner_of_a_car_has_the_two_frequencies_of_a_quarter_car() {
     let (car, wheel, k, tyre): (f64, f64, f64, f64) = (300.0, 40.0, 20_000.0, 180_000.0);
     let text = format!(
         "use \"std/quarter_car.vib\"\nbody car {{ mass = {car} kg, at = (1 m, 0.3 m), moves y }}\n\
-         place q = quarter_car(car = car, c = 0 N*s/m) at (1 m, 0)\nforce F: car along y = constant(100 N)\n"
+         place q = quarter_car(car = car, c = 0 N*s/m) at (1 m, 0)\nforce F: car along y = step(100 N, 0 s)\n"
     );
     let (a, b, c): (f64, f64, f64) = (car * wheel, car * (k + tyre) + wheel * k, k * tyre);
     let root = (b * b - 4.0 * a * c).sqrt();

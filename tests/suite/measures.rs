@@ -208,11 +208,35 @@ fn the_others_by_their_formulas() {
     }
 }
 
-/// A constant load is part of the rest; `static` is the displacement that further loads add.
+/// Motion is measured from the rest, of which constant loads are a part: `static` is where `simulate` ends, and `settling` and
+/// `overshoot` count from there. A hardening spring shows that a constant load has no such value of its own: 100 N/m * 0.2 m + 1 kN/m^3 *
+/// (0.2 m)^3 = 28 N, tangent 220 N/m.
 #[test]
-fn a_constant_load_counts_for_static() {
-    let constant = one(&oscillator(0.1, " = constant(5 N)"), "static(x) < 1 m");
-    agrees(constant, 0.05, 1e-25);
+fn a_static_value_counts_from_the_rest() {
+    let model = |signal: &str| {
+        format!(
+            "body b {{ mass = 2 kg, moves x }}\nspring s: ground -- b {{ law = 100 N/m * stretch + 1 kN/m^3 * stretch^3 }}\n\
+             damper d: ground -- b {{ c = 40 N*s/m }}\nforce F: b along x = {signal}\noutput x = b.x\n"
+        )
+    };
+    let value = |signal: &str, measure: &str| {
+        let text = format!("{}require {measure}\n", model(signal));
+        let told = crate::program::json(&text, &["analyze"]);
+        told["requirements"][0]["value"].as_f64().unwrap_or_else(|| panic!("{signal} {measure}: {told}"))
+    };
+    for signal in ["constant(28 N) + step(11 N, 0 s)", "step(11 N, 0 s) + constant(14 N) + constant(14 N)"] {
+        assert!((value(signal, "static(x) < 1 m") - 0.05).abs() < 1e-15);
+        assert!((value(signal, "rest(b.x) < 1 m") - 0.2).abs() < 1e-15);
+        let end = crate::signals::simulated(&model(signal), &[], &["--until", "60 s", "--step", "60 s"]);
+        assert!((end[1][1] - 0.05).abs() < 1e-15, "{end:?}");
+        // Poles -10 +- sqrt(100 - 110) i
+        let overshoot = (-10.0 * std::f64::consts::PI / 10f64.sqrt()).exp();
+        assert!((value(signal, "overshoot(x) < 1") - overshoot).abs() < 1e-15);
+    }
+    let alone = format!("{}require static(x) < 1 m\n", model("constant(28 N)"));
+    let found = crate::program::finding(&alone, &["check"]);
+    assert_eq!(found["code"], "vib::require::no_value");
+    assert!(found.to_string().contains("constant loads are part of the rest"), "{found}");
 }
 
 /// Den Hartog's tuned damper (V10 of the published cases): with the classic tuning the two peaks are not quite equal.

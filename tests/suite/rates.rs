@@ -196,6 +196,7 @@ fn a_final_value_under_a_moving_base_is_that_of_the_textbook() {
     let folder = tempfile::tempdir().expect("a folder");
     // Kept at 2 m/s^2 from 0 to 1 s, then a line to 6 m/s^2 at 3 s: 10 m/s.
     std::fs::write(folder.path().join("push.csv"), "time [s], acc [m/s^2]\n1,2\n3,6\n").expect("a table");
+    std::fs::write(folder.path().join("early.csv"), "time [s], v [m/s]\n-1,0\n1,1\n").expect("a table");
     let scene = |signal: &str, damper: &str| {
         format!(
             "base quake {{ moves x }} = {signal}\nbody block {{ mass = 2 kg, moves x }}\n\
@@ -215,6 +216,14 @@ fn a_final_value_under_a_moving_base_is_that_of_the_textbook() {
         // 0.5 + 4/24 - (8 + 16/24) + 4.5
         (ramps, "quake", "roof", Some(-3.5)),
         ("step(3 m/s, 1 s)", "quake", "roof", None),
+        // From t = 0 on: the area of what is left.
+        ("pulse(1 m/s, -3 s, 1 s)", "quake", "roof", Some(1.0)),
+        ("sawtooth(1 m/s, -1 s, 1 s)", "quake", "roof", Some(0.75)),
+        ("trapezoid(1 m/s, -3 s, -1 s, 1 s, 2 s)", "quake", "roof", Some(1.5)),
+        ("impulse(5 m, -1 s) + impulse(2 m, 1 s)", "quake", "roof", Some(2.0)),
+        ("table(\"early.csv\")", "quake", "roof", Some(0.75)),
+        // v = t/2 + t^2/4 up to 1 s, and back to 0 at 2 s: 1/3 + 3/8
+        ("sawtooth(1 m/s^2, -1 s, 1 s) + pulse(-0.75 m/s^2, 1 s, 2 s)", "quake", "roof", Some(17.0 / 24.0)),
     ] {
         let path = folder.path().join("scene.vib");
         let text = scene(signal, damper) + &format!("require static({output}) < 1 km\n");

@@ -72,8 +72,9 @@ fn a_rest_at_its_limit_is_decided() {
         ("rest(a.x) >= 1 mm", true),
         ("rest(a.x) < 1 mm", false),
         ("rest(a.x) > 1 mm", false),
-        ("static(x) <= 2 mm", true),
-        ("static(x) < 2 mm", false),
+        // From the rest on, by the step alone.
+        ("static(x) <= 1 mm", true),
+        ("static(x) < 1 mm", false),
     ] {
         let text = format!("{model}require {line}\n");
         let (sources, file) = sources(&text);

@@ -92,6 +92,123 @@ fn pulses_move_an_oscillator_as_their_closed_forms_say() {
     });
 }
 
+/// Signals act from t = 0 on: what begins before is there what is left of it, whatever kind it is. Closed forms from sums of steps,
+/// ramps and waves that begin at 0.
+#[test]
+fn a_signal_that_begins_before_zero_is_cut_there() {
+    let model = |signal: &str| {
+        format!(
+            "body b {{ mass = 2 kg, moves x }}\nspring s: ground -- b {{ k = 50 N/m }}\n\
+             force F: b along x = {signal}\noutput x = b.x\n"
+        )
+    };
+    let rows = [("early.csv", "-1,0\n1,2\n"), ("past.csv", "-2,1\n-1,3\n"), ("at_zero.csv", "-1,0\n0,1\n1,3\n")];
+    let half = std::f64::consts::PI / 2.0;
+    type Truth = Box<dyn Fn(f64) -> f64>;
+    let cases: [(&str, Truth); 11] = [
+        ("step(3 N, -1 s)", Box::new(|t| 3.0 * step(t))),
+        ("pulse(3 N, -1 s, 0.5 s)", Box::new(|t| 3.0 * (step(t) - step(t - 0.5)))),
+        ("ramp(4 N, -1 s, 1 s)", Box::new(|t| 2.0 * (step(t) + ramp(t) - ramp(t - 1.0)))),
+        ("ramp(4 N, -2 s, -1 s)", Box::new(|t| 4.0 * step(t))),
+        // sin(pi (t + 1) / 2) = cos(pi t / 2), which goes on to 1 s and is -sin(pi (t - 1) / 2) from there
+        ("half_sine(3 N, -1 s, 1 s)", Box::new(move |t| 3.0 * (cosine(half, t) + sine(half, t - 1.0)))),
+        (
+            "haversine(3 N, -1 s, 1 s)",
+            Box::new(move |t| 1.5 * (step(t) - step(t - 1.0) + cosine(2.0 * half, t) + cosine(2.0 * half, t - 1.0))),
+        ),
+        ("sawtooth(4 N, -1 s, 1 s)", Box::new(|t| 2.0 * (step(t) + ramp(t) - ramp(t - 1.0)) - 4.0 * step(t - 1.0))),
+        ("trapezoid(4 N, -2 s, -0.5 s, 0.5 s, 1.5 s)", Box::new(|t| 4.0 * (step(t) - ramp(t - 0.5) + ramp(t - 1.5)))),
+        ("table(\"early.csv\", 1 N)", Box::new(|t| step(t) + ramp(t) - ramp(t - 1.0))),
+        ("table(\"past.csv\", 1 N)", Box::new(|t| 3.0 * step(t))),
+        ("table(\"at_zero.csv\", 1 N)", Box::new(|t| step(t) + 2.0 * (ramp(t) - ramp(t - 1.0)))),
+    ];
+    for (signal, truth) in cases {
+        let output = ran(&model(signal), &rows, &["simulate", "--until", "2 s", "--step", "0.04 s"]);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && told.contains("vib::signal::cut"), "{signal}: {told}");
+        meets(&simulated(&model(signal), &rows, &["--until", "2 s", "--step", "0.04 s"]), 1, truth);
+    }
+}
+
+/// A signal that is over by t = 0 never acts: the check says so, and every answer is that of a scene without it.
+#[test]
+fn a_signal_that_is_over_by_zero_never_acts() {
+    let model = |signal: &str| {
+        format!(
+            "base g {{ moves x }} = {signal}\nbody b {{ mass = 2 kg, moves x }}\nspring s: g -- b {{ k = 50 N/m }}\n\
+             damper d: ground -- b {{ c = 1 N*s/m }}\ninitial b {{ vx = 1 m/s }}\noutput x = b.x\nrequire peak(x) < 1 m\n"
+        )
+    };
+    let tables = [("past.csv", "-2,1\n-1,3\n")];
+    let asked: [&[&str]; 3] = [
+        &["analyze", "--until", "2 s"],
+        &["simulate", "--until", "2 s", "--step", "0.1 s"],
+        &["shock", "--range", "1Hz..10Hz", "--points", "3"],
+    ];
+    let later = "pulse(1 m/s^2, 1 s, 3 s)";
+    for over in [
+        "impulse(1 m/s, -1 s)",
+        "pulse(1 m/s^2, -2 s, 0 s)",
+        "half_sine(1 m/s^2, -2 s, -1 s)",
+        "haversine(1 m/s^2, -2 s, 0 s)",
+        "sawtooth(1 m/s^2, -2 s, -1 s)",
+        "trapezoid(1 m/s^2, -5 s, -4 s, -3 s, -1 s)",
+        "table(\"past.csv\", 1 m/s^2)",
+    ] {
+        assert_eq!(code(&model(&format!("{later} + {over}")), &tables), "vib::unused::signal", "{over}");
+        for arguments in asked {
+            let [without, with] = [later.to_string(), format!("{later} + {over}")]
+                .map(|signal| ran(&model(&signal), &tables, &[arguments, &["-q"]].concat()));
+            let [with, without] = [with, without].map(|ran| String::from_utf8_lossy(&ran.stdout).into_owned());
+            assert!(with == without && !with.is_empty(), "{over}, {arguments:?}:\n{with}\nnot\n{without}");
+        }
+    }
+    let pushed = "body b { mass = 2 kg, moves x }\nspring s: ground -- b { k = 50 N/m }\noutput x = b.x\n\
+                  force F: b along x = impulse(1 N*s, -1 s)\n";
+    let still = simulated(pushed, &[], &["--until", "1 s", "--step", "0.5 s"]);
+    assert!(still.iter().all(|row| row[1] == 0.0), "{still:?}");
+}
+
+/// Emitted code builds in the same signals: compiled, it prints the samples of `simulate`.
+#[test]
+fn emitted_code_cuts_signals_at_zero() {
+    let model = "body b { mass = 2 kg, moves x }\nspring s: ground -- b { k = 50 N/m }\ndamper d: ground -- b { c = 1 N*s/m }\n\
+                 force F: b along x = half_sine(3 N, -1 s, 1 s) + impulse(9 N*s, -1 s) + ramp(1 N, -2 s, 1 s)\noutput x = b.x\n";
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    put(&folder, "m.vib", model);
+    let path = |name: &str| folder.path().join(name).to_str().expect("a path").to_string();
+    let vibc = Command::new(env!("CARGO_BIN_EXE_vibc"))
+        .args([
+            "emit",
+            "--target",
+            "c",
+            "--program",
+            "--step",
+            "0.1 s",
+            "--until",
+            "2 s",
+            "-o",
+            &path("code"),
+            &path("m.vib"),
+        ])
+        .output()
+        .expect("the program starts");
+    assert!(vibc.status.success(), "{}", String::from_utf8_lossy(&vibc.stderr));
+    let built = Command::new("gcc")
+        .args(["-O1", "-o", &path("run"), &path("code/m.c"), &path("code/main.c"), "-lm"])
+        .status()
+        .expect("gcc starts");
+    assert!(built.success());
+    let printed = Command::new(path("run")).output().expect("the emitted program starts").stdout;
+    let printed = String::from_utf8(printed).expect("text");
+    let wanted = simulated(model, &[], &["--until", "2 s", "--step", "0.1 s"]);
+    assert_eq!(printed.lines().count(), wanted.len() + 1);
+    for (line, row) in printed.lines().skip(1).zip(&wanted) {
+        let x: f64 = line.split(',').nth(1).and_then(|x| x.parse().ok()).expect("a number");
+        assert!((x - row[1]).abs() < 1e-14, "{line}, not {row:?}");
+    }
+}
+
 const SHAKEN: &str = "body b { mass = 2 kg, moves x }\nbase g { moves x } = SIGNAL\nspring s: g -- b { k = 50 N/m }\n\
                       output z = b.x - g.x\noutput u = g.x\noutput v = g.vx\noutput a = b.ax\n";
 

@@ -85,7 +85,7 @@ fn times_of(signal: &Signal) -> (f64, f64) {
         Signal::Harmonic { at, .. } => (at.to_f64(), 0.0),
         Signal::Chirp { duration, at, .. } => ((at + duration).to_f64(), 0.0),
         Signal::Table(Table { period: Some(period), .. }) => (0.0, period.to_f64()),
-        Signal::Table(table) => (table.times.last().map_or(0.0, Number::to_f64), 0.0),
+        Signal::Table(table) => (table.times.last().map_or(0.0, Number::to_f64).max(0.0), 0.0),
         Signal::Integral { of, .. } => times_of(of),
         Signal::Delayed { of, by } => {
             let (event, cycle) = times_of(of);

@@ -2,9 +2,10 @@
 //! docs/method/response.md.
 
 use super::spline;
-use crate::base::{Number, Rational};
+use crate::base::{Ball, Number, Rational};
 
-/// A function of time; SI units, angles in radians, frequencies in Hz. Zero before t = 0.
+/// A function of time; SI units, angles in radians, frequencies in Hz. Zero before t = 0: only tables may have earlier times,
+/// all others are made by [`Signal::from_zero`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Signal {
     Step {
@@ -169,6 +170,43 @@ fn integrals_of_step(value: &Number, at: &Number) -> [[Number; 3]; 3] {
 }
 
 impl Signal {
+    /// The signal from t = 0 on as a sum of signals none of whose times is negative; empty if it is over by then. A table
+    /// is left as it is.
+    pub fn from_zero(self) -> Vec<Signal> {
+        let zero = || Number::ZERO;
+        let is_over = |end: &Number| end.is_negative() || end.is_zero();
+        match self {
+            Signal::Step { value, at } if at.is_negative() => vec![Signal::Step { value, at: zero() }],
+            Signal::Impulse { at, .. } if at.is_negative() => Vec::new(),
+            // It acts or not, by the sign of a time that is not known.
+            Signal::Impulse { value, at } if !at.is_positive() && !at.is_zero() => {
+                let part = Number::Ball(Ball::from(0.5).widen(0.5));
+                vec![Signal::Impulse { value: &value * &part, at }]
+            }
+            Signal::Pulse { to, .. } if is_over(&to) => Vec::new(),
+            Signal::Pulse { value, from, to } if from.is_negative() => vec![Signal::Pulse { value, from: zero(), to }],
+            Signal::Ramp { value, to, .. } if is_over(&to) => vec![Signal::Step { value, at: zero() }],
+            Signal::Ramp { value, from, to } if from.is_negative() => {
+                let risen = &value * &(&-&from / &(&to - &from));
+                let rest = &value - &risen;
+                vec![Signal::Step { value: risen, at: zero() }, Signal::Ramp { value: rest, from: zero(), to }]
+            }
+            Signal::Chirp { value, from, to, duration, at, phase } if at.is_negative() => {
+                let left = &at + &duration;
+                if is_over(&left) {
+                    return Vec::new();
+                }
+                let gone = -&at;
+                let now = &from + &(&(&(&to - &from) * &gone) / &duration);
+                // The mean of the two frequencies times 2 pi.
+                let turned = &(&Number::pi() * &gone) * &(&from + &now);
+                let phase = &phase + &turned;
+                vec![Signal::Chirp { value, from: now, to, duration: left, at: zero(), phase }]
+            }
+            signal => vec![signal],
+        }
+    }
+
     /// The constant value that remains in the end, about which a table that comes again swings; zero for a harmonic. `None`
     /// for an integral, which may grow without limit: see [`Signal::in_the_end`].
     pub fn final_value(&self) -> Option<Number> {

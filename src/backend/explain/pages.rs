@@ -65,7 +65,7 @@ pub const PAGES: &[Page] = pages! {
     scene: empty more_findings;
     setting: duplicate form not_a_parameter solved toml unknown;
     shape: size unknown;
-    signal: arguments base_impulse constant_rate cycle delayed differ many_motions period times unknown;
+    signal: arguments base_impulse constant_rate cut cycle delayed differ many_motions period times unknown;
     solve: independent no_root no_value range several_roots singular twice unsettled unstable;
     spectrum: damping emit input left_out points;
     spring: free_length_and_preload negative no_length;
@@ -74,7 +74,7 @@ pub const PAGES: &[Page] = pages! {
     tolerance: correlation outside width;
     unbalance: emit speed;
     unit: ambiguous cycles exponent frequency malformed mismatch missing unknown;
-    unused: element gravity input parameter point property;
+    unused: element gravity input parameter point property signal;
     use: cycle unreadable;
     value: comparison components kind motion negative;
 };

@@ -155,6 +155,16 @@ pub enum PartError {
     TimesReversed {
         span: Span,
     },
+    /// A signal that begins before t = 0.
+    SignalCut {
+        span: Span,
+        at: f64,
+    },
+    /// A signal that is over by t = 0.
+    SignalOver {
+        span: Span,
+        at: f64,
+    },
     PeriodicOf {
         span: Span,
     },
@@ -484,6 +494,17 @@ impl PartError {
             TimesReversed { span } => {
                 error("vib::signal::times", span, "this time is not later than the one before it")
                     .help("the times of a signal are points in time, each later than the one before it, not durations")
+            }
+            SignalCut { span, at } => {
+                let message = format!("this begins at {} s, and what it is before t = 0 is left out", short(at));
+                Diagnostic::note(Code::model("vib::signal::cut"), span, message)
+                    .help("signals act from t = 0 on; write later times if all of it is meant")
+            }
+            SignalOver { span, at } => {
+                let message =
+                    format!("this has no effect: it is over at {} s, and signals act from t = 0 on", short(at));
+                Diagnostic::warning(Code::model("vib::unused::signal"), span, message)
+                    .help("write times from `0 s` on; a body that moves already at t = 0 has a line such as `initial a { vx = 1 m/s }`")
             }
             PeriodicOf { span } => error("vib::signal::arguments", span, "`periodic` repeats a table")
                 .help("write `periodic(table(\"file.csv\", 1 kN), 0.5 s)`"),

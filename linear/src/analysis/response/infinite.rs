@@ -70,7 +70,7 @@ fn jumps_of(signal: &Signal, until: &Number) -> Vec<(Number, [Number; 3])> {
             let omega = &two_pi * frequency;
             vec![(at.clone(), wave(value, &omega, &(&(&omega * at) + phase)))]
         }
-        Signal::Chirp { value, from, to, duration, at, phase } if !at.is_negative() => {
+        Signal::Chirp { value, from, to, duration, at, phase } => {
             let turned = &(&(&(from + to) * duration) * &Number::pi()) + phase;
             let end = wave(&-value, &(&two_pi * to), &turned);
             vec![(at.clone(), wave(value, &(&two_pi * from), phase)), (at + duration, end)]
@@ -81,7 +81,7 @@ fn jumps_of(signal: &Signal, until: &Number) -> Vec<(Number, [Number; 3])> {
             jumps.map(|(at, parts)| (at, (0..*times).fold(parts, |parts, _| integrated(parts)))).collect()
         }
         Signal::Delayed { of, by } => jumps_of(of, until).into_iter().map(|(at, parts)| (&at + by, parts)).collect(),
-        Signal::Step { .. } | Signal::Ramp { .. } | Signal::Pulse { .. } | Signal::Table(_) | Signal::Chirp { .. } => {
+        Signal::Step { .. } | Signal::Ramp { .. } | Signal::Pulse { .. } | Signal::Table(_) => {
             match Source::of(signal, None, Some(until)) {
                 Ok(Source::Pieces { pieces, .. }) => jumps(&pieces),
                 _ => Vec::new(),

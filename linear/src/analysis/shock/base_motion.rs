@@ -59,8 +59,6 @@ impl BaseMotion {
             match Source::of(signal, None, None).map_err(|_| Refusal::TooLong { steps: f64::INFINITY })? {
                 Source::Harmonic { .. } => return Err(Refusal::Endless),
                 Source::Impulse { .. } if derivative == 0 => return Err(Refusal::Impulse),
-                // Signals are zero before t = 0.
-                Source::Impulse { at, .. } if at.is_negative() => {}
                 source => sources.push(source),
             }
         }
