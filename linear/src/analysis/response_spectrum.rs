@@ -297,8 +297,9 @@ fn measured_quantity<'a>(
 fn combine(of: Measured, modes: &[Mode], parts: &[Ball], added: Additions) -> Result<Maximum, &'static str> {
     let swing: Vec<usize> = (0..modes.len()).filter(|i| !modes[*i].is_rigid && !parts[*i].is_zero()).collect();
     let missing = (0..modes.len()).filter(|i| modes[*i].is_rigid).fold(Ball::ZERO, |sum, i| sum + parts[i]);
-    let squares = swing.iter().fold(Ball::ZERO, |sum, i| sum + parts[*i].square());
-    let mut crossed = squares;
+    let sum = |list: &[usize]| list.iter().fold(Ball::ZERO, |sum, i| sum + parts[*i]);
+    let squares = as_one(modes, &swing).iter().fold(Ball::ZERO, |squares, list| squares + sum(list).square());
+    let mut crossed = swing.iter().fold(Ball::ZERO, |squares, i| squares + parts[*i].square());
     for (place, &i) in swing.iter().enumerate() {
         for &j in &swing[..place] {
             let both = parts[i] * parts[j] * Ball::from(2.0);
@@ -310,6 +311,24 @@ fn combine(of: Measured, modes: &[Mode], parts: &[Ball], added: Additions) -> Re
     let root =
         |square: Ball| if square.mid.hi < 0.0 { Ball::ZERO.widen(square.magnitude().sqrt()) } else { square.sqrt() };
     Ok(Maximum { of, srss: root(whole(squares)), cqc: root(whole(crossed)), missing: missing.abs() })
+}
+
+/// Lists of modes whose frequencies and damping ratios are not apart. They swing in phase, as one oscillator does, so that the
+/// sum of their contributions, unlike the sum of their squares, is the same for all vectors that span them.
+fn as_one(modes: &[Mode], of: &[usize]) -> Vec<Vec<usize>> {
+    let is_alike = |a: &Mode, b: &Mode| {
+        let apart = a.damping - b.damping;
+        (a.omega - b.omega).contains_zero()
+            && (apart.contains_zero() || apart.magnitude() <= SAME * b.damping.magnitude())
+    };
+    let mut lists: Vec<Vec<usize>> = Vec::new();
+    for &i in of {
+        let (alike, mut others): (Vec<_>, Vec<_>) =
+            lists.into_iter().partition(|list| list.iter().any(|&j| is_alike(&modes[i], &modes[j])));
+        others.push(alike.concat().into_iter().chain([i]).collect());
+        lists = others;
+    }
+    lists
 }
 
 /// The correlation of two oscillators under white noise (A. Der Kiureghian, Earthquake Engineering and Structural
