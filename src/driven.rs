@@ -2,7 +2,7 @@
 //! `quake.ax`. Out: the model with these inputs, and the poles for a table of it.
 
 use crate::Dynamics;
-use crate::analysis::rates::{Rate, with_rate};
+use crate::analysis::rates::{LOST, Rate, with_rate};
 use crate::analysis::{self, AnalysisError, Modes, Poles, Request, Sweep};
 use crate::base::Diagnostic;
 use crate::kinds::motions::rate_of;
@@ -11,7 +11,7 @@ use crate::system::LinearSystem;
 /// A rate that cannot be an input, and why.
 #[derive(Clone, Debug)]
 pub enum NotDriven {
-    /// The name of the rate, and the reason.
+    /// The rate, as in a sentence, and the reason.
     Because(String, &'static str),
     Failed(Box<Diagnostic>),
 }
@@ -32,13 +32,22 @@ impl Dynamics {
     pub fn with_rates(mut self, rates: &[(String, Rate)]) -> Result<Dynamics, NotDriven> {
         let n = self.system.n();
         for (name, rate) in rates {
-            self.system = with_rate(&self.system, *rate).map_err(|why| NotDriven::Because(name.clone(), why))?;
+            self.system = with_rate(&self.system, *rate).map_err(|why| NotDriven::Because(format!("`{name}`"), why))?;
         }
         if self.system.n() > n && self.modes.is_some() {
             self.modes =
                 modes(&self.system, None).map_err(|error| NotDriven::Failed(Box::new(error.to_diagnostic())))?;
         }
         Ok(self)
+    }
+
+    /// Why a table of these inputs has no values at 0 Hz, if it asks for them.
+    pub fn without_limit(&self, sweep: &Sweep) -> Option<NotDriven> {
+        let asks = sweep.at.iter().any(|at| at.hertz.is_zero())
+            || sweep.range.as_ref().is_some_and(|(low, _)| low.is_zero() && sweep.at.is_empty());
+        let losses = self.system.losses.as_ref().filter(|_| asks)?;
+        let lost = sweep.inputs.iter().find(|&&input| losses.has_no_limit(input))?;
+        Some(NotDriven::Because(format!("`{}` at 0 Hz", self.system.display(self.system.inputs[*lost].name)), LOST))
     }
 
     /// The poles for a table, which are not computed where it has no use for them. `None` if there are too many coordinates, or the

@@ -179,16 +179,16 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     show(&input.sources, outcome.diagnostics, messages);
     let Some(dynamics) = outcome.answer else { return status };
     let (wanted, others): (Vec<_>, Vec<_>) = dynamics.rates().partition(|(name, _)| options.from.contains(name));
+    let not_driven = |why: NotDriven| {
+        match why {
+            NotDriven::Because(name, why) => report_error(&format!("no transfer function from {name}: {why}")),
+            NotDriven::Failed(error) => show(&input.sources, vec![*error], messages),
+        }
+        Status::Limit
+    };
     let mut dynamics = match dynamics.with_rates(&wanted) {
         Ok(dynamics) => dynamics,
-        Err(NotDriven::Because(name, why)) => {
-            report_error(&format!("no transfer function from `{name}`: {why}"));
-            return Status::Limit;
-        }
-        Err(NotDriven::Failed(error)) => {
-            show(&input.sources, vec![*error], messages);
-            return Status::Limit;
-        }
+        Err(why) => return not_driven(why),
     };
     let system = &dynamics.system;
     let inputs: Vec<String> = system.inputs.iter().map(|input| system.display(input.name)).collect();
@@ -215,6 +215,9 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
         inputs,
         outputs,
     };
+    if let Some(why) = dynamics.without_limit(&sweep) {
+        return not_driven(why);
+    }
     if dynamics.modes.is_none() && sweep.finds_extrema() {
         dynamics.modes = analysis::modes_of_many(&dynamics.system);
     }

@@ -5,7 +5,7 @@ use super::combined::value_of;
 use super::trial::Context;
 use crate::analysis::measures::{self, Loads};
 use crate::analysis::random::{self, Random, Reach, Spread};
-use crate::analysis::rates::{Rate, from_rate};
+use crate::analysis::rates::{Rate, from_rate, from_rate_at_rest};
 use crate::analysis::settling::Settling;
 use crate::analysis::{Measurement, Modes, Poles, Stability, Transfer, is_passive, peak, stability};
 use crate::base::{Ball, Number, Span};
@@ -427,7 +427,9 @@ impl Measured<'_> {
         else {
             return self.one(system, None, probe);
         };
-        let driven = match from_rate(system, Rate { input: *input, derivative, word: "" }, *output) {
+        let is_at_rest = matches!(probe, Probe::Gain(.., at) | Probe::Phase(.., at) if at.is_zero());
+        let from = if is_at_rest { from_rate_at_rest } else { from_rate };
+        let driven = match from(system, Rate { input: *input, derivative, word: "" }, *output) {
             Ok(driven) => driven,
             Err(why) => return Measurement::None(why),
         };

@@ -174,18 +174,54 @@ fn a_turned_component_keeps_its_own_directions() {
     assert!(told.contains("`ax` is no motion of this base") && told.contains("`road.ay`"), "{told}");
 }
 
-/// What a damper alone joins to the base does not follow it, however slowly it moves; nor does what a lossy spring holds on both sides.
+/// A lossy spring that another one stretches, however slowly the base moves: with the complex stiffness k (1 + i loss) and one more spring
+/// and damper to the ground, X/U = k' / (k' + g (1 + i l) + c s + m s^2), at every frequency but 0.
+#[test]
+fn what_loses_energy_in_following_the_base_has_values_at_frequencies() {
+    let model = "base quake { moves x }\nbody block { mass = 2 kg, moves x }\nspring s: quake -- block { k = 90 N/m, loss = 0.1 }\n\
+                 spring g: ground -- block { k = 30 N/m, loss = 0.4 }\ndamper d: ground -- block { c = 3 N*s/m }\n\
+                 output drift = block.x - quake.x\noutput roof = block.x\noutput push = block.ax\noutput pull = s.force\n";
+    for hertz in [1e-6, 0.3, 1.2, 40.0] {
+        let s: Complex = (0.0, 2.0 * PI * hertz);
+        let squared = times(s, s);
+        let bottom = (90.0 + 30.0 + 2.0 * squared.0, 9.0 + 12.0 + 3.0 * s.1);
+        let roof = over((90.0, 9.0), bottom);
+        let drift = over((-30.0 - 2.0 * squared.0, -12.0 - 3.0 * s.1), bottom);
+        for (to, of_displacement) in
+            [("drift", drift), ("roof", roof), ("push", times(squared, roof)), ("pull", times((90.0, 9.0), drift))]
+        {
+            for (from, truth) in [("quake.vx", over(of_displacement, s)), ("quake.ax", over(of_displacement, squared))]
+            {
+                let row = row(model, from, to, &format!("{hertz}Hz"));
+                let number = |name: &str| row[name].as_f64().expect(name);
+                let off = (number("re") - truth.0).hypot(number("im") - truth.1);
+                let size = truth.0.hypot(truth.1);
+                assert!(off <= 1e-14 * size && number("error_bound") < 1e-15, "{hertz} {from} {to}: {row} {truth:?}");
+            }
+        }
+    }
+    let text = format!(
+        "{model}require gain(quake.ax -> drift, 2 Hz) < 1 s^2\nrequire gain(quake.ax -> drift, 0 Hz) < 1 s^2\n"
+    );
+    let run = ran(&text, &["analyze", "--format", "json"]);
+    let rows = serde_json::from_slice::<Value>(&run.stdout).expect("JSON")["requirements"].clone();
+    assert!(rows[0]["holds"] == true && rows[1]["value"].is_null(), "{rows}");
+    assert!(String::from_utf8_lossy(&run.stderr).contains("its loss has no limit at 0 Hz"));
+    for asked in [&["--at", "0Hz"][..], &["--range", "0Hz..1Hz", "--points", "3"]] {
+        let told = ran(model, &[&["transfer", "--from", "quake.ax"], asked].concat());
+        let text = String::from_utf8_lossy(&told.stderr).into_owned();
+        assert!(!told.status.success() && text.contains("`quake.ax` at 0 Hz: a spring with a loss factor"), "{text}");
+    }
+}
+
+/// What a damper alone joins to the base does not follow it, however slowly it moves.
 #[test]
 fn what_does_not_follow_the_base_is_refused() {
     let loose = "base quake { moves x }\nbody block { mass = 2 kg, moves x }\ndamper d: quake -- block { c = 4 N*s/m }\n\
                  output drift = block.x - quake.x\n";
-    let held = "base quake { moves x }\nbody block { mass = 2 kg, moves x }\nspring s: quake -- block { k = 2 N/m, loss = 0.1 }\n\
-                spring g: ground -- block { k = 2 N/m }\noutput drift = block.x - quake.x\n";
-    for (model, why) in [(loose, "no spring holds some motion"), (held, "loss factor")] {
-        let told = ran(model, &["transfer", "--from", "quake.ax", "--at", "1Hz"]);
-        let text = String::from_utf8_lossy(&told.stderr).into_owned();
-        assert!(!told.status.success() && text.contains(why), "{text}");
-    }
+    let told = ran(loose, &["transfer", "--from", "quake.ax", "--at", "1Hz"]);
+    let text = String::from_utf8_lossy(&told.stderr).into_owned();
+    assert!(!told.status.success() && text.contains("no spring holds some motion"), "{text}");
     assert_eq!(row(loose, "quake.vx", "drift", "0Hz")["re"].as_f64(), Some(-0.5));
 }
 

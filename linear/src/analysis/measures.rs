@@ -6,7 +6,7 @@ use crate::analysis::derived::hertz;
 use crate::analysis::excitation::{Excitations, Excited};
 use crate::analysis::forms::is_certain;
 use crate::analysis::modes::buckling::least_load_factor;
-use crate::analysis::rates::{Rate, from_rate};
+use crate::analysis::rates::{Rate, from_rate_at_rest};
 use crate::analysis::steady::steady;
 use crate::analysis::transfer::extrema::{Supremum, supremum};
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
@@ -264,7 +264,7 @@ pub fn final_value(transfer: &Transfer, ends: &[(usize, [Number; 3])], output: u
             return Measurement::None("it is not certain whether the base keeps moving");
         }
         let rate_of = Rate { input: *input, derivative, word: "" };
-        let driven = match from_rate(transfer.system(), rate_of, output) {
+        let driven = match from_rate_at_rest(transfer.system(), rate_of, output) {
             Ok(driven) => driven,
             Err(why) => return Measurement::None(why),
         };

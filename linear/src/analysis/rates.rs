@@ -9,11 +9,13 @@
 use super::following::{Following, Known, less};
 use super::forms::{apply, dense, dot};
 use crate::base::{FileId, Number, Span};
-use crate::system::{Coordinate, CoordinateId, CoordinateKind, Input, Label, LinearSystem, Losses, Nature, Output};
+use crate::system::{
+    ByRate, Coordinate, CoordinateId, CoordinateKind, Input, Label, LinearSystem, Losses, Nature, Output,
+};
 
 /// The static response to the base is not found.
 pub const NOT_FOLLOWED: &str = "it is not known what follows the base when it moves slowly: no spring holds some motion, or the scene is too large";
-/// The force of a loss factor would not vanish in what follows the base.
+/// The force of a loss factor does not vanish in what follows the base: there is no limit at 0 Hz.
 pub const LOST: &str =
     "a spring with a loss factor is stretched however slowly the base moves, so its loss has no limit at 0 Hz";
 
@@ -38,10 +40,7 @@ pub fn with_rate(system: &LinearSystem, rate: Rate) -> Result<LinearSystem, &'st
     let following = Following::of(system, &[rate.input], derivative, Known::Enclosed).ok_or(NOT_FOLLOWED)?;
     let mut driven = system.clone();
     if let Some(losses) = &mut driven.losses {
-        if loses(losses, rate, &following) {
-            return Err(LOST);
-        }
-        losses.b.push(Vec::new());
+        lose(losses, rate, system.inputs.len(), &following);
     }
     let mut left = following.forces.iter().skip(derivative).map(|force| sparse(force));
     let b = std::array::from_fn(|_| left.next().unwrap_or_default());
@@ -61,6 +60,13 @@ pub fn from_rate(system: &LinearSystem, rate: Rate, output: usize) -> Result<Lin
         losses.d = vec![losses.d[output].clone()];
     }
     with_rate(&alone, rate)
+}
+
+/// [`from_rate`] for the limit at 0 Hz, which is refused where loss factors leave none.
+pub fn from_rate_at_rest(system: &LinearSystem, rate: Rate, output: usize) -> Result<LinearSystem, &'static str> {
+    let driven = from_rate(system, rate, output)?;
+    let is_lost = driven.losses.as_ref().is_some_and(|losses| losses.has_no_limit(driven.inputs.len() - 1));
+    if is_lost { Err(LOST) } else { Ok(driven) }
 }
 
 /// Gives every output what it sees of the base: s^k e_k u for k = 0 .. 3, as multiples of the rate where k is large enough.
@@ -102,16 +108,31 @@ fn base_itself(driven: &mut LinearSystem, derivative: u8) -> CoordinateId {
     base
 }
 
-/// Whether loss factors act, or may act, on what follows the base, or an output sees them there.
-fn loses(losses: &Losses, rate: Rate, following: &Following) -> bool {
+/// Adds what loss factors do in what follows the base, r u + r' u': by u' with its velocity given and by u'' with its acceleration
+/// given they act at once, by a lower derivative of u over a power of s.
+fn lose(losses: &mut Losses, rate: Rate, new: usize, following: &Following) {
     let [follows, late] = &following.followed;
-    let b = dense(follows.len(), &losses.b[rate.input]);
-    let lost = less(&b, &apply(&losses.h, follows)).into_iter().chain(apply(&losses.h, late));
-    let seen = losses.p.iter().zip(&losses.d).flat_map(|(p, d)| {
+    let n = follows.len();
+    let own = dense(n, &losses.b[rate.input]);
+    let by = [less(&own, &apply(&losses.h, follows)), less(&vec![Number::ZERO; n], &apply(&losses.h, late))];
+    let seen = |p: &[(CoordinateId, Number)], d: &[(u32, Number)]| {
         let fed = d.iter().filter(|(input, _)| *input as usize == rate.input);
         [fed.fold(dot(p, follows), |sum, (_, value)| &sum + value), dot(p, late)]
-    });
-    lost.chain(seen).any(|number| !number.is_zero())
+    };
+    let outputs: Vec<[Number; 2]> = losses.p.iter().zip(&losses.d).map(|(p, d)| seen(p, d)).collect();
+    losses.b.push(Vec::new());
+    for (order, forces) in by.iter().enumerate() {
+        let b = sparse(forces);
+        let d = (0..).zip(&outputs).map(|(output, seen)| (output, seen[order].clone()));
+        let d: Vec<(u32, Number)> = d.filter(|(_, value)| !value.is_zero()).collect();
+        let power = rate.derivative.saturating_sub(order as u8);
+        if power > 0 && !(b.is_empty() && d.is_empty()) {
+            losses.by_rate.push(ByRate { input: new as u32, power, b, d });
+        } else if power == 0 {
+            losses.b[new] = b;
+            d.into_iter().for_each(|(output, value)| losses.d[output as usize].push((new as u32, value)));
+        }
+    }
 }
 
 fn sparse(dense: &[Number]) -> Vec<(CoordinateId, Number)> {

@@ -15,6 +15,27 @@ pub struct Losses {
     pub p: Vec<Vec<(CoordinateId, Number)>>,
     /// For each output, the inputs that it sees.
     pub d: Vec<Vec<(u32, Number)>>,
+    /// What inputs that are velocities or accelerations do by what they are the rates of.
+    pub by_rate: Vec<ByRate>,
+}
+
+/// The loss of the motion that a rate drives, i b and i d times the rate over a power of s: at 0 Hz it has no limit.
+#[derive(Clone, Debug)]
+pub struct ByRate {
+    /// Index of the input that is the rate.
+    pub input: u32,
+    /// 1 or 2.
+    pub power: u8,
+    pub b: Vec<(CoordinateId, Number)>,
+    /// Outputs that see it.
+    pub d: Vec<(u32, Number)>,
+}
+
+impl Losses {
+    /// Whether an input has no limit at 0 Hz.
+    pub fn has_no_limit(&self, input: usize) -> bool {
+        self.by_rate.iter().any(|part| part.input as usize == input)
+    }
 }
 
 impl LinearSystem {
@@ -33,6 +54,17 @@ impl LinearSystem {
         for (output, (p, d)) in system.outputs.iter_mut().zip(losses.p.iter().zip(&losses.d)) {
             add(&mut output.p[1], p, &factor);
             add(&mut output.d[1], d, &factor);
+        }
+        for ByRate { input, power, b, d } in &losses.by_rate {
+            // With s = i omega, i / s is 1 / omega, and i / s^2 is -s / omega^3.
+            let (order, factor) = match power {
+                1 => (0, factor.clone()),
+                _ => (1, -&(&factor * &factor.square())),
+            };
+            add(&mut system.inputs[*input as usize].b[order], b, &factor);
+            for (output, value) in d {
+                add(&mut system.outputs[*output as usize].d[order], &[(*input, value.clone())], &factor);
+            }
         }
         system
     }

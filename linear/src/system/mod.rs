@@ -12,7 +12,7 @@ pub mod noise;
 pub mod signal;
 pub mod spline;
 
-pub use losses::Losses;
+pub use losses::{ByRate, Losses};
 pub use noise::Noise;
 pub use signal::{Course, Signal, Table};
 

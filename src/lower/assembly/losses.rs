@@ -35,7 +35,7 @@ pub fn losses(
     let columns = std::mem::take(&mut assembly.columns);
     let b = columns.into_iter().map(|[_, column, _]| merge_column(column)).collect();
     let (p, d) = scene.outputs.iter().map(|output| assembly.lost_in(output)).unzip();
-    Some(Box::new(Losses { h: assembly.c, b, p, d }))
+    Some(Box::new(Losses { h: assembly.c, b, p, d, by_rate: Vec::new() }))
 }
 
 /// The contributions of loss factors to further outputs.

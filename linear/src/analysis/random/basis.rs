@@ -3,7 +3,7 @@
 //! same inputs and outputs. See docs/method/random.md#undamped-motions.
 
 use crate::base::{Number, Rational};
-use crate::system::{CoordinateId, Form, Input, LinearSystem, Losses, Output};
+use crate::system::{ByRate, CoordinateId, Form, Input, LinearSystem, Losses, Output};
 
 type Row = Vec<(CoordinateId, Number)>;
 
@@ -82,7 +82,8 @@ impl Basis {
         }
         let rows = |rows: &[Row]| rows.iter().map(|row| self.row(row)).collect();
         let is_there = !h.terms().is_empty();
-        is_there.then(|| Losses { h, b: rows(&losses.b), p: rows(&losses.p), d: losses.d.clone() })
+        let by_rate = losses.by_rate.iter().map(|part| ByRate { b: self.row(&part.b), ..part.clone() }).collect();
+        is_there.then(|| Losses { h, b: rows(&losses.b), p: rows(&losses.p), d: losses.d.clone(), by_rate })
     }
 
     fn form(&self, form: &Form) -> Form {

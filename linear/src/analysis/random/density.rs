@@ -2,7 +2,7 @@
 //! docs/method/random.md#measures.
 
 use super::{Reach, Spread};
-use crate::analysis::rates::{Rate, from_rate};
+use crate::analysis::rates::{Rate, from_rate_at_rest};
 use crate::analysis::transfer::{Disc, Frequency, Gain, Transfer};
 use crate::base::{Ball, Number};
 use crate::kernel::complex::Complex;
@@ -54,7 +54,7 @@ fn at_rest(system: &LinearSystem, inputs: &[&(usize, Number)], derivative: u8, o
     let mut sum = Complex::ZERO;
     for (input, _) in inputs {
         let rate = Rate { input: *input, derivative, word: "" };
-        let driven = from_rate(system, rate, output).map_err(Spread::Unknown)?;
+        let driven = from_rate_at_rest(system, rate, output).map_err(Spread::Unknown)?;
         match Transfer::of(&driven).between(&Frequency::hertz(&Number::ZERO), &[driven.inputs.len() - 1], &[0])[0][0] {
             Gain::Finite(disc) => {
                 let value = disc.value.to_ball();

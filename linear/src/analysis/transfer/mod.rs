@@ -214,13 +214,19 @@ impl<'a> Transfer<'a> {
 
     /// H at a frequency from some inputs to some outputs: `[input][output]`, in the order given.
     pub fn between(&self, frequency: &Frequency, inputs: &[usize], outputs: &[usize]) -> Vec<Vec<Gain>> {
-        if self.system.losses.is_some() {
+        if let Some(losses) = &self.system.losses {
             let omega = frequency.omega();
             if omega.may_be_zero() && !omega.is_zero() {
                 return vec![vec![Gain::Unknown; outputs.len()]; inputs.len()];
             }
             let system = self.system.at_frequency(&omega);
-            return Transfer::of(&system).between(frequency, inputs, outputs);
+            let mut gains = Transfer::of(&system).between(frequency, inputs, outputs);
+            for (_, gains) in
+                inputs.iter().zip(&mut gains).filter(|(input, _)| omega.is_zero() && losses.has_no_limit(**input))
+            {
+                gains.fill(Gain::Unknown);
+            }
+            return gains;
         }
         let mut gains = self.in_own_units(frequency, inputs, outputs);
         if gains.iter().flatten().any(|gain| *gain == Gain::Unknown)
