@@ -66,6 +66,9 @@ pub const MAX_DAMPED: usize = 1_000;
 const MOST_KEPT: usize = 150;
 /// In larger scenes no pole is looked for where springs have loss factors: the parts with them are small in any case.
 const MOST_BESIDE_LOSSES: usize = 400;
+/// Up to this many coordinates, poles that the state matrix has lost are looked for once more, by steps with a factorisation for each
+/// pole: a few seconds at the most, growing with the fourth power.
+const MOST_ANEW: usize = 40;
 /// From this many coordinates on, all pairs are first refined at once.
 const TOGETHER: usize = 24;
 
@@ -432,7 +435,7 @@ impl Portion<'_> {
         if !all_apart(&discs) {
             let spectrum = basis.spectrum();
             (pairs, discs, more) = certified(refine_all(&working, &basis, &spectrum));
-            if !all_apart(&discs) {
+            if !all_apart(&discs) && pencil.n <= MOST_ANEW {
                 (pairs, discs, more) = certified(one_by_one(&aberth(&basis, &spectrum.values())));
             }
             state = basis.state_form(spectrum).filter(|_| pencil.n == self.system.n() && pencil.n <= MOST_KEPT);
