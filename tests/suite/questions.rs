@@ -131,6 +131,22 @@ fn critical_damping_is_solved_for() {
     assert_eq!(found.solved[0].value, Number::from(4));
 }
 
+/// The poles of a motion meet between two that were real before: the roots of the discriminant of det(M s^2 + C s + K), from SymPy.
+#[test]
+fn critical_damping_among_overdamped_motions_is_solved_for() {
+    let scene = "param c = 0.5 N*s/m\nbody a { mass = 1 kg, moves x }\nbody b { mass = 2 kg, moves x }\n\
+                 spring s: ground -- a { k = 10 N/m }\nspring t: a -- b { k = 5 N/m }\ndamper d: a -- b { c = c }\n\
+                 damper e: ground -- a { c = c }\n";
+    for (motion, high, truth) in [(1, 50, 12.593218195718019), (2, 12, 3.4539665610381527)] {
+        let found = run(&format!("{scene}solve c in 0.01 N*s/m .. {high} N*s/m: damping({motion}) = 1\n"))
+            .answer
+            .expect("an answer");
+        let off = found.solved[0].value.to_ball().to_f64() - truth;
+        assert!(off.abs() <= 4.0 * f64::EPSILON * truth, "{motion}: {off:e}");
+        assert!(found.solved[0].bound.is_some_and(|bound| bound < 1e-14));
+    }
+}
+
 /// An inverted pendulum on a spring: k a^2 = m g l.
 #[test]
 fn a_zero_frequency_is_solved_for() {

@@ -77,27 +77,20 @@ pub fn discriminant(system: &LinearSystem) -> Measurement {
     Measurement::Value(value.to_ball())
 }
 
-/// ((s1 - s2) / 2)^2 of the two poles of the i-th damped motion, 1/s^2: negative if it oscillates, positive if both are
-/// real.
+/// ((s1 - s2) / 2)^2 of the two poles of the i-th damped motion, 1/s^2: negative if it oscillates. If its last pole is real, positive,
+/// with the real pole next to that: as a motion becomes overdamped, its poles meet and part between those of others.
 pub fn critical(poles: &Poles, i: usize) -> Measurement {
-    const NONE: Measurement = Measurement::None("there is no such damped motion");
-    let Some(first) = i.checked_mul(2).and_then(|twice| twice.checked_sub(2)) else { return NONE };
-    let mut halves: Vec<&Pole> = Vec::new();
-    for pole in &poles.list {
-        if pole.kind == PoleKind::Undetermined {
-            return Measurement::None("it is not certain what kind of motion this is");
-        }
-        if !pole.is_lower_half() {
-            halves.extend(std::iter::repeat_n(pole, if pole.is_complex() { 2 } else { 1 }));
-        }
+    let pole = match pair_of_motion(poles, i) {
+        Ok((_, pole)) => pole,
+        Err(why) => return Measurement::None(why),
+    };
+    if pole.is_complex() {
+        return Measurement::Value(-pole.im.square());
     }
-    match halves.get(first..first + 2) {
-        Some([a, b]) if std::ptr::eq(*a, *b) => Measurement::Value(-a.im.square()),
-        Some([a, b]) if a.im.is_zero() && b.im.is_zero() => {
-            Measurement::Value(((a.re - b.re) * Ball::from(0.5)).square())
-        }
-        Some(_) => Measurement::None("these two poles belong to different motions"),
-        None => NONE,
+    let others = poles.list.iter().filter(|other| !other.is_complex() && !std::ptr::eq(*other, pole));
+    match others.map(|other| -(pole.re - other.re).abs()).reduce(Ball::or_larger) {
+        Some(nearest) => Measurement::Value((nearest * Ball::from(0.5)).square()),
+        None => Measurement::None("its pole is real, and there is no other one"),
     }
 }
 
