@@ -256,6 +256,23 @@ mod tests {
     }
 
     /// Bounds of the size of a number are on their side of it, low word included.
+    /// It contains the larger of any two members, whichever ball is named first, and is no wider than the wider one.
+    #[test]
+    fn the_larger_of_two_contains_that_of_their_members() {
+        let ball = |mid: f64, rad: f64| Ball::from(mid).widen(rad);
+        for (a, b) in
+            [(ball(3.0, 0.1), ball(2.0, 0.5)), (ball(1.0, 2.0), ball(1.5, 0.1)), (ball(-2.0, 0.0), ball(-5.0, 4.0))]
+        {
+            for larger in [a.or_larger(b), b.or_larger(a)] {
+                assert!(larger.rad <= a.rad.max(b.rad));
+                let members = |ball: Ball| [ball.mid.hi - ball.rad, ball.mid.hi, ball.mid.hi + ball.rad];
+                for x in members(a).into_iter().flat_map(|x| members(b).map(|y| x.max(y))) {
+                    assert!((larger.mid.hi - x).abs() <= larger.rad, "{x} and {larger:?}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn sizes_are_bounded_from_both_sides() {
         for hi in [1.0, -1.0, 3e-308, 1e300] {
