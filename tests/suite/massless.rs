@@ -365,3 +365,30 @@ fn nodes_with_dampers_beyond_exact_arithmetic_are_named() {
         assert!(found[0].message.starts_with("node.x moves without inertia") && found[0].message.contains(why));
     }
 }
+
+/// `damping modal` damps modes alone, so a node without mass stays one: springs of 100 and 500 N/m in series hold 1 kg. Emitted code, the
+/// motion and the poles by the closed form of a step.
+#[test]
+fn damping_by_modes_leaves_a_node_without_mass_to_follow() {
+    let model = "damping modal 3 %\nbody a { mass = 1 kg, moves x }\nbody n { mass = 0 kg, moves x }\n\
+                 spring s: ground -- n { k = 100 N/m }\nspring t: n -- a { k = 500 N/m }\n\
+                 force F: a along x = step(2 N, 0 s)\noutput x = a.x\noutput y = n.x\n";
+    let k: f64 = 500.0 / 6.0;
+    let (omega, ratio) = (k.sqrt(), 0.03f64);
+    let own = omega * (1.0 - ratio * ratio).sqrt();
+    let swing = |t: f64| (own * t).cos() + ratio * omega / own * (own * t).sin();
+    let printed = crate::program::emitted(model, "50 ms", "3 s");
+    let simulated = crate::signals::simulated(model, &[], &["--until", "3 s", "--step", "50 ms"]);
+    assert_eq!(printed.len(), 61);
+    for row in printed.iter().chain(&simulated) {
+        let x = 2.0 / k * (1.0 - (-ratio * omega * row[0]).exp() * swing(row[0]));
+        assert!((row[1] - x).abs() < 1e-15 && (row[2] - x * 5.0 / 6.0).abs() < 1e-15, "{row:?}, not {x:e}");
+    }
+    let told = crate::program::json(model, &["analyze"]);
+    let poles = told["poles"].as_array().expect("poles");
+    assert_eq!(poles.len(), 2, "{told}");
+    for pole in poles {
+        let [re, im] = ["re", "im"].map(|part| pole[part].as_f64().expect("a number"));
+        assert!((re + ratio * omega).abs() < 1e-15 && (im.abs() - own).abs() < 1e-14, "{pole}");
+    }
+}

@@ -39,3 +39,19 @@ pub fn finding(model: &str, arguments: &[&str]) -> Value {
 pub fn code(model: &str, arguments: &[&str]) -> String {
     finding(model, arguments)["code"].as_str().expect("a code").to_string()
 }
+
+/// The rows that the emitted program of a model prints, compiled by gcc.
+pub fn emitted(model: &str, step: &str, until: &str) -> Vec<Vec<f64>> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("m.vib"), model).expect("a file");
+    let run = |program: &str, arguments: &[&str]| {
+        let output = Command::new(program).args(arguments).current_dir(folder.path()).output().expect("it starts");
+        assert!(output.status.success(), "{program}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("text")
+    };
+    let emit = ["emit", "m.vib", "--target", "c", "--program", "--step", step, "--until", until, "-o", "code"];
+    run(env!("CARGO_BIN_EXE_vibc"), &emit);
+    run("gcc", &["-O1", "-o", "code/run", "code/m.c", "code/main.c", "-lm"]);
+    let printed = run("code/run", &[]);
+    printed.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().expect("a number")).collect()).collect()
+}

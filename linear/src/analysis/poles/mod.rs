@@ -308,6 +308,10 @@ impl Portion<'_> {
             found.infinite(2 * modes.infinite);
         } else if self.part.k.is_empty() && modes.list.len() == self.part.coordinates.len() {
             self.dampers_alone(found)?;
+        } else if let Some(ratio) = self.ratio_of_all(modes).filter(|_| modes.is_complete()) {
+            // Motions without inertia, if there are any, are not damped.
+            add_by_ratio(modes, ratio, &Proportional::NONE, self.passive(modes), found);
+            found.infinite(2 * modes.infinite);
         } else if modes.list.len() != self.part.coordinates.len() {
             // Motions without inertia have finite poles if dampers hold them.
             match exact_poles(self.system, self.part, self.local) {
@@ -321,8 +325,6 @@ impl Portion<'_> {
                     ));
                 }
             }
-        } else if let Some(ratio) = self.ratio_of_all(modes) {
-            add_by_ratio(modes, ratio, &Proportional::NONE, self.passive(modes), found);
         } else if let Some(damping) = proportional(self.system, self.part) {
             self.add_decoupled(modes, &damping, found);
         } else {
