@@ -913,26 +913,43 @@ pub const MOST_CASES: u64 = 1_000_000_000;
 /// A program that is emitted prints them as it goes.
 pub const MOST_PROGRAM_SAMPLES: f64 = 4e9;
 
-/// `30Hz`, as in a model without spaces: the value in SI, and how its angle was written.
-fn quantity(text: &str, dimension: Dimension, literals: Literals) -> Result<(Number, Angle), String> {
+/// `30Hz`, as in a model without spaces: the value in SI, and how its angle was written. `example`: what to type.
+fn quantity(text: &str, dimension: Dimension, literals: Literals, example: &str) -> Result<(Number, Angle), String> {
+    if text.starts_with('-') && quantity(&text[1..], dimension, literals, example).is_ok() {
+        return Err(format!("it must not be negative: write {example}"));
+    }
     // A number may end in an exponent, so the longest one that reads is meant.
     let split = (1..=text.len()).rev().filter(|&at| text.is_char_boundary(at));
     let read = split
         .filter_map(|at| Rational::from_literal(&text[..at], literals).map(|value| (Number::from(value), &text[at..])));
-    let Some((value, rest)) = read.take(1).next() else { return Err("it does not begin with a number".into()) };
-    let rest = rest.trim();
+    let Some((value, rest)) = read.take(1).next() else {
+        return Err(format!("it does not begin with a number: write {example}"));
+    };
     if rest.starts_with(|c: char| c.is_ascii_digit()) {
         // `1e-398Hz`: what reads as `1e-39` is not the number that is written.
         return Err("its number is outside the range of binary64".into());
     }
+    let rest = rest.trim();
     if rest.is_empty() {
-        return if value.is_zero() { Ok((value, Angle::Plain)) } else { Err("it needs a unit".into()) };
+        return if value.is_zero() {
+            Ok((value, Angle::Plain))
+        } else {
+            Err(format!("it needs a unit: write {example}"))
+        };
     }
-    let unit = unit::parse(rest).map_err(|_| format!("`{rest}` is not a unit"))?;
-    match unit.scale {
-        Scale::Linear(factor) if unit.dimension == dimension => Ok((&value * &factor, unit.angle)),
-        _ => Err(format!("`{rest}` is not a unit of {}", dimension.noun().unwrap_or("this"))),
+    let unit = unit::parse(rest).map_err(|_| format!("`{rest}` is not a unit: write {example}"))?;
+    let value = match unit.scale {
+        Scale::Linear(factor) if unit.dimension == dimension => &value * &factor,
+        _ => {
+            return Err(format!("`{rest}` is not a unit of {}: write {example}", dimension.noun().unwrap_or("this")));
+        }
+    };
+    // As in a model: zero, or a size that binary64 has in full precision.
+    let size = value.to_f64().abs();
+    if !(value.is_zero() || (f64::MIN_POSITIVE..=f64::MAX).contains(&size)) {
+        return Err("it is outside the range of binary64 in SI units".into());
     }
+    Ok((value, unit.angle))
 }
 
 /// A value of the command line in both readings of its literals.
@@ -961,7 +978,7 @@ fn frequency(text: &str) -> Result<Readings<Frequency>, String> {
 }
 
 fn frequency_as(text: &str, literals: Literals) -> Result<Frequency, String> {
-    let (value, angle) = quantity(text, Dimension::FREQUENCY, literals)?;
+    let (value, angle) = quantity(text, Dimension::FREQUENCY, literals, "a frequency such as 30Hz or 2rad/s")?;
     match angle {
         Angle::Radians => Ok(Frequency::radians(&value)),
         Angle::Cycles => Ok(Frequency::hertz(&value)),
@@ -1007,7 +1024,7 @@ fn time(text: &str) -> Result<Readings<Number>, String> {
 }
 
 fn time_as(text: &str, literals: Literals) -> Result<Number, String> {
-    let (value, _) = quantity(text, Dimension::TIME, literals)?;
+    let (value, _) = quantity(text, Dimension::TIME, literals, "a time such as 10s")?;
     if value.is_positive() { Ok(value) } else { Err("it must be greater than zero".into()) }
 }
 

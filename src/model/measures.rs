@@ -417,7 +417,7 @@ impl<'a> Check<'a> {
         environment: Environment,
     ) -> Evaluated<Measured> {
         let path = self.path(path, environment);
-        let frequency = self.frequency(frequency, environment)?;
+        let frequency = self.frequency_from_zero(frequency, environment)?;
         let Pair { input, output, dimension } = path?;
         if measure == functions::Measure::Phase {
             return Ok(Measured { measure: Measure::Phase { input, output, frequency }, dimension: Dimension::NONE });
@@ -465,7 +465,7 @@ impl<'a> Check<'a> {
     fn psd(&mut self, output: ExprId, frequency: ExprId, environment: Environment) -> Evaluated<Measured> {
         let span = self.tree.expr(output).span;
         let combination = self.measured_output(output, environment);
-        let frequency = self.frequency(frequency, environment)?;
+        let frequency = self.frequency_from_zero(frequency, environment)?;
         let Combination { terms: output, dimension, .. } = combination?;
         let Some(dimension) = dimension.pow(2, 1).and_then(|square| square.times(Dimension::TIME)) else {
             return self.fail(environment, ValueError::Overflow { span });
@@ -514,6 +514,16 @@ impl<'a> Check<'a> {
             return Ok([low, high]);
         };
         self.fail(environment, error)
+    }
+
+    /// The frequency of a measure, which is not negative.
+    fn frequency_from_zero(&mut self, expr: ExprId, environment: Environment) -> Evaluated<Number> {
+        let frequency = self.frequency(expr, environment)?;
+        if frequency.is_negative() {
+            let span = self.tree.expr(expr).span;
+            return self.fail(environment, QuestionError::FrequencyBelowZero { span });
+        }
+        Ok(frequency)
     }
 
     /// `input -> output`, with the dimension of its gain.

@@ -490,3 +490,27 @@ fn options_that_exclude_each_other_are_refused_together() {
         assert_eq!(fault(&setting.run(&arguments), 2), None, "{arguments:?}");
     }
 }
+
+/// What is wrong with a frequency or a time, and what to type instead.
+#[test]
+fn values_that_are_none_say_what_to_type() {
+    let setting = Setting::new();
+    for (option, value, told) in [
+        ("--at", "1 1/s", "write Hz for cycles or rad/s for radians"),
+        ("--at", "1 /s", "write Hz for cycles or rad/s for radians"),
+        ("--at", "1 2Hz", "`2Hz` is not a unit: write a frequency such as 30Hz or 2rad/s"),
+        ("--at", "-1Hz", "it must not be negative: write a frequency such as 30Hz or 2rad/s"),
+        ("--at", "fast", "it does not begin with a number: write a frequency such as 30Hz or 2rad/s"),
+        ("--at", "3", "it needs a unit: write a frequency such as 30Hz or 2rad/s"),
+        ("--at", "3 m", "`m` is not a unit of a frequency: write a frequency such as 30Hz or 2rad/s"),
+        ("--at", "1e-320Hz", "it is outside the range of binary64 in SI units"),
+        ("--at", "1e308MHz", "it is outside the range of binary64 in SI units"),
+        ("--at", "1e401Hz", "its number is outside the range of binary64"),
+        ("--range", "-1Hz..2Hz", "it must not be negative"),
+    ] {
+        let arguments = ["transfer", "@/scene.vib", &format!("{option}={value}")].map(str::to_string);
+        let output = setting.run(&arguments);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && text.contains(told), "{option} {value}: {text}");
+    }
+}

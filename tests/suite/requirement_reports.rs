@@ -204,3 +204,42 @@ fn negative_values_of_options_are_values() {
         assert!(!text.contains("tip:") && !text.contains("unexpected argument"), "{arguments:?}: {text}");
     }
 }
+
+/// What is wrong stays so, whatever is not decided beside it: 1; what is not decided alone: 4.
+#[test]
+fn a_failure_counts_more_than_what_is_not_decided() {
+    let model =
+        "param k = 10 N/m\nparam m = 1 kg\nbody block { mass = m, moves x }\nspring s: ground -- block { k = k }\n";
+    let open = "require frequency(1) <= sqrt(k/m) * 1 rad\n";
+    for (others, status) in [
+        ("", 4),
+        ("require frequency(1) > 0.1 Hz\n", 4),
+        ("require frequency(2) > 2 Hz\n", 1),
+        ("require frequency(1) > 9 Hz\n", 1),
+    ] {
+        for text in [format!("{model}{open}{others}"), format!("{model}{others}{open}")] {
+            assert_eq!(ran(&text, &["check"]).status.code(), Some(status), "{others}");
+        }
+    }
+}
+
+/// A measure at a negative frequency: a density has none, and of a gain it is no frequency that anybody means.
+#[test]
+fn a_measure_takes_no_negative_frequency() {
+    for measure in ["gain(F -> x, -2 Hz)", "phase(F -> x, -2 rad/s)", "psd(x, -2 Hz)", "gain(g.ax -> x, 1 Hz - 2 Hz)"] {
+        let found = crate::program::finding(&format!("{ON_BASE}require {measure} < 1\n"), &["check"]);
+        assert_eq!(
+            (found["code"].as_str(), found["message"].as_str()),
+            (Some("vib::measure::arguments"), Some("this frequency is negative"))
+        );
+    }
+}
+
+/// A time beyond which no motion is computed is named, not a mass that is there.
+#[test]
+fn a_time_that_is_too_long_is_named() {
+    let model = "body b { mass = 1 kg, moves x }\ndamper d: ground -- b { c = 1 N*s/m }\nforce F: b along x = step(1 N, 0 s)\noutput v = b.vx\n";
+    let found = crate::program::finding(model, &["simulate", "--until", "1e300s", "--step", "1e300s"]);
+    assert_eq!(found["code"], "vib::limit::range");
+    assert!(found["help"].as_str().is_some_and(|help| help.contains("shorter time")), "{found}");
+}

@@ -297,8 +297,8 @@ impl AnalysisError {
                 "use a shorter `--step`: after so many radians too few digits of the phase are left",
             ),
             AnalysisError::MotionOutOfRange { .. } => (
-                "the motion leaves the range of binary64".to_string(),
-                "choose a shorter time: a divergence grows by a factor e in each of its growth times",
+                "the motion over this time leaves the range of binary64".to_string(),
+                "choose a shorter time: its powers have to be in the range too, and a divergence grows by a factor e in each of its growth times",
             ),
             AnalysisError::UncertainModes { .. } => (
                 "the modes are not known well enough to give each its damping ratio".to_string(),

@@ -121,7 +121,9 @@ fn enumeration(words: &[&str]) -> String {
 
 /// Five digits, enough for a reader.
 fn short(value: f64) -> String {
-    format!("{value:.4e}").parse::<f64>().unwrap_or(value).to_string()
+    let rounded = format!("{value:.4e}").parse::<f64>().unwrap_or(value);
+    let is_plain = rounded == 0.0 || (1e-9..1e16).contains(&rounded.abs());
+    if is_plain { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
 fn name_phrase(dimension: Dimension) -> String {

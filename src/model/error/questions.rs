@@ -36,6 +36,7 @@ pub enum QuestionError {
     NotABase { span: Span },
     NotAnOutput { span: Span, word: String, found: &'static str, declared: Span },
     ModeNumber { span: Span },
+    FrequencyBelowZero { span: Span },
     RangeBelowZero { span: Span },
     RangeReversed { span: Span },
     GivenAndSolved { span: Span, word: String, solved: Span, by: Word },
@@ -155,6 +156,8 @@ impl QuestionError {
             ModeNumber { span } => {
                 error("vib::measure::mode", span, "modes are numbered from 1").fix(span, Change::Replace("1".into()))
             }
+            FrequencyBelowZero { span } => error("vib::measure::arguments", span, "this frequency is negative")
+                .help("a measure takes a frequency from `0 Hz` on"),
             RangeBelowZero { span } => error("vib::solve::range", span, "frequencies of a range are not negative")
                 .help("begin at `0 Hz` or above"),
             RangeReversed { span } => {

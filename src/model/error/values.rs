@@ -89,7 +89,7 @@ impl ValueError {
                 cycles_for_radians(span, value, *expected, declared)
             }
             Overflow { span } => error("vib::number::overflow", span, "this number is out of range")
-                .help("numbers from 1e-300 to 1e300 in SI units can be used"),
+                .help("numbers from 2.2e-308 to 1.8e308 in SI units can be used, and 0"),
             Operation { fault, operator, left, right } => operation(fault, operator, left, right),
             Function { fault, function, argument, span } => function_fault(fault, function, argument, span),
             Pair { fault, left, right } => pair(fault, left, right),
@@ -234,7 +234,7 @@ fn operation(fault: Fault, operator: Binary, left: Span, right: Span) -> Diagnos
         Fault::RootOfNegative => error("vib::number::root_of_negative", left, "a root of a negative number"),
         Fault::Domain(_) | Fault::Overflow => {
             error("vib::number::overflow", left.to(right), "this number is out of range")
-                .help("numbers from 1e-300 to 1e300 in SI units can be used")
+                .help("numbers from 2.2e-308 to 1.8e308 in SI units can be used, and 0")
         }
     }
 }
@@ -257,7 +257,7 @@ fn function_fault(fault: Fault, function: &str, argument: Span, span: Span) -> D
         Fault::Domain(domain) => error("vib::number::domain", argument, format!("`{function}` has no value here"))
             .help(format!("its argument is {domain}")),
         Fault::Exponent | Fault::Overflow => error("vib::number::overflow", span, "this number is out of range")
-            .help("numbers from 1e-300 to 1e300 in SI units can be used"),
+            .help("numbers from 2.2e-308 to 1.8e308 in SI units can be used, and 0"),
     }
 }
 

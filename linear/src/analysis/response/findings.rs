@@ -142,6 +142,7 @@ pub fn findings(system: &LinearSystem, drives: &[Vec<Signal>], history: &History
     let reported = history.unsettled_outputs().into_iter().map(|found| {
         let (name, place) = (name(found.output), places[found.output]);
         let at = found.at.to_f64();
+        let at = if at == 0.0 || (1e-9..1e16).contains(&at) { at.to_string() } else { format!("{at:e}") };
         if found.unknown > 0 {
             let message = format!("nothing is known of {} samples of `{name}`, from {at} s on", found.unknown);
             return Diagnostic::error(UNSETTLED, place, message).help(SHORTER);

@@ -341,7 +341,8 @@ impl Shaping {
                 s_factor = cholesky::upper(&shifted(2.0 * least * 4f64.power(shift)), LEAST_PIVOT);
             }
         }
-        let s_factor = s_factor.ok_or_else(|| AnalysisError::singular_mass(system, &parts.heavy))?;
+        // M and C_0 are definite, so some shift suits unless the time, or what a number grows to in it, has no square in binary64.
+        let s_factor = s_factor.ok_or_else(|| AnalysisError::out_of_range(system))?;
         let size = nr + na;
         let block = |s: &Matrix<Ball>, n: &Matrix<Ball>| {
             Matrix::from_fn(size, size, |i, j| match (i < nr, j < nr) {
@@ -356,9 +357,8 @@ impl Shaping {
                 Matrix::from_fn(factor.rows(), factor.rows(), |i, j| if i == j { Ball::ONE } else { Ball::ZERO });
             solve(&exact(factor), &identity)
         };
-        let (s_back, n_back) = inverse(&s_factor)
-            .zip(inverse(&n_factor))
-            .ok_or_else(|| AnalysisError::singular_mass(system, &parts.heavy))?;
+        let (s_back, n_back) =
+            inverse(&s_factor).zip(inverse(&n_factor)).ok_or_else(|| AnalysisError::out_of_range(system))?;
         Ok(Shaping { to: block(&exact(&s_factor), &exact(&n_factor)), back: block(&s_back, &n_back) })
     }
 }
