@@ -137,7 +137,7 @@ fn critical_damping_among_overdamped_motions_is_solved_for() {
     let scene = "param c = 0.5 N*s/m\nbody a { mass = 1 kg, moves x }\nbody b { mass = 2 kg, moves x }\n\
                  spring s: ground -- a { k = 10 N/m }\nspring t: a -- b { k = 5 N/m }\ndamper d: a -- b { c = c }\n\
                  damper e: ground -- a { c = c }\n";
-    for (motion, high, truth) in [(1, 50, 12.593218195718019), (2, 12, 3.4539665610381527)] {
+    for (motion, high, truth) in [(1, 50, 12.593_218_195_718_02), (2, 12, 3.4539665610381527)] {
         let found = run(&format!("{scene}solve c in 0.01 N*s/m .. {high} N*s/m: damping({motion}) = 1\n"))
             .answer
             .expect("an answer");
