@@ -112,6 +112,15 @@ impl Function {
 }
 
 impl Curve {
+    /// Whether it depends on a parameter that is a range.
+    pub fn is_ranged(&self) -> bool {
+        let depends = |step: &Step| match &step.operation {
+            Operation::Constant(number) => number.is_range(),
+            _ => false,
+        };
+        self.steps.iter().any(depends)
+    }
+
     /// The law with these operations; `None` if they do not leave exactly one number.
     pub fn new(steps: Vec<Step>) -> Option<Curve> {
         let mut height = 0_usize;

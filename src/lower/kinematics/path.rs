@@ -179,6 +179,11 @@ impl<S: Scalar> State<S> {
 }
 
 impl State<Number> {
+    /// Whether some coordinate depends on a parameter that is a range.
+    pub fn is_ranged(&self) -> bool {
+        self.values.iter().any(Number::is_range)
+    }
+
     pub fn convert<S: Scalar>(&self, kinematics: &Kinematics) -> State<S> {
         let mut state = State::as_drawn();
         for (coordinate, value) in self.values.iter().enumerate().filter(|(_, value)| !value.is_zero()) {

@@ -56,8 +56,7 @@ pub struct Rest {
     pub residual: f64,
     /// The proof that the rest is in its enclosure; `None` if there is none (see docs/method/rest.md).
     pub proven: Option<Proven>,
-    /// The proof that the search from the drawing ends here for all values of parameters that are ranges; `None` also where none of
-    /// them moves a rest that terms depend on.
+    /// The proof that the search from the drawing ends here for all values of parameters that are ranges.
     pub reached: Option<Reached>,
     /// Whether terms of the system depend on the position of the rest: some loaded part is not linear, or tensions were
     /// found that hold the drawing. Relative changes of the model's numbers may cause larger relative changes of these
@@ -174,11 +173,15 @@ impl PartialRest {
         survey: &mut Survey,
     ) -> Result<(), Vec<LowerError>> {
         let mut steering: State<f64> = jet::in_the_middle(|| self.state.convert(kinematics));
+        // Bases that a parameter displaces act on all parts.
+        let is_displaced = self.state.is_ranged();
         let mut lost = Vec::new();
         let Survey { parts, local, forces } = survey;
         for part in parts.iter().filter(|part| !part.is_large_and_linear()) {
             if !part.constraints.is_empty() {
-                if let Err(error) = self.search_along(scene, kinematics, constraints, part, local, &mut steering) {
+                if let Err(error) =
+                    self.search_along(scene, kinematics, constraints, part, local, (&mut steering, is_displaced))
+                {
                     lost.push(error);
                 }
                 continue;
@@ -205,13 +208,17 @@ impl PartialRest {
             self.rest.steps += descended.steps;
             self.rest.residual = self.rest.residual.max(refined.residual);
             self.rest.proven = Proven::and(self.rest.proven, refined.proven);
-            let reached = if part.linear { Reached::of_linear(refined.proven) } else { refined.reached };
+            let reached = match part.linear {
+                true => Reached::of_linear(refined.proven),
+                false if !is_displaced && !part.potential.is_ranged() => Some(Reached::by_one_search()),
+                false => refined.reached,
+            };
             self.rest.reached = Reached::and(self.rest.reached, reached);
         }
         if lost.is_empty() { Ok(()) } else { Err(lost) }
     }
 
-    /// Searches for the rest of a part with constraints.
+    /// Searches for the rest of a part with constraints. `is_displaced`: a parameter that is a range displaces a base.
     fn search_along(
         &mut self,
         scene: &Scene,
@@ -219,7 +226,7 @@ impl PartialRest {
         constraints: &Constraints,
         part: &Part,
         local: &[u32],
-        steering: &mut State<f64>,
+        (steering, is_displaced): (&mut State<f64>, bool),
     ) -> Result<(), LowerError> {
         if part.coordinates.len() > MAX_ALONG {
             let source = constraints.list[part.constraints[0] as usize].source;
@@ -246,6 +253,9 @@ impl PartialRest {
             constrained::ConstrainedResult::Settled(descended) => descended,
         };
         let values: Vec<f64> = coordinates.iter().map(|i| *steering.value(*i)).collect();
+        let is_ranged = is_displaced
+            || part.potential.is_ranged()
+            || jet::without_division(|| equations().map(Equation::convert::<f64>).count()).is_none();
         let (potential, equations) = (&part.potential, equations().collect());
         let state = &mut self.state;
         let multipliers = Vec::new();
@@ -255,7 +265,8 @@ impl PartialRest {
         self.rest.steps += descended.steps;
         self.rest.residual = self.rest.residual.max(refined.residual);
         self.rest.proven = Proven::and(self.rest.proven, refined.proven);
-        self.rest.reached = Reached::and(self.rest.reached, refined.reached);
+        let reached = if is_ranged { refined.reached } else { Some(Reached::by_one_search()) };
+        self.rest.reached = Reached::and(self.rest.reached, reached);
         Ok(())
     }
 
@@ -335,10 +346,10 @@ impl Rest {
         self.displacement.iter().any(Number::is_range)
     }
 
-    /// Whether terms depend on a rest that moves with a parameter that is a range, and the search might find another one at some of
-    /// its values.
+    /// Whether terms depend on a rest that is looked for among forces that a parameter which is a range has a part in, and the search might
+    /// find another one at some of its values.
     pub fn may_be_elsewhere(&self) -> bool {
-        self.moves_terms && self.is_ranged() && self.reached.is_none()
+        self.moves_terms && self.reached.is_none()
     }
 
     /// Whether a rest that was found for some values in the ranges of this one is this one there. It is so then for all of them: in each

@@ -2,7 +2,8 @@
 //! in [`Number`](crate::base::Number) for results. See docs/method/rest.md.
 
 use crate::base::Number;
-use crate::elements::{DeadForce, Scalar, Spring, Stretch, Vector};
+use crate::base::number::jet;
+use crate::elements::{DeadForce, Response, Scalar, Spring, Stretch, Vector};
 use crate::lower::kinematics::{Index, Kinematics, Path, PathEvaluation, State};
 use crate::lower::loads::{self, EndPath};
 
@@ -48,6 +49,17 @@ pub enum Detail {
 pub const ELSEWHERE: u32 = u32::MAX;
 
 impl Potential<Number> {
+    /// Whether it depends on a parameter that is a range, be it in places that no force comes from at rest.
+    pub fn is_ranged(&self) -> bool {
+        let is_curve = |spring: &Spring<Number>| match &spring.response {
+            Response::Curve { curve, .. } => curve.is_ranged(),
+            Response::Linear { .. } => false,
+        };
+        // A number of a range is noted when one is taken for all of it.
+        self.springs.iter().any(|(spring, _)| is_curve(spring))
+            || jet::without_division(|| self.convert::<f64>()).is_none()
+    }
+
     pub fn convert<S: Scalar>(&self) -> Potential<S> {
         let vector = |v: &Vector<Number>| Vector { x: S::of(&v.x), y: S::of(&v.y), z: S::of(&v.z) };
         let stretch = |stretch: &Stretch<Number>| match stretch {

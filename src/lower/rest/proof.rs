@@ -56,6 +56,11 @@ impl Reached {
         Reached(())
     }
 
+    /// Where no force depends on what is a range, the search for one value is that for all.
+    pub fn by_one_search() -> Reached {
+        Reached(())
+    }
+
     /// A quadratic energy has no other rest than one that is isolated.
     pub fn of_linear(proven: Option<Proven>) -> Option<Reached> {
         proven.map(|_| Reached(()))
