@@ -294,7 +294,9 @@ impl<'a> Unknowns<'a> {
             proven,
             evaluations: seen.count,
         };
-        AskedError::NoRoot { span: solve.span, measure, target: self.target(equation), name, range, reach }
+        // An overdamped motion has the ratio 1 too.
+        let target = self.target(equation) + if is_of_critical(&solve.question) { " (critical damping)" } else { "" };
+        AskedError::NoRoot { span: solve.span, measure, target, name, range, reach }
     }
 
     /// A value of an unknown as text, in its own unit.
@@ -317,10 +319,8 @@ impl<'a> Unknowns<'a> {
         let question = &self.solves[equation].question;
         match difference {
             // The difference is of a quantity that changes sign in place of the measure.
-            Difference::Known(ball)
-                if question.value.is_one() && matches!(question.measure, Measure::DampingRatio { .. }) =>
-            {
-                if ball.is_negative() { "below 1" } else { "1" }.to_string()
+            Difference::Known(ball) if is_of_critical(question) => {
+                if ball.is_negative() { "below 1" } else { "1 (overdamped)" }.to_string()
             }
             Difference::Known(ball)
                 if question.value.is_zero() && matches!(question.measure, Measure::Frequency { .. }) =>
@@ -419,6 +419,11 @@ pub fn finite_value(difference: Difference) -> Option<Ball> {
         Difference::Known(ball) if ball.is_finite() => Some(ball),
         _ => None,
     }
+}
+
+/// Whether a question is for critical damping, which poles that meet tell, and not the ratio.
+fn is_of_critical(question: &Question) -> bool {
+    question.value.is_one() && matches!(question.measure, Measure::DampingRatio { .. })
 }
 
 /// The difference for a quantity that changes sign where the measure's range ends (see

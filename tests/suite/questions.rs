@@ -145,6 +145,10 @@ fn critical_damping_among_overdamped_motions_is_solved_for() {
         assert!(off.abs() <= 4.0 * f64::EPSILON * truth, "{motion}: {off:e}");
         assert!(found.solved[0].bound.is_some_and(|bound| bound < 1e-14));
     }
+    // All motions are overdamped there: they have the ratio 1, but none is critically damped.
+    let text = finding(&format!("{scene}solve c in 20 N*s/m .. 50 N*s/m: damping(1) = 1\n"));
+    assert!(text.message.ends_with("makes `damping(1)` 1 (critical damping)"), "{text:?}");
+    assert!(text.primary.text.contains("from 1 (overdamped) at c = "), "{text:?}");
 }
 
 /// An inverted pendulum on a spring: k a^2 = m g l.
