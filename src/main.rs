@@ -19,8 +19,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
 use terminal::{columns, report_defect, report_error, show, terminal_columns, write_to};
-use vibc::NotDriven;
-use vibc::analysis::{self, Methods, Modes, Sweep};
+use vibc::analysis::{self, Methods, Modes, Sweep, Table};
 use vibc::answers::report;
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{SourceFile, SourceKind, Sources};
@@ -30,6 +29,7 @@ use vibc::cli::{
 };
 use vibc::editor;
 use vibc::editor::server::{self, Leave, Named};
+use vibc::{Dynamics, NotDriven};
 
 /// The exit status of the process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -218,30 +218,15 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     if let Some(why) = dynamics.without_limit(&sweep) {
         return not_driven(why);
     }
-    if dynamics.modes.is_none() && sweep.finds_extrema() {
-        dynamics.modes = analysis::modes_of_many(&dynamics.system);
-    }
-    let system = &dynamics.system;
-    let poles = match dynamics.poles_for(&sweep) {
-        Ok(poles) => poles,
-        Err(error) => {
-            show(&input.sources, vec![error.to_diagnostic()], messages);
-            return Status::Limit;
-        }
+    let around = if dynamics.modes.is_none() { analysis::table_around(&dynamics.system, &sweep) } else { None };
+    let table = match around {
+        Some(table) => table,
+        None => match table_of_all(&mut dynamics, &sweep, &input.sources, messages) {
+            Ok(table) => table,
+            Err(status) => return status,
+        },
     };
-    if poles.is_none() && sweep.range.is_none() {
-        report_error(&match system.losses.is_some() {
-            true => "the poles with these loss factors are not found: give the frequencies with `--range` or `--at`"
-                .to_string(),
-            false => {
-                format!("the poles of {} coordinates are not computed: give the frequencies with `--range`", system.n())
-            }
-        });
-        return Status::Limit;
-    }
-    let no_modes = Modes::default();
-    let modes = dynamics.modes.as_ref().filter(|_| poles.is_some()).unwrap_or(&no_modes);
-    let table = analysis::table(&Methods::of(system, modes), &poles.unwrap_or_default(), &sweep);
+    let system = &dynamics.system;
     let text = match options.format {
         TableFormat::Text => {
             let width = columns(&options.page, options.output.file.as_deref());
@@ -254,6 +239,36 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     let picture = || backend::plot::transfer::plot(&dynamics.model, system, &table);
     let drawn = options.svg.as_deref().map_or(Status::Done, |path| deliver(Some(path), &picture()));
     drawn.max(deliver(options.output.file.as_deref(), &text))
+}
+
+/// A table for which all poles are computed, where there are not too many.
+fn table_of_all(
+    dynamics: &mut Dynamics,
+    sweep: &Sweep,
+    sources: &Sources,
+    messages: &Messages,
+) -> Result<Table, Status> {
+    if dynamics.modes.is_none() && sweep.finds_extrema() {
+        dynamics.modes = analysis::modes_of_many(&dynamics.system);
+    }
+    let system = &dynamics.system;
+    let poles = dynamics.poles_for(sweep).map_err(|error| {
+        show(sources, vec![error.to_diagnostic()], messages);
+        Status::Limit
+    })?;
+    if poles.is_none() && sweep.range.is_none() {
+        report_error(&match system.losses.is_some() {
+            true => "the poles with these loss factors are not found: give the frequencies with `--range` or `--at`"
+                .to_string(),
+            false => {
+                format!("the poles of {} coordinates are not computed: give the frequencies with `--range`", system.n())
+            }
+        });
+        return Err(Status::Limit);
+    }
+    let no_modes = Modes::default();
+    let modes = dynamics.modes.as_ref().filter(|_| poles.is_some()).unwrap_or(&no_modes);
+    Ok(analysis::table(&Methods::of(system, modes), &poles.unwrap_or_default(), sweep))
 }
 
 /// The indices of the requested names, or of all names.

@@ -62,5 +62,5 @@ pub use stability::{Reason, Stability, Verdict, stability};
 pub use steady::{Steady, steady, steady_alone};
 pub use transfer::extrema::{Extrema, Extremum, FeatureKind};
 pub use transfer::modal::{ModalPair, ModalSum};
-pub use transfer::table::{Methods, Row, Sweep, Table, modes_of_many, poles_for_table, table};
+pub use transfer::table::{Methods, Row, Sweep, Table, modes_of_many, poles_for_table, table, table_around};
 pub use transfer::{Disc, Frequency, Gain, Transfer};

@@ -6,6 +6,7 @@
 //! inverse in binary64 and residuals of the terms in balls; if that inverse cannot be proven, with one in
 //! double-double; if that fails too, with exact rational numbers. See docs/method/transfer.md.
 
+pub(in crate::analysis) mod around;
 pub(in crate::analysis) mod exact;
 pub mod extrema;
 pub(in crate::analysis) mod inverse;

@@ -32,6 +32,10 @@ pub struct PartialFractions {
     polynomial: [Ball; 4],
     at_zero: AtZero,
     part: Part,
+    /// The highest frequency at which the sum is H, rad/s, and bounds up to there of what else it and its first two derivatives are
+    /// off by.
+    reach: f64,
+    flat: [f64; 3],
 }
 
 /// Whether H is known to be real, or imaginary, at every frequency.
@@ -141,7 +145,18 @@ impl PartialFractions {
         if !known {
             return None;
         }
-        Some(PartialFractions { lined: Lined::of(&terms), terms, polynomial, at_zero: AtZero(free[0]), part })
+        let (lined, at_zero) = (Lined::of(&terms), AtZero(free[0]));
+        Some(PartialFractions { lined, terms, polynomial, at_zero, part, reach: f64::INFINITY, flat: [0.0; 3] })
+    }
+
+    /// This sum where it is H up to a frequency alone, rad/s, and is off by more: by `flat`, and so are its derivatives.
+    pub fn over(self, reach: f64, flat: [f64; 3]) -> Option<PartialFractions> {
+        flat.iter().all(|x| x.is_finite()).then_some(PartialFractions { reach, flat, ..self })
+    }
+
+    /// The highest frequency at which the sum is H, rad/s.
+    pub fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// What is not zero of a value of H; `None` if both parts may be.
@@ -219,7 +234,7 @@ impl PartialFractions {
                 errors[1] += power as f64 * loose[power] * powers[power - 1];
             }
         }
-        let errors = [0, 1].map(|k| (errors[k] + rest[k]) * up::DOZENS + f64::MIN_POSITIVE);
+        let errors = [0, 1].map(|k| (errors[k] + rest[k] + self.flat[k]) * up::DOZENS + f64::MIN_POSITIVE);
         Local { h, slope, errors }
     }
 
@@ -239,7 +254,7 @@ impl PartialFractions {
     pub fn gain(&self, frequency: &Frequency) -> Gain {
         let omega = frequency.omega;
         let (clearance, reach) = (self.clearance(omega.mid), omega.rad);
-        let is_clear = 4.0 * reach <= clearance;
+        let is_clear = 4.0 * reach <= clearance && omega.magnitude() <= self.reach;
         if !is_clear {
             return Gain::Unknown;
         }

@@ -11,6 +11,7 @@ use crate::analysis::error::AnalysisError;
 use crate::analysis::modes::modes_as;
 use crate::analysis::modes::request::Request;
 use crate::analysis::poles::{MAX_DAMPED, poles, poles_and_residues};
+use crate::analysis::transfer::around::Surroundings;
 use crate::analysis::transfer::extrema::{
     Exactly, Extrema, Extremum, MOST_ENCLOSED, bracket, by_expansion, by_path, sharpen,
 };
@@ -188,6 +189,44 @@ pub fn modes_of_many(system: &LinearSystem) -> Option<Modes> {
     if fits { modes_as(system, &request).ok() } else { None }
 }
 
+/// A table whose range holds few of the poles of a larger system than those of which all poles are computed in any case: all of its
+/// extrema at the cost of what is in and around the range. `None` where they are not proved so.
+pub fn table_around(system: &LinearSystem, sweep: &Sweep) -> Option<Table> {
+    let (low, high) = sweep.range.as_ref().filter(|_| sweep.finds_extrema() && system.losses.is_none())?;
+    let [low_omega, high_omega] = [low, high].map(|hertz| Frequency::hertz(hertz).omega);
+    let suits = high_omega.is_finite() && !high_omega.contains_zero() && !low_omega.is_negative();
+    let methods = suits.then(|| Methods::of(system, &Modes::default()))?;
+    let (inputs, outputs) = (sweep.inputs.clone(), sweep.outputs.clone());
+    let reach = high_omega.to_f64() * (1.0 + BEYOND);
+    let surroundings = Surroundings::of(&methods.transfer, &inputs, &outputs, reach)?;
+    let pair = |i: usize, o: usize| {
+        let fractions = surroundings.pair(&methods.transfer, (i, inputs[i]), (o, outputs[o]))?;
+        Some(Pair { modal: None, exactly: None, fractions: Some(fractions) })
+    };
+    let row = |i: usize| (0..outputs.len()).map(|o| pair(i, o)).collect();
+    let pairs: Pairs = (0..inputs.len()).map(row).collect::<Option<_>>()?;
+    let of_pair = |i: usize, o: usize| {
+        let found = by_expansion(pairs[i][o].fractions.as_ref()?, low_omega, high_omega);
+        let is_complete = found.is_complete();
+        is_complete.then(|| sharpen(&methods.transfer, inputs[i], outputs[o], found))
+    };
+    let extrema: Vec<Vec<Extrema>> =
+        (0..inputs.len()).map(|i| (0..outputs.len()).map(|o| of_pair(i, o)).collect()).collect::<Option<_>>()?;
+    let at = match sweep.features_only {
+        true => vec![low.clone(), high.clone()],
+        false => grid_about((low, high), surroundings.poles().map(|s| [s.re.to_f64(), s.im.to_f64()]), sweep),
+    };
+    let at: Vec<Frequency> = at.iter().map(Frequency::hertz).collect();
+    let mut rows = methods.rows(&pairs, sweep, &at);
+    if !sweep.features_only {
+        add_rows(&methods, &pairs, sweep, &extrema, &mut rows);
+    }
+    Some(Table { inputs, outputs, rows, extrema: Some(extrema) })
+}
+
+/// How far H is known beyond the range, as a part of its end: for half-power points beside a peak at the end.
+const BEYOND: f64 = 0.05;
+
 /// Prepared pairs, `[input][output]`.
 type Pairs<'a> = Vec<Vec<Pair<'a>>>;
 
@@ -209,6 +248,12 @@ pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
     }
     let mut rows = methods.rows(&pairs, sweep, &frequencies(poles, sweep));
     let extrema = beside_brackets(methods, poles, sweep, &pairs, &rows, from_roots);
+    add_rows(methods, &pairs, sweep, &extrema, &mut rows);
+    Table { inputs, outputs, rows, extrema: Some(extrema) }
+}
+
+/// Adds rows at the extrema.
+fn add_rows(methods: &Methods, pairs: &Pairs, sweep: &Sweep, extrema: &[Vec<Extrema>], rows: &mut Vec<Row>) {
     // A value next to an undamped pole may need an inverse of its own: one row is enough where |H| is infinite.
     let has_row = |extremum: &Extremum| {
         let hertz = extremum.frequency.to_f64();
@@ -220,11 +265,10 @@ pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
     // peak itself.
     let more = at
         .filter_map(|extremum| from_f64(extremum.frequency.to_f64()))
-        .map(|hertz| Row { gains: methods.gains(&pairs, sweep, &Frequency::hertz(&hertz)), frequency: hertz });
+        .map(|hertz| Row { gains: methods.gains(pairs, sweep, &Frequency::hertz(&hertz)), frequency: hertz });
     let more: Vec<Row> = more.collect();
     rows.extend(more);
-    sort(&mut rows);
-    Table { inputs, outputs, rows, extrema: Some(extrema) }
+    sort(rows);
 }
 
 /// Whether a value is known to a relative error.
@@ -311,8 +355,13 @@ fn frequencies(poles: &Poles, sweep: &Sweep) -> Vec<Frequency> {
 /// The grid in Hz, ascending.
 fn grid(poles: &Poles, sweep: &Sweep) -> Vec<Number> {
     let (low, high) = sweep.range.clone().unwrap_or_else(|| default_range(poles));
+    grid_about((&low, &high), poles.list.iter().map(|pole| [pole.re.to_f64(), pole.im.to_f64()]), sweep)
+}
+
+/// The grid between two ends, with points about these poles, rad/s.
+fn grid_about((low, high): (&Number, &Number), poles: impl Iterator<Item = [f64; 2]>, sweep: &Sweep) -> Vec<Number> {
     let points = sweep.points.unwrap_or(DEFAULT_POINTS);
-    let mut list = if sweep.linear { linear(&low, &high, points) } else { logarithmic(&low, &high, points) };
+    let mut list = if sweep.linear { linear(low, high, points) } else { logarithmic(low, high, points) };
     if sweep.points.is_none() {
         let inside = |f: &f64| *f > low.to_f64() && *f < high.to_f64();
         list.extend(stars(poles).into_iter().filter(inside).filter_map(from_f64));
@@ -378,16 +427,16 @@ pub(in crate::analysis) fn logarithmic(low: &Number, high: &Number, points: usiz
 }
 
 /// The frequencies of the poles and points around them.
-fn stars(poles: &Poles) -> Vec<f64> {
+fn stars(poles: impl Iterator<Item = [f64; 2]>) -> Vec<f64> {
     let mut list = Vec::new();
-    for pole in poles.list.iter().filter(|pole| pole.im.to_f64() > 0.0) {
-        let f = pole.im.to_f64() / (2.0 * std::f64::consts::PI);
+    for [re, im] in poles.filter(|[_, im]| *im > 0.0) {
+        let f = im / (2.0 * std::f64::consts::PI);
         list.push(f);
         for distance in STAR {
             list.extend([f * (1.0 - distance), f * (1.0 + distance)]);
         }
         // The ends of each half-power width, and points halfway to them.
-        let width = pole.re.to_f64().abs() / (2.0 * std::f64::consts::PI);
+        let width = re.abs() / (2.0 * std::f64::consts::PI);
         list.extend([f - width, f + width, f - 0.5 * width, f + 0.5 * width].into_iter().filter(|f| *f > 0.0));
     }
     list

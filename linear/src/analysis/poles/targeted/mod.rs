@@ -9,6 +9,7 @@
 //!
 //! It is not proved that no other pole lies between them: heavily damped motions of any mode may be as slow.
 
+pub(in crate::analysis) mod around;
 mod disc;
 mod elimination;
 mod frame;

@@ -62,7 +62,7 @@ pub fn by_expansion(h: &PartialFractions, low: Ball, high: Ball) -> Extrema {
     let mut below = Search::new(h, MOST_BEYOND);
     below.search(0.0, from);
     let mut above = Search::new(h, MOST_BEYOND);
-    let top = 2.0 * to.max(2.0 * h.largest());
+    let top = (2.0 * to.max(2.0 * h.largest())).min(h.reach());
     above.search(to, top);
     let (located, gaps) = distinct([below.found, inside.found, above.found].concat());
     inside.open.extend(&gaps);

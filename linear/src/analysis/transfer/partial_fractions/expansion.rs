@@ -80,7 +80,9 @@ impl Expander<'_> {
         self.h.at_zero.add_to(&mut sums, middle, half);
         let unit = if precise { Dd::EPSILON } else { f64::EPSILON };
         let count = (2 * self.h.terms.len() + 32 * DEGREE) as f64 * unit;
-        let known = [0, 1, 2].map(|k| (sums.cut[k] + count * sums.sizes[k] + sums.doubts[k]) * up::MILLIONS);
+        let [h0, h1, h2] = self.h.flat;
+        let flat = [h0, h1 * half, h2 * half * half];
+        let known = [0, 1, 2].map(|k| (sums.cut[k] + count * sums.sizes[k] + sums.doubts[k] + flat[k]) * up::MILLIONS);
         let mut found = match beside {
             None => {
                 let mut coefficients = [Complex::<f64>::ZERO; DEGREE + 2];

@@ -20,6 +20,8 @@ fn pair_of_poles(residues: [Complex<f64>; 2], doubt: f64) -> PartialFractions {
         polynomial: [Ball::ZERO; 4],
         at_zero: AtZero(Ball::ZERO),
         part: Part::Both,
+        reach: f64::INFINITY,
+        flat: [0.0; 3],
     }
 }
 
