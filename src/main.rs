@@ -218,7 +218,7 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     if let Some(why) = dynamics.without_limit(&sweep) {
         return not_driven(why);
     }
-    let around = if dynamics.modes.is_none() { analysis::table_around(&dynamics.system, &sweep) } else { None };
+    let around = analysis::table_around(&dynamics.system, &sweep);
     let table = match around {
         Some(table) => table,
         None => match table_of_all(&mut dynamics, &sweep, &input.sources, messages) {

@@ -189,10 +189,11 @@ pub fn modes_of_many(system: &LinearSystem) -> Option<Modes> {
     if fits { modes_as(system, &request).ok() } else { None }
 }
 
-/// A table whose range holds few of the poles of a larger system than those of which all poles are computed in any case: all of its
-/// extrema at the cost of what is in and around the range. `None` where they are not proved so.
+/// A table whose range holds few of the poles of a larger system: all of its extrema at the cost of what is in and around the range.
+/// `None` where they are not proved so.
 pub fn table_around(system: &LinearSystem, sweep: &Sweep) -> Option<Table> {
-    let (low, high) = sweep.range.as_ref().filter(|_| sweep.finds_extrema() && system.losses.is_none())?;
+    let suits = sweep.finds_extrema() && system.losses.is_none() && system.n() > ALL_AT_HAND;
+    let (low, high) = sweep.range.as_ref().filter(|_| suits)?;
     let [low_omega, high_omega] = [low, high].map(|hertz| Frequency::hertz(hertz).omega);
     let suits = high_omega.is_finite() && !high_omega.contains_zero() && !low_omega.is_negative();
     let methods = suits.then(|| Methods::of(system, &Modes::default()))?;
@@ -223,6 +224,9 @@ pub fn table_around(system: &LinearSystem, sweep: &Sweep) -> Option<Table> {
     }
     Some(Table { inputs, outputs, rows, extrema: Some(extrema) })
 }
+
+/// Up to this many coordinates, all poles take no longer than those around a range.
+const ALL_AT_HAND: usize = 150;
 
 /// How far H is known beyond the range, as a part of its end: for half-power points beside a peak at the end.
 const BEYOND: f64 = 0.05;
