@@ -364,7 +364,7 @@ impl Measured<'_> {
                 let is_constant = |signal: &Signal| matches!(signal, Signal::Constant { value } if !value.is_zero());
                 Measurement::None(match self.scene.inputs.iter().flat_map(|input| &input.signal).any(is_constant) {
                     true => {
-                        "constant loads are part of the rest, from which motion is measured: `rest(block.x)` is what they displace"
+                        "constant loads are part of the rest, from which motion is measured; ask for the rest, as in `rest(block.x)`"
                     }
                     false => "no input has a lasting signal: nothing moves",
                 })

@@ -38,10 +38,15 @@ impl<W, A> Squares<W, A> {
     }
 
     /// The number of terms.
-    #[allow(clippy::len_without_is_empty)]
     #[inline]
     pub fn len(&self) -> usize {
         self.weights.len()
+    }
+
+    /// Whether there is none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.weights.is_empty()
     }
 
     /// The row of term `t`: its coordinates and their factors.

@@ -278,7 +278,7 @@ impl SimplePole {
         let square = k(distance);
         let step = Complex::new(product.re.widen(doubt), product.im.widen(doubt)) / square;
         let pole = s - step;
-        let is_undamped = pencil.c.len() == 0;
+        let is_undamped = pencil.c.is_empty();
         let pole = if is_undamped { Complex::new(Ball::ZERO, pole.im) } else { pole };
         Some(SimplePole { s: pole, clearance, x: pair.x.clone(), slip, square })
     }
