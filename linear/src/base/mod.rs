@@ -26,7 +26,7 @@ pub use name::{Name, Place, Symbol, Words};
 pub use number::{
     Ball, Bound, Dd, Jet, Literals, Number, Power, Rational, Rounded, Unproven, down, larger, rounding, two_to, up,
 };
-pub use order::OrderBy;
+pub use order::{OrderBy, first_by};
 pub use response_spectrum::ResponseSpectrum;
 pub use source::{FileId, Position, SourceFile, SourceKind, Sources, Span};
 pub use vector::Vec3;

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::analysis::{Mode, ModeKind, Normalise, Split, derived, normalise, splits};
 use crate::answers::{ModalAnswer, by_name};
-use crate::base::{Number, OrderBy, Unproven};
+use crate::base::{Number, Unproven, first_by};
 use crate::lower::ShapeNode;
 use crate::system::{Coordinate, CoordinateId, CoordinateKind, LinearSystem, Output};
 
@@ -205,15 +205,14 @@ fn displacement(entry: Unproven, largest: f64) -> Figure {
 }
 
 fn largest_entries(system: &LinearSystem, shape: &[Unproven]) -> Cell {
-    let mut order: Vec<usize> = (0..shape.len()).filter(|i| shape[*i].0 != 0.0).collect();
-    order.order_by(|a, b| shape[*b].0.abs().total_cmp(&shape[*a].0.abs()).then(a.cmp(b)));
+    let moving = (0..shape.len()).filter(|i| shape[*i].0 != 0.0);
+    let order = first_by(moving, LARGEST, |a, b| shape[*b].0.abs().total_cmp(&shape[*a].0.abs()));
     let largest = order.first().map_or(0.0, |i| shape[*i].0.abs());
     let entry = |i: &usize| {
         let name = coordinate(system, &system.coordinates[*i]);
         line![name, "\u{a0}", displacement(shape[*i], largest)]
     };
-    let few = order.len().min(LARGEST);
-    Cell::wordings((1..=few).rev().map(|count| enumeration(order.iter().take(count).map(entry))))
+    Cell::wordings((1..=order.len()).rev().map(|count| enumeration(order.iter().take(count).map(entry))))
 }
 
 /// The modes that the table leaves out.

@@ -4,7 +4,7 @@ use super::table::{Align, Cell, Table};
 use super::{Block, Figure, Line, Options, Section, line};
 use crate::analysis::{Noisy, Peak, Spread};
 use crate::answers::ModalAnswer;
-use crate::base::{Ball, Bound, OrderBy, Unproven};
+use crate::base::{Ball, Bound, OrderBy, Unproven, first_by};
 
 const DIGITS: usize = 6;
 /// Modes are named until they make up this much.
@@ -66,9 +66,7 @@ fn peaks(answer: &ModalAnswer, options: &Options) -> Vec<Block> {
             // The reason is already in the list.
             Err(_) => continue,
         };
-        let mut highest: Vec<&Peak> = found.iter().collect();
-        highest.order_by(|a, b| b.density.to_f64().total_cmp(&a.density.to_f64()));
-        highest.truncate(MOST);
+        let mut highest: Vec<&Peak> = first_by(found, MOST, |a, b| b.density.to_f64().total_cmp(&a.density.to_f64()));
         highest.order_by(|a, b| a.frequency.to_f64().total_cmp(&b.frequency.to_f64()));
         for peak in highest {
             is_empty = false;

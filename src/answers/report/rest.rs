@@ -6,7 +6,7 @@ use super::{Block, Figure, Line, Options, Section, Value, coordinate, count_of, 
 use crate::analysis::derived::{degrees, doubling_time};
 use crate::analysis::{Mode, ModeKind, PoleKind, Stability};
 use crate::answers::ModalAnswer;
-use crate::base::{Ball, Bound, Number, OrderBy, Unproven};
+use crate::base::{Ball, Bound, Number, Unproven, first_by};
 use crate::lower::Tension;
 use crate::system::{Coordinate, CoordinateKind};
 
@@ -27,14 +27,13 @@ pub fn section(answer: &ModalAnswer, options: &Options) -> Section {
 
 fn displacement(answer: &ModalAnswer) -> Vec<Block> {
     let all: Vec<(&Coordinate, &Number)> = answer.displacements().collect();
-    let mut moved: Vec<usize> = (0..all.len()).filter(|i| !all[*i].1.is_zero()).collect();
+    let moving = || (0..all.len()).filter(|i| !all[*i].1.is_zero());
+    let size = |i: &usize| all[*i].1.to_f64().abs();
+    let mut moved = first_by(moving(), MOST, |a, b| size(b).total_cmp(&size(a)));
     if moved.is_empty() {
         return as_drawn(answer);
     }
-    let size = |i: &usize| all[*i].1.to_f64().abs();
-    moved.order_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
-    let left = moved.len().saturating_sub(MOST);
-    moved.truncate(MOST);
+    let left = moving().count() - moved.len();
     moved.sort_unstable();
     let mut table = Table::of([("coordinate", Align::Left), ("moved by", Align::Point), ("", Align::Left)]);
     for i in moved {
@@ -88,8 +87,7 @@ fn as_drawn(answer: &ModalAnswer) -> Vec<Block> {
     }
     let size = |found: &&Tension| found.tension.to_f64().abs();
     let all = pulling.len();
-    let mut largest = pulling.clone();
-    largest.order_by(|a, b| size(b).total_cmp(&size(a)));
+    let largest = first_by(pulling.iter().copied(), MOST, |a, b| size(b).total_cmp(&size(a)));
     if let Some(least) = largest.get(MOST - 1) {
         let least = size(least);
         pulling.retain(|found| size(found) >= least);
