@@ -109,9 +109,11 @@ impl Ranges {
         if self.is_random() {
             return rows.for_each(|case| self.add_case(case));
         }
-        rows.others().for_each(|case| self.add_case(case));
+        self.add_cases(rows.others());
         self.cases += (rows.len() - rows.others().count()) as u64;
         for (column, range) in self.columns.iter_mut().enumerate() {
+            let [holds, fails] = rows.verdicts(column).unwrap_or_default();
+            (range.holds, range.fails) = (range.holds + holds, range.fails + fails);
             let Some(summary) = rows.summary(column) else { continue };
             for (end, at) in summary.ends.into_iter().enumerate() {
                 range.reach(end, rows.enclosed_in(column, at), rows.number(at), || rows.case_at(at));
@@ -121,16 +123,42 @@ impl Ranges {
     }
 
     fn add_case(&mut self, case: &Case) {
+        self.count_case(case);
+        for (range, value) in self.columns.iter_mut().zip(&case.entries).filter_map(value_of) {
+            for end in 0..2 {
+                range.reach(end, value, case.number, || case.clone());
+            }
+        }
+    }
+
+    /// Adds cases in order. Of a column that rises each case is the largest so far, so that only the last one is copied.
+    fn add_cases<'c>(&mut self, cases: impl Iterator<Item = &'c Case>) {
+        let mut ends: Vec<[Option<(Ball, &Case)>; 2]> = vec![[None; 2]; self.columns.len()];
+        for case in cases {
+            self.count_case(case);
+            for (ends, value) in ends.iter_mut().zip(&case.entries).filter_map(value_of) {
+                for (end, known) in ends.iter_mut().enumerate() {
+                    if known.is_none_or(|(known, _)| is_beyond(end, value, known)) {
+                        *known = Some((value, case));
+                    }
+                }
+            }
+        }
+        for (range, ends) in self.columns.iter_mut().zip(ends) {
+            for (end, (value, case)) in ends.into_iter().enumerate().filter_map(|(end, found)| Some((end, found?))) {
+                range.reach(end, value, case.number, || case.clone());
+            }
+        }
+    }
+
+    /// Adds all of a case but the ends of the ranges.
+    fn count_case(&mut self, case: &Case) {
         self.cases += 1;
         let is_kept = self.keeps_values();
         for (entry, range) in case.entries.iter().zip(&mut self.columns) {
             range.count(*entry, case.number, self.drawing);
-            let Entry::Enclosed(value) = *entry else { continue };
-            if is_kept {
+            if let (Entry::Enclosed(value), true) = (*entry, is_kept) {
                 range.values.push(value.to_f64());
-            }
-            for end in 0..2 {
-                range.reach(end, value, case.number, || case.clone());
             }
         }
         if let Some(code) = case.code {
@@ -173,6 +201,19 @@ fn larger(known: Option<Bound>, bound: Bound) -> Option<Bound> {
     Some(known.map_or(bound, |largest| if largest.value() < bound.value() { bound } else { largest }))
 }
 
+/// The value of a column, if it is a number with a bound.
+fn value_of<R>((of, entry): (R, &Entry)) -> Option<(R, Ball)> {
+    match entry {
+        Entry::Enclosed(value) => Some((of, *value)),
+        _ => None,
+    }
+}
+
+/// Whether a value is less than another one (`end` 0), or larger (1), by the midpoints.
+fn is_beyond(end: usize, value: Ball, other: Ball) -> bool {
+    if end == 0 { value.mid < other.mid } else { value.mid > other.mid }
+}
+
 impl Range {
     /// Takes a value for the least (`end` 0) or the largest one (1), if it is, of equal ones that of the first case.
     fn reach(&mut self, end: usize, value: Ball, number: u64, case: impl Fn() -> Case) {
@@ -180,8 +221,7 @@ impl Range {
             None => self.ends = Some([(value, case()), (value, case())]),
             Some(ends) => {
                 let (best, of) = &mut ends[end];
-                let is_beyond = if end == 0 { value.mid < best.mid } else { value.mid > best.mid };
-                if is_beyond || value.mid == best.mid && number < of.number {
+                if is_beyond(end, value, *best) || value.mid == best.mid && number < of.number {
                     ends[end] = (value, case());
                 }
             }

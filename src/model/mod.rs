@@ -69,7 +69,7 @@ use scene::{BaseId, BodyId, Parameter, Scene, TableRows};
 use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, State, Table};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-pub use swept::{Points, Swept, shape_of_values};
+pub use swept::{Points, Swept, in_integers, shape_of_values};
 pub use value::{Scalar, Value, Vector};
 use written::Writer;
 pub use written::Written;

@@ -8,7 +8,8 @@ use super::overrides::{coerce_to, trimmed_span};
 use super::scene::{Parameter, Written};
 use super::scope::{DefinitionId, DefinitionKind, Environment, State};
 use super::value::{Scalar, Value};
-use crate::base::{FileId, Name, Number, Quantity, Span};
+use crate::base::{FileId, Name, Number, Quantity, Rational, Span};
+use num_integer::Integer;
 
 /// A parameter and the values that a study gives to it.
 #[derive(Clone, Debug)]
@@ -26,11 +27,19 @@ pub enum Points {
         low: Number,
         high: Number,
         count: u64,
+        /// See [`in_integers`].
+        fraction: Option<[i64; 3]>,
     },
     Listed(Vec<Number>),
 }
 
 impl Points {
+    pub fn even(low: Number, high: Number, count: u64) -> Points {
+        let between = &(&high - &low) / &Number::from(count as i64 - 1);
+        let fraction = in_integers([Some(low.clone()), Some(between)], count);
+        Points::Even { low, high, count, fraction }
+    }
+
     pub fn count(&self) -> u64 {
         match self {
             Points::Even { count, .. } => *count,
@@ -42,12 +51,28 @@ impl Points {
     pub fn value(&self, index: u64) -> Number {
         match self {
             Points::Listed(list) => list[index as usize].clone(),
-            Points::Even { low, high, count } => {
+            Points::Even { fraction: Some([a, b, c]), .. } => Rational::new(a + b * index as i64, *c).into(),
+            Points::Even { low, high, count, fraction: None } => {
                 let part = &Number::from(index as i64) / &Number::from(*count as i64 - 1);
                 low + &(&(high - low) * &part)
             }
         }
     }
+}
+
+/// Integers up to this size are exact in binary64.
+const EXACT: u64 = 1 << 53;
+
+/// Integers a, b and c, exact in binary64, such that the value with index i is (a + i b) / c: of the first value and the distance of
+/// neighbours. `None` if there are none for all values.
+pub fn in_integers(of: [Option<Number>; 2], count: u64) -> Option<[i64; 3]> {
+    let [first, between] = of.map(|number| number.and_then(|number| number.exact()?.to_fraction()));
+    let ((a, c), (b, d)) = (first?, between?);
+    let over = i128::from(c).lcm(&i128::from(d));
+    let [a, b] = [(a, c), (b, d)].map(|(number, divisor)| i128::from(number) * (over / i128::from(divisor)));
+    let most = a.abs().checked_add(b.abs().checked_mul(i128::from(count))?)?.max(over);
+    let fits = most < i128::from(EXACT);
+    fits.then_some([a as i64, b as i64, over as i64])
 }
 
 impl Swept {
@@ -149,7 +174,7 @@ impl<'a> Check<'a> {
                 if !(high - low).is_positive() {
                     return self.fail(Environment::TOP, QuestionError::RangeReversed { span });
                 }
-                Points::Even { low: low.clone(), high: high.clone(), count }
+                Points::even(low.clone(), high.clone(), count)
             }
             _ => Points::Listed(std::mem::take(&mut values)),
         };

@@ -36,8 +36,7 @@ impl Study<'_> {
         let Some(followed) = &self.followed else { return self.numbered_rows(numbers, rows) };
         let mut numbered = Rows::default();
         self.numbered_rows(numbers, &mut numbered);
-        rows.clear(0);
-        numbered.for_each(|case| rows.push(followed.row(case.clone(), self.sizes.0)));
+        followed.rows(&numbered, self.sizes.0, rows);
     }
 
     fn numbered_rows(&self, numbers: &[u64], rows: &mut Rows) {
@@ -113,26 +112,24 @@ impl Study<'_> {
         }
     }
 
-    /// The lowest `count` frequencies of these cases of a line, Hz, without proof of their order where they are close; `None` for a case that
-    /// is not on it.
-    pub(super) fn side_by_side(&self, line: &Option<Line>, numbers: &[u64], count: usize) -> Vec<Option<Vec<Ball>>> {
-        let Some(line) = line else { return vec![None; numbers.len()] };
+    /// Puts the lowest `count` frequencies, Hz, of these cases of a line where they are wanted: by the place of a case in the list, and
+    /// the number of the frequency. There is no proof of their order where they are close. Nothing is put for what is not known.
+    pub(super) fn side_by_side(
+        &self,
+        line: &Option<Line>,
+        numbers: &[u64],
+        count: usize,
+        put: &mut dyn FnMut(usize, usize, Ball),
+    ) {
+        let Some(line) = line else { return };
         let found = self.eigenvalues(line, numbers);
         let (mut roots, mut errors) = (vec![0.0; numbers.len()], vec![0.0; numbers.len()]);
-        let mut cases = vec![Some(Vec::with_capacity(count)); numbers.len()];
-        for i in 0..count {
-            if i == found.count() {
-                return vec![None; numbers.len()];
-            }
+        for i in 0..count.min(found.count()) {
             found.roots(i, PER_TURN, self.accuracy(), (&mut roots, &mut errors));
-            for ((list, root), error) in cases.iter_mut().zip(&roots).zip(&errors) {
-                match list {
-                    Some(own) if !root.is_nan() => own.push(Ball::new(Dd::from(*root), *error)),
-                    _ => *list = None,
-                }
+            for (case, (root, error)) in roots.iter().zip(&errors).enumerate().filter(|(_, (root, _))| !root.is_nan()) {
+                put(case, i, Ball::new(Dd::from(*root), *error));
             }
         }
-        cases
     }
 
     /// All frequencies at any value of the parameter on a piece of a line, Hz, without proof of their order where they are close.
@@ -359,6 +356,21 @@ impl Line {
             _ => None,
         }
     }
+
+    /// Whether eigenvalues are known over steps.
+    pub fn has_pieces(&self) -> bool {
+        matches!(&self.squares, Some((Way::Pieces(_), _)))
+    }
+
+    /// Puts enclosures of the lowest `count` eigenvalues over the steps from these cases to the next ones where they are wanted: by the place
+    /// of a step in the list, and the number of the eigenvalue; each with the largest distance from it. Nothing is put for what is not known.
+    pub fn over_steps(&self, cases: &[u64], count: usize, put: &mut dyn FnMut(usize, usize, [f64; 2])) {
+        let Some((Way::Pieces(pieces), _)) = &self.squares else { return };
+        let found = pieces.over_steps(cases);
+        for i in 0..count.min(found.count()) {
+            (0..cases.len()).for_each(|step| put(step, i, found.pair(i, step)));
+        }
+    }
 }
 
 impl Clone for Lines {
@@ -378,4 +390,4 @@ fn place(si: &Number) -> f64 {
 }
 
 /// 1 / (2 pi)
-const PER_TURN: f64 = 0.159_154_943_091_895_35;
+pub const PER_TURN: f64 = 0.159_154_943_091_895_35;

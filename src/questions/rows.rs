@@ -22,6 +22,8 @@ pub struct Enclosures {
     pub high: Vec<f64>,
     pub low: Vec<f64>,
     pub radius: Vec<f64>,
+    /// Whether they stand for verdicts: 1 for what certainly holds, and 0.
+    pub are_verdicts: bool,
 }
 
 /// What the enclosures of a column have in common.
@@ -40,6 +42,10 @@ impl Enclosures {
 
     pub fn set(&mut self, at: usize, ball: Ball) {
         (self.high[at], self.low[at], self.radius[at]) = (ball.mid.hi, ball.mid.lo, ball.rad);
+    }
+
+    fn entry(&self, at: usize) -> Entry {
+        if self.are_verdicts { Entry::Verdict(self.high[at] == 1.0) } else { Entry::Enclosed(self.get(at)) }
     }
 
     fn resize(&mut self, count: usize) {
@@ -75,7 +81,10 @@ impl Rows {
         self.numbers.clear();
         self.others.clear();
         self.columns.resize_with(columns, Enclosures::default);
-        self.columns.iter_mut().for_each(|column| column.resize(0));
+        for column in &mut self.columns {
+            column.resize(0);
+            column.are_verdicts = false;
+        }
     }
 
     pub fn len(&self) -> usize {
@@ -101,6 +110,10 @@ impl Rows {
         first
     }
 
+    pub fn columns(&self) -> &[Enclosures] {
+        &self.columns
+    }
+
     pub fn columns_mut(&mut self) -> &mut [Enclosures] {
         &mut self.columns
     }
@@ -118,9 +131,21 @@ impl Rows {
         self.others.iter().map(|(_, case)| case)
     }
 
+    /// The places of the rows that are not columns of enclosures, ascending.
+    pub fn places_of_others(&self) -> impl Iterator<Item = usize> {
+        self.others.iter().map(|(at, _)| *at)
+    }
+
     /// What the enclosures of a column have in common, those of the other rows aside; `None` if there are none.
     pub fn summary(&self, column: usize) -> Option<Summary> {
-        if self.others.len() == self.len() { None } else { self.columns.get(column)?.summary() }
+        let column = self.columns.get(column).filter(|column| !column.are_verdicts)?;
+        if self.others.len() == self.len() { None } else { column.summary() }
+    }
+
+    /// How many of a column's verdicts, those of the other rows aside, hold and how many fail; `None` if it has none.
+    pub fn verdicts(&self, column: usize) -> Option<[u64; 2]> {
+        let column = self.columns.get(column).filter(|column| column.are_verdicts)?;
+        Some([1.0, 0.0].map(|verdict| column.high.iter().filter(|x| **x == verdict).count() as u64))
     }
 
     pub fn number(&self, at: usize) -> u64 {
@@ -132,9 +157,12 @@ impl Rows {
         self.columns[column].get(at)
     }
 
-    /// The row at a place, which is none of the others.
+    /// The row at a place.
     pub fn case_at(&self, at: usize) -> Case {
-        let entries = self.columns.iter().map(|column| Entry::Enclosed(column.get(at))).collect();
+        if let Ok(place) = self.others.binary_search_by_key(&at, |(at, _)| *at) {
+            return self.others[place].1.clone();
+        }
+        let entries = self.columns.iter().map(|column| column.entry(at)).collect();
         Case { number: self.numbers[at], entries, code: None }
     }
 
@@ -149,7 +177,7 @@ impl Rows {
             }
             row.number = number;
             row.entries.clear();
-            row.entries.extend(self.columns.iter().map(|column| Entry::Enclosed(column.get(at))));
+            row.entries.extend(self.columns.iter().map(|column| column.entry(at)));
             take(&row);
         }
     }
@@ -239,6 +267,13 @@ mod tests {
         assert_eq!((&seen[5], &seen[200]), (&case(12, Ball::from(1e9)), &case(207, Ball::ONE)));
         assert_eq!(seen[8], rows.case_at(8));
         assert_eq!(seen[8].entries[0], Entry::Enclosed(x(8)));
+        // Two verdicts beside a row that has its own.
+        rows.columns_mut()[1].are_verdicts = true;
+        rows.columns_mut()[1].set(8, Ball::ONE);
+        assert_eq!((rows.verdicts(0), rows.verdicts(1)), (None, Some([1, 198])));
+        assert_eq!(rows.case_at(8).entries[1], Entry::Verdict(true));
+        assert_eq!(rows.case_at(9).entries[1], Entry::Verdict(false));
+        assert!(rows.summary(1).is_none());
         rows.clear(2);
         rows.push(case(3, Ball::ONE));
         assert!(rows.summary(0).is_none() && rows.len() == 1 && !rows.is_empty());

@@ -2,7 +2,7 @@
 //! of curves of different classes. In: the frequencies at all places in order. Out: each veering and crossing with its
 //! enclosed place. See docs/method/studies.md#curves.
 
-use super::places::{Bounds, Field, Place, binary};
+use super::places::{Between, Field, Place, binary};
 use super::{Meeting, MeetingKind, Member};
 use crate::base::{Ball, Number};
 use crate::questions::answer::Proved;
@@ -15,7 +15,8 @@ const MOST_STEPS: usize = 200;
 
 /// The veerings between a curve and the next one of its class.
 pub fn veerings(field: &Field, places: &[&Place], member: Member, curves: [usize; 2]) -> Vec<Meeting> {
-    let distance = |i: usize| places.get(i)?.distance(member.class, member.index);
+    let distances: Vec<Option<Ball>> = places.iter().map(|place| place.distance(member.class, member.index)).collect();
+    let distance = |i: usize| *distances.get(i)?;
     let (mut list, mut after) = (Vec::new(), 0);
     for i in 1..places.len().saturating_sub(1) {
         let (Some(before), Some(own), Some(next)) = (distance(i - 1), distance(i), distance(i + 1)) else { continue };
@@ -27,7 +28,7 @@ pub fn veerings(field: &Field, places: &[&Place], member: Member, curves: [usize
         let last = (i + 1..places.len().min(i + 1 + MOST_NEIGHBOURS)).find(farther);
         if let (Some(first), Some(last)) = (first, last) {
             after = last;
-            list.extend(veering(field, member, curves, [first, i, last].map(|i| places[i].at.to_f64())));
+            list.extend(veering(field, member, curves, [first, i, last].map(|i| places[i].x)));
         }
     }
     list
@@ -91,8 +92,8 @@ fn veering(field: &Field, member: Member, curves: [usize; 2], places: [f64; 3]) 
     }
     let [(first, _), (_, own), (last, _)] = three;
     let ends = [binary(first)?, binary(last)?];
-    let bounds = field.bounds([&ends[0], &ends[1]]).swap_remove(member.class);
-    let apart = bounds.and_then(|bounds| {
+    let between = field.bounds([&ends[0], &ends[1]]);
+    let apart = between.class(member.class).and_then(|bounds| {
         let least = bounds.distance(member.index).filter(|least| least.is_positive())?;
         Some((least, hull(bounds.lower[member.index]?, bounds.upper[member.index + 1]?)))
     });
@@ -122,8 +123,8 @@ pub struct Two<'a> {
 /// The crossings of two curves of different classes, and the places where their order is not certain.
 pub fn crossings(field: &Field, places: &[&Place], of: [Member; 2], curves: [usize; 2]) -> Vec<Meeting> {
     let value = |ends: [&Number; 2]| {
-        let bounds = field.bounds(ends);
-        enclose(&bounds, of[1]).and(enclose(&bounds, of[0]))
+        let between = field.bounds(ends);
+        enclose(&between, of[1]).and(enclose(&between, of[0]))
     };
     let meeting = |passage: Passage| Meeting {
         curves,
@@ -140,7 +141,7 @@ pub fn crossings(field: &Field, places: &[&Place], of: [Member; 2], curves: [usi
 /// Places where two numbers pass each other, and places where their order is not certain.
 pub fn passages(field: &Field, places: &[&Place], two: &Two) -> Vec<Passage> {
     let mut list = Vec::new();
-    let open = |ends: [usize; 2]| Passage { place: ends.map(|i| places[i].at.to_f64()), value: None };
+    let open = |ends: [usize; 2]| Passage { place: ends.map(|i| places[i].x), value: None };
     // The last place where the order is certain, and the first place after it where it is not.
     let (mut certain, mut doubtful): (Option<(usize, bool)>, Option<usize>) = (None, None);
     for (i, place) in places.iter().enumerate() {
@@ -154,7 +155,7 @@ pub fn passages(field: &Field, places: &[&Place], two: &Two) -> Vec<Passage> {
         };
         match (certain, doubtful) {
             (Some((last, was)), _) if was != above => {
-                list.push(passage(field, two, [last, i].map(|i| places[i].at.to_f64()), was));
+                list.push(passage(field, two, [last, i].map(|i| places[i].x), was));
             }
             (_, Some(first)) => list.push(open([first, i - 1])),
             _ => {}
@@ -181,13 +182,13 @@ fn passage(field: &Field, two: &Two, ends: [f64; 2], above: bool) -> Passage {
 }
 
 /// A curve between two places.
-pub fn enclose(bounds: &[Option<Bounds>], of: Member) -> Option<Ball> {
-    let own = bounds[of.class].as_ref()?;
+pub fn enclose(between: &Between, of: Member) -> Option<Ball> {
+    let own = between.class(of.class)?;
     Some(hull((*own.lower.get(of.index)?)?, (*own.upper.get(of.index)?)?))
 }
 
 pub fn undecided_meeting(curves: [usize; 2], ends: [&Place; 2]) -> Meeting {
-    Meeting { curves, place: ends.map(|place| place.at.to_f64()), kind: MeetingKind::Undecided { distance: None } }
+    Meeting { curves, place: ends.map(|place| place.x), kind: MeetingKind::Undecided { distance: None } }
 }
 
 /// Whether the first of two curves is certainly above the second, or below; the outer `None` if one has no frequency, or both are

@@ -14,6 +14,7 @@ use super::cases::{Study, Varied};
 use super::followed::{Curve, Followed, Grows, Meeting, MeetingKind};
 use crate::base::{Ball, Number, OrderBy};
 use crate::kernel::cores;
+use crate::questions::rows::Rows;
 use places::{Field, Place};
 use steps::{Limits, Step};
 
@@ -74,10 +75,15 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     let points = field.places(&values, count);
     let curves = choose(&points, wanted)?;
     let limits = Limits { stretches: stretches(values.len(), n) };
-    let pairs: Vec<&[Place]> = points.windows(2).collect();
     let look = steps::Look { curves: &curves, pairs: pairs_of(&curves, &classes) };
-    let steps = cores::in_pieces(&pairs, 1, 1, |some| {
-        some.iter().map(|ends| steps::step(&field, &look, limits, [&ends[0], &ends[1]])).collect()
+    let cases: Vec<u64> = (1..points.len() as u64).map(|next| next - 1).collect();
+    let steps = cores::in_pieces(&cases, 1, 1, |some| {
+        let over = field.over_steps(some, count);
+        let ends = |case: u64| [&points[case as usize], &points[case as usize + 1]];
+        some.iter()
+            .zip(&over)
+            .map(|(case, over)| steps::step(&field, &look, limits, ends(*case), over.as_ref()))
+            .collect()
     });
     let places = all_places(&points, &steps);
     let mut meetings = meetings_of(&field, &curves, &points, &steps, &places);
@@ -93,7 +99,7 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
         onsets: onsets::onsets(&field, &points, grows),
         orders,
         parameter: (swept.parameter.name.clone(), swept.parameter.unit.clone()),
-        places: values.iter().map(|value| value.to_f64()).collect(),
+        places: points.iter().map(|place| place.x).collect(),
         classes: classes.len(),
     })
 }
@@ -128,9 +134,9 @@ fn stretches(points: usize, n: usize) -> usize {
 
 /// The lowest modes at the first place whose modes are known; those that do not oscillate there are the lowest.
 fn choose(points: &[Place], count: usize) -> Result<Vec<Member>, Unfollowed> {
-    let first = points.iter().find(|place| place.classes.iter().all(|class| !class.is_empty()));
+    let first = points.iter().find(|place| place.classes().all(|class| !class.is_empty()));
     let mut list: Vec<(f64, Member)> = Vec::new();
-    for (class, frequencies) in first.ok_or(Unfollowed::NoModes)?.classes.iter().enumerate() {
+    for (class, frequencies) in first.ok_or(Unfollowed::NoModes)?.classes().enumerate() {
         let key = |frequency: &Option<Ball>| frequency.map_or(f64::NEG_INFINITY, |frequency| frequency.to_f64());
         let own = frequencies.iter().enumerate().map(|(index, frequency)| (key(frequency), Member { class, index }));
         list.extend(own);
@@ -139,11 +145,11 @@ fn choose(points: &[Place], count: usize) -> Result<Vec<Member>, Unfollowed> {
     Ok(list.into_iter().take(count).map(|(_, member)| member).collect())
 }
 
-fn curve(own: Member, classes: &[Vec<u32>], points: &[Place], steps: &[Step]) -> Curve {
+fn curve(own: Member, classes: &[Vec<u32>], points: &[Place], steps: &[Option<Box<Step>>]) -> Curve {
     let neighbours = pairs_of(&[own], classes);
     let is_proved =
         |step: &Step| !step.unknown.contains(&own.class) && neighbours.iter().all(|pair| !step.doubtful.contains(pair));
-    let link = |step: &Step| is_proved(step).then_some(Proved(()));
+    let link = |step: &Option<Box<Step>>| step.as_ref().is_none_or(|step| is_proved(step)).then_some(Proved(()));
     Curve {
         class: own.class + 1,
         points: points.iter().map(|place| place.frequency(own.class, own.index)).collect(),
@@ -152,17 +158,23 @@ fn curve(own: Member, classes: &[Vec<u32>], points: &[Place], steps: &[Step]) ->
 }
 
 /// All evaluated places, in order.
-fn all_places<'a>(points: &'a [Place], steps: &'a [Step]) -> Vec<&'a Place> {
+fn all_places<'a>(points: &'a [Place], steps: &'a [Option<Box<Step>>]) -> Vec<&'a Place> {
     let mut places: Vec<&Place> = Vec::with_capacity(points.len());
     for (i, point) in points.iter().enumerate() {
         places.push(point);
-        places.extend(steps.get(i).into_iter().flat_map(|step| &step.inner));
+        places.extend(steps.get(i).into_iter().flatten().flat_map(|step| &step.inner));
     }
     places
 }
 
 /// The results about pairs of curves.
-fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step], places: &[&Place]) -> Vec<Meeting> {
+fn meetings_of(
+    field: &Field,
+    curves: &[Member],
+    points: &[Place],
+    steps: &[Option<Box<Step>>],
+    places: &[&Place],
+) -> Vec<Meeting> {
     let pairs: Vec<[usize; 2]> = (0..curves.len()).flat_map(|i| (i + 1..curves.len()).map(move |j| [i, j])).collect();
     let of_pair = |pair: &[usize; 2]| {
         let [a, b] = pair.map(|i| curves[i]);
@@ -175,7 +187,8 @@ fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step
             (true, 1) => meetings::veerings(field, places, a.min(b), *pair),
             _ => return Vec::new(),
         };
-        let open: Vec<usize> = (0..steps.len()).filter(|&i| doubtful(&steps[i])).collect();
+        let open: Vec<usize> =
+            (0..steps.len()).filter(|&i| steps[i].as_ref().is_some_and(|step| doubtful(step))).collect();
         for run in open.chunk_by(|a, b| a + 1 == *b) {
             let ends = [&points[run[0]], &points[run[run.len() - 1] + 1]];
             if !list.iter().any(|known| lies_in(known, ends)) {
@@ -188,7 +201,7 @@ fn meetings_of(field: &Field, curves: &[Member], points: &[Place], steps: &[Step
 }
 
 fn lies_in(meeting: &Meeting, ends: [&Place; 2]) -> bool {
-    let [low, high] = ends.map(|place| place.at.to_f64());
+    let [low, high] = ends.map(|place| place.x);
     meeting.place.iter().all(|x| (low.min(high)..=low.max(high)).contains(x))
 }
 
@@ -236,24 +249,59 @@ impl Followed {
         list
     }
 
-    /// Does the same for a row.
-    pub(super) fn row(&self, mut case: Case, modes: usize) -> Case {
+    /// The rows of cases with their curves in place of numbered frequencies.
+    pub(super) fn rows(&self, numbered: &Rows, modes: usize, rows: &mut Rows) {
+        let places = 0..numbered.len();
+        if numbered.columns().len() != 1 + modes {
+            rows.clear(0);
+            return places.for_each(|at| rows.push(self.row(&numbered.case_at(at), modes)));
+        }
+        // Columns of numbers, as those of the cases are, but for a case that lacks one.
+        rows.clear(1 + 2 * self.curves.len());
+        let numbers: Vec<u64> = places.clone().map(|at| numbered.number(at)).collect();
+        rows.extend(&numbers);
+        let mut is_whole = vec![true; numbers.len()];
+        numbered.places_of_others().for_each(|at| is_whole[at] = false);
+        let (parameter, columns) = rows.columns_mut().split_at_mut(1);
+        parameter[0].clone_from(&numbered.columns()[0]);
+        for (curve, columns) in self.curves.iter().zip(columns.chunks_mut(2)) {
+            columns[1].are_verdicts = true;
+            for (at, number) in numbers.iter().map(|number| *number as usize).enumerate() {
+                match curve.points[number] {
+                    Some(value) if curve.has_link(number) => {
+                        columns[0].set(at, value);
+                        columns[1].high[at] = if curve.links[number].is_some() { 1.0 } else { 0.0 };
+                    }
+                    _ => is_whole[at] = false,
+                }
+            }
+        }
+        for at in places.filter(|at| !is_whole[*at]) {
+            rows.replace(at, self.row(&numbered.case_at(at), modes));
+        }
+    }
+
+    /// The row of a case with its curves in place of numbered frequencies.
+    fn row(&self, case: &Case, modes: usize) -> Case {
         let number = case.number as usize;
         let link = |is_one: bool, proof: &Option<Proved>| match is_one {
             true => Entry::Verdict(proof.is_some()),
             false => Entry::None(None),
         };
-        let curves = self.curves.iter().flat_map(|curve| {
-            let value = curve.points[number].map_or(Entry::None(None), Entry::Enclosed);
-            [value, link(curve.has_link(number), &curve.links[number])]
-        });
-        let loci = self.loci.iter().flat_map(|locus| {
-            let [re, im] = locus.points[number].map(Entry::Enclosed);
-            [re, im, link(number > 0, &locus.links[number])]
-        });
-        let own: Vec<Entry> = curves.chain(loci).collect();
-        case.entries.splice(1..1 + modes + 2 * self.loci.len(), own);
-        case
+        let (first, rest) = case.entries.split_at(1);
+        let rest = &rest[modes + 2 * self.loci.len()..];
+        let mut entries = Vec::with_capacity(1 + 2 * self.curves.len() + 3 * self.loci.len() + rest.len());
+        entries.extend_from_slice(first);
+        for curve in &self.curves {
+            entries.push(curve.points[number].map_or(Entry::None(None), Entry::Enclosed));
+            entries.push(link(curve.has_link(number), &curve.links[number]));
+        }
+        for locus in &self.loci {
+            entries.extend(locus.points[number].map(Entry::Enclosed));
+            entries.push(link(number > 0, &locus.links[number]));
+        }
+        entries.extend_from_slice(rest);
+        Case { entries, ..*case }
     }
 }
 

@@ -23,7 +23,7 @@ pub fn onsets(field: &Field, places: &[Place], of: Grows) -> Onsets {
         _ => cores::in_pieces(places, 1, 1, |some| some.iter().map(count).collect()),
     };
     let certain: Vec<(f64, usize)> =
-        places.iter().zip(&counts).filter_map(|(place, count)| Some((place.at.to_f64(), (*count)?))).collect();
+        places.iter().zip(&counts).filter_map(|(place, count)| Some((place.x, (*count)?))).collect();
     let changes: Vec<[(f64, usize); 2]> =
         certain.windows(2).filter(|two| two[0].1 != two[1].1).map(|two| [two[0], two[1]]).collect();
     let list: Vec<Vec<Onset>> =
@@ -79,7 +79,7 @@ fn onset(field: &Field, of: Grows, [(mut first, mut before), (last, after)]: [(f
 fn is_continuous(field: &Field, ends: [&Number; 2], of: Grows) -> bool {
     match of {
         Grows::Modes => field.has_one_form(ends, false),
-        Grows::Poles => field.has_one_form(ends, true) && field.bounds(ends).iter().all(Option::is_some),
+        Grows::Poles => field.has_one_form(ends, true) && field.bounds(ends).unknown().next().is_none(),
     }
 }
 

@@ -10,10 +10,9 @@ use crate::base::{Ball, Dd, Jet, Number, Rational};
 use crate::kernel::cores;
 use crate::kernel::pencils::Eigenvalues;
 use crate::questions::cases::Study;
-use crate::questions::lines::Line;
+use crate::questions::lines::{Line, PER_TURN};
 use crate::questions::tolerated::hull;
 use crate::system::{Form, LinearSystem};
-use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The frequency of a mode that oscillates or is rigid.
@@ -24,16 +23,36 @@ pub type Frequencies = Vec<Option<Ball>>;
 pub struct Place {
     /// SI
     pub at: Number,
-    /// For each class; empty if they are not known.
-    pub classes: Vec<Frequencies>,
+    /// The value in binary64.
+    pub x: f64,
+    frequencies: ByClass,
+}
+
+/// Frequencies, or bounds of them, of all classes, one after the other. There are ten thousands of places and steps, so that those which are
+/// computed together share one list: the part of this one begins at `start`.
+#[derive(Clone, Debug)]
+pub struct ByClass {
+    list: Arc<Vec<Option<Ball>>>,
+    start: usize,
+    /// The end of each class in that part.
+    ends: Arc<[usize]>,
 }
 
 /// Bounds of the frequencies of a class for all values between two: the i-th frequency lies between the i-th bounds. A
 /// lower bound is `None` if the mode may not oscillate.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Bounds<'a> {
-    pub lower: Cow<'a, [Option<Ball>]>,
-    pub upper: Cow<'a, [Option<Ball>]>,
+    pub lower: &'a [Option<Ball>],
+    pub upper: &'a [Option<Ball>],
+}
+
+/// Bounds of the frequencies for all values between two.
+#[derive(Clone, Debug)]
+pub enum Between<'a> {
+    /// Lower and upper bounds.
+    Known([&'a ByClass; 2]),
+    /// Those of each class; `None` if nothing is proved.
+    Found(Vec<Option<[Frequencies; 2]>>),
 }
 
 /// The classes of a study, and the data needed to evaluate them.
@@ -48,21 +67,94 @@ pub struct Field<'a> {
     pub lines: &'a [Arc<Option<Line>>],
 }
 
+impl ByClass {
+    fn of(classes: &[Frequencies]) -> ByClass {
+        let ends = classes.iter().scan(0, |end, class| {
+            *end += class.len();
+            Some(*end)
+        });
+        ByClass { list: Arc::new(classes.concat()), start: 0, ends: ends.collect() }
+    }
+
+    fn class(&self, class: usize) -> &[Option<Ball>] {
+        let first = if class == 0 { 0 } else { self.ends[class - 1] };
+        &self.list[self.start + first..self.start + self.ends[class]]
+    }
+
+    /// Whether each of them is known.
+    fn is_known(&self) -> bool {
+        let whole = self.ends.last().copied().unwrap_or(0);
+        self.list[self.start..self.start + whole].iter().all(Option::is_some)
+    }
+}
+
 impl Place {
+    /// With the frequencies of each class, which has none if they are not known.
+    fn of(at: &Number, classes: &[Frequencies]) -> Place {
+        Place { at: at.clone(), x: at.to_f64(), frequencies: ByClass::of(classes) }
+    }
+
+    /// The frequencies of a class; empty if they are not known.
+    pub fn class(&self, class: usize) -> &[Option<Ball>] {
+        self.frequencies.class(class)
+    }
+
+    /// Those of each class.
+    pub fn classes(&self) -> impl Iterator<Item = &[Option<Ball>]> {
+        (0..self.frequencies.ends.len()).map(|class| self.class(class))
+    }
+
     pub fn frequency(&self, class: usize, index: usize) -> Option<Ball> {
-        *self.classes.get(class)?.get(index)?
+        *self.class(class).get(index)?
+    }
+
+    /// Whether all frequencies are known.
+    fn is_known(&self) -> bool {
+        self.frequencies.is_known() && self.classes().all(|class| !class.is_empty())
     }
 
     /// Whether all modes certainly oscillate: the lowest of each class do.
     pub fn oscillates(&self) -> bool {
         let is_positive = |frequency: &Option<Ball>| frequency.is_some_and(|frequency| frequency.is_positive());
-        let oscillate = |class: &Frequencies| !class.is_empty() && class.iter().all(is_positive);
-        !self.classes.is_empty() && self.classes.iter().all(oscillate)
+        !self.frequencies.ends.is_empty()
+            && self.classes().all(|class| !class.is_empty() && class.iter().all(is_positive))
     }
 
     /// The distance from a mode to the next one of its class.
     pub fn distance(&self, class: usize, index: usize) -> Option<Ball> {
-        Some(self.frequency(class, index + 1)? - self.frequency(class, index)?)
+        match self.class(class).get(index..index + 2)? {
+            [Some(own), Some(next)] => Some(*next - *own),
+            _ => None,
+        }
+    }
+
+    /// An estimate of the distance from a mode to the next one of its class, without a bound: for choices that prove nothing.
+    pub fn approximate_distance(&self, class: usize, index: usize) -> Option<f64> {
+        match self.class(class).get(index..index + 2)? {
+            [Some(own), Some(next)] => Some((next.mid.hi - own.mid.hi) + (next.mid.lo - own.mid.lo)),
+            _ => None,
+        }
+    }
+}
+
+impl Between<'_> {
+    /// The classes of which nothing is proved.
+    pub fn unknown(&self) -> impl Iterator<Item = usize> {
+        let list: &[_] = if let Between::Found(list) = self { list } else { &[] };
+        (0..list.len()).filter(|class| list[*class].is_none())
+    }
+
+    /// Whether nothing is proved of any class.
+    pub fn is_unknown(&self) -> bool {
+        matches!(self, Between::Found(list) if list.iter().all(Option::is_none))
+    }
+
+    /// The bounds of a class; `None` if nothing is proved.
+    pub fn class(&self, class: usize) -> Option<Bounds<'_>> {
+        match self {
+            Between::Known([lower, upper]) => Some(Bounds { lower: lower.class(class), upper: upper.class(class) }),
+            Between::Found(list) => list[class].as_ref().map(|[lower, upper]| Bounds { lower, upper }),
+        }
     }
 }
 
@@ -76,9 +168,47 @@ impl Bounds<'_> {
     pub fn are_apart(&self, index: usize) -> bool {
         let is_rigid = |index: usize| {
             let rigid = |list: &[Option<Ball>]| matches!(list.get(index), Some(Some(frequency)) if frequency.is_zero());
-            rigid(&self.lower) && rigid(&self.upper)
+            rigid(self.lower) && rigid(self.upper)
         };
         self.distance(index).is_some_and(|least| least.is_positive()) || is_rigid(index) && is_rigid(index + 1)
+    }
+}
+
+/// The places of the frequencies of each class in a list that several cases share.
+struct Layout {
+    ends: Arc<[usize]>,
+}
+
+impl Layout {
+    /// For the lowest `count` of each class, or all.
+    fn of(classes: &[Vec<u32>], count: usize) -> Layout {
+        let ends = classes.iter().scan(0, |end, class| {
+            *end += count.min(class.len());
+            Some(*end)
+        });
+        Layout { ends: ends.collect() }
+    }
+
+    /// The frequencies of one case.
+    fn whole(&self) -> usize {
+        self.ends.last().copied().unwrap_or(0)
+    }
+
+    /// The first place and the number of those of a class.
+    fn class(&self, class: usize) -> [usize; 2] {
+        let first = if class == 0 { 0 } else { self.ends[class - 1] };
+        [first, self.ends[class] - first]
+    }
+
+    fn room(&self, cases: usize) -> Vec<Option<Ball>> {
+        vec![None; self.whole() * cases]
+    }
+
+    /// The parts of a list.
+    fn of_each(&self, list: Vec<Option<Ball>>, cases: usize) -> impl Iterator<Item = ByClass> {
+        let list = Arc::new(list);
+        let (whole, ends) = (self.whole(), self.ends.clone());
+        (0..cases).map(move |case| ByClass { list: list.clone(), start: case * whole, ends: ends.clone() })
     }
 }
 
@@ -125,8 +255,8 @@ impl Field<'_> {
             let list = self.study.frequencies_at(line, at)?;
             Some(list.into_iter().map(Some).collect::<Frequencies>())
         };
-        if !precisely && let Some(classes) = self.lines.iter().map(quick).collect() {
-            return Place { at: at.clone(), classes };
+        if !precisely && let Some(classes) = self.lines.iter().map(quick).collect::<Option<Vec<Frequencies>>>() {
+            return Place::of(at, &classes);
         }
         let request = if precisely { Request::default().to_digits(28) } else { Request::default() };
         let system = self.study.undamped_system(0, at.clone()).filter(|system| !system.is_chained());
@@ -134,48 +264,64 @@ impl Field<'_> {
             let modes = system.as_ref().and_then(|system| all_modes(system, coordinates, &request));
             modes.map_or(Vec::new(), |modes| separate(&modes, frequency))
         };
-        Place { at: at.clone(), classes: self.classes.iter().map(of_class).collect() }
+        Place::of(at, &self.classes.iter().map(of_class).collect::<Vec<Frequencies>>())
     }
 
     /// The places of all cases: the lowest `count` frequencies of each, or all.
     pub fn places(&self, values: &[Number], count: usize) -> Vec<Place> {
         let all: Vec<(u64, &Number)> = (0..).zip(values).collect();
+        let layout = Layout::of(self.classes, count);
         let of_cases = |some: &[(u64, &Number)]| {
             let numbers: Vec<u64> = some.iter().map(|(number, _)| *number).collect();
-            let of_class = |(line, coordinates): (&Arc<Option<Line>>, &Vec<u32>)| {
-                self.study.side_by_side(line, &numbers, count.min(coordinates.len()))
+            let mut found = layout.room(some.len());
+            for (class, line) in self.lines.iter().enumerate() {
+                let [first, count] = layout.class(class);
+                self.study.side_by_side(line, &numbers, count, &mut |case, i, frequency| {
+                    found[case * layout.whole() + first + i] = Some(frequency);
+                });
+            }
+            let of_case = layout.of_each(found, some.len());
+            let place = |(frequencies, &(_, at)): (ByClass, &(u64, &Number))| match frequencies.is_known() {
+                true => Place { at: at.clone(), x: at.to_f64(), frequencies },
+                false => self.place(at, false),
             };
-            let quick: Vec<Vec<Option<Vec<Ball>>>> = self.lines.iter().zip(self.classes).map(of_class).collect();
-            let place = |(case, &(_, at)): (usize, &(u64, &Number))| {
-                let list = |of: &Vec<Option<Vec<Ball>>>| Some(of[case].as_ref()?.iter().copied().map(Some).collect());
-                match quick.iter().map(list).collect::<Option<Vec<Frequencies>>>() {
-                    Some(classes) => Place { at: at.clone(), classes },
-                    None => self.place(at, false),
-                }
-            };
-            some.iter().enumerate().map(place).collect()
+            of_case.zip(some).map(place).collect()
         };
         cores::in_pieces(&all, 1, 1, of_cases)
     }
 
-    /// Bounds for all values between two places, for each class. Where all eigenvalues move in one direction, these are the frequencies at
-    /// the places themselves.
-    pub fn bounds_between<'b>(&self, ends: [&'b Place; 2]) -> Vec<Option<Bounds<'b>>> {
-        let [first, last] = ends;
-        let along = first.at.to_f64() <= last.at.to_f64();
-        let [lower, upper] = match self.course {
-            Some(course) if (course == Course::Rises) == along => [first, last],
-            Some(_) => [last, first],
-            None => return self.bounds(ends.map(|place| &place.at)),
-        };
-        let known = |frequencies: &Frequencies| !frequencies.is_empty() && frequencies.iter().all(Option::is_some);
-        if !lower.classes.iter().chain(&upper.classes).all(known) {
-            return self.bounds(ends.map(|place| &place.at));
+    /// Bounds over the steps from these cases to the next ones, for the lowest `count` frequencies of each class, as far as lines know them.
+    pub fn over_steps(&self, cases: &[u64], count: usize) -> Vec<Option<[ByClass; 2]>> {
+        if self.course.is_some() || self.lines.iter().any(|line| !line.as_ref().as_ref().is_some_and(Line::has_pieces))
+        {
+            return vec![None; cases.len()];
         }
-        let of_class = |(lower, upper): (&'b Frequencies, &'b Frequencies)| {
-            Some(Bounds { lower: lower.into(), upper: upper.into() })
-        };
-        lower.classes.iter().zip(&upper.classes).map(of_class).collect()
+        let layout = Layout::of(self.classes, count);
+        let mut found = [layout.room(cases.len()), layout.room(cases.len())];
+        for (class, line) in self.lines.iter().enumerate() {
+            let [first, count] = layout.class(class);
+            let Some(line) = line.as_ref() else { continue };
+            line.over_steps(cases, count, &mut |step, i, pair| {
+                let [lower, upper] = bounds_of(pair);
+                let at = step * layout.whole() + first + i;
+                (found[0][at], found[1][at]) = (lower, upper);
+            });
+        }
+        let [lower, upper] = found.map(|list| layout.of_each(list, cases.len()));
+        lower.zip(upper).map(|(lower, upper)| upper.is_known().then_some([lower, upper])).collect()
+    }
+
+    /// Bounds for all values between two places. Where all eigenvalues move in one direction, these are the frequencies at the places
+    /// themselves.
+    pub fn bounds_between<'b>(&self, [first, last]: [&'b Place; 2]) -> Between<'b> {
+        match self.course {
+            Some(course) if first.is_known() && last.is_known() => {
+                let rises = (course == Course::Rises) == (first.x <= last.x);
+                let [first, last] = [first, last].map(|place| &place.frequencies);
+                Between::Known(if rises { [first, last] } else { [last, first] })
+            }
+            _ => self.bounds([&first.at, &last.at]),
+        }
     }
 
     /// The system for every value between two, if the model certainly has one form there.
@@ -190,10 +336,15 @@ impl Field<'_> {
 
     /// Bounds for all values between two, for each class; by Weyl's inequality as in `outer`, or by the modes in the
     /// middle if rows change. `None` if nothing is proved.
-    pub fn bounds(&self, ends: [&Number; 2]) -> Vec<Option<Bounds<'static>>> {
-        let quick = |line: &Arc<Option<Line>>| bounds_of(&(**line).as_ref()?.eigenvalues_over(ends)?);
-        if let Some(list) = self.lines.iter().map(quick).collect::<Option<Vec<Bounds<'static>>>>() {
-            return list.into_iter().map(Some).collect();
+    pub fn bounds(&self, ends: [&Number; 2]) -> Between<'static> {
+        let quick = |line: &Arc<Option<Line>>| {
+            let Eigenvalues { list, bounds } = (**line).as_ref()?.eigenvalues_over(ends)?;
+            let pairs = list.iter().zip(&bounds).map(|(x, bound)| bounds_of([*x, *bound]));
+            let (lower, upper): (Frequencies, Frequencies) = pairs.map(|[lower, upper]| (lower, upper)).unzip();
+            upper.iter().all(Option::is_some).then_some([lower, upper])
+        };
+        if let Some(list) = self.lines.iter().map(quick).collect::<Option<Vec<[Frequencies; 2]>>>() {
+            return Between::Found(list.into_iter().map(Some).collect());
         }
         let over = enclosing_system(self.study, ends, false);
         let sides = over.as_ref().and_then(outer);
@@ -211,28 +362,25 @@ impl Field<'_> {
             let [low, high] =
                 sides.as_ref()?.each_ref().map(|system| all_modes(system, coordinates, &Request::default()));
             let upper = separate(&high?, |modes, i| Some(from_above(modes, i)));
-            Some(Bounds { lower: separate(&low?, frequency).into(), upper: upper.into() })
+            Some([separate(&low?, frequency), upper])
         };
-        self.classes.iter().map(of_class).collect()
+        Between::Found(self.classes.iter().map(of_class).collect())
     }
 }
 
-/// Bounds from those of the eigenvalues.
-fn bounds_of(found: &Eigenvalues) -> Option<Bounds<'static>> {
-    let pairs = || found.list.iter().zip(&found.bounds);
-    let root = |square: f64| analysis::derived::hertz(Ball::from(square).sqrt());
-    let lower = pairs().map(|(x, bound)| (x - bound) - 2.0 * f64::EPSILON * (x.abs() + bound));
-    let upper = pairs().map(|(x, bound)| (x + bound) + 2.0 * f64::EPSILON * (x.abs() + bound));
-    let (lower, upper): (Vec<f64>, Vec<f64>) = (lower.collect(), upper.collect());
-    let is_known = lower.iter().chain(&upper).all(|x| x.is_finite());
-    is_known.then(|| Bounds {
-        lower: lower.iter().map(|square| (*square > 0.0).then(|| root(*square))).collect(),
-        upper: upper.iter().map(|square| Some(if *square > 0.0 { root(*square) } else { Ball::ZERO })).collect(),
-    })
+/// Bounds of the frequency of an eigenvalue that is this far from the number at most: no upper one if they are not known.
+fn bounds_of([square, bound]: [f64; 2]) -> [Option<Ball>; 2] {
+    // Two roundings of the end, three of the root, and that of the factor.
+    let slack = 2.0 * f64::EPSILON * (square.abs() + bound);
+    let root = |square: f64, sign: f64| Ball::from(square.sqrt() * PER_TURN * (1.0 + sign * 4.0 * f64::EPSILON));
+    let [low, high] = [square - bound - slack, square + bound + slack];
+    let lower = (low > 0.0).then(|| root(low, -1.0));
+    let upper = if high > 0.0 { root(high, 1.0) } else { Ball::ZERO };
+    [lower, (low.is_finite() && high.is_finite()).then_some(upper)]
 }
 
 /// Bounds for a system over a range in coordinates of the modes of one in its middle: both matrices are nearly diagonal there.
-fn bounds_around(over: &LinearSystem, middle: &LinearSystem, coordinates: &[u32]) -> Option<Bounds<'static>> {
+fn bounds_around(over: &LinearSystem, middle: &LinearSystem, coordinates: &[u32]) -> Option<[Frequencies; 2]> {
     if middle.is_chained() || middle.n() != over.n() {
         return None;
     }
@@ -243,10 +391,10 @@ fn bounds_around(over: &LinearSystem, middle: &LinearSystem, coordinates: &[u32]
     let [k, m] = [&block.k, &block.m].map(|form| project(form, &vectors));
     let ends = eigenvalues(&k, &m, coordinates.len())?;
     let root = |square: f64| analysis::derived::hertz(Ball::from(square).sqrt());
-    Some(Bounds {
-        lower: ends.iter().map(|[low, _]| (*low > 0.0).then(|| root(*low))).collect(),
-        upper: ends.iter().map(|[_, high]| Some(if *high > 0.0 { root(*high) } else { Ball::ZERO })).collect(),
-    })
+    Some([
+        ends.iter().map(|[low, _]| (*low > 0.0).then(|| root(*low))).collect(),
+        ends.iter().map(|[_, high]| Some(if *high > 0.0 { root(*high) } else { Ball::ZERO })).collect(),
+    ])
 }
 
 /// The nearest binary64 number, exactly.
@@ -305,10 +453,9 @@ mod tests {
     /// Squares within 3 of 4, and within 3 of 1.
     #[test]
     fn bounds_hold_both_ends() {
-        let found = bounds_of(&Eigenvalues { list: vec![1.0, 4.0], bounds: vec![3.0, 3.0] }).expect("known");
+        let found = [[1.0, 3.0], [4.0, 3.0]].map(bounds_of);
         let hertz = |omega: f64| omega / (2.0 * std::f64::consts::PI);
-        let ends = |list: &[Option<Ball>]| list.iter().map(|x| x.map(|x| x.to_f64())).collect::<Vec<_>>();
-        let (lower, upper) = (ends(&found.lower), ends(&found.upper));
+        let [lower, upper] = [0, 1].map(|end| found.map(|pair| pair[end].map(|x| x.to_f64())));
         assert_eq!(lower[0], None);
         for (found, truth) in [(lower[1], 1.0), (upper[0], 2.0), (upper[1], f64::sqrt(7.0))] {
             assert!((found.expect("a frequency") / hertz(truth) - 1.0).abs() < 1e-14, "{found:?} {truth}");

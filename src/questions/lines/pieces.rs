@@ -106,8 +106,27 @@ impl Study<'_> {
 
 impl Piece {
     fn eigenvalues(&self, places: &[u64]) -> Bounded {
-        let x: Vec<f64> = self.steps.changes(places).iter().map(|change| change / self.reach).collect();
+        let x = self.parts_of_reach(places);
         self.pencils.side_by_side(&x, &vec![0.0; x.len()])
+    }
+
+    /// Changes of the parameter as parts of the reach, each [`pencils::ROUNDING_OF_D`] off at most.
+    fn parts_of_reach(&self, places: &[u64]) -> Vec<f64> {
+        self.steps.changes(places).iter().map(|change| change / self.reach).collect()
+    }
+
+    /// Enclosures of the eigenvalues over the steps from these places, which lie on the piece, to the next ones.
+    fn over_steps(&self, places: &[u64]) -> Bounded {
+        let next: Vec<u64> = places.iter().map(|place| place + 1).collect();
+        let ends = [places, &next].map(|places| self.parts_of_reach(places));
+        let pairs = || ends[0].iter().zip(&ends[1]);
+        let middle: Vec<f64> = pairs().map(|(a, b)| 0.5 * (a + b)).collect();
+        // Both ends may be off, and the middle and the half are rounded.
+        let half = |(a, b): (&f64, &f64)| {
+            (0.5 * (b - a).abs() + 2.0 * pencils::ROUNDING_OF_D * a.abs().max(b.abs())) * up::FEW
+        };
+        let half: Vec<f64> = pairs().map(half).collect();
+        self.pencils.side_by_side(&middle, &half)
     }
 
     /// Enclosures of the eigenvalues for all values between two, if both lie on the piece.
@@ -130,13 +149,22 @@ impl Pieces {
 
     /// The eigenvalues at these places, where they are known.
     pub fn eigenvalues(&self, places: &[u64]) -> Bounded {
+        self.of_pieces(places, Piece::eigenvalues)
+    }
+
+    /// Enclosures of the eigenvalues over the steps from these places to the next ones, where they are known.
+    pub fn over_steps(&self, places: &[u64]) -> Bounded {
+        self.of_pieces(places, Piece::over_steps)
+    }
+
+    fn of_pieces(&self, places: &[u64], of: fn(&Piece, &[u64]) -> Bounded) -> Bounded {
         let piece = |place: &u64| self.list.partition_point(|piece| piece.places[1] < *place);
         let mut found = Bounded::unknown(self.n, places.len());
         let mut at = 0;
         for some in places.chunk_by(|a, b| piece(a) == piece(b)) {
             if let Some(own) = self.list.get(piece(&some[0])) {
                 let before = some.iter().take_while(|place| **place < own.places[0]).count();
-                found.copy_from(at + before, &own.eigenvalues(&some[before..]));
+                found.copy_from(at + before, &of(own, &some[before..]));
             }
             at += some.len();
         }

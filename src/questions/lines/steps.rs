@@ -6,10 +6,9 @@ use crate::kernel::bounded::{load, store};
 use crate::kernel::pencils;
 use crate::kernel::simd::simd;
 use crate::model::scene::Written;
-use crate::model::{Points, Swept};
+use crate::model::{Points, Swept, in_integers};
 use crate::questions::answer::shown_in;
 use crate::questions::rows::Enclosures;
-use num_integer::Integer;
 
 /// The values of the last parameter of a study, or all but the first.
 pub struct Range<'a> {
@@ -95,20 +94,17 @@ pub struct Steps {
     fraction_in_si: Option<[i64; 3]>,
 }
 
-/// Integers up to this size are exact in binary64.
-const EXACT: u64 = 1 << 53;
-
 impl Steps {
     /// `at`: the place of the base on the line, if it is one of the values.
     fn new(points: &Points, (base, at): (&Number, Option<u64>), unit: &Written) -> Steps {
         let (points, unit, base) = (points.clone(), unit.clone(), base.clone());
         let mut steps = Steps { points, unit, base, even: None, fraction: None, fraction_in_si: None };
-        if let Points::Even { low, high, count } = &steps.points {
+        if let Points::Even { low, high, count, fraction } = &steps.points {
             let between = &(high - low) / &Number::from(*count as i64 - 1);
             steps.even = at.filter(|_| is_known(between.to_ball())).map(|at| (at, between.to_f64()));
             steps.fraction =
                 in_integers([low, &between].map(|si| steps.unit.factor.as_ref().map(|factor| si / factor)), *count);
-            steps.fraction_in_si = in_integers([low, &between].map(|si| Some(si.clone())), *count);
+            steps.fraction_in_si = *fraction;
         }
         steps
     }
@@ -179,17 +175,6 @@ simd! {
 /// Whether the relative error of a number is negligible in binary64.
 fn is_known(x: Ball) -> bool {
     x.relative_error() <= f64::EPSILON / 8.0
-}
-
-/// First value and distance as integers over one divisor, if all values are exact in binary64.
-fn in_integers(of: [Option<Number>; 2], count: u64) -> Option<[i64; 3]> {
-    let [first, between] = of.map(|number| number.and_then(|number| number.exact()?.to_fraction()));
-    let ((a, c), (b, d)) = (first?, between?);
-    let over = i128::from(c).lcm(&i128::from(d));
-    let [a, b] = [(a, c), (b, d)].map(|(number, divisor)| i128::from(number) * (over / i128::from(divisor)));
-    let most = a.abs().checked_add(b.abs().checked_mul(i128::from(count))?)?.max(over);
-    let fits = most < i128::from(EXACT);
-    fits.then_some([a as i64, b as i64, over as i64])
 }
 
 /// The least and the largest value.
