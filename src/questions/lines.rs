@@ -3,13 +3,14 @@
 //! docs/method/studies.md#lines.
 
 mod changing;
+mod drawn;
 mod pieces;
 mod poles;
 mod steps;
 
 use super::answer::Entry;
 use super::cases::{Study, Varied};
-use super::rows::Rows;
+use super::rows::{Enclosures, Rows};
 use super::updates::{Part, Updates};
 use crate::analysis::undamped_block;
 use crate::base::number::jet;
@@ -18,10 +19,11 @@ use crate::dynamics;
 use crate::kernel::bounded::Bounded;
 use crate::kernel::pencils::{self, Eigenvalues};
 use crate::lower::Lowered;
-use crate::model;
 use crate::model::scene::Damping;
+use crate::model::{self, Setting};
 use crate::system::{Form, LinearSystem};
 use changing::{changing, slopes};
+use drawn::Drawn;
 use pieces::Pieces;
 use poles::OfPoles;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -42,7 +44,7 @@ impl Study<'_> {
     fn numbered_rows(&self, numbers: &[u64], rows: &mut Rows) {
         let inner = match &self.varied {
             Varied::Over(swept) => swept.last().map_or(1, |swept| swept.points.count()),
-            Varied::Drawn(_) => 1,
+            Varied::Drawn(samples) => return self.drawn_rows(samples, numbers, rows),
         };
         if inner < FEW || !self.asks_modes_alone() {
             rows.clear(0);
@@ -74,25 +76,35 @@ impl Study<'_> {
         // Zero, and NaN where something is not known.
         let mut known = vec![0.0; places.len()];
         let (frequencies, poles) = answers.split_at_mut(self.sizes.0);
-        for (i, column) in frequencies.iter_mut().enumerate().take(eigenvalues.count()) {
-            eigenvalues.roots(i, PER_TURN, self.accuracy(), (&mut column.high[at..], &mut column.radius[at..]));
-            column.low[at..].fill(0.0);
-            known.iter_mut().zip(&column.high[at..]).for_each(|(known, x)| *known += 0.0 * x);
-        }
+        self.put_frequencies(&eigenvalues, at, frequencies, &mut known);
         match &line.poles {
             None => {}
             Some(OfPoles::Frequencies(_)) => self.undamped_poles(&eigenvalues, at, poles, &mut known),
             Some(OfPoles::Stretches(list)) => self.poles_of(&poles::poles(list, &places), at, poles, &mut known),
         }
-        // Where there are fewer modes than columns, the others stay empty.
-        let is_narrow = line.squares.is_some() && eigenvalues.count() < self.sizes.0;
+        let count = if line.squares.is_some() { eigenvalues.count() } else { self.sizes.0 };
+        self.complete_rows(numbers, at, [given.len(), count], &known, rows);
+    }
+
+    /// Sets columns of frequencies from `at` on; what is known becomes NaN for a case of which one is not.
+    fn put_frequencies(&self, eigenvalues: &Bounded, at: usize, columns: &mut [Enclosures], known: &mut [f64]) {
+        for (i, column) in columns.iter_mut().enumerate().take(eigenvalues.count()) {
+            eigenvalues.roots(i, PER_TURN, self.accuracy(), (&mut column.high[at..], &mut column.radius[at..]));
+            column.low[at..].fill(0.0);
+            known.iter_mut().zip(&column.high[at..]).for_each(|(known, x)| *known += 0.0 * x);
+        }
+    }
+
+    /// Computes the cases one by one of which not all is known, and leaves columns of frequencies empty if there are fewer modes (`count`
+    /// of them, behind the columns of the parameters).
+    fn complete_rows(&self, numbers: &[u64], at: usize, [given, count]: [usize; 2], known: &[f64], rows: &mut Rows) {
+        let is_narrow = count < self.sizes.0;
         for (i, number) in numbers.iter().enumerate().filter(|(i, _)| is_narrow || known[*i].is_nan()) {
             let case = match known[i].is_nan() {
                 true => self.case(*number),
                 false => {
                     let mut case = rows.case_at(at + i);
-                    let empty = given.len() + eigenvalues.count()..given.len() + self.sizes.0;
-                    case.entries[empty].fill(Entry::None(None));
+                    case.entries[given + count..given + self.sizes.0].fill(Entry::None(None));
                     case
                 }
             };
@@ -172,6 +184,11 @@ impl Study<'_> {
         is_accurate.then(|| Ball::from(root).widen(root * relative))
     }
 
+    /// Whether the root of an eigenvalue is known to enough digits.
+    fn is_accurate(&self, pair: [f64; 2]) -> bool {
+        self.root(pair, PER_TURN).is_some()
+    }
+
     /// The system of a case without the damping that is declared for all of it, with another value of its last parameter.
     pub(super) fn undamped_system(&self, case: u64, si: Number) -> Option<LinearSystem> {
         self.system(case, si, false)
@@ -185,8 +202,14 @@ impl Study<'_> {
 
     /// The same with its rest, which is proven.
     pub(super) fn lower_case(&self, case: u64, si: Number, is_damped: bool) -> Option<Lowered> {
-        let mut values = [&self.held[..], &self.values(case)].concat();
+        let mut values = self.values(case);
         values.last_mut()?.1.si = si;
+        self.lower_at(&values, is_damped)
+    }
+
+    /// The model with these values of the parameters, lowered about a rest that is proven.
+    fn lower_at(&self, values: &[Setting], is_damped: bool) -> Option<Lowered> {
+        let values = [&self.held[..], values].concat();
         let scene = model::check_with(self.sources, &self.tree, self.overrides, &values).scene?;
         // Of damping by modes C is no sum of squares that a parameter weighs.
         if is_damped && matches!(scene.scene().damping, Some(Damping::Modal { .. })) {
@@ -321,7 +344,11 @@ enum Way {
 
 /// The most recent lines: the cases of one line arrive in many pieces.
 #[derive(Debug, Default)]
-pub(super) struct Lines(Mutex<Vec<Kept>>);
+pub(super) struct Lines {
+    recent: Mutex<Vec<Kept>>,
+    /// Of random cases, once computed.
+    drawn: OnceLock<Option<Drawn>>,
+}
 
 /// The first case of a line and, once computed, the line; the inner `None` if there is none.
 type Kept = (u64, Arc<OnceLock<Arc<Option<Line>>>>);
@@ -332,7 +359,7 @@ const MOST_KEPT: usize = 16;
 impl Lines {
     fn get(&self, first: u64, make: impl FnOnce() -> Option<Line>) -> Arc<Option<Line>> {
         let place = {
-            let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut kept = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
             match kept.iter().find(|(of, _)| *of == first) {
                 Some((_, place)) => place.clone(),
                 None => {

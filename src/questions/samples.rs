@@ -50,18 +50,37 @@ impl Samples {
 
     /// The values of a case.
     pub fn values(&self, case: u64) -> Vec<Setting> {
+        let value = |(tolerance, value): (&Tolerance, f64)| {
+            let parameter = &tolerance.parameter;
+            let si = Rational::from_f64(value).map_or(parameter.value.si.clone(), Number::from);
+            (parameter.name.clone(), Quantity { si, ..parameter.value.clone() })
+        };
+        self.tolerances.iter().zip(self.numbers(case)).map(value).collect()
+    }
+
+    /// The values of a case in SI units.
+    pub fn numbers(&self, case: u64) -> Vec<f64> {
         let uniform: Vec<f64> = (0..self.tolerances.len()).map(|i| self.uniform(case, i)).collect();
         let value = |(i, tolerance): (usize, &Tolerance)| {
             let place = match &self.rows[i] {
                 None => Place::Probability(uniform[i]),
                 Some(row) => Place::Normal(row.iter().zip(&uniform).map(|(l, u)| l * quantile(*u)).sum()),
             };
-            let value = draw(tolerance, place).clamp(-f64::MAX, f64::MAX);
-            let parameter = &tolerance.parameter;
-            let si = Rational::from_f64(value).map_or(parameter.value.si.clone(), Number::from);
-            (parameter.name.clone(), Quantity { si, ..parameter.value.clone() })
+            draw(tolerance, place).clamp(-f64::MAX, f64::MAX)
         };
         self.tolerances.iter().enumerate().map(value).collect()
+    }
+
+    /// For each parameter its declared value and the least and largest one: the ends of its tolerance, or so many deviations away.
+    pub fn ranges(&self, deviations: f64) -> Vec<[f64; 3]> {
+        let range = |tolerance: &Tolerance| {
+            let ends = match &tolerance.within {
+                Some(ends) => ends.each_ref().map(Number::to_f64),
+                None => [-deviations, deviations].map(|z| draw(tolerance, Place::Normal(z))),
+            };
+            [tolerance.parameter.value.si.to_f64(), ends[0], ends[1]]
+        };
+        self.tolerances.iter().map(range).collect()
     }
 
     /// A number between 0 and 1, both excluded, uniformly distributed.

@@ -5,7 +5,7 @@ use super::exact::{ExactPencil, binary};
 use super::systems::Random;
 use num_rational::BigRational;
 use vibc::base::{Ball, Number};
-use vibc::kernel::pencils::{Line, MOST};
+use vibc::kernel::pencils::{Line, MOST, Plane};
 
 type Exact = Vec<Vec<BigRational>>;
 
@@ -69,14 +69,68 @@ fn check_polynomials(k: &[&[Vec<Number>]], m: &[&[Vec<Number>]], places: &[f64],
             let pencil = ExactPencil::new(&at(k, &x), &at(m, &x));
             for (i, (value, bound)) in eigenvalues.list.iter().zip(&eigenvalues.bounds).enumerate() {
                 widest = widest.max(bound / largest);
-                let below = pencil.below(&(binary(*value) - binary(*bound)));
-                let above = pencil.below(&(binary(*value) + binary(*bound)));
-                assert!(below.is_none_or(|count| count <= i), "{i} of {n} at {d} + {share} {half}: {value} ± {bound}");
-                assert!(above.is_none_or(|count| count > i), "{i} of {n} at {d} + {share} {half}: {value} ± {bound}");
+                assert!(holds(&pencil, i, [*value, *bound]), "{i} of {n} at {d} + {share} {half}: {value} ± {bound}");
             }
         }
     }
     (found, widest)
+}
+
+/// Whether the i-th eigenvalue is within the bound of the value, by what can be counted.
+fn holds(pencil: &ExactPencil, i: usize, [value, bound]: [f64; 2]) -> bool {
+    let [below, above] = [-bound, bound].map(|change| pencil.below(&(binary(value) + binary(change))));
+    below.is_none_or(|count| count <= i) && above.is_none_or(|count| count > i)
+}
+
+/// Matrices that are linear in three numbers of very different sizes, one of which weighs masses as well; one case has no number.
+#[test]
+fn matrices_linear_in_several_numbers_are_enclosed() {
+    let mut random = Random::new(33);
+    for n in [1, 2, 3, 5, 9, MOST] {
+        let k: Vec<_> =
+            (0..4).map(|at| squares(&mut random, n, if at == 0 { 2 * n } else { n }, 1.0, at != 0)).collect();
+        let none = vec![vec![Number::ZERO; n]; n];
+        let m = [
+            plus(&diagonal(&mut random, n, 0.0), &squares(&mut random, n, n / 2, 0.0, false)),
+            none,
+            diagonal(&mut random, n, 0.0),
+        ];
+        let numbers = [
+            vec![0.0, 0.1, -0.1, 0.037, 0.1, f64::NAN, 0.01, -0.09, 1e-9],
+            vec![0.0, 1e-3, 2e-3, -3e-4, 1e-3, 1e-3, 0.0, 2e-3, 7e-4],
+            vec![0.0, 900.0, -35.0, 1000.0, 1e-3, 5.0, 7.0, 8.0, 0.1],
+        ];
+        let scaled = |part: &Vec<Vec<Number>>, by: &str| -> Vec<Vec<Number>> {
+            part.iter().map(|row| row.iter().map(|x| x * &Number::from(by)).collect()).collect()
+        };
+        let k = [k[0].clone(), k[1].clone(), scaled(&k[2], "100"), scaled(&k[3], "1e-4")];
+        let m = [m[0].clone(), m[1].clone(), scaled(&m[2], "10")];
+        let [of_k, of_m] = [&k[..], &m[..]].map(|parts| parts.iter().map(|part| balls(part)).collect::<Vec<_>>());
+        let plane = Plane::new(n, &of_k, &of_m, &[0.1, 2e-3, 1000.0]).expect("numbers of usual size");
+        let found = plane.side_by_side(&numbers);
+        for case in 0..numbers[0].len() {
+            if numbers[0][case].is_nan() {
+                assert!((0..n).all(|i| found.pair(i, case)[0].is_nan()));
+                continue;
+            }
+            let sum = |parts: &[Vec<Vec<Number>>]| -> Exact {
+                let of = |i: usize, j: usize| {
+                    let exact = |part: &Vec<Vec<Number>>| part[i][j].exact().expect("rational").to_big();
+                    let first = exact(&parts[0]);
+                    parts[1..].iter().zip(&numbers).fold(first, |sum, (part, of)| sum + exact(part) * binary(of[case]))
+                };
+                (0..n).map(|i| (0..n).map(|j| of(i, j)).collect()).collect()
+            };
+            let pencil = ExactPencil::new(&sum(&k), &sum(&m));
+            let largest = (0..n).map(|i| found.pair(i, case)[0].abs()).fold(0.0, f64::max);
+            for i in 0..n {
+                let pair = found.pair(i, case);
+                assert!(holds(&pencil, i, pair), "{i} of {n}, case {case}: {pair:?}");
+                // As for polynomials.
+                assert!(pair[1] < 1e-12 * largest, "{i} of {n}, case {case}: {pair:?}");
+            }
+        }
+    }
 }
 
 /// Matrices of the fourth and the second degree, at single numbers and over ranges, whose bounds are then as wide as eigenvalues move.
@@ -109,6 +163,21 @@ fn coefficients_that_are_not_known_count_over_the_whole_range() {
         let reached = (found.list[0] - 2.0).abs() + found.bounds[0];
         // A few bounds are a thousandth too large each.
         assert!((0.01..0.0103).contains(&reached), "{d} {half}: {reached:e}");
+    }
+}
+
+/// K = 2 + a x + b y with a known to 0.01 and b to 0.02 alone.
+#[test]
+fn coefficients_of_several_numbers_that_are_not_known_count() {
+    let one = |x: Ball| vec![vec![x]];
+    let k = [one(Ball::from(2.0)), one(Ball::ZERO.widen(0.01)), one(Ball::ZERO.widen(0.02))];
+    let plane = Plane::new(1, &k, &[one(Ball::ONE)], &[1.0, 1.0]).expect("numbers of usual size");
+    let found = plane.side_by_side(&[vec![1.0, -0.5, 0.0], vec![-0.5, 1.0, 0.0]]);
+    for (case, truth) in [0.02, 0.025, 0.0].into_iter().enumerate() {
+        let [value, bound] = found.pair(0, case);
+        let reached = (value - 2.0).abs() + bound;
+        // As above.
+        assert!((truth..=1.03 * truth + 1e-14).contains(&reached), "{case}: {reached:e}");
     }
 }
 

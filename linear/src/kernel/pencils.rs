@@ -1,5 +1,6 @@
 //! Eigenvalues of many small symmetric pencils K - lambda M side by side, one in each lane, with a bound of their errors. In: matrices
-//! that are polynomials in one number. Out: for each number the eigenvalues, or nothing where M is not certainly positive definite.
+//! that are polynomials in one number, or linear in several. Out: for each case the eigenvalues, or nothing where M is not certainly
+//! positive definite.
 //! See docs/method/studies.md#many-small-pencils.
 
 use crate::base::{Ball, Power};
@@ -40,36 +41,12 @@ impl Line {
     /// From enclosures of the coefficients of both matrices, for numbers up to a size. `None` if the numbers are not of a size at which
     /// nothing underflows.
     pub fn new(n: usize, k: Coefficients, m: Coefficients, most: f64) -> Option<Line> {
-        let count = k.len().max(m.len());
-        let none = vec![vec![Ball::ZERO; n]; n];
-        let mass = |i: usize| {
-            m.iter().enumerate().map(|(at, part)| part[i][i].magnitude() * most.power(at as i32)).sum::<f64>()
-        };
-        let scale: Vec<f64> = (0..n).map(|i| power_near(mass(i).sqrt())).collect::<Option<_>>()?;
-        let split = |part: &[Vec<Ball>], at: usize| {
-            let d = most.power(at as i32);
-            let (mut numbers, mut off, mut size) = (Vec::with_capacity(n * n), 0.0, 0.0);
-            for at in 0..n * n {
-                let entry = times_power(part[at / n][at % n], scale[at / n] * scale[at % n]);
-                let rounded = entry.to_f64();
-                let away = (entry - Ball::from(rounded)).magnitude();
-                off += away * away;
-                size += rounded * rounded;
-                numbers.push(rounded);
-            }
-            let (off, size) = (root(off), root(size));
-            let is_usual = size * d == 0.0 || is_usual(size) && is_usual(size * d);
-            // The rounding of the power of d, and those on the way of this coefficient to the entry at d.
-            let off = (off + at.max(1) as f64 * ROUNDING_OF_D * (size + off) + (at as f64 + 2.0) * U * size) * 1.001;
-            is_usual.then_some((numbers, off + UNDERFLOW))
-        };
-        let parts = |list: Coefficients| {
-            let parts = (0..count).map(|at| split(list.get(at).unwrap_or(&none), at));
-            Some(parts.collect::<Option<Vec<_>>>()?.into_iter().unzip::<Vec<f64>, f64, Vec<_>, Vec<_>>())
-        };
-        let ((k, off_k), (m, off_m)) = (parts(k)?, parts(m)?);
-        let slopes = [&k, &m].map(|parts: &Vec<Vec<f64>>| [1, 2].map(|order| slope(n, parts, most, order)));
-        Some(Line { n, k, m, off: [off_k, off_m], slopes })
+        let sizes: Vec<f64> = (0..k.len().max(m.len())).map(|at| most.power(at as i32)).collect();
+        // The rounding of the power of d, and those on the way of this coefficient to the entry at d.
+        let (numbers, off) = scale_coefficients(n, [k, m], &sizes, |at| [at.max(1) as f64, at as f64 + 2.0])?;
+        let slopes = numbers.each_ref().map(|parts| [1, 2].map(|order| slope(n, parts, most, order)));
+        let [k, m] = numbers;
+        Some(Line { n, k, m, off, slopes })
     }
 
     /// The eigenvalues for each d, which may be [`ROUNDING_OF_D`] off, with bounds that hold for all numbers within `half` of it (as many as
@@ -77,7 +54,8 @@ impl Line {
     /// they are not certain.
     pub fn side_by_side(&self, d: &[f64], half: &[f64]) -> Bounded {
         let mut found = Bounded::unknown(self.n, d.len());
-        all(self.n, [&self.k, &self.m], [&self.off[0], &self.off[1]], self.slopes, d, half, &mut found);
+        let at = At::Powers { d, half };
+        all(self.n, [&self.k, &self.m], [&self.off[0], &self.off[1]], self.slopes, at, d.len(), &mut found);
         found
     }
 
@@ -90,6 +68,86 @@ impl Line {
         };
         (0..d.len()).map(of_case).collect()
     }
+}
+
+/// K = `k[0]` + x `k[1]` + y `k[2]` + ... of several numbers x, y, ..., and M with as many.
+#[derive(Clone, Debug)]
+pub struct Plane {
+    n: usize,
+    k: Vec<Vec<f64>>,
+    m: Vec<Vec<f64>>,
+    /// Bounds of the distance (Frobenius) of the true K and M from the computed ones: the first, and what is to be multiplied by the size
+    /// of each number.
+    off: [Vec<f64>; 2],
+}
+
+impl Plane {
+    /// From enclosures of the coefficients, for numbers up to these sizes; `None` as for [`Line::new`].
+    pub fn new(n: usize, k: Coefficients, m: Coefficients, most: &[f64]) -> Option<Plane> {
+        let sizes = [&[1.0], most].concat();
+        // Each number may be off, and each product is rounded, and every sum behind it.
+        let roundings = sizes.len() as f64 + 2.0;
+        let ([k, m], off) = scale_coefficients(n, [k, m], &sizes, |_| [1.0, roundings])?;
+        Some(Plane { n, k, m, off })
+    }
+
+    /// The eigenvalues for each case, with bounds as those of [`Line::side_by_side`]. `numbers` has a list for each number, with that of
+    /// each case, which may be [`ROUNDING_OF_D`] off.
+    pub fn side_by_side(&self, numbers: &[Vec<f64>]) -> Bounded {
+        let cases = numbers.first().map_or(0, Vec::len);
+        let mut found = Bounded::unknown(self.n, cases);
+        let off = [&self.off[0][..], &self.off[1][..]];
+        all(self.n, [&self.k, &self.m], off, [[0.0; 2]; 2], At::Each(numbers), cases, &mut found);
+        found
+    }
+}
+
+/// The places of the cases.
+#[derive(Clone, Copy)]
+enum At<'a> {
+    /// Powers of the number of a case, and half of the width of the range about it.
+    Powers { d: &'a [f64], half: &'a [f64] },
+    /// Several numbers, each for all cases.
+    Each(&'a [Vec<f64>]),
+}
+
+/// The coefficients of two matrices, and bounds of the distances of theirs from the true ones.
+type Scaled = ([Vec<Vec<f64>>; 2], [Vec<f64>; 2]);
+
+/// The coefficients of K and M in binary64, scaled by powers of two to a diagonal of M near one. `sizes`: the largest of what each coefficient
+/// is multiplied by, the first of which is one; `roundings`: how many times that may be [`ROUNDING_OF_D`] off, and how many roundings there
+/// are on the way to an entry. `None` if the numbers are not of a size at which nothing underflows.
+fn scale_coefficients(
+    n: usize,
+    [k, m]: [Coefficients; 2],
+    sizes: &[f64],
+    roundings: impl Fn(usize) -> [f64; 2],
+) -> Option<Scaled> {
+    let none = vec![vec![Ball::ZERO; n]; n];
+    let mass = |i: usize| m.iter().zip(sizes).map(|(part, size)| part[i][i].magnitude() * size).sum::<f64>();
+    let scale: Vec<f64> = (0..n).map(|i| power_near(mass(i).sqrt())).collect::<Option<_>>()?;
+    let split = |part: &[Vec<Ball>], at: usize| {
+        let (mut numbers, mut off, mut size) = (Vec::with_capacity(n * n), 0.0, 0.0);
+        for at in 0..n * n {
+            let entry = times_power(part[at / n][at % n], scale[at / n] * scale[at % n]);
+            let rounded = entry.to_f64();
+            let away = (entry - Ball::from(rounded)).magnitude();
+            off += away * away;
+            size += rounded * rounded;
+            numbers.push(rounded);
+        }
+        let (off, size) = (root(off), root(size));
+        let is_usual = size * sizes[at] == 0.0 || is_usual(size) && is_usual(size * sizes[at]);
+        let [of_number, on_the_way] = roundings(at);
+        let off = (off + of_number * ROUNDING_OF_D * (size + off) + on_the_way * U * size) * 1.001;
+        is_usual.then_some((numbers, off + UNDERFLOW))
+    };
+    let parts = |list: Coefficients| {
+        let parts = (0..sizes.len()).map(|at| split(list.get(at).unwrap_or(&none), at));
+        Some(parts.collect::<Option<Vec<_>>>()?.into_iter().unzip::<Vec<f64>, f64, Vec<_>, Vec<_>>())
+    };
+    let ((k, off_k), (m, off_m)) = (parts(k)?, parts(m)?);
+    Some(([k, m], [off_k, off_m]))
 }
 
 /// A bound of a derivative of a polynomial of matrices, the first or the second, at all numbers up to a size: that of the sizes of its
@@ -142,25 +200,49 @@ fn sweeps(n: usize) -> usize {
 }
 
 simd! {
-    fn all<V: Vector>(n: usize, parts: [&[Vec<f64>]; 2], off: [&[f64]; 2], slopes: [[f64; 2]; 2], d: &[f64], half: &[f64], found: &mut Bounded) {
+    fn all<V: Vector>(n: usize, parts: [&[Vec<f64>]; 2], off: [&[f64]; 2], slopes: [[f64; 2]; 2], places: At<'_>, cases: usize, found: &mut Bounded) {
         let room = || vec![V::splat(0.0); n * n];
         let (mut k, mut m, mut a, mut l, mut v, mut w) = (room(), room(), room(), room(), room(), room());
         let mut diagonals = [vec![V::splat(0.0); n], vec![V::splat(0.0); n]];
-        for (block, (d, half)) in d.chunks(V::WIDTH).zip(half.chunks(V::WIDTH)).enumerate() {
-            let (at, half) = (load::<V>(d), load::<V>(half));
-            for i in 0..n * n {
-                (k[i], m[i]) = (V::splat(0.0), V::splat(0.0));
-            }
+        for block in 0..cases.div_ceil(V::WIDTH) {
+            let some = block * V::WIDTH..cases.min((block + 1) * V::WIDTH);
+            let (at, half) = match places {
+                At::Powers { d, half } => (load::<V>(&d[some.clone()]), load::<V>(&half[some.clone()])),
+                At::Each(_) => (V::splat(0.0), V::splat(0.0)),
+            };
             let mut offs = [V::splat(0.0); 2];
-            // By Horner's rule, from the highest power on.
-            for c in (0..parts[0].len()).rev() {
-                let (of_k, of_m) = (&parts[0][c], &parts[1][c]);
-                for i in 0..n * n {
-                    k[i] = k[i].mul_add(at, V::splat(of_k[i]));
-                    m[i] = m[i].mul_add(at, V::splat(of_m[i]));
+            match places {
+                At::Powers { .. } => {
+                    for i in 0..n * n {
+                        (k[i], m[i]) = (V::splat(0.0), V::splat(0.0));
+                    }
+                    // By Horner's rule, from the highest power on.
+                    for c in (0..parts[0].len()).rev() {
+                        let (of_k, of_m) = (&parts[0][c], &parts[1][c]);
+                        for i in 0..n * n {
+                            k[i] = k[i].mul_add(at, V::splat(of_k[i]));
+                            m[i] = m[i].mul_add(at, V::splat(of_m[i]));
+                        }
+                        for (sum, off) in offs.iter_mut().zip(off) {
+                            *sum = sum.mul_add(at.abs() + half, V::splat(off[c]));
+                        }
+                    }
                 }
-                for (sum, off) in offs.iter_mut().zip(off) {
-                    *sum = sum.mul_add(at.abs() + half, V::splat(off[c]));
+                At::Each(numbers) => {
+                    for i in 0..n * n {
+                        (k[i], m[i]) = (V::splat(parts[0][0][i]), V::splat(parts[1][0][i]));
+                    }
+                    offs = off.map(|off| V::splat(off[0]));
+                    for (c, numbers) in (1..).zip(numbers) {
+                        let (x, of_k, of_m) = (load::<V>(&numbers[some.clone()]), &parts[0][c], &parts[1][c]);
+                        for i in 0..n * n {
+                            k[i] = x.mul_add(V::splat(of_k[i]), k[i]);
+                            m[i] = x.mul_add(V::splat(of_m[i]), m[i]);
+                        }
+                        for (sum, off) in offs.iter_mut().zip(off) {
+                            *sum = x.abs().mul_add(V::splat(off[c]), *sum);
+                        }
+                    }
                 }
             }
             reduce(n, &k, &m, &mut l, &mut a);

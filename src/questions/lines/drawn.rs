@@ -1,0 +1,121 @@
+//! Random cases whose parameters only weigh terms of M and K: about the declared values both matrices are linear in them, and the frequencies
+//! of many cases are computed side by side. In: numbers of cases. Out: their rows. See docs/method/studies.md#random-cases.
+
+use super::{Study, slopes};
+use crate::base::number::jet;
+use crate::base::{Ball, Jet, Number, Rational};
+use crate::kernel::pencils::{self, Plane};
+use crate::model::Setting;
+use crate::questions::answer::shown_in;
+use crate::questions::rows::Rows;
+use crate::questions::samples::Samples;
+use crate::questions::tolerated::hull;
+use crate::system::LinearSystem;
+
+/// The matrices of all cases whose values lie in these ranges.
+#[derive(Debug)]
+pub(super) struct Drawn {
+    plane: Plane,
+    n: usize,
+    /// For each parameter the declared value, at which the coefficients were taken, and the least and largest one.
+    ranges: Vec<[f64; 3]>,
+}
+
+/// Deviations of values without a tolerance that are tried: beyond the last, one case in 16,000 is computed by itself.
+const DEVIATIONS: [f64; 2] = [8.0, 4.0];
+
+/// Limit on the parameters, for each of which the model is checked and lowered once.
+const MOST_PARAMETERS: usize = 64;
+
+impl Study<'_> {
+    /// The rows of random cases.
+    pub(super) fn drawn_rows(&self, samples: &Samples, numbers: &[u64], rows: &mut Rows) {
+        // For any number of cases: what a case answers depends on its number alone.
+        let fits = self.asks_modes_alone() && self.sizes.1 == 0;
+        let drawn = fits.then(|| self.lines.drawn.get_or_init(|| self.linear_matrices(samples)).as_ref()).flatten();
+        let Some(drawn) = drawn else {
+            rows.clear(0);
+            return self.one_by_one(numbers, rows);
+        };
+        rows.clear(self.width);
+        let at = rows.extend(numbers);
+        let values: Vec<Vec<f64>> = numbers.iter().map(|number| samples.numbers(*number)).collect();
+        let (parameters, frequencies) = rows.columns_mut().split_at_mut(samples.tolerances.len());
+        for ((i, tolerance), column) in samples.tolerances.iter().enumerate().zip(parameters) {
+            for (row, values) in (at..).zip(&values) {
+                let si = Rational::from_f64(values[i]).map_or(tolerance.parameter.value.si.clone(), Number::from);
+                column.set(row, shown_in(&si, &tolerance.parameter.unit, false).number);
+            }
+        }
+        // Zero, and NaN where something is not known.
+        let mut known = vec![0.0; numbers.len()];
+        let found = drawn.plane.side_by_side(&drawn.changes(&values));
+        self.put_frequencies(&found, at, frequencies, &mut known);
+        self.complete_rows(numbers, at, [samples.tolerances.len(), drawn.n], &known, rows);
+    }
+
+    fn linear_matrices(&self, samples: &Samples) -> Option<Drawn> {
+        if samples.tolerances.is_empty() || samples.tolerances.len() > MOST_PARAMETERS {
+            return None;
+        }
+        DEVIATIONS.iter().find_map(|deviations| self.linear_matrices_within(samples, samples.ranges(*deviations)))
+    }
+
+    fn linear_matrices_within(&self, samples: &Samples, ranges: Vec<[f64; 3]>) -> Option<Drawn> {
+        let declared = samples.values(0);
+        let lower = |si: &dyn Fn(usize) -> Number| {
+            let mut values: Vec<Setting> = declared.clone();
+            values.iter_mut().enumerate().for_each(|(i, value)| value.1.si = si(i));
+            let lowered = self.lower_at(&values, false)?;
+            (!lowered.rest.may_be_elsewhere() && !lowered.system.is_chained()).then_some(lowered.system)
+        };
+        let centre: Vec<Number> =
+            ranges.iter().map(|range| Rational::from_f64(range[0]).map(Number::from)).collect::<Option<_>>()?;
+        let centred = lower(&|i| centre[i].clone())?;
+        let n = centred.n();
+        if !(1..=pencils::MOST).contains(&n) {
+            return None;
+        }
+        // By the mean value theorem the matrices at any values are those at the centre plus the changes of the values times derivatives
+        // somewhere between: each by its parameter, while all may be anywhere in their ranges. The check and the lowering take the same
+        // branches for all of them.
+        let [mut k, mut m] = [&centred.k, &centred.m].map(|form| vec![form.assemble(n)]);
+        for own in 0..ranges.len() {
+            let over = |i: usize| {
+                let [_, low, high] = ranges[i].map(Ball::from);
+                let slope = if i == own { Ball::ONE } else { Ball::ZERO };
+                Number::from(Jet { value: hull(low, high), slope })
+            };
+            let over: LinearSystem = jet::without_division(|| lower(&over))??;
+            if over.n() != n {
+                return None;
+            }
+            k.push(slopes(&over.k, &centred.k, n)?);
+            m.push(slopes(&over.m, &centred.m, n)?);
+        }
+        let most: Vec<f64> =
+            ranges.iter().map(|[centre, low, high]| (high - centre).max(centre - low) * (1.0 + f64::EPSILON)).collect();
+        let drawn = Drawn { plane: Plane::new(n, &k, &m, &most)?, n, ranges };
+        // Weights that are not linear make the bounds too wide.
+        let at_end = |end: usize| drawn.ranges.iter().map(|range| range[end]).collect::<Vec<f64>>();
+        let found = drawn.plane.side_by_side(&drawn.changes(&[0, 1, 2].map(at_end)));
+        let is_accurate = |case: usize| (0..self.sizes.0.min(n)).all(|i| self.is_accurate(found.pair(i, case)));
+        (0..3).any(is_accurate).then_some(drawn)
+    }
+}
+
+impl Drawn {
+    /// The changes from the declared values, parameter by parameter; NaN for a case that lies outside the ranges.
+    fn changes(&self, cases: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let is_inside = |values: &Vec<f64>| {
+            values.iter().zip(&self.ranges).all(|(value, [_, low, high])| (*low..=*high).contains(value))
+        };
+        let inside: Vec<bool> = cases.iter().map(is_inside).collect();
+        let change = |i: usize| {
+            let own =
+                |(values, inside): (&Vec<f64>, &bool)| if *inside { values[i] - self.ranges[i][0] } else { f64::NAN };
+            cases.iter().zip(&inside).map(own).collect()
+        };
+        (0..self.ranges.len()).map(change).collect()
+    }
+}
