@@ -7,7 +7,7 @@ model made into a NumPy function, in one run; then growth with coordinates and w
 Times are processor time on one core, without the start: that of a run less that of one with 16 cases, the median of three. NumPy's matrices
 are built before its clock starts; SymPy's function builds its own from the values. Errors are relative, of three cases, beside eigenvalues
 that FLINT encloses in 50 digits; an error above its bound ends the program with status 1. `--large` adds 1e7 cases, `--quick` takes a
-twentieth of the cases, to see that all of it runs; `--only=growth` (beside, growth, cases, followed, cores) makes one table.
+twentieth of the cases, to see that all of it runs; `--only=growth` (beside, growth, cases, followed, drawn, cores) makes one table.
 """
 
 import copy
@@ -402,6 +402,36 @@ def followed(folder):
         print(f"| {name} | {cases} | {proved} | {len(told['meetings'])} | {plain:.3g} | {more:.3g} | {more / plain:.3g} |", flush=True)
 
 
+def drawn(folder):
+    """Random cases: the last stiffness and the first mass of a chain, with the means and quantiles of the report, beside NumPy's batched
+    eigenvalues of matrices that stand ready."""
+    print("\n| random cases, coordinates | cases | vibc [us] | bound | NumPy [us] | one by one [us] |")
+    print("| --- | --- | --- | --- | --- | --- |")
+    for n, cases in ((2, 400_000), (10, 100_000)):
+        cases = max(cases // 20, 3 * FEW) if QUICK else cases
+        model = Chain(n)
+        text = model.text.replace("param k = 100 N/m", "param k = 100 N/m within 10 %\nparam m = 1 kg spread 3 %").replace("body b0 { mass = 1.0 kg", "body b0 { mass = m")
+        # A stiffness that is no linear function of its parameter: each case by itself.
+        singly = text.replace("{ k = k }", "{ k = k^2 / (100 N/m) }")
+        each = []
+        for own, count in ((text, cases), (singly, max(cases // 20, 3 * FEW))):
+            pathlib.Path(folder, "model.vib").write_text(own)
+            asked = lambda count: ["sweep", "model.vib", "--samples", str(count), "--modes", str(n)]
+            more = statistics.median(run(folder, asked(count))[0] - run(folder, asked(FEW))[0] for _ in range(REPEATS))
+            each.append(1e6 * more / count)
+        pathlib.Path(folder, "model.vib").write_text(text)
+        run(folder, ["sweep", "model.vib", "--samples", "200", "--modes", str(n), "--format", "csv", "-o", "rows.csv"])
+        with open(pathlib.Path(folder, "rows.csv")) as file:
+            rows = list(csv.DictReader(file))
+        bound = max(float(row[f"frequency_{i}_bound"]) / float(row[f"frequency_{i} [Hz]"]) for row in rows for i in range(1, n + 1))
+        some = min(cases, 50_000)
+        rng = numpy.random.default_rng(1)
+        m, _, k = arrays(model, rng.uniform(90, 110, some))
+        m[:, 0, 0] = rng.normal(1, 0.03, some)
+        a = symmetric(m, k)
+        print(f"| {n} | {cases} | {each[0]:.3g} | {bound:.0e} | {timed(lambda: numpy.linalg.eigvalsh(a), some)[0]:.3g} | {each[1]:.3g} |", flush=True)
+
+
 def cores(folder):
     if len(CORES) < 2:
         print("\nOne core beside two: left out, there is one.")
@@ -426,7 +456,7 @@ def cores(folder):
 
 def main():
     os.sched_setaffinity(0, CORES[:1])
-    tables = {"beside": beside, "growth": growth, "cases": cases_and_memory, "followed": followed, "cores": cores}
+    tables = {"beside": beside, "growth": growth, "cases": cases_and_memory, "followed": followed, "drawn": drawn, "cores": cores}
     with tempfile.TemporaryDirectory() as folder:
         for name in ONLY or tables:
             tables[name](folder)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extrema_large, extremes, large, loaded, loss, loss_poles, measures, modal, modes, motions, noise, noise_loss, noise_maxima, noise_peaks, optima, periodic, planar, poles, rates, rayleigh, reactions, sensitivities, settle, shock, singular, solving, spectrum, sweeps, tolerated, transfer
+from . import coupled, damped_shapes, drift, effective, emitted, equations, equations_examples, extrema, extrema_large, extremes, large, loaded, loss, loss_poles, measures, modal, modes, motions, noise, noise_loss, noise_maxima, noise_peaks, optima, periodic, planar, poles, rates, rayleigh, reactions, samples, sensitivities, settle, shock, singular, solving, spectrum, sweeps, tolerated, transfer
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,7 @@ ALL = {
     "tolerances_damped": Class(tolerated.damped_scene, tolerated.damped_check, 1000, 6),
     "sweeps": Class(sweeps.scene, sweeps.check, 5000, 25),
     "sweeps_rest": Class(sweeps.scene_at_rest, sweeps.check, 5000, 25),
+    "samples": Class(samples.scene, samples.check, 5000, 25),
     "optima": Class(optima.scene, optima.check, 1000, 5),
     "shock": Class(shock.scene, shock.check, 5000, 60),
     "spectrum": Class(spectrum.scene, spectrum.check, 5000, 60),
