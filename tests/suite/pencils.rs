@@ -149,6 +149,42 @@ fn polynomials_of_matrices_are_enclosed_over_ranges() {
             assert!(found == places.len(), "{found} of {n} coordinates");
             assert!(widest < most && widest > 0.01 * half, "{n} coordinates, {half:e}: {widest:e}");
         }
+        // Ranges in which second and third derivatives count.
+        for half in [0.03, 0.2] {
+            check_polynomials(&k, &m, &places, half);
+        }
+    }
+}
+
+/// Two eigenvalues 1000 d and d of M = 1 about d = 1: what the larger one changes by does not count for the smaller one, whose enclosure is
+/// the range of d.
+#[test]
+fn an_eigenvalue_is_as_wide_as_its_own_change() {
+    let diagonal = |x: [f64; 2]| vec![vec![Ball::from(x[0]), Ball::ZERO], vec![Ball::ZERO, Ball::from(x[1])]];
+    let line =
+        Line::new(2, &[diagonal([0.0, 0.0]), diagonal([1.0, 1000.0])], &[diagonal([1.0, 1.0])], 1.5).expect("usual");
+    let found = line.eigenvalues(&[1.0], &[0.1]).remove(0).expect("two eigenvalues");
+    for (i, truth) in [1.0, 1000.0].into_iter().enumerate() {
+        let (off, bound) = ((found.list[i] - truth).abs(), found.bounds[i]);
+        assert!(bound >= 0.1 * truth + off && bound < 0.101 * truth, "{i}: {off:e} {bound:e}");
+    }
+}
+
+/// K = d^2, K = d^3 and K = -d^4 at 1: each term of Taylor's formula counts.
+#[test]
+fn ranges_of_powers_are_enclosed() {
+    let one = |x: f64| vec![vec![Ball::from(x)]];
+    for power in 1..=4 {
+        let k: Vec<_> = (0..=power).map(|at| one(if at == power { 1.0 } else { 0.0 })).collect();
+        for (d, half) in [(1.0, 0.5), (0.0, 1.0), (-0.5, 0.25)] {
+            let line = Line::new(1, &k, &[one(1.0)], 1.5).expect("usual");
+            let found = line.eigenvalues(&[d], &[half]).remove(0).expect("an eigenvalue");
+            for end in [d - half, d, d + half] {
+                let truth: f64 = (0..power).map(|_| end).product();
+                let off = (found.list[0] - truth).abs();
+                assert!(off <= found.bounds[0], "{end}^{power}: {off} {}", found.bounds[0]);
+            }
+        }
     }
 }
 

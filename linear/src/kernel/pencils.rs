@@ -21,8 +21,8 @@ pub struct Line {
     m: Vec<Vec<f64>>,
     /// Bounds of the distance (Frobenius) of the true K and M at d from the computed ones, as polynomials in |d|.
     off: [Vec<f64>; 2],
-    /// Bounds of the first and the second derivatives (Frobenius) of the computed K and M, for all d up to the largest size.
-    slopes: [[f64; 2]; 2],
+    /// Bounds of the first three derivatives (Frobenius) of the computed K and M, for all d up to the largest size.
+    slopes: [[f64; 3]; 2],
 }
 
 /// The coefficients of a matrix that is a polynomial.
@@ -44,7 +44,7 @@ impl Line {
         let sizes: Vec<f64> = (0..k.len().max(m.len())).map(|at| most.power(at as i32)).collect();
         // The rounding of the power of d, and those on the way of this coefficient to the entry at d.
         let (numbers, off) = scale_coefficients(n, [k, m], &sizes, |at| [at.max(1) as f64, at as f64 + 2.0])?;
-        let slopes = numbers.each_ref().map(|parts| [1, 2].map(|order| slope(n, parts, most, order)));
+        let slopes = numbers.each_ref().map(|parts| [1, 2, 3].map(|order| slope(n, parts, most, order)));
         let [k, m] = numbers;
         Some(Line { n, k, m, off, slopes })
     }
@@ -97,7 +97,7 @@ impl Plane {
         let cases = numbers.first().map_or(0, Vec::len);
         let mut found = Bounded::unknown(self.n, cases);
         let off = [&self.off[0][..], &self.off[1][..]];
-        all(self.n, [&self.k, &self.m], off, [[0.0; 2]; 2], At::Each(numbers), cases, &mut found);
+        all(self.n, [&self.k, &self.m], off, [[0.0; 3]; 2], At::Each(numbers), cases, &mut found);
         found
     }
 }
@@ -150,7 +150,7 @@ fn scale_coefficients(
     Some(([k, m], [off_k, off_m]))
 }
 
-/// A bound of a derivative of a polynomial of matrices, the first or the second, at all numbers up to a size: that of the sizes of its
+/// A bound of a derivative of a polynomial of matrices, at all numbers up to a size: that of the sizes of its
 /// coefficients.
 fn slope(n: usize, parts: &[Vec<f64>], most: f64, order: usize) -> f64 {
     let factor = |at: usize| (at + 1 - order..=at).product::<usize>() as f64;
@@ -200,10 +200,12 @@ fn sweeps(n: usize) -> usize {
 }
 
 simd! {
-    fn all<V: Vector>(n: usize, parts: [&[Vec<f64>]; 2], off: [&[f64]; 2], slopes: [[f64; 2]; 2], places: At<'_>, cases: usize, found: &mut Bounded) {
+    fn all<V: Vector>(n: usize, parts: [&[Vec<f64>]; 2], off: [&[f64]; 2], slopes: [[f64; 3]; 2], places: At<'_>, cases: usize, found: &mut Bounded) {
         let room = || vec![V::splat(0.0); n * n];
         let (mut k, mut m, mut a, mut l, mut v, mut w) = (room(), room(), room(), room(), room(), room());
         let mut diagonals = [vec![V::splat(0.0); n], vec![V::splat(0.0); n]];
+        // How much the diagonals of a range change at most; the highest quotients.
+        let (mut widths, mut highest) = ([Vec::new(), Vec::new()], vec![V::splat(0.0); n]);
         for block in 0..cases.div_ceil(V::WIDTH) {
             let some = block * V::WIDTH..cases.min((block + 1) * V::WIDTH);
             let (at, half) = match places {
@@ -265,18 +267,30 @@ simd! {
             let norm = of_v.min((most + beside_s) * V::splat(1.001) / floor);
             let mut beside_t = congruent(n, &k, &v, &mut w, (norm, of_v), offs[0], t);
             let zero = V::splat(0.0);
-            if half.exceeds(zero) != 0 {
-                for (c, beside) in [&mut beside_t, &mut beside_s].into_iter().enumerate() {
-                    derivative(at, parts[c], &mut k);
-                    // What its roundings leave out.
-                    let off = V::splat((parts[c].len() as f64 + 4.0) * U * slopes[c][0]);
-                    let off_diagonal = congruent(n, &k, &v, &mut w, (norm, of_v), off, &mut m[..n]);
-                    let mut squares = zero;
-                    for x in &m[..n] {
-                        squares = x.mul_add(*x, squares);
+            let is_range = half.exceeds(zero) != 0;
+            if is_range {
+                for (c, (beside, width)) in [&mut beside_t, &mut beside_s].into_iter().zip(&mut widths).enumerate() {
+                    *width = vec![zero; n];
+                    let mut change = half * half * half * norm * V::splat(slopes[c][2] / 6.0);
+                    let mut factor = half;
+                    for order in 1..parts[c].len().min(3) {
+                        derivative(at, parts[c], order, &mut k);
+                        // What its roundings leave out.
+                        let off = V::splat((parts[c].len() as f64 + 4.0) * U * slopes[c][order - 1]);
+                        let off_diagonal = congruent(n, &k, &v, &mut w, (norm, of_v), off, &mut m[..n]);
+                        change = factor.mul_add(off_diagonal, change);
+                        for (width, x) in width.iter_mut().zip(&m[..n]) {
+                            *width = factor.mul_add(x.abs(), *width);
+                        }
+                        factor = factor * half * V::splat(0.5);
                     }
-                    let change = half * (squares.sqrt() + off_diagonal + half * norm * V::splat(slopes[c][1]));
+                    for width in width {
+                        *width = half.if_exceeds(zero, *width * V::splat(1.001), zero);
+                    }
                     *beside = half.if_exceeds(zero, (*beside + change) * V::splat(1.001), *beside);
+                }
+                for (x, width) in s.iter().zip(&widths[1]) {
+                    least = least.min(*x - *width);
                 }
             }
             let room = (least - beside_s) * V::splat(1.0 - 4.0 * U);
@@ -284,29 +298,48 @@ simd! {
             let mut known = room.if_exceeds(V::splat(0.5) * least, beside_t * V::splat(0.0), V::splat(f64::NAN));
             for i in 0..n {
                 known = s[i].mul_add(V::splat(0.0), known);
-                t[i] = t[i] / s[i];
+                if is_range {
+                    // The quotients of all diagonals within the widths.
+                    let (low, high) = (t[i] - widths[0][i], t[i] + widths[0][i]);
+                    let (least, most) = (s[i] - widths[1][i], s[i] + widths[1][i]);
+                    highest[i] = high / high.if_exceeds(zero, least, most);
+                    t[i] = low / low.if_exceeds(zero, most, least);
+                    known = highest[i].mul_add(V::splat(0.0), known);
+                } else {
+                    t[i] = t[i] / s[i];
+                }
                 known = t[i].mul_add(V::splat(0.0), known);
             }
             sort(t);
-            for (i, x) in t.iter().enumerate() {
-                let bound = (x.abs().mul_add(beside_s, beside_t) / room + V::splat(2.0 * U) * x.abs()) * V::splat(1.0 + 16.0 * U);
+            if is_range {
+                sort(&mut highest);
+            } else {
+                highest.copy_from_slice(t);
+            }
+            for (i, (low, high)) in t.iter().zip(&highest).enumerate() {
+                let (middle, size) = ((*low + *high) * V::splat(0.5), low.abs().max(high.abs()));
+                let spread = (*high - *low) * V::splat(0.5);
+                // Of the quotients, or of their ends.
+                let rounding = V::splat(if is_range { 8.0 * U } else { 2.0 * U });
+                let bound = spread + (size.mul_add(beside_s, beside_t) / room + rounding * size) * V::splat(1.0 + 16.0 * U);
                 let (numbers, bounds) = found.whole_lanes(i);
-                (*x + known).store(&mut numbers[block * V::WIDTH..]);
+                (middle + known).store(&mut numbers[block * V::WIDTH..]);
                 (bound + known).store(&mut bounds[block * V::WIDTH..]);
             }
         }
     }
 }
 
-/// The derivative of a polynomial of matrices.
+/// The derivative of a polynomial of matrices: the first or the second.
 #[inline(always)]
-fn derivative<V: Vector>(at: V, parts: &[Vec<f64>], to: &mut [V]) {
+fn derivative<V: Vector>(at: V, parts: &[Vec<f64>], order: usize, to: &mut [V]) {
     for x in to.iter_mut() {
         *x = V::splat(0.0);
     }
-    for (c, part) in parts.iter().enumerate().skip(1).rev() {
+    for (c, part) in parts.iter().enumerate().skip(order).rev() {
+        let factor = if order == 1 { c as f64 } else { (c * (c - 1)) as f64 };
         for (x, coefficient) in to.iter_mut().zip(part) {
-            *x = x.mul_add(at, V::splat(c as f64 * coefficient));
+            *x = x.mul_add(at, V::splat(factor * coefficient));
         }
     }
 }

@@ -337,17 +337,26 @@ impl Field<'_> {
     /// Bounds for all values between two, for each class; by Weyl's inequality as in `outer`, or by the modes in the
     /// middle if rows change. `None` if nothing is proved.
     pub fn bounds(&self, ends: [&Number; 2]) -> Between<'static> {
-        let quick = |line: &Arc<Option<Line>>| {
-            let Eigenvalues { list, bounds } = (**line).as_ref()?.eigenvalues_over(ends)?;
-            let pairs = list.iter().zip(&bounds).map(|(x, bound)| bounds_of([*x, *bound]));
-            let (lower, upper): (Frequencies, Frequencies) = pairs.map(|[lower, upper]| (lower, upper)).unzip();
-            upper.iter().all(Option::is_some).then_some([lower, upper])
-        };
+        let quick = |line: &Arc<Option<Line>>| bounds_of_all(&(**line).as_ref()?.eigenvalues_over(ends)?);
         if let Some(list) = self.lines.iter().map(quick).collect::<Option<Vec<[Frequencies; 2]>>>() {
             return Between::Found(list.into_iter().map(Some).collect());
         }
         let over = enclosing_system(self.study, ends, false);
         let sides = over.as_ref().and_then(outer);
+        // If rows change, both matrices as polynomials over this step alone.
+        let is_one = self.classes.len() == 1;
+        let by_polynomials = |coordinates: &Vec<u32>| {
+            let class = Some(&coordinates[..]).filter(|_| !is_one);
+            let found = bounds_of_all(&self.study.eigenvalues_between(ends, class)?)?;
+            // Whether a mode is rigid is decided by the other methods.
+            found[0].iter().all(Option::is_some).then_some(found)
+        };
+        if over.is_some()
+            && sides.is_none()
+            && let Some(list) = self.classes.iter().map(by_polynomials).collect::<Option<Vec<[Frequencies; 2]>>>()
+        {
+            return Between::Found(list.into_iter().map(Some).collect());
+        }
         let middle = match (&over, &sides) {
             (Some(_), None) => {
                 let [low, high] = ends.map(Number::to_f64);
@@ -366,6 +375,13 @@ impl Field<'_> {
         };
         Between::Found(self.classes.iter().map(of_class).collect())
     }
+}
+
+/// Bounds of all frequencies, if they are known.
+fn bounds_of_all(Eigenvalues { list, bounds }: &Eigenvalues) -> Option<[Frequencies; 2]> {
+    let pairs = list.iter().zip(bounds).map(|(x, bound)| bounds_of([*x, *bound]));
+    let (lower, upper): (Frequencies, Frequencies) = pairs.map(|[lower, upper]| (lower, upper)).unzip();
+    upper.iter().all(Option::is_some).then_some([lower, upper])
 }
 
 /// Bounds of the frequency of an eigenvalue that is this far from the number at most: no upper one if they are not known.

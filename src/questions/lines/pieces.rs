@@ -81,12 +81,21 @@ impl Study<'_> {
         let at = points.value(middle);
         let away = |place: u64| (&points.value(place) - &at).to_ball().magnitude();
         let reach = away(places[0]).max(away(next)) * (1.0 + 32.0 * f64::EPSILON);
+        let Polynomials { pencils, is_fine } = self.polynomials(first, (&at, reach), of)?;
+        let piece = Piece { places, steps: range.steps_from(&at, Some(middle)), reach, pencils, is_fine };
+        let lowest = of.lowest;
+        let found = piece.eigenvalues(&[places[0], middle, places[1]]);
+        let is_accurate = |i: usize| (0..3).all(|case| self.root(found.pair(i, case), PER_TURN).is_some());
+        (0..lowest.min(piece.pencils.n)).all(is_accurate).then_some(piece)
+    }
+
+    /// Both matrices about a value of the last parameter, as far as the reach.
+    fn polynomials(&self, first: u64, (at, reach): (&Number, f64), of: Of) -> Option<Polynomials> {
         // Poles are those of the frequencies if nothing damps.
         let is_damped = of.poles > 0;
         let along = Jet::of_parameter_in_series(at.to_ball(), reach);
         let over = jet::without_division(|| self.lower_case(first, along, is_damped))??;
-        let steps = range.steps_from(&at, Some(middle));
-        // A search at one of the cases has to find the rest that is known along the piece.
+        // A search at any of these values has to find the rest that is known along them.
         if over.rest.may_be_elsewhere() {
             return None;
         }
@@ -96,12 +105,28 @@ impl Study<'_> {
         let fits = fits && !(is_damped && (!system.c.is_empty() || system.losses.is_some() || 2 * n != of.poles));
         let (k, m) = if fits { (matrix(&system.k, n)?, matrix(&system.m, n)?) } else { return None };
         let pencils = pencils::Line::new(n, &k.terms, &m.terms, 1.0)?;
-        let piece = Piece { places, steps, reach, pencils, is_fine: k.is_fine && m.is_fine };
-        let lowest = of.lowest;
-        let found = piece.eigenvalues(&[places[0], middle, places[1]]);
-        let is_accurate = |i: usize| (0..3).all(|case| self.root(found.pair(i, case), PER_TURN).is_some());
-        (0..lowest.min(n)).all(is_accurate).then_some(piece)
+        Some(Polynomials { pencils, is_fine: k.is_fine && m.is_fine })
     }
+
+    /// Enclosures of the eigenvalues for all values of the last parameter between two, of all coordinates or of a class.
+    pub(in crate::questions) fn eigenvalues_between(
+        &self,
+        [low, high]: [&Number; 2],
+        class: Option<&[u32]>,
+    ) -> Option<Eigenvalues> {
+        let at = &(low + high) / &Number::from(2);
+        let away = |end: &Number| (end - &at).to_ball().magnitude();
+        let reach = away(low).max(away(high)) * (1.0 + 32.0 * f64::EPSILON);
+        let Polynomials { pencils, .. } = self.polynomials(0, (&at, reach), Of { class, lowest: 0, poles: 0 })?;
+        pencils.eigenvalues(&[0.0], &[1.0]).pop()?
+    }
+}
+
+/// Matrices that are polynomials in a part of a reach.
+struct Polynomials {
+    pencils: pencils::Line,
+    /// Whether they leave out no more than roundings do.
+    is_fine: bool,
 }
 
 impl Piece {
