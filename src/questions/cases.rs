@@ -97,7 +97,7 @@ pub struct Study<'a> {
     /// Cases that differ in a single parameter.
     pub(super) lines: Lines,
     /// Whether the measure of each requirement has its own column because no other column shows it.
-    measured: Vec<bool>,
+    pub(super) measured: Vec<bool>,
 }
 
 /// The reason for a missing value, if only the answers for one case can give it.
@@ -162,9 +162,13 @@ impl<'a> Study<'a> {
         self.varied.values(number)
     }
 
+    /// The model with these values of the parameters.
+    pub(super) fn scene_at(&self, values: &[Setting]) -> Option<CheckedScene> {
+        model::check_with(self.sources, &self.tree, self.overrides, &[&self.held[..], values].concat()).scene
+    }
+
     fn scene_of(&self, number: u64) -> Option<CheckedScene> {
-        let values = [&self.held[..], &self.values(number)].concat();
-        model::check_with(self.sources, &self.tree, self.overrides, &values).scene
+        self.scene_at(&self.values(number))
     }
 
     fn columns_of(&self, scene: &CheckedScene) -> (Vec<Column>, Vec<bool>) {

@@ -19,8 +19,8 @@ use crate::dynamics;
 use crate::kernel::bounded::Bounded;
 use crate::kernel::pencils::{self, Eigenvalues};
 use crate::lower::Lowered;
+use crate::model::CheckedScene;
 use crate::model::scene::Damping;
-use crate::model::{self, Setting};
 use crate::system::{Form, LinearSystem};
 use changing::{changing, slopes};
 use drawn::Drawn;
@@ -204,20 +204,12 @@ impl Study<'_> {
     pub(super) fn lower_case(&self, case: u64, si: Number, is_damped: bool) -> Option<Lowered> {
         let mut values = self.values(case);
         values.last_mut()?.1.si = si;
-        self.lower_at(&values, is_damped)
-    }
-
-    /// The model with these values of the parameters, lowered about a rest that is proven.
-    fn lower_at(&self, values: &[Setting], is_damped: bool) -> Option<Lowered> {
-        let values = [&self.held[..], values].concat();
-        let scene = model::check_with(self.sources, &self.tree, self.overrides, &values).scene?;
+        let scene = self.scene_at(&values)?;
         // Of damping by modes C is no sum of squares that a parameter weighs.
         if is_damped && matches!(scene.scene().damping, Some(Damping::Modal { .. })) {
             return None;
         }
-        let scene = if is_damped { scene } else { scene.without_damping() };
-        let lowered = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?.lowered;
-        lowered.rest.is_proven().then_some(lowered)
+        lower_proven(if is_damped { scene } else { scene.without_damping() })
     }
 
     /// The line of cases from `first` on, for so many lowest frequencies and for the poles of the study, if its matrices are certainly
@@ -302,6 +294,12 @@ impl Study<'_> {
         }
         Some((Way::Pencils(pencils), range.steps_from(&centre, None)))
     }
+}
+
+/// A scene, lowered about a rest that is proven.
+fn lower_proven(scene: CheckedScene) -> Option<Lowered> {
+    let lowered = dynamics::lower_written_out(&scene, &mut Diagnostics::new())?.lowered;
+    lowered.rest.is_proven().then_some(lowered)
 }
 
 /// What a line is made for.

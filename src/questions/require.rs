@@ -145,7 +145,7 @@ pub fn holds_for(measured: &Measurement, comparison: Option<Comparison>, limit: 
 }
 
 /// Whether the comparison holds; `None` if that is not certain.
-fn holds(value: &Ball, comparison: Comparison, limit: &Number) -> Option<bool> {
+pub(super) fn holds(value: &Ball, comparison: Comparison, limit: &Number) -> Option<bool> {
     let value = if value.is_zero() { Number::ZERO } else { Number::Ball(*value) };
     value.compare(limit).map(|order| keeps(order, comparison))
 }

@@ -166,6 +166,41 @@ fn random_cases_are_computed_side_by_side() {
     }
 }
 
+/// Requirements and measures of frequencies stand beside them, side by side: sqrt(k/m) of a block, whose median is the limit, in cycles and
+/// in turns a minute. A limit that is drawn, too, and a measure of something else leave each case to itself.
+#[test]
+fn requirements_of_frequencies_are_decided_side_by_side() {
+    let model = |limit: &str| {
+        format!(
+            "param k = 100 N/m within 10 %\nparam m = 1 kg spread 3 %\nparam f = 1 Hz within 1 %\nbody b {{ mass = m, moves x }}\n\
+             spring s: ground -- b {{ k = k }}\nforce F: b along x\noutput x = b.x\nrequire frequency(1) > {limit}\n"
+        )
+    };
+    let limit = 10.0 / (2.0 * std::f64::consts::PI);
+    for (text_of_limit, measure, is_side_by_side) in [
+        ("1.5915494309189535 Hz", "frequency(1)", true),
+        ("1.5915494309189535 * f", "frequency(1)", false),
+        ("1.5915494309189535 Hz", "gain(F -> x, 0 Hz)", false),
+    ] {
+        let text = text(&model(text_of_limit), &["--samples", "200", "--measure", measure, "--format", "csv"]);
+        let heading: Vec<&str> = text.lines().next().expect("a heading").split(',').collect();
+        let place = |name: &str| heading.iter().position(|word| word.starts_with(name)).expect("a column");
+        let (value, verdict) = (place("frequency(1) ["), place("frequency(1) >"));
+        let mut number_of = [0, 0];
+        for row in text.lines().skip(1).map(|line| line.split(',').collect::<Vec<&str>>()) {
+            let number = |at: usize| row[at].parse::<f64>().expect("a number");
+            let truth = (number(1) / number(2)).sqrt() / (2.0 * std::f64::consts::PI);
+            let (found, bound) = (number(value), number(value + 1));
+            assert!((found - truth).abs() <= bound + 1e-15 * truth, "{row:?}: {truth}");
+            assert_eq!(bound > 3e-16 * truth, is_side_by_side, "{row:?}");
+            let least = if text_of_limit.ends_with('f') { limit * number(3) } else { limit };
+            assert_eq!(row[verdict], if truth > least { "true" } else { "false" }, "{row:?}");
+            number_of[usize::from(truth > least)] += 1;
+        }
+        assert!(number_of.iter().all(|number| *number > 60), "{number_of:?}");
+    }
+}
+
 #[test]
 fn estimates_are_printed() {
     let text = text(MODEL, &["--samples", "100", "--modes", "1"]);

@@ -1,12 +1,15 @@
 //! Random cases whose parameters only weigh terms of M and K: about the declared values both matrices are linear in them, and the frequencies
-//! of many cases are computed side by side. In: numbers of cases. Out: their rows. See docs/method/studies.md#random-cases.
+//! of many cases are computed side by side, with the requirements and measures that are about frequencies. In: numbers of cases. Out: their
+//! rows. See docs/method/studies.md#random-cases.
 
-use super::{Study, slopes};
+use super::{PER_TURN, Study, lower_proven, slopes};
 use crate::base::number::jet;
-use crate::base::{Ball, Jet, Number, Rational};
+use crate::base::{Ball, Dd, Jet, Number, Rational};
 use crate::kernel::pencils::{self, Plane};
-use crate::model::Setting;
-use crate::questions::answer::shown_in;
+use crate::model::scene::{Comparison, Measure, Question};
+use crate::model::{CheckedScene, Setting};
+use crate::questions::answer::{Column, Holds, shown_in};
+use crate::questions::require;
 use crate::questions::rows::Rows;
 use crate::questions::samples::Samples;
 use crate::questions::tolerated::hull;
@@ -19,6 +22,24 @@ pub(super) struct Drawn {
     n: usize,
     /// For each parameter the declared value, at which the coefficients were taken, and the least and largest one.
     ranges: Vec<[f64; 3]>,
+    /// What the columns behind those of the frequencies hold.
+    asked: Vec<Asked>,
+}
+
+/// A column about a frequency.
+#[derive(Debug)]
+enum Asked {
+    Value { mode: usize, question: Question },
+    Verdict { mode: usize, comparison: Comparison, limit: Number },
+}
+
+impl Asked {
+    /// The mode, counted from 0.
+    fn mode(&self) -> usize {
+        match self {
+            Asked::Value { mode, .. } | Asked::Verdict { mode, .. } => *mode,
+        }
+    }
 }
 
 /// Deviations of values without a tolerance that are tried: beyond the last, one case in 16,000 is computed by itself.
@@ -31,16 +52,15 @@ impl Study<'_> {
     /// The rows of random cases.
     pub(super) fn drawn_rows(&self, samples: &Samples, numbers: &[u64], rows: &mut Rows) {
         // For any number of cases: what a case answers depends on its number alone.
-        let fits = self.asks_modes_alone() && self.sizes.1 == 0;
-        let drawn = fits.then(|| self.lines.drawn.get_or_init(|| self.linear_matrices(samples)).as_ref()).flatten();
-        let Some(drawn) = drawn else {
+        let Some(drawn) = self.lines.drawn.get_or_init(|| self.linear_matrices(samples)) else {
             rows.clear(0);
             return self.one_by_one(numbers, rows);
         };
         rows.clear(self.width);
         let at = rows.extend(numbers);
         let values: Vec<Vec<f64>> = numbers.iter().map(|number| samples.numbers(*number)).collect();
-        let (parameters, frequencies) = rows.columns_mut().split_at_mut(samples.tolerances.len());
+        let (parameters, answers) = rows.columns_mut().split_at_mut(samples.tolerances.len());
+        let (frequencies, asked) = answers.split_at_mut(self.sizes.0);
         for ((i, tolerance), column) in samples.tolerances.iter().enumerate().zip(parameters) {
             for (row, values) in (at..).zip(&values) {
                 let si = Rational::from_f64(values[i]).map_or(tolerance.parameter.value.si.clone(), Number::from);
@@ -51,11 +71,33 @@ impl Study<'_> {
         let mut known = vec![0.0; numbers.len()];
         let found = drawn.plane.side_by_side(&drawn.changes(&values));
         self.put_frequencies(&found, at, frequencies, &mut known);
+        let (mut roots, mut errors) = (vec![0.0; numbers.len()], vec![0.0; numbers.len()]);
+        for (asked, column) in drawn.asked.iter().zip(asked) {
+            column.are_verdicts = matches!(asked, Asked::Verdict { .. });
+            found.roots(asked.mode(), PER_TURN, self.accuracy(), (&mut roots, &mut errors));
+            for (case, known) in known.iter_mut().enumerate().filter(|(case, _)| !roots[*case].is_nan()) {
+                let value = Ball::new(Dd::from(roots[case]), errors[case]);
+                match asked {
+                    Asked::Value { question, .. } => {
+                        let in_radians = question.radians.is_some();
+                        column.set(at + case, shown_in(&Number::Ball(value), &question.unit, in_radians).number);
+                    }
+                    Asked::Verdict { comparison, limit, .. } => match require::holds(&value, *comparison, limit) {
+                        Some(holds) => column.high[at + case] = if holds { 1.0 } else { 0.0 },
+                        None => *known = f64::NAN,
+                    },
+                }
+            }
+            known.iter_mut().zip(&roots).for_each(|(known, root)| *known += 0.0 * root);
+        }
         self.complete_rows(numbers, at, [samples.tolerances.len(), drawn.n], &known, rows);
     }
 
     fn linear_matrices(&self, samples: &Samples) -> Option<Drawn> {
-        if samples.tolerances.is_empty() || samples.tolerances.len() > MOST_PARAMETERS {
+        use Holds::{Frequency, Measure, Parameter, Required, Verdict};
+        let holds = |column: &Column| matches!(column.holds, Parameter | Frequency | Required | Verdict | Measure);
+        let fits = self.sizes.1 == 0 && self.columns.iter().all(holds);
+        if !fits || samples.tolerances.is_empty() || samples.tolerances.len() > MOST_PARAMETERS {
             return None;
         }
         DEVIATIONS.iter().find_map(|deviations| self.linear_matrices_within(samples, samples.ranges(*deviations)))
@@ -66,14 +108,18 @@ impl Study<'_> {
         let lower = |si: &dyn Fn(usize) -> Number| {
             let mut values: Vec<Setting> = declared.clone();
             values.iter_mut().enumerate().for_each(|(i, value)| value.1.si = si(i));
-            let lowered = self.lower_at(&values, false)?;
-            (!lowered.rest.may_be_elsewhere() && !lowered.system.is_chained()).then_some(lowered.system)
+            let scene = self.scene_at(&values)?;
+            let asked = self.asked_of_frequencies(&scene)?;
+            let lowered = lower_proven(scene.without_damping())?;
+            let stands = !lowered.rest.may_be_elsewhere() && !lowered.system.is_chained();
+            stands.then_some((lowered.system, asked))
         };
         let centre: Vec<Number> =
             ranges.iter().map(|range| Rational::from_f64(range[0]).map(Number::from)).collect::<Option<_>>()?;
-        let centred = lower(&|i| centre[i].clone())?;
+        let (centred, asked) = lower(&|i| centre[i].clone())?;
         let n = centred.n();
-        if !(1..=pencils::MOST).contains(&n) {
+        let exist = asked.iter().all(|asked| asked.mode() < n);
+        if !exist || !(1..=pencils::MOST).contains(&n) {
             return None;
         }
         // By the mean value theorem the matrices at any values are those at the centre plus the changes of the values times derivatives
@@ -86,7 +132,7 @@ impl Study<'_> {
                 let slope = if i == own { Ball::ONE } else { Ball::ZERO };
                 Number::from(Jet { value: hull(low, high), slope })
             };
-            let over: LinearSystem = jet::without_division(|| lower(&over))??;
+            let (over, _): (LinearSystem, _) = jet::without_division(|| lower(&over))??;
             if over.n() != n {
                 return None;
             }
@@ -95,12 +141,34 @@ impl Study<'_> {
         }
         let most: Vec<f64> =
             ranges.iter().map(|[centre, low, high]| (high - centre).max(centre - low) * (1.0 + f64::EPSILON)).collect();
-        let drawn = Drawn { plane: Plane::new(n, &k, &m, &most)?, n, ranges };
+        let drawn = Drawn { plane: Plane::new(n, &k, &m, &most)?, n, ranges, asked };
         // Weights that are not linear make the bounds too wide.
         let at_end = |end: usize| drawn.ranges.iter().map(|range| range[end]).collect::<Vec<f64>>();
         let found = drawn.plane.side_by_side(&drawn.changes(&[0, 1, 2].map(at_end)));
-        let is_accurate = |case: usize| (0..self.sizes.0.min(n)).all(|i| self.is_accurate(found.pair(i, case)));
+        let count = drawn.asked.iter().map(|asked| asked.mode() + 1).max().unwrap_or(0).max(self.sizes.0.min(n));
+        let is_accurate = |case: usize| (0..count).all(|i| self.is_accurate(found.pair(i, case)));
         (0..3).any(is_accurate).then_some(drawn)
+    }
+
+    /// The columns of requirements and measures, if all are about frequencies and compare these with limits that are not varied.
+    fn asked_of_frequencies(&self, scene: &CheckedScene) -> Option<Vec<Asked>> {
+        let mode = |question: &Question| match question.measure {
+            Measure::Frequency { mode } => (mode as usize).checked_sub(1),
+            _ => None,
+        };
+        let mut asked = Vec::new();
+        for (require, has_column) in scene.scene().requires.iter().zip(&self.measured) {
+            let (question, mode) = (&require.question, mode(&require.question)?);
+            if matches!(question.value, Number::Jet(_)) {
+                return None;
+            }
+            asked.extend(has_column.then(|| Asked::Value { mode, question: question.clone() }));
+            asked.push(Asked::Verdict { mode, comparison: require.comparison?, limit: question.value.clone() });
+        }
+        for question in &scene.scene().asked {
+            asked.push(Asked::Value { mode: mode(question)?, question: question.clone() });
+        }
+        Some(asked)
     }
 }
 
