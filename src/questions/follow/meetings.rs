@@ -2,7 +2,8 @@
 //! of curves of different classes. In: the frequencies at all places in order. Out: each veering and crossing with its
 //! enclosed place. See docs/method/studies.md#curves.
 
-use super::places::{Between, Field, Place, binary};
+use super::by_class::Between;
+use super::places::{Field, Place, binary};
 use super::{Meeting, MeetingKind, Member};
 use crate::base::{Ball, Number};
 use crate::questions::answer::Proved;

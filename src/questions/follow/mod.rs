@@ -2,6 +2,7 @@
 //! study over one parameter. Out: the curves, what is proved about the steps between their points, and where they veer
 //! or cross. See docs/method/studies.md#curves.
 
+mod by_class;
 mod loci;
 mod meetings;
 mod onsets;

@@ -2,6 +2,7 @@
 //! classes. A class is a block of coordinates that no value of the parameter couples to others. In: values, SI. Out:
 //! frequencies in Hz, ascending in each class.
 
+use super::by_class::{Between, ByClass, Frequencies, Layout};
 use crate::analysis::projection::{eigenvalues, project};
 use crate::analysis::range::{Course, Family, outer};
 use crate::analysis::{self, ModeKind, Modes, Request, joined_by, undamped_block};
@@ -15,9 +16,6 @@ use crate::questions::tolerated::hull;
 use crate::system::{Form, LinearSystem};
 use std::sync::Arc;
 
-/// The frequency of a mode that oscillates or is rigid.
-pub type Frequencies = Vec<Option<Ball>>;
-
 /// The frequencies at a value of the parameter.
 #[derive(Clone, Debug)]
 pub struct Place {
@@ -26,33 +24,6 @@ pub struct Place {
     /// The value in binary64.
     pub x: f64,
     frequencies: ByClass,
-}
-
-/// Frequencies, or bounds of them, of all classes, one after the other. There are ten thousands of places and steps, so that those which are
-/// computed together share one list: the part of this one begins at `start`.
-#[derive(Clone, Debug)]
-pub struct ByClass {
-    list: Arc<Vec<Option<Ball>>>,
-    start: usize,
-    /// The end of each class in that part.
-    ends: Arc<[usize]>,
-}
-
-/// Bounds of the frequencies of a class for all values between two: the i-th frequency lies between the i-th bounds. A
-/// lower bound is `None` if the mode may not oscillate.
-#[derive(Clone, Copy, Debug)]
-pub struct Bounds<'a> {
-    pub lower: &'a [Option<Ball>],
-    pub upper: &'a [Option<Ball>],
-}
-
-/// Bounds of the frequencies for all values between two.
-#[derive(Clone, Debug)]
-pub enum Between<'a> {
-    /// Lower and upper bounds.
-    Known([&'a ByClass; 2]),
-    /// Those of each class; `None` if nothing is proved.
-    Found(Vec<Option<[Frequencies; 2]>>),
 }
 
 /// The classes of a study, and the data needed to evaluate them.
@@ -65,27 +36,6 @@ pub struct Field<'a> {
     pub course: Option<Course>,
     /// The line of each class.
     pub lines: &'a [Arc<Option<Line>>],
-}
-
-impl ByClass {
-    fn of(classes: &[Frequencies]) -> ByClass {
-        let ends = classes.iter().scan(0, |end, class| {
-            *end += class.len();
-            Some(*end)
-        });
-        ByClass { list: Arc::new(classes.concat()), start: 0, ends: ends.collect() }
-    }
-
-    fn class(&self, class: usize) -> &[Option<Ball>] {
-        let first = if class == 0 { 0 } else { self.ends[class - 1] };
-        &self.list[self.start + first..self.start + self.ends[class]]
-    }
-
-    /// Whether each of them is known.
-    fn is_known(&self) -> bool {
-        let whole = self.ends.last().copied().unwrap_or(0);
-        self.list[self.start..self.start + whole].iter().all(Option::is_some)
-    }
 }
 
 impl Place {
@@ -101,7 +51,7 @@ impl Place {
 
     /// Those of each class.
     pub fn classes(&self) -> impl Iterator<Item = &[Option<Ball>]> {
-        (0..self.frequencies.ends.len()).map(|class| self.class(class))
+        (0..self.frequencies.count()).map(|class| self.class(class))
     }
 
     pub fn frequency(&self, class: usize, index: usize) -> Option<Ball> {
@@ -116,8 +66,7 @@ impl Place {
     /// Whether all modes certainly oscillate: the lowest of each class do.
     pub fn oscillates(&self) -> bool {
         let is_positive = |frequency: &Option<Ball>| frequency.is_some_and(|frequency| frequency.is_positive());
-        !self.frequencies.ends.is_empty()
-            && self.classes().all(|class| !class.is_empty() && class.iter().all(is_positive))
+        self.frequencies.count() > 0 && self.classes().all(|class| !class.is_empty() && class.iter().all(is_positive))
     }
 
     /// The distance from a mode to the next one of its class.
@@ -134,81 +83,6 @@ impl Place {
             [Some(own), Some(next)] => Some((next.mid.hi - own.mid.hi) + (next.mid.lo - own.mid.lo)),
             _ => None,
         }
-    }
-}
-
-impl Between<'_> {
-    /// The classes of which nothing is proved.
-    pub fn unknown(&self) -> impl Iterator<Item = usize> {
-        let list: &[_] = if let Between::Found(list) = self { list } else { &[] };
-        (0..list.len()).filter(|class| list[*class].is_none())
-    }
-
-    /// Whether nothing is proved of any class.
-    pub fn is_unknown(&self) -> bool {
-        matches!(self, Between::Found(list) if list.iter().all(Option::is_none))
-    }
-
-    /// The bounds of a class; `None` if nothing is proved.
-    pub fn class(&self, class: usize) -> Option<Bounds<'_>> {
-        match self {
-            Between::Known([lower, upper]) => Some(Bounds { lower: lower.class(class), upper: upper.class(class) }),
-            Between::Found(list) => list[class].as_ref().map(|[lower, upper]| Bounds { lower, upper }),
-        }
-    }
-}
-
-impl Bounds<'_> {
-    /// A lower bound of the distance between a mode and the next.
-    pub fn distance(&self, index: usize) -> Option<Ball> {
-        Some((*self.lower.get(index + 1)?)? - (*self.upper.get(index)?)?)
-    }
-
-    /// Whether the i-th mode and the next are certainly separate curves: apart, or both rigid for every value.
-    pub fn are_apart(&self, index: usize) -> bool {
-        let is_rigid = |index: usize| {
-            let rigid = |list: &[Option<Ball>]| matches!(list.get(index), Some(Some(frequency)) if frequency.is_zero());
-            rigid(self.lower) && rigid(self.upper)
-        };
-        self.distance(index).is_some_and(|least| least.is_positive()) || is_rigid(index) && is_rigid(index + 1)
-    }
-}
-
-/// The places of the frequencies of each class in a list that several cases share.
-struct Layout {
-    ends: Arc<[usize]>,
-}
-
-impl Layout {
-    /// For the lowest `count` of each class, or all.
-    fn of(classes: &[Vec<u32>], count: usize) -> Layout {
-        let ends = classes.iter().scan(0, |end, class| {
-            *end += count.min(class.len());
-            Some(*end)
-        });
-        Layout { ends: ends.collect() }
-    }
-
-    /// The frequencies of one case.
-    fn whole(&self) -> usize {
-        self.ends.last().copied().unwrap_or(0)
-    }
-
-    /// The first place and the number of those of a class.
-    fn class(&self, class: usize) -> [usize; 2] {
-        let first = if class == 0 { 0 } else { self.ends[class - 1] };
-        [first, self.ends[class] - first]
-    }
-
-    fn room(&self, cases: usize) -> Vec<Option<Ball>> {
-        vec![None; self.whole() * cases]
-    }
-
-    /// The parts of a list.
-    fn of_each(&self, list: Vec<Option<Ball>>, cases: usize) -> impl Iterator<Item = ByClass> {
-        let list = Arc::new(list);
-        let (whole, ends) = (self.whole(), self.ends.clone());
-        (0..cases).map(move |case| ByClass { list: list.clone(), start: case * whole, ends: ends.clone() })
     }
 }
 
@@ -270,7 +144,7 @@ impl Field<'_> {
     /// The places of all cases: the lowest `count` frequencies of each, or all.
     pub fn places(&self, values: &[Number], count: usize) -> Vec<Place> {
         let all: Vec<(u64, &Number)> = (0..).zip(values).collect();
-        let layout = Layout::of(self.classes, count);
+        let layout = Layout::of(self.classes.iter().map(|class| count.min(class.len())));
         let of_cases = |some: &[(u64, &Number)]| {
             let numbers: Vec<u64> = some.iter().map(|(number, _)| *number).collect();
             let mut found = layout.room(some.len());
@@ -296,7 +170,7 @@ impl Field<'_> {
         {
             return vec![None; cases.len()];
         }
-        let layout = Layout::of(self.classes, count);
+        let layout = Layout::of(self.classes.iter().map(|class| count.min(class.len())));
         let mut found = [layout.room(cases.len()), layout.room(cases.len())];
         for (class, line) in self.lines.iter().enumerate() {
             let [first, count] = layout.class(class);

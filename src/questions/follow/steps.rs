@@ -2,7 +2,8 @@
 //! both ends. Out: what is proved, and the evaluated places between them. See docs/method/studies.md#curves.
 
 use super::Member;
-use super::places::{Between, ByClass, Field, Place, binary};
+use super::by_class::{Between, ByClass};
+use super::places::{Field, Place, binary};
 use crate::base::OrderBy;
 use std::borrow::Cow;
 use std::collections::VecDeque;
