@@ -54,6 +54,61 @@ fn an_oscillator_under_white_force() {
     }
 }
 
+/// The integral of a function by Simpson's rule.
+fn integral(of: impl Fn(f64) -> f64, [low, high]: [f64; 2]) -> f64 {
+    const PARTS: usize = 20_000;
+    let x = |i: usize| low + (high - low) * i as f64 / PARTS as f64;
+    let weight = |i: usize| if i == 0 || i == PARTS { 1.0 } else { f64::from(2 + 2 * (i % 2) as u8) };
+    (0..=PARTS).map(|i| weight(i) * of(x(i))).sum::<f64>() * (high - low) / (3 * PARTS) as f64
+}
+
+/// Noise of a base's displacement acts through the damping of the whole scene as through dampers: |H|^2 = (k^2 + (c w)^2) / |k - m w^2 +
+/// i c w|^2 with c = 0.01 s k, or 2 zeta sqrt(k m); with alpha M, which damps motion relative to the base, c = alpha m.
+#[test]
+fn damping_of_the_whole_scene_carries_the_noise_of_a_base() {
+    for (damping, c) in [("rayleigh(0 /s, 0.01 s)", 1.0), ("rayleigh(1 /s, 0 s)", 1.0), ("modal 5 %", 1.0)] {
+        let text = format!(
+            "damping {damping}\nbase g {{ moves x }} = noise(1 m^2/Hz, 0.5 Hz .. 2 Hz)\nbody b {{ mass = 1 kg, moves x }}\n\
+             spring s: g -- b {{ k = 100 N/m }}\noutput x = b.x\noutput r = b.x - g.x\n"
+        );
+        let found = under_noise(&text);
+        let square = |top: fn(f64, f64) -> f64, power: i32| {
+            let of = |f: f64| {
+                let w = std::f64::consts::TAU * f;
+                top(c, w) * w.powi(power) / ((100.0 - w * w).powi(2) + (c * w).powi(2))
+            };
+            integral(of, [0.5, 2.0])
+        };
+        let carried = |c: f64, w: f64| 1e4 + (c * w).powi(2);
+        let relative = |_: f64, w: f64| w.powi(4);
+        for ((rms, crossings), top) in found.iter().zip([carried as fn(f64, f64) -> f64, relative]) {
+            let (of, of_rate) = (square(top, 0), square(top, 2));
+            for (found, truth) in [(rms, of.sqrt()), (crossings, (of_rate / of).sqrt() / std::f64::consts::TAU)] {
+                let Spread::Finite(ball) = found else { panic!("{damping}: {found:?}") };
+                // The rule is that accurate.
+                assert!((ball.to_f64() - truth).abs() < 1e-11 * truth, "{damping}: {found:?} {truth}");
+            }
+        }
+    }
+}
+
+/// A base's acceleration along x, and a body along (1, 1), whose static response is no rational number: the stretch is that of one
+/// oscillator with k = 50 N/m and 5 %, |H| = 1 / |w0^2 - w^2 + 2 i zeta w0 w|.
+#[test]
+fn noise_of_an_acceleration_along_another_direction() {
+    let found = under_noise(
+        "damping modal 5 %\nbase g { moves x } = noise(1 m^2/s^4/Hz, 1 Hz .. 3 Hz)\nbody b { mass = 1 kg, moves along (1, 1) }\n\
+         spring s: g -- b { k = 100 N/m, along = x }\noutput r = s.stretch\n",
+    );
+    let of = |f: f64| {
+        let w = std::f64::consts::TAU * f;
+        1.0 / ((50.0 - w * w).powi(2) + 0.01 * 50.0 * w * w)
+    };
+    let Spread::Finite(ball) = found[0].0 else { panic!("{found:?}") };
+    let truth = integral(of, [1.0, 3.0]).sqrt();
+    assert!((ball.to_f64() - truth).abs() < 1e-11 * truth, "{found:?} {truth}");
+}
+
 /// c = 2 sqrt(k m): both poles are one, and the matrix has a single eigenvector.
 #[test]
 fn critical_damping_is_no_special_case() {

@@ -37,8 +37,10 @@ impl Following {
         let zero = || vec![Number::ZERO; system.n()];
         let own = || inputs.iter().map(|&input| &system.inputs[input]);
         let [b0, mut b1, b2] = [0, 1, 2].map(|power| dense(system.n(), own().flat_map(|input| &input.b[power])));
-        // Damping relative to what follows u has no force on it: exactly zero, whatever digits b1 has.
+        // Damping relative to what follows u has no force on it: exactly zero, whatever digits b1 has. Where nothing follows u, as where its
+        // displacement is given, the damping's share of b1 is a force like the others.
         let undamped: Option<Vec<&[_]>> = own().map(|input| input.undamped.as_deref()).collect();
+        let undamped = undamped.filter(|_| derivative > 0);
         let is_relative = undamped.is_some();
         if let Some(undamped) = undamped {
             b1 = dense(system.n(), undamped.into_iter().flatten());

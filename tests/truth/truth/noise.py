@@ -30,7 +30,13 @@ def scene(rng, forms, form="one"):
     """A damped net under noise of one of the forms; "two" inputs have noises of their own, or the second the "delayed" first one."""
     while True:
         net = transfer.scene(rng, 4, rng.choice((0, 0, 1, 2, 3)))
-        if net.dampers:
+        # Damping that is declared for the whole of it acts on motion relative to what follows a base.
+        if rng.random() < 0.25:
+            words = [draw.decimal_word(rng, -3, 1), draw.decimal_word(rng, -4, 0)]
+            if rng.random() < 0.5:
+                words[rng.randrange(2)] = "0"
+            net.damping = ("rayleigh", *words)
+        if net.dampers or net.damping:
             break
     unit, kinds = "N^2", 1
     if net.bases:
