@@ -458,4 +458,45 @@ mod tests {
             assert_eq!(is_passive(&system), which == 3, "{which}");
         }
     }
+
+    /// A pole whose sign is not known leaves the verdict open, though all poles are counted; and a motion that is rigid by the modes
+    /// alone, or by the poles alone, makes it neutral.
+    #[test]
+    fn each_pole_and_each_mode_counts_for_the_verdict() {
+        let system = lossy("-0.1", "4", "0");
+        let system = LinearSystem { losses: None, ..system };
+        let decaying = {
+            let system = oscillator("1", "0.1", "4");
+            poles(&system, &modes(&system).expect("modes")).expect("poles")
+        };
+        let mut unknown = decaying.clone();
+        (unknown.list[0].re, unknown.list[0].kind) = (Ball::new(Dd::ZERO, 1e-3), PoleKind::Undetermined);
+        for system in [&system, &oscillator("1", "0.1", "4")] {
+            let verdict = stability(system, &Modes::default(), &unknown);
+            assert_eq!((verdict.kind(), verdict.reason()), (Stability::Undetermined, Reason::Sign));
+        }
+        let mut free = blank(1);
+        push(&mut free.m, "1", 0, None);
+        push(&mut free.c, "1", 0, None);
+        let (of_free, rigid) =
+            (modes(&free).expect("modes"), poles(&free, &modes(&free).expect("modes")).expect("poles"));
+        for (modes, poles) in [(&of_free, &Poles::default()), (&Modes::default(), &rigid), (&of_free, &rigid)] {
+            let verdict = stability(&free, modes, poles);
+            assert_eq!((verdict.kind(), verdict.reason()), (Stability::Neutral, Reason::Energy));
+        }
+    }
+
+    /// Two poles on the axis beside two that decay, of which the list holds the latter alone.
+    #[test]
+    fn poles_on_the_axis_are_in_the_count() {
+        let mut system = blank(2);
+        for i in 0..2 {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "4", i, None);
+        }
+        push(&mut system.c, "0.1", 0, None);
+        let list = |system: &LinearSystem| poles(system, &modes(system).expect("modes")).expect("poles");
+        assert!(agrees_with_count(&system, &list(&system)));
+        assert!(!agrees_with_count(&system, &list(&oscillator("1", "0.1", "4"))));
+    }
 }

@@ -368,6 +368,18 @@ mod tests {
         }
     }
 
+    /// -0.001 +- 0.01 may be 0.009, and -3 +- 1 the negative of 4.
+    #[test]
+    fn a_root_of_what_may_be_negative_is_about_zero() {
+        for (x, radius) in [(-1e-3, 1e-2), (0.0, 1e-2), (-1e-300, 1e-290), (-4.0, 25.0)] {
+            let found = root(Triple::from(x), radius);
+            let most = (radius - x).sqrt();
+            assert!(found.mid.hi == 0.0 && (most..1.001 * most).contains(&found.rad), "{x:e}: {found:?}");
+        }
+        let found = unknown_root(Ball::new(Dd::from(-3.0), 1.0));
+        assert!(found.mid.hi == 0.0 && (2.0..2.001).contains(&found.rad), "{found:?}");
+    }
+
     /// Of three words a ball keeps two; the third one is in its radius.
     #[test]
     fn a_ball_holds_the_word_that_it_drops() {

@@ -186,3 +186,19 @@ fn uncertainties_of_both_forms_add_up_within_a_group() {
         assert!((found.lambda.hi() - truth).abs() <= found.radius && found.radius < 1e-3, "{truth}: {found:?}");
     }
 }
+
+/// K and M that may be off by 0.01 beside the diagonals 1 and 2: by 0.03 at 2, within one of 1.
+#[test]
+fn uncertainty_of_a_coupling_grows_with_the_distance() {
+    let (k, m) =
+        ([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 9.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let ((of_k, of_m), x, slips) = (terms(&k, &m), identity(), vec![0.1, 0.1, 0.0]);
+    let (of_k, of_m) = (Gram::of(&of_k, &x).with_slips(slips.clone()), Gram::of(&of_m, &x).with_slips(slips));
+    let pencil = Pencil::new(&of_k, &of_m);
+    for span in [0.0, 1.0, 3.0] {
+        let truth = 0.01 + 0.01 * (1.0 + span);
+        for found in [pencil.coupling(0, 1, span), pencil.close_coupling(0, 1, span)] {
+            assert!((truth..1.001 * truth).contains(&found), "{span}: {found} {truth}");
+        }
+    }
+}

@@ -341,6 +341,27 @@ mod tests {
             let both = &found.factor * &at(&found.above, s);
             assert_eq!(both, &truth * &at(&found.below, s), "{s}");
         }
+        // 1 / (s^2 + s / 2 + 4), and s^2 + 1 / det Q of three masses between walls, from the last to the first.
+        let mut row = blank(3);
+        for i in 0..3 {
+            push(&mut row.m, "1", i, None);
+            push(&mut row.k, "1", i, i.checked_sub(1));
+        }
+        push(&mut row.k, "1", 2, None);
+        row.outputs[0].d[2].push((2, Number::ONE));
+        for (system, input) in [(oscillator("1", "0.5", "4"), 0), (row, 2)] {
+            let output = system.outputs[0].clone();
+            let found = Quotient::of(&system, &[input], &output).expect("rational");
+            for s in 0..12i64 {
+                let d = s * s + 2;
+                let [below, above] = match input {
+                    0 => [2 * s * s + s + 8, 2],
+                    _ => [d * (d * d - 2), 1 + s * s * d * (d * d - 2)],
+                };
+                let both = &(&found.factor * &at(&found.above, s)) * &Rational::from(below);
+                assert_eq!(both, &Rational::from(above) * &at(&found.below, s), "{input} {s}");
+            }
+        }
         // Uncertain numbers, no stiffness at all, and too many coordinates.
         let mut uncertain = oscillator("1", "0.5", "4");
         uncertain.inputs[0].b[0][0].1 = Number::Ball(Ball::ONE.widen(1e-3));

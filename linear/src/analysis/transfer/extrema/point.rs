@@ -615,6 +615,18 @@ mod tests {
             assert_eq!(exactly.locate(&mut search).len(), usize::from(is_enclosed));
             assert_eq!(search.open.len(), usize::from(!is_enclosed));
             assert_eq!(exactly.open(&search, 0.1, 3.0).len(), usize::from(!is_enclosed));
+            if !is_enclosed {
+                // Two more, of which one meets it, cut off at the range.
+                search.open.push(Interval { anchor: 1, low: peak + half, high: peak + 0.1 });
+                search.open.push(Interval { anchor: 0, low: 2.0, high: 4.0 });
+                let two_pi = 2.0 * std::f64::consts::PI;
+                let expected = [(1.0 + peak - half, 1.1 + peak), (2.0, 3.0)];
+                for (found, truth) in exactly.open(&search, 0.1, 3.0).into_iter().zip(expected) {
+                    let off = [found.0 * two_pi - truth.0, found.1 * two_pi - truth.1];
+                    assert!(off.iter().all(|off| off.abs() < 1e-14), "{found:?}");
+                }
+                assert_eq!((exactly.open(&search, 0.1, 3.0).len(), exactly.open(&search, 0.1, 0.5).len()), (2, 0));
+            }
         }
     }
 
@@ -643,6 +655,22 @@ mod tests {
                 "{radius}"
             );
             assert!(radius > 1e-6 || (gain(found).is_some() && found.width.is_some() && reported.complete.is_some()));
+        }
+    }
+
+    /// Where |H| is less than half of the peak's power already, on either side, no half-power point is found.
+    #[test]
+    fn a_path_without_a_half_power_point_has_none() {
+        let exactly = resonance(-0.1, 1.0, 0.0);
+        let peak = exactly.anchors[1].size(Ball::ONE, Ball::from(0.99f64.sqrt() - 1.0));
+        let factor = Ball::from(2.0).sqrt() / peak;
+        let found = |low: f64, high: f64, up: bool| exactly.half_power(factor, Interval { anchor: 1, low, high }, up);
+        assert!(found(0.2, 0.5, true).is_none() && found(-0.5, -0.2, false).is_none());
+        // (omega^2 + 1.01)^2 - 4 omega^2 is twice what it is at the peak, 0.04.
+        for (low, high, up) in [(0.0, 0.5, true), (-0.5, -0.01, false)] {
+            let omega = 1.0 + found(low, high, up).expect("a crossing").to_f64();
+            let square = (omega * omega + 1.01).powi(2) - 4.0 * omega * omega;
+            assert!((square - 0.08).abs() < 1e-14, "{omega} {square}");
         }
     }
 

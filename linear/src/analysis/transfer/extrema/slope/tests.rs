@@ -282,3 +282,31 @@ fn a_number_in_binary64_has_its_error() {
         assert!((off..1.001 * off).contains(&error) && off > 1e-17, "{value} {error:e}");
     }
 }
+
+/// A radius in binary64 is never less, however many bits it has.
+#[test]
+fn a_radius_is_rounded_upwards() {
+    assert!(rounded_up(&Float::zero()) > 0.0);
+    for bits in [0, 30, 52, 53, 54, 60, 120] {
+        for exponent in [-1000, -40, 0, 40] {
+            let radius = (&Float::from(1.0) + &Float::from(1.0).times_power_of_two(-bits)).times_power_of_two(exponent);
+            let found = rounded_up(&radius);
+            assert!(
+                !(&Float::from(found) - &radius).is_negative()
+                    && found <= radius.to_f64() * (1.0 + 1e-14) + f64::MIN_POSITIVE,
+                "{bits} {exponent}"
+            );
+        }
+    }
+}
+
+/// 1 / (omega - 2) more, seen from a pole at 3.
+#[test]
+fn a_factor_is_measured_from_the_anchor() {
+    let anchor = anchors(&of(Vec::new(), vec![pair(-0.5, 3.0, 0.0)], 1.0, Far::NONE)).remove(1);
+    let with = anchor.with_factor(Ball::from(2.0), Ball::ONE);
+    for t in [0.25, -0.25] {
+        let difference = with.slope(Ball::from(t)).0 - anchor.slope(Ball::from(t)).0;
+        assert!((difference.to_f64() - 1.0 / (1.0 + t)).abs() < 1e-14, "{t}: {difference:?}");
+    }
+}
