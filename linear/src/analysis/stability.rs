@@ -388,4 +388,115 @@ mod tests {
         }
         assert!(!is_classical(&rayleigh));
     }
+
+    /// Adds a weight of either sign, or none.
+    fn push_signed(form: &mut Form, weight: &str) {
+        let size = Number::from(weight.trim_start_matches('-'));
+        let weight = if weight.starts_with('-') { -&size } else { size };
+        if !weight.is_zero() {
+            let source = form.source(blank(1).coordinates[0].name);
+            form.push(source, crate::system::Nature::Property, weight, [(CoordinateId(0), Number::ONE)]);
+        }
+    }
+
+    /// An oscillator with a damper and a loss factor, each of either sign.
+    fn lossy(c: &str, k: &str, loss: &str) -> LinearSystem {
+        let mut system = blank(1);
+        push(&mut system.m, "1", 0, None);
+        for (form, weight) in [(&mut system.c, c), (&mut system.k, k)] {
+            push_signed(form, weight);
+        }
+        let mut losses = Losses { b: vec![Vec::new()], p: vec![Vec::new()], d: vec![Vec::new()], ..Losses::default() };
+        push_signed(&mut losses.h, loss);
+        system.losses = Some(losses.into());
+        system
+    }
+
+    #[test]
+    fn with_loss_factors_all_poles_or_energy_are_a_proof() {
+        let verdict = |system: &LinearSystem, poles: &Poles| {
+            let verdict = stability(system, &Modes::default(), poles);
+            (verdict.kind(), verdict.reason())
+        };
+        let own = |c: &str, k: &str, loss: &str| {
+            let system = lossy(c, k, loss);
+            let poles = poles(&system, &modes(&system).expect("modes")).expect("poles");
+            (verdict(&system, &poles), is_passive(&system))
+        };
+        assert_eq!(own("0.1", "4", "1"), ((Stability::Stable, Reason::Energy), true));
+        assert_eq!(own("-0.1", "4", "1"), ((Stability::Stable, Reason::Poles), false));
+        assert_eq!(own("1", "4", "-0.1"), ((Stability::Stable, Reason::Poles), false));
+        assert_eq!(own("-1", "4", "0.1"), ((Stability::Unstable, Reason::Growth), false));
+        assert_eq!(own("0.1", "4", "-1"), ((Stability::Unstable, Reason::Growth), false));
+        assert!(!own("1", "-4", "1").1);
+        assert_eq!(own("1", "0", "0"), ((Stability::Neutral, Reason::Energy), true));
+        // Lists that lack a pole, or hold one whose sign is not known.
+        let system = lossy("-0.1", "4", "1");
+        let found = poles(&system, &modes(&system).expect("modes")).expect("poles");
+        assert_eq!(verdict(&system, &Poles { count: None, ..found.clone() }), (Stability::Undetermined, Reason::Loss));
+        let mut short = found.clone();
+        short.list.truncate(1);
+        assert_eq!(verdict(&system, &short), (Stability::Undetermined, Reason::Loss));
+        let mut unknown = found.clone();
+        (unknown.list[0].re, unknown.list[0].kind) = (Ball::new(Dd::ZERO, 1e-3), PoleKind::Undetermined);
+        assert_eq!(verdict(&system, &unknown), (Stability::Undetermined, Reason::Sign));
+        // A rigid motion beside one that decays.
+        let mut rigid = found;
+        (rigid.list[0].re, rigid.list[0].kind) = (Ball::ZERO, PoleKind::Rigid);
+        assert_eq!(verdict(&system, &rigid), (Stability::Neutral, Reason::Poles));
+    }
+
+    /// A mass that takes energy, or a spring, beside damping that does not.
+    #[test]
+    fn each_form_has_to_be_passive() {
+        for which in 0..4 {
+            let mut system = oscillator("1", "0.1", "4");
+            let forms = [&mut system.m, &mut system.c, &mut system.k];
+            if let Some(form) = forms.into_iter().nth(which) {
+                push_signed(form, "-10");
+            }
+            assert_eq!(is_passive(&system), which == 3, "{which}");
+        }
+    }
+
+    /// A pole whose sign is not known leaves the verdict open, though all poles are counted; and a motion that is rigid by the modes
+    /// alone, or by the poles alone, makes it neutral.
+    #[test]
+    fn each_pole_and_each_mode_counts_for_the_verdict() {
+        let system = lossy("-0.1", "4", "0");
+        let system = LinearSystem { losses: None, ..system };
+        let decaying = {
+            let system = oscillator("1", "0.1", "4");
+            poles(&system, &modes(&system).expect("modes")).expect("poles")
+        };
+        let mut unknown = decaying.clone();
+        (unknown.list[0].re, unknown.list[0].kind) = (Ball::new(Dd::ZERO, 1e-3), PoleKind::Undetermined);
+        for system in [&system, &oscillator("1", "0.1", "4")] {
+            let verdict = stability(system, &Modes::default(), &unknown);
+            assert_eq!((verdict.kind(), verdict.reason()), (Stability::Undetermined, Reason::Sign));
+        }
+        let mut free = blank(1);
+        push(&mut free.m, "1", 0, None);
+        push(&mut free.c, "1", 0, None);
+        let (of_free, rigid) =
+            (modes(&free).expect("modes"), poles(&free, &modes(&free).expect("modes")).expect("poles"));
+        for (modes, poles) in [(&of_free, &Poles::default()), (&Modes::default(), &rigid), (&of_free, &rigid)] {
+            let verdict = stability(&free, modes, poles);
+            assert_eq!((verdict.kind(), verdict.reason()), (Stability::Neutral, Reason::Energy));
+        }
+    }
+
+    /// Two poles on the axis beside two that decay, of which the list holds the latter alone.
+    #[test]
+    fn poles_on_the_axis_are_in_the_count() {
+        let mut system = blank(2);
+        for i in 0..2 {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "4", i, None);
+        }
+        push(&mut system.c, "0.1", 0, None);
+        let list = |system: &LinearSystem| poles(system, &modes(system).expect("modes")).expect("poles");
+        assert!(agrees_with_count(&system, &list(&system)));
+        assert!(!agrees_with_count(&system, &list(&oscillator("1", "0.1", "4"))));
+    }
 }

@@ -368,6 +368,32 @@ mod tests {
         }
     }
 
+    /// -0.001 +- 0.01 may be 0.009, and -3 +- 1 the negative of 4.
+    #[test]
+    fn a_root_of_what_may_be_negative_is_about_zero() {
+        for (x, radius) in [(-1e-3, 1e-2), (0.0, 1e-2), (-1e-300, 1e-290), (-4.0, 25.0)] {
+            let found = root(Triple::from(x), radius);
+            let most = (radius - x).sqrt();
+            assert!(found.mid.hi == 0.0 && (most..1.001 * most).contains(&found.rad), "{x:e}: {found:?}");
+        }
+        let found = unknown_root(Ball::new(Dd::from(-3.0), 1.0));
+        assert!(found.mid.hi == 0.0 && (2.0..2.001).contains(&found.rad), "{found:?}");
+    }
+
+    /// Of three words a ball keeps two; the third one is in its radius.
+    #[test]
+    fn a_ball_holds_the_word_that_it_drops() {
+        let dropped = 2f64.powi(-120);
+        for side in [1.0, -1.0] {
+            let x = Triple::from(1.0) + Triple::from(2f64.powi(-60)) + Triple::from(side * dropped);
+            for radius in [0.0, 2f64.powi(-122), 1e-30] {
+                let found = super::ball(x, radius);
+                assert_eq!((found.mid.hi, found.mid.lo), (1.0, 2f64.powi(-60)));
+                assert!((radius + dropped..1.001 * (radius + dropped)).contains(&found.rad), "{radius:e}: {found:?}");
+            }
+        }
+    }
+
     /// A row (1, e) with |e| <= 1e-3 in K and another in M join modes of 1 and 3: with +e in one and -e in the other the first
     /// eigenvalue is (4 + 8e^2 - 2 sqrt(...))/..., less than 1 by 2e^2, from (K - M)_12 = 2e across a gap of 2.
     #[test]
@@ -465,6 +491,20 @@ mod tests {
         let k = [("1", 0, None), ("10", 1, None), ("12", 2, None)];
         let x = vectors(&[&[1.0, 0.0, 1.0], &[0.0, 1.0, 0.0], &[1.0, 0.0, -1.0]]);
         check(&k, &UNIT_MASSES, &x, &[1.0, 10.0, 12.0]);
+    }
+
+    /// K = [1 -0.51; -0.51 1] and M = [1 -0.5; -0.5 1], and both a hundred times as large: the coupling is 0.01 at both quotients, but
+    /// 0.02 at the eigenvalue 0.98.
+    #[test]
+    fn modes_of_a_group_are_coupled_by_more_outside_of_it() {
+        for [k, k_rest, m] in [["0.51", "0.49", "0.5"], ["51", "49", "50"]] {
+            let (k, m) = (
+                [(k, 0, Some(1)), (k_rest, 0, None), (k_rest, 1, None)],
+                [(m, 0, Some(1)), (m, 0, None), (m, 1, None)],
+            );
+            let found = check(&k, &m, &vectors(&[&[1.0, 0.0], &[0.0, 1.0]]), &[0.98, 1.0 + 0.01 / 1.5]);
+            assert!(found[0].radius < 0.06, "{found:?}");
+        }
     }
 
     /// K = [2 -0.3; -0.3 1] and M = [1 -0.2; -0.2 1], with the axes as vectors: at the upper quotient, 2, the coupling

@@ -391,6 +391,84 @@ pub(super) fn radius(f: &dyn Holomorphic, slope: &dyn Holomorphic, z: &ComplexFl
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::test_systems::{blank, oscillator, push};
+    use crate::base::Number;
+    use crate::system::{CoordinateId, Nature};
+
+    fn of_whole(system: &LinearSystem) -> Option<Exact> {
+        let local: Vec<u32> = (0..system.n() as u32).collect();
+        exact_poles(system, &Part::whole(system), &local)
+    }
+
+    fn poles_of(system: &LinearSystem) -> ExactPoles {
+        match of_whole(system) {
+            Some(Exact::Poles(poles)) => poles,
+            _ => panic!("as many as the degree"),
+        }
+    }
+
+    /// Oscillators side by side: m, c and k of each.
+    fn side_by_side(list: &[[&str; 3]]) -> LinearSystem {
+        let mut system = blank(list.len());
+        for (i, [m, c, k]) in list.iter().enumerate() {
+            for (form, weight) in [(&mut system.m, m), (&mut system.c, c), (&mut system.k, k)] {
+                if !weight.is_empty() {
+                    push(form, weight, i, None);
+                }
+            }
+        }
+        system
+    }
+
+    /// (s + 1)^2 with one vector and with two, a pair, a motion that is free, one without mass, and three masses in a row between
+    /// walls, where s^2 = -2 + sqrt 2, -2 and -2 - sqrt 2.
+    #[test]
+    fn poles_of_small_systems_are_those_of_the_closed_form() {
+        let check = |system: &LinearSystem, degree: usize, zeros: usize, expected: &[(f64, f64, usize, bool)]| {
+            let found = poles_of(system);
+            assert_eq!((found.degree(), found.zeros()), (degree, zeros));
+            assert_eq!(found.roots().len(), expected.len(), "{found:?}");
+            for (root, &(re, im, multiplicity, defective)) in found.roots().iter().zip(expected) {
+                let facts = (root.multiplicity, root.defective, root.real);
+                assert_eq!(facts, (multiplicity, defective, im == 0.0), "{root:?}");
+                for (part, truth) in [(root.s.re, re), (root.s.im, im)] {
+                    assert!((part.to_f64() - truth).abs() <= part.rad + 1e-15 && part.rad < 1e-30, "{root:?}");
+                }
+            }
+        };
+        check(&oscillator("1", "2", "1"), 2, 0, &[(-1.0, 0.0, 2, true)]);
+        let same = ["1", "3", "2"];
+        check(&side_by_side(&[same, same]), 4, 0, &[(-1.0, 0.0, 2, false), (-2.0, 0.0, 2, false)]);
+        check(&oscillator("1", "2", "5"), 2, 0, &[(-1.0, 2.0, 1, false)]);
+        check(&side_by_side(&[["1", "1", ""], ["", "1", "3"]]), 3, 1, &[(-1.0, 0.0, 1, false), (-3.0, 0.0, 1, false)]);
+        let mut row = side_by_side(&[["1", "", ""]; 3]);
+        (0..3).for_each(|i| push(&mut row.k, "1", i, i.checked_sub(1)));
+        push(&mut row.k, "1", 2, None);
+        let root = 2f64.sqrt();
+        let expected = [2.0 - root, 2.0, 2.0 + root].map(|square| (0.0, square.sqrt(), 1, false));
+        check(&row, 6, 0, &expected);
+    }
+
+    #[test]
+    fn what_has_no_polynomial_or_a_large_one_is_told() {
+        assert!(matches!(of_whole(&side_by_side(&[["1", "1", "1"], ["", "", ""]])), Some(Exact::Singular)));
+        let large = side_by_side(&[["1", "", "1"]; MOST_COORDINATES + 1]);
+        let local: Vec<u32> = (0..large.n() as u32).collect();
+        assert!(of_whole(&large).is_none() && half_planes_of(&large, &Part::whole(&large), &local).is_none());
+    }
+
+    /// 2 (3 x - y / 2)^2 + 5 y^2
+    #[test]
+    fn a_matrix_is_the_sum_of_its_terms() {
+        let mut form = Form::new();
+        push(&mut form, "5", 1, None);
+        let source = form.terms()[0].source;
+        let row = [(CoordinateId(0), Number::from("3")), (CoordinateId(1), -&Number::from("0.5"))];
+        form.push(source, Nature::Property, Number::from("2"), row);
+        let found = assemble(&form, &[0, 1], &[0, 1], 2).expect("rational");
+        let found: Vec<f64> = found.iter().flatten().map(Rational::to_f64).collect();
+        assert_eq!(found, [18.0, -3.0, -3.0, 5.5]);
+    }
 
     fn polynomial(coefficients: &[i64]) -> Polynomial {
         Polynomial::new(coefficients.iter().map(|&a| a.into()).collect())
@@ -478,8 +556,13 @@ mod tests {
     #[test]
     fn discs_that_meet_are_not_disjoint() {
         let disc = |at: f64, radius: f64| Rooted { z: value(at, 0.0), radius: Float::from(radius) };
-        assert!(!disc(0.0, 1.0).is_apart_from(&disc(1.5, 1.0)));
-        assert!(disc(0.0, 0.5).is_apart_from(&disc(1.5, 0.5)));
+        for unit in [1e-6, 1.0, 1e6] {
+            assert!(!disc(0.0, unit).is_apart_from(&disc(1.5 * unit, unit)));
+            assert!(disc(0.0, 0.5 * unit).is_apart_from(&disc(1.5 * unit, 0.5 * unit)));
+            // 2^-110 is the last bit that is kept.
+            let is_sharp = |share: f64| disc(unit, share * unit).is_sharp();
+            assert!(is_sharp(2f64.powi(-111)) && !is_sharp(2f64.powi(-109)));
+        }
     }
 
     /// A disc of s^2 + 1 that meets the axis is moved there, and needs the radius of its new centre to contain i or -i.

@@ -271,6 +271,27 @@ mod tests {
         }
     }
 
+    /// The solution of Q x = Q (1, 2, 3) in the same units, to what binary64 leaves of a condition of 500.
+    #[test]
+    fn a_correction_is_the_solution() {
+        let n = 3;
+        let unit = |i: usize| 2f64.powi(40 * i as i32 - 60);
+        let entries = symmetric(n, |i, j| unit(i) * unit(j) / (i + j + 1) as f64);
+        let inverse = Inverse::<Complex<f64>>::of(n, &entries).expect("a condition of 500");
+        let x = |j: usize| (j + 1) as f64 / unit(j);
+        let mut residual = vec![Complex::<Ball>::ZERO; n];
+        for entry in &entries {
+            let (i, j) = (entry.i as usize, entry.j as usize);
+            residual[i] = residual[i] + entry.value * Complex::new(Ball::from(x(j)), Ball::from(-x(j)));
+        }
+        let found = inverse.apply(&residual);
+        assert_eq!(found.len(), n);
+        for (j, found) in found.iter().enumerate() {
+            let off = [found.re.to_f64() - x(j), found.im.to_f64() + x(j)];
+            assert!(off.iter().all(|off| off.abs() < 1e-12 * x(j)), "{j}: {found:?}");
+        }
+    }
+
     /// (1 1/2; 1/2 1) with every entry uncertain by 0.3 may be singular, whatever its unit.
     #[test]
     fn a_possibly_singular_matrix_has_no_proven_inverse_in_any_unit() {

@@ -130,3 +130,75 @@ fn enclosures_agree_with_counts_of_negative_pivots() {
     }
     assert!(finite > 9000 && tight > 900, "{finite} {tight}");
 }
+
+fn identity() -> Matrix<Triple> {
+    Matrix::from_fn(3, 3, |i, j| Triple::from(if i == j { 1.0 } else { 0.0 }))
+}
+
+fn terms(k: &Symmetric, m: &Symmetric) -> (Terms, Terms) {
+    let mut system = blank(3);
+    form(&mut system, k, |system| &mut system.k);
+    form(&mut system, m, |system| &mut system.m);
+    (Terms::of(&system.k), Terms::of(&system.m))
+}
+
+/// Two modes of 10 and one of 11 in one group. K - s M couples the first two by 0.45 at 10, by nothing at 11, and by more below: the
+/// lowest eigenvalue is less than 9.2.
+#[test]
+fn a_coupling_grows_over_the_width_of_its_group() {
+    let (k, m) = (
+        [[10.0, 4.95, 0.12625], [4.95, 10.0, 0.0], [0.12625, 0.0, 11.0]],
+        [[1.0, 0.45, 0.0], [0.45, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    );
+    let ((of_k, of_m), x) = (terms(&k, &m), identity());
+    let found = enclose(&Gram::of(&of_k, &x), &Gram::of(&of_m, &x));
+    assert!(found.iter().all(|one| one.radius == found[0].radius && one.radius < 10.0), "{found:?}");
+    for (i, found) in found.iter().enumerate() {
+        let end =
+            |side: f64| count(&k, &m, found.lambda.dd() + Dd::from(side * found.radius)).expect("no pivot is zero");
+        assert!(end(-1.0) <= i && end(1.0) > i, "{i}: {found:?}");
+    }
+}
+
+/// A mode of 1 between whose neighbours of 11 masses of 0.6 act: what they take from K - s M at s = 1.5, 0.01 times 2 / (9.5 - 0.9), is
+/// within what is said of all s as far away as 0.5.
+#[test]
+fn what_is_assumed_is_in_the_coupling_of_the_others() {
+    let (k, m) =
+        ([[1.0, 0.1, 0.1], [0.1, 11.0, 0.0], [0.1, 0.0, 11.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.6], [0.0, 0.6, 1.0]]);
+    let ((of_k, of_m), x) = (terms(&k, &m), identity());
+    let (of_k, of_m) = (Gram::of(&of_k, &x), Gram::of(&of_m, &x));
+    let radius = Pencil::new(&of_k, &of_m).radius_assuming(0, 1, (0.0, 0.0), 0.5);
+    let truth = 0.01 * 2.0 / (9.5 - 0.9);
+    assert!((truth..1.1 * truth).contains(&radius), "{radius} {truth}");
+}
+
+/// Two equal modes of forms that may be off by (0.01, 0.01) times itself: with one sign in K and the other one in M, the eigenvalue is
+/// (1 - 2e-4) / (1 + 2e-4), or one over that.
+#[test]
+fn uncertainties_of_both_forms_add_up_within_a_group() {
+    let (k, m) =
+        ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 9.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let ((of_k, of_m), x, slips) = (terms(&k, &m), identity(), vec![0.01, 0.01, 0.0]);
+    let found = enclose(&Gram::of(&of_k, &x).with_slips(slips.clone()), &Gram::of(&of_m, &x).with_slips(slips));
+    let truth = (1.0 - 2e-4) / (1.0 + 2e-4);
+    for (found, truth) in found.iter().zip([truth, 1.0 / truth, 9.0]) {
+        assert!((found.lambda.hi() - truth).abs() <= found.radius && found.radius < 1e-3, "{truth}: {found:?}");
+    }
+}
+
+/// K and M that may be off by 0.01 beside the diagonals 1 and 2: by 0.03 at 2, within one of 1.
+#[test]
+fn uncertainty_of_a_coupling_grows_with_the_distance() {
+    let (k, m) =
+        ([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 9.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let ((of_k, of_m), x, slips) = (terms(&k, &m), identity(), vec![0.1, 0.1, 0.0]);
+    let (of_k, of_m) = (Gram::of(&of_k, &x).with_slips(slips.clone()), Gram::of(&of_m, &x).with_slips(slips));
+    let pencil = Pencil::new(&of_k, &of_m);
+    for span in [0.0, 1.0, 3.0] {
+        let truth = 0.01 + 0.01 * (1.0 + span);
+        for found in [pencil.coupling(0, 1, span), pencil.close_coupling(0, 1, span)] {
+            assert!((truth..1.001 * truth).contains(&found), "{span}: {found} {truth}");
+        }
+    }
+}

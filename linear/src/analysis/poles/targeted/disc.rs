@@ -566,4 +566,42 @@ mod tests {
         }
         assert!(tightest > 0.2, "{tightest}");
     }
+
+    /// X_i^T r, X_i^T Q'(s_0) x and X_i^T M x, added up over the terms: no bound is less, and that of the own mode is hardly more. A
+    /// residual that is not known is as large as it may be.
+    #[test]
+    fn what_joins_a_pair_to_the_modes_is_bounded() {
+        let system = band(40, 2, -2, 2, true, 5);
+        let all = modes(&system).expect("modes");
+        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
+        let frame = large.frame(&all.list[..14], 8).expect("a gap");
+        let start = undamped_starts(&all.list[..8], 8).swap_remove(2);
+        let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
+        let (pencil, s) = (&large.exact, pair.s.to_f64());
+        let mut applied = pencil.apply(pair.s, &pair.x);
+        let star =
+            |applied: &Application<Precise>| Star::of(&frame, pencil, &pair, applied, 1e-6).expect("finite").along;
+        let known = star(&applied);
+        for (i, (x, bounds)) in frame.x.iter().zip(&known).enumerate() {
+            let product = |squares: &Squares<Precise>, stretches: &[Complex<Precise>]| {
+                stretches.iter().enumerate().fold(Complex::ZERO, |sum, (t, stretch)| {
+                    let (indices, values) = squares.row(t);
+                    let own: f64 = indices.iter().zip(values).map(|(&i, a)| a.value.hi() * x[i as usize]).sum();
+                    sum + stretch.to_f64().scale(own * squares.weights[t].value.hi())
+                })
+            };
+            let inertia = product(&pencil.m, &applied.m_stretch);
+            let slope = (s * inertia).scale(2.0) + product(&pencil.c, &applied.c_stretch);
+            let [_, of_slope, of_inertia] = bounds;
+            assert!(*of_inertia >= inertia.abs() * (1.0 - 1e-12), "{i}: {bounds:?}");
+            assert!(*of_slope >= slope.abs() * (1.0 - 1e-12), "{i}: {bounds:?}");
+            if i == 2 {
+                assert!(*of_inertia <= 1.01 * inertia.abs() && *of_slope <= 1.5 * slope.abs(), "{bounds:?} {slope:?}");
+            }
+        }
+        applied.force.iter_mut().for_each(|force| force.re.radius += 1e-3);
+        for (x, [of_force, ..]) in frame.x.iter().zip(star(&applied)) {
+            assert!(of_force >= 1e-3 * x.iter().map(|x| x.abs()).sum::<f64>());
+        }
+    }
 }

@@ -256,6 +256,7 @@ mod tests {
     use crate::analysis::modes::modes;
     use crate::analysis::poles::poles;
     use crate::analysis::test_systems::{blank, oscillator, push};
+    use crate::system::LinearSystem;
 
     /// m = 1, k = 1, c = 0.2: a peak at sqrt 0.98, and no other extremum.
     #[test]
@@ -355,6 +356,136 @@ mod tests {
                 let bound = sum.most_on_circle(&modal, omega, radius);
                 assert!(largest <= bound * (1.0 + 1e-9) && bound < 100.0 * largest, "{omega:?} {largest:e} {bound:e}");
             }
+        }
+    }
+
+    fn known(size: f64) -> Gain {
+        Gain::Finite(Disc { value: Complex::new(Dd::ZERO, Dd::from(-size)), radius: 1e-20 })
+    }
+
+    /// Maxima and minima of a grid; at a plateau they count once, and beside a value without a correct digit not at all.
+    #[test]
+    fn brackets_are_the_maxima_and_minima_of_a_grid() {
+        let of = |sizes: &[f64]| {
+            let list: Vec<(f64, Gain)> = (1..).zip(sizes).map(|(i, &size)| (f64::from(i), known(size))).collect();
+            significant_brackets(&list)
+        };
+        let two_pi = 2.0 * std::f64::consts::PI;
+        let at = |low: f64, kind: FeatureKind| ((low * two_pi, (low + 2.0) * two_pi), kind);
+        use FeatureKind::{Antiresonance, Peak};
+        assert_eq!(of(&[1.0, 3.0, 2.0, 1.0, 4.0]), [at(1.0, Peak), at(3.0, Antiresonance)]);
+        assert_eq!(of(&[1.0, 3.0, 3.0, 2.0, 2.0, 5.0]), [at(1.0, Peak), at(3.0, Antiresonance)]);
+        assert!(of(&[3.0, 3.0, 3.0]).is_empty() && of(&[1.0, 1.0, 2.0]).is_empty() && of(&[2.0, 2.0, 1.0]).is_empty());
+        for which in 0..3 {
+            let mut list = [(1.0, known(1.0)), (2.0, known(3.0)), (3.0, known(2.0))];
+            list[which].1 = Gain::Unknown;
+            assert_eq!(significant_brackets(&list).len(), usize::from(which == 1), "{which}");
+            list[which].1 = Gain::Finite(Disc { value: Complex::real(Dd::ONE), radius: 0.5 });
+            assert!(which == 1 || significant_brackets(&list).is_empty(), "{which}");
+        }
+    }
+
+    /// Two masses in a row from a wall, of which only the first is damped: between the frequencies of a grid both peaks and the
+    /// minimum at 1 rad/s are found, and in open ranges only those in them; nothing is said of the rest.
+    #[test]
+    fn a_grid_leads_to_the_extrema_in_its_open_ranges() {
+        let mut system = blank(2);
+        for i in 0..2 {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "1", i, i.checked_sub(1));
+        }
+        let poles = poles(&system, &modes(&system).expect("modes")).expect("poles");
+        let mut damped = system.clone();
+        push(&mut damped.c, "0.01", 0, None);
+        let two_pi = 2.0 * std::f64::consts::PI;
+        let grid: Vec<f64> = (1..60).map(|i| 0.04 * f64::from(i) / two_pi).collect();
+        let found = |system: &LinearSystem, poles: &Poles, open: &[(f64, f64)]| {
+            let transfer = Transfer::of(system);
+            let exact = |hertz: f64| Number::from(Rational::from_f64(hertz).expect("finite"));
+            let at = |hertz: f64| transfer.at(&Frequency::hertz(&exact(hertz)))[0][0];
+            let gains: Vec<(f64, Gain)> = grid.iter().map(|&hertz| (hertz, at(hertz))).collect();
+            let found = bracket(&transfer, (0, 0), None, poles, &gains, open);
+            assert!(found.complete.is_none());
+            assert_eq!(found.open, [(grid[0], grid[58])]);
+            found
+                .list
+                .iter()
+                .map(|one| (one.kind, one.gain == Gain::Infinite, one.frequency.to_f64() * two_pi))
+                .collect::<Vec<_>>()
+        };
+        let root = 5f64.sqrt();
+        let expected = [
+            (FeatureKind::Peak, ((3.0 - root) / 2.0).sqrt()),
+            (FeatureKind::Antiresonance, 1.0),
+            (FeatureKind::Peak, ((3.0 + root) / 2.0).sqrt()),
+        ];
+        let none = Poles::default();
+        for (system, poles, infinite) in [(&system, &poles, true), (&damped, &none, false)] {
+            for open in 0..8u32 {
+                // About each of them, in any number.
+                let about = |i: usize| ((expected[i].1 - 0.1) / two_pi, (expected[i].1 + 0.1) / two_pi);
+                let ranges: Vec<(f64, f64)> = (0..3).filter(|i| open >> i & 1 == 1).map(about).collect();
+                let list = found(system, poles, &ranges);
+                let wanted: Vec<usize> = (0..3).filter(|i| open == 0 || open >> i & 1 == 1).collect();
+                assert_eq!(list.len(), wanted.len(), "{open} {list:?}");
+                for (found, &i) in list.iter().zip(&wanted) {
+                    let facts = (found.0, found.1);
+                    assert_eq!(
+                        facts,
+                        (expected[i].0, infinite && expected[i].0 == FeatureKind::Peak),
+                        "{open} {list:?}"
+                    );
+                    assert!((found.2 - expected[i].1).abs() < if infinite { 1e-14 } else { 1e-3 }, "{open} {list:?}");
+                }
+            }
+        }
+    }
+
+    /// Peaks at sqrt 0.98: what was known to 1e-12 is known to more digits afterwards, unless the ball does not hold the extremum, or
+    /// another ball meets it; a zero and what is infinite stay.
+    #[test]
+    fn an_extremum_is_sharpened_within_its_ball_alone() {
+        let system = oscillator("1", "0.2", "1");
+        let transfer = Transfer::of(&system);
+        let truth = Number::from("0.98").sqrt().expect("positive").to_ball() / (Ball::from(2.0) * Ball::PI);
+        let known = |off: f64, radius: f64, gain: Gain| Extremum {
+            kind: FeatureKind::Peak,
+            frequency: Ball::new(truth.mid + Dd::from(off), radius),
+            gain,
+            width: None,
+        };
+        let rough = Gain::Finite(Disc { value: Complex::real(Dd::from(5.0)), radius: 1.0 });
+        let sharpened =
+            |list: Vec<Extremum>| sharpen(&transfer, 0, 0, Extrema { list, complete: None, open: Vec::new() }).list;
+        for (off, radius, is_sharp) in [
+            (1e-13, 1e-12, true),
+            (-1e-13, 1e-12, true),
+            (1e-9, 1e-8, true),
+            (2e-12, 1e-12, false),
+            (-3e-14, 1e-15, false),
+        ] {
+            let before = known(off, radius, rough);
+            let after = sharpened(vec![before.clone()]).remove(0);
+            if is_sharp {
+                assert!((after.frequency - truth).contains_zero() && after.frequency.rad < 1e-25, "{off:e}: {after:?}");
+                // 1 / (2 zeta sqrt(1 - zeta^2)) with zeta = 0.1
+                let gain = after.gain.disc().expect("finite").gain();
+                assert!((gain.to_f64() - 1.0 / (0.2 * 0.99f64.sqrt())).abs() < 1e-14 && gain.rad < 1e-20, "{gain:?}");
+            } else {
+                assert_eq!((after.frequency, after.gain), (before.frequency, before.gain), "{off:e}");
+            }
+        }
+        for gain in [Gain::Infinite, Gain::Finite(Disc { value: Complex::ZERO, radius: 0.0 })] {
+            let before = known(1e-13, 1e-12, gain);
+            let after = sharpened(vec![before.clone()]).remove(0);
+            assert_eq!((after.frequency, after.gain), (before.frequency, gain));
+        }
+        // Of two balls that hold it neither is sharpened; one that is apart from it says nothing.
+        let both = sharpened(vec![known(-1e-13, 1e-12, rough), known(1e-13, 1e-12, rough)]);
+        assert!(both.iter().all(|one| one.frequency.rad == 1e-12), "{both:?}");
+        for (list, at) in [([1e-13, 1e-3], 0), ([-1e-3, 1e-13], 1)] {
+            let list = sharpened(list.map(|off| known(off, 1e-12, rough)).to_vec());
+            assert!(list[at].frequency.rad < 1e-25 && list[1 - at].frequency.rad == 1e-12, "{list:?}");
         }
     }
 }

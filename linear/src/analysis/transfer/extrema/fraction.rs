@@ -293,7 +293,7 @@ fn through(output: &Output, inputs: &[usize]) -> Option<Entry> {
 mod tests {
     use super::*;
 
-    use crate::analysis::test_systems::oscillator;
+    use crate::analysis::test_systems::{blank, oscillator, push};
     use crate::analysis::transfer::Frequency;
     use crate::analysis::transfer::extrema::Exactly;
 
@@ -313,5 +313,93 @@ mod tests {
         let (reported, truth) = (gain(Number::Ball(Ball::from(4.0).widen(1e-3))), gain(Number::from("4.001")));
         let error = (reported.value - truth.value).to_f64().abs();
         assert!(error > 1e-5 && error <= reported.radius && reported.radius < 0.01, "{error:e} {:e}", reported.radius);
+    }
+
+    /// Two masses between walls, Q = [s^2 + 2, -1; -1, s^2 + s + 2], with forces f and 2 f on them: the sum of both displacements and f.
+    #[test]
+    fn inputs_that_act_together_have_one_quotient() {
+        let mut system = blank(2);
+        for i in 0..2 {
+            push(&mut system.m, "1", i, None);
+            push(&mut system.k, "1", i, None);
+        }
+        push(&mut system.k, "1", 0, Some(1));
+        push(&mut system.c, "1", 1, None);
+        system.inputs[1].b[0][0].1 = Number::from("2");
+        system.outputs[0].p[0].push((CoordinateId(1), Number::ONE));
+        system.outputs[0].d[0].push((1, Number::from("0.5")));
+        let output = system.outputs[0].clone();
+        let found = Quotient::of(&system, &[0, 1], &output).expect("rational");
+        let at = |f: &Polynomial, s: i64| Rational::from(BigRational::from(value(f, s)));
+        for s in 1..6i64 {
+            let [first, second] = [s * s + 2, s * s + s + 2];
+            let determinant = first * second - 1;
+            // p^T adj(Q) b + d det Q, with b = (1, 2) and p = (1, 1).
+            let above = BigRational::from(BigInt::from(second + 2 + 1 + 2 * first))
+                + BigRational::new(BigInt::from(determinant), BigInt::from(2));
+            let truth = Rational::from(above / BigRational::from(BigInt::from(determinant)));
+            let both = &found.factor * &at(&found.above, s);
+            assert_eq!(both, &truth * &at(&found.below, s), "{s}");
+        }
+        // 1 / (s^2 + s / 2 + 4), and s^2 + 1 / det Q of three masses between walls, from the last to the first.
+        let mut row = blank(3);
+        for i in 0..3 {
+            push(&mut row.m, "1", i, None);
+            push(&mut row.k, "1", i, i.checked_sub(1));
+        }
+        push(&mut row.k, "1", 2, None);
+        row.outputs[0].d[2].push((2, Number::ONE));
+        for (system, input) in [(oscillator("1", "0.5", "4"), 0), (row, 2)] {
+            let output = system.outputs[0].clone();
+            let found = Quotient::of(&system, &[input], &output).expect("rational");
+            for s in 0..12i64 {
+                let d = s * s + 2;
+                let [below, above] = match input {
+                    0 => [2 * s * s + s + 8, 2],
+                    _ => [d * (d * d - 2), 1 + s * s * d * (d * d - 2)],
+                };
+                let both = &(&found.factor * &at(&found.above, s)) * &Rational::from(below);
+                assert_eq!(both, &Rational::from(above) * &at(&found.below, s), "{input} {s}");
+            }
+        }
+        // Uncertain numbers, no stiffness at all, and too many coordinates.
+        let mut uncertain = oscillator("1", "0.5", "4");
+        uncertain.inputs[0].b[0][0].1 = Number::Ball(Ball::ONE.widen(1e-3));
+        let mut uncertain_below = oscillator("1", "0.5", "4");
+        let term = uncertain_below.k.terms()[0].clone();
+        let source = uncertain_below.k.source(uncertain_below.k.source_of(term.source));
+        let row = uncertain_below.k.row(&term).to_vec();
+        uncertain_below.k.push(source, term.nature, Number::Ball(Ball::ZERO.widen(1e-3)), row);
+        let nothing = blank(1);
+        let large = blank(MOST_COORDINATES + 1);
+        for system in [uncertain, uncertain_below, nothing, large] {
+            let output = system.outputs[0].clone();
+            assert!(Quotient::of(&system, &[0], &output).is_none());
+        }
+    }
+
+    /// |H|^2 = (u - 4)^2 / (u^2 - 6 u + 25), u = omega^2, of H = (s^2 + 4) / (s^2 + 2 s + 5): the roots on the left, and half of those on the
+    /// axis, common factors aside.
+    #[test]
+    fn a_function_has_half_of_the_roots_of_its_square() {
+        let polynomial = |list: &[i64]| Polynomial::new(list.iter().map(|&a| a.into()).collect());
+        let facts = |list: &[Root]| -> Vec<(f64, f64, usize)> {
+            list.iter().map(|root| (root.centre.re.to_f64(), root.centre.im.to_f64(), root.multiplicity)).collect()
+        };
+        // s^4 + 6 s^2 + 25 = (s^2 + 2 s + 5)(s^2 - 2 s + 5)
+        let below = polynomial(&[25, -6, 1]);
+        let found = Factored::of_square(&polynomial(&[16, -8, 1]), &below).expect("roots");
+        assert_eq!((facts(&found.zeros), facts(&found.poles)), (vec![(0.0, 2.0, 1)], vec![(-1.0, 2.0, 1)]));
+        assert_eq!((found.lead, found.unit), (Ball::ONE, 1.0));
+        // Times u^2 + 1 and 3 u^2 + 3.
+        let found = Factored::of_square(&polynomial(&[16, -8, 17, -8, 1]), &polynomial(&[75, -18, 78, -18, 3]));
+        let found = found.expect("roots");
+        assert_eq!((facts(&found.zeros), facts(&found.poles)), (vec![(0.0, 2.0, 1)], vec![(-1.0, 2.0, 1)]));
+        // u is omega squared, and u^2 is that of omega^2.
+        for (above, multiplicity) in [(polynomial(&[0, 1]), 1), (polynomial(&[0, 0, 1]), 2)] {
+            assert_eq!(facts(&Factored::of_square(&above, &below).expect("roots").zeros), [(0.0, 0.0, multiplicity)]);
+        }
+        // u - 4 has a sign: the square of no function.
+        assert!(Factored::of_square(&polynomial(&[-4, 1]), &below).is_none());
     }
 }

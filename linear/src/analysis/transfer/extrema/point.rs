@@ -446,12 +446,50 @@ mod tests {
         }
     }
 
-    /// 200 decimals of pi end in 196; the first 50 of them are enough here.
+    /// To 100 decimals.
     #[test]
     fn pi_is_pi() {
-        let known: BigInt = "314159265358979323846264338327950288419716939937510".parse().expect("digits");
-        let scaled = &wide_pi() * &Float::from(BigInt::from(10).pow(50u32));
+        let known =
+            "31415926535897932384626433832795028841971693993751058209749445923078164062862089986280348253421170679";
+        let known: BigInt = known.parse().expect("digits");
+        let scaled = &wide_pi() * &Float::from(BigInt::from(10).pow(100u32));
         assert!((&scaled - &Float::from(known)).to_f64().abs() < 1.0);
+    }
+
+    /// A frequency of 1/7 Hz, 2 pi / 7 rad/s, to what 360 bits leave, beside the exact quotient of pi.
+    #[test]
+    fn an_exact_frequency_is_known_to_a_hundred_digits() {
+        let check = |frequency: &Frequency, times: BigInt, truth: &Float| {
+            let (found, radius) = wide_omega(frequency).expect("exact");
+            let off = (&(&found * &Float::from(times)) - truth).to_f64().abs();
+            assert!(off <= 8.0 * radius && radius < 1e-85, "{off:e} {radius:e}");
+        };
+        let seventh = Number::from(7).recip().expect("not zero");
+        check(&Frequency::hertz(&seventh), BigInt::from(7), &(&wide_pi() * &Float::from(2.0)));
+        check(&Frequency::radians(&seventh), BigInt::from(7), &Float::from(1.0));
+        assert!(wide_omega(&Frequency::hertz(&Number::Ball(Ball::ONE))).is_none());
+    }
+
+    /// The peak at sqrt 0.98 in ranges that end on either side of it, and the numbers of zeros and poles.
+    #[test]
+    fn extrema_are_those_within_the_range() {
+        let exactly = exact_transfer(&oscillator("1", "0.2", "1"), 0, 0);
+        for (low, high, count) in [(1e-3, 0.98, 0), (1e-3, 0.995, 1), (0.98, 0.995, 1), (0.995, 1e3, 0), (0.98, 1e3, 1)]
+        {
+            let found = exactly.extrema(Ball::from(low), Ball::from(high));
+            assert!(found.complete.is_some() && found.open.is_empty(), "{low} {high}: {found:?}");
+            assert_eq!(found.list.len(), count, "{low} {high}: {found:?}");
+        }
+        let of_far = |far: Far| Exactly { far, ..exactly.clone() };
+        let loose = of_far(Far { count: 1, beyond: 1e9 });
+        assert_eq!((exactly.excess(), loose.excess(), exactly.roots()), (Some(-2), None, 2));
+        assert_eq!((exactly.has_loose_roots(), loose.has_loose_roots()), (false, true));
+        assert!((exactly.largest() - 0.99f64.sqrt()).abs() < 1e-15);
+        let nothing = Exactly { lead: Ball::ZERO, ..exactly.clone() };
+        assert!(nothing.excess() == Some(0) && nothing.extrema(Ball::from(1e-3), Ball::from(1e3)).complete.is_some());
+        // Of two real poles the larger.
+        let exactly = exact_transfer(&oscillator("1", "5", "4"), 0, 0);
+        assert!((exactly.largest() - 4.0).abs() < 1e-15);
     }
 
     /// At a frequency next to the peak of an oscillator with zeta = 1e-20: 1 / (k - omega^2 + i omega c).
@@ -577,6 +615,18 @@ mod tests {
             assert_eq!(exactly.locate(&mut search).len(), usize::from(is_enclosed));
             assert_eq!(search.open.len(), usize::from(!is_enclosed));
             assert_eq!(exactly.open(&search, 0.1, 3.0).len(), usize::from(!is_enclosed));
+            if !is_enclosed {
+                // Two more, of which one meets it, cut off at the range.
+                search.open.push(Interval { anchor: 1, low: peak + half, high: peak + 0.1 });
+                search.open.push(Interval { anchor: 0, low: 2.0, high: 4.0 });
+                let two_pi = 2.0 * std::f64::consts::PI;
+                let expected = [(1.0 + peak - half, 1.1 + peak), (2.0, 3.0)];
+                for (found, truth) in exactly.open(&search, 0.1, 3.0).into_iter().zip(expected) {
+                    let off = [found.0 * two_pi - truth.0, found.1 * two_pi - truth.1];
+                    assert!(off.iter().all(|off| off.abs() < 1e-14), "{found:?}");
+                }
+                assert_eq!((exactly.open(&search, 0.1, 3.0).len(), exactly.open(&search, 0.1, 0.5).len()), (2, 0));
+            }
         }
     }
 
@@ -605,6 +655,22 @@ mod tests {
                 "{radius}"
             );
             assert!(radius > 1e-6 || (gain(found).is_some() && found.width.is_some() && reported.complete.is_some()));
+        }
+    }
+
+    /// Where |H| is less than half of the peak's power already, on either side, no half-power point is found.
+    #[test]
+    fn a_path_without_a_half_power_point_has_none() {
+        let exactly = resonance(-0.1, 1.0, 0.0);
+        let peak = exactly.anchors[1].size(Ball::ONE, Ball::from(0.99f64.sqrt() - 1.0));
+        let factor = Ball::from(2.0).sqrt() / peak;
+        let found = |low: f64, high: f64, up: bool| exactly.half_power(factor, Interval { anchor: 1, low, high }, up);
+        assert!(found(0.2, 0.5, true).is_none() && found(-0.5, -0.2, false).is_none());
+        // (omega^2 + 1.01)^2 - 4 omega^2 is twice what it is at the peak, 0.04.
+        for (low, high, up) in [(0.0, 0.5, true), (-0.5, -0.01, false)] {
+            let omega = 1.0 + found(low, high, up).expect("a crossing").to_f64();
+            let square = (omega * omega + 1.01).powi(2) - 4.0 * omega * omega;
+            assert!((square - 0.08).abs() < 1e-14, "{omega} {square}");
         }
     }
 

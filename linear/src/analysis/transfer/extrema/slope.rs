@@ -474,41 +474,4 @@ impl Cell {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Poles at re +- i im, with a radius of uncertainty.
-    fn pair(re: f64, im: f64, radius: f64) -> Root {
-        let centre = crate::kernel::big_float::ComplexFloat::new(Float::from(re), Float::from(im));
-        Root { centre, radius: Float::from(radius), multiplicity: 1, place: Place::Pair }
-    }
-
-    /// The anchor at zero for a system with poles only.
-    fn of_poles(poles: Vec<Root>) -> Anchor {
-        anchors(&Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles, far: Far::NONE }).remove(0)
-    }
-
-    /// The derivative of -t / (t^2 + 1) is zero at t = 1.
-    #[test]
-    fn where_the_slope_vanishes_a_cell_is_not_monotone() {
-        let anchor = of_poles(vec![pair(-1.0, 0.0, 0.0)]);
-        assert!(!anchor.cell(0.9, 0.2, true).is_monotone());
-        assert!(anchor.cell(0.5, 0.05, true).is_monotone());
-    }
-
-    /// Poles at -1 +- 2i have their peak at sqrt 3 = 1.732; poles at -1 +- 1.96i would have it at 1.686. With a radius
-    /// of 0.1 the sign of the slope of ln |H| at 1.7 is not known.
-    #[test]
-    fn uncertainty_of_a_root_is_in_the_sign() {
-        let at = 1.7;
-        let known = of_poles(vec![pair(-1.0, 2.0, 0.0)]);
-        assert!(known.cell(at, 0.0, true).has_no_root() && known.sign(at) == 1);
-        let blurred = of_poles(vec![pair(-1.0, 2.0, 0.1)]);
-        assert!(!blurred.cell(at, 0.0, true).has_no_root());
-        assert_eq!((blurred.sign(at), blurred.sign_at(Dd::from(at))), (0, 0));
-        for term in &blurred.terms {
-            let off = term.offset.mid.abs().to_f64() - 2.0;
-            assert!(off.abs() + 0.1 <= term.offset.rad && term.re.rad >= 0.1, "{term:?}");
-        }
-    }
-}
+mod tests;

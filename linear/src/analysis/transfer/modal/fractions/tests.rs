@@ -301,3 +301,32 @@ fn what_is_not_covered_is_refused() {
         assert_eq!(sum.fractions(&sum.pair(&system, 0, 0)).is_some(), held == "0");
     }
 }
+
+/// i^k for the powers k of s: real, imaginary, or both.
+#[test]
+fn without_damping_h_is_real_or_imaginary_by_its_powers_of_s() {
+    for powers in 0..32u32 {
+        for through in 0..8u32 {
+            let of = |bits: u32| (0..5).filter(move |power| bits >> power & 1 == 1);
+            let residues = |power: u32| Residues {
+                power: power as usize,
+                products: Vec::new(),
+                rounded: Vec::new(),
+                p_square: Vec::new(),
+                b_square: Vec::new(),
+                slack: Vec::new(),
+                exact_slack: Vec::new(),
+            };
+            let feed_through =
+                std::array::from_fn(|power| if through >> power & 1 == 1 { Ball::ONE } else { Ball::ZERO });
+            let pair = ModalPair { residues: of(powers).map(residues).collect(), feed_through };
+            let all = powers | through;
+            let expected = match (all & 0b10101 != 0, all & 0b01010 != 0) {
+                (_, false) => Part::Real,
+                (false, true) => Part::Imaginary,
+                (true, true) => Part::Both,
+            };
+            assert_eq!(part(&pair), expected, "{powers:b} {through:b}");
+        }
+    }
+}
