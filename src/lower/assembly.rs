@@ -565,7 +565,7 @@ impl<'a> Assembly<'a> {
     pub fn motion(&mut self, motion: &Motion) -> (u8, Row) {
         match motion {
             Motion::Point { part, at, direction, derivative } => {
-                let end = self.kinematics.point(*part, at.as_ref());
+                let end = self.kinematics.point(*part, at.as_deref());
                 (*derivative, self.displacement_row(end, &Vector::of(direction)))
             }
             Motion::Turn { part, derivative } => {

@@ -109,7 +109,7 @@ impl Mechanism {
                 stretch.at(&reach.displacement, &between.turn(&self.state)).change().clone()
             }
             Motion::Point { part, at, direction, .. } => {
-                let end = self.kinematics.point(*part, at.as_ref());
+                let end = self.kinematics.point(*part, at.as_deref());
                 loads::path_from_ground(&self.kinematics, end, &mut between.path);
                 reach.measure(&self.kinematics, &self.state, &between.path);
                 let direction = Vector::of(direction);

@@ -327,17 +327,25 @@ impl<'a> Check<'a> {
             return;
         }
         if self.walk.varies && !environment.is_top() {
+            let indices = self.describe_environment(environment, "`");
             let text = &mut diagnostic.primary.text;
-            let place = self.words.place_name(self.place_of(environment));
-            let place = place.map(|name| format!("in `{}`", self.words.display(name)));
-            let indices = self.environments.indices(environment);
-            let indices = indices.iter().map(|(symbol, value)| format!("{} = {value}", self.words.text(*symbol)));
-            let indices = place.into_iter().chain(indices).collect::<Vec<_>>().join(", ");
             *text = if text.is_empty() { indices } else { format!("{text}, {indices}") };
         }
         if let Some(diagnostic) = self.blame_argument(diagnostic, environment) {
             self.say(diagnostic);
         }
+    }
+
+    /// The place of a component and the values of the indices of an environment: `in front, i = 2`, with marks around the name.
+    fn describe_environment(&self, environment: Environment, marks: &str) -> String {
+        if environment.is_top() {
+            return String::new();
+        }
+        let place = self.words.place_name(self.place_of(environment));
+        let place = place.map(|name| format!("in {marks}{}{marks}", self.words.display(name)));
+        let indices = self.environments.indices(environment);
+        let indices = indices.iter().map(|(symbol, value)| format!("{} = {value}", self.words.text(*symbol)));
+        place.into_iter().chain(indices).collect::<Vec<_>>().join(", ")
     }
 
     /// Adds a finding, once for each place, unless there are too many.

@@ -351,7 +351,7 @@ impl<'a> Check<'a> {
         }
         Ok(match direction {
             Some(direction) => {
-                let at = at.or_else(|| self.own_position(part)).map(|at| (*at).clone());
+                let at = at.or_else(|| self.own_position(part));
                 ((Motion::Point { part, at, direction, derivative }, dimension), Number::ONE)
             }
             None => {

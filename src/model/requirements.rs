@@ -89,7 +89,8 @@ impl<'a> Check<'a> {
             Measure::Stable => {
                 let unit = Written { text: String::new(), factor: Some(Number::ONE) };
                 let (span, value) = (node.span, Number::ZERO);
-                Ok(Question { measure: Measure::Stable, span, value, radians: None, unit })
+                let within = self.describe_environment(environment, "");
+                Ok(Question { measure: Measure::Stable, span, value, radians: None, unit, within })
             }
             _ => self.fail(environment, QuestionError::RequireWhat { span: node.span, suggestion: None }),
         }
@@ -112,7 +113,8 @@ impl<'a> Check<'a> {
             let dimension = difference.dimension.unwrap_or(Dimension::NONE);
             let measure = Measure::Combined(Box::new(difference.combined));
             let unit = unit_of(&measure, dimension);
-            return Ok(Question { measure, span: whole, value: Number::ZERO, radians: None, unit });
+            let within = self.describe_environment(environment, "");
+            return Ok(Question { measure, span: whole, value: Number::ZERO, radians: None, unit, within });
         }
         let dimension = left.dimension.unwrap_or(Dimension::NONE);
         let measured = Measured { measure: Measure::Combined(Box::new(left.combined)), dimension };
@@ -132,7 +134,8 @@ impl<'a> Check<'a> {
             return self.fail(environment, QuestionError::MeasureAsValue { span });
         }
         let unit = unit_of(&measure, dimension);
-        Ok(Question { measure, span, value: Number::ZERO, radians: None, unit })
+        let within = self.describe_environment(environment, "");
+        Ok(Question { measure, span, value: Number::ZERO, radians: None, unit, within })
     }
 
     /// A measure and the number that it is compared with.
@@ -158,7 +161,8 @@ impl<'a> Check<'a> {
                 _ => unit.text,
             };
         }
-        Ok(Question { measure: measured.measure, span: at, value: number, radians, unit })
+        let within = self.describe_environment(environment, "");
+        Ok(Question { measure: measured.measure, span: at, value: number, radians, unit, within })
     }
 
     /// Whether an expression mentions a measure.

@@ -208,7 +208,7 @@ pub struct MotionTerm {
 pub enum Motion {
     /// Displacement, velocity or acceleration (derivative 0, 1, 2), measured from rest, of a point of a part along a
     /// fixed direction.
-    Point { part: Part, at: Option<Vec3>, direction: Vec3, derivative: u8 },
+    Point { part: Part, at: Option<Arc<Vec3>>, direction: Vec3, derivative: u8 },
     /// Rotation, angular velocity or angular acceleration, measured from rest.
     Turn { part: Part, derivative: u8 },
     /// Change of an element's tension or force from rest, N or N m.
@@ -646,6 +646,15 @@ pub struct Question {
     /// The value as an angular frequency, rad/s, if it was written as one: it may be exact in rad/s but not in Hz.
     pub radians: Option<Number>,
     pub unit: Written,
+    /// The place of a component and the repetitions that it is written in: `in front, i = 2`; empty outside of these.
+    pub within: String,
+}
+
+impl Question {
+    /// A text of the model about it, with the place and the repetitions that it is written in: the same text is there once for each.
+    pub fn name(&self, text: &str) -> String {
+        if self.within.is_empty() { text.to_string() } else { format!("{text} ({})", self.within) }
+    }
 }
 
 /// `solve p in low .. high: measure = value`.

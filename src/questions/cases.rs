@@ -198,14 +198,16 @@ impl<'a> Study<'a> {
             if measured.ends_with(&[true]) {
                 list.push(of_measure);
             }
-            list.push(column(one_line(self.sources.slice(require.span)), "", Holds::Verdict));
+            let verdict = require.question.name(&one_line(self.sources.slice(require.span)));
+            list.push(column(verdict, "", Holds::Verdict));
         }
         list.extend(scene.asked.iter().map(|question| self.measure_column(question, Holds::Measure)));
         (list, measured)
     }
 
     fn measure_column(&self, question: &Question, holds: Holds) -> Column {
-        Column { name: one_line(self.sources.slice(question.span)), unit: question.unit.text.clone(), holds }
+        let name = question.name(&one_line(self.sources.slice(question.span)));
+        Column { name, unit: question.unit.text.clone(), holds }
     }
 
     /// Whether only the lowest frequencies and the poles are requested.

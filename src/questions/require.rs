@@ -100,7 +100,7 @@ fn requirement(
         Measurement::Failed(why) => Value::None(why),
     };
     Requirement {
-        text: text.sources.slice(require.span).to_string(),
+        text: question.name(text.sources.slice(require.span)),
         span: require.span,
         holds,
         value,

@@ -306,7 +306,7 @@ impl<'a> Unknowns<'a> {
 
     /// The measure as it is written.
     pub fn measure(&self, question: &Question) -> String {
-        self.text.sources.slice(question.span).to_string()
+        question.name(self.text.sources.slice(question.span))
     }
 
     /// The target of a measure as text.

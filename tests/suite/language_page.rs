@@ -447,6 +447,17 @@ fn a_spring_of_free_length_reaches_its_rest() {
     assert_eq!(answer.lowered.rest.displacement[0].to_f64(), -0.3);
 }
 
+/// A body's own centre is where it is, whatever is known of its coordinates: x and y do not turn it.
+#[test]
+fn an_initial_state_of_a_free_body_needs_no_angle() {
+    let answer = ask("param a = 10 deg\nbody b { mass = 2 kg, inertia = 1 kg*m^2, at = (cos(a) * 1 m, 0), free }
+spring a: ground -- b { k = 20 N*m/rad }\nspring v: ground -- b { k = 192 N/m, along = x }
+spring u: ground -- b { k = 183 N/m, along = y }\ninitial b { x = -1 m, y = 0.5 m }");
+    let initial = answer.lowered.system.initial;
+    let values: Vec<(usize, f64)> = initial.iter().map(|(at, x, _)| (at.index(), x.to_f64())).collect();
+    assert_eq!(values, [(0, -1.0), (1, 0.5)]);
+}
+
 #[test]
 fn an_initial_state_is_kept() {
     let answer = ask("body block { mass = 1 kg, moves x }\nspring k: ground -- block { k = 1 N/m }

@@ -42,6 +42,49 @@ fn number(field: &str) -> f64 {
     field.parse().unwrap_or_else(|_| panic!("`{field}` is no number"))
 }
 
+/// A requirement in a repetition or a component is there once for each, with a column of its own that says which: sqrt(k/m) and 1/(k - m w^2)
+/// of three blocks, and of two components.
+#[test]
+fn requirements_of_repetitions_and_places_have_columns_of_their_own() {
+    let w = 2.0 * PI;
+    let (heading, rows) = table(
+        "param m0 = 1 kg\nrepeat i in 1..3 {\n  body b[i] { mass = i * m0, moves x }\n  spring s[i]: ground -- b[i] { k = 100 N/m }\n  \
+         force F[i]: b[i] along x\n  output x[i] = b[i].x\n  require gain(F[i] -> x[i], 1 Hz) < 2 cm/N\n  \
+         require frequency(i) < 1.5 Hz\n}\n",
+        &["--over", "m0=1kg,1.1kg"],
+    );
+    let place =
+        |name: &str| heading.iter().position(|own| own == name).unwrap_or_else(|| panic!("{name}: {heading:?}"));
+    for (row, m0) in rows.iter().zip([1.0, 1.1]) {
+        for i in 1..=3 {
+            let gain = 1.0 / (100.0 - f64::from(i) * m0 * w * w).abs();
+            let frequency = (100.0 / (f64::from(4 - i) * m0)).sqrt() / w;
+            for (measure, limit, truth, unit) in [
+                ("gain(F[i] -> x[i], 1 Hz)", "< 2 cm/N", 100.0 * gain, " [cm/N]"),
+                ("frequency(i)", "< 1.5 Hz", frequency, " [Hz]"),
+            ] {
+                let found = number(&row[place(&format!("{measure} (i = {i}){unit}"))]);
+                assert!((found - truth).abs() < 1e-12 * truth, "{measure} {i}: {found} {truth}");
+                let most = if unit == " [Hz]" { 1.5 } else { 2.0 };
+                assert_eq!(row[place(&format!("{measure} {limit} (i = {i})"))], (truth < most).to_string());
+            }
+        }
+    }
+    let (heading, rows) = table(
+        "component osc(m: kg) {\n  body b { mass = m, moves x }\n  spring s: ground -- b { k = 100 N/m }\n  force F: b along x\n  \
+         output out = b.x\n  require gain(F -> out, 1 Hz) < 2 cm/N\n}\nparam m0 = 1 kg\nplace near = osc(m = m0)\nplace far = osc(m = 2 * m0)\n",
+        &["--over", "m0=1kg,1.1kg"],
+    );
+    for (name, share) in [("near", 1.0), ("far", 2.0)] {
+        let place =
+            heading.iter().position(|own| own.starts_with("gain") && own.ends_with(&format!("(in {name}) [cm/N]")));
+        for (row, m0) in rows.iter().zip([1.0, 1.1]) {
+            let truth = 100.0 / (100.0 - share * m0 * w * w).abs();
+            assert!((number(&row[place.expect("a column")]) - truth).abs() < 1e-12 * truth);
+        }
+    }
+}
+
 /// The value is the truth, up to its bound and the rounding of the truth itself.
 fn meets(row: &[String], column: usize, truth: f64) {
     let (value, bound) = (number(&row[column]), number(&row[column + 1]));

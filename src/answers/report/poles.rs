@@ -73,10 +73,15 @@ fn clusters(shown: &[(usize, &Pole)]) -> Vec<Line> {
         let numbers = enumeration(members.iter().map(|number| Line::from(*number)));
         lines.push(match (members.len() > 1, pole.defective) {
             (false, _) => line!["pole ", numbers, ": not separated from its conjugate; certified together"],
-            (true, true) => line![
+            (true, true) if members.len() == 2 => line![
                 "poles ",
                 numbers,
                 ": one pole with a single shape, exactly: critical damping, the motion has t·exp(re s·t)"
+            ],
+            (true, true) => line![
+                "poles ",
+                numbers,
+                ": one pole with fewer shapes than its multiplicity, exactly: the motion has t·exp(re s·t)"
             ],
             (true, false) => {
                 line!["poles ", numbers, ": one repeated pole or a tight cluster; certified together"]

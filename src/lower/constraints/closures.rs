@@ -79,7 +79,7 @@ fn of_couple(kinematics: &Kinematics, couple: &Couple) -> Equation<Number> {
         match motion {
             Motion::Point { part, at, direction, .. } => {
                 let mut path = Path::default();
-                loads::path_from_ground(kinematics, kinematics.point(*part, at.as_ref()), &mut path);
+                loads::path_from_ground(kinematics, kinematics.point(*part, at.as_deref()), &mut path);
                 path.shrink_to_fit();
                 let direction = Vector::of(direction).scale(coefficient);
                 equation.components.push(Component { path, direction, carrier: None });

@@ -148,7 +148,7 @@ struct Trial {
 
 impl Lines<'_> {
     fn measure(&self, question: &Question) -> String {
-        self.text.sources.slice(question.span).to_string()
+        question.name(self.text.sources.slice(question.span))
     }
 
     /// The measure of a line and its conditions, with parameters at these values.

@@ -554,7 +554,7 @@ impl<'a> Formulation<'a> {
     fn motion(&self, motion: &Motion) -> Quantity<'a> {
         match motion {
             Motion::Point { part, at, direction, .. } => {
-                let (spot, d) = (self.spot(*part, at.as_ref()), planar(direction));
+                let (spot, d) = (self.spot(*part, at.as_deref()), planar(direction));
                 Quantity::new([spot.part], move |p| dot(d, minus(spot.now(p), spot.drawn)))
             }
             Motion::Turn { part, .. } => {

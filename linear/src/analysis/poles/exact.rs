@@ -101,13 +101,17 @@ pub fn half_planes_of(system: &LinearSystem, part: &Part, local: &[u32]) -> Opti
     half_planes(&Matrices::of(system, part, local)?.characteristic(false))
 }
 
-/// Roots of the given multiplicity. If two independent vectors are annihilated at s, then det [Q, u; u^T, 0] vanishes
-/// there for any vector u: if it does not vanish, there is only one such vector.
+/// Roots of the given multiplicity m, those with fewer than m vectors told from the others: det [Q, u; u^T, 0] is -u^T adj(Q) u, and
+/// adj(Q) vanishes to the order m - 1 where there are m independent vectors that Q annihilates. If it does not for some u, there are fewer.
 fn with_multiplicity(factor: &Polynomial, multiplicity: usize, matrices: &Matrices) -> Option<Vec<ExactRoot>> {
     if multiplicity == 1 {
         return roots_of_factor(factor, 1, false);
     }
-    let several = factor.gcd(&matrices.characteristic(true))?;
+    let (mut several, mut bordered) = (factor.clone(), matrices.characteristic(true));
+    for _ in 1..multiplicity {
+        several = several.gcd(&bordered)?;
+        bordered = bordered.divided_by(&several)?;
+    }
     let mut roots = roots_of_factor(&factor.divided_by(&several)?, multiplicity, true)?;
     roots.extend(roots_of_factor(&several, multiplicity, false)?);
     Some(roots)
@@ -580,5 +584,36 @@ mod tests {
         assert!(ExactPoles::with_count(1, vec![root.clone()], 5).is_some());
         assert!(ExactPoles::with_count(1, vec![root.clone()], 6).is_none());
         assert!(ExactPoles::with_count(1, vec![root], 4).is_none());
+    }
+
+    /// Two blocks with the poles -1 and -2, each double and with one vector, twice in turned coordinates: four poles with two vectors.
+    #[test]
+    fn four_poles_with_two_vectors_are_defective() {
+        let mut four = blank(4);
+        let number = |x: &str| match x.strip_prefix('-') {
+            Some(x) => -&Number::from(x),
+            None => Number::from(x),
+        };
+        let add = |form: &mut Form, weight: &str, row: &[(u32, Number)]| {
+            let source = form.source(blank(1).coordinates[0].name);
+            form.push(source, Nature::Property, number(weight), row.iter().map(|(i, x)| (CoordinateId(*i), x.clone())));
+        };
+        for turn in [["0.6", "0.8"], ["0.8", "-0.6"]] {
+            let [p, q] = turn.map(number);
+            let first = [(0, p.clone()), (2, q.clone())];
+            let second = [(1, p.clone()), (3, q.clone())];
+            let between = [(0, p.clone()), (1, -&p), (2, q.clone()), (3, -&q)];
+            add(&mut four.m, "1", &first);
+            add(&mut four.m, "1", &second);
+            add(&mut four.k, "2", &first);
+            add(&mut four.k, "2", &between);
+            add(&mut four.c, "3", &first);
+            add(&mut four.c, "1", &second);
+            add(&mut four.c, "1", &between);
+        }
+        let found = poles_of(&four);
+        let told: Vec<(f64, usize, bool)> =
+            found.roots().iter().map(|root| (root.s.re.to_f64(), root.multiplicity, root.defective)).collect();
+        assert_eq!(told, [(-1.0, 4, true), (-2.0, 4, true)]);
     }
 }
