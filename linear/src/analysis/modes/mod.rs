@@ -86,12 +86,12 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
         let (count, limit) = (system.n(), MAX_ALL);
         return Err(AnalysisError::TooManyCoordinates { count, limit, at: place(system, 0) });
     }
-    let report = Report::of(system, request.shares);
+    let (stiffness, masses) = (Terms::of(&system.k), Terms::of(&system.m));
     let mut local = vec![0u32; system.n()];
     let (mut pairs, mut infinite, mut before) = (Vec::new(), 0, Before::default());
     for (index, part) in parts.iter().enumerate() {
         let found = if parts.len() == 1 {
-            let whole = Forms { k: &system.k, m: &system.m, stiffness: &report.stiffness, masses: &report.masses };
+            let whole = Forms { k: &system.k, m: &system.m, stiffness: &stiffness, masses: &masses };
             part_pairs(system, part, &whole, request)?
         } else {
             part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
@@ -110,6 +110,7 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
     let numbers = cluster_numbers(&pairs);
     pairs.truncate(request.which.limit());
     let after = system.n() - infinite - before.count() - pairs.len();
+    let report = Report::of(system, stiffness, masses, request.shares);
     let list = pairs.into_iter().zip(numbers).map(|((pair, part), cluster)| {
         let x = pair.x.spread(&parts[part].coordinates, system.n());
         report.mode(Pair { x, ..pair }, cluster)
@@ -270,7 +271,7 @@ fn expand(pair: Pair, condensed: &Condensed, n: usize) -> Pair {
 
 /// Whether some damper may act on this motion of the part.
 fn is_damped(system: &LinearSystem, part: &Part, motion: &[Number]) -> bool {
-    system.c.terms().iter().any(|term| {
+    system.c.terms().any(|term| {
         let stretch =
             system.c.row(term).iter().fold(Number::ZERO, |sum, (i, a)| match part.coordinates.binary_search(&i.0) {
                 Ok(local) => &sum + &(a * &motion[local]),
@@ -305,10 +306,9 @@ fn overlap(a: &Eigenvalue, b: &Eigenvalue) -> bool {
     }
 }
 
-/// Inputs shared by the reports of all modes: the terms of M and K, and which coordinates are translations.
+/// Inputs shared by the reports of all modes: M and K, and which coordinates are translations.
 struct Report<'a> {
     system: &'a LinearSystem,
-    masses: Terms,
     stiffness: Terms,
     /// M and K in binary64.
     light: [Roots; 2],
@@ -319,11 +319,10 @@ struct Report<'a> {
 }
 
 impl<'a> Report<'a> {
-    fn of(system: &'a LinearSystem, shares: bool) -> Report<'a> {
-        let (masses, stiffness) = (Terms::of(&system.m), Terms::of(&system.k));
+    fn of(system: &'a LinearSystem, stiffness: Terms, masses: Terms, shares: bool) -> Report<'a> {
         let light = [Roots::of(&system.m, &masses), Roots::of(&system.k, &stiffness)];
         let translates = (0..system.n()).map(shape::translates(system)).collect();
-        Report { system, masses, stiffness, light, translates, shares }
+        Report { system, stiffness, light, translates, shares }
     }
 
     fn mode(&self, pair: Pair, cluster: Option<u32>) -> Mode {
