@@ -45,6 +45,7 @@ use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::shape::Roots;
 use crate::analysis::modes::terms::Terms;
 use crate::base::{Ball, Number, OrderBy, Unproven, runs};
+use crate::kernel::cores;
 use crate::kernel::triple::Triple;
 use crate::system::{CoordinateId, Form, LinearSystem, Source};
 
@@ -58,6 +59,9 @@ pub(in crate::analysis) const MIN_SPARSE: usize = 100;
 /// The most coordinates for all modes: each mode stores a shape and shares over all coordinates of every part, 24 bytes
 /// for each pair of mode and coordinate.
 pub(in crate::analysis) const MAX_ALL: usize = 4000;
+
+/// Coordinates in all modes whose reports take a core about a millisecond.
+const PER_CORE: usize = 1 << 16;
 
 /// All undamped modes, ascending in omega^2, for analyses that need all of them: for up to [`MAX_UNASKED`] coupled
 /// coordinates.
@@ -111,11 +115,12 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
     pairs.truncate(request.which.limit());
     let after = system.n() - infinite - before.count() - pairs.len();
     let report = Report::of(system, stiffness, masses, request.shares);
-    let list = pairs.into_iter().zip(numbers).map(|((pair, part), cluster)| {
+    let list: Vec<_> = pairs.into_iter().zip(numbers).collect();
+    let list = cores::one_by_one(list, PER_CORE / system.n().max(1), |((pair, part), cluster)| {
         let x = pair.x.spread(&parts[part].coordinates, system.n());
         report.mode(Pair { x, ..pair }, cluster)
     });
-    Ok(Modes { list: list.collect(), infinite, before, after }.cut(request.which))
+    Ok(Modes { list, infinite, before, after }.cut(request.which))
 }
 
 /// The request with [`Which::Usual`] resolved for this system.
