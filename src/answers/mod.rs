@@ -53,7 +53,7 @@ pub struct ModalAnswer {
 /// name comes twice the list stays as it is, so that equal shares keep their order, which is not that of their last bits.
 pub fn by_name(list: &[Share<Source>]) -> Vec<Share<Source>> {
     let of_elements = list.iter().filter(|share| matches!(share.of.origin, Origin::Element(_)));
-    let mut names: Vec<Name> = of_elements.map(|share| share.of.name.name).collect();
+    let mut names: Vec<Name> = of_elements.map(|share| share.of.name).collect();
     names.sort_unstable();
     if names.windows(2).all(|pair| pair[0] != pair[1]) {
         return list.to_vec();
@@ -61,10 +61,10 @@ pub fn by_name(list: &[Share<Source>]) -> Vec<Share<Source>> {
     let mut named: Vec<Share<Source>> = Vec::with_capacity(list.len());
     let mut places: HashMap<Name, usize> = HashMap::new();
     for share in list {
-        match (share.of.origin, places.get(&share.of.name.name)) {
+        match (share.of.origin, places.get(&share.of.name)) {
             (Origin::Element(_), Some(&place)) => named[place].part.0 += share.part.0,
             (Origin::Element(_), None) => {
-                places.insert(share.of.name.name, named.len());
+                places.insert(share.of.name, named.len());
                 named.push(*share);
             }
             _ => named.push(*share),

@@ -266,7 +266,7 @@ fn body_page(scene: &Scene, body: &Body, motions: Option<&Motions>) -> String {
     };
     if let Some(motions) = motions {
         text += &shares(motions, "kinetic energy", |mode| {
-            mode.kinetic.iter().filter(|share| share.of.name.name == body.name).map(|share| share.part.0).sum()
+            mode.kinetic.iter().filter(|share| share.of.name == body.name).map(|share| share.part.0).sum()
         });
     }
     text

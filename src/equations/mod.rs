@@ -223,7 +223,7 @@ fn refuse_large(scene: &Scene, lowered: &Lowered) -> Result<(), EquationsError> 
         return Err(EquationsError::TooManyCoordinates { span, coordinates, most: MOST_COORDINATES });
     }
     // Each body's velocity is a sum over the coordinates that move it, and is squared.
-    let products = lowered.system.m.terms().iter().map(|term| lowered.system.m.row(term).len().pow(2)).sum::<usize>();
+    let products = lowered.system.m.terms().map(|term| lowered.system.m.row(term).len().pow(2)).sum::<usize>();
     if products > MOST_PRODUCTS {
         return Err(EquationsError::TooManyProducts { span, products, most: MOST_PRODUCTS });
     }

@@ -56,13 +56,13 @@ fn matrices(equations: &Equations, system: &LinearSystem, whole: &solutions::Mat
 /// coordinate.
 fn place_of(equations: &Equations, system: &LinearSystem, (name, form): (&str, &Form), i: usize, j: usize) -> Span {
     let theirs = |part: &str| {
-        let terms = form.terms().iter().filter(|term| system.display(form.source_of(term.source)) == part);
+        let terms = form.terms().filter(|term| system.display(form.source_of(term.source)) == part);
         terms.fold(Number::ZERO, |sum, term| {
             let entry = |place: usize| {
                 let found = form.row(term).iter().find(|(id, _)| id.index() == place);
                 found.map_or(Number::ZERO, |(_, value)| value.clone())
             };
-            &sum + &(&(&term.weight * &entry(i)) * &entry(j))
+            &sum + &(&(term.weight * &entry(i)) * &entry(j))
         })
     };
     let [a, b] = [i, j].map(|place| equations.motion.coordinates[equations.linear.coordinates[place]].symbols);

@@ -202,7 +202,7 @@ impl Explanation<'_> {
 
 /// The origins of the terms of a form.
 fn origins(form: &Form) -> impl Iterator<Item = Origin> {
-    form.terms().iter().map(|term| form.source_of(term.source).origin)
+    form.terms().map(|term| form.source_of(term.source).origin)
 }
 
 fn count_of(count: usize, one: &str, many: &str) -> String {

@@ -198,7 +198,7 @@ impl<'a> Assembly<'a> {
         let chain = self.kinematics.hangs_deep(self.scene).then(|| Chain::new(self.kinematics, self.state));
         for (index, body) in self.scene.bodies.iter().enumerate() {
             let piece = self.kinematics.tree.bodies[index];
-            let source = self.m.source(Source { name: plain(body.name), origin: Origin::Body(index as u32) });
+            let source = self.m.source(Source { name: body.name, origin: Origin::Body(index as u32) });
             let chained = chain.as_ref().filter(|chain| !chain.is_still(piece));
             let mass = body.mass.as_ref().filter(|mass| !mass.is_zero());
             if let (Some(mass), Some(chain)) = (mass, chained) {
@@ -245,7 +245,7 @@ impl<'a> Assembly<'a> {
         let path = self.kinematics.mass_weighted_path(self.scene, &self.scene.gravity);
         self.reach.measure(self.kinematics, self.state, &path);
         let name = Name::plain(self.words.intern("gravity"));
-        let source = self.k.source(Source { name: plain(name), origin: Origin::Gravity });
+        let source = self.k.source(Source { name, origin: Origin::Gravity });
         self.curvature(source, &Vector::of(&self.scene.gravity).negate());
     }
 
@@ -266,7 +266,7 @@ impl<'a> Assembly<'a> {
         let order = law.kind.order;
         let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
         let stretched = self.measure_stretch(&stretch);
-        let made_by = Source { name: plain(element.name), origin: Origin::Element(number as u32) };
+        let made_by = Source { name: element.name, origin: Origin::Element(number as u32) };
         let source = self.form(order).source(made_by);
         let coefficient = self.tangent(element, &stretch, &stretched);
         if law.kind.is_elastic() && law.curve.is_some() && coefficient.is_zero() {
@@ -450,7 +450,7 @@ impl<'a> Assembly<'a> {
     fn constant_load(&mut self, index: usize, input: &Input) {
         let Some(load) = loads::constant(input) else { return };
         let before = self.k.terms().len();
-        let source = self.k.source(Source { name: plain(input.name), origin: Origin::Input(index as u32) });
+        let source = self.k.source(Source { name: input.name, origin: Origin::Input(index as u32) });
         match &input.kind {
             InputKind::Force { ends, direction } => {
                 for (end, force) in ends.iter().zip(loads::opposite_forces(&load, direction)) {
@@ -483,7 +483,7 @@ impl<'a> Assembly<'a> {
             if multiplier.is_zero() {
                 continue;
             }
-            let name = plain(constraint.source.name(self.scene));
+            let name = constraint.source.name(self.scene);
             let source = self.k.source(Source { name, origin: Origin::Constraint(index) });
             let mut entries = Vec::new();
             let visit = |i, j, value| entries.push((i, j, value));

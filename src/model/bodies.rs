@@ -6,11 +6,11 @@ use super::error::{PartError, ValueError};
 use super::evaluate::{Evaluated, Stop};
 use super::expect::Expected;
 use super::fields::Given;
-use super::scene::{Base, BaseId, Body, BodyId, Freedom, Part, Shape, Translation};
+use super::scene::{Base, BaseId, Body, BodyId, Freedom, Matter, Part, Shape, Translation};
 use super::scope::{Environment, Instance};
 use super::suggestion::nearest;
 use crate::base::field::place;
-use crate::base::{Dimension, Number, Rational, Span, Vec3};
+use crate::base::{Dimension, Name, Number, Rational, Span, Vec3};
 use crate::kinds::declarations::{BASE_FIELDS, BODY_FIELDS};
 use crate::kinds::functions::{self, SHAPES};
 use crate::syntax::tree::{DeclKind, ExprId, ExprKind, Field, FieldValue, Rare};
@@ -88,17 +88,24 @@ impl<'a> Check<'a> {
             let DeclKind::Body { name: ident, fields } = decl.kind else { continue };
             self.walk.varies = false;
             let given = self.fields(fields, &BODY_FIELDS, environment);
-            let mut body = unknown_body(name, ident.span);
-            let complete = self.body(&mut body, &given, environment);
+            let (mut matter, mut centre) = (Matter::default(), None);
+            let complete = self.matter(name, (&mut matter, &mut centre), &given, environment);
             if complete.is_err() || given.broken {
                 self.broken_bodies.insert(BodyId(index as u32));
             }
-            self.scene.bodies.push(body);
+            let matter = self.recent_matters.share(matter);
+            self.scene.bodies.push(Body { name, span: ident.span, centre, matter });
         }
     }
 
     /// Fills in the values of the fields, and reports all mistakes in them.
-    fn body(&mut self, body: &mut Body, given: &Given<'a>, environment: Environment) -> Evaluated<()> {
+    fn matter(
+        &mut self,
+        name: Name,
+        (body, centre): (&mut Matter, &mut Option<Arc<Vec3>>),
+        given: &Given<'a>,
+        environment: Environment,
+    ) -> Evaluated<()> {
         let mass = self.field_number(given.get(MASS), environment, &BODY_FIELDS[MASS].expected_number(false));
         let at = self.field_position(given.get(AT), environment);
         let freedom = self.freedom(given, environment);
@@ -107,7 +114,7 @@ impl<'a> Check<'a> {
         body.freedom = freedom?;
         let (at, shape) = (at?, shape?);
         body.shape = shape.as_ref().map(|shaped| Arc::new(shaped.shape.clone()));
-        body.centre = at.clone().or_else(|| shape.as_ref().and_then(|shape| shape.centre.clone()));
+        *centre = at.clone().or_else(|| shape.as_ref().and_then(|shape| shape.centre.clone()));
         if let Some((mass, span)) = mass? {
             self.not_negative(&mass, span, "mass", environment)?;
             body.mass = Some(mass);
@@ -117,7 +124,10 @@ impl<'a> Check<'a> {
             self.inertia_points.insert(BodyId(self.scene.bodies.len() as u32), about);
         }
         let inertia = match (inertia, &shape) {
-            (Some(inertia), _) => Some(self.inertia_about_centre(body, inertia, environment)?),
+            (Some(inertia), _) => {
+                let mass = body.mass.as_ref();
+                Some(self.inertia_about_centre(name, (mass, centre.as_deref()), inertia, environment)?)
+            }
             (None, Some(shape)) => body.mass.as_ref().map(|mass| mass * &shape.gyration),
             (None, None) => None,
         };
@@ -165,14 +175,15 @@ impl<'a> Check<'a> {
     /// theorem).
     fn inertia_about_centre(
         &mut self,
-        body: &Body,
+        name: Name,
+        (mass, centre): (Option<&Number>, Option<&Vec3>),
         given: GivenInertia,
         environment: Environment,
     ) -> Evaluated<Number> {
         let Some(about) = given.about else { return Ok(given.number) };
-        let Some(mass) = &body.mass else { return Ok(given.number) };
-        let Some(centre) = &body.centre else {
-            let name = self.words.display(body.name);
+        let Some(mass) = mass else { return Ok(given.number) };
+        let Some(centre) = centre else {
+            let name = self.words.display(name);
             return self.fail(environment, PartError::InertiaWithoutPlace { span: given.span, name });
         };
         let d = centre.sub(&about);
@@ -392,7 +403,7 @@ impl<'a> Check<'a> {
             let base = base.unwrap_or_else(|_| {
                 self.broken_bases.insert(BaseId(index as u32));
                 let symbol = self.words.intern(self.sources.slice(ident.span));
-                let name = crate::base::Name::plain(symbol).in_place(self.place_of(environment));
+                let name = Name::plain(symbol).in_place(self.place_of(environment));
                 Base { name, span: ident.span, at: None, translations: self.directions.none.clone(), turns: false }
             });
             self.scene.bases.push(base);
@@ -433,8 +444,4 @@ struct GivenInertia {
     number: Number,
     about: Option<Arc<Vec3>>,
     span: Span,
-}
-
-fn unknown_body(name: crate::base::Name, span: Span) -> Body {
-    Body { name, span, mass: None, inertia: None, centre: None, shape: None, freedom: Freedom::FromJoints }
 }

@@ -65,7 +65,7 @@ use freedoms::Freedoms;
 use overrides::Given;
 pub use places::MAX_LEVELS;
 use places::{ComponentNames, Frame, Port};
-use scene::{BaseId, BodyId, Parameter, Scene, TableRows};
+use scene::{BaseId, BodyId, Law, Matter, Parameter, Scene, TableRows};
 use scope::{Definition, DefinitionId, Environment, Environments, Part, Space, State, Table};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -250,7 +250,8 @@ struct Check<'a> {
     walk: Walk,
     memory: Cache,
     directions: Directions,
-    recent_laws: shared::RecentLaws,
+    recent_laws: shared::Recent<Law>,
+    recent_matters: shared::Recent<Matter>,
     freedoms: Freedoms,
     /// The points about which inertias are given, for bodies without a mass.
     inertia_points: HashMap<BodyId, Arc<Vec3>>,
@@ -305,7 +306,8 @@ impl<'a> Check<'a> {
             walk: Walk::default(),
             memory: Cache::default(),
             directions: Directions::default(),
-            recent_laws: shared::RecentLaws::default(),
+            recent_laws: Default::default(),
+            recent_matters: Default::default(),
             freedoms: Freedoms::default(),
             inertia_points: HashMap::new(),
             broken_bodies: HashSet::new(),

@@ -10,6 +10,7 @@ use crate::elements::Curve;
 pub use crate::kinds::motions::ReactionComponent;
 use crate::system::Signal as Function;
 use crate::{elements, joints};
+use std::ops::Deref;
 use std::sync::Arc;
 
 macro_rules! id {
@@ -76,15 +77,30 @@ pub struct Body {
     pub name: Name,
     /// The name in the declaration, where messages about the body point.
     pub span: Span,
+    /// Centre of mass as drawn, m; `None` for a body without a position.
+    pub centre: Option<Arc<Vec3>>,
+    /// Shared by bodies that are alike: a scene of a million bodies has few different ones.
+    pub matter: Arc<Matter>,
+}
+
+/// What a body is, wherever it is; a [`Body`] is read as if these were fields of its own.
+#[derive(Clone, Debug, Default)]
+pub struct Matter {
     /// kg; `None` if not given (an error if a degree of freedom needs it).
     pub mass: Option<Number>,
     /// Moment of inertia about the centre, kg m^2; `None` if it is neither given nor follows from a shape.
     pub inertia: Option<Box<Number>>,
-    /// Centre of mass as drawn, m; `None` for a body without a position.
-    pub centre: Option<Arc<Vec3>>,
     /// The shape for figures; the mass properties that follow from it are in the fields above.
     pub shape: Option<Arc<Shape>>,
     pub freedom: Freedom,
+}
+
+impl Deref for Body {
+    type Target = Matter;
+
+    fn deref(&self) -> &Matter {
+        &self.matter
+    }
 }
 
 /// The shape of a body as declared, in m.
@@ -110,9 +126,10 @@ pub enum Shape {
 }
 
 /// The freedom clause of a body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum Freedom {
     /// No clause: the joints determine the body's degrees of freedom.
+    #[default]
     FromJoints,
     /// Attached to the ground, with these motions.
     OnGround {

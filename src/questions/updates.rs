@@ -277,7 +277,7 @@ pub(super) fn of_mass(c: f64, error: f64, g: Ball) -> (f64, f64) {
 /// The number of eigenvalues that are exactly zero for every change: if no weight of K is negative, the null space of K
 /// is that of all its rows.
 fn rigid(base: &LinearSystem, modal: &Modal) -> usize {
-    let is_semidefinite = base.k.terms().iter().all(|term| term.weight.is_positive());
+    let is_semidefinite = base.k.terms().all(|term| term.weight.is_positive());
     if is_semidefinite { modal.rigid } else { 0 }
 }
 

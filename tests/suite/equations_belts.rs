@@ -294,7 +294,7 @@ fn ten_faults_in_the_lowered_spans_are_reported_at_the_belt() {
 }
 
 fn same(a: &vibc::system::Form, b: &vibc::system::Form) -> bool {
-    a.terms().iter().zip(b.terms()).all(|(first, second)| {
+    a.terms().zip(b.terms()).all(|(first, second)| {
         let row = |form: &vibc::system::Form, term| form.row(term).iter().map(|(_, v)| v.to_f64()).collect::<Vec<_>>();
         first.weight.to_f64() == second.weight.to_f64() && row(a, first) == row(b, second)
     })

@@ -61,7 +61,7 @@ fn assembled(form: &Form, n: usize) -> Vec<Vec<BigRational>> {
     for term in form.terms() {
         for (i, a) in form.row(term) {
             for (j, b) in form.row(term) {
-                matrix[i.index()][j.index()] += exact(&term.weight) * exact(a) * exact(b);
+                matrix[i.index()][j.index()] += exact(term.weight) * exact(a) * exact(b);
             }
         }
     }

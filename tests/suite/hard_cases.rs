@@ -110,8 +110,8 @@ fn the_load_factor_to_buckling_is_certified() {
         let system = HardCase::load(name).system;
         let found = analysis::buckling(&system).expect("a softening load");
         let k = |nature| {
-            let terms = system.k.terms().iter().filter(|term| term.nature == nature);
-            terms.fold(Number::ZERO, |sum, term| &sum + &term.weight)
+            let terms = system.k.terms().filter(|term| term.nature == nature);
+            terms.fold(Number::ZERO, |sum, term| &sum + term.weight)
         };
         use vibc::system::Nature;
         let truth = -&(&k(Nature::Property) / &k(Nature::Geometric));

@@ -38,7 +38,7 @@ fn changing(part: Part, row: &Row) -> Changing {
 }
 
 fn row_of(form: &Form, at: usize) -> (Row, f64) {
-    let term = &form.terms()[at];
+    let term = form.term(at);
     (form.row(term).iter().map(|(i, a)| (i.index(), a.clone())).collect(), term.weight.to_f64())
 }
 
@@ -93,7 +93,7 @@ fn every_enclosure_of_a_changed_system_holds() {
             let system = damped_net(&mut random, n, decades, level, false);
             for (at, part) in [Part::Stiffness, Part::Damping, Part::Mass].into_iter().enumerate() {
                 let form = part.form(&system);
-                if form.terms().is_empty() {
+                if form.is_empty() {
                     continue;
                 }
                 let (row, weight) = row_of(form, random.below(form.terms().len()));
@@ -143,7 +143,7 @@ fn every_enclosure_of_several_changed_squares_holds() {
                 let mut list: Vec<Weighed> = Vec::new();
                 for part in parts {
                     let form = part.form(&system);
-                    if !form.terms().is_empty() {
+                    if !form.is_empty() {
                         let (row, weight) = row_of(form, random.below(form.terms().len()));
                         list.push((*part, row, weight));
                     }

@@ -13,7 +13,7 @@ use crate::analysis::modes::structure;
 use crate::base::{Ball, Dd, Name, Number, up};
 use crate::kernel::dense::Matrix;
 use crate::kernel::squares::Squares;
-use crate::system::{CoordinateId, Form, Label, LinearSystem, Nature, Origin, Source};
+use crate::system::{CoordinateId, Form, LinearSystem, Nature, Origin, Source};
 use std::collections::BTreeMap;
 
 /// Sums of magnitudes are rounded upwards.
@@ -80,13 +80,13 @@ pub fn rayleigh(system: &mut LinearSystem, alpha: &Number, beta: &Number) {
 }
 
 fn source(system: &mut LinearSystem) -> u32 {
-    let name = Label { name: Name::plain(system.words.intern("damping")), motion: "" };
+    let name = Name::plain(system.words.intern("damping"));
     system.c.source(Source { name, origin: Origin::Damping })
 }
 
 fn add_scaled(c: &mut Form, source: u32, form: &Form, factor: &Number) {
     for term in form.terms() {
-        c.push(source, term.nature, factor * &term.weight, form.row(term).iter().cloned());
+        c.push(source, term.nature, factor * term.weight, form.row(term).cloned());
     }
 }
 
@@ -136,7 +136,7 @@ pub fn modal(system: &mut LinearSystem, ratio: &Number, modes: &mut Modes) -> Re
 pub fn relative_to(system: &mut LinearSystem, first: usize, input: usize) -> Option<()> {
     let follows: Vec<Ball> = carried_coordinates(system, input)?.follows.iter().map(Number::to_ball).collect();
     let mut force: BTreeMap<CoordinateId, Ball> = BTreeMap::new();
-    for term in &system.c.terms()[first..] {
+    for term in system.c.terms().skip(first) {
         let row = || system.c.row(term).iter().map(|(i, a)| (*i, a.to_ball()));
         let along = row().fold(Ball::ZERO, |sum, (i, a)| sum + a * follows[i.index()]);
         let rate = term.weight.to_ball() * along;

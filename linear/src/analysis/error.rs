@@ -117,7 +117,7 @@ impl AnalysisError {
 
     /// `part`: the coordinates of the part, some of which have no inertia.
     pub(in crate::analysis) fn massless_poles(system: &LinearSystem, part: &[u32], limit: usize) -> AnalysisError {
-        let mut heavy: Vec<u32> = (system.m.terms().iter())
+        let mut heavy: Vec<u32> = (system.m.terms())
             .flat_map(|term| system.m.row(term).iter().filter(|(_, a)| !a.is_zero()).map(|(i, _)| i.0))
             .collect();
         heavy.sort_unstable();

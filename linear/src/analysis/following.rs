@@ -70,9 +70,9 @@ impl Following {
 fn dampers(c: &Form) -> Form {
     let is_damping = |term: &Term| c.source_of(term.source).origin == Origin::Damping;
     let mut own = Form::new();
-    for term in c.terms().iter().filter(|term| !is_damping(term)) {
+    for term in c.terms().filter(|term| !is_damping(term)) {
         let source = own.source(c.source_of(term.source));
-        own.push(source, term.nature, term.weight.clone(), c.row(term).iter().cloned());
+        own.push(source, term.nature, term.weight.clone(), c.row(term).cloned());
     }
     own
 }

@@ -31,11 +31,11 @@ pub fn apply(form: &Form, x: &[Number]) -> Vec<Number> {
     }
     for term in form.terms() {
         let row = form.row(term);
-        let stretch = dot(row, x);
+        let stretch = row.iter().fold(Number::ZERO, |sum, (i, a)| &sum + &(a * &x[i.index()]));
         if stretch.is_zero() {
             continue;
         }
-        let pull = &term.weight * &stretch;
+        let pull = term.weight * &stretch;
         for (i, a) in row {
             image[i.index()] = &image[i.index()] + &(a * &pull);
         }
@@ -76,7 +76,7 @@ fn part_solution(form: &Form, coordinates: usize, part: &[usize], b: &[Number]) 
             for (j, y) in row {
                 let (i, j) = (place[i.index()], place[j.index()]);
                 if i < n && j < n {
-                    entries[i][j] = &entries[i][j] + &(&term.weight * &(x * y));
+                    entries[i][j] = &entries[i][j] + &(term.weight * &(x * y));
                 }
             }
         }

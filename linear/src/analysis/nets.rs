@@ -62,13 +62,14 @@ pub fn nets(system: &LinearSystem) -> Vec<Net> {
     let parts = independent(system).into_iter().map(|part| {
         part.coordinates.iter().enumerate().for_each(|(place, &i)| local[i as usize] = place as u32);
         let terms = [(&system.m, &part.m), (&system.c, &part.c), (&system.k, &part.k)];
-        let rows = terms.into_iter().flat_map(|(form, list)| list.iter().map(|&t| form.row(&form.terms()[t as usize])));
+        let rows = terms.into_iter().flat_map(|(form, list)| list.iter().map(|&t| form.row(form.term(t as usize))));
         let mut edges = Vec::new();
         let mut longest = 0;
         for row in rows {
             longest = longest.max(row.len());
-            for (a, (i, _)) in row.iter().enumerate().take(LONGEST_ROW) {
-                edges.extend(row[..a].iter().map(|(j, _)| (local[i.index()], local[j.index()])));
+            let row = row.coordinates();
+            for (a, i) in row.iter().enumerate().take(LONGEST_ROW) {
+                edges.extend(row[..a].iter().map(|j| (local[i.index()], local[j.index()])));
             }
         }
         let n = part.coordinates.len();

@@ -2,7 +2,7 @@
 //! and vectors, exactly as they are. Out: V^T F V in balls; enclosures of the eigenvalues of a pencil that is nearly diagonal. See
 //! docs/method/studies.md#one-weight.
 
-use crate::base::{Ball, Dd, Number};
+use crate::base::{Ball, Dd};
 use crate::system::Form;
 
 /// Covers the rounding of a few sums of numbers that are not negative.
@@ -14,7 +14,7 @@ pub fn project(form: &Form, vectors: &[Vec<Dd>]) -> Vec<Ball> {
     let mut product = vec![Ball::ZERO; n * n];
     for term in form.terms() {
         let (row, weight) = (form.row(term), term.weight.enclosure());
-        let row: Vec<(usize, Ball)> = row.iter().map(|(at, a): &(_, Number)| (at.index(), a.enclosure())).collect();
+        let row: Vec<(usize, Ball)> = row.iter().map(|(at, a)| (at.index(), a.enclosure())).collect();
         let along = |vector: &Vec<Dd>| row.iter().fold(Ball::ZERO, |sum, (at, a)| sum + *a * Ball::exact(vector[*at]));
         let felt: Vec<Ball> = vectors.iter().map(along).collect();
         for i in 0..n {

@@ -101,7 +101,7 @@ pub fn stability_by_ratio(system: &LinearSystem, modes: &Modes, poles: &Poles, r
 
 /// Whether no term of M, C or K supplies energy, so that no motion grows: a proof that needs neither modes nor poles.
 pub fn is_passive(system: &LinearSystem) -> bool {
-    let feeds = |losses: &Losses| losses.h.terms().iter().any(|term| term.weight.is_negative());
+    let feeds = |losses: &Losses| losses.h.terms().any(|term| term.weight.is_negative());
     if system.losses.as_deref().is_some_and(feeds) {
         return false;
     }
@@ -245,9 +245,9 @@ mod tests {
     /// An oscillator with a damper that feeds energy in: two growing poles.
     fn oscillator_fed_by_damper() -> LinearSystem {
         let mut system = oscillator("1", "0.1", "4");
-        let (term, mut c) = (system.c.terms()[0].clone(), Form::new());
+        let (term, mut c) = (system.c.term(0), Form::new());
         let source = c.source(system.c.source_of(term.source));
-        c.push(source, term.nature, -&term.weight, system.c.row(&term).iter().cloned());
+        c.push(source, term.nature, -term.weight, system.c.row(term).cloned());
         system.c = c;
         system
     }
@@ -294,9 +294,9 @@ mod tests {
         push(&mut system.k, "4", 0, None);
         push(&mut system.c, "0.3", 0, None);
         let fed = oscillator_fed_by_damper();
-        let term = &fed.c.terms()[0];
+        let term = fed.c.term(0);
         let source = system.c.source(fed.c.source_of(term.source));
-        system.c.push(source, term.nature, term.weight.clone(), fed.c.row(term).iter().cloned());
+        system.c.push(source, term.nature, term.weight.clone(), fed.c.row(term).cloned());
         let verdict = stability(&system, &modes(&system).expect("modes"), &Poles::default());
         assert_eq!((verdict.kind(), verdict.reason()), (Stability::Stable, Reason::Energy));
     }
@@ -312,7 +312,7 @@ mod tests {
         }
         push(&mut system.k, "10", 1, Some(0));
         push(&mut system.c, "1", 0, None);
-        let (source, nature) = (system.c.terms()[0].source, system.c.terms()[0].nature);
+        let (source, nature) = (system.c.term(0).source, system.c.term(0).nature);
         system.c.push(source, nature, -&Number::from("0.1"), [(CoordinateId(1), Number::ONE)]);
         let modes = modes(&system).expect("modes");
         let verdict = stability(&system, &modes, &poles(&system, &modes).expect("poles"));
@@ -344,7 +344,7 @@ mod tests {
         push(&mut system.k, "4", 0, None);
         let fed = oscillator_fed_by_damper();
         for (form, source, weight) in [(&mut system.c, &fed.c, None), (&mut system.k, &fed.k, Number::from(2).sqrt())] {
-            let term = &source.terms()[0];
+            let term = source.term(0);
             let to = form.source(source.source_of(term.source));
             let at = CoordinateId(u32::from(weight.is_some()));
             form.push(to, term.nature, weight.unwrap_or(term.weight.clone()), [(at, Number::ONE)]);
@@ -358,11 +358,10 @@ mod tests {
     fn energy_proves_nothing_without_each_of_its_parts() {
         let (mut light, mut falling) = (blank(1), blank(1));
         for (system, m, k) in [(&mut light, -1, 4), (&mut falling, 1, -4)] {
-            let term = oscillator("1", "0.1", "1").m.terms()[0].clone();
             let row = || [(CoordinateId(0), Number::ONE)];
             for (form, weight) in [(&mut system.m, m), (&mut system.k, k)] {
                 let source = form.source(system.coordinates[0].name);
-                form.push(source, term.nature, Number::from(weight), row());
+                form.push(source, crate::system::Nature::Property, Number::from(weight), row());
             }
             push(&mut system.c, "0.1", 0, None);
         }

@@ -93,13 +93,12 @@ impl Matrices {
 /// the rest.
 pub fn singular_values(system: &LinearSystem, matrices: &Matrices) -> Option<Vec<f64>> {
     let n = system.n();
-    let terms = system.k.terms();
-    if terms.iter().any(|term| term.weight.to_f64() <= 0.0) {
+    if system.k.terms().any(|term| term.weight.to_f64() <= 0.0) {
         return None;
     }
-    let rows = terms.len().max(n);
+    let rows = system.k.terms().len().max(n);
     let mut a = DMatrix::zeros(rows, n);
-    for (t, term) in terms.iter().enumerate() {
+    for (t, term) in system.k.terms().enumerate() {
         for (i, value) in system.k.row(term) {
             a[(t, i.index())] = term.weight.to_f64().sqrt() * value.to_f64();
         }

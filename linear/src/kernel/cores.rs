@@ -32,6 +32,22 @@ pub fn in_pieces<T: Sync, U: Send>(
     found.into_iter().flat_map(|(_, results)| results).collect()
 }
 
+/// Applies `work` to each item of a list, on one core if there are fewer than twice `least`; returns the results in order.
+pub fn one_by_one<T: Send, U: Send>(items: Vec<T>, least: usize, work: impl Fn(T) -> U + Sync) -> Vec<U> {
+    let (cores, _) = division(items.len(), least);
+    if cores == 1 {
+        return items.into_iter().map(work).collect();
+    }
+    let found = Mutex::new(Vec::with_capacity(items.len()));
+    on_cores(cores, items.into_iter().enumerate(), |(at, item)| {
+        let result = work(item);
+        found.lock().expect("nobody panics with the lock").push((at, result));
+    });
+    let mut found = found.into_inner().expect("nobody panics with the lock");
+    found.order_by_key(|(at, _)| *at);
+    found.into_iter().map(|(_, result)| result).collect()
+}
+
 /// Applies `work` to the numbers of a slice in pieces of whole columns, `stride` numbers each, of at least `least` columns; with the
 /// index of each piece's first column and the number of its columns. The last column may be shorter than the stride.
 pub fn in_columns(
@@ -89,6 +105,9 @@ mod tests {
             assert_eq!(in_pieces(&numbers, least, multiple, doubled), doubled(&numbers));
         }
         assert_eq!(in_pieces(&[], 1, 8, doubled), [0; 0]);
+        for least in [0, 1, 300, 1000] {
+            assert_eq!(one_by_one(numbers.clone(), least, |x| 2 * x), doubled(&numbers));
+        }
     }
 
     /// Columns of five numbers, of which the last lacks two, as of a part of a matrix.

@@ -47,15 +47,15 @@ impl LinearSystem {
     /// Number of products of two entries of the same row, over all rows written out: the cost of assembling the matrices.
     pub fn products(&self) -> u64 {
         let (n, lengths) = (self.n(), self.lengths());
-        let terms = [&self.m, &self.c, &self.k].into_iter().flat_map(|form| form.terms().iter().map(|t| form.row(t)));
-        terms.fold(0, |sum: u64, row| sum.saturating_add(length(row, &lengths, n).saturating_pow(2)))
+        let terms = [&self.m, &self.c, &self.k].into_iter().flat_map(|form| form.terms().map(|t| form.row(t)));
+        terms.fold(0, |sum: u64, row| sum.saturating_add(length(row.coordinates(), &lengths, n).saturating_pow(2)))
     }
 
     /// Upper bounds on the number of entries in the row of each chained motion, written out.
     fn lengths(&self) -> Vec<u64> {
         let mut lengths: Vec<u64> = Vec::with_capacity(self.chain.len());
         for row in &self.chain {
-            lengths.push(length(row, &lengths, self.n()));
+            lengths.push(length(row.iter().map(|(i, _)| i), &lengths, self.n()));
         }
         lengths
     }
@@ -64,10 +64,10 @@ impl LinearSystem {
     fn room_for(&self, most: u64) -> Result<(), TooLong> {
         let n = self.n();
         let lengths = self.lengths();
-        let terms = [&self.m, &self.c, &self.k].into_iter().flat_map(|form| form.terms().iter().map(|t| form.row(t)));
+        let terms = [&self.m, &self.c, &self.k].into_iter().flat_map(|form| form.terms().map(|t| form.row(t)));
         let (mut entries, mut longest, mut deepest) = (0u64, 0, CoordinateId(0));
         for row in terms {
-            let own = length(row, &lengths, n);
+            let own = length(row.coordinates(), &lengths, n);
             entries = entries.saturating_add(own);
             if own > longest {
                 longest = own;
@@ -79,15 +79,15 @@ impl LinearSystem {
 }
 
 /// Upper bound on the number of entries of a row with its chained motions written out.
-fn length(row: &[(CoordinateId, Number)], lengths: &[u64], n: usize) -> u64 {
-    let lengths = row.iter().map(|(i, _)| i.index().checked_sub(n).map_or(1, |chained| lengths[chained]));
+fn length<'a>(row: impl IntoIterator<Item = &'a CoordinateId>, lengths: &[u64], n: usize) -> u64 {
+    let lengths = row.into_iter().map(|i| i.index().checked_sub(n).map_or(1, |chained| lengths[chained]));
     lengths.fold(0, u64::saturating_add)
 }
 
 fn flatten_form(form: &Form, chain: &[ChainedRow], n: usize) -> Form {
-    let mut result = Form { sources: form.sources.clone(), ..Form::new() };
+    let mut result = Form::with_sources_of(form);
     for term in form.terms() {
-        let row = write_out_row(form.row(term), chain, n);
+        let row = write_out_row(&form.row(term).to_vec(), chain, n);
         result.push(term.source, term.nature, term.weight.clone(), row);
     }
     result

@@ -7,17 +7,20 @@
 //! assembled matrix does not (a principle also found in Demmel et al., LAA 299 (1999) 21-80).
 
 pub mod chain;
+pub mod form;
 pub mod losses;
 pub mod noise;
+pub mod numbers;
 pub mod signal;
 pub mod spline;
 
+pub use form::{Form, Nature, Row, Term, Terms};
 pub use losses::{ByRate, Losses};
 pub use noise::Noise;
 pub use signal::{Course, Signal, Table};
 
 use crate::base::unit::{self, Scale};
-use crate::base::{Ball, Name, Number, OrderBy, Rational, Span, Words};
+use crate::base::{Name, Number, Span, Words};
 
 /// Index of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -59,7 +62,7 @@ pub struct Label {
 /// spring may be called `gravity`); their origins differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source {
-    pub name: Label,
+    pub name: Name,
     pub origin: Origin,
 }
 
@@ -84,13 +87,13 @@ pub enum Origin {
 
 impl From<Label> for Source {
     fn from(name: Label) -> Source {
-        Source { name, origin: Origin::None }
+        Source { name: name.name, origin: Origin::None }
     }
 }
 
 impl From<Source> for Label {
     fn from(source: Source) -> Label {
-        source.name
+        Label { name: source.name, motion: "" }
     }
 }
 
@@ -112,35 +115,6 @@ pub struct LinearSystem {
     pub initial: Vec<(CoordinateId, Number, Number)>,
     /// The loss factors of springs, which harmonic motion alone has; `None` in most systems.
     pub losses: Option<Box<Losses>>,
-}
-
-/// A symmetric matrix as a sum of signed squares `weight row row^T`.
-#[derive(Clone, Debug, Default)]
-pub struct Form {
-    terms: Vec<Term>,
-    entries: Vec<(CoordinateId, Number)>,
-    sources: Vec<Source>,
-    damping_ratio: Option<Number>,
-}
-
-/// One square of a [`Form`].
-#[derive(Clone, Debug)]
-pub struct Term {
-    pub weight: Number,
-    pub nature: Nature,
-    /// Index into the form's sources; terms of one element share it.
-    pub source: u32,
-    start: u32,
-    len: u32,
-}
-
-/// The origin of a term.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Nature {
-    /// Inertia, elasticity, dissipation: the weight, including its sign, is a property given by the model.
-    Property,
-    /// Stiffness due to gravity, tensions or joint reactions, of either sign.
-    Geometric,
 }
 
 impl LinearSystem {
@@ -202,123 +176,6 @@ pub fn column(name: &str, unit: &str) -> String {
     if is_si { name.to_string() } else { format!("{name} [{unit}]") }
 }
 
-impl Form {
-    pub fn new() -> Form {
-        Form::default()
-    }
-
-    /// Reserves room for `terms` more terms with `entries` entries in total.
-    pub fn reserve(&mut self, terms: usize, entries: usize) {
-        self.sources.reserve(terms);
-        self.terms.reserve(terms);
-        self.entries.reserve(entries);
-    }
-
-    /// Removes all terms and sources; their memory stays for others.
-    pub fn clear(&mut self) {
-        self.terms.clear();
-        self.entries.clear();
-        self.sources.clear();
-        self.damping_ratio = None;
-    }
-
-    /// Registers a source of terms; returns the index for [`Form::push`].
-    pub fn source(&mut self, source: impl Into<Source>) -> u32 {
-        self.sources.push(source.into());
-        u32::try_from(self.sources.len() - 1).expect("the number of parts is limited far below")
-    }
-
-    /// Adds `weight row row^T`. Entries that are exactly zero are dropped, and so is a term without entries or weight.
-    /// The row's coordinates must be distinct.
-    pub fn push(
-        &mut self,
-        source: u32,
-        nature: Nature,
-        weight: Number,
-        row: impl IntoIterator<Item = (CoordinateId, Number)>,
-    ) {
-        if weight.vanishes() {
-            return;
-        }
-        let start = self.entries.len();
-        self.entries.extend(row.into_iter().filter(|(_, value)| !value.vanishes()));
-        self.entries[start..].order_by_key(|(coordinate, _)| *coordinate);
-        let len = self.entries.len() - start;
-        if len > 0 {
-            let (start, len) = (start as u32, len as u32);
-            self.terms.push(Term { weight, nature, source, start, len });
-            self.damping_ratio = None;
-        }
-    }
-
-    /// Says that these terms are together exactly the C that gives every oscillation of the system this damping ratio, and all other
-    /// motions no damping. True until another term is added.
-    pub fn gives_damping_ratio(&mut self, ratio: Number) {
-        self.damping_ratio = Some(ratio);
-    }
-
-    /// The damping ratio of every oscillation if [`Form::gives_damping_ratio`] has said so of these terms.
-    pub fn damping_ratio(&self) -> Option<&Number> {
-        self.damping_ratio.as_ref()
-    }
-
-    pub fn terms(&self) -> &[Term] {
-        &self.terms
-    }
-
-    /// The form with other weights on its rows.
-    pub fn with_weights(mut self, of: impl Fn(&Number) -> Number) -> Form {
-        self.damping_ratio = None;
-        self.terms.iter_mut().for_each(|term| term.weight = of(&term.weight));
-        self
-    }
-
-    /// The row of a term, ascending by coordinate, without zeros.
-    pub fn row(&self, term: &Term) -> &[(CoordinateId, Number)] {
-        &self.entries[term.start as usize..(term.start + term.len) as usize]
-    }
-
-    pub fn source_of(&self, source: u32) -> Source {
-        self.sources[source as usize]
-    }
-
-    pub fn source_count(&self) -> usize {
-        self.sources.len()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.terms.is_empty()
-    }
-
-    /// The assembled matrix, row by row: n x n numbers, exact if the terms are. For small n; analyses that need all
-    /// digits use the terms.
-    pub fn entries(&self, n: usize) -> Vec<Vec<Number>> {
-        let mut entries: Vec<Vec<Number>> = vec![vec![Number::ZERO; n]; n];
-        for term in &self.terms {
-            let row = self.row(term);
-            for (i, a) in row {
-                let weighted = &term.weight * a;
-                for (j, b) in row {
-                    let entry = &mut entries[i.index()][j.index()];
-                    *entry = &*entry + &(&weighted * b);
-                }
-            }
-        }
-        entries
-    }
-
-    /// [`Form::entries`], if all of them are rational.
-    pub fn rational_entries(&self, n: usize) -> Option<Vec<Vec<Rational>>> {
-        let rational = |row: &Vec<Number>| row.iter().map(|entry| entry.exact().cloned()).collect();
-        self.entries(n).iter().map(rational).collect()
-    }
-
-    /// [`Form::entries`] as balls.
-    pub fn assemble(&self, n: usize) -> Vec<Vec<Ball>> {
-        self.entries(n).iter().map(|row| row.iter().map(Number::to_ball).collect()).collect()
-    }
-}
-
 /// A scalar input u: contributes (b0 + b1 s + b2 s^2) u to the right-hand side. Sparse columns, SI.
 #[derive(Clone, Debug)]
 pub struct Input {
@@ -340,29 +197,4 @@ pub struct Output {
     pub p: [Vec<(CoordinateId, Number)>; 3],
     /// Feed-through of inputs (a base's own motion in a relative output): input index and value.
     pub d: [Vec<(u32, Number)>; 3],
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::base::Words;
-
-    /// What is said of all terms together is not said of others.
-    #[test]
-    fn a_damping_ratio_is_forgotten_with_any_change() {
-        let label = Label { name: Name::plain(Words::new().intern("d")), motion: "" };
-        let term = |form: &mut Form| {
-            let source = form.source(label);
-            form.push(source, Nature::Property, Number::ONE, [(CoordinateId(0), Number::ONE)]);
-        };
-        let mut form = Form::new();
-        term(&mut form);
-        form.gives_damping_ratio(Number::from("0.02"));
-        assert_eq!(form.clone().damping_ratio(), Some(&Number::from("0.02")));
-        assert_eq!(form.clone().with_weights(|weight| weight + weight).damping_ratio(), None);
-        let mut more = form.clone();
-        term(&mut more);
-        form.clear();
-        assert_eq!([more, form].map(|form| form.damping_ratio().cloned()), [None, None]);
-    }
 }

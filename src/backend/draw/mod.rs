@@ -154,7 +154,7 @@ pub fn mode_caption(number: u32, mode: &Mode, proven: bool) -> String {
 /// The share of a part in a mode's energy, of the kind that the part has.
 pub fn energy_of(mode: &Mode, name: Name) -> Option<String> {
     let share = |shares: &[Share<Source>]| {
-        let found = shares.iter().find(|share| share.of.name.name == name);
+        let found = shares.iter().find(|share| share.of.name == name);
         found.map(|share| share.part.0)
     };
     let percent = |part: f64| format!("{:.0} %", 100.0 * part);

@@ -96,7 +96,7 @@ impl Assembly<'_> {
 
 /// Marks the coordinates that the terms of a form contain.
 fn mark(form: &Form, touched: &mut [bool]) {
-    for (i, _) in form.terms().iter().flat_map(|term| form.row(term)) {
+    for (i, _) in form.terms().flat_map(|term| form.row(term)) {
         touched[i.index()] = true;
     }
 }

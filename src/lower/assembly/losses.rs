@@ -1,7 +1,7 @@
 //! The part of a system in harmonic motion that comes from loss factors. In: a scene at its rest. Out: a square for each spring with a loss
 //! factor, and its parts in inputs and outputs; nothing for a scene without them. See docs/method/system.md#loss-factors.
 
-use super::{Assembly, Sparse, Tensions, equation, merge_column, plain};
+use super::{Assembly, Sparse, Tensions, equation, merge_column};
 use crate::base::Number;
 use crate::elements::Order;
 use crate::lower::constraints::Reduction;
@@ -59,7 +59,7 @@ impl Assembly<'_> {
         let Some(loss) = &element.law.loss else { return };
         let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
         let stretched = self.measure_stretch(&stretch);
-        let source = self.c.source(Source { name: plain(element.name), origin: Origin::Element(number as u32) });
+        let source = self.c.source(Source { name: element.name, origin: Origin::Element(number as u32) });
         let weight = &element.law.coefficient * loss;
         self.slope_square(Order::Velocity, source, &weight, &stretched);
     }

@@ -2,7 +2,7 @@
 
 use crate::base::{Ball, Number};
 use crate::questions::updates::{Changing, Part};
-use crate::system::{CoordinateId, Form, LinearSystem};
+use crate::system::{Form, LinearSystem, Row};
 
 /// The squares of these matrices whose weights change, if all rows are the same everywhere. `over` holds over the range, `base` at one of
 /// its ends.
@@ -15,7 +15,7 @@ pub fn changing(over: &LinearSystem, base: &LinearSystem, parts: &[Part]) -> Opt
                 Some((_, of)) => of.slope = of.slope + slope,
                 None => {
                     let entries = row.iter().map(|(at, a)| (at.index(), a.to_ball())).collect();
-                    let known = list.iter().find(|(other, _)| are_alike(other, row));
+                    let known = list.iter().find(|(other, _)| are_alike(*other, row));
                     let number = known.map_or(list.len(), |(_, of)| of.number);
                     list.push((row, Changing { part, row: entries, number, slope }));
                 }
@@ -24,9 +24,6 @@ pub fn changing(over: &LinearSystem, base: &LinearSystem, parts: &[Part]) -> Opt
     }
     Some(list.into_iter().map(|(_, changing)| changing).collect())
 }
-
-/// Coordinates and entries of a row.
-type Row<'a> = &'a [(CoordinateId, Number)];
 
 /// Whether two rows have the same square.
 fn are_alike(a: Row, b: Row) -> bool {
@@ -41,15 +38,15 @@ fn moving<'a>(over: &'a Form, base: &Form) -> Option<Vec<(Row<'a>, Ball)>> {
         return None;
     }
     let mut list = Vec::new();
-    for (term, other) in over.terms().iter().zip(base.terms()) {
+    for (term, other) in over.terms().zip(base.terms()) {
         let row = over.row(term);
         let is_fixed = row.iter().all(|(_, entry)| !matches!(entry, Number::Jet(_)));
         if !is_fixed || row != base.row(other) {
             return None;
         }
-        match &term.weight {
+        match term.weight {
             Number::Jet(jet) => list.push((row, jet.slope)),
-            weight if *weight == other.weight => {}
+            weight if weight == other.weight => {}
             _ => return None,
         }
     }

@@ -136,12 +136,12 @@ fn stretches(system: &LinearSystem, precision: Precision) -> (Vec<(f64, f64)>, V
     let mut add = |form: &Form, which: usize| {
         for term in form.terms() {
             let (row, weight) = (form.row(term), term.weight.to_ball().mid);
-            if let [(i, a)] = row {
+            if let (Some((i, a)), 1) = (row.first(), row.len()) {
                 own[i.index()][which] += weight * a.to_ball().mid.square();
                 continue;
             }
             let alike = places.entry(row.iter().map(|(i, _)| i.index()).collect()).or_default();
-            let known = alike.iter().copied().find(|&at| shared[at].0 == row);
+            let known = alike.iter().copied().find(|&at| row == shared[at].0);
             let at = known.unwrap_or_else(|| {
                 alike.push(shared.len());
                 shared.push((row.to_vec(), [Dd::ZERO; 2]));
@@ -207,7 +207,7 @@ fn sparse(form: &Form, n: usize) -> Vec<BTreeMap<usize, Dd>> {
         let (row, weight) = (form.row(term), term.weight.to_ball().mid);
         for (i, a) in row {
             let scaled = weight * a.to_ball().mid;
-            for (j, b) in row.iter().filter(|(j, _)| j <= i) {
+            for (j, b) in row.iter().filter(|(j, _)| *j <= i) {
                 *rows[i.index()].entry(j.index()).or_insert(Dd::ZERO) += scaled * b.to_ball().mid;
             }
         }

@@ -46,7 +46,7 @@ fn least_of_parts(system: &LinearSystem) -> Result<Option<Buckling>, &'static st
     if system.is_chained() {
         return Err("the links of this scene hang too deep for it");
     }
-    if !system.k.terms().iter().any(softened) {
+    if !system.k.terms().any(|term| softened(&term)) {
         return Ok(None);
     }
     let mut local = vec![0u32; system.n()];
@@ -54,7 +54,7 @@ fn least_of_parts(system: &LinearSystem) -> Result<Option<Buckling>, &'static st
     for part in independent_undamped(system) {
         part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
         let k = choose_terms(&system.k, &part.k, &local);
-        if !k.terms().iter().any(softened) {
+        if !k.terms().any(|term| softened(&term)) {
             continue;
         }
         if part.coordinates.len() > MAX_UNASKED {
@@ -118,10 +118,10 @@ fn sign_of(pair: &Pair) -> Option<Option<Ball>> {
 fn chosen_terms(form: &Form, choose: impl Fn(&Term) -> Option<bool>) -> Form {
     let mut result = Form::new();
     for term in form.terms() {
-        let Some(negated) = choose(term) else { continue };
+        let Some(negated) = choose(&term) else { continue };
         let source = result.source(form.source_of(term.source));
-        let weight = if negated { -&term.weight } else { term.weight.clone() };
-        result.push(source, term.nature, weight, form.row(term).iter().cloned());
+        let weight = if negated { -term.weight } else { term.weight.clone() };
+        result.push(source, term.nature, weight, form.row(term).cloned());
     }
     result
 }

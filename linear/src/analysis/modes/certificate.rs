@@ -402,7 +402,7 @@ mod tests {
         push(&mut system.k, "3", 1, None);
         push(&mut system.m, "1", 1, None);
         for form in [&mut system.k, &mut system.m] {
-            let source = form.terms()[0].source;
+            let source = form.term(0).source;
             let row = [(CoordinateId(0), Number::ONE), (CoordinateId(1), e.clone())];
             form.push(source, Nature::Property, Number::ONE, row);
         }
@@ -420,7 +420,7 @@ mod tests {
             push(&mut system.m, "1", i, None);
             push(&mut system.k, "1", i, None);
         }
-        let source = system.k.terms()[0].source;
+        let source = system.k.term(0).source;
         let row = [(CoordinateId(0), Number::ONE), (CoordinateId(1), -&Number::ONE)];
         system.k.push(source, Nature::Property, Number::Ball(Ball::new(Dd::ZERO, 1e-3)), row);
         let x = Matrix::from_fn(2, 2, |i, j| if i == j { Triple::from(1.0) } else { Triple::from(0.0) });

@@ -63,7 +63,7 @@ pub fn condense(m: &Form, k: &Form, n: usize, vectors: &[Vec<Rational>]) -> Resu
     let mut is_own = vec![false; n];
     vectors.iter().for_each(|(at, _)| is_own[*at] = true);
     let kept: Vec<usize> = (0..n).filter(|i| !is_own[*i]).collect();
-    let squares = k.terms().iter().map(|term| in_new_coordinates(k, term, &vectors)).collect();
+    let squares = k.terms().map(|term| in_new_coordinates(k, term, &vectors)).collect();
     let mut squares = merge_proportional(squares);
     let (mut steps, mut room) = (Vec::new(), 2 * squares.len());
     for (at, _) in &vectors {
@@ -77,7 +77,7 @@ pub fn condense(m: &Form, k: &Form, n: usize, vectors: &[Vec<Rational>]) -> Resu
     let mut places = vec![None; n];
     kept.iter().enumerate().for_each(|(place, i)| places[*i] = Some(CoordinateId(place as u32)));
     let local = |i: usize| places[i];
-    let inertia = m.terms().iter().map(|term| {
+    let inertia = m.terms().map(|term| {
         let row = m.row(term).iter().filter_map(|(i, a)| Some((local(i.index())?, a.clone()))).collect();
         (term.weight.clone(), row)
     });
@@ -154,7 +154,7 @@ fn with_own_coordinates(vectors: &[Vec<Rational>]) -> Vec<(usize, Vec<Number>)> 
 }
 
 /// The row a in terms of q' and s: entries at the vectors' own coordinates become a . v.
-fn in_new_coordinates(k: &Form, term: &crate::system::Term, vectors: &[(usize, Vec<Number>)]) -> Square {
+fn in_new_coordinates(k: &Form, term: crate::system::Term, vectors: &[(usize, Vec<Number>)]) -> Square {
     let row = k.row(term);
     let kept = row.iter().filter(|(i, _)| vectors.iter().all(|(at, _)| *at != i.index()));
     let mut new: Row = kept.map(|(i, a)| (i.index(), a.clone())).collect();

@@ -260,9 +260,9 @@ fn normalise(x: &Matrix<Triple>, m: &Gram, column: usize) -> Displacements {
 /// The terms of positive weight.
 fn positive_part(form: &Form) -> Form {
     let mut part = Form::new();
-    for term in form.terms().iter().filter(|term| term.weight.is_positive()) {
+    for term in form.terms().filter(|term| term.weight.is_positive()) {
         let source = part.source(form.source_of(term.source));
-        part.push(source, term.nature, term.weight.clone(), form.row(term).iter().cloned());
+        part.push(source, term.nature, term.weight.clone(), form.row(term).cloned());
     }
     part
 }

@@ -50,7 +50,7 @@ impl Gram<'_> {
         let (count, n) = (terms.len(), x.columns());
         let stretches = Matrix::from_fn(count, n, |t, j| terms.stretch(t, x.column(j)));
         let b = stretches.map(|s| s.value.dd());
-        let weights: Vec<Dd> = terms.weights.iter().map(|w| w.value.dd()).collect();
+        let weights: Vec<Dd> = terms.weights().map(|w| w.value.dd()).collect();
         let mut mid = Matrix::zeros(n, n);
         let mut weighted = vec![Dd::ZERO; count];
         for j in 0..n {
@@ -99,7 +99,7 @@ impl Gram<'_> {
     pub fn precise(&self, i: usize, j: usize) -> Precise {
         let (x, y) = (self.stretches.column(i), self.stretches.column(j));
         let mut value = Triple::ZERO;
-        for ((w, x), y) in self.terms.weights.iter().zip(x).zip(y) {
+        for ((w, x), y) in self.terms.weights().zip(x).zip(y) {
             value = value + (w.value * x.value) * y.value;
         }
         let norms = |j: usize| Norms::of(self.terms, self.stretches.column(j), 0.0);
@@ -118,7 +118,7 @@ impl Norms {
     /// The norms of a column of stretches, each known to `relative` in addition to its own radius.
     fn of(terms: &Terms, column: &[Precise], relative: f64) -> Norms {
         let (mut size, mut slip, mut doubt) = (0.0, 0.0, 0.0);
-        for (w, b) in terms.weights.iter().zip(column) {
+        for (w, b) in terms.weights().zip(column) {
             let (weight, stretch) = (w.value.hi().abs(), b.value.hi().abs());
             let radius = b.radius + relative * stretch;
             size += weight * stretch * stretch;
@@ -163,7 +163,7 @@ mod tests {
                     let parts = system.k.row(term).iter().map(|(c, a)| a * &exact(x[c.index()]));
                     parts.fold(Number::ZERO, |sum, part| &sum + &part)
                 };
-                truth = &truth + &(&(&term.weight * &stretch(&x[i])) * &stretch(&x[j]));
+                truth = &truth + &(&(term.weight * &stretch(&x[i])) * &stretch(&x[j]));
             }
             let mid = gram.mid[(i, j)];
             let error = (&(&exact(mid.hi) + &exact(mid.lo)) - &truth).abs().to_f64();
@@ -198,7 +198,7 @@ mod tests {
         let precise = |(value, radius): (f64, f64)| Precise { value: Triple::from(value), radius };
         for (row, weight) in cases {
             // The same twice, one of them with the other columns: sums over terms.
-            let mut terms = Terms::with_capacity(2);
+            let mut terms = Terms::default();
             for turned in [false, true] {
                 let at = |i: usize| (i as u32, Factor::Other(precise(row[if turned { 1 - i } else { i }])));
                 terms.push(precise(weight), [at(0), at(1)]);

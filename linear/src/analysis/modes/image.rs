@@ -84,7 +84,7 @@ pub fn identity(ball: &Ball) -> ([u64; 3], bool) {
 /// The integers under the square roots of a form, ascending.
 fn radicands(form: &Form) -> Vec<u32> {
     let numbers =
-        form.terms().iter().flat_map(|term| std::iter::once(&term.weight).chain(form.row(term).iter().map(|(_, a)| a)));
+        form.terms().flat_map(|term| std::iter::once(term.weight).chain(form.row(term).iter().map(|(_, a)| a)));
     let surds = numbers.filter_map(|number| if let Number::Surd(surd) = number { Some(surd.root) } else { None });
     let mut list: Vec<u32> = surds.collect();
     list.sort_unstable();

@@ -94,7 +94,7 @@ impl Places {
         }
         for j in 0..n {
             if let Motion::OfTerm(t) = stands_for.of_coordinate[j] {
-                places.solve(j, system.m.row(&system.m.terms()[t as usize]), n)?;
+                places.solve(j, &system.m.row(system.m.term(t as usize)).to_vec(), n)?;
             }
         }
         let entries: usize = places.q.iter().map(Vec::len).sum();
@@ -114,11 +114,11 @@ impl Places {
         for (j, _) in row.iter().filter(|(i, _)| i.index() < n) {
             if Some(j.0) != own && self.q[j.index()].is_empty() {
                 let row = match stands_for.of_coordinate[j.index()] {
-                    Motion::OfRow(place) => &system.chain[place as usize][..],
-                    Motion::OfTerm(t) => system.m.row(&system.m.terms()[t as usize]),
+                    Motion::OfRow(place) => system.chain[place as usize].clone(),
+                    Motion::OfTerm(t) => system.m.row(system.m.term(t as usize)).to_vec(),
                     Motion::Itself => continue,
                 };
-                self.solve(j.index(), row, n)?;
+                self.solve(j.index(), &row, n)?;
             }
         }
         Some(())
@@ -175,12 +175,12 @@ impl Places {
         }
         let mut entries = 0;
         for term in form.terms() {
-            let row = self.over_reduced(form.row(term), n)?;
+            let row = self.over_reduced(&form.row(term).to_vec(), n)?;
             entries += row.len();
             if entries > MOST_ENTRIES * n.max(form.terms().len()) {
                 return None;
             }
-            let (weight, row) = with_signs(&term.weight, row);
+            let (weight, row) = with_signs(term.weight, row);
             result.push(term.source, term.nature, weight, row);
         }
         Some(result)
@@ -238,9 +238,9 @@ fn stands_for(system: &LinearSystem) -> StandsFor {
             found.by_row[place] = Some(j);
         }
     }
-    for (t, term) in system.m.terms().iter().enumerate() {
-        let row = system.m.row(term);
-        if let Some(j) = own_coordinate(row, n).filter(|_| row.len() > 1)
+    for (t, term) in system.m.terms().enumerate() {
+        let row = system.m.row(term).to_vec();
+        if let Some(j) = own_coordinate(&row, n).filter(|_| row.len() > 1)
             && found.of_coordinate[j as usize] == Motion::Itself
         {
             found.of_coordinate[j as usize] = Motion::OfTerm(t as u32);
@@ -332,8 +332,8 @@ struct Masses {
 
 impl Masses {
     fn of(system: &LinearSystem) -> Masses {
-        let rows: Vec<ChainedRow> = system.m.terms().iter().map(|term| system.m.row(term).to_vec()).collect();
-        let weights = system.m.terms().iter().map(|term| term.weight.to_f64()).collect();
+        let rows: Vec<ChainedRow> = system.m.terms().map(|term| system.m.row(term).to_vec()).collect();
+        let weights = system.m.terms().map(|term| term.weight.to_f64()).collect();
         Masses { weights, terms: Rows::of(&rows), chain: Rows::of(&system.chain), coordinates: system.n() }
     }
 
@@ -520,7 +520,7 @@ mod tests {
             push(&mut system.k, "2.3", i, Some((i - 1) / 2));
         }
         let short = inner(&system);
-        let longest = short.m.terms().iter().map(|term| short.m.row(term).len()).max();
+        let longest = short.m.terms().map(|term| short.m.row(term).len()).max();
         assert!(longest <= Some(10), "{longest:?}");
         let request = Request { which: Which::Lowest(5), ..Request::default() };
         let found = modes_as(&system, &request).expect("modes");

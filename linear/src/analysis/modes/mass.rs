@@ -9,9 +9,9 @@ pub fn assemble(terms: &Terms, n: usize) -> Matrix<Dd> {
     let mut matrix = Matrix::zeros(n, n);
     for t in 0..terms.len() {
         let (indices, factors) = terms.row(t);
-        for (&j, b) in indices.iter().zip(factors) {
-            let weighted = terms.weights[t].value.dd() * b.to_dd();
-            for (&i, a) in indices.iter().zip(factors) {
+        for (&j, b) in indices.iter().zip(factors.iter()) {
+            let weighted = terms.weight(t).value.dd() * b.to_dd();
+            for (&i, a) in indices.iter().zip(factors.iter()) {
                 matrix[(i as usize, j as usize)] += weighted * a.to_dd();
             }
         }
@@ -25,8 +25,8 @@ pub fn doubtful(terms: &Terms, n: usize) -> Option<usize> {
     let (mut size, mut doubt) = (vec![0.0; n], vec![0.0; n]);
     for t in 0..terms.len() {
         let (indices, factors) = terms.row(t);
-        let weight = terms.weights[t];
-        for (&i, factor) in indices.iter().zip(factors) {
+        let weight = terms.weight(t);
+        for (&i, factor) in indices.iter().zip(factors.iter()) {
             let (a, slip) = (factor.to_f64().abs(), factor.radius());
             size[i as usize] += weight.value.hi() * a * a;
             doubt[i as usize] +=

@@ -45,6 +45,7 @@ use crate::analysis::modes::scale::Scale;
 use crate::analysis::modes::shape::Roots;
 use crate::analysis::modes::terms::Terms;
 use crate::base::{Ball, Number, OrderBy, Unproven, runs};
+use crate::kernel::cores;
 use crate::kernel::triple::Triple;
 use crate::system::{CoordinateId, Form, LinearSystem, Source};
 
@@ -58,6 +59,9 @@ pub(in crate::analysis) const MIN_SPARSE: usize = 100;
 /// The most coordinates for all modes: each mode stores a shape and shares over all coordinates of every part, 24 bytes
 /// for each pair of mode and coordinate.
 pub(in crate::analysis) const MAX_ALL: usize = 4000;
+
+/// Coordinates in all modes whose reports take a core about a millisecond.
+const PER_CORE: usize = 1 << 16;
 
 /// All undamped modes, ascending in omega^2, for analyses that need all of them: for up to [`MAX_UNASKED`] coupled
 /// coordinates.
@@ -86,12 +90,12 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
         let (count, limit) = (system.n(), MAX_ALL);
         return Err(AnalysisError::TooManyCoordinates { count, limit, at: place(system, 0) });
     }
-    let report = Report::of(system, request.shares);
+    let (stiffness, masses) = (Terms::of(&system.k), Terms::of(&system.m));
     let mut local = vec![0u32; system.n()];
     let (mut pairs, mut infinite, mut before) = (Vec::new(), 0, Before::default());
     for (index, part) in parts.iter().enumerate() {
         let found = if parts.len() == 1 {
-            let whole = Forms { k: &system.k, m: &system.m, stiffness: &report.stiffness, masses: &report.masses };
+            let whole = Forms { k: &system.k, m: &system.m, stiffness: &stiffness, masses: &masses };
             part_pairs(system, part, &whole, request)?
         } else {
             part.coordinates.iter().enumerate().for_each(|(i, &c)| local[c as usize] = i as u32);
@@ -110,11 +114,13 @@ pub fn modes_as(system: &LinearSystem, request: &Request) -> Result<Modes, Analy
     let numbers = cluster_numbers(&pairs);
     pairs.truncate(request.which.limit());
     let after = system.n() - infinite - before.count() - pairs.len();
-    let list = pairs.into_iter().zip(numbers).map(|((pair, part), cluster)| {
+    let report = Report::of(system, stiffness, masses, request.shares);
+    let list: Vec<_> = pairs.into_iter().zip(numbers).collect();
+    let list = cores::one_by_one(list, PER_CORE / system.n().max(1), |((pair, part), cluster)| {
         let x = pair.x.spread(&parts[part].coordinates, system.n());
         report.mode(Pair { x, ..pair }, cluster)
     });
-    Ok(Modes { list: list.collect(), infinite, before, after }.cut(request.which))
+    Ok(Modes { list, infinite, before, after }.cut(request.which))
 }
 
 /// The request with [`Which::Usual`] resolved for this system.
@@ -270,7 +276,7 @@ fn expand(pair: Pair, condensed: &Condensed, n: usize) -> Pair {
 
 /// Whether some damper may act on this motion of the part.
 fn is_damped(system: &LinearSystem, part: &Part, motion: &[Number]) -> bool {
-    system.c.terms().iter().any(|term| {
+    system.c.terms().any(|term| {
         let stretch =
             system.c.row(term).iter().fold(Number::ZERO, |sum, (i, a)| match part.coordinates.binary_search(&i.0) {
                 Ok(local) => &sum + &(a * &motion[local]),
@@ -305,10 +311,9 @@ fn overlap(a: &Eigenvalue, b: &Eigenvalue) -> bool {
     }
 }
 
-/// Inputs shared by the reports of all modes: the terms of M and K, and which coordinates are translations.
+/// Inputs shared by the reports of all modes: M and K, and which coordinates are translations.
 struct Report<'a> {
     system: &'a LinearSystem,
-    masses: Terms,
     stiffness: Terms,
     /// M and K in binary64.
     light: [Roots; 2],
@@ -319,11 +324,10 @@ struct Report<'a> {
 }
 
 impl<'a> Report<'a> {
-    fn of(system: &'a LinearSystem, shares: bool) -> Report<'a> {
-        let (masses, stiffness) = (Terms::of(&system.m), Terms::of(&system.k));
+    fn of(system: &'a LinearSystem, stiffness: Terms, masses: Terms, shares: bool) -> Report<'a> {
         let light = [Roots::of(&system.m, &masses), Roots::of(&system.k, &stiffness)];
         let translates = (0..system.n()).map(shape::translates(system)).collect();
-        Report { system, masses, stiffness, light, translates, shares }
+        Report { system, stiffness, light, translates, shares }
     }
 
     fn mode(&self, pair: Pair, cluster: Option<u32>) -> Mode {

@@ -111,7 +111,7 @@ pub fn undamped_block(system: &LinearSystem, coordinates: &[u32]) -> Option<Line
     }
     let mut part = Part { coordinates: coordinates.to_vec(), ..Part::default() };
     for (form, list) in [(&system.m, &mut part.m), (&system.k, &mut part.k)] {
-        for (index, term) in form.terms().iter().enumerate() {
+        for (index, term) in form.terms().enumerate() {
             let inside = form.row(term).iter().filter(|(i, _)| local[i.index()] != u32::MAX).count();
             match inside {
                 0 => {}
@@ -127,7 +127,7 @@ pub fn undamped_block(system: &LinearSystem, coordinates: &[u32]) -> Option<Line
 pub fn choose_terms(form: &Form, terms: &[u32], local: &[u32]) -> Form {
     let mut result = Form::new();
     for &index in terms {
-        let term = &form.terms()[index as usize];
+        let term = form.term(index as usize);
         let source = result.source(form.source_of(term.source));
         let row = form.row(term).iter().map(|(i, a)| (CoordinateId(local[i.index()]), a.clone()));
         result.push(source, term.nature, term.weight.clone(), row);
@@ -136,7 +136,7 @@ pub fn choose_terms(form: &Form, terms: &[u32], local: &[u32]) -> Form {
 }
 
 fn distribute(form: &Form, number: &[usize], parts: &mut [Part], terms: impl Fn(&mut Part) -> &mut Vec<u32>) {
-    for (index, term) in form.terms().iter().enumerate() {
+    for (index, term) in form.terms().enumerate() {
         if let Some((coordinate, _)) = form.row(term).first() {
             terms(&mut parts[number[coordinate.index()]]).push(index as u32);
         }
@@ -163,8 +163,8 @@ impl Joined {
 
     fn join_rows(&mut self, form: &Form) {
         for term in form.terms() {
-            for pair in form.row(term).windows(2) {
-                self.join(pair[0].0.index(), pair[1].0.index());
+            for pair in form.row(term).coordinates().windows(2) {
+                self.join(pair[0].index(), pair[1].index());
             }
         }
     }

@@ -80,7 +80,7 @@ fn centring(terms: &Terms) -> i32 {
     let exponents = (0..terms.len()).filter_map(|t| {
         let (_, factors) = terms.row(t);
         let largest = factors.iter().map(|factor| factor.to_f64().abs()).fold(0.0, f64::max);
-        Some(exponent(terms.weights[t].value.hi())? + 2 * exponent(largest)?)
+        Some(exponent(terms.weight(t).value.hi())? + 2 * exponent(largest)?)
     });
     let ends = exponents.fold(None, |ends: Option<(i32, i32)>, at| {
         let (low, high) = ends.unwrap_or((at, at));
@@ -143,7 +143,7 @@ pub(in crate::analysis) fn times(form: &Form, e: i32) -> Option<Form> {
     let mut result = Form::new();
     for term in form.terms() {
         let source = result.source(form.source_of(term.source));
-        result.push(source, term.nature, &term.weight * &power, form.row(term).iter().cloned());
+        result.push(source, term.nature, term.weight * &power, form.row(term).cloned());
     }
     Some(result)
 }
@@ -228,7 +228,7 @@ mod tests {
             let scale = Scale::of(&stiffness, &masses).expect("far from one");
             let (k, m) = scale.forms(&system.k, &system.m).expect("in range");
             let (k, m) = (Terms::of(&k), Terms::of(&m));
-            assert!(k.weights.iter().chain(&m.weights).all(Precise::is_ordinary));
+            assert!(k.weights().chain(m.weights()).all(|weight| weight.is_ordinary()));
             let found = lowest(&Forest::of(&m, &k, 20).expect("a tree"), 4, 1e-28).expect("modes apart");
             for (a, b) in found.iter().zip(&known) {
                 assert!((a.lambda - b.lambda).hi().abs() <= a.radius + b.radius, "{unit}");

@@ -97,14 +97,14 @@ impl Roots {
         let mut result = Roots {
             roots: Vec::with_capacity(terms.len()),
             starts: Vec::with_capacity(terms.len() + 1),
-            indices: Vec::with_capacity(2 * terms.len()),
-            factors: Vec::with_capacity(2 * terms.len()),
-            sources: form.terms().iter().map(|term| term.source).collect(),
+            indices: Vec::with_capacity(terms.entry_count()),
+            factors: Vec::with_capacity(terms.entry_count()),
+            sources: form.terms().map(|term| term.source).collect(),
         };
         result.starts.push(0);
         for t in 0..terms.len() {
             let (indices, factors) = terms.row(t);
-            let weight = terms.weights[t].value.hi();
+            let weight = terms.weight(t).value.hi();
             result.roots.push(weight.signum() * weight.abs().sqrt());
             result.indices.extend_from_slice(indices);
             result.factors.extend(factors.iter().map(|factor| factor.to_f64()));

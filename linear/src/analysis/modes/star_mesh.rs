@@ -27,10 +27,12 @@ impl Network {
     pub fn of(terms: &Terms, n: usize) -> Option<Network> {
         let mut network = Network { couplings: Matrix::fill_with(n, n, 0.0), ground: vec![0.0; n] };
         for t in 0..terms.len() {
-            let weight = terms.weights[t].value.hi();
-            match terms.row(t) {
-                ([i], [a]) => network.ground[*i as usize] += weight * a.to_f64() * a.to_f64(),
-                ([i, j], [a, b]) if weight > 0.0 && are_opposite(*a, *b) => {
+            let weight = terms.weight(t).value.hi();
+            let (row, factors) = terms.row(t);
+            let a = factors.at(0);
+            match row {
+                [i] => network.ground[*i as usize] += weight * a.to_f64() * a.to_f64(),
+                [i, j] if weight > 0.0 && are_opposite(a, factors.at(1)) => {
                     let k = weight * a.to_f64() * a.to_f64();
                     network.couplings[(*i as usize, *j as usize)] += k;
                     network.couplings[(*j as usize, *i as usize)] += k;

@@ -130,7 +130,7 @@ fn rigid_first(x: Matrix<Dd>, k: &Matrix<Dd>, rigid: usize) -> Matrix<Dd> {
 /// sqrt(w) a . x for each term and column.
 fn factor_columns(terms: &Terms, x: &Matrix<Dd>) -> Matrix<Dd> {
     let x = x.map(Triple::from);
-    let roots: Vec<Dd> = terms.weights.iter().map(|w| w.value.dd().abs().sqrt()).collect();
+    let roots: Vec<Dd> = terms.weights().map(|w| w.value.dd().abs().sqrt()).collect();
     Matrix::from_fn(terms.len(), x.columns(), |t, j| roots[t] * terms.stretch(t, x.column(j)).value.dd())
 }
 

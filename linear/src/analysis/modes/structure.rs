@@ -37,7 +37,7 @@ pub struct NullSpace {
 
 /// The exact null space of `form` on n coordinates.
 pub fn null_space(form: &Form, n: usize) -> NullSpace {
-    let positive = form.terms().iter().all(|term| term.weight.is_positive());
+    let positive = form.terms().all(|term| term.weight.is_positive());
     let images = Image::all_of(form);
     let rational = relevant_numbers(form, positive).all(|number| number.exact().is_some());
     let exact =
@@ -62,8 +62,8 @@ pub fn null_space(form: &Form, n: usize) -> NullSpace {
 
 /// The numbers that determine the null space: without the weights if all are positive.
 fn relevant_numbers(form: &Form, positive: bool) -> impl Iterator<Item = &Number> {
-    form.terms().iter().flat_map(move |term| {
-        let weight = (!positive).then_some(&term.weight);
+    form.terms().flat_map(move |term| {
+        let weight = (!positive).then_some(term.weight);
         weight.into_iter().chain(form.row(term).iter().map(|(_, a)| a))
     })
 }
@@ -152,8 +152,8 @@ pub fn enclosed_vectors(form: &Form, n: usize, free: &[usize]) -> Option<Vec<Vec
 fn residue_matrix(form: &Form, n: usize, positive: bool, image: &Image) -> Option<Vec<Vec<u64>>> {
     let field = image.field;
     let mut matrix = vec![vec![0; n]; n];
-    for (t, term) in form.terms().iter().enumerate() {
-        let weight = if positive { field.random(t as u64) } else { image.of(&term.weight)? };
+    for (t, term) in form.terms().enumerate() {
+        let weight = if positive { field.random(t as u64) } else { image.of(term.weight)? };
         let row = form.row(term);
         for (i, a) in row {
             let weighted = field.multiply(weight, image.of(a)?);
@@ -194,7 +194,7 @@ fn recover_rational(x: &BigInt, modulus: &BigInt) -> Option<Rational> {
 
 /// Whether the motion v is exactly rigid: the form is zero on it.
 pub fn is_rigid(form: &Form, v: &[Rational]) -> bool {
-    is_null(form, v.len(), form.terms().iter().all(|term| term.weight.is_positive()), v)
+    is_null(form, v.len(), form.terms().all(|term| term.weight.is_positive()), v)
 }
 
 /// Whether the form times v is exactly zero: for positive weights every row is orthogonal to v, otherwise the sum of
@@ -217,13 +217,13 @@ fn is_null(form: &Form, n: usize, positive: bool, v: &[Rational]) -> bool {
 }
 
 /// Adds w a (a . v); returns `false` if the sum is no longer linear in unknowns.
-fn add_force(form: &Form, term: &Term, stretch: Unknowns, force: &mut [Unknowns]) -> bool {
+fn add_force(form: &Form, term: Term, stretch: Unknowns, force: &mut [Unknowns]) -> bool {
     let Some(stretch) = stretch.rational() else { return false };
     for (i, a) in form.row(term) {
         match (term.weight.exact(), a.exact()) {
-            (_, Some(a)) => force[i.index()].add(&term.weight, &(a * &stretch)),
+            (_, Some(a)) => force[i.index()].add(term.weight, &(a * &stretch)),
             (Some(weight), None) => force[i.index()].add(a, &(weight * &stretch)),
-            (None, None) => match &term.weight * a {
+            (None, None) => match term.weight * a {
                 // The product is no longer one of the form's own numbers.
                 Number::Ball(_) | Number::Jet(_) => return false,
                 product => force[i.index()].add(&product, &stretch),

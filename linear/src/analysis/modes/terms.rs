@@ -4,12 +4,20 @@
 //! decimal that does not fit into three words) is in the radii and so in every bound.
 
 use crate::base::{Dd, Number, Rational};
-use crate::kernel::squares::Squares;
 use crate::kernel::triple::{Precise, Triple};
 use crate::system::Form;
+use crate::system::numbers::Place;
 
-/// The squares `w a a^T` of a form.
-pub type Terms = Squares<Precise, Factor>;
+/// The squares `w a a^T` of a form. Each of its different numbers is converted once; weights and factors are places in their list.
+#[derive(Clone, Debug, Default)]
+pub struct Terms {
+    numbers: Vec<Precise>,
+    weights: Vec<u32>,
+    /// The end of each row; it starts where the one before ends.
+    ends: Vec<u32>,
+    indices: Vec<u32>,
+    factors: Vec<u32>,
+}
 
 /// An entry of a row. Most are signs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,14 +27,87 @@ pub enum Factor {
     Other(Precise),
 }
 
+/// The entries of a row.
+#[derive(Clone, Copy, Debug)]
+pub struct Factors<'a> {
+    places: &'a [u32],
+    numbers: &'a [Precise],
+}
+
+/// The places that stand for the signs, whatever the list has there.
+const PLUS: u32 = Place::ONE.0;
+const MINUS: u32 = Place::MINUS_ONE.0;
+
 impl Terms {
     pub fn of(form: &Form) -> Terms {
-        let mut terms = Squares::with_capacity(form.terms().len());
-        for term in form.terms() {
-            let row = form.row(term).iter().map(|(i, value)| (i.0, Factor::of_number(value)));
-            terms.push(Precise::of(&term.weight), row);
+        let numbers = form.numbers();
+        let place = |(place, number)| match Factor::of_number(number) {
+            Factor::Plus => PLUS,
+            Factor::Minus => MINUS,
+            Factor::Other(_) => place,
+        };
+        let places: Vec<u32> = (0..).zip(numbers).map(place).collect();
+        let (weights, ends) = form.weights().map(|(weight, end)| (weight.0, end)).unzip();
+        let (coordinates, entries) = form.places();
+        Terms {
+            numbers: numbers.iter().map(Precise::of).collect(),
+            weights,
+            ends,
+            indices: coordinates.iter().map(|coordinate| coordinate.0).collect(),
+            factors: entries.iter().map(|entry| places[entry.index()]).collect(),
         }
-        terms
+    }
+
+    /// Adds w a a^T.
+    #[cfg(test)]
+    pub fn push(&mut self, weight: Precise, row: impl IntoIterator<Item = (u32, Factor)>) {
+        if self.numbers.is_empty() {
+            self.numbers = [Triple::ONE, -Triple::ONE].map(|value| Precise { value, radius: 0.0 }).to_vec();
+        }
+        let mut put = |number: Precise| {
+            self.numbers.push(number);
+            self.numbers.len() as u32 - 1
+        };
+        self.weights.push(put(weight));
+        for (index, factor) in row {
+            self.indices.push(index);
+            self.factors.push(match factor {
+                Factor::Plus => PLUS,
+                Factor::Minus => MINUS,
+                Factor::Other(number) => put(number),
+            });
+        }
+        self.ends.push(self.indices.len() as u32);
+    }
+
+    /// The number of terms.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// The number of entries of all rows.
+    #[inline]
+    pub fn entry_count(&self) -> usize {
+        self.indices.len()
+    }
+
+    #[inline]
+    pub fn weight(&self, t: usize) -> Precise {
+        self.numbers[self.weights[t] as usize]
+    }
+
+    #[inline]
+    pub fn weights(&self) -> impl ExactSizeIterator<Item = Precise> {
+        self.weights.iter().map(|place| self.numbers[*place as usize])
+    }
+
+    /// The row of term `t`: its coordinates and their factors.
+    #[inline]
+    pub fn row(&self, t: usize) -> (&[u32], Factors<'_>) {
+        let start = if t == 0 { 0 } else { self.ends[t - 1] as usize };
+        let range = start..self.ends[t] as usize;
+        (&self.indices[range.clone()], Factors { places: &self.factors[range], numbers: &self.numbers })
     }
 
     /// a . x of term `t`, for an exactly known x.
@@ -34,7 +115,7 @@ impl Terms {
     pub fn stretch(&self, t: usize, x: &[Triple]) -> Precise {
         let (indices, factors) = self.row(t);
         let (mut sum, mut radius) = (Triple::ZERO, 0.0);
-        for (&i, factor) in indices.iter().zip(factors) {
+        for (&i, factor) in indices.iter().zip(factors.iter()) {
             let x = x[i as usize];
             let part = match factor {
                 Factor::Plus => x,
@@ -59,18 +140,53 @@ impl Terms {
     #[inline]
     pub fn stretch_f64(&self, t: usize, x: &[f64]) -> f64 {
         let (indices, factors) = self.row(t);
-        indices.iter().zip(factors).map(|(&i, factor)| factor.to_f64() * x[i as usize]).sum()
+        indices.iter().zip(factors.iter()).map(|(&i, factor)| factor.to_f64() * x[i as usize]).sum()
     }
 
     /// Whether all weights are certainly positive.
     pub fn all_positive(&self) -> bool {
-        self.weights.iter().all(|w| w.value.hi() > 2.0 * w.radius)
+        self.weights().all(|w| w.value.hi() > 2.0 * w.radius)
     }
 
+    /// Whether all weights and factors are of known size.
     pub fn is_finite(&self) -> bool {
-        let finite = |x: &Precise| x.value.is_finite() && x.radius.is_finite();
-        self.weights.iter().all(finite)
-            && self.factors().iter().all(|factor| !matches!(factor, Factor::Other(x) if !finite(x)))
+        let finite = |place: &u32| {
+            let Precise { value, radius } = self.numbers[*place as usize];
+            value.is_finite() && radius.is_finite()
+        };
+        self.weights.iter().chain(&self.factors).all(finite)
+    }
+}
+
+impl<'a> Factors<'a> {
+    #[inline]
+    pub fn len(self) -> usize {
+        self.places.len()
+    }
+
+    #[inline]
+    pub fn at(self, k: usize) -> Factor {
+        factor(self.places[k], self.numbers)
+    }
+
+    /// The factors from number `k` on.
+    #[inline]
+    pub fn from(self, k: usize) -> Factors<'a> {
+        Factors { places: &self.places[k..], ..self }
+    }
+
+    #[inline]
+    pub fn iter(self) -> impl ExactSizeIterator<Item = Factor> + Clone + 'a {
+        self.places.iter().map(move |place| factor(*place, self.numbers))
+    }
+}
+
+#[inline]
+fn factor(place: u32, numbers: &[Precise]) -> Factor {
+    match place {
+        PLUS => Factor::Plus,
+        MINUS => Factor::Minus,
+        place => Factor::Other(numbers[place as usize]),
     }
 }
 
@@ -121,5 +237,49 @@ impl Factor {
     #[inline]
     pub fn to_f64(self) -> f64 {
         self.to_triple().hi()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::test_systems::blank;
+    use crate::base::Ball;
+    use crate::system::{CoordinateId, Nature};
+
+    /// Signs are told from other numbers by their value, also where an enclosure without a radius has one.
+    #[test]
+    fn terms_have_the_numbers_of_their_form() {
+        let mut system = blank(9);
+        let source = system.k.source(system.coordinates[0].name);
+        let near = |mid: f64, radius: f64| Number::Ball(Ball::new(Dd::from(mid), radius));
+        let entries = [
+            Number::ONE,
+            -&Number::ONE,
+            Number::from("0.1"),
+            near(1.0, 0.0),
+            near(-1.0, 0.0),
+            near(1.0, 1e-40),
+            near(2.5, 0.0),
+            Number::pi(),
+            Number::from("0.1"),
+        ];
+        for (t, weight) in entries.iter().enumerate() {
+            let row = entries.iter().enumerate().skip(t).map(|(i, entry)| (CoordinateId(i as u32), entry.clone()));
+            system.k.push(source, Nature::Property, weight.clone(), row);
+        }
+        let terms = Terms::of(&system.k);
+        assert_eq!((terms.len(), terms.weights().len(), terms.entry_count()), (9, 9, 45));
+        for (t, weight) in entries.iter().enumerate() {
+            assert_eq!(terms.weight(t), Precise::of(weight));
+            let (indices, factors) = terms.row(t);
+            assert_eq!(indices, (t as u32..9).collect::<Vec<u32>>());
+            let expected: Vec<Factor> = entries[t..].iter().map(|entry| Factor::of(Precise::of(entry))).collect();
+            assert_eq!(factors.iter().collect::<Vec<Factor>>(), expected);
+            assert_eq!(factors.from(factors.len() - 1).at(0), expected[expected.len() - 1]);
+        }
+        assert_eq!(terms.row(0).1.at(3), Factor::Plus);
+        assert_eq!(terms.row(0).1.at(4), Factor::Minus);
+        assert!(matches!(terms.row(0).1.at(5), Factor::Other(_)));
     }
 }

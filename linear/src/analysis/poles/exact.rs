@@ -168,7 +168,7 @@ impl Matrices {
 pub(in crate::analysis) fn assemble(form: &Form, terms: &[u32], local: &[u32], n: usize) -> Option<Vec<Vec<Rational>>> {
     let mut matrix = vec![vec![Rational::ZERO; n]; n];
     for &index in terms {
-        let term = &form.terms()[index as usize];
+        let term = form.term(index as usize);
         let weight = term.weight.exact()?;
         for (i, a) in form.row(term) {
             let weighted = weight * a.exact()?;

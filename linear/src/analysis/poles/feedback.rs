@@ -58,7 +58,7 @@ impl Feedback {
         let fastest = of.pairs.iter().map(|pair| pair.s.to_ball().magnitude()).fold(0.0, f64::max);
         let weighs_masses = rows.iter().any(|row| !row.slopes[2].is_zero());
         // What is known of the inverse for several rows takes M to be positive.
-        let is_sum = system.m.terms().iter().all(|term| term.weight.is_positive() || term.weight.is_zero());
+        let is_sum = system.m.terms().all(|term| term.weight.is_positive() || term.weight.is_zero());
         if weighs_masses && rows.len() > 1 && !is_sum {
             return None;
         }

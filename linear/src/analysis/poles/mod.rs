@@ -276,7 +276,7 @@ fn follow(system: &LinearSystem, whole: &Part, modes: &Modes, wanted: usize, tol
 
 /// Whether an equal displacement of all coordinates stretches no term, decided exactly.
 fn ignores_translation(form: &Form) -> bool {
-    form.terms().iter().all(|term| form.row(term).iter().fold(Number::ZERO, |sum, (_, a)| &sum + a).is_zero())
+    form.terms().all(|term| form.row(term).iter().fold(Number::ZERO, |sum, (_, a)| &sum + a).is_zero())
 }
 
 /// Whether each mode has separate poles: there is no damping, or damping is proportional.
@@ -493,8 +493,8 @@ fn all_apart(discs: &[PoleEnclosure]) -> bool {
 /// sum w a^2 of terms on one coordinate.
 fn diagonal(form: &Form, terms: &[u32]) -> Number {
     terms.iter().fold(Number::ZERO, |sum, &index| {
-        let term = &form.terms()[index as usize];
+        let term = form.term(index as usize);
         let square = form.row(term).iter().fold(Number::ZERO, |sum, (_, a)| &sum + &a.square());
-        &sum + &(&term.weight * &square)
+        &sum + &(term.weight * &square)
     })
 }

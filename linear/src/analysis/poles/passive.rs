@@ -50,13 +50,13 @@ pub fn takes_energy(ratio: &Number) -> bool {
 
 /// Whether x^T (sum w a a^T) x >= 0 for every x: all weights are positive, or exact elimination proves it.
 pub fn is_semidefinite(form: &Form, terms: &[u32]) -> bool {
-    let positive = |&t: &u32| form.terms()[t as usize].weight.is_positive();
+    let positive = |&t: &u32| form.term(t as usize).weight.is_positive();
     terms.iter().all(positive) || matrix(form, terms).is_some_and(has_no_negative_pivot)
 }
 
 /// The sum as a matrix over its own coordinates; `None` if there are too many or a number is not rational.
 fn matrix(form: &Form, terms: &[u32]) -> Option<Vec<Vec<Rational>>> {
-    let terms = || terms.iter().map(|&t| &form.terms()[t as usize]);
+    let terms = || terms.iter().map(|&t| form.term(t as usize));
     let mut coordinates: Vec<u32> = Vec::new();
     for (coordinate, _) in terms().flat_map(|term| form.row(term)) {
         if let Err(at) = coordinates.binary_search(&coordinate.0) {
@@ -106,10 +106,10 @@ mod tests {
         terms.iter().for_each(|&(weight, i, j)| push(&mut form, weight, i, j));
         // The helper's numbers have no sign: all but the first are subtracted.
         let mut signed = Form::new();
-        for (index, term) in form.terms().iter().enumerate() {
+        for (index, term) in form.terms().enumerate() {
             let source = signed.source(form.source_of(term.source));
-            let weight = if index == 0 { term.weight.clone() } else { -&term.weight };
-            signed.push(source, term.nature, weight, form.row(term).iter().cloned());
+            let weight = if index == 0 { term.weight.clone() } else { -term.weight };
+            signed.push(source, term.nature, weight, form.row(term).cloned());
         }
         is_semidefinite(&signed, &(0..signed.terms().len() as u32).collect::<Vec<_>>())
     }
@@ -137,10 +137,10 @@ mod tests {
             let mut system = blank(1);
             push(&mut system.c, "1", 0, None);
             push(&mut system.k, "1", 0, None);
-            let term = system.k.terms()[0].clone();
+            let term = system.k.term(0);
             let mut k = Form::new();
             let source = k.source(system.k.source_of(term.source));
-            k.push(source, term.nature, weight, system.k.row(&term).iter().cloned());
+            k.push(source, term.nature, weight, system.k.row(term).cloned());
             system.k = k;
             let part = &independent(&system)[0];
             let modes = modes(&system).expect("a mode without inertia");

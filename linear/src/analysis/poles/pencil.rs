@@ -62,9 +62,9 @@ impl Squares<Precise> {
     fn of_some(form: &Form, terms: &[u32], local: &[u32]) -> Squares<Precise> {
         let mut squares = Squares::with_capacity(terms.len());
         for &index in terms {
-            let term = &form.terms()[index as usize];
+            let term = form.term(index as usize);
             let row = form.row(term).iter().map(|(i, value)| (local[i.index()], Precise::of(value)));
-            squares.push(Precise::of(&term.weight), row);
+            squares.push(Precise::of(term.weight), row);
         }
         squares
     }

@@ -42,11 +42,11 @@ pub fn proportional(system: &LinearSystem, part: &Part) -> Option<Proportional> 
 
 fn accumulate(entries: &mut Entries, which: usize, form: &Form, terms: &[u32]) -> Option<()> {
     for &index in terms {
-        let term = &form.terms()[index as usize];
+        let term = form.term(index as usize);
         let (weight, row) = (term.weight.exact()?, form.row(term));
         for (at, (i, a)) in row.iter().enumerate() {
             let weighted = weight * a.exact()?;
-            for (j, b) in &row[at..] {
+            for (j, b) in row.iter().skip(at) {
                 let entry = entries.entry((i.0, j.0)).or_insert([Rational::ZERO; 3]);
                 entry[which] = &entry[which] + &(&weighted * b.exact()?);
             }

@@ -6,7 +6,7 @@
 use crate::analysis::modes::structure::{NullSpace, enclosed_vectors, null_space};
 use crate::base::{Ball, Number, Rational};
 use crate::kernel::dense::{Matrix, enclosure};
-use crate::system::{CoordinateId, Form, LinearSystem, Nature, Term};
+use crate::system::{self, CoordinateId, Form, LinearSystem, Nature, Term};
 
 /// Bases of the null space of K.
 #[derive(Clone, Debug, Default)]
@@ -52,12 +52,12 @@ fn orthogonal_to(form: &Form, mut motion: Vec<Number>, others: &[Vec<Number>]) -
 
 /// x^T F y in binary64.
 fn product(form: &Form, x: &[Number], y: &[Number]) -> f64 {
-    let part = |term: &Term| {
+    let part = |term: Term| {
         let stretch =
             |x: &[Number]| form.row(term).iter().map(|(i, a)| a.to_f64() * x[i.index()].to_f64()).sum::<f64>();
         term.weight.to_f64() * stretch(x) * stretch(y)
     };
-    form.terms().iter().map(part).sum()
+    form.terms().map(part).sum()
 }
 
 fn any_basis(part: &LinearSystem) -> RigidMotions {
@@ -67,7 +67,7 @@ fn any_basis(part: &LinearSystem) -> RigidMotions {
         return enclosed_motions(part, &space).unwrap_or_default();
     }
     let motions = space.vectors;
-    let free = if part.k.terms().iter().all(|term| term.weight.is_positive()) {
+    let free = if part.k.terms().all(|term| term.weight.is_positive()) {
         null_space(&with_dampers(part), n).vectors
     } else {
         let weights = null_space(&damper_rows(part, &motions), motions.len()).vectors;
@@ -81,7 +81,7 @@ fn any_basis(part: &LinearSystem) -> RigidMotions {
 /// that of their rows. Free motions annihilate the rows of springs and dampers; of the motions that annihilate those of
 /// K alone, the ones whose free coordinates the free motions do not already use are dragged.
 fn enclosed_motions(part: &LinearSystem, space: &NullSpace) -> Option<RigidMotions> {
-    if !part.k.terms().iter().all(|term| term.weight.is_positive()) {
+    if !part.k.terms().all(|term| term.weight.is_positive()) {
         return None;
     }
     let (n, both) = (part.n(), with_dampers(part));
@@ -136,7 +136,7 @@ fn damper_rows(part: &LinearSystem, motions: &[Vec<Rational>]) -> Form {
 
 type Row = Vec<(CoordinateId, Number)>;
 
-fn push_rows(form: &mut Form, part: &LinearSystem, of: impl Fn(&[(CoordinateId, Number)]) -> Row) {
+fn push_rows(form: &mut Form, part: &LinearSystem, of: impl Fn(system::Row) -> Row) {
     for term in part.c.terms() {
         let source = form.source(part.c.source_of(term.source));
         form.push(source, Nature::Property, Number::ONE, of(part.c.row(term)));

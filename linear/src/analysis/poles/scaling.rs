@@ -81,11 +81,11 @@ fn halves(power: i32) -> [f64; 2] {
 /// The least and the largest log2 of w a^2.
 fn range(form: &Form) -> Option<(f64, f64)> {
     let size = |x: &Number| libm::log2(x.to_f64().abs());
-    let of_term = |term: &crate::system::Term| {
+    let of_term = |term: crate::system::Term| {
         let largest = form.row(term).iter().map(|(_, a)| size(a)).filter(|x| x.is_finite()).reduce(f64::max)?;
-        Some(size(&term.weight) + 2.0 * largest).filter(|x| x.is_finite())
+        Some(size(term.weight) + 2.0 * largest).filter(|x| x.is_finite())
     };
-    let sizes = form.terms().iter().filter_map(of_term);
+    let sizes = form.terms().filter_map(of_term);
     sizes.map(|size| (size, size)).reduce(|(low, high), (size, _)| (low.min(size), high.max(size)))
 }
 
@@ -101,7 +101,7 @@ fn times(form: &Form, power: i32) -> Form {
     };
     for term in form.terms() {
         let source = result.source(form.source_of(term.source));
-        result.push(source, term.nature, scaled(&term.weight), form.row(term).iter().cloned());
+        result.push(source, term.nature, scaled(term.weight), form.row(term).cloned());
     }
     result
 }

@@ -74,14 +74,14 @@ impl Basis {
     fn losses(&self, losses: &Losses) -> Option<Losses> {
         let mut h = Form::new();
         for term in losses.h.terms() {
-            let row = self.row(losses.h.row(term));
+            let row = self.row(&losses.h.row(term).to_vec());
             if !row.is_empty() {
                 let source = h.source(losses.h.source_of(term.source));
                 h.push(source, term.nature, term.weight.clone(), row);
             }
         }
         let rows = |rows: &[Row]| rows.iter().map(|row| self.row(row)).collect();
-        let is_there = !h.terms().is_empty();
+        let is_there = !h.is_empty();
         let by_rate = losses.by_rate.iter().map(|part| ByRate { b: self.row(&part.b), ..part.clone() }).collect();
         is_there.then(|| Losses { h, b: rows(&losses.b), p: rows(&losses.p), d: losses.d.clone(), by_rate })
     }
@@ -90,7 +90,7 @@ impl Basis {
         let mut own = Form::new();
         for term in form.terms() {
             let source = own.source(form.source_of(term.source));
-            own.push(source, term.nature, term.weight.clone(), self.row(form.row(term)));
+            own.push(source, term.nature, term.weight.clone(), self.row(&form.row(term).to_vec()));
         }
         own
     }

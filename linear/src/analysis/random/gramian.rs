@@ -134,7 +134,7 @@ impl Space {
             (false, false) => -c[(i - n, j - n)].to_f64(),
         };
         let start = DMatrix::from_fn(2 * n, 2 * n, entry);
-        let is_passive = system.c.terms().iter().all(|term| term.weight.is_positive());
+        let is_passive = system.c.terms().all(|term| term.weight.is_positive());
         let (panel, certificate) = (Panel::of(&c), None);
         let mut space = Space { n, shapes: form.shapes, s, k, a, c, panel, of_m, of_k, is_passive, certificate };
         space.certificate = space.certify(start, known);

@@ -95,7 +95,7 @@ impl<'a> Lossy<'a> {
         let none = Losses::default();
         let losses = system.losses.as_deref().unwrap_or(&none);
         let space = Space::of(&system, modes, None).map_err(why);
-        let is_fed = losses.h.terms().iter().any(|term| !term.weight.is_positive());
+        let is_fed = losses.h.terms().any(|term| !term.weight.is_positive());
         let (space, h) = match space {
             Ok(space) if is_fed || !space.is_passive => (Err(GROWS), Matrix::none(0, 0)),
             Ok(space) => {

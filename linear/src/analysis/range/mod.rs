@@ -557,9 +557,9 @@ pub fn outer(system: &LinearSystem) -> Option<[LinearSystem; 2]> {
 
 /// The derivatives of the weights; `None` if a row changes too.
 fn weights(form: &Form) -> Option<Vec<Ball>> {
-    let still = |(_, entry): &(CoordinateId, Number)| Jet::of(entry).slope.is_zero();
-    let terms = form.terms().iter();
-    terms.map(|term| form.row(term).iter().all(still).then(|| Jet::of(&term.weight).slope)).collect()
+    let still = |(_, entry): (&CoordinateId, &Number)| Jet::of(entry).slope.is_zero();
+    let terms = form.terms();
+    terms.map(|term| form.row(term).iter().all(still).then(|| Jet::of(term.weight).slope)).collect()
 }
 
 /// The eigenvalues of a symmetric matrix relative to a positive definite one, ascending, in binary64.
@@ -636,7 +636,7 @@ mod tests {
     fn outer_systems_have_every_weight_at_an_end() {
         let over = |middle: f64, reach: f64| Jet::of_parameter(Ball::from(middle).widen(reach));
         let [low, high] = outer(&side_by_side(&[over(2.0, 1.0)], &[over(5.0, 2.0)])).expect("still rows");
-        let weights = |system: &LinearSystem| [&system.k, &system.m].map(|form| form.terms()[0].weight.to_f64());
+        let weights = |system: &LinearSystem| [&system.k, &system.m].map(|form| form.term(0).weight.to_f64());
         for (found, truth) in [weights(&low), weights(&high)].concat().iter().zip([3.0, 3.0, 7.0, 1.0]) {
             // Radii are rounded upwards.
             assert!((found - truth).abs() < 1e-14, "{found} {truth}");

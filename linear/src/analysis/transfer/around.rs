@@ -199,7 +199,7 @@ impl Transfer<'_> {
         if self.system.c.is_empty() {
             return Some(Drag { weight: 0.0, reference });
         }
-        let takes_energy = self.system.c.terms().iter().all(|term| term.weight.is_zero() || term.weight.is_positive());
+        let takes_energy = self.system.c.terms().all(|term| term.weight.is_zero() || term.weight.is_positive());
         let diagonal = self.entries.iter().filter(|e| e.i == e.j);
         let least = diagonal
             .map(|e| e.c.magnitude() / (e.m.to_f64() + e.k.to_f64() / reference))

@@ -580,13 +580,13 @@ fn collect(form: &Form, n: usize, which: usize, parts: &mut Vec<Part>) {
     const WAITING: usize = 1 << 20;
     let mut room = parts.len() + WAITING;
     let index = |i: &CoordinateId| i.0;
-    let contributions = form.terms().iter().fold(0usize, |sum, term| sum.saturating_add(form.row(term).len().pow(2)));
+    let contributions = form.terms().fold(0usize, |sum, term| sum.saturating_add(form.row(term).len().pow(2)));
     let is_full = contributions > n.saturating_mul(n);
     let mut sums: Vec<Option<Number>> = if is_full { vec![None; n * n] } else { Vec::new() };
     for term in form.terms() {
         let row = form.row(term);
         for (i, a) in row {
-            let weighted = &term.weight * a;
+            let weighted = term.weight * a;
             let of_row = row.iter().map(|(j, b)| (index(j), &weighted * b));
             if !is_full {
                 parts.extend(of_row.map(|(j, part)| (index(i), j, which, part)));

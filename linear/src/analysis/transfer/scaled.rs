@@ -53,11 +53,11 @@ fn rows(row: &mut [(CoordinateId, Number)], exponent: i32) -> Option<()> {
 
 /// The exponent of the largest weight times the square of its row.
 fn largest(form: &Form) -> Option<i32> {
-    let of = |term: &Term| {
+    let of = |term: Term| {
         let widest = form.row(term).iter().map(|(_, factor)| factor.to_f64().abs()).fold(0.0, f64::max);
         Some(exponent(term.weight.to_f64())? + 2 * exponent(widest)?)
     };
-    form.terms().iter().filter_map(of).max()
+    form.terms().filter_map(of).max()
 }
 
 #[cfg(test)]
@@ -76,8 +76,8 @@ mod tests {
         let sum =
             |of: [Number; 3]| of.into_iter().rev().fold(real(Number::ZERO), |sum, x| plus(&times(&sum, &s), &real(x)));
         let form = |form: &Form| {
-            let of = |term: &Term| form.row(term).iter().fold(term.weight.clone(), |w, (_, a)| &(&w * a) * a);
-            form.terms().iter().map(of).fold(Number::ZERO, |sum, x| &sum + &x)
+            let of = |term: Term| form.row(term).iter().fold(term.weight.clone(), |w, (_, a)| &(&w * a) * a);
+            form.terms().map(of).fold(Number::ZERO, |sum, x| &sum + &x)
         };
         let row = |row: &[(CoordinateId, Number)]| row.iter().fold(Number::ZERO, |sum, (_, x)| &sum + x);
         let below = sum([form(&system.k), form(&system.c), form(&system.m)]);
@@ -115,9 +115,8 @@ mod tests {
                     );
                     // s'^2 M, s' C and K are at most of the size of one, the largest within a few bits of it.
                     let w = other.omega.to_f64();
-                    let sizes = [(&moved.k, 1.0), (&moved.c, w), (&moved.m, w * w)].map(|(form, factor)| {
-                        form.terms().iter().map(|term| term.weight.to_f64()).sum::<f64>() * factor
-                    });
+                    let sizes = [(&moved.k, 1.0), (&moved.c, w), (&moved.m, w * w)]
+                        .map(|(form, factor)| form.terms().map(|term| term.weight.to_f64()).sum::<f64>() * factor);
                     let largest = sizes.iter().fold(0.0f64, |most, &size| most.max(size));
                     assert!(
                         (0.5..2.0f64.powi(5)).contains(&largest) && (1.0..2.0).contains(&w),

@@ -55,7 +55,7 @@ impl Matrix {
         };
         let mut slots = slots.iter();
         for term in form.terms() {
-            let (weight, uncertainty) = float(&term.weight, bits)?;
+            let (weight, uncertainty) = float(term.weight, bits)?;
             matrix.uncertainty = matrix.uncertainty.max(uncertainty);
             matrix.positive &= term.weight.is_positive() || term.weight.is_zero();
             let row: Option<Vec<Float>> = form
@@ -91,16 +91,16 @@ fn float(number: &Number, bits: u64) -> Option<(Float, f64)> {
 
 impl Counts {
     pub fn of(k: &Form, m: &Form, n: usize, (bits, left): (u64, usize)) -> Option<Counts> {
-        let rows = |form: &Form| form.terms().iter().map(|term| form.row(term).len().pow(2)).sum::<usize>();
+        let rows = |form: &Form| form.terms().map(|term| form.row(term).len().pow(2)).sum::<usize>();
         if rows(k) + rows(m) > MOST_PRODUCTS {
             return None;
         }
         let mut places = Vec::new();
         let mut add = |form: &Form| {
             for term in form.terms() {
-                let row = form.row(term);
-                for (at, (i, _)) in row.iter().enumerate() {
-                    places.extend(row[at..].iter().map(|(j, _)| (i.0, j.0)));
+                let row = form.row(term).coordinates();
+                for (at, i) in row.iter().enumerate() {
+                    places.extend(row[at..].iter().map(|j| (i.0, j.0)));
                 }
             }
             places.len()

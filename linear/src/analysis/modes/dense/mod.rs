@@ -153,9 +153,9 @@ fn assemble(terms: &Terms, n: usize) -> Matrix<f64> {
     let mut matrix = Matrix::fill_with(n, n, 0.0);
     for t in 0..terms.len() {
         let (indices, factors) = terms.row(t);
-        for (&j, b) in indices.iter().zip(factors) {
-            let weighted = terms.weights[t].value.hi() * b.to_f64();
-            for (&i, a) in indices.iter().zip(factors) {
+        for (&j, b) in indices.iter().zip(factors.iter()) {
+            let weighted = terms.weight(t).value.hi() * b.to_f64();
+            for (&i, a) in indices.iter().zip(factors.iter()) {
                 matrix[(i as usize, j as usize)] += weighted * a.to_f64();
             }
         }
@@ -262,7 +262,7 @@ fn compare(a: Dd, b: Dd) -> std::cmp::Ordering {
 /// The vectors made M-orthonormal by Gram-Schmidt, applied twice.
 fn orthonormal(vectors: &[Vec<f64>], masses: &Terms) -> Vec<Vec<f64>> {
     let product = |x: &[f64], y: &[f64]| -> f64 {
-        let part = |t: usize| masses.weights[t].value.hi() * masses.stretch_f64(t, x) * masses.stretch_f64(t, y);
+        let part = |t: usize| masses.weight(t).value.hi() * masses.stretch_f64(t, x) * masses.stretch_f64(t, y);
         (0..masses.len()).map(part).sum()
     };
     let mut done: Vec<Vec<f64>> = Vec::new();

@@ -14,7 +14,7 @@
 //! of a symmetric matrix' norm). See docs/method/modes.md#dense-matrices.
 
 use crate::analysis::modes::gram::SLACK;
-use crate::analysis::modes::terms::{Factor, Terms};
+use crate::analysis::modes::terms::{Factor, Factors, Terms};
 use crate::base::{Dd, larger, rounding};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::product;
@@ -162,7 +162,7 @@ impl Flat {
         let words = |x: Dd| [x.hi, x.lo];
         for t in 0..terms.len() {
             let (indices, factors) = terms.row(t);
-            flat.weights.push(words(terms.weights[t].value.dd()));
+            flat.weights.push(words(terms.weight(t).value.dd()));
             flat.indices.extend_from_slice(indices);
             flat.factors.extend(factors.iter().map(|factor| words(factor.to_dd())));
             flat.starts.push(flat.indices.len() as u32);
@@ -172,10 +172,15 @@ impl Flat {
     }
 }
 
-fn kind(factors: &[Factor]) -> Kind {
-    match factors {
-        [Factor::Plus | Factor::Minus] => Kind::Single,
-        [Factor::Plus, Factor::Minus] | [Factor::Minus, Factor::Plus] => Kind::Difference,
+fn kind(factors: Factors) -> Kind {
+    let mut signs = factors.iter().map(|factor| match factor {
+        Factor::Plus => Some(true),
+        Factor::Minus => Some(false),
+        Factor::Other(_) => None,
+    });
+    match (signs.next().flatten(), signs.next(), signs.next()) {
+        (Some(_), None, None) => Kind::Single,
+        (Some(a), Some(Some(b)), None) if a != b => Kind::Difference,
         _ => Kind::Other,
     }
 }
@@ -195,14 +200,14 @@ impl Doubt {
         let (mut sizes, mut worst) = (vec![0.0; scale.len()], 0.0);
         for t in 0..terms.len() {
             let (indices, factors) = terms.row(t);
-            let weight = terms.weights[t];
+            let weight = terms.weight(t);
             let size = weight.value.hi().abs() * SLACK;
-            let doubt = factors.iter().map(|factor| factor_doubt(*factor)).fold(0.0, larger);
+            let doubt = factors.iter().map(|factor| factor_doubt(factor)).fold(0.0, larger);
             let beta = (size * (roundings + 2.0 * doubt) + weight.radius) * (1.0 + doubt) * (1.0 + doubt);
-            let entry = |factor: &Factor| factor.to_f64().abs() * SLACK;
-            let sum: f64 = indices.iter().zip(factors).map(|(&i, a)| entry(a) / scale[i as usize]).sum();
+            let entry = |factor: Factor| factor.to_f64().abs() * SLACK;
+            let sum: f64 = indices.iter().zip(factors.iter()).map(|(&i, a)| entry(a) / scale[i as usize]).sum();
             worst = larger(worst, if beta == 0.0 { 0.0 } else { beta / weight.value.hi().abs() });
-            for (&i, a) in indices.iter().zip(factors) {
+            for (&i, a) in indices.iter().zip(factors.iter()) {
                 rows[i as usize] += beta * entry(a) * sum;
                 sizes[i as usize] += size * entry(a) * sum;
                 floors[i as usize] += (1.0 + entry(a)) * (1.0 + size) * (most + length) as f64 * UNDERFLOW;
@@ -225,7 +230,7 @@ pub(super) fn strain(terms: &Terms, x: &[f64]) -> f64 {
         let (indices, factors) = terms.row(t);
         let (mut stretch, mut size) = (0.0, 0.0);
         for k in 0..indices.len() {
-            let part = factors[k].to_f64() * x[indices[k] as usize];
+            let part = factors.at(k).to_f64() * x[indices[k] as usize];
             stretch += part;
             size += part.abs();
         }
@@ -234,7 +239,7 @@ pub(super) fn strain(terms: &Terms, x: &[f64]) -> f64 {
             // The difference is rounded once.
             Kind::Single | Kind::Difference => stretch.abs() + f64::EPSILON * size,
         };
-        sum += terms.weights[t].value.hi().abs() * stretch * stretch;
+        sum += terms.weight(t).value.hi().abs() * stretch * stretch;
     }
     sum.sqrt() * SLACK
 }
@@ -295,11 +300,11 @@ fn apply_as<V: Eight>(form: &Flat, x: &[f64], image: &mut [f64]) {
             }
             _ => {
                 let mut stretch = Double::zero();
-                for (&i, &a) in indices.iter().zip(factors) {
+                for (&i, &a) in indices.iter().zip(factors.iter()) {
                     stretch = stretch.sloppy_plus(splat::<V>(a).sloppy_times(at(x, i)));
                 }
                 let force = weight.sloppy_times(stretch);
-                for (&i, &a) in indices.iter().zip(factors) {
+                for (&i, &a) in indices.iter().zip(factors.iter()) {
                     add(image, i, splat::<V>(a).sloppy_times(force));
                 }
             }

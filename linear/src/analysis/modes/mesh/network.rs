@@ -4,7 +4,7 @@
 //! sums. For springs the c_ij and v_i are the springs themselves, whatever the ratio of their sizes; the shift stays
 //! separate in v. In: the terms of K and of M. Out: couplings and grounds. See docs/method/modes.md#sparse-parts.
 
-use crate::analysis::modes::terms::{Factor, Terms};
+use crate::analysis::modes::terms::{Factor, Factors, Terms};
 use crate::base::{rounding, up};
 use crate::kernel::triple::{Precise, Triple};
 
@@ -64,11 +64,11 @@ impl Network {
         let (mut positive, mut negative) = (vec![Near::default(); n], vec![Near::default(); n]);
         let mut diagonal = vec![0.0; n];
         for t in 0..terms.len() {
-            let weight = Near::of(terms.weights[t]);
+            let weight = Near::of(terms.weight(t));
             let (indices, factors) = terms.row(t);
             let sum = Near::of(sum(factors));
-            for (at, (&i, a)) in indices.iter().zip(factors).enumerate() {
-                let a = factor(*a);
+            for (at, (&i, a)) in indices.iter().zip(factors.iter()).enumerate() {
+                let a = factor(a);
                 let weighted = weight.times(a);
                 diagonal[i as usize] += weighted.value * a.value;
                 let ground = weighted.times(sum);
@@ -76,8 +76,8 @@ impl Network {
                     true => negative[i as usize].add(Near { value: -ground.value, ..ground }),
                     false => positive[i as usize].add(ground),
                 }
-                for (&j, b) in indices[at + 1..].iter().zip(&factors[at + 1..]) {
-                    let product = weighted.times(factor(*b));
+                for (&j, b) in indices[at + 1..].iter().zip(factors.from(at + 1).iter()) {
+                    let product = weighted.times(factor(b));
                     entries.push((i.min(j), i.max(j), Near { value: -product.value, ..product }));
                 }
             }
@@ -138,9 +138,9 @@ fn factor(factor: Factor) -> Near {
 }
 
 /// The sum of the factors of a row: exactly zero for a spring between two coordinates.
-fn sum(factors: &[Factor]) -> Precise {
+fn sum(factors: Factors) -> Precise {
     let (mut value, mut radius) = (Triple::ZERO, 0.0);
-    for factor in factors {
+    for factor in factors.iter() {
         let part = factor.to_triple();
         if let Factor::Other(number) = factor {
             radius += number.radius;

@@ -4,7 +4,7 @@
 //! See docs/method/modes.md#sparse-parts.
 
 use crate::analysis::modes::mesh::network::UP;
-use crate::analysis::modes::terms::{Factor, Terms};
+use crate::analysis::modes::terms::{Factor, Factors, Terms};
 use crate::base::{Dd, up};
 use crate::kernel::simd::simd;
 
@@ -31,7 +31,7 @@ impl<'a> Multiplier<'a> {
         for t in 0..terms.len() {
             terms.row(t).0.iter().for_each(|&i| counts[i as usize] += 1);
         }
-        let weights = terms.weights.iter().map(|weight| weight.value.dd()).collect();
+        let weights = terms.weights().map(|weight| weight.value.dd()).collect();
         Multiplier { terms, weights, most: f64::from(counts.into_iter().max().unwrap_or(0)) }
     }
 
@@ -54,9 +54,9 @@ impl<'a> Multiplier<'a> {
             let force = weight * stretch;
             energy += force * stretch;
             let size = force.hi.abs();
-            let doubt = self.terms.weights[t].radius + 2.0 * Dd::EPSILON * weight.hi.abs();
+            let doubt = self.terms.weight(t).radius + 2.0 * Dd::EPSILON * weight.hi.abs();
             let force_error = (weight.hi.abs() + doubt) * slip + doubt * stretch.hi.abs() + Dd::EPSILON * size;
-            for (&i, factor) in indices.iter().zip(factors) {
+            for (&i, factor) in indices.iter().zip(factors.iter()) {
                 let i = i as usize;
                 match factor {
                     Factor::Plus => value[i] += force,
@@ -64,7 +64,7 @@ impl<'a> Multiplier<'a> {
                     Factor::Other(a) => value[i] += a.value.dd() * force,
                 }
                 let a = factor.to_f64().abs();
-                error[i] += a * (force_error + sums * size) + radius(factor) * (size + force_error);
+                error[i] += a * (force_error + sums * size) + radius(&factor) * (size + force_error);
             }
         }
         error.iter_mut().for_each(|error| *error *= UP);
@@ -88,15 +88,15 @@ fn radius(factor: &Factor) -> f64 {
 
 /// a . x and a bound of its error.
 #[inline(always)]
-fn stretch(indices: &[u32], factors: &[Factor], x: &[Dd]) -> (Dd, f64) {
+fn stretch(indices: &[u32], factors: Factors, x: &[Dd]) -> (Dd, f64) {
     let (mut sum, mut slip) = (Dd::ZERO, 0.0);
-    for (at, (&i, factor)) in indices.iter().zip(factors).enumerate() {
+    for (at, (&i, factor)) in indices.iter().zip(factors.iter()).enumerate() {
         let x = x[i as usize];
         let part = match factor {
             Factor::Plus => x,
             Factor::Minus => -x,
             Factor::Other(a) => {
-                slip += (radius(factor) + Dd::EPSILON * a.value.hi().abs()) * x.hi.abs() * UP;
+                slip += (radius(&factor) + Dd::EPSILON * a.value.hi().abs()) * x.hi.abs() * UP;
                 a.value.dd() * x
             }
         };

@@ -119,12 +119,14 @@ impl Forest {
         let mut ground = vec![Sum::default(); n];
         let mut edges: Vec<Edge> = Vec::with_capacity(n);
         for t in 0..stiffness.len() {
-            match stiffness.row(t) {
-                ([i], [a]) => known.add_square(&mut ground[*i as usize], stiffness.weights[t], *a)?,
-                ([i, j], [a, b]) => {
+            let (row, factors) = stiffness.row(t);
+            match row {
+                [i] => known.add_square(&mut ground[*i as usize], stiffness.weight(t), factors.at(0))?,
+                [i, j] => {
+                    let [a, b] = [0, 1].map(|end| known.factor(factors.at(end)));
                     let mut sum = Sum::default();
-                    sum.add(known.positive(stiffness.weights[t])?);
-                    edges.push(Edge { ends: [*i, *j], factors: [known.factor(*a), known.factor(*b)], stiffness: sum });
+                    sum.add(known.positive(stiffness.weight(t))?);
+                    edges.push(Edge { ends: [*i, *j], factors: [a, b], stiffness: sum });
                 }
                 _ => return None,
             }
@@ -133,15 +135,17 @@ impl Forest {
         let mut forest = Forest::rooted_tree(&ground, &edges, n)?;
         let mut inertia = Inertia::of(&forest);
         for t in 0..masses.len() {
-            let weight = known.positive(masses.weights[t])?;
-            match masses.row(t) {
-                ([i], [a]) => {
-                    let factor = known.factor(*a);
+            let weight = known.positive(masses.weight(t))?;
+            let (row, factors) = masses.row(t);
+            match row {
+                [i] => {
+                    let factor = known.factor(factors.at(0));
                     inertia.one(*i as usize, weight * factor.square());
                 }
-                ([i, j], [a, b]) => {
-                    let sum = known.sum(*a, *b)?;
-                    inertia.two([*i, *j], weight, [known.factor(*a), known.factor(*b)], sum)?;
+                [i, j] => {
+                    let [a, b] = [0, 1].map(|end| factors.at(end));
+                    let sum = known.sum(a, b)?;
+                    inertia.two([*i, *j], weight, [a, b].map(|factor| known.factor(factor)), sum)?;
                 }
                 _ => return None,
             }

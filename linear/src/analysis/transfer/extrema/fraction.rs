@@ -260,7 +260,7 @@ fn add(form: &Form, power: usize, coordinates: &[u32], q: &mut [Vec<[Number; 3]>
     for term in form.terms() {
         let row = || form.row(term).iter().filter_map(|(i, a)| Some((coordinates.binary_search(&i.0).ok()?, a)));
         for (i, a) in row() {
-            let weighted = &term.weight * a;
+            let weighted = term.weight * a;
             for (j, b) in row() {
                 let entry = &mut q[i][j][power];
                 *entry = &*entry + &(&weighted * b);
@@ -302,10 +302,10 @@ mod tests {
     fn uncertainty_of_a_stiffness_is_in_the_gain() {
         let gain = |stiffness: Number| {
             let mut system = oscillator("1", "0.5", "4");
-            let term = system.k.terms()[0].clone();
+            let term = system.k.term(0);
             let mut k = Form::new();
             let source = k.source(system.k.source_of(term.source));
-            k.push(source, term.nature, stiffness, system.k.row(&term).iter().cloned());
+            k.push(source, term.nature, stiffness, system.k.row(term).cloned());
             system.k = k;
             let factored = Denominator::of(&system, &[0]).expect("roots").pair(&system, 0, 0).expect("roots");
             Exactly::of(&factored).expect("in range").gain(&Frequency::radians(&Number::ONE)).disc().expect("finite")
