@@ -81,7 +81,7 @@ fn terms_hold_what_assembled_matrices_lose_even_in_double_double() {
     let assembled = case.system.k.assemble(case.system.n());
     let lost = assembled.iter().enumerate().filter(|(i, row)| {
         let terms = case.system.k.terms();
-        let on_diagonal = terms.filter(|term| case.system.k.row(term).iter().any(|(j, _)| j.index() == *i));
+        let on_diagonal = terms.filter(|term| case.system.k.row(*term).iter().any(|(j, _)| j.index() == *i));
         let least = on_diagonal.map(|term| term.weight.to_f64()).fold(f64::INFINITY, f64::min);
         // The softer spring has fewer than nine digits left in the sum.
         least < 1e9 * row[*i].mid.hi * 2f64.powi(-105)

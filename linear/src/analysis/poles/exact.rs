@@ -466,7 +466,7 @@ mod tests {
     fn a_matrix_is_the_sum_of_its_terms() {
         let mut form = Form::new();
         push(&mut form, "5", 1, None);
-        let source = form.terms()[0].source;
+        let source = form.term(0).source;
         let row = [(CoordinateId(0), Number::from("3")), (CoordinateId(1), -&Number::from("0.5"))];
         form.push(source, Nature::Property, Number::from("2"), row);
         let found = assemble(&form, &[0, 1], &[0, 1], 2).expect("rational");

@@ -366,10 +366,11 @@ mod tests {
         let mut uncertain = oscillator("1", "0.5", "4");
         uncertain.inputs[0].b[0][0].1 = Number::Ball(Ball::ONE.widen(1e-3));
         let mut uncertain_below = oscillator("1", "0.5", "4");
-        let term = uncertain_below.k.terms()[0].clone();
-        let source = uncertain_below.k.source(uncertain_below.k.source_of(term.source));
-        let row = uncertain_below.k.row(&term).to_vec();
-        uncertain_below.k.push(source, term.nature, Number::Ball(Ball::ZERO.widen(1e-3)), row);
+        let term = uncertain_below.k.term(0);
+        let (nature, source) = (term.nature, uncertain_below.k.source_of(term.source));
+        let row: Vec<_> = uncertain_below.k.row(term).iter().map(|(i, a)| (*i, a.clone())).collect();
+        let source = uncertain_below.k.source(source);
+        uncertain_below.k.push(source, nature, Number::Ball(Ball::ZERO.widen(1e-3)), row);
         let nothing = blank(1);
         let large = blank(MOST_COORDINATES + 1);
         for system in [uncertain, uncertain_below, nothing, large] {
