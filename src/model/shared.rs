@@ -94,8 +94,9 @@ impl Shared for Matter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::Vec3;
     use crate::elements::{damper, spring};
-    use crate::model::scene::{Body, Element, SpringRest};
+    use crate::model::scene::{Body, Element, Shape, SpringRest, Translation};
 
     fn law(kind: &'static crate::elements::Kind, coefficient: i64) -> Law {
         Law { kind, coefficient: Number::from(coefficient), rest: SpringRest::AsDrawn, curve: None, loss: None }
@@ -131,10 +132,12 @@ mod tests {
     /// Matters that differ in any of their parts are told apart.
     #[test]
     fn equal_matters_are_one_and_others_are_not() {
-        let along =
-            |motion| Arc::new(vec![crate::model::scene::Translation { direction: crate::base::Vec3::X, motion }]);
+        let along = |motion| Arc::new(vec![Translation { direction: Vec3::X, motion }]);
         let x = along("x");
-        let on = |translations: &Arc<_>, turns| Freedom::OnGround { translations: translations.clone(), turns };
+        let on = |translations: &Arc<Vec<Translation>>, turns| Freedom::OnGround {
+            translations: translations.clone(),
+            turns,
+        };
         let (mass, inertia) = (Some(Number::ONE), Some(Box::new(Number::from(2))));
         let matter = || Matter { mass: mass.clone(), inertia: inertia.clone(), shape: None, freedom: on(&x, false) };
         let mut matters = Recent::default();
@@ -143,7 +146,7 @@ mod tests {
         let others = [
             Matter { inertia: None, ..matter() },
             Matter { inertia: mass.clone().map(Box::new), ..matter() },
-            Matter { shape: Some(Arc::new(crate::model::scene::Shape::Disk { radius: Number::ONE })), ..matter() },
+            Matter { shape: Some(Arc::new(Shape::Disk { radius: Number::ONE })), ..matter() },
             Matter { freedom: Freedom::FromJoints, ..matter() },
             Matter { freedom: on(&x, true), ..matter() },
             Matter { freedom: on(&along("along"), false), ..matter() },
