@@ -86,7 +86,7 @@ fn source(system: &mut LinearSystem) -> u32 {
 
 fn add_scaled(c: &mut Form, source: u32, form: &Form, factor: &Number) {
     for term in form.terms() {
-        c.push(source, term.nature, factor * term.weight, form.row(term).cloned());
+        c.push(source, term.nature, factor * term.weight, form.row(term).copies());
     }
 }
 

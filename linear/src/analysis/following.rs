@@ -72,7 +72,7 @@ fn dampers(c: &Form) -> Form {
     let mut own = Form::new();
     for term in c.terms().filter(|term| !is_damping(term)) {
         let source = own.source(c.source_of(term.source));
-        own.push(source, term.nature, term.weight.clone(), c.row(term).cloned());
+        own.push(source, term.nature, term.weight.clone(), c.row(term).copies());
     }
     own
 }

@@ -247,7 +247,7 @@ mod tests {
         let mut system = oscillator("1", "0.1", "4");
         let (term, mut c) = (system.c.term(0), Form::new());
         let source = c.source(system.c.source_of(term.source));
-        c.push(source, term.nature, -term.weight, system.c.row(term).cloned());
+        c.push(source, term.nature, -term.weight, system.c.row(term).copies());
         system.c = c;
         system
     }
@@ -296,7 +296,7 @@ mod tests {
         let fed = oscillator_fed_by_damper();
         let term = fed.c.term(0);
         let source = system.c.source(fed.c.source_of(term.source));
-        system.c.push(source, term.nature, term.weight.clone(), fed.c.row(term).cloned());
+        system.c.push(source, term.nature, term.weight.clone(), fed.c.row(term).copies());
         let verdict = stability(&system, &modes(&system).expect("modes"), &Poles::default());
         assert_eq!((verdict.kind(), verdict.reason()), (Stability::Stable, Reason::Energy));
     }

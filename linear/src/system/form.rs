@@ -275,13 +275,13 @@ impl<'a> Row<'a> {
         Entries { left: self.coordinates.iter().zip(self.entries), numbers: self.numbers }
     }
 
-    /// The entries as numbers of their own.
-    pub fn cloned(self) -> impl ExactSizeIterator<Item = (CoordinateId, Number)> + Clone + 'a {
+    /// Copies of the entries.
+    pub fn copies(self) -> impl ExactSizeIterator<Item = (CoordinateId, Number)> + Clone + 'a {
         self.iter().map(|(coordinate, value)| (*coordinate, value.clone()))
     }
 
     pub fn to_vec(self) -> Vec<(CoordinateId, Number)> {
-        self.cloned().collect()
+        self.copies().collect()
     }
 
     pub fn len(self) -> usize {

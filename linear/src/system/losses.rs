@@ -45,7 +45,7 @@ impl LinearSystem {
         let (Some(losses), Some(factor)) = (&self.losses, omega.recip()) else { return system };
         for term in losses.h.terms() {
             let source = system.c.source(losses.h.source_of(term.source));
-            system.c.push(source, term.nature, term.weight * &factor, losses.h.row(term).cloned());
+            system.c.push(source, term.nature, term.weight * &factor, losses.h.row(term).copies());
         }
         for (input, b) in system.inputs.iter_mut().zip(&losses.b) {
             input.undamped = None;

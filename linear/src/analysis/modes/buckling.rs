@@ -121,7 +121,7 @@ fn chosen_terms(form: &Form, choose: impl Fn(&Term) -> Option<bool>) -> Form {
         let Some(negated) = choose(&term) else { continue };
         let source = result.source(form.source_of(term.source));
         let weight = if negated { -term.weight } else { term.weight.clone() };
-        result.push(source, term.nature, weight, form.row(term).cloned());
+        result.push(source, term.nature, weight, form.row(term).copies());
     }
     result
 }

@@ -262,7 +262,7 @@ fn positive_part(form: &Form) -> Form {
     let mut part = Form::new();
     for term in form.terms().filter(|term| term.weight.is_positive()) {
         let source = part.source(form.source_of(term.source));
-        part.push(source, term.nature, term.weight.clone(), form.row(term).cloned());
+        part.push(source, term.nature, term.weight.clone(), form.row(term).copies());
     }
     part
 }

@@ -143,7 +143,7 @@ pub(in crate::analysis) fn times(form: &Form, e: i32) -> Option<Form> {
     let mut result = Form::new();
     for term in form.terms() {
         let source = result.source(form.source_of(term.source));
-        result.push(source, term.nature, term.weight * &power, form.row(term).cloned());
+        result.push(source, term.nature, term.weight * &power, form.row(term).copies());
     }
     Some(result)
 }

@@ -109,7 +109,7 @@ mod tests {
         for (index, term) in form.terms().enumerate() {
             let source = signed.source(form.source_of(term.source));
             let weight = if index == 0 { term.weight.clone() } else { -term.weight };
-            signed.push(source, term.nature, weight, form.row(term).cloned());
+            signed.push(source, term.nature, weight, form.row(term).copies());
         }
         is_semidefinite(&signed, &(0..signed.terms().len() as u32).collect::<Vec<_>>())
     }
@@ -140,7 +140,7 @@ mod tests {
             let term = system.k.term(0);
             let mut k = Form::new();
             let source = k.source(system.k.source_of(term.source));
-            k.push(source, term.nature, weight, system.k.row(term).cloned());
+            k.push(source, term.nature, weight, system.k.row(term).copies());
             system.k = k;
             let part = &independent(&system)[0];
             let modes = modes(&system).expect("a mode without inertia");

@@ -101,7 +101,7 @@ fn times(form: &Form, power: i32) -> Form {
     };
     for term in form.terms() {
         let source = result.source(form.source_of(term.source));
-        result.push(source, term.nature, scaled(term.weight), form.row(term).cloned());
+        result.push(source, term.nature, scaled(term.weight), form.row(term).copies());
     }
     result
 }

@@ -202,7 +202,7 @@ impl Doubt {
             let (indices, factors) = terms.row(t);
             let weight = terms.weight(t);
             let size = weight.value.hi().abs() * SLACK;
-            let doubt = factors.iter().map(|factor| factor_doubt(factor)).fold(0.0, larger);
+            let doubt = factors.iter().map(factor_doubt).fold(0.0, larger);
             let beta = (size * (roundings + 2.0 * doubt) + weight.radius) * (1.0 + doubt) * (1.0 + doubt);
             let entry = |factor: Factor| factor.to_f64().abs() * SLACK;
             let sum: f64 = indices.iter().zip(factors.iter()).map(|(&i, a)| entry(a) / scale[i as usize]).sum();

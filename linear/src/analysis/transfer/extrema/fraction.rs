@@ -305,7 +305,7 @@ mod tests {
             let term = system.k.term(0);
             let mut k = Form::new();
             let source = k.source(system.k.source_of(term.source));
-            k.push(source, term.nature, stiffness, system.k.row(term).cloned());
+            k.push(source, term.nature, stiffness, system.k.row(term).copies());
             system.k = k;
             let factored = Denominator::of(&system, &[0]).expect("roots").pair(&system, 0, 0).expect("roots");
             Exactly::of(&factored).expect("in range").gain(&Frequency::radians(&Number::ONE)).disc().expect("finite")
