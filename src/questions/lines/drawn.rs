@@ -6,7 +6,7 @@ use super::{PER_TURN, Study, lower_proven, slopes};
 use crate::base::number::jet;
 use crate::base::{Ball, Dd, Jet, Number, Rational};
 use crate::kernel::pencils::{self, Plane};
-use crate::model::scene::{Comparison, Measure, Question};
+use crate::model::scene::{Comparison, Measure, Question, Written};
 use crate::model::{CheckedScene, Setting};
 use crate::questions::answer::{Column, Holds, shown_in};
 use crate::questions::require;
@@ -29,7 +29,7 @@ pub(super) struct Drawn {
 /// A column about a frequency.
 #[derive(Debug)]
 enum Asked {
-    Value { mode: usize, question: Question },
+    Value { mode: usize, unit: Written, in_radians: bool },
     Verdict { mode: usize, comparison: Comparison, limit: Number },
 }
 
@@ -78,9 +78,8 @@ impl Study<'_> {
             for (case, known) in known.iter_mut().enumerate().filter(|(case, _)| !roots[*case].is_nan()) {
                 let value = Ball::new(Dd::from(roots[case]), errors[case]);
                 match asked {
-                    Asked::Value { question, .. } => {
-                        let in_radians = question.radians.is_some();
-                        column.set(at + case, shown_in(&Number::Ball(value), &question.unit, in_radians).number);
+                    Asked::Value { unit, in_radians, .. } => {
+                        column.set(at + case, shown_in(&Number::Ball(value), unit, *in_radians).number);
                     }
                     Asked::Verdict { comparison, limit, .. } => match require::holds(&value, *comparison, limit) {
                         Some(holds) => column.high[at + case] = if holds { 1.0 } else { 0.0 },
@@ -156,17 +155,21 @@ impl Study<'_> {
             Measure::Frequency { mode } => (mode as usize).checked_sub(1),
             _ => None,
         };
+        let value = |mode: usize, question: &Question| {
+            let (unit, in_radians) = (question.unit.clone(), question.radians.is_some());
+            Asked::Value { mode, unit, in_radians }
+        };
         let mut asked = Vec::new();
         for (require, has_column) in scene.scene().requires.iter().zip(&self.measured) {
             let (question, mode) = (&require.question, mode(&require.question)?);
             if matches!(question.value, Number::Jet(_)) {
                 return None;
             }
-            asked.extend(has_column.then(|| Asked::Value { mode, question: question.clone() }));
+            asked.extend(has_column.then(|| value(mode, question)));
             asked.push(Asked::Verdict { mode, comparison: require.comparison?, limit: question.value.clone() });
         }
         for question in &scene.scene().asked {
-            asked.push(Asked::Value { mode: mode(question)?, question: question.clone() });
+            asked.push(value(mode(question)?, question));
         }
         Some(asked)
     }
