@@ -155,8 +155,10 @@ pub enum Derivative {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Requirement {
-    /// The requirement as written.
+    /// The requirement as written, with the place and the repetitions that it is in.
     pub text: String,
+    /// These alone: `in front, i = 2`; empty outside of them.
+    pub within: String,
     pub span: Span,
     /// `None` if the bound cannot decide, or if the measure has no value.
     pub holds: Option<bool>,

@@ -101,6 +101,7 @@ fn requirement(
     };
     Requirement {
         text: question.name(text.sources.slice(require.span)),
+        within: question.within.clone(),
         span: require.span,
         holds,
         value,
@@ -181,6 +182,8 @@ fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Remedy) -> Option
                 (Some(margin), Some(limit)) => Some(relative(-margin.to_f64(), limit)),
                 (Some(_), None) | (None, _) => missed_by(requirement),
             };
+            let within = Some(requirement.within.clone()).filter(|within| !within.is_empty());
+            let by = by.into_iter().chain(within).reduce(|by, within| format!("{by}, {within}"));
             Some(AskedError::Fails { span, value, by, remedy: remedy() })
         }
         (None, Value::Number(ball)) => {

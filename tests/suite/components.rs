@@ -719,3 +719,25 @@ fn advice_on_a_parameter_of_a_place_is_in_its_unit_and_at_its_place() {
         assert_eq!((sources.slice(label.span), &*label.text), (at, value), "{text}");
     }
 }
+
+/// A requirement that fails says in which place and repetition it does.
+#[test]
+fn a_requirement_that_fails_says_where() {
+    let text = "component osc(m: kg) {\n  body b { mass = m, moves x }\n  spring s: ground -- b { k = 100 N/m }\n  \
+                require frequency(2) < 1.5 Hz\n}\nplace near = osc(m = 1 kg)\nplace far = osc(m = 2 kg)\n\
+                repeat i in 1..2 {\n  require frequency(i) > i * 1.2 Hz\n}\n";
+    let (sources, file) = source(text);
+    let found = vibc::check(&sources, file, &Overrides::default(), None).diagnostics;
+    let labels =
+        found.iter().filter(|finding| finding.code.0 == "vib::require::fails").map(|finding| &finding.primary.text);
+    // sqrt(50) and 10 rad/s.
+    assert_eq!(
+        labels.collect::<Vec<_>>(),
+        [
+            "it is 1.59155 Hz, off by 6.1 %, in near",
+            "it is 1.59155 Hz, off by 6.1 %, in far",
+            "it is 1.1254 Hz, off by 6.22 %, i = 1",
+            "it is 1.59155 Hz, off by 33.7 %, i = 2",
+        ]
+    );
+}
