@@ -385,7 +385,7 @@ def followed(folder):
     """The cost of following modes beside that of the plain frequencies, and how many links are proved."""
     print("\n| followed modes | cases | links proved | veerings | plain [us] | followed [us] | times |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
-    for model, plainly, cases in ((Chain(2), 1_000_000, 10_000), (Chain(10), 400_000, 10_000), (Chain(50), 50_000, 10_000), (Cart(), 400_000, 10_000), (Pendulum(), 1_000, 1_000)):
+    for model, plainly, cases in ((Chain(2), 1_000_000, 10_000), (Chain(10), 400_000, 10_000), (Chain(50), 50_000, 10_000), (Cart(), 400_000, 10_000), (Pendulum(), 1_000, 1_000), (Pendulums(10), 100, 100), (Pendulums(10), 1_000, 1_000), (Pendulums(10), 10_000, 10_000)):
         plainly, cases = (max(x // 20, 3 * FEW) for x in (plainly, cases)) if QUICK else (plainly, cases)
         pathlib.Path(folder, "model.vib").write_text(model.text)
         what = ["--modes", str(model.n)]
@@ -436,8 +436,8 @@ def cores(folder):
     if len(CORES) < 2:
         print("\nOne core beside two: left out, there is one.")
         return
-    print("\n| study | cases | one core [s] | two cores [s] | times |")
-    print("| --- | --- | --- | --- | --- |")
+    print("\n| study | cases | one core [s] | two cores [s] | times | ranges alone: one [s] | two [s] | times |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for model, what, cases in ((Chain(10), ["--modes", "10"], 1_000_000), (Chain(10), ["--poles"], 400_000), (Pendulum(), ["--modes", "2"], 40_000)):
         cases = cases // 20 if QUICK else cases
         pathlib.Path(folder, "model.vib").write_text(model.text)
@@ -449,9 +449,10 @@ def cores(folder):
                 pathlib.Path(folder, f"{count}.csv").unlink(missing_ok=True)
                 times.append(run(folder, command, count)[1])
             walls.append(statistics.median(times))
+        alone = [statistics.median(run(folder, asked(model, cases, what), count)[1] for _ in range(REPEATS)) for count in (1, 2)]
         if not filecmp.cmp(pathlib.Path(folder, "1.csv"), pathlib.Path(folder, "2.csv"), shallow=False):
             raise SystemExit("one core and two give other bytes")
-        print(f"| {' '.join(what)}, {model.n} coordinates | {cases} | {walls[0]:.2f} | {walls[1]:.2f} | {walls[0] / walls[1]:.2f} |", flush=True)
+        print(f"| {' '.join(what)}, {model.n} coordinates | {cases} | {walls[0]:.2f} | {walls[1]:.2f} | {walls[0] / walls[1]:.2f} | {alone[0]:.2f} | {alone[1]:.2f} | {alone[0] / alone[1]:.2f} |", flush=True)
 
 
 def main():

@@ -127,6 +127,15 @@ def with_cases(study, rng):
     return net
 
 
+def has_numbers(row, truth, tally):
+    """Whether a case can be compared: one without a truth has to be told as one, and others may be refused."""
+    if truth is None:
+        tally.verdict("a case without a meaning is told as one", bool(row.get("code")), True)
+    elif row.get("code"):
+        tally.refuse(row["code"])
+    return truth is not None and not row.get("code")
+
+
 def check(net, program, tally, rng):
     """Some of the cases, the first and the last among them."""
     told = program.ask(tally, "sweep", net.text(), "--format", "json", *net.options)
@@ -144,11 +153,7 @@ def check(net, program, tally, rng):
             continue
         except ZeroDivisionError:
             truth = None
-        if truth is None:
-            tally.verdict("a case without a meaning is told as one", bool(row.get("code")), True)
-            continue
-        if row.get("code"):
-            tally.refuse(row["code"])
+        if not has_numbers(row, truth, tally):
             continue
         value = lambda name: (row["values"][places[name]], row["error_bounds"][places[name]])
         squares, poles = truth

@@ -295,22 +295,29 @@ fn sizes_dot(x: &[f64], f: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::modes;
     use crate::analysis::modes::parts::Part;
     use crate::analysis::poles::targeted::iteration::follow;
     use crate::analysis::poles::targeted::tests::band;
     use crate::analysis::poles::targeted::{Large, undamped_starts};
+    use crate::analysis::{Mode, modes};
+
+    /// A band of forty masses, its lowest modes, and the pair that the third of them becomes with dampers.
+    fn followed_pair() -> (Large, Vec<Mode>, Pair) {
+        let system = band(40, 2, -2, 2, true, 5);
+        let mut list = modes(&system).expect("modes").list;
+        list.truncate(14);
+        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
+        let start = undamped_starts(&list[..8], 8).swap_remove(2);
+        let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
+        (large, list, pair)
+    }
 
     /// On a circle of radius r the linear part of f is d r and the rest is at most a r² + b. If d² < 4 a b, no circle
     /// proves anything, however good the pair is; with a ten-thousandth of a, one does.
     #[test]
     fn a_circle_on_which_the_slope_does_not_exceed_the_rest_is_none() {
-        let system = band(40, 2, -2, 2, true, 5);
-        let all = modes(&system).expect("modes");
-        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
-        let frame = large.frame(&all.list[..14], 8).expect("a gap");
-        let start = undamped_starts(&all.list[..8], 8).swap_remove(2);
-        let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
+        let (large, list, pair) = followed_pair();
+        let frame = large.frame(&list, 8).expect("a gap");
         let applied = large.exact.apply(pair.s, &pair.x);
         let s = pair.s.to_f64();
         let slope = Slope::of(&large.exact, s, &applied).least();
@@ -402,12 +409,8 @@ mod tests {
     /// And what the coupling to modes, or to what is outside of them, takes from f is as large as for the worst of these.
     #[test]
     fn a_block_and_a_share_hold_those_of_the_ends() {
-        let system = band(40, 2, -2, 2, true, 5);
-        let all = modes(&system).expect("modes");
-        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
-        let mut frame = large.frame(&all.list[..14], 8).expect("a gap");
-        let start = undamped_starts(&all.list[..8], 8).swap_remove(2);
-        let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
+        let (large, list, pair) = followed_pair();
+        let mut frame = large.frame(&list, 8).expect("a gap");
         let (s, reach) = (Complex::new(-0.1, 1.0), 0.03125);
         let numbers = [[(5.0, 0.02), (0.3, 0.01)], [(0.4, 0.03), (0.2, 0.005)], [(2.0, 0.01), (-0.1, 0.02)]];
         let mut tightest = f64::INFINITY;
@@ -461,7 +464,7 @@ mod tests {
         // One coupling at a time, in each of its three parts.
         let level = frame.top;
         let (s, count) = (pair.s.to_f64(), frame.x.len());
-        let frame = large.frame(&all.list[..14], 8).expect("a gap");
+        let frame = large.frame(&list, 8).expect("a gap");
         for part in 0..3 {
             for reach in [0.0, 1e-3] {
                 let eta = frame.stiffness(level, s, reach);
@@ -516,12 +519,8 @@ mod tests {
     /// f(w) = rho + d w + m w^2 + b with all of them as far off as they may be: the root is in the disc.
     #[test]
     fn a_circle_holds_the_root_of_the_worst_polynomial() {
-        let system = band(40, 2, -2, 2, true, 5);
-        let all = modes(&system).expect("modes");
-        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
-        let frame = large.frame(&all.list[..14], 8).expect("a gap");
-        let start = undamped_starts(&all.list[..8], 8).swap_remove(2);
-        let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
+        let (large, list, pair) = followed_pair();
+        let frame = large.frame(&list, 8).expect("a gap");
         let s = pair.s.to_f64();
         let d = Complex::new(0.6, 0.8).scale(s.im);
         let eta = frame.stiffness(frame.top, s, 0.0);
@@ -571,12 +570,8 @@ mod tests {
     /// residual that is not known is as large as it may be.
     #[test]
     fn what_joins_a_pair_to_the_modes_is_bounded() {
-        let system = band(40, 2, -2, 2, true, 5);
-        let all = modes(&system).expect("modes");
-        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
-        let frame = large.frame(&all.list[..14], 8).expect("a gap");
-        let start = undamped_starts(&all.list[..8], 8).swap_remove(2);
-        let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
+        let (large, list, pair) = followed_pair();
+        let frame = large.frame(&list, 8).expect("a gap");
         let (pencil, s) = (&large.exact, pair.s.to_f64());
         let mut applied = pencil.apply(pair.s, &pair.x);
         let star =
