@@ -72,7 +72,9 @@ pub fn follow(study: &Study, orders: &[u32]) -> Result<Followed, Unfollowed> {
     let count = (wanted + 1).min(n);
     let line = |class: &Vec<u32>| study.line_of_class(class, classes.len() == 1, count);
     let lines: Vec<_> = classes.iter().map(line).collect();
-    let field = Field { study, classes: &classes, course, lines: &lines };
+    let class = classes.first().filter(|_| classes.len() > 1).map(Vec::as_slice);
+    let has_polynomials = course.is_none() && study.has_polynomials([first, last], class);
+    let field = Field { study, classes: &classes, course, lines: &lines, has_polynomials };
     let points = field.places(&values, count);
     let curves = choose(&points, wanted)?;
     let limits = Limits { stretches: stretches(values.len(), n) };

@@ -36,6 +36,8 @@ pub struct Field<'a> {
     pub course: Option<Course>,
     /// The line of each class.
     pub lines: &'a [Arc<Option<Line>>],
+    /// Whether both matrices are polynomials over steps at all: for choices that prove nothing.
+    pub has_polynomials: bool,
 }
 
 impl Place {
@@ -225,7 +227,8 @@ impl Field<'_> {
             // Whether a mode is rigid is decided by the other methods.
             found[0].iter().all(Option::is_some).then_some(found)
         };
-        if over.is_some()
+        if self.has_polynomials
+            && over.is_some()
             && sides.is_none()
             && let Some(list) = self.classes.iter().map(by_polynomials).collect::<Option<Vec<[Frequencies; 2]>>>()
         {

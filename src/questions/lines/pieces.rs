@@ -37,6 +37,9 @@ pub struct Pieces {
 /// What a polynomial may leave out of an entry, relative to the diagonal, so that roundings weigh as much.
 const FINE: f64 = 1e-15;
 
+/// The part of a range that is taken as near to a value: narrower than all steps but the smallest of a search.
+const NEAR: f64 = 1e-6;
+
 /// Coefficients below this share of the diagonal are left out with the rest.
 const NEGLIGIBLE: f64 = 1e-18;
 
@@ -48,6 +51,8 @@ impl Study<'_> {
         let last = range.count() - 1;
         let mut pieces = Pieces { n: 0, list: Vec::new() };
         let (mut at, mut width, mut in_a_row) = (range.first, range.count() - range.first, 0);
+        // Where the narrowest piece fails the next one would most likely fail, too: cases left out, twice as many each time in a row.
+        let mut left_out = 0;
         // Making a piece takes as long as some cases.
         for _ in 0..16 + range.count() / 32 {
             if at + FEW > last + 1 {
@@ -60,14 +65,17 @@ impl Study<'_> {
                     pieces.n = piece.pencils.n;
                     pieces.list.push(piece);
                     at += width;
-                    in_a_row += 1;
+                    (in_a_row, left_out) = (in_a_row + 1, 0);
                     // As wide as the one before is most likely right again.
                     if in_a_row % 4 == 0 {
                         width *= 2;
                     }
                 }
                 _ if halved => (width, in_a_row) = (width / 2, 0),
-                _ => at += width,
+                _ => {
+                    left_out = width.max(2 * left_out);
+                    at += left_out;
+                }
             }
         }
         (!pieces.list.is_empty()).then_some(pieces)
@@ -106,6 +114,14 @@ impl Study<'_> {
         let (k, m) = if fits { (matrix(&system.k, n)?, matrix(&system.m, n)?) } else { return None };
         let pencils = pencils::Line::new(n, &k.terms, &m.terms, 1.0)?;
         Some(Polynomials { pencils, is_fine: k.is_fine && m.is_fine })
+    }
+
+    /// Whether the matrices of all coordinates or of a class are polynomials about one of two values of the last parameter at all, however
+    /// near to it: not where the search might find another rest.
+    pub(in crate::questions) fn has_polynomials(&self, [low, high]: [&Number; 2], class: Option<&[u32]>) -> bool {
+        let reach = (high - low).to_ball().magnitude() * NEAR;
+        let about = |at: &Number| self.polynomials(0, (at, reach), Of { class, lowest: 0, poles: 0 }).is_some();
+        about(low) || about(high)
     }
 
     /// Enclosures of the eigenvalues for all values of the last parameter between two, of all coordinates or of a class.
