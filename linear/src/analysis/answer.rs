@@ -215,8 +215,8 @@ pub struct Pole {
     pub kind: PoleKind,
     /// Poles that are certified only together: a double pole, or several that are not separated.
     pub cluster: Option<u32>,
-    /// The poles of the cluster are exactly equal and have fewer vectors than their number, as in critical damping: motions
-    /// like t exp(s t) occur.
+    /// Whether it is proved that the poles of the cluster are exactly equal and have fewer vectors than their number, as in critical
+    /// damping: motions like t exp(s t) occur. Where it is not, nothing is claimed.
     pub defective: bool,
     pub route: Route,
 }
