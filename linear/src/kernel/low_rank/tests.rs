@@ -515,3 +515,97 @@ fn an_eigenvalue_next_to_another_pole_than_its_origin_is_refused() {
         }
     }
 }
+
+/// Real poles with R columns, b and w by pole, nothing besides.
+fn few_columns<const R: usize>(poles: &[f64], b: &[[f64; R]], w: &[[f64; R]]) -> LowRank<R> {
+    let real = |x: f64| Complex::real(Dd::from(x));
+    let columns = |of: &[[f64; R]]| (0..R).map(|i| of.iter().map(|row| real(row[i])).collect()).collect();
+    let columns = Columns {
+        poles: poles.iter().map(|&x| real(x)).collect(),
+        b: columns(b),
+        w: columns(w),
+        direct: vec![vec![Dd::ZERO; R]; R],
+        off: Off { reach: f64::INFINITY, ..Off::default() },
+    };
+    LowRank::<R>::new(&columns, 1.0).expect("usual sizes")
+}
+
+/// A root for a proof alone, whose origin is a pole of these.
+fn root_of<const R: usize>(of: &LowRank<R>, pole: usize) -> Root {
+    let mut root = root_at(&[-1.0, -3.0], 0);
+    (root.origin, root.pole) = (of.equation.poles()[pole], pole);
+    root
+}
+
+/// At -2 between the poles -1 and -3: H = diag(1 + 1 / (s + 1), 1 + 1 / (s + 3), 1 ..), so that F = 0, F' = -2, the permanent of the sizes
+/// is 4 and the poles are at the distance 1. A disc is proved as far as 4.1 2^R pi epsilon / r^2 is at most 0.009 |F'|.
+#[test]
+fn a_disc_is_proved_as_far_as_its_curvature_allows() {
+    fn check<const R: usize>() {
+        let row = |which: usize| std::array::from_fn(|i| if i == which { 1.0 } else { 0.0 });
+        let of = few_columns::<R>(&[-1.0, -3.0], &[row(0), row(1)], &[row(0), row(1)]);
+        let root = root_of(&of, 0);
+        let from = root.differences(of.equation.poles());
+        let power = f64::from(1u32 << R);
+        let most = 0.009 * 2.0 / (4.1 * power * 4.0);
+        // epsilon = 1.1 (R + 2) nu pi / |F'|
+        let noise = most * 2.0 / (1.1 * (R as f64 + 2.0) * 4.0);
+        for (share, is_proved) in [(0.01, true), (0.98, true), (1.02, false), (4.0, false), (16.0, false)] {
+            let cases = Cases { rho: 1.0, noise: share * noise, eta: 0.0 };
+            let found = of.equation.moving(&from, &root, [-1.0, 0.0], &cases, &mut Vec::new());
+            assert_eq!(found.is_proved > 0.0, is_proved, "{R} {share}: {found:?}");
+            assert!((share * most..1.001 * share * most).contains(&found.radius), "{R} {share}: {found:?}");
+        }
+    }
+    check::<2>();
+    check::<3>();
+    check::<4>();
+}
+
+/// About the pole -1, on which nothing acts, beside one at -3: H = diag(1 - 1.875 / (s + 3) 2, 1, 1 ..), of determinant 1/16 with a permanent
+/// of 2 - 1/16 and the distance 2. The disc has four times eta for its radius, and is refused where 2.1 2^R pi epsilon / r is more than
+/// half of the determinant, or the rounding (R + 2) nu pi is.
+#[test]
+fn a_pole_stays_as_far_as_its_determinant_is_known() {
+    fn check<const R: usize>() {
+        let small = 0.0625;
+        let (zero, one) = ([0.0; R], std::array::from_fn(|i| if i == 0 { 1.0 } else { 0.0 }));
+        let of = few_columns::<R>(&[-1.0, -3.0], &[zero, one], &[zero, one.map(|x| (2.0 - 2.0 * small) * -x)]);
+        let mut root = root_of(&of, 0);
+        root.stays = true;
+        let from = root.differences(of.equation.poles());
+        let (whole, power) = (2.0 - small, f64::from(1u32 << R));
+        let radius = 0.5 * small * 2.0 / (2.1 * power * whole);
+        let rounding = 0.5 * small / ((R as f64 + 2.0) * whole);
+        for (share, is_proved) in [(0.01, true), (0.98, true), (1.02, false), (2.0, false)] {
+            for cases in [
+                Cases { rho: 1.0, noise: 1e-16, eta: 0.25 * share * radius },
+                Cases { rho: 1.0, noise: share * rounding, eta: 1e-14 },
+            ] {
+                let found = of.equation.staying(&from, &root, &cases, &mut Vec::new());
+                assert_eq!(found.is_proved > 0.0, is_proved, "{R} {share}: {cases:?} {found:?}");
+            }
+        }
+    }
+    check::<2>();
+    check::<3>();
+    check::<4>();
+}
+
+/// A pole with the term q = |w b| / epsilon beside the diagonal of H = 1, which does not move it: the norm of (1.01, 1.01, q) times q / 4 has to
+/// be at most 1/4.
+#[test]
+fn the_term_of_a_pole_that_stays_is_in_its_adjugate() {
+    for (q, is_proved) in [(0.1, true), (0.63, true), (0.65, false), (0.69, false), (2.0, false)] {
+        let eta = 1e-10;
+        let of = few_columns::<2>(&[-1.0, -3.0], &[[1.0, 0.0], [0.0; 2]], &[[0.0, 4.0 * eta * q], [0.0; 2]]);
+        let mut root = root_of(&of, 0);
+        root.stays = true;
+        let from = root.differences(of.equation.poles());
+        let found = of.equation.staying(&from, &root, &Cases { rho: 1.0, noise: 1e-15, eta }, &mut Vec::new());
+        assert!((4.0 * eta..4.001 * eta).contains(&found.radius), "{q}: {found:?}");
+        assert_eq!(found.is_proved > 0.0, is_proved, "{q}: {found:?}");
+        let of_q = q * (2.0 * 1.01f64.powi(2) + q * q).sqrt();
+        assert_eq!(of_q <= 1.0, is_proved, "{q}: {of_q}");
+    }
+}

@@ -472,4 +472,88 @@ mod tests {
         }
         assert!(tightest > 0.05, "{tightest}");
     }
+
+    /// The same two nodes with stiffnesses in other units: what is unbalanced at the root counts by the root of the least one.
+    #[test]
+    fn what_is_unbalanced_counts_by_the_least_stiffness() {
+        let (mut tightest, tree) = (0.0f64, Tree { breadth: 1.0, coupled: 1.0, data: [f64::ERROR; 2] });
+        for exponent in [-24, -12, 0, 12, 24] {
+            // K = unit [1 -1; -1 1 + g], M = 1
+            let unit = 2f64.powi(exponent);
+            for g in [1.0, 0.0625] {
+                let node = |ground: f64, stiffness: f64, children: u32| Node {
+                    mass: 1.0,
+                    ground,
+                    stiffness,
+                    coupling: 0.0,
+                    parent: 1,
+                    children,
+                };
+                let nodes = [node(0.0, unit, 0), node(unit * g, 0.0, 1)];
+                let root = (4.0 + g * g).sqrt();
+                let ends = [g / (0.5 * (2.0 + g + root)), 0.5 * (2.0 + g + root)];
+                for (j, lambda) in ends.into_iter().enumerate() {
+                    for slip in [1e-3, -1e-3, 1e-5] {
+                        let x = [[1.0], [(1.0 - lambda) * (1.0 + slip)]];
+                        let frame = Frame {
+                            previous: (j == 1).then_some(unit * ends[0]),
+                            next: (j == 0).then_some(unit * ends[1]),
+                            holding: 0.0,
+                            least: unit * ends[0],
+                        };
+                        let [found] = enclose_lanes(&nodes, &x, &tree, &[frame]);
+                        let off = (found.lambda.hi() - unit * lambda).abs();
+                        assert!(off <= found.radius, "{exponent} {g} {j} {slip}: {off:e} {:e}", found.radius);
+                        assert!(
+                            found.relative() < 1e3 * slip * slip,
+                            "{exponent} {g} {j} {slip}: {:e}",
+                            found.relative()
+                        );
+                        tightest = tightest.max(off / found.radius);
+                    }
+                }
+            }
+        }
+        assert!(tightest > 0.05, "{tightest}");
+    }
+
+    /// A node on a spring: nothing is said where x^T M x, the eigenvalue or the least one may be out of range, each by itself, and otherwise
+    /// the radius has the roundings of both sums, thirteen more and kappa times all that.
+    #[test]
+    fn numbers_out_of_range_have_no_bound_and_others_their_roundings() {
+        let enclosed = |mass: f64, ground: f64, x: f64, least: f64, coupled: f64| {
+            let node = Node { mass, ground, stiffness: 0.0, coupling: 0.0, parent: 0, children: 0 };
+            let frame = Frame { previous: None, next: Some(4.0 * ground / mass), holding: 0.0, least };
+            let tree = Tree { breadth: 0.0, coupled, data: [0.0; 2] };
+            let [found] = enclose_lanes(&[node], &[[x]], &tree, &[frame]);
+            found
+        };
+        for coupled in [1.0, 2.0, 64.0] {
+            let found = enclosed(1.0, 1.0, 1.0, 1.0, coupled);
+            let of_sum = {
+                let mut sum = PairwiseSum::from_zero(0.0f64);
+                sum.add(1.0);
+                sum.relative_error(f64::ERROR)
+            };
+            let least = 2.0 * coupled * (2.0 * of_sum + 13.0 * f64::ERROR);
+            assert!((least..least + 1e-15).contains(&found.relative()), "{coupled}: {:e} {least:e}", found.relative());
+        }
+        for (mass, ground, x, least, is_sound) in [
+            (1.0, 1.0, 1e-15, 1.0, true),
+            (1.0, 1.0, 1e-20, 1.0, false),
+            (1e-10, 1e-10, 1e-15, 1.0, false),
+            (1.0, 1e-70, 1.0, 1e-70, true),
+            (1.0, 1e-80, 1.0, 1.0, false),
+            (1.0, 1e80, 1.0, 1.0, false),
+            (1e30, 1e-50, 1.0, 1.0, false),
+            (1e-30, 1e50, 1.0, 1.0, false),
+            (1.0, 1.0, 1.0, 1e-8, true),
+            (1.0, 1.0, 1.0, 1e-80, false),
+            (1.0, 1.0, 1.0, 1e80, false),
+        ] {
+            let found = enclosed(mass, ground, x, least, 1.0);
+            let is_known = found.relative() < f64::INFINITY;
+            assert_eq!(is_known, is_sound, "{mass:e} {ground:e} {x:e} {least:e}: {:e}", found.relative());
+        }
+    }
 }

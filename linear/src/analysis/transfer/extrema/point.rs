@@ -686,6 +686,117 @@ mod tests {
         assert!((reported - width).abs() < 1e-14, "{reported} {width}");
     }
 
+    /// Poles at -0.33 +- i, whose |H| no zero and pole at one place change: these are anchors between the peak and its half-power points.
+    fn wide_peak_in_segments(anchors: &[f64]) -> (Exactly, f64, [f64; 2]) {
+        use crate::analysis::transfer::extrema::roots::{Place, Root};
+        use crate::kernel::big_float::ComplexFloat;
+        let root = |re: f64, im: f64| Root {
+            centre: ComplexFloat::new(Float::from(re), Float::from(im)),
+            radius: Float::zero(),
+            multiplicity: 1,
+            place: Place::Pair,
+        };
+        let zeros: Vec<Root> = anchors.iter().map(|&im| root(-8.0, im)).collect();
+        let poles = std::iter::once(root(-0.33, 1.0)).chain(zeros.iter().cloned()).collect();
+        let factored = Factored { lead: Ball::ONE, unit: 1.0, zeros, poles, far: Far::NONE };
+        let square = 1.0 + 0.33f64 * 0.33;
+        let (near, apart) = (1.0 - 2.0 * 0.33 * 0.33 / square, 2.0 * 0.33 / square);
+        let ends = [near - apart, near + apart].map(|x| (square * x).sqrt());
+        (Exactly::of(&factored).expect("in range"), (square * near).sqrt(), ends)
+    }
+
+    #[test]
+    fn a_width_is_the_same_over_any_number_of_segments() {
+        for anchors in [&[][..], &[0.6], &[1.125], &[0.5, 0.6, 0.75], &[1.05, 1.125, 1.2], &[0.6, 0.75, 1.1, 1.2, 3.0]]
+        {
+            let (exactly, peak, ends) = wide_peak_in_segments(anchors);
+            let found = exactly.extrema(Ball::from(1e-3), Ball::from(1e3));
+            assert!(found.complete.is_some(), "{anchors:?}");
+            let [one] = &found.list[..] else { panic!("{anchors:?}: {found:?}") };
+            let two_pi = 2.0 * std::f64::consts::PI;
+            assert!((one.frequency.to_f64() * two_pi - peak).abs() < 1e-13, "{anchors:?}");
+            let width = one.width.expect("a width").to_f64() * two_pi;
+            assert!((width - (ends[1] - ends[0])).abs() < 1e-13, "{anchors:?}: {width}");
+        }
+    }
+
+    /// From the peak to where it has half its power: not over what is open, not beyond the next extremum, and not where there is none.
+    #[test]
+    fn a_half_power_point_is_on_the_way_to_the_next_extremum() {
+        let anchors = [0.6, 0.75, 1.1, 1.2];
+        let (exactly, peak, ends) = wide_peak_in_segments(&anchors);
+        let mut search = search(&exactly.anchors, 10.0, (0.1, 3.0));
+        assert!(search.open.is_empty());
+        let point = |omega: f64| {
+            let of = |i: usize| omega - exactly.anchors[i].approximate(0.0);
+            let near = |i: &usize| (search.segments[*i].low..search.segments[*i].high).contains(&of(*i));
+            let anchor = (0..exactly.anchors.len()).find(near).expect("a segment");
+            Point { anchor, t: Ball::from(of(anchor)) }
+        };
+        let from = point(peak);
+        let height = exactly.anchors[from.anchor].size(Ball::ONE, from.t);
+        let factor = Ball::from(2.0).sqrt() / height;
+        let is_there = |found: Option<Point>, truth: f64| {
+            found.is_some_and(|found| (exactly.omega(found).to_f64() - truth).abs() < 1e-13)
+        };
+        // The next extremum nearer than the half-power point, next to it, and further off.
+        for (to, up, is_reached) in [
+            (1.05, true, false),
+            (1.15, true, false),
+            (ends[1] - 0.01, true, false),
+            (ends[1] + 0.01, true, true),
+            (3.0, true, true),
+            (0.85, false, false),
+            (0.7, false, false),
+            (ends[0] + 0.01, false, false),
+            (ends[0] - 0.01, false, true),
+            (0.125, false, true),
+        ] {
+            let found = exactly.crossing(factor, from, Some(point(to)), &search, up);
+            let truth = ends[usize::from(up)];
+            assert!(if is_reached { is_there(found, truth) } else { found.is_none() }, "{to} {up}: {found:?}");
+        }
+        // A tenth of the peak is far off, and three halves of it nowhere.
+        for up in [true, false] {
+            assert!(is_there(exactly.crossing(factor, from, None, &search, up), ends[usize::from(up)]));
+            let more = factor * Ball::from(1000.0);
+            assert!(exactly.crossing(more, from, None, &search, up).is_none(), "{up}");
+        }
+        // What is open on the way, at its ends, and elsewhere.
+        for (low, high, is_in_the_way) in [
+            (1.055, 1.06, [false, true]),
+            (0.9, 0.91, [true, false]),
+            (1.15, 1.151, [false, true]),
+            (0.7, 0.701, [true, false]),
+            (0.1, 0.2, [false, false]),
+            (peak - 0.001, peak + 0.001, [true, true]),
+        ] {
+            let at = [low, high].map(&point);
+            assert_eq!(at[0].anchor, at[1].anchor);
+            let [low, high] = at.map(|point| point.t.to_f64());
+            search.open = vec![Interval { anchor: at[0].anchor, low, high }];
+            for up in [false, true] {
+                let found = exactly.crossing(factor, from, None, &search, up);
+                assert_eq!(found.is_none(), is_in_the_way[usize::from(up)], "{low} {high} {up}: {found:?}");
+            }
+        }
+    }
+
+    /// Where H is zero there are no extrema, and where roots are known to be far and no more, there may be some.
+    #[test]
+    fn without_roots_there_are_no_extrema_unless_some_may_be_far() {
+        let of = |lead: Ball, far: Far, poles: Exactly| Exactly { lead, far, ..poles };
+        let nothing = of(Ball::ZERO, Far::NONE, resonance(-0.1, 1.0, 0.0)).extrema(Ball::from(1e-3), Ball::from(1e3));
+        assert!(nothing.list.is_empty() && nothing.complete.is_some(), "{nothing:?}");
+        let without = |far: Far| {
+            let factored = Factored { lead: Ball::ONE, unit: 1.0, zeros: Vec::new(), poles: Vec::new(), far };
+            Exactly::of(&factored).expect("in range").extrema(Ball::from(0.5), Ball::from(8.0))
+        };
+        let (constant, loose) = (without(Far::NONE), without(Far { count: 2, beyond: 2.0 }));
+        assert!(constant.list.is_empty() && constant.complete.is_some(), "{constant:?}");
+        assert!(loose.complete.is_none() && !loose.open.is_empty(), "{loose:?}");
+    }
+
     /// Two zeros within 0.1 of rest, on either axis: the product at 1 rad/s, and the slope, hold those of each place.
     #[test]
     fn zeros_of_a_cluster_may_be_anywhere_in_it() {

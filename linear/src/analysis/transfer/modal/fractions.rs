@@ -305,4 +305,6 @@ fn part(pair: &ModalPair) -> Part {
 #[cfg(test)]
 mod extremes;
 #[cfg(test)]
+mod single_bounds;
+#[cfg(test)]
 mod tests;

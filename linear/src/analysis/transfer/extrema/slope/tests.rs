@@ -310,3 +310,60 @@ fn a_factor_is_measured_from_the_anchor() {
         assert!((difference.to_f64() - 1.0 / (1.0 + t)).abs() < 1e-14, "{t}: {difference:?}");
     }
 }
+
+/// g = 4 at the middle of 0.5 on both sides: what takes it to zero within the interval, or may, each term by itself and all together.
+#[test]
+fn a_cell_has_no_root_unless_something_may_take_g_to_zero() {
+    let cell = |error: f64, slope: f64, slope_error: f64, curvature: f64| Cell {
+        half: 0.5,
+        g: 4.0,
+        g_error: error,
+        slope,
+        slope_error,
+        curvature,
+    };
+    for (error, slope, slope_error, curvature) in [
+        (4.0, 0.0, 0.0, 0.0),
+        (0.0, 8.0, 0.0, 0.0),
+        (0.0, 0.0, 8.0, 0.0),
+        (0.0, 0.0, 0.0, 16.0),
+        (1.0, 2.0, 2.0, 4.0),
+        (0.5, 0.5, 5.0, 3.0),
+        (0.125, 6.0, 0.25, 3.0),
+    ] {
+        for sign in [1.0, -1.0] {
+            for (share, has_none) in [(0.5, true), (0.999, true), (1.001, false), (1.5, false)] {
+                let [error, slope, slope_error, curvature] = [error, slope, slope_error, curvature].map(|x| x * share);
+                let cell = Cell { g: 4.0 * sign, ..cell(error, sign * slope, slope_error, curvature) };
+                // What is least where the slope leads downhill, less what is not known.
+                let least = 4.0 - error - 0.5 * (slope + slope_error) - 0.25 * curvature;
+                assert_eq!((cell.has_no_root(), least > 0.0), (has_none, has_none), "{cell:?}");
+                let most = 8.0 - least;
+                assert!((most..most * 1.000_001).contains(&cell.magnitude_bound()), "{cell:?}");
+                let steep = 2.0 * slope.abs() > 2.0 * (slope_error + curvature);
+                assert_eq!(cell.is_monotone(), steep, "{cell:?}");
+            }
+        }
+    }
+}
+
+/// |omega - 2|^3 next to its root, which is known to a thousandth of its distance: 3 / t and -3 / t^2 at both ends.
+#[test]
+fn the_error_of_a_multiple_root_is_as_many_times_as_large() {
+    for power in [1.0, 3.0, -5.0] {
+        for (unsure, of_power) in [(1e-6, 0.0), (0.0, 1e-4), (1e-6, 1e-4)] {
+            let base = of_poles(vec![pair(-1.0, 5.0, 0.0)]);
+            let with = base.with_factor(Ball::new(Dd::from(2.0), unsure), Ball::new(Dd::from(power), of_power));
+            let at = 2.0009765625;
+            let (base, cell) = (base.cell(at, 0.0, true), with.cell(at, 0.0, true));
+            for side in [1.0, -1.0] {
+                let (t, power) = (at - 2.0 - side * unsure, power + side * of_power * f64::signum(power));
+                let truth = [power / t, -power / (t * t)];
+                let off = [(cell.g - base.g - truth[0]).abs(), (cell.slope - base.slope - truth[1]).abs()];
+                let [of_g, of_slope] = [cell.g_error - base.g_error, cell.slope_error - base.slope_error];
+                assert!(off[0] <= of_g && off[1] <= of_slope, "{power} {unsure} {side}: {off:?} {cell:?}");
+                assert!(side < 0.0 || off[1] > 0.5 * of_slope, "{power} {unsure}: {off:?} {cell:?}");
+            }
+        }
+    }
+}
