@@ -192,6 +192,7 @@ impl Form {
         term.row
     }
 
+    #[inline]
     fn row_at(&self, index: usize) -> Row<'_> {
         let start = index.checked_sub(1).map_or(0, |before| self.squares[before].end as usize);
         let range = start..self.squares[index].end as usize;
@@ -203,15 +204,34 @@ impl Form {
         self.numbers.all()
     }
 
-    /// The places of all terms' weights among the [numbers](Form::numbers), and where each one's row ends.
-    pub fn weights(&self) -> impl ExactSizeIterator<Item = (Place, u32)> {
-        self.squares.iter().map(|square| (square.weight, square.end))
+    /// The number of terms.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.squares.len()
     }
 
-    /// The entries of all rows, one row behind the other: their coordinates, and their places among the
-    /// [numbers](Form::numbers).
-    pub fn places(&self) -> (&[CoordinateId], &[Place]) {
-        (&self.coordinates, &self.entries)
+    /// The number of entries of all rows.
+    #[inline]
+    pub fn entry_count(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// The coordinates of all entries, term by term.
+    pub fn coordinates(&self) -> &[CoordinateId] {
+        &self.coordinates
+    }
+
+    /// The place of a term's weight among the [numbers](Form::numbers).
+    #[inline]
+    pub fn weight(&self, index: usize) -> Place {
+        self.squares[index].weight
+    }
+
+    /// The row of a term: its coordinates, and the places of its entries among the [numbers](Form::numbers).
+    #[inline]
+    pub fn places(&self, index: usize) -> (&[CoordinateId], &[Place]) {
+        let Row { coordinates, entries, .. } = self.row_at(index);
+        (coordinates, entries)
     }
 
     pub fn source_of(&self, source: u32) -> Source {

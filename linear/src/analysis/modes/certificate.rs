@@ -277,21 +277,22 @@ mod tests {
     use crate::analysis::modes::terms::Terms;
     use crate::analysis::test_systems::{blank, push};
     use crate::base::{Number, Rational};
-    use crate::system::{CoordinateId, Nature};
+    use crate::system::{CoordinateId, LinearSystem, Nature};
 
     /// Three masses in a row between walls: eigenvalues 2 - sqrt 2, 2, 2 + sqrt 2.
-    fn row() -> (Terms, Terms) {
+    fn row() -> LinearSystem {
         let mut system = blank(3);
         for i in 0..3 {
             push(&mut system.m, "1", i, None);
             push(&mut system.k, "1", i, i.checked_sub(1));
         }
         push(&mut system.k, "1", 2, None);
-        (Terms::of(&system.k), Terms::of(&system.m))
+        system
     }
 
     fn enclose_all(x: &Matrix<Triple>) -> Vec<Enclosure> {
-        let (k, m) = row();
+        let system = row();
+        let (k, m) = (Terms::of(&system.k), Terms::of(&system.m));
         enclose(&Gram::of(&k, x), &Gram::of(&m, x))
     }
 

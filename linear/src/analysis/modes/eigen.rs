@@ -107,8 +107,8 @@ pub fn eigenpairs_of(
 struct Problem<'a> {
     n: usize,
     form: &'a Form,
-    masses: &'a Terms,
-    stiffness: &'a Terms,
+    masses: &'a Terms<'a>,
+    stiffness: &'a Terms<'a>,
     inertia: Inertia,
     rigid: NullSpace,
     tolerance: f64,

@@ -25,7 +25,7 @@ const UNDERFLOW: f64 = 1e-318;
 /// A form in the basis of the columns of some X.
 #[derive(Clone, Debug)]
 pub struct Gram<'a> {
-    terms: &'a Terms,
+    terms: &'a Terms<'a>,
     /// b = a . x: one row for each term, one column for each column of X.
     stretches: Matrix<Precise>,
     pub mid: Matrix<Dd>,
@@ -46,7 +46,7 @@ struct Norms {
 
 impl Gram<'_> {
     /// The form in the basis of the columns of `x`, taken as exact numbers.
-    pub fn of<'a>(terms: &'a Terms, x: &Matrix<Triple>) -> Gram<'a> {
+    pub fn of<'a>(terms: &'a Terms<'a>, x: &Matrix<Triple>) -> Gram<'a> {
         let (count, n) = (terms.len(), x.columns());
         let stretches = Matrix::from_fn(count, n, |t, j| terms.stretch(t, x.column(j)));
         let b = stretches.map(|s| s.value.dd());
@@ -139,9 +139,9 @@ impl Norms {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::modes::terms::Factor;
     use crate::analysis::test_systems::{blank, push};
-    use crate::base::{Number, Rational};
+    use crate::base::{Ball, Number, Rational};
+    use crate::system::{CoordinateId, Nature};
 
     /// Entries of X^T K X against exact fractions, for weights that are not binary numbers and vectors that are taken
     /// as exact.
@@ -195,14 +195,16 @@ mod tests {
             ([(0.0, 8.0), (0.0, 2.0)], (16.0, 0.0)),
             ([(1.0, 8.0), (2.0, 0.25)], (16.0, 4.0)),
         ];
-        let precise = |(value, radius): (f64, f64)| Precise { value: Triple::from(value), radius };
+        let number = |(value, radius): (f64, f64)| Number::Ball(Ball::new(Dd::from(value), radius));
         for (row, weight) in cases {
             // The same twice, one of them with the other columns: sums over terms.
-            let mut terms = Terms::default();
+            let mut system = blank(2);
+            let source = system.k.source(system.coordinates[0].name);
             for turned in [false, true] {
-                let at = |i: usize| (i as u32, Factor::Other(precise(row[if turned { 1 - i } else { i }])));
-                terms.push(precise(weight), [at(0), at(1)]);
+                let at = |i: usize| (CoordinateId(i as u32), number(row[if turned { 1 - i } else { i }]));
+                system.k.push(source, Nature::Property, number(weight), [at(0), at(1)]);
             }
+            let terms = Terms::of(&system.k);
             let x = Matrix::from_fn(2, 2, |i, j| Triple::from(if i == j { 1.0 } else { 0.0 }));
             let slips = [r, 3.0 * r];
             for with_slips in [false, true] {

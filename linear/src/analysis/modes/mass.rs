@@ -12,7 +12,7 @@ pub fn assemble(terms: &Terms, n: usize) -> Matrix<Dd> {
         for (&j, b) in indices.iter().zip(factors.iter()) {
             let weighted = terms.weight(t).value.dd() * b.to_dd();
             for (&i, a) in indices.iter().zip(factors.iter()) {
-                matrix[(i as usize, j as usize)] += weighted * a.to_dd();
+                matrix[(i.index(), j.index())] += weighted * a.to_dd();
             }
         }
     }
@@ -28,8 +28,8 @@ pub fn doubtful(terms: &Terms, n: usize) -> Option<usize> {
         let weight = terms.weight(t);
         for (&i, factor) in indices.iter().zip(factors.iter()) {
             let (a, slip) = (factor.to_f64().abs(), factor.radius());
-            size[i as usize] += weight.value.hi() * a * a;
-            doubt[i as usize] +=
+            size[i.index()] += weight.value.hi() * a * a;
+            doubt[i.index()] +=
                 weight.radius * (a + slip) * (a + slip) + weight.value.hi().abs() * slip * (2.0 * a + slip);
         }
     }

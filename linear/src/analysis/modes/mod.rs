@@ -145,8 +145,8 @@ fn resolve_usual(which: Which, n: usize, parts: &[Part]) -> Which {
 struct Forms<'a> {
     k: &'a Form,
     m: &'a Form,
-    stiffness: &'a Terms,
-    masses: &'a Terms,
+    stiffness: &'a Terms<'a>,
+    masses: &'a Terms<'a>,
 }
 
 /// The eigenpairs of a part (at least the requested ones), how many come before them, and how many of its motions have
@@ -314,7 +314,7 @@ fn overlap(a: &Eigenvalue, b: &Eigenvalue) -> bool {
 /// Inputs shared by the reports of all modes: M and K, and which coordinates are translations.
 struct Report<'a> {
     system: &'a LinearSystem,
-    stiffness: Terms,
+    stiffness: Terms<'a>,
     /// M and K in binary64.
     light: [Roots; 2],
     /// For each coordinate, whether it is a displacement.
@@ -324,7 +324,7 @@ struct Report<'a> {
 }
 
 impl<'a> Report<'a> {
-    fn of(system: &'a LinearSystem, stiffness: Terms, masses: Terms, shares: bool) -> Report<'a> {
+    fn of(system: &'a LinearSystem, stiffness: Terms<'a>, masses: Terms<'a>, shares: bool) -> Report<'a> {
         let light = [Roots::of(&system.m, &masses), Roots::of(&system.k, &stiffness)];
         let translates = (0..system.n()).map(shape::translates(system)).collect();
         Report { system, stiffness, light, translates, shares }

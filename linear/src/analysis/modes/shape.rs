@@ -106,7 +106,7 @@ impl Roots {
             let (indices, factors) = terms.row(t);
             let weight = terms.weight(t).value.hi();
             result.roots.push(weight.signum() * weight.abs().sqrt());
-            result.indices.extend_from_slice(indices);
+            result.indices.extend(indices.iter().map(|i| i.0));
             result.factors.extend(factors.iter().map(|factor| factor.to_f64()));
             result.starts.push(result.indices.len() as u32);
         }

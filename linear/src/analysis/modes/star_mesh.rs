@@ -31,11 +31,11 @@ impl Network {
             let (row, factors) = terms.row(t);
             let a = factors.at(0);
             match row {
-                [i] => network.ground[*i as usize] += weight * a.to_f64() * a.to_f64(),
+                [i] => network.ground[i.index()] += weight * a.to_f64() * a.to_f64(),
                 [i, j] if weight > 0.0 && are_opposite(a, factors.at(1)) => {
                     let k = weight * a.to_f64() * a.to_f64();
-                    network.couplings[(*i as usize, *j as usize)] += k;
-                    network.couplings[(*j as usize, *i as usize)] += k;
+                    network.couplings[(i.index(), j.index())] += k;
+                    network.couplings[(j.index(), i.index())] += k;
                 }
                 _ => return None,
             }

@@ -1,22 +1,19 @@
-//! A form of the system as flat numbers in triple words: the weights and sparse rows of `sum w a a^T`.
+//! A form of the system with its numbers in triple words: the weights and sparse rows of `sum w a a^T`.
 //!
 //! The computation of undamped modes starts from these. Any uncertainty in the model (a root, a sine, the part of a
 //! decimal that does not fit into three words) is in the radii and so in every bound.
 
-use crate::base::{Dd, Number, Rational};
+use crate::base::Dd;
 use crate::kernel::triple::{Precise, Triple};
-use crate::system::Form;
 use crate::system::numbers::Place;
+use crate::system::{CoordinateId, Form};
 
-/// The squares `w a a^T` of a form. Each of its different numbers is converted once; weights and factors are places in their list.
-#[derive(Clone, Debug, Default)]
-pub struct Terms {
+/// The squares `w a a^T` of a form, each of whose different numbers is converted once.
+#[derive(Clone, Debug)]
+pub struct Terms<'a> {
+    form: &'a Form,
+    /// In the order of their places.
     numbers: Vec<Precise>,
-    weights: Vec<u32>,
-    /// The end of each row; it starts where the one before ends.
-    ends: Vec<u32>,
-    indices: Vec<u32>,
-    factors: Vec<u32>,
 }
 
 /// An entry of a row. Most are signs.
@@ -30,84 +27,42 @@ pub enum Factor {
 /// The entries of a row.
 #[derive(Clone, Copy, Debug)]
 pub struct Factors<'a> {
-    places: &'a [u32],
+    places: &'a [Place],
     numbers: &'a [Precise],
 }
 
-/// The places that stand for the signs, whatever the list has there.
-const PLUS: u32 = Place::ONE.0;
-const MINUS: u32 = Place::MINUS_ONE.0;
-
-impl Terms {
-    pub fn of(form: &Form) -> Terms {
-        let numbers = form.numbers();
-        let place = |(place, number)| match Factor::of_number(number) {
-            Factor::Plus => PLUS,
-            Factor::Minus => MINUS,
-            Factor::Other(_) => place,
-        };
-        let places: Vec<u32> = (0..).zip(numbers).map(place).collect();
-        let (weights, ends) = form.weights().map(|(weight, end)| (weight.0, end)).unzip();
-        let (coordinates, entries) = form.places();
-        Terms {
-            numbers: numbers.iter().map(Precise::of).collect(),
-            weights,
-            ends,
-            indices: coordinates.iter().map(|coordinate| coordinate.0).collect(),
-            factors: entries.iter().map(|entry| places[entry.index()]).collect(),
-        }
-    }
-
-    /// Adds w a a^T.
-    #[cfg(test)]
-    pub fn push(&mut self, weight: Precise, row: impl IntoIterator<Item = (u32, Factor)>) {
-        if self.numbers.is_empty() {
-            self.numbers = [Triple::ONE, -Triple::ONE].map(|value| Precise { value, radius: 0.0 }).to_vec();
-        }
-        let mut put = |number: Precise| {
-            self.numbers.push(number);
-            self.numbers.len() as u32 - 1
-        };
-        self.weights.push(put(weight));
-        for (index, factor) in row {
-            self.indices.push(index);
-            self.factors.push(match factor {
-                Factor::Plus => PLUS,
-                Factor::Minus => MINUS,
-                Factor::Other(number) => put(number),
-            });
-        }
-        self.ends.push(self.indices.len() as u32);
+impl<'a> Terms<'a> {
+    pub fn of(form: &'a Form) -> Terms<'a> {
+        Terms { form, numbers: form.numbers().iter().map(Precise::of).collect() }
     }
 
     /// The number of terms.
     #[inline]
     pub fn len(&self) -> usize {
-        self.weights.len()
+        self.form.len()
     }
 
     /// The number of entries of all rows.
     #[inline]
     pub fn entry_count(&self) -> usize {
-        self.indices.len()
+        self.form.entry_count()
     }
 
     #[inline]
     pub fn weight(&self, t: usize) -> Precise {
-        self.numbers[self.weights[t] as usize]
+        self.numbers[self.form.weight(t).index()]
     }
 
     #[inline]
     pub fn weights(&self) -> impl ExactSizeIterator<Item = Precise> {
-        self.weights.iter().map(|place| self.numbers[*place as usize])
+        (0..self.len()).map(|t| self.weight(t))
     }
 
     /// The row of term `t`: its coordinates and their factors.
     #[inline]
-    pub fn row(&self, t: usize) -> (&[u32], Factors<'_>) {
-        let start = if t == 0 { 0 } else { self.ends[t - 1] as usize };
-        let range = start..self.ends[t] as usize;
-        (&self.indices[range.clone()], Factors { places: &self.factors[range], numbers: &self.numbers })
+    pub fn row(&self, t: usize) -> (&'a [CoordinateId], Factors<'_>) {
+        let (coordinates, places) = self.form.places(t);
+        (coordinates, Factors { places, numbers: &self.numbers })
     }
 
     /// a . x of term `t`, for an exactly known x.
@@ -116,7 +71,7 @@ impl Terms {
         let (indices, factors) = self.row(t);
         let (mut sum, mut radius) = (Triple::ZERO, 0.0);
         for (&i, factor) in indices.iter().zip(factors.iter()) {
-            let x = x[i as usize];
+            let x = x[i.index()];
             let part = match factor {
                 Factor::Plus => x,
                 Factor::Minus => -x,
@@ -140,7 +95,7 @@ impl Terms {
     #[inline]
     pub fn stretch_f64(&self, t: usize, x: &[f64]) -> f64 {
         let (indices, factors) = self.row(t);
-        indices.iter().zip(factors.iter()).map(|(&i, factor)| factor.to_f64() * x[i as usize]).sum()
+        indices.iter().zip(factors.iter()).map(|(&i, factor)| factor.to_f64() * x[i.index()]).sum()
     }
 
     /// Whether all weights are certainly positive.
@@ -150,11 +105,7 @@ impl Terms {
 
     /// Whether all weights and factors are of known size.
     pub fn is_finite(&self) -> bool {
-        let finite = |place: &u32| {
-            let Precise { value, radius } = self.numbers[*place as usize];
-            value.is_finite() && radius.is_finite()
-        };
-        self.weights.iter().chain(&self.factors).all(finite)
+        self.numbers.iter().all(|Precise { value, radius }| value.is_finite() && radius.is_finite())
     }
 }
 
@@ -182,23 +133,15 @@ impl<'a> Factors<'a> {
 }
 
 #[inline]
-fn factor(place: u32, numbers: &[Precise]) -> Factor {
+fn factor(place: Place, numbers: &[Precise]) -> Factor {
     match place {
-        PLUS => Factor::Plus,
-        MINUS => Factor::Minus,
-        place => Factor::Other(numbers[place as usize]),
+        Place::ONE => Factor::Plus,
+        Place::MINUS_ONE => Factor::Minus,
+        place => Factor::of(numbers[place.index()]),
     }
 }
 
 impl Factor {
-    fn of_number(value: &Number) -> Factor {
-        match value.exact().and_then(Rational::to_fraction) {
-            Some((1, 1)) => Factor::Plus,
-            Some((-1, 1)) => Factor::Minus,
-            _ => Factor::of(Precise::of(value)),
-        }
-    }
-
     fn of(value: Precise) -> Factor {
         if value.radius > 0.0 {
             Factor::Other(value)
@@ -244,8 +187,8 @@ impl Factor {
 mod tests {
     use super::*;
     use crate::analysis::test_systems::blank;
-    use crate::base::Ball;
-    use crate::system::{CoordinateId, Nature};
+    use crate::base::{Ball, Number};
+    use crate::system::Nature;
 
     /// Signs are told from other numbers by their value, also where an enclosure without a radius has one.
     #[test]
@@ -273,7 +216,7 @@ mod tests {
         for (t, weight) in entries.iter().enumerate() {
             assert_eq!(terms.weight(t), Precise::of(weight));
             let (indices, factors) = terms.row(t);
-            assert_eq!(indices, (t as u32..9).collect::<Vec<u32>>());
+            assert_eq!(indices, (t as u32..9).map(CoordinateId).collect::<Vec<_>>());
             let expected: Vec<Factor> = entries[t..].iter().map(|entry| Factor::of(Precise::of(entry))).collect();
             assert_eq!(factors.iter().collect::<Vec<Factor>>(), expected);
             assert_eq!(factors.from(factors.len() - 1).at(0), expected[expected.len() - 1]);

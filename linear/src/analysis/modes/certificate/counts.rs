@@ -5,7 +5,7 @@ use super::*;
 use crate::analysis::modes::terms::Terms;
 use crate::analysis::test_systems::blank;
 use crate::base::{Number, Rational};
-use crate::system::{CoordinateId, Form, Nature};
+use crate::system::{CoordinateId, Form, LinearSystem, Nature};
 
 /// SplitMix64, between 0 and 1.
 struct Random(u64);
@@ -27,11 +27,7 @@ impl Random {
 type Symmetric = [[f64; 3]; 3];
 
 /// Sums of w_ij (x_i + x_j)^2 and of what is left on the diagonal.
-fn form(
-    system: &mut crate::system::LinearSystem,
-    a: &Symmetric,
-    which: fn(&mut crate::system::LinearSystem) -> &mut Form,
-) {
+fn form(system: &mut LinearSystem, a: &Symmetric, which: fn(&mut LinearSystem) -> &mut Form) {
     let source = {
         let name = system.coordinates[0].name;
         which(system).source(name)
@@ -135,11 +131,11 @@ fn identity() -> Matrix<Triple> {
     Matrix::from_fn(3, 3, |i, j| Triple::from(if i == j { 1.0 } else { 0.0 }))
 }
 
-fn terms(k: &Symmetric, m: &Symmetric) -> (Terms, Terms) {
+fn system(k: &Symmetric, m: &Symmetric) -> LinearSystem {
     let mut system = blank(3);
     form(&mut system, k, |system| &mut system.k);
     form(&mut system, m, |system| &mut system.m);
-    (Terms::of(&system.k), Terms::of(&system.m))
+    system
 }
 
 /// Two modes of 10 and one of 11 in one group. K - s M couples the first two by 0.45 at 10, by nothing at 11, and by more below: the
@@ -150,7 +146,8 @@ fn a_coupling_grows_over_the_width_of_its_group() {
         [[10.0, 4.95, 0.12625], [4.95, 10.0, 0.0], [0.12625, 0.0, 11.0]],
         [[1.0, 0.45, 0.0], [0.45, 1.0, 0.0], [0.0, 0.0, 1.0]],
     );
-    let ((of_k, of_m), x) = (terms(&k, &m), identity());
+    let (system, x) = (system(&k, &m), identity());
+    let (of_k, of_m) = (Terms::of(&system.k), Terms::of(&system.m));
     let found = enclose(&Gram::of(&of_k, &x), &Gram::of(&of_m, &x));
     assert!(found.iter().all(|one| one.radius == found[0].radius && one.radius < 10.0), "{found:?}");
     for (i, found) in found.iter().enumerate() {
@@ -166,7 +163,8 @@ fn a_coupling_grows_over_the_width_of_its_group() {
 fn what_is_assumed_is_in_the_coupling_of_the_others() {
     let (k, m) =
         ([[1.0, 0.1, 0.1], [0.1, 11.0, 0.0], [0.1, 0.0, 11.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.6], [0.0, 0.6, 1.0]]);
-    let ((of_k, of_m), x) = (terms(&k, &m), identity());
+    let (system, x) = (system(&k, &m), identity());
+    let (of_k, of_m) = (Terms::of(&system.k), Terms::of(&system.m));
     let (of_k, of_m) = (Gram::of(&of_k, &x), Gram::of(&of_m, &x));
     let radius = Pencil::new(&of_k, &of_m).radius_assuming(0, 1, (0.0, 0.0), 0.5);
     let truth = 0.01 * 2.0 / (9.5 - 0.9);
@@ -179,7 +177,9 @@ fn what_is_assumed_is_in_the_coupling_of_the_others() {
 fn uncertainties_of_both_forms_add_up_within_a_group() {
     let (k, m) =
         ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 9.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-    let ((of_k, of_m), x, slips) = (terms(&k, &m), identity(), vec![0.01, 0.01, 0.0]);
+    let system = system(&k, &m);
+    let (of_k, of_m) = (Terms::of(&system.k), Terms::of(&system.m));
+    let (x, slips) = (identity(), vec![0.01, 0.01, 0.0]);
     let found = enclose(&Gram::of(&of_k, &x).with_slips(slips.clone()), &Gram::of(&of_m, &x).with_slips(slips));
     let truth = (1.0 - 2e-4) / (1.0 + 2e-4);
     for (found, truth) in found.iter().zip([truth, 1.0 / truth, 9.0]) {
@@ -192,7 +192,9 @@ fn uncertainties_of_both_forms_add_up_within_a_group() {
 fn uncertainty_of_a_coupling_grows_with_the_distance() {
     let (k, m) =
         ([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 9.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-    let ((of_k, of_m), x, slips) = (terms(&k, &m), identity(), vec![0.1, 0.1, 0.0]);
+    let system = system(&k, &m);
+    let (of_k, of_m) = (Terms::of(&system.k), Terms::of(&system.m));
+    let (x, slips) = (identity(), vec![0.1, 0.1, 0.0]);
     let (of_k, of_m) = (Gram::of(&of_k, &x).with_slips(slips.clone()), Gram::of(&of_m, &x).with_slips(slips));
     let pencil = Pencil::new(&of_k, &of_m);
     for span in [0.0, 1.0, 3.0] {

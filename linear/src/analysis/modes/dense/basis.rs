@@ -68,7 +68,7 @@ impl Basis {
         for t in 0..terms.len() {
             let (indices, factors) = terms.row(t);
             for (&i, a) in indices.iter().zip(factors.iter()) {
-                diagonal[i as usize] += terms.weight(t).value.hi() * a.to_f64() * a.to_f64();
+                diagonal[i.index()] += terms.weight(t).value.hi() * a.to_f64() * a.to_f64();
             }
         }
         if x.columns() != n || !terms.is_finite() || !diagonal.iter().all(|m| m.is_normal() && *m > 0.0) {

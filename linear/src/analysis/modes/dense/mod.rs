@@ -48,8 +48,8 @@ const MAX_STEPS: usize = 5;
 pub struct Problem<'a> {
     pub n: usize,
     pub form: &'a Form,
-    pub stiffness: &'a Terms,
-    pub masses: &'a Terms,
+    pub stiffness: &'a Terms<'a>,
+    pub masses: &'a Terms<'a>,
     pub tolerance: f64,
 }
 
@@ -156,7 +156,7 @@ fn assemble(terms: &Terms, n: usize) -> Matrix<f64> {
         for (&j, b) in indices.iter().zip(factors.iter()) {
             let weighted = terms.weight(t).value.hi() * b.to_f64();
             for (&i, a) in indices.iter().zip(factors.iter()) {
-                matrix[(i as usize, j as usize)] += weighted * a.to_f64();
+                matrix[(i.index(), j.index())] += weighted * a.to_f64();
             }
         }
     }

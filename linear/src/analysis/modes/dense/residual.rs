@@ -163,7 +163,7 @@ impl Flat {
         for t in 0..terms.len() {
             let (indices, factors) = terms.row(t);
             flat.weights.push(words(terms.weight(t).value.dd()));
-            flat.indices.extend_from_slice(indices);
+            flat.indices.extend(indices.iter().map(|i| i.0));
             flat.factors.extend(factors.iter().map(|factor| words(factor.to_dd())));
             flat.starts.push(flat.indices.len() as u32);
             flat.kinds.push(kind(factors));
@@ -191,7 +191,7 @@ impl Doubt {
         let (mut at, mut length) = (vec![0u32; scale.len()], 0);
         for t in 0..terms.len() {
             let (indices, _) = terms.row(t);
-            indices.iter().for_each(|&i| at[i as usize] += 1);
+            indices.iter().for_each(|&i| at[i.index()] += 1);
             length = length.max(indices.len());
         }
         let most = at.iter().copied().max().unwrap_or(0) as usize;
@@ -205,12 +205,12 @@ impl Doubt {
             let doubt = factors.iter().map(factor_doubt).fold(0.0, larger);
             let beta = (size * (roundings + 2.0 * doubt) + weight.radius) * (1.0 + doubt) * (1.0 + doubt);
             let entry = |factor: Factor| factor.to_f64().abs() * SLACK;
-            let sum: f64 = indices.iter().zip(factors.iter()).map(|(&i, a)| entry(a) / scale[i as usize]).sum();
+            let sum: f64 = indices.iter().zip(factors.iter()).map(|(&i, a)| entry(a) / scale[i.index()]).sum();
             worst = larger(worst, if beta == 0.0 { 0.0 } else { beta / weight.value.hi().abs() });
             for (&i, a) in indices.iter().zip(factors.iter()) {
-                rows[i as usize] += beta * entry(a) * sum;
-                sizes[i as usize] += size * entry(a) * sum;
-                floors[i as usize] += (1.0 + entry(a)) * (1.0 + size) * (most + length) as f64 * UNDERFLOW;
+                rows[i.index()] += beta * entry(a) * sum;
+                sizes[i.index()] += size * entry(a) * sum;
+                floors[i.index()] += (1.0 + entry(a)) * (1.0 + size) * (most + length) as f64 * UNDERFLOW;
             }
         }
         let norm = |rows: &[f64]| rows.iter().zip(scale).map(|(row, scale)| row / scale).fold(0.0, larger) * SLACK;
@@ -230,7 +230,7 @@ pub(super) fn strain(terms: &Terms, x: &[f64]) -> f64 {
         let (indices, factors) = terms.row(t);
         let (mut stretch, mut size) = (0.0, 0.0);
         for k in 0..indices.len() {
-            let part = factors.at(k).to_f64() * x[indices[k] as usize];
+            let part = factors.at(k).to_f64() * x[indices[k].index()];
             stretch += part;
             size += part.abs();
         }

@@ -54,8 +54,8 @@ pub fn requested_pairs(stiffness: &Terms, masses: &Terms, n: usize, request: &Re
 
 /// A part as networks and terms.
 struct Mesh<'a> {
-    stiffness: &'a Terms,
-    masses: &'a Terms,
+    stiffness: &'a Terms<'a>,
+    masses: &'a Terms<'a>,
     k: Network,
     m: Network,
     pattern: Pattern,
@@ -79,7 +79,7 @@ enum Lack {
 }
 
 impl<'a> Mesh<'a> {
-    fn of(stiffness: &'a Terms, masses: &'a Terms, n: usize) -> Option<Mesh<'a>> {
+    fn of(stiffness: &'a Terms<'a>, masses: &'a Terms<'a>, n: usize) -> Option<Mesh<'a>> {
         let (k, m) = (Network::of(stiffness, n)?, Network::of(masses, n)?);
         if m.diagonal.iter().any(|&mass| mass.is_nan() || mass <= 0.0) {
             return None;

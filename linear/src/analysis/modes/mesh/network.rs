@@ -70,15 +70,15 @@ impl Network {
             for (at, (&i, a)) in indices.iter().zip(factors.iter()).enumerate() {
                 let a = factor(a);
                 let weighted = weight.times(a);
-                diagonal[i as usize] += weighted.value * a.value;
+                diagonal[i.index()] += weighted.value * a.value;
                 let ground = weighted.times(sum);
                 match ground.value < 0.0 {
-                    true => negative[i as usize].add(Near { value: -ground.value, ..ground }),
-                    false => positive[i as usize].add(ground),
+                    true => negative[i.index()].add(Near { value: -ground.value, ..ground }),
+                    false => positive[i.index()].add(ground),
                 }
                 for (&j, b) in indices[at + 1..].iter().zip(factors.from(at + 1).iter()) {
                     let product = weighted.times(factor(b));
-                    entries.push((i.min(j), i.max(j), Near { value: -product.value, ..product }));
+                    entries.push((i.min(j).0, i.max(j).0, Near { value: -product.value, ..product }));
                 }
             }
         }

@@ -7,6 +7,7 @@ use crate::analysis::modes::mesh::network::UP;
 use crate::analysis::modes::terms::{Factor, Factors, Terms};
 use crate::base::{Dd, up};
 use crate::kernel::simd::simd;
+use crate::system::CoordinateId;
 
 /// A x of a form, and a bound of each entry's error.
 #[derive(Clone, Debug)]
@@ -19,17 +20,17 @@ pub struct Image {
 
 /// A form ready for multiplication in double-double.
 pub struct Multiplier<'a> {
-    terms: &'a Terms,
+    terms: &'a Terms<'a>,
     weights: Vec<Dd>,
     /// The most terms that act on one coordinate.
     most: f64,
 }
 
 impl<'a> Multiplier<'a> {
-    pub fn of(terms: &'a Terms, n: usize) -> Multiplier<'a> {
+    pub fn of(terms: &'a Terms<'a>, n: usize) -> Multiplier<'a> {
         let mut counts = vec![0u32; n];
         for t in 0..terms.len() {
-            terms.row(t).0.iter().for_each(|&i| counts[i as usize] += 1);
+            terms.row(t).0.iter().for_each(|&i| counts[i.index()] += 1);
         }
         let weights = terms.weights().map(|weight| weight.value.dd()).collect();
         Multiplier { terms, weights, most: f64::from(counts.into_iter().max().unwrap_or(0)) }
@@ -57,7 +58,7 @@ impl<'a> Multiplier<'a> {
             let doubt = self.terms.weight(t).radius + 2.0 * Dd::EPSILON * weight.hi.abs();
             let force_error = (weight.hi.abs() + doubt) * slip + doubt * stretch.hi.abs() + Dd::EPSILON * size;
             for (&i, factor) in indices.iter().zip(factors.iter()) {
-                let i = i as usize;
+                let i = i.index();
                 match factor {
                     Factor::Plus => value[i] += force,
                     Factor::Minus => value[i] -= force,
@@ -88,10 +89,10 @@ fn radius(factor: &Factor) -> f64 {
 
 /// a . x and a bound of its error.
 #[inline(always)]
-fn stretch(indices: &[u32], factors: Factors, x: &[Dd]) -> (Dd, f64) {
+fn stretch(indices: &[CoordinateId], factors: Factors, x: &[Dd]) -> (Dd, f64) {
     let (mut sum, mut slip) = (Dd::ZERO, 0.0);
     for (at, (&i, factor)) in indices.iter().zip(factors.iter()).enumerate() {
-        let x = x[i as usize];
+        let x = x[i.index()];
         let part = match factor {
             Factor::Plus => x,
             Factor::Minus => -x,

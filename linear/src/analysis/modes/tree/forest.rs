@@ -121,12 +121,12 @@ impl Forest {
         for t in 0..stiffness.len() {
             let (row, factors) = stiffness.row(t);
             match row {
-                [i] => known.add_square(&mut ground[*i as usize], stiffness.weight(t), factors.at(0))?,
+                [i] => known.add_square(&mut ground[i.index()], stiffness.weight(t), factors.at(0))?,
                 [i, j] => {
                     let [a, b] = [0, 1].map(|end| known.factor(factors.at(end)));
                     let mut sum = Sum::default();
                     sum.add(known.positive(stiffness.weight(t))?);
-                    edges.push(Edge { ends: [*i, *j], factors: [a, b], stiffness: sum });
+                    edges.push(Edge { ends: [i.0, j.0], factors: [a, b], stiffness: sum });
                 }
                 _ => return None,
             }
@@ -140,12 +140,12 @@ impl Forest {
             match row {
                 [i] => {
                     let factor = known.factor(factors.at(0));
-                    inertia.one(*i as usize, weight * factor.square());
+                    inertia.one(i.index(), weight * factor.square());
                 }
                 [i, j] => {
                     let [a, b] = [0, 1].map(|end| factors.at(end));
                     let sum = known.sum(a, b)?;
-                    inertia.two([*i, *j], weight, [a, b].map(|factor| known.factor(factor)), sum)?;
+                    inertia.two([i.0, j.0], weight, [a, b].map(|factor| known.factor(factor)), sum)?;
                 }
                 _ => return None,
             }

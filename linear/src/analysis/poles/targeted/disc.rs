@@ -300,13 +300,17 @@ mod tests {
     use crate::analysis::poles::targeted::tests::band;
     use crate::analysis::poles::targeted::{Large, undamped_starts};
     use crate::analysis::{Mode, modes};
+    use crate::system::LinearSystem;
 
-    /// A band of forty masses, its lowest modes, and the pair that the third of them becomes with dampers.
-    fn followed_pair() -> (Large, Vec<Mode>, Pair) {
-        let system = band(40, 2, -2, 2, true, 5);
-        let mut list = modes(&system).expect("modes").list;
+    fn forty_masses() -> LinearSystem {
+        band(40, 2, -2, 2, true, 5)
+    }
+
+    /// The lowest modes of a band of masses, and the pair that the third of them becomes with dampers.
+    fn followed_pair(system: &LinearSystem) -> (Large<'_>, Vec<Mode>, Pair) {
+        let mut list = modes(system).expect("modes").list;
         list.truncate(14);
-        let large = Large::of(&system, &Part::whole(&system)).expect("sparse");
+        let large = Large::of(system, &Part::whole(system)).expect("sparse");
         let start = undamped_starts(&list[..8], 8).swap_remove(2);
         let pair = follow(&large.networks, &large.exact.to_dd(), &start).expect("a pole");
         (large, list, pair)
@@ -316,7 +320,8 @@ mod tests {
     /// proves anything, however good the pair is; with a ten-thousandth of a, one does.
     #[test]
     fn a_circle_on_which_the_slope_does_not_exceed_the_rest_is_none() {
-        let (large, list, pair) = followed_pair();
+        let system = forty_masses();
+        let (large, list, pair) = followed_pair(&system);
         let frame = large.frame(&list, 8).expect("a gap");
         let applied = large.exact.apply(pair.s, &pair.x);
         let s = pair.s.to_f64();
@@ -409,7 +414,8 @@ mod tests {
     /// And what the coupling to modes, or to what is outside of them, takes from f is as large as for the worst of these.
     #[test]
     fn a_block_and_a_share_hold_those_of_the_ends() {
-        let (large, list, pair) = followed_pair();
+        let system = forty_masses();
+        let (large, list, pair) = followed_pair(&system);
         let mut frame = large.frame(&list, 8).expect("a gap");
         let (s, reach) = (Complex::new(-0.1, 1.0), 0.03125);
         let numbers = [[(5.0, 0.02), (0.3, 0.01)], [(0.4, 0.03), (0.2, 0.005)], [(2.0, 0.01), (-0.1, 0.02)]];
@@ -519,7 +525,8 @@ mod tests {
     /// f(w) = rho + d w + m w^2 + b with all of them as far off as they may be: the root is in the disc.
     #[test]
     fn a_circle_holds_the_root_of_the_worst_polynomial() {
-        let (large, list, pair) = followed_pair();
+        let system = forty_masses();
+        let (large, list, pair) = followed_pair(&system);
         let frame = large.frame(&list, 8).expect("a gap");
         let s = pair.s.to_f64();
         let d = Complex::new(0.6, 0.8).scale(s.im);
@@ -570,7 +577,8 @@ mod tests {
     /// residual that is not known is as large as it may be.
     #[test]
     fn what_joins_a_pair_to_the_modes_is_bounded() {
-        let (large, list, pair) = followed_pair();
+        let system = forty_masses();
+        let (large, list, pair) = followed_pair(&system);
         let frame = large.frame(&list, 8).expect("a gap");
         let (pencil, s) = (&large.exact, pair.s.to_f64());
         let mut applied = pencil.apply(pair.s, &pair.x);

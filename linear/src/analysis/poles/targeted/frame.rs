@@ -24,10 +24,10 @@ use crate::kernel::simd::simd;
 use crate::kernel::triple::Triple;
 
 /// The forms of a system as terms.
-pub struct Forms {
-    pub k: Terms,
-    pub c: Terms,
-    pub m: Terms,
+pub struct Forms<'a> {
+    pub k: Terms<'a>,
+    pub c: Terms<'a>,
+    pub m: Terms<'a>,
 }
 
 /// An entry of X^T (form) X and a bound of its error.
@@ -77,7 +77,12 @@ const MOST_CORRECTIONS: usize = 3;
 impl<'a> Frame<'a> {
     /// A frame of the first modes, at least `wanted` of them, up to a gap; `modes` ascend, each with its omega^2 and
     /// shape. `None` if this gives no proof.
-    pub fn of(forms: &'a Forms, networks: &'a Networks, modes: &[(f64, &[f64])], wanted: usize) -> Option<Frame<'a>> {
+    pub fn of(
+        forms: &'a Forms<'a>,
+        networks: &'a Networks,
+        modes: &[(f64, &[f64])],
+        wanted: usize,
+    ) -> Option<Frame<'a>> {
         let (count, mu) = gap(networks, modes, wanted)?;
         let norm = DualNorm::of(forms, networks, modes)?;
         let (theta, x): (Vec<f64>, Vec<Vec<f64>>) =
@@ -168,7 +173,7 @@ impl<'a> Frame<'a> {
 }
 
 impl<'a> DualNorm<'a> {
-    fn of(forms: &'a Forms, networks: &'a Networks, modes: &[(f64, &[f64])]) -> Option<DualNorm<'a>> {
+    fn of(forms: &'a Forms<'a>, networks: &'a Networks, modes: &[(f64, &[f64])]) -> Option<DualNorm<'a>> {
         let lowest = modes.first()?.0;
         let next = modes.iter().map(|mode| mode.0).find(|&theta| theta > 1e-9 * modes[modes.len() - 1].0)?;
         // A part that floats or diverges is held by springs tau m.

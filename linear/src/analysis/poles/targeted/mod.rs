@@ -69,14 +69,14 @@ fn undamped_starts(modes: &[Mode], wanted: usize) -> Vec<Start> {
 }
 
 /// A system in the representations that the steps need.
-struct Large {
-    forms: Forms,
+struct Large<'a> {
+    forms: Forms<'a>,
     networks: Networks,
     exact: Pencil<Precise>,
 }
 
-impl Large {
-    fn of(system: &LinearSystem, whole: &Part) -> Option<Large> {
+impl<'a> Large<'a> {
+    fn of(system: &'a LinearSystem, whole: &Part) -> Option<Large<'a>> {
         let forms = Forms { k: Terms::of(&system.k), c: Terms::of(&system.c), m: Terms::of(&system.m) };
         let n = system.n();
         let of = |terms: &Terms| Network::of(terms, n).filter(|_| terms.is_finite());
