@@ -141,7 +141,7 @@ impl<'a> Check<'a> {
             let (expr, environment, given) = match to {
                 To::Port(argument) => {
                     let port = scope::Part::Port(self.ports.len() as u32);
-                    if self.parts.declare(group, name, span, port).is_ok() {
+                    if self.parts.declare(group, name, port).is_ok() {
                         self.ports.push(Port::tie(outer, argument, span));
                     }
                     continue;
@@ -150,7 +150,7 @@ impl<'a> Check<'a> {
                 To::Default(expr) => (expr, inside, false),
             };
             let id = DefinitionId(self.definitions.len() as u32);
-            if self.values.declare(group, name, span, id).is_ok() {
+            if self.values.declare(group, name, id).is_ok() {
                 let role = Role::Parameter { frame, formal, given };
                 let (kind, state) = (DefinitionKind::Param, State::Unsettled);
                 self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false, role });

@@ -83,7 +83,8 @@ impl<'a> Check<'a> {
         self.scene.bodies.reserve_exact(self.instances.bodies.len());
         // Each is in its body from here on.
         let names = std::mem::take(&mut self.instances.body_names);
-        for (index, name) in names.into_iter().enumerate() {
+        for index in 0..self.instances.bodies.len() {
+            let name = names.at(index);
             let Instance { decl, environment } = self.instances.bodies[index];
             let DeclKind::Body { name: ident, fields } = decl.kind else { continue };
             self.walk.varies = false;
@@ -357,20 +358,22 @@ impl<'a> Check<'a> {
         environment: Environment,
     ) -> Evaluated<Option<Arc<Vec<Translation>>>> {
         let Some(field) = field else { return Ok(None) };
-        let words = match field.value {
-            FieldValue::Moves(words) => words,
-            FieldValue::MovesAlong(expr) => return self.oblique(expr, environment).map(Some),
-            _ => return self.fail(environment, PartError::MovesWhere { span: field.key }),
+        if let FieldValue::MovesAlong(expr) = field.value {
+            return self.oblique(expr, environment).map(Some);
+        }
+        let Some(span) = field.directions() else {
+            return self.fail(environment, PartError::MovesWhere { span: field.key });
         };
-        let tree = self.tree;
-        let texts: Vec<&str> = tree.list(words).iter().map(|&word| self.sources.slice(tree.expr(word).span)).collect();
+        let text = self.sources.slice(span);
+        match text {
+            "x" => return Ok(Some(self.directions.x.clone())),
+            "y" => return Ok(Some(self.directions.y.clone())),
+            _ => {}
+        }
+        let texts: Vec<&str> = text.split_ascii_whitespace().collect();
         match texts[..] {
-            ["x"] => Ok(Some(self.directions.x.clone())),
-            ["y"] => Ok(Some(self.directions.y.clone())),
             ["x", "y"] | ["y", "x"] => Ok(Some(self.directions.x_y.clone())),
             _ => {
-                let spans = tree.list(words).iter().map(|&word| tree.expr(word).span);
-                let span = spans.reduce(Span::to).unwrap_or(field.key);
                 let is_rotation = |text: &&str| matches!(*text, "angle" | "turns" | "theta" | "rotation");
                 let (rotations, others): (Vec<&str>, Vec<&str>) = texts.iter().partition(|text| is_rotation(text));
                 match (&rotations[..], &others[..]) {

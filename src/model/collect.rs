@@ -7,7 +7,7 @@
 use super::Check;
 use super::error::NameError;
 use super::evaluate::{Evaluated, Stop};
-use super::scope::{Definition, DefinitionId, DefinitionKind, Environment, Instance, Part, Role, State};
+use super::scope::{Definition, DefinitionId, DefinitionKind, Environment, Instance, Names, Part, Role, State};
 use super::tolerances::Tolerated;
 use super::value::Function;
 use crate::base::{Name, Span, Symbol};
@@ -62,12 +62,12 @@ type Declares = Option<(Ident, fn(u32) -> Part)>;
 pub struct Instances<'a> {
     pub bodies: Vec<Instance<'a>>,
     /// The names of the bodies and of the elements, in the same order.
-    pub body_names: Vec<Name>,
+    pub body_names: Names,
     pub bases: Vec<Instance<'a>>,
     pub joints: Vec<Instance<'a>>,
     pub couples: Vec<Instance<'a>>,
     pub elements: Vec<Instance<'a>>,
-    pub element_names: Vec<Name>,
+    pub element_names: Names,
     /// Forces, torques and bases: the inputs.
     pub inputs: Vec<Instance<'a>>,
     pub outputs: Vec<Instance<'a>>,
@@ -185,7 +185,7 @@ impl<'a> Check<'a> {
         if self.environments.value(environment, symbol).is_some() {
             return Some(None);
         }
-        self.values.family(self.group_of(environment), symbol).map(|family| Some(family.span))
+        self.values.family(self.group_of(environment), symbol).map(|family| Some(self.value_span(family.first)))
     }
 
     /// First and last value of the index; last = first - 1 repeats nothing.
@@ -231,13 +231,17 @@ impl<'a> Check<'a> {
         let group = self.group_of(environment);
         let place = self.parts.get(name).filter(|part| matches!(part, Part::Place(_)));
         let other = place.map(|place| self.part_span(place));
-        let declared = self.values.declare(group, name, span, id);
-        if let Some(first) = other.or_else(|| declared.err().map(|other| self.definitions[other.0 as usize].span)) {
-            let (name, first) = (self.words.display(name), Some(first));
-            return self.report(environment, NameError::Duplicate { span, name, first });
+        let declared = self.values.declare(group, name, id);
+        let first = other.or_else(|| declared.err().map(|other| self.value_span(other)));
+        if first.is_some() {
+            let name = self.words.display(name);
+            self.report(environment, NameError::Duplicate { span, name, first });
         }
-        let (state, role) = (State::Unsettled, Role::Declared);
-        self.definitions.push(Definition { kind, name, span, expr, environment, state, used: false, role });
+        if declared.is_err() {
+            return;
+        }
+        let (state, used, role) = (State::Unsettled, first.is_some(), Role::Declared);
+        self.definitions.push(Definition { kind, name, span, expr, environment, state, used, role });
         if let DeclKind::Param { tolerance: Some(index), .. } = instance.decl.kind {
             self.instances.tolerances.push(Tolerated { parameter: id, index });
         }
@@ -319,11 +323,16 @@ impl<'a> Check<'a> {
             return self.fail(environment, NameError::Reserved { span, word: "ground".into() });
         }
         let name = self.declared_name(ident, environment)?;
-        if let Err(other) = self.parts.declare(self.group_of(environment), name, span, part) {
+        if let Err(other) = self.parts.declare(self.group_of(environment), name, part) {
             let (name, first) = (self.words.display(name), self.part_span(other));
             self.report(environment, NameError::Duplicate { span, name, first: Some(first) });
         }
         Ok(name)
+    }
+
+    /// The place where a value is declared: the word of its name.
+    pub fn value_span(&self, value: DefinitionId) -> Span {
+        self.definitions[value.0 as usize].span
     }
 
     /// The place where a part is declared: the word of its name.

@@ -117,7 +117,7 @@ impl<'a> Check<'a> {
         let name = Name::plain(symbol).in_place(place);
         let FormalKind::Number { unit, default } = formal.kind else {
             let port = scope::Part::Port(self.ports_count());
-            if self.parts.declare(group, name, span, port).is_ok() {
+            if self.parts.declare(group, name, port).is_ok() {
                 self.tie_to_nothing(span);
             }
             return;
@@ -134,7 +134,7 @@ impl<'a> Check<'a> {
         // either.
         let Some(expr) = default.or_else(|| self.tree.any_expr()) else { return };
         let id = DefinitionId(self.definitions.len() as u32);
-        if self.values.declare(group, name, span, id).is_ok() {
+        if self.values.declare(group, name, id).is_ok() {
             let role = Role::Parameter { frame, formal: number, given: false };
             let kind = DefinitionKind::Param;
             self.definitions.push(Definition { kind, name, span, expr, environment: inside, state, used: true, role });

@@ -54,7 +54,7 @@ impl<'a> Check<'a> {
             if kind.kind().acts == Acts::RoundDisks {
                 match self.belt(kind.kind(), name, ends, fields, environment) {
                     Ok((ends, law, [geometry, other])) => {
-                        let (name, span) = (self.instances.element_names[index], name.span);
+                        let (name, span) = (self.instances.element_names.at(index), name.span);
                         second_spans.push(Element {
                             name,
                             span,
@@ -70,7 +70,7 @@ impl<'a> Check<'a> {
             }
             match self.element(kind.kind(), name, ends, fields, environment) {
                 Ok((ends, law, geometry)) => {
-                    let (name, span) = (self.instances.element_names[index], name.span);
+                    let (name, span) = (self.instances.element_names.at(index), name.span);
                     self.scene.elements.push(Element { name, span, ends, law, geometry });
                 }
                 Err(_) => self.broken_elements = true,

@@ -63,7 +63,7 @@ impl<'a> Check<'a> {
 
     /// Whether a word is the second direction of `moves x, y`.
     fn is_direction_of<'b>(&self, word: &str, mut given: impl Iterator<Item = &'b &'b Field>) -> bool {
-        matches!(word, "x" | "y") && given.any(|field| matches!(field.value, FieldValue::Moves(_)))
+        matches!(word, "x" | "y") && given.any(|field| matches!(field.value, FieldValue::Moves { .. }))
     }
 
     fn unknown_field(&self, field: &Field, word: &str, table: &'static [base::Field]) -> NameError {
@@ -80,7 +80,7 @@ impl<'a> Check<'a> {
                 let span = self.tree.expr(self.tree.about_parts(list).1).span;
                 self.fail(environment, NameError::AboutElsewhere { span })
             }
-            FieldValue::Flag | FieldValue::Moves(_) | FieldValue::MovesAlong(_) => {
+            FieldValue::Flag | FieldValue::Moves { .. } | FieldValue::MovesAlong(_) => {
                 let word = self.sources.slice(field.key).to_string();
                 self.fail(environment, NameError::FieldWithoutValue { span: field.key, word })
             }

@@ -473,9 +473,8 @@ impl<'a> Check<'a> {
         let Ok(name) = self.declared_name(ident, environment) else { return };
         let id = FrameId(self.frames.len() as u32);
         let group = self.group_of(environment);
-        let taken = self.values.get(name).map(|other| self.definitions[other.0 as usize].span);
-        let declared = self.parts.declare(group, name, span, scope::Part::Place(id));
-        let taken = taken.or_else(|| Some(self.part_span(declared.err()?)));
+        let value = self.values.get(name).map(|other| self.value_span(other));
+        let taken = value.or_else(|| self.parts.get(name).map(|other| self.part_span(other)));
         if taken.is_some() {
             let name = self.words.display(name);
             return self.report(environment, NameError::Duplicate { span, name, first: taken });
@@ -496,6 +495,8 @@ impl<'a> Check<'a> {
             mirrored: mirrored.unwrap_or_default(),
             placed: mirrored.is_err().then_some(Err(Stop::Reported)),
         });
+        // Not before: whatever is declared can be looked up. It is free, as was seen above.
+        let _ = self.parts.declare(group, name, scope::Part::Place(id));
         let Ok(brackets) = brackets else { return };
         self.bind(id, &brackets);
         if self.drafts.is_draft {
@@ -833,8 +834,8 @@ impl<'a> Check<'a> {
         if let Some(name) = self.member_name(frame, member, environment)? {
             let written = (member, self.words.without_indices(name));
             let error = match wants_value {
-                true => self.wrong_index_of(&self.values, name, written, group),
-                false => self.wrong_index_of(&self.parts, name, written, group),
+                true => self.wrong_index_of(&self.values, Check::value_span, name, written, group),
+                false => self.wrong_index_of(&self.parts, Check::part_span, name, written, group),
             };
             if let Some(error) = error {
                 return self.fail(environment, error);

@@ -95,6 +95,38 @@ impl Environments {
     }
 }
 
+/// Names in order of declaration: as long as none has indices or is in a component, their words alone.
+#[derive(Debug)]
+pub enum Names {
+    Words(Vec<Symbol>),
+    Any(Vec<Name>),
+}
+
+impl Default for Names {
+    fn default() -> Names {
+        Names::Words(Vec::new())
+    }
+}
+
+impl Names {
+    pub fn push(&mut self, name: Name) {
+        match self {
+            Names::Words(words) if name.is_plain() => words.push(name.symbol),
+            Names::Words(words) => {
+                *self = Names::Any(words.iter().map(|word| Name::plain(*word)).chain([name]).collect());
+            }
+            Names::Any(names) => names.push(name),
+        }
+    }
+
+    pub fn at(&self, index: usize) -> Name {
+        match self {
+            Names::Words(words) => Name::plain(words[index]),
+            Names::Any(names) => names[index],
+        }
+    }
+}
+
 /// A declaration in one repetition.
 #[derive(Clone, Copy, Debug)]
 pub struct Instance<'a> {
@@ -180,9 +212,9 @@ impl Group {
 
 /// The indices with which a word was declared.
 #[derive(Clone, Debug)]
-pub struct Family {
-    /// The place of a declaration of the word.
-    pub span: Span,
+pub struct Family<T> {
+    /// What a declaration of the word declares.
+    pub first: T,
     /// Least and greatest value of each index.
     pub ranges: Vec<(i32, i32)>,
 }
@@ -196,22 +228,15 @@ pub struct Family {
 pub struct Space<T> {
     runs: Table<Name, Run<T>>,
     /// The names without indices in the scene, by word: a file that is written out has nothing else.
-    plain: Vec<Option<Plain<T>>>,
+    plain: Vec<Option<T>>,
     /// The names without indices in places, by component and word: runs over the places of the component.
     columns: Table<(Group, Symbol), Run<T>>,
     /// The places that declare something.
     members: Members,
     others: Table<Name, T>,
-    families: Table<(Group, Symbol), Family>,
+    families: Table<(Group, Symbol), Family<T>>,
     /// Words in order of declaration, for suggestions.
     words: Table<Group, Vec<Symbol>>,
-}
-
-/// What a name without indices means in the scene, and the place where it is declared.
-#[derive(Clone, Copy, Debug)]
-struct Plain<T> {
-    what: T,
-    span: Span,
 }
 
 /// Names that differ in their last index, or in the number of their place among those of a component, which increases
@@ -266,7 +291,7 @@ impl<T> Default for Space<T> {
 impl<T: Copy> Space<T> {
     pub fn get(&self, name: Name) -> Option<T> {
         if name.is_plain() {
-            return self.plain(name.symbol).map(|plain| plain.what);
+            return self.plain(name.symbol);
         }
         let in_run = match split_last(name) {
             Some((run, last)) => self.runs.get(&run).and_then(|run| run.get(last)),
@@ -279,23 +304,23 @@ impl<T: Copy> Space<T> {
     }
 
     /// Declares a name; if it is taken, returns its present meaning.
-    pub fn declare(&mut self, group: Group, name: Name, span: Span, what: T) -> Result<(), T> {
+    pub fn declare(&mut self, group: Group, name: Name, what: T) -> Result<(), T> {
         if let Some(continued) = self.next_of_run(name, what) {
             continued?;
-            self.widen_family(group, name, span);
+            self.widen_family(group, name, what);
             return Ok(());
         }
         if let Some(first) = self.get(name) {
             return Err(first);
         }
         if name.is_plain() {
-            self.declare_plain(name.symbol, span, what);
+            self.declare_plain(name.symbol, what);
             return Ok(());
         }
         if !self.extend_run(group, name, what) {
             self.others.insert(name, what);
         }
-        self.widen_family(group, name, span);
+        self.widen_family(group, name, what);
         Ok(())
     }
 
@@ -313,17 +338,17 @@ impl<T: Copy> Space<T> {
         }
     }
 
-    fn plain(&self, symbol: Symbol) -> Option<&Plain<T>> {
-        self.plain.get(symbol.index())?.as_ref()
+    fn plain(&self, symbol: Symbol) -> Option<T> {
+        *self.plain.get(symbol.index())?
     }
 
     /// Declares a word without indices in the scene. It is a family of its own, unless the word was declared with indices
     /// before.
-    fn declare_plain(&mut self, symbol: Symbol, span: Span, what: T) {
+    fn declare_plain(&mut self, symbol: Symbol, what: T) {
         if self.plain.len() <= symbol.index() {
-            self.plain.resize_with(symbol.index() + 1, || None);
+            self.plain.resize(symbol.index() + 1, None);
         }
-        self.plain[symbol.index()] = Some(Plain { what, span });
+        self.plain[symbol.index()] = Some(what);
         if !self.families.contains_key(&(Group::SCENE, symbol)) {
             self.words.entry(Group::SCENE).or_default().push(symbol);
         }
@@ -342,7 +367,7 @@ impl<T: Copy> Space<T> {
         }
     }
 
-    fn widen_family(&mut self, group: Group, name: Name, span: Span) {
+    fn widen_family(&mut self, group: Group, name: Name, what: T) {
         if group == Group::SCENE
             && self.plain(name.symbol).is_some()
             && !self.families.contains_key(&(group, name.symbol))
@@ -352,7 +377,7 @@ impl<T: Copy> Space<T> {
         let words = &mut self.words;
         let family = self.families.entry((group, name.symbol)).or_insert_with(|| {
             words.entry(group).or_default().push(name.symbol);
-            Family { span, ranges: name.indices().iter().map(|&index| (index, index)).collect() }
+            Family { first: what, ranges: name.indices().iter().map(|&index| (index, index)).collect() }
         });
         for ((low, high), &index) in family.ranges.iter_mut().zip(name.indices()) {
             *low = index.min(*low);
@@ -361,9 +386,9 @@ impl<T: Copy> Space<T> {
     }
 
     /// The indices with which a word is declared; `None` if it is not declared.
-    pub fn family(&self, group: Group, symbol: Symbol) -> Option<Cow<'_, Family>> {
+    pub fn family(&self, group: Group, symbol: Symbol) -> Option<Cow<'_, Family<T>>> {
         let indexed = self.families.get(&(group, symbol)).map(Cow::Borrowed);
-        let plain = |plain: &Plain<T>| Cow::Owned(Family { span: plain.span, ranges: Vec::new() });
+        let plain = |first: T| Cow::Owned(Family { first, ranges: Vec::new() });
         indexed.or_else(|| self.plain(symbol).filter(|_| group == Group::SCENE).map(plain))
     }
 

@@ -850,3 +850,17 @@ fn renaming_and_reordering_do_not_change_the_scene() {
     assert_eq!(forwards.bodies[0].mass, backwards.bodies[0].mass);
     assert_eq!(forwards.elements[0].geometry, backwards.elements[0].geometry);
 }
+
+/// One mistake is one finding, and the name still means something where it is used.
+#[test]
+fn a_place_and_a_value_of_one_name_are_reported_once() {
+    let cell = "component cell(m: kg) {\nbody b { mass = m, moves x }\nspring s: ground -- b { k = 1 N/m }\n}\n";
+    let both = ["place k[i] = cell(m = 1 kg)", "param k[i] = 3"];
+    for [first, second] in [[0, 1], [1, 0]] {
+        let declared = format!("{cell}repeat i in 1..1 {{\n{}\n{}\n}}\n", both[first], both[second]);
+        assert_eq!(codes(&check_text(&declared)), ["vib::name::duplicate"], "{declared}");
+        let used = format!("{declared}let w = k[1] * k[2]\noutput u = k[2].b.x\n");
+        let found = codes(&check_text(&used));
+        assert_eq!(found[..2], ["vib::name::duplicate", "vib::name::index"], "{used}");
+    }
+}

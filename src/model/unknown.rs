@@ -89,7 +89,9 @@ impl<'a> Check<'a> {
     pub fn unknown_value(&mut self, ident: Ident, name: Option<Name>, environment: Environment) -> NameError {
         let word = ident.span;
         let text = self.sources.slice(word);
-        if let Some(error) = name.and_then(|name| self.wrong_index(&self.values, name, ident, environment)) {
+        if let Some(error) =
+            name.and_then(|name| self.wrong_index(&self.values, Check::value_span, name, ident, environment))
+        {
             return error;
         }
         let brackets = (unit::is_known(text) && self.opens_brackets_of_a_unit(word))
@@ -154,7 +156,7 @@ impl<'a> Check<'a> {
     ) -> NameError {
         let word = ident.span;
         let text = self.sources.slice(word);
-        if let Some(error) = self.wrong_index(&self.parts, name, ident, environment) {
+        if let Some(error) = self.wrong_index(&self.parts, Check::part_span, name, ident, environment) {
             return error;
         }
         let group = self.group_of(environment);
@@ -184,23 +186,25 @@ impl<'a> Check<'a> {
     fn wrong_index<T: Copy>(
         &self,
         space: &Space<T>,
+        span_of: impl Fn(&Self, T) -> Span,
         name: Name,
         ident: Ident,
         environment: Environment,
     ) -> Option<NameError> {
         let word = self.words.text(name.symbol).to_string();
-        self.wrong_index_of(space, name, (ident, word), self.group_of(environment))
+        self.wrong_index_of(space, span_of, name, (ident, word), self.group_of(environment))
     }
 
     /// The error for a wrong index of a name in a component, given the word as it is written.
     pub fn wrong_index_of<T: Copy>(
         &self,
         space: &Space<T>,
+        span_of: impl Fn(&Self, T) -> Span,
         name: Name,
         (ident, word): (Ident, String),
         group: Group,
     ) -> Option<NameError> {
-        let declared = space.family(group, name.symbol)?.span;
+        let declared = span_of(self, space.family(group, name.symbol)?.first);
         Some(NameError::IndexOutOfRange {
             span: self.ident_span(ident),
             name: self.words.display(name),

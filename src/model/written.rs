@@ -15,7 +15,7 @@ use crate::base::{Angle, Dimension, Number, Rational, Span, Takes};
 use crate::elements::Kind;
 use crate::kinds::motions::{BODY_MOTIONS, Direction};
 use crate::symbols::{Factor, Function, Powers, Sum, Symbol};
-use crate::syntax::tree::{Binary, DeclKind, EndId, ExprId, ExprKind, ExprList, FieldValue, Fields, Rare};
+use crate::syntax::tree::{Binary, DeclKind, EndId, ExprId, ExprKind, ExprList, Field, FieldValue, Fields, Rare};
 use std::sync::Arc;
 
 /// A place or a direction.
@@ -312,13 +312,15 @@ impl<'c, 'a> Writer<'c, 'a> {
     /// Axes of the scene as such, an oblique direction as written.
     fn translations(&mut self, fields: Fields, known: &[Translation], environment: Environment) -> Vec<Pair> {
         let tree = self.check.tree;
-        let mut written = |translation: &Translation| match (translation.motion, self.field(fields, "moves")) {
+        let moves = tree.fields(fields).iter().find(|field| self.check.sources.slice(field.key) == "moves");
+        let mut written = |translation: &Translation| match (translation.motion, moves.map(|field| field.value)) {
             ("x", _) => [Sum::one(), Sum::ZERO],
             ("y", _) => [Sum::ZERO, Sum::one()],
             (_, Some(FieldValue::MovesAlong(expr))) => self.direction(expr, environment),
-            (_, Some(FieldValue::Moves(words))) => {
+            (_, Some(FieldValue::Moves { .. })) => {
                 // The axis of a component that is turned.
-                let word = tree.list(words).first().map(|word| self.check.sources.slice(tree.expr(*word).span));
+                let directions = moves.and_then(Field::directions).map_or("", |words| self.check.sources.slice(words));
+                let word = directions.split_ascii_whitespace().next();
                 let axis = if word == Some("x") { [Sum::one(), Sum::ZERO] } else { [Sum::ZERO, Sum::one()] };
                 self.rotate_to_scene(axis, environment)
             }

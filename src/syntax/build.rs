@@ -646,23 +646,19 @@ impl Build<'_> {
                 }
             }
             Rule::moves if self.next == Some(Rule::expression) => FieldValue::MovesAlong(self.expression().id),
-            Rule::moves => FieldValue::Moves(self.motion_words()),
+            Rule::moves => self.directions(),
             _ => FieldValue::Flag,
         };
         self.step();
         Field { key, value }
     }
 
-    fn motion_words(&mut self) -> ExprList {
-        let base = self.yard.items.len();
+    fn directions(&mut self) -> FieldValue {
+        let mut words = self.word();
         while self.next.is_some() {
-            let span = self.word();
-            let id = self.tree.push_expr(Expr { span, kind: ExprKind::Name { indices: ExprList::EMPTY } });
-            self.yard.items.push(id);
+            words = words.to(self.word());
         }
-        let list = self.tree.push_list(&self.yard.items[base..]);
-        self.yard.items.truncate(base);
-        list
+        FieldValue::Moves { start: words.start() as u32, len: u16::try_from(words.len()).unwrap_or(u16::MAX) }
     }
 
     fn expression(&mut self) -> Operand {

@@ -260,6 +260,14 @@ pub struct Field {
     pub value: FieldValue,
 }
 
+impl Field {
+    /// The words after `moves`, with blanks between them.
+    pub fn directions(&self) -> Option<Span> {
+        let FieldValue::Moves { start, len } = self.value else { return None };
+        Some(Span::new(self.key.file(), start as usize, start as usize + usize::from(len)))
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 pub enum FieldValue {
     /// `mass = 1 kg`
@@ -269,8 +277,9 @@ pub enum FieldValue {
     About(ExprList),
     /// A word alone: `turns`, `free`.
     Flag,
-    /// `moves x`, `moves y`, `moves x y`: the words after `moves`, each an [`ExprKind::Name`].
-    Moves(ExprList),
+    /// `moves x`, `moves y`, `moves x y`: where the words after `moves` are, see [`Field::directions`]. The length saturates: so many
+    /// words are a mistake in any case.
+    Moves { start: u32, len: u16 },
     /// `moves along (1, 1)`
     MovesAlong(ExprId),
 }
