@@ -326,7 +326,7 @@ fn elements(known: &Results, named: impl Fn(crate::base::Name) -> bool) -> Strin
     }
     let at_rest = known.motions.as_ref().map(|motions| motions.mechanism.springs_at_rest(scene, &motions.rest));
     for (index, element) in chosen {
-        let turns = element.geometry == Geometry::Torsion;
+        let turns = element.law.geometry == Geometry::Torsion;
         let name = scene.words.display(element.name);
         let Law { kind, coefficient, curve, .. } = &*element.law;
         let (word, unit) = (kind.coefficient().name, kind.unit(turns));

@@ -15,6 +15,11 @@ pub trait Scalar: Clone + Debug {
     fn times(&self, other: &Self) -> Self;
     fn over(&self, other: &Self) -> Self;
     fn negate(&self) -> Self;
+    /// The sum of the products of three numbers with three others.
+    #[inline]
+    fn dot(a: [&Self; 3], b: [&Self; 3]) -> Self {
+        a[0].times(b[0]).plus(&a[1].times(b[1])).plus(&a[2].times(b[2]))
+    }
     /// Square root of a number that is not negative.
     fn root(&self) -> Self;
     fn sin_cos(&self) -> (Self, Self);
@@ -149,6 +154,13 @@ impl Scalar for Number {
     #[inline]
     fn negate(&self) -> Number {
         -self
+    }
+
+    /// Most components of most directions are zero.
+    fn dot(a: [&Number; 3], b: [&Number; 3]) -> Number {
+        let is_zero = |number: &Number| matches!(number, Number::Exact(value) if value.is_zero());
+        let products = a.into_iter().zip(b).filter(|(a, b)| !(is_zero(a) || is_zero(b))).map(|(a, b)| a * b);
+        products.reduce(|sum, product| &sum + &product).unwrap_or(Number::ZERO)
     }
 
     fn root(&self) -> Number {

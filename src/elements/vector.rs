@@ -49,7 +49,7 @@ impl<S: Scalar> Vector<S> {
     }
 
     pub fn dot(&self, o: &Vector<S>) -> S {
-        self.x.times(&o.x).plus(&self.y.times(&o.y)).plus(&self.z.times(&o.z))
+        S::dot([&self.x, &self.y, &self.z], [&o.x, &o.y, &o.z])
     }
 
     pub fn cross(&self, o: &Vector<S>) -> Vector<S> {

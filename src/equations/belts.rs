@@ -83,7 +83,7 @@ pub fn name_gaps(scene: &Scene, written: &mut Written) -> Vec<(Symbol, Label)> {
     let mut made: Vec<(Named, Label)> = Vec::new();
     let names = Names::new(written);
     for (element, _) in scene.elements.iter().zip(&written.elements) {
-        let Geometry::Span(span) = &element.geometry else { continue };
+        let Geometry::Span(span) = &element.law.geometry else { continue };
         let Some([first, second]) = radii(element, span, written) else { continue };
         let gap = &first - &second;
         let Some(value) = names.value_of(&gap) else { continue };

@@ -94,7 +94,7 @@ impl Energies {
         let mut energies = Energies::default();
         energies.bodies(scene, whole, motion)?;
         for (number, written) in whole.elements.iter().enumerate() {
-            match &scene.elements.get(number)?.geometry {
+            match &scene.elements.get(number)?.law.geometry {
                 Geometry::Span(span) => energies.spans_of_belt(scene, whole, (number, span), motion, names)?,
                 _ => energies.element(scene, written, motion, number, names)?,
             }
@@ -140,7 +140,7 @@ impl Energies {
         let stretch = self.stretch(
             &element.ends,
             &written.ends,
-            &element.geometry,
+            &element.law.geometry,
             motion,
             written.along.as_ref(),
             &name,
@@ -154,11 +154,11 @@ impl Energies {
             match rest {
                 SpringRest::FreeLength(_) => {
                     let given = written.free_length.clone()?;
-                    free = match (&stretch, &element.geometry) {
+                    free = match (&stretch, &element.law.geometry) {
                         (Stretch::Line { .. }, _) => given,
                         (Stretch::Plain(_), Geometry::Torsion) => given,
                         // The length as drawn along its direction is part of the stretch.
-                        (Stretch::Plain(_), _) => &given - &drawn_length(written, &element.geometry, names)?,
+                        (Stretch::Plain(_), _) => &given - &drawn_length(written, &element.law.geometry, names)?,
                     };
                 }
                 SpringRest::Preload(_) => {

@@ -290,7 +290,7 @@ fn name_quotients(scene: &Scene, written: &mut Written) {
         own.inertia.iter_mut().for_each(|inertia| name(inertia, "J", of(), Dimension::INERTIA));
     }
     for (element, own) in scene.elements.iter().zip(&mut written.elements) {
-        let (kind, turns) = (element.law.kind, element.geometry == Geometry::Torsion);
+        let (kind, turns) = (element.law.kind, element.law.geometry == Geometry::Torsion);
         let dimension = match (kind.order, turns) {
             (Order::Displacement, false) => Dimension::STIFFNESS,
             (Order::Displacement, true) => Dimension::TORQUE,

@@ -83,7 +83,7 @@ fn form(
             let own: &Element = scene.elements.get(element.index())?;
             let form = stretch(energies, element.index(), motion, at_rest);
             let mut shares = energies.elements_of(element.index());
-            let tangent = match &own.geometry {
+            let tangent = match &own.law.geometry {
                 // Each of its elements has the stiffness of both spans.
                 Geometry::Span(_) => shares.next().map_or(Sum::ZERO, |share| share.coefficient.halve()),
                 _ => shares.fold(Sum::ZERO, |sum, share| &sum + &at_rest.tangent(share)),

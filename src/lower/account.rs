@@ -160,7 +160,7 @@ impl Explanation<'_> {
 
     fn why_idle(&self, element: &Element, between: &mut EndPath<Number>) -> &'static str {
         let [a, b] = [0, 1].map(|end| self.kinematics.end(&element.ends[end]).piece);
-        between.set_ends(self.kinematics, &element.ends, &element.geometry);
+        between.set_ends(self.kinematics, &element.ends, &element.law.geometry);
         match () {
             () if element.law.is_zero() => "its value is zero",
             () if a == b => "both ends are on one rigid piece",

@@ -264,7 +264,7 @@ impl<'a> Assembly<'a> {
     fn terms_of(&mut self, number: usize, element: &Element) {
         let law = &element.law;
         let order = law.kind.order;
-        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
+        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.law.geometry);
         let stretched = self.measure_stretch(&stretch);
         let made_by = Source { name: element.name, origin: Origin::Element(number as u32) };
         let source = self.form(order).source(made_by);
@@ -279,7 +279,7 @@ impl<'a> Assembly<'a> {
                 Some(rate) => rate.clone(),
                 None if self.tensions.slack.contains(self.kinematics, &self.between) => Number::ZERO,
                 None => {
-                    let spring = loads::spring_of(stretch, &element.ends, &element.geometry, law);
+                    let spring = loads::spring_of(stretch, &element.ends, law);
                     stretched.rate(&spring.tension(&stretched))
                 }
             };
@@ -292,7 +292,7 @@ impl<'a> Assembly<'a> {
         if !(element.law.kind.is_elastic() && element.law.curve.is_some()) {
             return element.law.coefficient.clone();
         }
-        let spring = loads::spring_of(stretch.clone(), &element.ends, &element.geometry, &element.law);
+        let spring = loads::spring_of(stretch.clone(), &element.ends, &element.law);
         if let Some(error) = law::fault(self.scene, element, &spring, stretched) {
             self.faults.push(error);
         }
@@ -587,7 +587,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn element_slope(&mut self, element: &Element) -> Row {
-        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
+        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.law.geometry);
         let stretched = self.measure_stretch(&stretch);
         self.slope_row(&stretched)
     }
@@ -595,7 +595,7 @@ impl<'a> Assembly<'a> {
     /// The change of tension of a spring, or the force of another element: its coefficient times a derivative of its
     /// stretch.
     fn element_force(&mut self, element: &Element) -> (u8, Row) {
-        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
+        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.law.geometry);
         let stretched = self.measure_stretch(&stretch);
         let factor = self.tangent(element, &stretch, &stretched);
         let slope = self.slope_row(&stretched);
@@ -642,9 +642,9 @@ fn merge_column(column: Row) -> Sparse {
 
 /// A coordinate of the tree as the system presents it.
 pub fn coordinate(scene: &Scene, kinematics: &Kinematics, coordinate: Index) -> Coordinate {
-    let freely = &kinematics.free[coordinate as usize];
-    let body = &scene.bodies[freely.body.index()];
-    Coordinate { name: Label { name: body.name, motion: freely.motion }, kind: freely.kind, span: body.span }
+    let body = &scene.bodies[kinematics.free[coordinate as usize].index()];
+    let name = Label { name: body.name, motion: kinematics.motion(scene, coordinate) };
+    Coordinate { name, kind: kinematics.kind(coordinate), span: body.span }
 }
 
 fn plain(name: Name) -> Label {

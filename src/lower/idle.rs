@@ -52,7 +52,7 @@ fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnos
         kind.coefficient().expected_number(true).noun,
         kind.unit(true)
     );
-    let (read, help) = match &element.geometry {
+    let (read, help) = match &element.law.geometry {
         _ if a == b => ("between two points of one rigid body".into(), "attach one end to another part"),
         Geometry::Along(direction) => (
             format!(

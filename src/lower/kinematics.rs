@@ -33,7 +33,7 @@ use super::error::LowerError;
 use super::tree::{GROUND, PieceId, Tree};
 use crate::base::{FileId, Number, OrderBy, Span, Vec3};
 use crate::elements::{Scalar, Vector};
-use crate::model::scene::{Attachment, BodyId, Geometry, Input, InputKind, Motion, MotionTerm, Part, Scene};
+use crate::model::scene::{Attachment, BodyId, Freedom, Geometry, Input, InputKind, Motion, MotionTerm, Part, Scene};
 use crate::system::CoordinateKind;
 
 /// Index of a coordinate, free or prescribed.
@@ -51,8 +51,8 @@ pub struct Kinematics {
     directions: Vec<Vec3>,
     /// The group of each coordinate that is an angle; the ground's group for slides.
     group_of: Vec<u32>,
-    /// Free coordinates in order.
-    pub free: Vec<FreeCoordinate>,
+    /// The body of each free coordinate, in order.
+    pub free: Vec<BodyId>,
     /// Number of motions of bases, which follow the free coordinates.
     pub prescribed: usize,
     /// The index of the input for each of them.
@@ -62,14 +62,6 @@ pub struct Kinematics {
     lengths_squared: Vec<(Index, Number)>,
     /// Angles that are sums of other angles, in a mechanism with released joints: each with its terms, ascending.
     followers: Vec<(Index, Vec<(Index, Number)>)>,
-}
-
-/// A free coordinate.
-#[derive(Clone, Copy, Debug)]
-pub struct FreeCoordinate {
-    pub body: BodyId,
-    pub motion: &'static str,
-    pub kind: CoordinateKind,
 }
 
 /// Limit on the entries of all rows together: 800 MB.
@@ -166,6 +158,25 @@ impl Kinematics {
         self.group_of[coordinate as usize] != NO_TURN
     }
 
+    pub fn kind(&self, coordinate: Index) -> CoordinateKind {
+        if self.is_angle(coordinate) { CoordinateKind::Rotation } else { CoordinateKind::Translation }
+    }
+
+    /// The word for the motion of a free coordinate: `x`, `y`, `along`, `slide`, `angle`.
+    pub fn motion(&self, scene: &Scene, coordinate: Index) -> &'static str {
+        if self.is_angle(coordinate) {
+            return "angle";
+        }
+        let body = self.free[coordinate as usize];
+        match &scene.bodies[body.index()].freedom {
+            Freedom::FromJoints => "slide",
+            Freedom::OnGround { translations, .. } => {
+                let first = self.own_slides(self.tree.bodies[body.index()])[0].coordinate;
+                translations[(coordinate - first) as usize].motion
+            }
+        }
+    }
+
     pub fn has_oblique(&self) -> bool {
         !self.lengths_squared.is_empty()
     }
@@ -193,7 +204,7 @@ impl Kinematics {
         if !(0..self.carriages.len()).any(|piece| self.turns_about_nowhere(piece as PieceId)) {
             return Vec::new();
         }
-        let elements = scene.elements.iter().filter(|element| element.geometry != Geometry::Torsion);
+        let elements = scene.elements.iter().filter(|element| element.law.geometry != Geometry::Torsion);
         let is_torque = |input: &&Input| matches!(input.kind, InputKind::Torque { .. });
         let inputs = scene.inputs.iter().filter(|input| !is_torque(input)).flat_map(|input| input.kind.ends());
         let joints = scene.joints.iter().filter(|joint| !joint.kind.is_rigid());

@@ -23,7 +23,7 @@ pub fn fault(scene: &Scene, element: &Element, spring: &Spring<Number>, at: &Str
             span,
             element: scene.words.display(element.name),
             stretch: stretch.to_f64(),
-            turns: element.geometry == Geometry::Torsion,
+            turns: element.law.geometry == Geometry::Torsion,
         }),
     }
 }
@@ -34,7 +34,7 @@ fn not_defined(scene: &Scene, element: &Element, undefined: Undefined, stretch: 
         why: undefined.why,
         element: scene.words.display(element.name),
         stretch,
-        turns: element.geometry == Geometry::Torsion,
+        turns: element.law.geometry == Geometry::Torsion,
     }
 }
 
@@ -150,12 +150,11 @@ impl Mechanism {
         let mut list = Vec::new();
         for (index, element) in (0..).zip(&scene.elements) {
             let (Some(curve), id) = (&element.law.curve, ElementId(index)) else { continue };
-            let turns = element.geometry == Geometry::Torsion;
+            let turns = element.law.geometry == Geometry::Torsion;
             let (mut at, mut force, mut slope) = (Number::ZERO, Number::ZERO, element.law.coefficient.clone());
             let of_rate = !element.law.kind.is_elastic();
             if !of_rate {
-                let spring =
-                    loads::spring(&self.kinematics, &element.ends, &element.geometry, &element.law, &mut between);
+                let spring = loads::spring(&self.kinematics, &element.ends, &element.law, &mut between);
                 reach.measure(&self.kinematics, &self.state, &between.path);
                 let stretched = spring.stretch.at(&reach.displacement, &between.turn(&self.state));
                 let Response::Curve { offset, .. } = &spring.response else { continue };
@@ -175,7 +174,7 @@ pub fn as_drawn(scene: &Scene, kinematics: &Kinematics, state: &State<Number>) -
     let mut faults = Vec::new();
     for element in scene.elements.iter().filter(|element| element.law.kind.is_elastic()) {
         let Some(curve) = &element.law.curve else { continue };
-        let spring = loads::spring(kinematics, &element.ends, &element.geometry, &element.law, &mut between);
+        let spring = loads::spring(kinematics, &element.ends, &element.law, &mut between);
         reach.measure(kinematics, state, &between.path);
         let stretched = spring.stretch.at(&reach.displacement, &between.turn(state));
         let Response::Curve { offset, .. } = &spring.response else { continue };

@@ -133,17 +133,16 @@ fn drawn_length(stretch: &Stretch<Number>, ends: &[Attachment; 2], geometry: &Ge
 pub fn spring(
     kinematics: &Kinematics,
     ends: &[Attachment; 2],
-    geometry: &Geometry,
     law: &Law,
     between: &mut EndPath<Number>,
 ) -> Spring<Number> {
-    spring_of(between.set_ends(kinematics, ends, geometry), ends, geometry, law)
+    spring_of(between.set_ends(kinematics, ends, &law.geometry), ends, law)
 }
 
 /// The spring with a given stretch between two ends.
-pub fn spring_of(stretch: Stretch<Number>, ends: &[Attachment; 2], geometry: &Geometry, law: &Law) -> Spring<Number> {
+pub fn spring_of(stretch: Stretch<Number>, ends: &[Attachment; 2], law: &Law) -> Spring<Number> {
     let stretched = match &law.rest {
-        SpringRest::FreeLength(free) => &drawn_length(&stretch, ends, geometry) - free,
+        SpringRest::FreeLength(free) => &drawn_length(&stretch, ends, &law.geometry) - free,
         SpringRest::AsDrawn | SpringRest::Preload(_) => Number::ZERO,
     };
     let response = match (&law.curve, &law.rest) {
@@ -204,7 +203,7 @@ pub fn visit(scene: &Scene, kinematics: &Kinematics, loaded_only: bool, mut see:
     let mut between = EndPath::default();
     for element in &scene.elements {
         if element.law.kind.is_elastic() && (!loaded_only || element.law.may_be_loaded()) {
-            let spring = spring(kinematics, &element.ends, &element.geometry, &element.law, &mut between);
+            let spring = spring(kinematics, &element.ends, &element.law, &mut between);
             see(Load::Spring(&spring, &between));
         }
     }

@@ -61,7 +61,7 @@ impl Mechanism {
             if !element.law.kind.is_elastic() {
                 continue;
             }
-            let spring = loads::spring(&self.kinematics, &element.ends, &element.geometry, &element.law, &mut between);
+            let spring = loads::spring(&self.kinematics, &element.ends, &element.law, &mut between);
             reach.measure(&self.kinematics, &self.state, &between.path);
             let stretched = spring.stretch.at(&reach.displacement, &between.turn(&self.state));
             let (tension, change) = (spring.tension(&stretched), stretched.change().clone());
@@ -104,7 +104,7 @@ impl Mechanism {
             }
             Motion::Stretch { element } => {
                 let element = &scene.elements[element.index()];
-                let stretch = between.set_ends(&self.kinematics, &element.ends, &element.geometry);
+                let stretch = between.set_ends(&self.kinematics, &element.ends, &element.law.geometry);
                 reach.measure(&self.kinematics, &self.state, &between.path);
                 stretch.at(&reach.displacement, &between.turn(&self.state)).change().clone()
             }

@@ -19,8 +19,8 @@ use crate::elements::{Acts, Curve, Kind, Negative, Order};
 use crate::syntax::tree::{DeclKind, EndId, Fields, Ident};
 use std::sync::Arc;
 
-/// The ends of an element, its law and its geometry.
-type Acting = ([Attachment; 2], Arc<Law>, Geometry);
+/// The ends of an element and its law.
+type Acting = ([Attachment; 2], Arc<Law>);
 
 /// The coefficient of an element, and the kind of element that its unit implies.
 #[derive(Clone, Debug)]
@@ -53,25 +53,19 @@ impl<'a> Check<'a> {
             self.walk.varies = false;
             if kind.kind().acts == Acts::RoundDisks {
                 match self.belt(kind.kind(), name, ends, fields, environment) {
-                    Ok((ends, law, [geometry, other])) => {
+                    Ok((ends, [law, other])) => {
                         let (name, span) = (self.instances.element_names.at(index), name.span);
-                        second_spans.push(Element {
-                            name,
-                            span,
-                            ends: ends.clone(),
-                            law: law.clone(),
-                            geometry: other,
-                        });
-                        self.scene.elements.push(Element { name, span, ends, law, geometry });
+                        second_spans.push(Element { name, span, ends: ends.clone(), law: other });
+                        self.scene.elements.push(Element { name, span, ends, law });
                     }
                     Err(_) => self.broken_elements = true,
                 }
                 continue;
             }
             match self.element(kind.kind(), name, ends, fields, environment) {
-                Ok((ends, law, geometry)) => {
+                Ok((ends, law)) => {
                     let (name, span) = (self.instances.element_names.at(index), name.span);
-                    self.scene.elements.push(Element { name, span, ends, law, geometry });
+                    self.scene.elements.push(Element { name, span, ends, law });
                 }
                 Err(_) => self.broken_elements = true,
             }
@@ -79,7 +73,7 @@ impl<'a> Check<'a> {
         self.scene.elements.extend(second_spans);
     }
 
-    /// A belt: its disks, the law of each span, and both spans.
+    /// A belt: its disks, and the law of each of its two spans.
     fn belt(
         &mut self,
         kind: &'static Kind,
@@ -87,7 +81,7 @@ impl<'a> Check<'a> {
         ends: EndId,
         fields: Fields,
         environment: Environment,
-    ) -> Evaluated<([Attachment; 2], Arc<Law>, [Geometry; 2])> {
+    ) -> Evaluated<([Attachment; 2], [Arc<Law>; 2])> {
         let given = self.fields(fields, kind.fields, environment);
         let spans = self.spans(ends, &given, environment);
         let Coefficient { value, key, at, .. } = self.coefficient(kind, &given, ident, environment)?;
@@ -96,8 +90,11 @@ impl<'a> Check<'a> {
         if value.is_negative() {
             self.negative_coefficient(kind, key, at, environment)?;
         }
-        let law = Law { kind, coefficient: value, rest, curve: None, loss: None };
-        Ok((pair, self.recent_laws.share(law), geometries))
+        let law = |geometry| {
+            let (coefficient, rest) = (value.clone(), rest.clone());
+            Arc::new(Law { kind, geometry, coefficient, rest, curve: None, loss: None })
+        };
+        Ok((pair, geometries.map(law)))
     }
 
     fn element(
@@ -138,7 +135,7 @@ impl<'a> Check<'a> {
             self.negative_coefficient(kind, key, at, environment)?;
         }
         let loss = loss.map(Box::new);
-        Ok((pair, self.recent_laws.share(Law { kind, coefficient: value, rest, curve, loss }), geometry))
+        Ok((pair, self.recent_laws.share(Law { kind, geometry, coefficient: value, rest, curve, loss })))
     }
 
     /// The loss factor of a spring, if it is not zero; other elements have no such field.

@@ -431,7 +431,7 @@ impl<'a> Check<'a> {
             return Err(Stop::Reported);
         }
         let element = ElementId(index);
-        let torsional = self.scene.elements[element.index()].geometry == Geometry::Torsion;
+        let torsional = self.scene.elements[element.index()].law.geometry == Geometry::Torsion;
         Ok(match (motion, torsional) {
             (ElementMotion::Force, false) => (Motion::Force { element }, Dimension::FORCE),
             (ElementMotion::Force, true) => (Motion::Force { element }, Dimension::TORQUE),

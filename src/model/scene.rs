@@ -280,7 +280,6 @@ pub struct Element {
     pub ends: [Attachment; 2],
     /// Shared by elements that are alike: a scene of a million springs has few different ones.
     pub law: Arc<Law>,
-    pub geometry: Geometry,
 }
 
 /// The constitutive law: force = coefficient times the derivative of the stretch given by its kind, plus, for an elastic
@@ -288,6 +287,8 @@ pub struct Element {
 #[derive(Clone, Debug)]
 pub struct Law {
     pub kind: &'static elements::Kind,
+    /// What its stretch is.
+    pub geometry: Geometry,
     /// In the SI units of its kind, translational or torsional. For a nonlinear damper, the tangent at rest; not used
     /// for a nonlinear spring.
     pub coefficient: Number,

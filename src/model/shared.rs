@@ -1,18 +1,18 @@
 //! One law for elements that are alike, and one matter for bodies. In: what each of them has, in order. Out: the same, shared where
 //! a recent one has an equal one.
 
-use super::scene::{Freedom, Law, Matter};
+use super::scene::{Freedom, Geometry, Law, Matter};
 use crate::base::Number;
 use std::sync::Arc;
 
-/// Items that are remembered, each in the place that its number gives: written-out networks have a few sizes of bodies, springs and
+/// Items that are remembered, each in the place that its numbers give: written-out networks have a few sizes of bodies, springs and
 /// dampers, in any order.
 const REMEMBERED: usize = 64;
 
 /// What many parts of a scene have in common.
 pub trait Shared {
-    /// The number that most likely tells it from others.
-    fn number(&self) -> Option<&Number>;
+    /// The numbers that most likely tell it from others.
+    fn numbers(&self) -> impl Iterator<Item = &Number>;
 
     /// Whether two are certainly the same.
     fn is_like(&self, other: &Self) -> bool;
@@ -35,7 +35,7 @@ impl<T: Shared> Recent<T> {
         if self.recent.is_empty() {
             self.recent.resize(REMEMBERED, None);
         }
-        let recent = &mut self.recent[place(item.number())];
+        let recent = &mut self.recent[place(item.numbers())];
         match recent.as_ref().filter(|known| known.is_like(&item)) {
             Some(known) => known.clone(),
             None => recent.insert(Arc::new(item)).clone(),
@@ -43,23 +43,34 @@ impl<T: Shared> Recent<T> {
     }
 }
 
-/// Where an item with this number is remembered. Fibonacci hashing: the highest bits of a product depend on all bits of the number
+/// Where an item with these numbers is remembered. Fibonacci hashing: the highest bits of a product depend on all bits of the number
 /// (Knuth, The Art of Computer Programming 3, 6.4).
-fn place(number: Option<&Number>) -> usize {
-    let bits = number.and_then(Number::exact).map_or(0, |value| value.to_f64().to_bits());
-    let product = bits.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+fn place<'a>(numbers: impl Iterator<Item = &'a Number>) -> usize {
+    let product = numbers.filter_map(Number::exact).fold(0u64, |product, value| {
+        (product.rotate_left(5) ^ value.to_f64().to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+    });
     (product >> (64 - REMEMBERED.ilog2())) as usize
 }
 
 impl Shared for Law {
-    fn number(&self) -> Option<&Number> {
-        Some(&self.coefficient)
+    fn numbers(&self) -> impl Iterator<Item = &Number> {
+        let along = match &self.geometry {
+            Geometry::Along(direction) => Some([&direction.x, &direction.y]),
+            _ => None,
+        };
+        std::iter::once(&self.coefficient).chain(along.into_iter().flatten())
     }
 
-    /// The same linear law without a loss; others are rare and not compared.
+    /// The same linear law without a loss, along the same line; others are rare and not compared.
     fn is_like(&self, other: &Law) -> bool {
+        let has_same_geometry = match (&self.geometry, &other.geometry) {
+            (Geometry::Line, Geometry::Line) | (Geometry::Torsion, Geometry::Torsion) => true,
+            (Geometry::Along(a), Geometry::Along(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        };
         let is_plain = |law: &Law| law.curve.is_none() && law.loss.is_none();
-        std::ptr::eq(self.kind, other.kind)
+        has_same_geometry
+            && std::ptr::eq(self.kind, other.kind)
             && self.coefficient == other.coefficient
             && self.rest == other.rest
             && is_plain(self)
@@ -68,8 +79,8 @@ impl Shared for Law {
 }
 
 impl Shared for Matter {
-    fn number(&self) -> Option<&Number> {
-        self.mass.as_ref()
+    fn numbers(&self) -> impl Iterator<Item = &Number> {
+        self.mass.iter()
     }
 
     /// The same mass and inertia, without a shape, with one of the usual freedoms; others are not compared.
@@ -99,14 +110,15 @@ mod tests {
     use crate::model::scene::{Body, Element, Shape, SpringRest, Translation};
 
     fn law(kind: &'static crate::elements::Kind, coefficient: i64) -> Law {
-        Law { kind, coefficient: Number::from(coefficient), rest: SpringRest::AsDrawn, curve: None, loss: None }
+        let (geometry, coefficient) = (Geometry::Line, Number::from(coefficient));
+        Law { kind, geometry, coefficient, rest: SpringRest::AsDrawn, curve: None, loss: None }
     }
 
     #[test]
     fn bodies_and_elements_stay_small() {
-        // A scene of a million of each is 152 MB.
+        // A scene of a million of each is 136 MB.
         assert!(std::mem::size_of::<Body>() <= 48);
-        assert!(std::mem::size_of::<Element>() <= 104);
+        assert!(std::mem::size_of::<Element>() <= 88);
     }
 
     #[test]
@@ -124,6 +136,18 @@ mod tests {
         for other in others {
             assert!(!Arc::ptr_eq(&laws.share(other), &again));
         }
+        let along = |line: &Arc<Vec3>| Law { geometry: Geometry::Along(line.clone()), ..law(k, 1) };
+        let (one, same_values) = (Arc::new(Vec3::X), Arc::new(Vec3::X));
+        let others = [along(&same_values), along(&Arc::new(Vec3::Y)), Law { geometry: Geometry::Torsion, ..law(k, 1) }];
+        for other in others {
+            let straight = laws.share(along(&one));
+            assert!(Arc::ptr_eq(&laws.share(along(&one)), &straight));
+            assert!(!Arc::ptr_eq(&laws.share(other), &straight));
+        }
+        // The same coefficient along two lines in turn, as in a net of springs.
+        let other = Arc::new(Vec3::Y);
+        let net = [&one, &other, &one, &other].map(|line| laws.share(along(line)));
+        assert!(Arc::ptr_eq(&net[0], &net[2]) && Arc::ptr_eq(&net[1], &net[3]));
         let again = laws.share(law(k, 1));
         let lossy = Law { loss: Some(Box::new(Number::ONE)), ..law(k, 1) };
         assert!(!Arc::ptr_eq(&laws.share(lossy), &again));

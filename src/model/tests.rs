@@ -114,7 +114,7 @@ fn the_cart_is_resolved() {
     assert_eq!(rod.centre.as_deref(), Some(&Vec3::planar(Number::ZERO, Number::from(-1))));
     assert_eq!(rod.freedom, Freedom::FromJoints);
     assert!(scene.joints[0].kind.turns && scene.joints[0].at.as_ref().is_some_and(Vec3::is_zero));
-    assert_eq!(scene.elements[0].geometry, Geometry::Line);
+    assert_eq!(scene.elements[0].law.geometry, Geometry::Line);
     assert_eq!(scene.gravity, Vec3::planar(Number::ZERO, -&Number::from("9.81")));
     assert_eq!((scene.inputs.len(), scene.outputs.len()), (1, 2));
     assert!(scene.outputs[1].is_angle);
@@ -358,8 +358,8 @@ fn each_repetition_has_its_own_kind_of_spring() {
            spring s[i]: ground -- m[i] { k = k[i] }
          }",
     );
-    assert!(matches!(scene.elements[0].geometry, Geometry::Along(_)));
-    assert_eq!(scene.elements[1].geometry, Geometry::Torsion);
+    assert!(matches!(scene.elements[0].law.geometry, Geometry::Along(_)));
+    assert_eq!(scene.elements[1].law.geometry, Geometry::Torsion);
 }
 
 #[test]
@@ -585,7 +585,7 @@ fn the_geometry_of_an_element_follows_from_its_ends() {
     let geometry = |bodies: &str, line: &str| {
         let checked = check_text(&format!("{bodies}\n{line}"));
         let codes = codes(&checked);
-        checked.scene.map(|scene| scene.scene.elements[0].geometry.clone()).ok_or(codes)
+        checked.scene.map(|scene| scene.scene.elements[0].law.geometry.clone()).ok_or(codes)
     };
     let along = |x: i64, y: i64| Ok(Geometry::Along(Arc::new(Vec3::planar(Number::from(x), Number::from(y)))));
     let x = "body a { mass = 1 kg, moves x }\nbody b { mass = 1 kg, moves x }\nbase f { moves x }\nbase g { moves y }";
@@ -613,7 +613,7 @@ fn joints_pass_lines_and_turning_on() {
     let on_slides = "body a { mass = 1 kg }\nslide g: ground -- a along (0, 1)
         body b { mass = 1 kg }\nslide h: a -- b along (0, 2)\nbody c { mass = 1 kg }\nweld w: b -- c\n";
     let scene = scene(&format!("{on_slides}spring s: a -- c {{ k = 1 N/m }}"));
-    assert!(matches!(&scene.elements[0].geometry, Geometry::Along(line) if !line.y.is_zero() && line.x.is_zero()));
+    assert!(matches!(&scene.elements[0].law.geometry, Geometry::Along(line) if !line.y.is_zero() && line.x.is_zero()));
     let torsional = format!("{on_slides}spring s: a -- c {{ k = 1 N*m/rad }}");
     assert_eq!(codes(&check_text(&torsional)), ["vib::element::no_end_turns"]);
     let on_a_rod = "body r { mass = 1 kg, shape = rod((0, 0), (0, -1 m)) }\npivot p: ground@(0, 0) -- r
@@ -848,7 +848,7 @@ fn renaming_and_reordering_do_not_change_the_scene() {
     let forwards = scene("param m = 2 kg\nbody a { mass = m, moves x }\nspring s: ground -- a { k = 4 N/m }");
     let backwards = scene("spring t: ground -- b { k = 4 N/m }\nbody b { mass = n, moves x }\nparam n = 2 kg");
     assert_eq!(forwards.bodies[0].mass, backwards.bodies[0].mass);
-    assert_eq!(forwards.elements[0].geometry, backwards.elements[0].geometry);
+    assert_eq!(forwards.elements[0].law.geometry, backwards.elements[0].law.geometry);
 }
 
 /// One mistake is one finding, and the name still means something where it is used.

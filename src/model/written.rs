@@ -394,7 +394,7 @@ impl<'c, 'a> Writer<'c, 'a> {
         let DeclKind::Element { kind, ends, fields, .. } = decl.kind else { return None };
         let element = &self.check.scene.elements[self.written.elements.len()];
         let parts = [0, 1].map(|end| element.ends[end].part);
-        let is_twisted = element.geometry == Geometry::Torsion;
+        let is_twisted = element.law.geometry == Geometry::Torsion;
         let is_law = element.law.curve.is_some();
         let mut ids = [ends, EndId(ends.0 + 1)];
         if is_twisted && self.check.reverses(environment).ok()? {

@@ -161,7 +161,7 @@ fn lists_of_words_are_those_of_the_table() {
 #[test]
 fn no_other_file_has_the_words_of_elements_and_joints() {
     let known = [
-        ("lower/kinematics/numbering.rs", "slide"),
+        ("lower/kinematics.rs", "slide"),
         ("equations/motion.rs", "slide"),
         ("backend/equations/assumptions.rs", "slide"),
         ("answers/report/rest.rs", "spring"),

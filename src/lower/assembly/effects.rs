@@ -4,10 +4,10 @@
 use super::{Assembly, Row};
 use crate::base::Number;
 use crate::lower::error::LowerError;
-use crate::lower::kinematics::FreeCoordinate;
+use crate::lower::kinematics::Index;
 use crate::lower::loads;
 use crate::model::scene::{Damping, Element};
-use crate::system::{CoordinateKind, Form};
+use crate::system::Form;
 
 /// A spring, damper or input that has no effect on anything that moves: its index in the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,19 +62,19 @@ impl Assembly<'_> {
     /// found by the analyses.
     pub(super) fn every_freedom_is_determined(&self) -> Result<(), Vec<LowerError>> {
         let felt = self.touched_coordinates(3);
-        let idle = |place: usize| self.idle_error(&self.kinematics.free[self.reduction.at(place) as usize]);
+        let idle = |place: usize| self.idle_error(self.reduction.at(place));
         let idle: Vec<LowerError> = (0..felt.len()).filter(|place| !felt[*place]).map(idle).collect();
         if idle.is_empty() { Ok(()) } else { Err(idle) }
     }
 
-    fn idle_error(&self, freely: &FreeCoordinate) -> LowerError {
-        let body = &self.scene.bodies[freely.body.index()];
+    fn idle_error(&self, coordinate: Index) -> LowerError {
+        let body = &self.scene.bodies[self.kinematics.free[coordinate as usize].index()];
         let name = self.words.display(body.name);
         LowerError::NoInertia {
-            coordinate: format!("{name}.{}", freely.motion),
+            coordinate: format!("{name}.{}", self.kinematics.motion(self.scene, coordinate)),
             body: name,
             span: body.span,
-            turns: freely.kind == CoordinateKind::Rotation,
+            turns: self.kinematics.is_angle(coordinate),
         }
     }
 
@@ -96,7 +96,7 @@ impl Assembly<'_> {
 
 /// Marks the coordinates that the terms of a form contain.
 fn mark(form: &Form, touched: &mut [bool]) {
-    for (i, _) in form.terms().flat_map(|term| form.row(term)) {
+    for i in form.coordinates() {
         touched[i.index()] = true;
     }
 }

@@ -57,7 +57,7 @@ impl Assembly<'_> {
     /// Adds k loss (grad e)(grad e)^T, as of a damper.
     fn loss(&mut self, number: usize, element: &Element) {
         let Some(loss) = &element.law.loss else { return };
-        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.geometry);
+        let stretch = self.between.set_ends(self.kinematics, &element.ends, &element.law.geometry);
         let stretched = self.measure_stretch(&stretch);
         let source = self.c.source(Source { name: element.name, origin: Origin::Element(number as u32) });
         let weight = &element.law.coefficient * loss;

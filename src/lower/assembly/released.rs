@@ -157,7 +157,7 @@ impl Assembly<'_> {
                 let mut slopes = survey::all_forces(scene, kinematics, state, held.is_some() || state.is_drawn());
                 for (number, element) in scene.elements.iter().enumerate() {
                     let Some(rate) = held.and_then(|held| held.rate(number)) else { continue };
-                    let stretch = self.between.set_ends(kinematics, &element.ends, &element.geometry);
+                    let stretch = self.between.set_ends(kinematics, &element.ends, &element.law.geometry);
                     let stretched = self.measure_stretch(&stretch);
                     loads::slope(&stretched, &self.reach, &self.between, &mut self.row);
                     for (coordinate, entry) in self.row.drain(..) {

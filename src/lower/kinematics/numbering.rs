@@ -1,10 +1,9 @@
 //! The order of the coordinates of a scene. See docs/method/kinematics.md.
 
-use super::{Carriage, FreeCoordinate, Group, Index, Kinematics, NO_TURN, Slide};
+use super::{Carriage, Group, Index, Kinematics, NO_TURN, Slide};
 use crate::base::{Number, Vec3};
 use crate::lower::tree::{Owner, PieceId, Tree};
 use crate::model::scene::{BodyId, Freedom, Input, InputKind, Scene};
-use crate::system::CoordinateKind;
 
 /// Assigns the order of the coordinates: that of the declarations of the bodies, and x, y, along, slide, angle within a
 /// body; then the motions of the bases, in the order of the inputs.
@@ -63,14 +62,14 @@ impl<'a> Numbering<'a> {
         let Some(joint) = self.kinematics.tree.pieces[piece as usize].joint else {
             if let Freedom::OnGround { translations, .. } = &self.scene.bodies[body.index()].freedom {
                 for translation in translations.iter() {
-                    let coordinate = self.free(body, translation.motion, CoordinateKind::Translation);
+                    let coordinate = self.free(body);
                     self.slide(piece, coordinate, &translation.direction);
                 }
             }
             return self.free_turn(piece, body);
         };
         if let Some(along) = &self.scene.joints[joint.index()].along {
-            let coordinate = self.free(body, "slide", CoordinateKind::Translation);
+            let coordinate = self.free(body);
             self.slide(piece, coordinate, along);
         }
         self.free_turn(piece, body);
@@ -78,13 +77,13 @@ impl<'a> Numbering<'a> {
 
     fn free_turn(&mut self, piece: PieceId, body: BodyId) {
         if self.kinematics.tree.pieces[piece as usize].turns {
-            let coordinate = self.free(body, "angle", CoordinateKind::Rotation);
+            let coordinate = self.free(body);
             self.turn(piece, coordinate);
         }
     }
 
-    fn free(&mut self, body: BodyId, motion: &'static str, kind: CoordinateKind) -> Index {
-        self.kinematics.free.push(FreeCoordinate { body, motion, kind });
+    fn free(&mut self, body: BodyId) -> Index {
+        self.kinematics.free.push(body);
         (self.kinematics.free.len() - 1) as Index
     }
 

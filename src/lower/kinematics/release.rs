@@ -435,7 +435,7 @@ impl<'a> Builder<'a> {
         let lost_body = (0..).map(BodyId).zip(&scene.bodies).find(|(id, body)| {
             body.centre.is_none() && body.mass.as_ref().is_some_and(|mass| !mass.is_zero()) && turns(Part::Body(*id))
         });
-        let elements = scene.elements.iter().filter(|element| element.geometry != Geometry::Torsion);
+        let elements = scene.elements.iter().filter(|element| element.law.geometry != Geometry::Torsion);
         let is_torque = |input: &&Input| matches!(input.kind, InputKind::Torque { .. });
         let inputs = scene.inputs.iter().filter(|input| !is_torque(input)).flat_map(|input| input.kind.ends());
         let mut ends = elements.flat_map(|element| &element.ends).chain(inputs);

@@ -202,14 +202,17 @@ impl<'a> Balance<'a> {
             self.residual = self.residual.max(left);
             return;
         }
-        let freely = &self.kinematics.free[coordinate as usize];
-        let body = &self.scene.bodies[freely.body.index()];
+        let body = &self.scene.bodies[self.kinematics.free[coordinate as usize].index()];
         let measured = match self.kinematics.length_squared(coordinate) {
             Some(length_squared) => force.over(&length_squared.root()),
             None => force.clone(),
         };
         self.left.push(Unbalanced {
-            coordinate: format!("{}.{}", self.scene.words.display(body.name), freely.motion),
+            coordinate: format!(
+                "{}.{}",
+                self.scene.words.display(body.name),
+                self.kinematics.motion(self.scene, coordinate)
+            ),
             span: body.span,
             force: measured.to_f64(),
             turns: self.kinematics.is_angle(coordinate),
@@ -303,7 +306,7 @@ impl<'a> Balance<'a> {
             let tension = if rate.is_zero() { Number::ZERO } else { &rate * &column.length_squared.root() };
             let spring = Label { name: element.name, motion: "" };
             let id = ElementId(column.element as u32);
-            tensions.push(Tension { element: id, spring, tension, turns: element.geometry == Geometry::Torsion });
+            tensions.push(Tension { element: id, spring, tension, turns: element.law.geometry == Geometry::Torsion });
             rates[column.element] = Some(rate);
         }
         let proven = Proven::and(self.proven, Proven::prove_balance(&self.unsettled));
@@ -323,7 +326,7 @@ fn columns(scene: &Scene, kinematics: &Kinematics, reduction: &Reduction, state:
         if !declared.law.kind.is_elastic() || gives_tension(&declared.law) {
             continue;
         }
-        let spring = loads::spring(kinematics, &declared.ends, &declared.geometry, &declared.law, &mut between);
+        let spring = loads::spring(kinematics, &declared.ends, &declared.law, &mut between);
         reach.measure(kinematics, state, &between.path);
         let stretched = spring.stretch.at(&reach.displacement, &between.turn(state));
         let length_squared = loads::slope(&stretched, &reach, &between, &mut row);

@@ -34,7 +34,7 @@ use crate::base::number::jet;
 use crate::base::{Ball, Number, OrderBy};
 use crate::elements::Scalar;
 use crate::model::scene::{Attachment, BodyId, ElementId, Part as ScenePart, Scene};
-use crate::system::{Coordinate, CoordinateKind, Label, LinearSystem};
+use crate::system::{Coordinate, Label, LinearSystem};
 pub use drawn::Held;
 use enclosure::{MAX_DENSE, Refined};
 use newton::{Descent, DescentResult};
@@ -447,13 +447,12 @@ fn falls_error(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)]) ->
 
 fn unbalanced_error(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)], reason: NoRestReason) -> LowerError {
     let named = |(coordinate, force): &(Index, f64)| {
-        let freely = &kinematics.free[*coordinate as usize];
-        let body = &scene.bodies[freely.body.index()];
+        let body = &scene.bodies[kinematics.free[*coordinate as usize].index()];
         Unbalanced {
-            coordinate: format!("{}.{}", scene.words.display(body.name), freely.motion),
+            coordinate: format!("{}.{}", scene.words.display(body.name), kinematics.motion(scene, *coordinate)),
             span: body.span,
             force: *force,
-            turns: freely.kind == CoordinateKind::Rotation,
+            turns: kinematics.is_angle(*coordinate),
         }
     };
     let laws = laws_on(scene, kinematics, left);
@@ -462,7 +461,7 @@ fn unbalanced_error(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)
 
 /// The springs with laws on the bodies of some coordinates; none if another spring acts on one of these, too.
 fn laws_on(scene: &Scene, kinematics: &Kinematics, left: &[(Index, f64)]) -> Vec<String> {
-    let bodies: Vec<BodyId> = left.iter().map(|(coordinate, _)| kinematics.free[*coordinate as usize].body).collect();
+    let bodies: Vec<BodyId> = left.iter().map(|(coordinate, _)| kinematics.free[*coordinate as usize]).collect();
     let is_on = |attachment: &Attachment| matches!(attachment.part, ScenePart::Body(body) if bodies.contains(&body));
     let springs =
         scene.elements.iter().filter(|element| element.law.kind.is_elastic() && element.ends.iter().any(is_on));

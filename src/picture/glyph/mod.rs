@@ -194,8 +194,8 @@ impl<'a> Sheet<'a> {
         let element = &self.scene.elements[index];
         let link = &self.layout.links[index];
         let of = Subject { title: values::element_title(self.says, element), span: Some(element.span) };
-        let turns = element.geometry == Geometry::Torsion;
-        if let Geometry::Span(span) = &element.geometry {
+        let turns = element.law.geometry == Geometry::Torsion;
+        if let Geometry::Span(span) = &element.law.geometry {
             return self.belt(stage, index, span, of);
         }
         let [a, b] = [&link.feet[0], &link.feet[1]]
@@ -358,7 +358,7 @@ impl<'a> Sheet<'a> {
 
 /// The kind of glyph that represents an element.
 fn kind(element: &Element) -> Kind {
-    match (element.law.kind.order, &element.geometry) {
+    match (element.law.kind.order, &element.law.geometry) {
         (_, Geometry::Span(_)) => Kind::Belt,
         (Order::Displacement, Geometry::Torsion) => Kind::TorsionSpring,
         (Order::Displacement, Geometry::Line | Geometry::Along(_)) => Kind::Spring,

@@ -43,7 +43,7 @@ fn width(label: &str) -> f64 {
 
 /// The coefficient with its unit, such as `k = 10 N/m`; `None` for an element with a law.
 fn value(says: &Says, element: &Element) -> Option<String> {
-    let turns = element.geometry == Geometry::Torsion;
+    let turns = element.law.geometry == Geometry::Torsion;
     let Law { kind, coefficient, curve, .. } = &*element.law;
     let (letter, unit) = (kind.coefficient().name, kind.unit(turns));
     curve.is_none().then(|| format!("{letter} = {} {unit}", (says.request.digits)(coefficient)))

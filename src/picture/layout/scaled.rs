@@ -78,7 +78,7 @@ fn scale(scene: &Scene, parts: &Parts, known: &[Vec<[f64; 2]>], detail: Detail) 
         let distance = Point::new(a.x.to_f64() - b.x.to_f64(), a.y.to_f64() - b.y.to_f64()).length();
         (distance > 0.0).then(|| room / distance)
     };
-    for element in scene.elements.iter().filter(|element| element.geometry != Geometry::Torsion) {
+    for element in scene.elements.iter().filter(|element| element.law.geometry != Geometry::Torsion) {
         let ends = element.ends.iter().map(|end| half_of_end(scene, parts, end)).sum::<f64>();
         if let Some(needed) = length(&element.ends, REACH * 0.9 + ends) {
             wanted = wanted.max(needed);
@@ -382,7 +382,7 @@ impl Drawing<'_> {
 
     /// The direction of an element that has one, on the page.
     fn direction(&self, element: &Element) -> Option<Point> {
-        match &element.geometry {
+        match &element.law.geometry {
             Geometry::Along(direction) => Some(page(straight(direction))),
             Geometry::Line | Geometry::Torsion | Geometry::Span(_) => None,
         }
@@ -413,10 +413,10 @@ impl Drawing<'_> {
 
     fn tie(&self, element: &Element, pivots: &BTreeMap<[usize; 2], Point>) -> Tie {
         let parts = [0, 1].map(|end| self.parts.number(element.ends[end].part));
-        let side = if element.geometry == Geometry::Torsion { TWISTED } else { SIDE };
+        let side = if element.law.geometry == Geometry::Torsion { TWISTED } else { SIDE };
         let own = |end: usize| (parts[end] != GROUND).then(|| self.placed[parts[end]].at);
         let at = [0, 1].map(|end| self.map_end(&element.ends[end]).or_else(|| own(end)));
-        if element.geometry == Geometry::Torsion
+        if element.law.geometry == Geometry::Torsion
             && let Some(pivot) = pivots.get(&[parts[0].min(parts[1]), parts[0].max(parts[1])])
         {
             return Tie { parts, at: [*pivot; 2], round: true, side };
@@ -424,7 +424,9 @@ impl Drawing<'_> {
         match at {
             [Some(a), Some(b)] if a.distance(b) > 2.0 => Tie { parts, at: [a, b], round: false, side },
             // Two places that are one: a glyph round it, or one beside it along the direction of the element.
-            [Some(a), Some(_)] if element.geometry == Geometry::Torsion => Tie { parts, at: [a, a], round: true, side },
+            [Some(a), Some(_)] if element.law.geometry == Geometry::Torsion => {
+                Tie { parts, at: [a, a], round: true, side }
+            }
             [Some(a), Some(_)] => Tie { parts, at: [self.stub(element, parts[1], a), a], round: false, side },
             [None, Some(b)] => Tie { parts, at: [self.stub(element, parts[1], b), b], round: false, side },
             [Some(a), None] => Tie { parts, at: [a, self.stub(element, parts[0], a)], round: false, side },

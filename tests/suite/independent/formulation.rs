@@ -436,7 +436,7 @@ impl<'a> Formulation<'a> {
     /// The stretch of an element from the drawing.
     fn stretch(&self, element: &Element) -> Quantity<'a> {
         let [a, b] = [self.end(&element.ends[0]), self.end(&element.ends[1])];
-        match &element.geometry {
+        match &element.law.geometry {
             // By the lengths of the tangent and of what lies on the disks, the angle of the span's normal between them.
             Geometry::Span(span) => {
                 let (gap, turns) = (dd(&span.gap), span.turns.each_ref().map(dd));
@@ -467,7 +467,7 @@ impl<'a> Formulation<'a> {
     /// The length (or angle) as drawn, with which a `free_length` is compared.
     fn drawn_length(&self, element: &Element) -> Dd {
         let [a, b] = [self.end(&element.ends[0]), self.end(&element.ends[1])];
-        match &element.geometry {
+        match &element.law.geometry {
             // A belt has no free length.
             Geometry::Span(_) | Geometry::Torsion => Dd::ZERO,
             Geometry::Line => length(minus(b.drawn, a.drawn)),

@@ -36,7 +36,7 @@ pub struct Strand {
 impl Bundle {
     /// Between the axes of two strands, px.
     pub fn side(&self, scene: &Scene) -> f64 {
-        let turns = |element: &usize| scene.elements[*element].geometry == Geometry::Torsion;
+        let turns = |element: &usize| scene.elements[*element].law.geometry == Geometry::Torsion;
         if self.strands.iter().flat_map(|strand| &strand.elements).any(turns) { TWISTED } else { SIDE }
     }
 
