@@ -54,7 +54,7 @@ fn balls(list: &[f64]) -> Vec<Ball> {
 }
 
 /// Whether a ball holds a number that is known to double-double, and how much of its radius that needs.
-fn needed(found: Ball, truth: Dd, facts: &str) -> f64 {
+fn part_of_bound(found: Ball, truth: Dd, facts: &str) -> f64 {
     let off = (found.mid - truth).abs().to_f64();
     assert!(off <= found.rad * (1.0 + 1e-13) + 1e-29 * truth.hi.abs(), "{facts}: {off:e} {found:?}");
     off / found.rad
@@ -67,7 +67,7 @@ fn check(given: &Given, x: Dd, product: Dd, facts: &str) -> [f64; 2] {
         true => (given.s.im, -product / (of(2.0) * root), given.products[0].im),
         false => (given.s.re, product / (of(2.0) * root), given.products[0].re),
     };
-    [needed(Ball::new(place, given.loose), root, facts), needed(found, residue, facts)]
+    [part_of_bound(Ball::new(place, given.loose), root, facts), part_of_bound(found, residue, facts)]
 }
 
 /// m x'' + k x: a mode alone, whose m, k, input and output lie at the ends of what is known of them, held and unstable.
@@ -274,7 +274,7 @@ fn rigid_motions_in_closed_form_are_within_what_is_known_of_a_basis() {
                     let seen = [sizes(&pair.residues[0])];
                     let (free, norms) = sum.all_free(&pair, &seen, &reach, mu).expect("apart");
                     let facts = format!("{} {p:?} {b:?}", case.facts);
-                    let needed = needed(free[0], between(&case.z, &case.m, &p, &b), &facts);
+                    let needed = part_of_bound(free[0], between(&case.z, &case.m, &p, &b), &facts);
                     if unsure == 0.0 && needed.is_finite() {
                         most[1] = most[1].max(needed);
                     }
@@ -336,7 +336,7 @@ fn products_of_damped_modes_are_those_without_the_rigid_motions() {
                             true => (given.products[0].im, -(of_p * of_b) / apart),
                             false => (given.products[0].re, -(of_p * of_b) / apart),
                         };
-                        let used = needed(found, truth, &facts);
+                        let used = part_of_bound(found, truth, &facts);
                         if used.is_finite() {
                             most[0] = most[0].max(used);
                         }
