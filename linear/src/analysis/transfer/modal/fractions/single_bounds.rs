@@ -227,7 +227,7 @@ fn free_systems() -> Vec<Free> {
 }
 
 /// Inputs and outputs that see one mode, or several with either sign.
-fn seen(n: usize) -> Vec<Vec<f64>> {
+fn weights_of(n: usize) -> Vec<Vec<f64>> {
     let mut list: Vec<Vec<f64>> =
         (0..n).map(|own| (0..n).map(|i| if i == own { 1.0 } else { 0.0 }).collect()).collect();
     list.extend([1.0, -1.0].map(|side| (0..n).map(|i| if i == 0 { 0.5 } else { side }).collect::<Vec<f64>>()));
@@ -260,8 +260,8 @@ fn rigid_motions_in_closed_form_are_within_what_is_known_of_a_basis() {
                 most[0] = most[0].max(truth / along);
             }
         }
-        for p in seen(n) {
-            for b in seen(n) {
+        for p in weights_of(n) {
+            for b in weights_of(n) {
                 for (unsure, (p_scale, b_scale)) in
                     [(0.0, SCALES[0]), (1e-3, SCALES[0]), (0.0, SCALES[1]), (0.0, SCALES[2]), (0.0, SCALES[3])]
                 {
@@ -311,8 +311,8 @@ fn products_of_damped_modes_are_those_without_the_rigid_motions() {
             // The same, with what the rigid motions add to epsilon.
             let alone = modal(&case.k, &c, [&unit(n), &diagonal(&case.k)], rigid);
             let alone = ModalSum { epsilon: epsilon + most_along * most_along, ..alone };
-            for (i, p) in seen(n).into_iter().enumerate() {
-                for (j, b) in seen(n).into_iter().enumerate() {
+            for (i, p) in weights_of(n).into_iter().enumerate() {
+                for (j, b) in weights_of(n).into_iter().enumerate() {
                     // In turn: all of them for each pair would take two seconds.
                     let (p_scale, b_scale) = SCALES[(number + i + j) % SCALES.len()];
                     let (p, b) = (times(p_scale, &p), times(b_scale, &b));
