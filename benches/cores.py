@@ -2,7 +2,7 @@
 
     cargo build --release && python3 benches/cores.py [PROGRAM]
 
-Runs take turns; each time is the least of five, the run in which others had the least part. The last column is what the machine gives: how
+Runs take turns; each time is the least of three, the run in which others had the least part. The last column is what the machine gives: how
 many times the work of one program two of them do at once, each on a core of its own. Other bytes end the program with status 1.
 """
 

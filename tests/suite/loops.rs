@@ -294,6 +294,61 @@ fn a_third_bar_is_redundant() {
     assert_eq!(three.remarks.iter().map(|d| d.code.to_string()).collect::<Vec<_>>(), ["vib::loop::redundant"]);
 }
 
+/// Two arms that turn alike see their crossing under one angle (Euclid, Elements III.21 and 31): it stays on the circle through
+/// both pivots, here one of diameter. A massless link from its centre, or a third arm that turns with them, changes nothing; the
+/// curvatures of slots and links cancel along two motions as well.
+#[test]
+fn what_a_circle_already_says_is_redundant() {
+    let scene = |turn: &str, both: &str, more: &str| {
+        // In the turned frame: `P(x y)` is a place, `D(x y)` a direction.
+        let mut text = format!(
+            "let c = cos({turn}) * 1 m\nlet s = sin({turn}) * 1 m
+            body one {{ mass = 1 kg, shape = rod(P(0 0), P(0 2)) }}
+            body two {{ mass = 2 kg, shape = rod(P(1 1), P(-1 1)) }}
+            body first {{ mass = 0.5 kg, inertia = 0.01 kg*m^2, at = P(0 1) }}
+            body second {{ mass = 0.25 kg, inertia = 0.01 kg*m^2, at = P(0 1) }}
+            pivot a: ground@P(0 0) -- one\npivot b: ground@P(1 1) -- two
+            slide in_one: one -- first along P(0 1)\nslide in_two: two -- second along P(1 0)
+            pivot pin: first@P(0 1) -- second
+            spring k: ground@P(-3 0) -- one@P(0 2) {{ k = 100 N/m }}
+            {both}\n{more}\n"
+        );
+        while let Some(at) = text.find("P(") {
+            let end = at + text[at..].find(')').expect("closed");
+            let (x, y) = text[at + 2..end].split_once(' ').expect("two numbers");
+            text.replace_range(at..=end, &format!("(({x}) * c - ({y}) * s, ({x}) * s + ({y}) * c)"));
+        }
+        text
+    };
+    let link = "body link { mass = 0 kg, shape = rod(P(0.5 0.5), P(0 1)) }
+        pivot e: ground@P(0.5 0.5) -- link\npivot f: first@P(0 1) -- link";
+    let arm = "body three { mass = 0 kg, shape = rod(P(1 0), P(-1 2)) }\nbody third { mass = 0 kg, inertia = 0 kg*m^2, at = P(0 1) }
+        pivot g: ground@P(1 0) -- three\nslide in_three: three -- third along P(-1 1)
+        pivot also: second@P(0 1) -- third\ncouple all: three.angle = one.angle";
+    let alike = "couple alike: two.angle = one.angle";
+    // Both weights are small, so that the arm's angle is what follows from the other two.
+    let differential = "body p { inertia = 1 kg*m^2, turns }\nbody q { inertia = 2 kg*m^2, turns }
+        couple first_arm: one.angle = p.angle / 5 + q.angle / 4\ncouple second_arm: two.angle = p.angle / 5 + q.angle / 4
+        spring held: ground -- q { k = 10 N*m/rad }";
+    // As drawn all numbers are exact; turned, their sums are zero within balls.
+    for turn in ["0", "31 deg"] {
+        for both in [alike, differential] {
+            let plain = by_both_formulations(&scene(turn, both, ""));
+            assert_eq!(plain.remarks.len(), 0);
+            for more in [link, arm] {
+                let with = by_both_formulations(&scene(turn, both, more));
+                let codes: Vec<String> = with.remarks.iter().map(|remark| remark.code.to_string()).collect();
+                assert_eq!(codes, ["vib::loop::redundant"], "{turn}, {both}, {more}");
+                let (with, plain) = (with.omegas(), plain.omegas());
+                assert_eq!(with.len(), plain.len());
+                for (with, plain) in with.iter().zip(&plain) {
+                    assert!((with / plain - 1.0).abs() < 1e-14, "{turn}, {both}, {more}: {with} {plain}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn immobile_and_branching_mechanisms_are_refused() {
     let three_bars = |last: &str| {
@@ -311,6 +366,8 @@ fn immobile_and_branching_mechanisms_are_refused() {
     // A shorter bar, and one to the side: both lock.
     assert_eq!(refusal(&three_bars("(2 m, -0.3 m)")), ["vib::loop::conflict"]);
     assert_eq!(refusal(&three_bars("(2.5 m, 0)")), ["vib::loop::conflict"]);
+    // However little longer a bar is: the drawing is rational, so nothing is taken for zero.
+    assert_eq!(refusal(&three_bars("(2 m, 1e-20 m)")), ["vib::loop::conflict"]);
     let gears = "body a { inertia = 1 kg*m^2, turns }\nbody b { inertia = 1 kg*m^2, turns }
         body m { mass = 1 kg, moves x }\nspring s: ground -- m { k = 1 N/m }
         couple one: a.angle = 2 * b.angle\ncouple two: a.angle = 3 * b.angle";
