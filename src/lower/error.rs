@@ -1,6 +1,6 @@
 //! Errors that lowering finds in a scene: facts, and the diagnostics for them.
 
-use super::constraints::Why;
+use super::constraints::{Elsewhere, Why};
 use super::kinematics::Unreleased;
 use super::reactions::Open;
 use crate::base::{Code, Diagnostic, Span};
@@ -264,7 +264,7 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
     let names: Vec<String> = joints.iter().map(|(name, _)| name.clone()).collect();
     let (code, hold) = match why {
         Why::InLine | Why::Branching | Why::Unclear => (RANK_DROP, "part of the loop"),
-        Why::Locked | Why::Opposed | Why::Open | Why::Driven => (CONFLICT, "together with this one"),
+        Why::Locked | Why::AsDrawn | Why::Opposed | Why::Open | Why::Driven => (CONFLICT, "together with this one"),
     };
     let alone = names.len() == 1;
     let names = enumeration(&names);
@@ -284,6 +284,9 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
             format!("the known digits do not decide whether {names} depend on each other")
         }
         Why::Locked => format!("{names} lock each other: the parts they connect cannot move"),
+        Why::AsDrawn => {
+            format!("{names} fit each other only as drawn: they lock each other where the parts move further")
+        }
         Why::Opposed => format!("{names} contradict each other: only zero motion satisfies them"),
         Why::Open => format!("{names} cannot all be closed where the bases are held"),
         Why::Driven => format!("{names} hold a base whose motion is prescribed"),
@@ -293,6 +296,9 @@ fn closed_loop(joints: &[(String, Span)], why: Why) -> Diagnostic {
         Why::Unclear => "draw it in another position, or leave one of them out",
         Why::Locked if alone => "remove it, or use a joint that allows more motion",
         Why::Locked => "leave one of them out, or draw the links so that they fit each other as they move",
+        Why::AsDrawn => {
+            "for small motions about this position leave one of them out; or draw the links so that they fit each other as they move"
+        }
         Why::Opposed => "leave one of them out, or correct its ratio",
         Why::Open => "hold the bases nearer to where they are drawn",
         Why::Driven => "remove the joint, or give the parts between the base and the ground one more degree of freedom",
@@ -350,8 +356,8 @@ fn reaction_error(name: &str, holder: Span, span: Span, why: &Open) -> Diagnosti
     }
 }
 
-/// The note on a redundant joint or coupling, which comes first in the list.
-pub fn redundant(joints: &[(String, Span)]) -> Diagnostic {
+/// The note on a redundant joint or coupling, which comes first in the list, with what other positions say about it.
+pub fn redundant(joints: &[(String, Span)], said: Elsewhere) -> Diagnostic {
     let others: Vec<String> = joints[1..].iter().map(|(name, _)| name.clone()).collect();
     let (name, span) = &joints[0];
     let message = match others.as_slice() {
@@ -362,7 +368,14 @@ pub fn redundant(joints: &[(String, Span)]) -> Diagnostic {
     for (_, span) in joints[1..].iter().take(SHOWN) {
         diagnostic = diagnostic.with_related(*span, "with this one");
     }
-    diagnostic.help("nothing is lost: motions and frequencies are the same without it; the forces in these joints are not determined")
+    let (lost, seen) = match said {
+        Elsewhere::Same => ("nothing is lost: motions and frequencies", ""),
+        Elsewhere::Holds => ("nothing is lost: motions and frequencies", ", as two other positions show"),
+        Elsewhere::Broken | Elsewhere::Unknown => {
+            ("small motions and frequencies", "; no other position of these loops was found in which to compare them")
+        }
+    };
+    diagnostic.help(format!("{lost} are the same without it{seen}; the forces in these joints are not determined"))
 }
 
 /// The warning about a rest that could not be proven: the coordinate that moved farthest to it, if any moved, and the

@@ -291,7 +291,7 @@ fn a_third_bar_is_redundant() {
     };
     let (two, three) = (by_both_formulations(&linkage(2)), by_both_formulations(&linkage(3)));
     assert_eq!((two.omegas(), two.remarks.len()), (three.omegas(), 0));
-    assert_eq!(three.remarks.iter().map(|d| d.code.to_string()).collect::<Vec<_>>(), ["vib::loop::redundant"]);
+    assert_is_seen_redundant(&three);
 }
 
 /// Two arms that turn alike see their crossing under one angle (Euclid, Elements III.21 and 31): it stays on the circle through
@@ -300,8 +300,7 @@ fn a_third_bar_is_redundant() {
 #[test]
 fn what_a_circle_already_says_is_redundant() {
     let scene = |turn: &str, both: &str, more: &str| {
-        // In the turned frame: `P(x y)` is a place, `D(x y)` a direction.
-        let mut text = format!(
+        let text = format!(
             "let c = cos({turn}) * 1 m\nlet s = sin({turn}) * 1 m
             body one {{ mass = 1 kg, shape = rod(P(0 0), P(0 2)) }}
             body two {{ mass = 2 kg, shape = rod(P(1 1), P(-1 1)) }}
@@ -313,12 +312,7 @@ fn what_a_circle_already_says_is_redundant() {
             spring k: ground@P(-3 0) -- one@P(0 2) {{ k = 100 N/m }}
             {both}\n{more}\n"
         );
-        while let Some(at) = text.find("P(") {
-            let end = at + text[at..].find(')').expect("closed");
-            let (x, y) = text[at + 2..end].split_once(' ').expect("two numbers");
-            text.replace_range(at..=end, &format!("(({x}) * c - ({y}) * s, ({x}) * s + ({y}) * c)"));
-        }
-        text
+        in_turned_frame(text)
     };
     let link = "body link { mass = 0 kg, shape = rod(P(0.5 0.5), P(0 1)) }
         pivot e: ground@P(0.5 0.5) -- link\npivot f: first@P(0 1) -- link";
@@ -337,8 +331,7 @@ fn what_a_circle_already_says_is_redundant() {
             assert_eq!(plain.remarks.len(), 0);
             for more in [link, arm] {
                 let with = by_both_formulations(&scene(turn, both, more));
-                let codes: Vec<String> = with.remarks.iter().map(|remark| remark.code.to_string()).collect();
-                assert_eq!(codes, ["vib::loop::redundant"], "{turn}, {both}, {more}");
+                assert_is_seen_redundant(&with);
                 let (with, plain) = (with.omegas(), plain.omegas());
                 assert_eq!(with.len(), plain.len());
                 for (with, plain) in with.iter().zip(&plain) {
@@ -347,6 +340,75 @@ fn what_a_circle_already_says_is_redundant() {
             }
         }
     }
+}
+
+/// A link from each of two pivots to the ends of a coupler: its middle draws nearly a straight line (J. Watt, 1784), with tangent
+/// and curvature where it is drawn, but not further. Peaucellier's linkage (1864) draws one exactly, by inversion: P is on the
+/// ray through the other two corners of a rhombus, and the product of their distances from the pivot is constant. So a guide along
+/// the line locks the first and adds nothing to the second.
+#[test]
+fn a_guide_along_the_line_of_a_linkage_is_redundant_if_the_line_is_straight() {
+    let watt = |arm: &str, guide: &str| {
+        format!(
+            "body left {{ mass = 1 kg, shape = rod((-{arm}, 0.5 m), (0, 0.5 m)) }}
+            body right {{ mass = 1 kg, shape = rod(({arm}, -0.5 m), (0, -0.5 m)) }}
+            body link {{ mass = 1 kg, shape = rod((0, 0.5 m), (0, -0.5 m)) }}
+            pivot a: ground@(-{arm}, 0.5 m) -- left\npivot b: ground@({arm}, -0.5 m) -- right
+            pivot c: left@(0, 0.5 m) -- link\npivot d: right@(0, -0.5 m) -- link
+            spring k: ground@(-2 m, 3 m) -- left@(-1 m, 0.5 m) {{ k = 100 N/m }}\n{guide}"
+        )
+    };
+    let guide = "body slug { mass = 1 kg, at = (0, 0), moves y }\npivot e: slug@(0, 0) -- link";
+    for arm in ["2 m", "20 m", "0.6 m"] {
+        assert_eq!(refusal(&watt(arm, guide)), ["vib::loop::conflict"], "{arm}");
+        assert_eq!(ask(&watt(arm, "")).omegas().len(), 1);
+    }
+    // Arms of sqrt(13) m from O, a rhombus with sides of sqrt(5) m: the product of the distances of N and F is 13 - 5 = 2 times 4
+    // m^2. The crank carries N on a circle through O.
+    let peaucellier = |turn: &str, guide: &str| {
+        let text = format!(
+            "let c = cos({turn}) * 1 m\nlet s = sin({turn}) * 1 m\npoint O = P(0 0)\npoint N = P(2 0)\npoint F = P(4 0)
+            point U = P(3 2)\npoint L = P(3 -2)\npoint C = P(1 0)
+            body up {{ mass = 1 kg, shape = rod(O, U) }}\nbody low {{ mass = 1 kg, shape = rod(O, L) }}
+            body crank {{ mass = 1 kg, shape = rod(C, N) }}
+            body one {{ mass = 1 kg, shape = rod(N, U) }}\nbody two {{ mass = 1 kg, shape = rod(N, L) }}
+            body three {{ mass = 1 kg, shape = rod(F, U) }}\nbody four {{ mass = 1 kg, shape = rod(F, L) }}
+            pivot a: ground@O -- up\npivot b: ground@O -- low\npivot c: ground@C -- crank
+            pivot d: crank@N -- one\npivot e: crank@N -- two\npivot f: up@U -- one\npivot g: low@L -- two
+            pivot h: up@U -- three\npivot i: low@L -- four\npivot j: three@F -- four
+            spring k: ground@P(1 5) -- crank@N {{ k = 100 N/m }}\n{guide}"
+        );
+        in_turned_frame(text)
+    };
+    let guide = "body slug { mass = 0 kg, at = F }\nslide along: ground -- slug along P(0 1)\npivot l: slug@F -- three";
+    let plain = by_both_formulations(&peaucellier("0", "")).omegas();
+    for turn in ["0", "31 deg"] {
+        let with = by_both_formulations(&peaucellier(turn, guide));
+        assert_is_seen_redundant(&with);
+        assert!((with.omegas()[0] / plain[0] - 1.0).abs() < 1e-14, "{turn}: {:?} {plain:?}", with.omegas());
+    }
+    // A crank a little longer than the distance of its pivot from O: the line becomes a circle of a large radius, which has a
+    // curvature.
+    let longer = peaucellier("0", guide).replace("point C = ((1)", "point C = ((1.001)");
+    assert_eq!(refusal(&longer), ["vib::loop::conflict"]);
+}
+
+/// One note: that something is redundant, in two other positions too.
+#[track_caller]
+fn assert_is_seen_redundant(answer: &Answer) {
+    let [note] = answer.remarks.as_slice() else { panic!("{:?}", answer.remarks) };
+    assert_eq!(note.code.to_string(), "vib::loop::redundant");
+    assert!(note.help.as_ref().is_some_and(|help| help.contains("as two other positions show")), "{note:?}");
+}
+
+/// Replaces `P(x y)` by that place, or direction, in the frame turned by the angle of c and s.
+fn in_turned_frame(mut text: String) -> String {
+    while let Some(at) = text.find("P(") {
+        let end = at + text[at..].find(')').expect("closed");
+        let (x, y) = text[at + 2..end].split_once(' ').expect("two numbers");
+        text.replace_range(at..=end, &format!("(({x}) * c - ({y}) * s, ({x}) * s + ({y}) * c)"));
+    }
+    text
 }
 
 #[test]

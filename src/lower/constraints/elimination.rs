@@ -284,6 +284,61 @@ impl Elimination {
     }
 }
 
+impl Elimination {
+    /// The elimination of some independent rows, ascending, in binary64. Their coordinates, ascending, are counted by their
+    /// places in the list.
+    pub fn chord(&self, rows: &[u32], coordinates: &[Index]) -> Chord {
+        let place = |coordinate: &Index| coordinates.binary_search(coordinate).ok();
+        let chosen: Vec<usize> =
+            (0..self.steps.len()).filter(|step| rows.binary_search(&self.steps[*step].number).is_ok()).collect();
+        let step = |number: &usize| {
+            let Step { pivot, row, scale, less, .. } = &self.steps[*number];
+            Some(ChordStep {
+                pivot: place(pivot)?,
+                row: row.iter().filter_map(|(i, entry)| Some((place(i)?, entry.to_f64()))).collect(),
+                scale: scale.to_f64(),
+                less: (less.iter())
+                    .filter_map(|(earlier, factor)| Some((chosen.binary_search(earlier).ok()?, factor.to_f64())))
+                    .collect(),
+            })
+        };
+        Chord { steps: chosen.iter().filter_map(step).collect() }
+    }
+}
+
+/// An elimination in binary64, for the chord method: steps with the derivatives of the drawing.
+pub struct Chord {
+    steps: Vec<ChordStep>,
+}
+
+/// As [`Step`].
+struct ChordStep {
+    pivot: usize,
+    row: Vec<(usize, f64)>,
+    scale: f64,
+    less: Vec<(usize, f64)>,
+}
+
+impl Chord {
+    /// The coordinates that the rows are solved for.
+    pub fn pivots(&self) -> impl Iterator<Item = usize> + '_ {
+        self.steps.iter().map(|step| step.pivot)
+    }
+
+    /// Sets the motion of the pivots so that, with that of the others, each row changes by the opposite of `off`.
+    pub fn correct(&self, off: &[f64], motion: &mut [f64]) {
+        let mut changes: Vec<f64> = Vec::with_capacity(off.len());
+        for (step, off) in self.steps.iter().zip(off) {
+            let earlier: f64 = step.less.iter().map(|(earlier, factor)| factor * changes[*earlier]).sum();
+            changes.push(-step.scale * (off + earlier));
+        }
+        for (step, change) in self.steps.iter().zip(&changes).rev() {
+            let others: f64 = step.row.iter().map(|(place, entry)| entry * motion[*place]).sum();
+            motion[step.pivot] = change - others;
+        }
+    }
+}
+
 /// Divides a row by the entry of a coordinate and removes that entry; returns the factor that the other entries were
 /// multiplied by.
 fn normalise(row: &mut Open, coordinate: Index, work: &mut Work) -> Number {

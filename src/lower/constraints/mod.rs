@@ -6,14 +6,17 @@
 //! 1. [`equation`]: joints and couplings as scalar equations
 //! 2. [`elimination`]: which coordinates depend on which
 //! 3. [`rank`]: the consequences of equations that depend on each other
-//! 4. [`reduction`]: rows over all coordinates become rows over the independent ones
+//! 4. [`elsewhere`]: whether those that follow from others as drawn do so in other positions
+//! 5. [`reduction`]: rows over all coordinates become rows over the independent ones
 
 mod closures;
 pub mod elimination;
+mod elsewhere;
 pub mod equation;
 mod rank;
 pub mod reduction;
 
+pub use elsewhere::Elsewhere;
 pub use rank::Why;
 pub use reduction::Reduction;
 
@@ -25,7 +28,7 @@ use elimination::Elimination;
 use equation::Equation;
 use std::collections::BTreeSet;
 
-/// A violation of a constraint up to this many lengths of its loop counts as rounding, if the rest is not proven.
+/// A violation of a constraint up to this many lengths of its loop counts as rounding, where a state is not known exactly.
 const NOTHING: f64 = 1e-10;
 
 /// The item that an equation comes from.
@@ -179,20 +182,13 @@ impl Constraints {
     ) -> Result<Elimination, Vec<LowerError>> {
         let mut reach = PathEvaluation::default();
         let rows = self.list.iter().map(|c| c.row(kinematics, state, &mut reach)).collect();
-        let elimination = elimination::eliminate(rows, kinematics.n(), |coordinate| self.unit(kinematics, coordinate));
+        let elimination =
+            elimination::eliminate(rows, kinematics.n(), |coordinate| unit(kinematics, coordinate, self.length));
         let span = |row: u32| self.list[row as usize].source.span(scene);
         match elimination.full {
             None => Ok(elimination),
             Some(row) => Err(vec![LowerError::TangledLoops { limit: elimination::MAX_ENTRIES, span: span(row) }]),
         }
-    }
-
-    /// The unit in which a coordinate is measured: rad, or the length of the loops.
-    fn unit(&self, kinematics: &Kinematics, coordinate: Index) -> f64 {
-        if kinematics.is_angle(coordinate) {
-            return 1.0;
-        }
-        self.length / kinematics.length_squared(coordinate).map_or(1.0, |squared| squared.to_f64().sqrt())
     }
 
     /// The independent coordinates at a state; an error if the constraints are not independent there.
@@ -246,4 +242,12 @@ impl Constraints {
             Some(constraint) => Err(vec![rank::broken_error(scene, kinematics, self, constraint.source)]),
         }
     }
+}
+
+/// The unit in which a coordinate is measured: rad, or the length of the loops.
+fn unit(kinematics: &Kinematics, coordinate: Index, length: f64) -> f64 {
+    if kinematics.is_angle(coordinate) {
+        return 1.0;
+    }
+    length / kinematics.length_squared(coordinate).map_or(1.0, |squared| squared.to_f64().sqrt())
 }

@@ -2,11 +2,12 @@
 //! See docs/method/kinematics.md#dependent-constraints.
 //!
 //! Rows that add up to zero, sum mu_i grad g_i = 0, leave the second derivative Q = sum mu_i grad^2 g_i, taken along the
-//! motions that the rows allow. If Q is zero, the last of them follows from the others (redundant). If Q has one sign
-//! only, no motion is left: the joints lock each other (conflict). If it has both signs, several motions branch off here
+//! motions that the rows allow. If Q is zero, the last of them follows from the others, unless it does not where the parts
+//! have moved ([`elsewhere`]). If Q has one sign only, no motion is left: the joints lock each other (conflict). If it has both signs, several motions branch off here
 //! (the rank drops), as with all links in line.
 
 use super::elimination::{DependentRow, Elimination, Row};
+use super::elsewhere::{self, Elsewhere};
 use super::{Constraints, Reduction, Source};
 use crate::base::{Diagnostic, Number, Span, Vec3};
 use crate::lower::error::{self, LowerError};
@@ -30,22 +31,37 @@ pub fn classify(
 ) -> Result<(Constraints, Vec<Diagnostic>), Vec<LowerError>> {
     let elimination = all.eliminate(scene, kinematics, &State::as_drawn())?;
     let mut errors: BTreeMap<Source, LowerError> = BTreeMap::new();
-    let mut redundant: BTreeMap<Source, Vec<Source>> = BTreeMap::new();
+    let mut following: Vec<&DependentRow> = Vec::new();
+    let source_of = |left: &DependentRow| all.list[left.row as usize].source;
+    let sources_of = |left: &DependentRow| sources(&all, left.combination.iter().map(|(number, _)| number));
+    let mut refuse = |left: &DependentRow, why: Why| {
+        let source = source_of(left);
+        errors.entry(source).or_insert_with(|| loops(scene, kinematics, source, &sources_of(left), why));
+    };
     for left in &elimination.left {
-        let source = all.list[left.row as usize].source;
-        let sources = sources(&all, left.combination.iter().map(|(number, _)| number));
         match meaning(scene, kinematics, &all, &elimination, left) {
-            Meaning::Redundant => redundant.entry(source).or_default().extend(sources),
-            Meaning::Wrong(why) => {
-                errors.entry(source).or_insert_with(|| loops(scene, kinematics, source, &sources, why));
-            }
+            Meaning::Redundant => following.push(left),
+            Meaning::Wrong(why) => refuse(left, why),
         }
+    }
+    let mut redundant: BTreeMap<Source, (Vec<Source>, Elsewhere)> = BTreeMap::new();
+    for (left, said) in following.iter().zip(elsewhere::compare(kinematics, &all, &elimination, &following)) {
+        if said == Elsewhere::Broken {
+            refuse(left, Why::AsDrawn);
+            continue;
+        }
+        let (others, worst) = redundant.entry(source_of(left)).or_insert((Vec::new(), said));
+        others.extend(sources_of(left));
+        *worst = said.max(*worst);
     }
     errors.extend(opposing_couplings(scene, kinematics, &all, &elimination));
     if !errors.is_empty() {
         return Err(errors.into_values().collect());
     }
-    let notes = redundant.iter().map(|(source, others)| note(scene, kinematics, *source, others)).collect();
+    let note = |(source, (others, said)): (&Source, &(Vec<Source>, Elsewhere))| {
+        error::redundant(&name_of(scene, kinematics, *source, others), *said)
+    };
+    let notes = redundant.iter().map(note).collect();
     // In the order of the rows.
     let is_left = |number: usize| elimination.left.binary_search_by_key(&(number as u32), |left| left.row).is_ok();
     let (left, kept): (Vec<_>, Vec<_>) =
@@ -65,6 +81,8 @@ enum Meaning {
 pub enum Why {
     /// The constraints lock each other.
     Locked,
+    /// The constraints fit each other as drawn, and in no other position.
+    AsDrawn,
     /// Couplings that only zero motion satisfies.
     Opposed,
     /// No position near the drawing satisfies the constraints.
@@ -244,10 +262,6 @@ fn name_of(scene: &Scene, kinematics: &Kinematics, first: Source, sources: &[Sou
 
 fn loops(scene: &Scene, kinematics: &Kinematics, first: Source, sources: &[Source], why: Why) -> LowerError {
     LowerError::Loop { joints: name_of(scene, kinematics, first, sources), why }
-}
-
-fn note(scene: &Scene, kinematics: &Kinematics, source: Source, others: &[Source]) -> Diagnostic {
-    error::redundant(&name_of(scene, kinematics, source, others))
 }
 
 /// Whether the loops have at least three pivots and all of them are on one line as drawn.
