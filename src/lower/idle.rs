@@ -47,6 +47,7 @@ fn flat(scene: &Scene, element: &Element) -> Diagnostic {
 fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnostic {
     let kind = element.law.kind;
     let [a, b] = [0, 1].map(|end| kinematics.end(&element.ends[end]).piece);
+    let turns = [a, b].iter().any(|piece| kinematics.angle(*piece).is_some());
     let on_turning = format!(
         "name the points at its ends, as in `wheel@(0, 0.1 m)`; {} in {} acts on rotation",
         kind.coefficient().expected_number(true).noun,
@@ -62,9 +63,14 @@ fn element(scene: &Scene, kinematics: &Kinematics, element: &Element) -> Diagnos
             "let it act along a motion of its ends: `along = x`",
         ),
         Geometry::Torsion => ("on rotation, but no motion rotates its ends relative to each other".into(), "remove it"),
-        Geometry::Line | Geometry::Span(_) => {
-            ("along the line between its ends, but no motion changes their distance".into(), on_turning.as_str())
-        }
+        Geometry::Line | Geometry::Span(_) => (
+            "along the line between its ends, but no small motion changes their distance".into(),
+            match (turns, kind.is_elastic()) {
+                (true, _) => on_turning.as_str(),
+                (false, true) => "a `preload` lets it restrain motions across it, `along = y` lets it act along them",
+                (false, false) => "let it act along a motion of its ends: `along = y`",
+            },
+        ),
     };
     let message = format!("the {} `{}` has no effect: it acts {read}", kind.keyword, scene.words.display(element.name));
     Diagnostic::warning(ELEMENT, element.span, message).help(help)
@@ -79,7 +85,7 @@ fn input(scene: &Scene, input: &Input) -> Option<Diagnostic> {
         ),
         InputKind::ForceBetween { .. } => (
             "force",
-            "it acts along the line between its ends, but no motion changes their distance".into(),
+            "it acts along the line between its ends, but no small motion changes their distance".into(),
             "name points that move relative to each other",
         ),
         // A part often moves along one of both axes alone.

@@ -320,11 +320,6 @@ struct ChordStep {
 }
 
 impl Chord {
-    /// The coordinates that the rows are solved for.
-    pub fn pivots(&self) -> impl Iterator<Item = usize> + '_ {
-        self.steps.iter().map(|step| step.pivot)
-    }
-
     /// Sets the motion of the pivots so that, with that of the others, each row changes by the opposite of `off`.
     pub fn correct(&self, off: &[f64], motion: &mut [f64]) {
         let mut changes: Vec<f64> = Vec::with_capacity(off.len());

@@ -108,8 +108,6 @@ struct Part<'a> {
     /// The independent equations.
     kept: Vec<Equation<f64>>,
     coordinates: Vec<Index>,
-    /// Whether a coordinate is moved at will, and its unit.
-    moved: Vec<(bool, f64)>,
     chord: Chord,
     /// The longest arm, m.
     length: f64,
@@ -125,10 +123,8 @@ impl<'a> Part<'a> {
         let equation = |number: &u32| &all.list[*number as usize].equation;
         let longest = kept.iter().map(|number| equation(number).length()).fold(0.0, f64::max);
         let length = if longest > 0.0 { longest } else { all.length };
-        let mut moved: Vec<(bool, f64)> = coordinates.iter().map(|i| (true, unit(kinematics, *i, length))).collect();
-        chord.pivots().for_each(|place| moved[place].0 = false);
         let kept = kept.iter().map(|number| equation(number).convert()).collect();
-        Part { kinematics, kept, coordinates, moved, chord, length }
+        Part { kinematics, kept, coordinates, chord, length }
     }
 
     fn compare(&self, all: &Constraints, followed: &[u32]) -> Vec<Elsewhere> {
@@ -161,9 +157,11 @@ impl<'a> Part<'a> {
     fn close(&self, far: f64, position: usize) -> Option<State<f64>> {
         let mut state = State::as_drawn();
         let mut reach = PathEvaluation::default();
-        let mut motion: Vec<f64> = (self.moved.iter().enumerate())
-            .map(|(place, (is_free, unit))| if *is_free { far * unit * direction(place, position) } else { 0.0 })
-            .collect();
+        // What this says of the pivots is overwritten.
+        let by = |(place, coordinate): (usize, &Index)| {
+            far * unit(self.kinematics, *coordinate, self.length) * direction(place, position)
+        };
+        let mut motion: Vec<f64> = self.coordinates.iter().enumerate().map(by).collect();
         let mut off = vec![0.0; self.kept.len()];
         let mut last = f64::INFINITY;
         for _ in 0..MAX_STEPS {
