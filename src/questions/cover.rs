@@ -136,7 +136,7 @@ impl Part {
 
 /// The parts in ascending order, adjacent ones merged; the narrowest gaps are closed if there are too many parts to
 /// report.
-fn merge_parts(mut parts: Vec<Part>) -> Vec<Part> {
+pub fn merge_parts(mut parts: Vec<Part>) -> Vec<Part> {
     parts.order_by(|a, b| a.low.hi.total_cmp(&b.low.hi).then(a.low.lo.total_cmp(&b.low.lo)));
     let mut list: Vec<Part> = Vec::new();
     for part in parts {

@@ -3,15 +3,16 @@
 //! docs/method/measures.md.
 
 use super::answer::Others;
-use super::cover::{Cover, Covered, Part, Rest};
+use super::cover::{Cover, Covered, Part, Rest, merge_parts};
 use super::error::AskedError;
-use super::search::{Difference, Evaluation, Root, SearchResult, narrow, search, sign, to_fraction};
+use super::search::{Crossing, Difference, Evaluation, Root, SearchResult, narrow, search, sign, to_fraction};
 use super::unknowns::{Unknowns, constant, shortest};
-use crate::base::{Ball, Dd, Number, OrderBy, two_to};
+use crate::base::{Ball, Dd, Number, OrderBy, two_to, up};
+use std::cmp::Ordering;
 
 /// Rounds of searching for roots that were missed.
 const MOST_ROUNDS: usize = 6;
-/// Open parts this near to a root, relative to it, are included in its bound.
+/// What is this near to a root, relative to it, is not told from it: open parts, and other roots.
 const AT_A_ROOT: f64 = 1e-12;
 
 /// A search and its results so far.
@@ -58,6 +59,7 @@ impl Search<'_, '_> {
             return;
         }
         self.settle_touches();
+        self.keep_within_range();
         for _ in 0..MOST_ROUNDS {
             let covered = self.cover(whole);
             self.seen.count += covered.evaluations;
@@ -68,6 +70,7 @@ impl Search<'_, '_> {
                 self.seen.jumps.extend(found.jumps);
                 found.roots.into_iter().for_each(|root| self.seen.add(root));
             }
+            self.keep_within_range();
             self.seen.roots.order_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
             self.rest = covered.rest;
             if covered.missed.is_empty() {
@@ -113,14 +116,80 @@ impl Search<'_, '_> {
                 let near = short.enclosure().mid;
                 self.seen.roots.retain(|root| root.proof.is_some() || (root.near - near).hi.abs() > touch.within * 4.0);
                 let rounding = near.hi.abs() * two_to(-100);
-                self.seen.add(Root { near, within: rounding, proof: Some(super::search::Crossing::exact()) });
+                self.seen.add(Root { near, within: rounding, proof: Some(Crossing::exact()) });
             }
         }
         self.seen.roots.order_by(|a, b| a.near.hi.total_cmp(&b.near.hi));
     }
 
-    /// Settles the gaps between the brackets of the roots. An unsettled part beside a root is added to the root's
-    /// bound.
+    /// Of roots whose bracket reaches over an end of the range, keeps those that lie in it: the measure is exactly at its target at the
+    /// end, or on different sides there and at the bracket's end within the range. Where its side at the end is not known, the root
+    /// counts as in the range if the bracket reaches hardly further.
+    fn keep_within_range(&mut self) {
+        let [low, high] = [self.ends().0.clone(), self.ends().1.clone()];
+        let roots = std::mem::take(&mut self.seen.roots);
+        for root in roots {
+            let [left, right] = [-1.0, 1.0].map(|side| to_fraction(root.near + Dd::from(side * root.within)));
+            let over_low = (&left - &low).is_negative();
+            let (end, inner) = match (over_low, (&high - &right).is_negative()) {
+                (false, false) => {
+                    self.seen.roots.push(root);
+                    continue;
+                }
+                (true, false) => (&low, &right),
+                // Over both ends: the far one is as good.
+                (_, true) => (&high, if over_low { &low } else { &left }),
+            };
+            self.seen.count += 2;
+            let [at_end, within] = [end, inner].map(|at| self.measure(at));
+            let (at, other) = (end.enclosure().mid, inner.enclosure().mid);
+            let exact = match &at_end {
+                Difference::Known(ball) if ball.is_zero() => true,
+                Difference::Known(ball) => {
+                    ball.contains_zero() && self.unknowns.meets(self.equation, self.unknown, end)
+                }
+                _ => false,
+            };
+            let kept = match (sign(&at_end), sign(&within)) {
+                _ if exact => {
+                    Some(Root { near: at, within: at.hi.abs() * two_to(-100), proof: Some(Crossing::exact()) })
+                }
+                (Some(a), Some(b)) if a != Ordering::Equal && a == b.reverse() => {
+                    let half = (at - other).abs().to_f64() * 0.5;
+                    let rounding = at.hi.abs() * two_to(-100);
+                    Some(Root { near: (at + other).scale(0.5), within: (half + rounding) * up::FEW, ..root })
+                }
+                (Some(a), Some(b)) if a != Ordering::Equal && a == b => None,
+                _ => (root.within <= AT_A_ROOT * root.near.hi.abs()).then(|| {
+                    let away = (root.near - at).abs().to_f64();
+                    Root { near: at, within: (root.within + away) * up::FEW, ..root }
+                }),
+            };
+            self.seen.roots.extend(kept);
+        }
+    }
+
+    /// The brackets of roots, within the range, that are not known to contain one number only at which the measure is at its target.
+    fn wide_brackets(&self, whole: Part) -> Vec<Part> {
+        let bracket = |root: &Root| Part {
+            low: if root.near - Dd::from(root.within) > whole.low {
+                root.near - Dd::from(root.within)
+            } else {
+                whole.low
+            },
+            high: if root.near + Dd::from(root.within) < whole.high {
+                root.near + Dd::from(root.within)
+            } else {
+                whole.high
+            },
+        };
+        let is_wide = |root: &&Root| root.proof.is_some() && root.within > AT_A_ROOT * root.near.hi.abs();
+        let is_one = |part: &Part| self.unknowns.enclose_over(self.equation, self.unknown, part.ball()).is_strict();
+        self.seen.roots.iter().filter(is_wide).map(bracket).filter(|part| !is_one(part)).collect()
+    }
+
+    /// Settles the gaps between the brackets of the roots, and brackets that may hold several. An unsettled part beside a root is added
+    /// to the root's bound.
     fn cover(&mut self, whole: Part) -> Covered {
         let mut parts = Vec::new();
         let mut from = whole.low;
@@ -154,7 +223,12 @@ impl Search<'_, '_> {
                 }
             });
         }
-        covered.rest = covered.rest.or_proof();
+        covered.rest = match (covered.rest.or_proof(), self.wide_brackets(whole)) {
+            (Rest::Unknown, _) => Rest::Unknown,
+            (rest, wide) if wide.is_empty() => rest,
+            (Rest::Open(parts), wide) => Rest::Open(merge_parts([parts, wide].concat())),
+            (Rest::Empty(_), wide) => Rest::Open(wide),
+        };
         covered
     }
 

@@ -29,10 +29,15 @@ impl RangeEnclosure {
         self.apart || self.test.as_ref().is_some_and(|test| test.value.is_finite() && !test.value.contains_zero())
     }
 
-    /// Whether the measure minus its target changes sign at most once in the range, and is zero at most there.
+    /// Whether the measure minus its target changes sign at most once in the range. Where all eigenvalues rise or stay it may be zero
+    /// in a whole part of it.
     pub fn is_monotone(&self) -> bool {
-        let slope = self.test.as_ref().map(|test| test.slope);
-        self.course.is_some() || slope.is_some_and(|slope| slope.is_finite() && !slope.contains_zero())
+        self.course.is_some() || self.is_strict()
+    }
+
+    /// Whether the measure is at its target at one number of the range at most.
+    pub fn is_strict(&self) -> bool {
+        self.test.as_ref().is_some_and(|test| test.slope.is_finite() && !test.slope.contains_zero())
     }
 
     /// Whether the measure cannot be enclosed over any range.

@@ -199,3 +199,70 @@ fn a_rational_measure_at_its_limit_is_decided() {
         assert_eq!(stand(&format!("{damped}require damping(1) {line} 5 %")), Some(equal), "{line}");
     }
 }
+
+/// A block on a spring under a load of 10 N times `load`, so that x = load at rest: the codes of findings, and p.
+fn solved_at_rest(load: &str, range: &str) -> (Vec<String>, Option<f64>) {
+    let text = format!(
+        "param p = 0.5\nbody b {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = 10 N/m }}\n\
+         force F: b along x = step(10 N * ({load}), 0 s)\noutput x = b.x\nsolve p in {range}: static(x) = 1 m"
+    );
+    let (sources, file) = sources(&text);
+    let outcome = vibc::analyze(&sources, file, &Overrides::default());
+    let codes = outcome.diagnostics.iter().map(|finding| finding.code.to_string()).collect();
+    (codes, outcome.answer.map(|answer| answer.solved[0].value.to_f64()))
+}
+
+/// Roots that lie so close together that no value between them is told from the target, and a whole interval of them: one is found
+/// and the others are not excluded, which is said.
+#[test]
+fn roots_that_are_not_told_apart_are_not_one() {
+    let loads = [
+        // 1, 1 +- 5e-7 and 1 +- 1e-6
+        "1 + (p - 1) * ((p - 1)^2 - 1e-12) * ((p - 1)^2 - 2.5e-13)",
+        // 1 and 1 +- 1e-10
+        "1 + (p - 1) * ((p - 1)^2 - 1e-20)",
+        // 1 .. 1.02, and 1 .. 1 + 1e-9
+        "min(p, max(1, p - 0.02))",
+        "min(p, max(1, p - 1e-9))",
+        // One root, of which the slope says nothing.
+        "1 + (p - 1)^9",
+    ];
+    for load in loads {
+        let (codes, _) = solved_at_rest(load, "0 .. 3");
+        assert_eq!(codes, ["vib::solve::unsettled"], "{load}");
+    }
+    // All weights of K grow or stay: frequencies rise, but not from 6 to 6.02 N/m.
+    let stays = "param q = 5 N/m\nspring t: ground -- block { k = min(q, max(6 N/m, q - 0.02 N/m)) }\n\
+                 solve q in 1 N/m .. 30 N/m: frequency(1) = 4 rad/s";
+    let [finding] = &run(stays).diagnostics[..] else { panic!("{:?}", run(stays).diagnostics) };
+    assert_eq!(finding.code.to_string(), "vib::solve::unsettled");
+    // Two that are far enough apart, and one of three equal ones.
+    assert_eq!(solved_at_rest("1 + (p - 1) * ((p - 1)^2 - 1e-4)", "0 .. 3").0, ["vib::solve::several"]);
+    assert_eq!(solved_at_rest("p + (p - 1)^3", "0 .. 3"), (vec![], Some(1.0)));
+}
+
+/// A root beyond the end of a range is none, however close; one at the end is one.
+#[test]
+fn a_root_beyond_the_range_is_none() {
+    for load in ["p", "p + (p - 1)^3", "2 * p - 1"] {
+        for (range, found) in [
+            ("0 .. 1", Some(1.0)),
+            ("1 .. 3", Some(1.0)),
+            ("0 .. 1 - 1e-13", None),
+            ("0 .. 1 - 1e-20", None),
+            ("1 + 1e-20 .. 3", None),
+            ("1 + 1e-9 .. 3", None),
+        ] {
+            let (codes, p) = solved_at_rest(load, range);
+            let codes: Vec<&str> = codes.iter().map(String::as_str).collect();
+            match found {
+                Some(found) => assert_eq!((codes, p), (vec![], Some(found)), "{load}, {range}"),
+                None => assert_eq!((codes, p), (vec!["vib::solve::no_root"], None), "{load}, {range}"),
+            }
+        }
+    }
+    // Within what is resolved of a flat measure it is not known.
+    for range in ["0 .. 0.9999", "0 .. 1 - 1e-12", "1 + 1e-5 .. 3"] {
+        assert_eq!(solved_at_rest("1 + (p - 1)^9", range).0, ["vib::solve::unsettled"], "{range}");
+    }
+}
