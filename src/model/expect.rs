@@ -171,7 +171,12 @@ impl<'a> Check<'a> {
         if is_rate || scalar.cycles <= 0.0 {
             return;
         }
-        let (span, value) = (self.tree.expr(expr).span, scalar.quantity.si.to_f64());
+        self.report_cycles(scalar.quantity.si.to_f64(), expr, environment, expected);
+    }
+
+    /// Warns that a number with a factor in cycles belongs to angular frequencies.
+    pub fn report_cycles(&mut self, value: f64, expr: ExprId, environment: Environment, expected: &Expected) {
+        let span = self.tree.expr(expr).span;
         let declared = self.declaration_of(expr, environment);
         self.report(environment, ValueError::CyclesForRadians { span, value, expected: Box::new(*expected), declared });
     }

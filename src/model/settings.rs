@@ -106,8 +106,8 @@ impl<'a> Check<'a> {
                 .fail(environment, ValueError::ArgumentCount { span, function: "rayleigh", expected: 2, found });
         };
         let places = [alpha, beta].map(|expr| tree.expr(expr).span);
-        let alpha = self.number(alpha, environment, &ALPHA);
-        let beta = self.number(beta, environment, &BETA)?;
+        let alpha = self.of_radians(alpha, environment, &ALPHA);
+        let beta = self.of_radians(beta, environment, &BETA)?;
         let alpha = alpha?;
         for (number, span) in [&alpha, &beta].into_iter().zip(places) {
             if number.is_negative() {
@@ -115,6 +115,17 @@ impl<'a> Check<'a> {
             }
         }
         Ok(Damping::Rayleigh { alpha, beta, span })
+    }
+
+    /// A rate, or a time, that belongs to angular frequencies, with a warning if a frequency in cycles went into it.
+    fn of_radians(&mut self, expr: ExprId, environment: Environment, expected: &Expected) -> Evaluated<Number> {
+        let value = self.evaluate(expr, environment)?;
+        let number = self.as_number(&value, expr, environment, expected)?;
+        let cycles = self.as_scalar(&value, expr, environment, expected)?.cycles;
+        if cycles != 0.0 {
+            self.report_cycles(number.to_f64(), expr, environment, expected);
+        }
+        Ok(number)
     }
 
     /// Reports the reading of a ratio that was probably not intended: `2` for 2 %, or a negative sign.

@@ -173,6 +173,8 @@ pub struct Requirement {
     pub in_radians: bool,
     /// Simulated time, s, if the measure needs one.
     pub until: Option<Number>,
+    /// Whether nothing that drives the scene reaches what is measured, so that it is zero.
+    pub is_still: bool,
     /// The frequencies, Hz, whose amplitudes the measure adds, if there are several.
     pub added: Vec<Number>,
 }

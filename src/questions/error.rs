@@ -142,6 +142,10 @@ pub enum AskedError {
         span: Span,
         why: String,
     },
+    /// A requirement that holds because nothing that drives the scene reaches what it measures: a warning.
+    Still {
+        span: Span,
+    },
 }
 
 /// The values that a measure took over a range.
@@ -206,6 +210,7 @@ impl AskedError {
             AskedError::Fails { .. } => Code::model("vib::require::fails"),
             AskedError::Undetermined { .. } => Code::limit("vib::require::undetermined"),
             AskedError::NoNumber { .. } => Code::model("vib::require::no_value"),
+            AskedError::Still { .. } => Code::model("vib::require::still"),
         }
     }
 
@@ -361,6 +366,11 @@ impl AskedError {
             NoNumber { span, why } => error(span, "the measure in this requirement has no value".to_string())
                 .label(why.clone())
                 .help("ask for what the scene has"),
+            Still { span } => {
+                let message = "nothing moves what this requirement measures: it is zero";
+                Diagnostic::warning(self.code(), *span, message)
+                    .help("measure what moves, or connect this part of the model to what drives it")
+            }
         }
     }
 }

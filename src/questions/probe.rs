@@ -404,6 +404,7 @@ impl Measured<'_> {
             Probe::Peak(_) | Probe::Rms(..) if drives.iter().all(Vec::is_empty) && system.initial.is_empty() => {
                 Measurement::None("there is no signal and no initial state: nothing moves")
             }
+            Probe::Peak(_) | Probe::Rms(..) if self.is_still(probe) => Measurement::Value(Ball::ZERO),
             Probe::Peak(output) => match &self.context.until {
                 Some(until) => peak::peak(system, drives, *output, until),
                 None => NO_TIME,
@@ -417,6 +418,28 @@ impl Measured<'_> {
                 Some(until) => peak::rms(system, drives, *output, until),
                 None => NO_TIME,
             },
+        }
+    }
+
+    /// Whether nothing that drives the scene reaches what is measured: no signal and no initial state, or not the input of a gain.
+    pub fn is_still(&self, probe: &Probe) -> bool {
+        let (system, drives) = (&self.lowered.system, &self.context.drives);
+        let reach = Reach::of(system);
+        let is_driven = |output: usize| {
+            let output = &system.outputs[output];
+            (0..drives.len()).any(|input| !drives[input].is_empty() && reach.from_input(system, input, output))
+                || reach.from_start(system, output)
+                || self.context.noises.iter().any(|noise| reach.from_noise(system, noise, output))
+        };
+        match probe {
+            Probe::Peak(output) | Probe::Rms(output, _) | Probe::Static(output) | Probe::Amplitude(output) => {
+                !is_driven(*output)
+            }
+            Probe::Gain(input, output, _) | Probe::PeakGain(input, output, _) => {
+                !reach.from_input(system, *input, &system.outputs[*output])
+            }
+            Probe::ByRate(_, probe) => self.is_still(probe),
+            _ => false,
         }
     }
 

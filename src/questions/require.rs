@@ -48,12 +48,16 @@ pub fn requirements(
 pub fn judge(text: &Text, scene: &CheckedScene, known: Facts) -> Vec<Requirement> {
     let requires = &scene.scene().requires;
     let questions: Vec<Question> = requires.iter().map(|require| require.question.clone()).collect();
-    let measured = text.measure_scene(scene, &questions, known).unwrap_or_else(|why| {
+    let measured = text.measure_driven(scene, &questions, known).unwrap_or_else(|why| {
         // All of them fail for the same reason.
-        questions.iter().map(|_| Measurement::Failed(why.clone())).collect()
+        questions.iter().map(|_| (Measurement::Failed(why.clone()), false)).collect()
     });
     let each = requires.iter().zip(measured);
-    each.map(|(require, measured)| requirement(text, scene, known, require, measured)).collect()
+    each.map(|(require, (measured, is_still))| Requirement {
+        is_still,
+        ..requirement(text, scene, known, require, measured)
+    })
+    .collect()
 }
 
 /// One line alone.
@@ -110,6 +114,7 @@ fn requirement(
         unit: question.unit.clone(),
         in_radians: question.radians.is_some(),
         until: text.simulated_time(&question.measure),
+        is_still: false,
         added: added_frequencies(scene, &question.measure),
     }
 }
@@ -175,7 +180,7 @@ fn finding(requirement: &Requirement, remedy: impl FnOnce() -> Remedy) -> Option
     let span = requirement.span;
     let value = requirement.value_text().into_owned();
     match (requirement.holds, &requirement.value) {
-        (Some(true), _) => None,
+        (Some(true), _) => requirement.is_still.then_some(AskedError::Still { span }),
         (Some(false), _) => {
             let by = match (&requirement.margin, requirement.limit.as_ref().filter(|limit| !limit.may_be_zero())) {
                 (Some(margin), _) if margin.is_zero() => Some("exactly its limit".to_string()),

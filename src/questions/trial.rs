@@ -234,6 +234,19 @@ impl Text<'_> {
         self.with_measured(scene, questions, known, &prepare, |measured, probes| measured.measure(probes))
     }
 
+    /// The measures of a scene, each with whether nothing that drives the scene reaches it.
+    pub fn measure_driven(
+        &self,
+        scene: &CheckedScene,
+        questions: &[Question],
+        known: Facts,
+    ) -> Result<Vec<(Measurement, bool)>, String> {
+        self.with_measured(scene, questions, known, &prepare, |measured, probes| {
+            let is_still = probes.iter().map(|probe| measured.is_still(probe));
+            measured.measure(probes).into_iter().zip(is_still).collect()
+        })
+    }
+
     /// The measures of a scene, and last the rate at which its free motions grow, relative to their poles: zero if none is
     /// proved to grow.
     pub fn measure_with_growth(

@@ -60,7 +60,7 @@ pub const PAGES: &[Page] = pages! {
     position: unknown;
     reaction: damped undetermined;
     repeat: reversed;
-    require: fails form no_value undetermined;
+    require: fails form no_value still undetermined;
     rest: not_found unbalanced unproven;
     scene: empty more_findings;
     setting: duplicate form not_a_parameter solved toml unknown;

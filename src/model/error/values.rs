@@ -182,7 +182,8 @@ fn unit_mismatch(span: Span, found: Dimension, expected: Expected, declared: Opt
 
 fn cycles_for_radians(span: Span, value: f64, expected: Expected, declared: Option<(String, Span)>) -> Diagnostic {
     let noun = expected.noun.split_once(' ').map_or(expected.noun, |(_, noun)| noun);
-    let read = format!("{} {}", short(value), unit_or_none(expected.dimension));
+    let unit = if expected.dimension == Dimension::FREQUENCY { "/s".into() } else { unit_or_none(expected.dimension) };
+    let read = format!("{} {unit}", short(value));
     let message = format!("this {noun} has a factor in cycles, not radians: it is read as {read}");
     let diagnostic = Diagnostic::warning(Code::model("vib::unit::cycles"), span, message);
     let diagnostic = declared.into_iter().fold(diagnostic, |diagnostic, (name, place)| {
