@@ -3,7 +3,7 @@
 
 use crate::Dynamics;
 use crate::analysis::rates::{LOST, Rate, with_rate};
-use crate::analysis::{self, AnalysisError, Modes, Poles, Request, Sweep};
+use crate::analysis::{self, AnalysisError, Modes, Poles, Request, Sweep, Table};
 use crate::base::Diagnostic;
 use crate::kinds::motions::rate_of;
 use crate::system::LinearSystem;
@@ -48,6 +48,11 @@ impl Dynamics {
         let losses = self.system.losses.as_ref().filter(|_| asks)?;
         let lost = sweep.inputs.iter().find(|&&input| losses.has_no_limit(input))?;
         Some(NotDriven::Because(format!("`{}` at 0 Hz", self.system.display(self.system.inputs[*lost].name)), LOST))
+    }
+
+    /// Warnings about values of a table that are not known to all digits.
+    pub fn findings(&self, table: &Table, sweep: &Sweep) -> Vec<Diagnostic> {
+        analysis::table_findings(&self.system, table, sweep.tolerance, &self.places)
     }
 
     /// The poles for a table, which are not computed where it has no use for them. `None` if there are too many coordinates, or the

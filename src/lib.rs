@@ -346,6 +346,8 @@ pub struct Dynamics {
     pub modes: Option<Modes>,
     /// Each input that moves a base, and the motion: `x`, `y`, `along` or `angle`.
     bases: Vec<(usize, &'static str)>,
+    /// Where each output is declared.
+    places: Vec<base::Span>,
 }
 
 /// The basis of a model's transfer functions: its linear system and modes.
@@ -374,7 +376,8 @@ pub fn dynamics(sources: &Sources, model: FileId, overrides: &Overrides) -> Outc
         let scene = reading.scene.scene();
         let motions = scene.inputs.iter().map(|input| scene.motion_of_base(&input.kind));
         let bases = (0..).zip(motions).filter_map(|(input, motion)| Some((input, motion?))).collect();
-        Some(Dynamics { model: reading.name(), system, modes, bases })
+        let places = scene.outputs.iter().map(|output| output.span).collect();
+        Some(Dynamics { model: reading.name(), system, modes, bases, places })
     })
 }
 

@@ -226,6 +226,7 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
             Err(status) => return status,
         },
     };
+    show(&input.sources, dynamics.findings(&table, &sweep), messages);
     let system = &dynamics.system;
     let text = match options.format {
         TableFormat::Text => {

@@ -3,15 +3,16 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use vibc::analysis::{Methods, Poles, Sweep, table};
 use vibc::backend::diagnostics::{HumanStyle, human};
-use vibc::base::{Diagnostic, Number, SourceFile, SourceKind, Sources};
+use vibc::base::{Diagnostic, FileId, Number, SourceFile, SourceKind, Sources};
 use vibc::model::Overrides;
-use vibc::{DiscreteOptions, Hold, Precision};
+use vibc::{DiscreteOptions, Frequency, Hold, Precision};
 
 /// A model that was analysed, and its findings.
 ///
 /// Lines in the model's leading comments control the run: `// --set k=3` and `// settings: k = "3 N/m"` give overrides,
-/// `// simulate` asks for its motion over a minute instead of its modal report, `// simulate seeded` with a realisation of noise, and `// emit` for its code, `// emit held` for code that takes the inputs from sample to sample. Tables are next to the models.
+/// `// simulate` asks for its motion over a minute instead of its modal report, `// simulate seeded` with a realisation of noise, `// transfer` for a value of each transfer function at 1 Hz, and `// emit` for its code, `// emit held` for code that takes the inputs from sample to sample. Tables are next to the models.
 pub struct Run {
     sources: Sources,
     pub diagnostics: Vec<Diagnostic>,
@@ -66,6 +67,8 @@ impl Run {
             let times = [Number::ZERO, Number::from(60)];
             let seed = asks("// simulate seeded").then_some(7);
             vibc::simulate_with_noise(&sources, model, &overrides, &times, seed).diagnostics
+        } else if asks("// transfer") {
+            transfer_findings(&sources, model, &overrides)
         } else {
             vibc::analyze(&sources, model, &overrides).diagnostics
         };
@@ -80,6 +83,18 @@ impl Run {
     pub fn drawn(&self) -> String {
         human(&self.sources, &self.diagnostics, HumanStyle::default())
     }
+}
+
+/// The findings about a model and the values of its transfer functions at 1 Hz.
+fn transfer_findings(sources: &Sources, model: FileId, overrides: &Overrides) -> Vec<Diagnostic> {
+    let outcome = vibc::dynamics(sources, model, overrides);
+    let Some(dynamics) = &outcome.answer else { return outcome.diagnostics };
+    let (inputs, outputs) = (dynamics.system.inputs.len(), dynamics.system.outputs.len());
+    let at = vec![Frequency::hertz(&Number::ONE)];
+    let sweep = Sweep { at, inputs: (0..inputs).collect(), outputs: (0..outputs).collect(), ..Sweep::default() };
+    let methods = Methods::of(&dynamics.system, dynamics.modes.as_ref().expect("few coordinates"));
+    let table = table(&methods, &Poles::default(), &sweep);
+    [outcome.diagnostics, dynamics.findings(&table, &sweep)].concat()
 }
 
 /// The sources of the program's two crates, below the root.

@@ -689,3 +689,31 @@ fn loads_in_balance_have_a_final_value() {
     assert_eq!(value(&format!("{damped}output y = a.x\nrequire static(y) < 1 m\n")), 0.0);
     assert_eq!(value(&format!("{damped}output y = b.x\nrequire static(y) < 1 m\n")), -0.5);
 }
+
+/// Values of which nothing is known are told once for each pair: springs of 1e36 N/m across springs of 1 N/m, none of them rational.
+#[test]
+fn values_that_are_not_known_are_told() {
+    let mesh = |decades: i32| {
+        format!(
+            "repeat i in 1..4 {{ repeat j in 1..6 {{ body b[i,j] {{ mass = 1 kg, moves x }} }} }}\n\
+             repeat i in 2..4 {{ repeat j in 1..6 {{ spring h[i,j]: b[i-1,j] -- b[i,j] {{ k = 10^({decades}*(2*i-5)) * sqrt(2) * 1 N/m }} }} }}\n\
+             repeat i in 1..4 {{ repeat j in 2..6 {{ spring v[i,j]: b[i,j-1] -- b[i,j] {{ k = sqrt(3) * 1 N/m }} }} }}\n\
+             repeat i in 1..4 {{ spring g[i]: ground -- b[i,1] {{ k = sqrt(5) * 1 N/m }} }}\n\
+             force F: b[1,1] along x\noutput x = b[4,6].x\noutput y = b[1,1].x\n"
+        )
+    };
+    let (table, status, said) = told(&mesh(12), "transfer", &["--at", "0.1Hz", "--at", "3Hz"]);
+    assert_eq!(status, Some(0));
+    for (pair, output) in table["pairs"].as_array().expect("pairs").iter().zip(["x", "y"]) {
+        assert!(
+            pair["values"].as_array().is_some_and(|values| values.iter().all(|value| value["re"].is_null())),
+            "{pair}"
+        );
+        let told = format!("nothing is known of 2 of the 2 values of `{output}` from `F`, from 0.1 Hz on");
+        assert!(said.contains(&told), "{said}");
+    }
+    assert_eq!(said.matches("vib::limit::transfer").count(), 2, "{said}");
+    // Known to seven digits in one value, to all in the others.
+    let (table, _, said) = told(&mesh(8), "transfer", &["--at", "0.1Hz", "--at", "3Hz"]);
+    assert!(said.is_empty() && table["pairs"][0]["values"][0]["re"].is_number(), "{said}");
+}

@@ -63,4 +63,4 @@ pub use steady::{Steady, steady, steady_alone};
 pub use transfer::extrema::{Extrema, Extremum, FeatureKind};
 pub use transfer::modal::{ModalPair, ModalSum};
 pub use transfer::table::{Methods, Row, Sweep, Table, modes_of_many, poles_for_table, table, table_around};
-pub use transfer::{Disc, Frequency, Gain, Transfer};
+pub use transfer::{Disc, Frequency, Gain, Transfer, table_findings};

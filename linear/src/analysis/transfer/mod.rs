@@ -9,6 +9,7 @@
 pub(in crate::analysis) mod around;
 pub(in crate::analysis) mod exact;
 pub mod extrema;
+mod findings;
 pub(in crate::analysis) mod inverse;
 pub mod modal;
 pub(in crate::analysis) mod partial_fractions;
@@ -30,6 +31,7 @@ use crate::kernel::complex::Complex;
 pub use crate::kernel::disc::Disc;
 use crate::kernel::squares::Squares;
 use crate::system::{CoordinateId, Form, LinearSystem, Output};
+pub use findings::findings as table_findings;
 use std::sync::OnceLock;
 
 /// A value of H.
