@@ -39,6 +39,18 @@ impl JsonNumber {
         JsonNumber::bound(Bound::absolute(value))
     }
 
+    /// A number and its absolute bound: `null` both where the bound is at least `nothing`, of which a number says nothing.
+    pub fn with_absolute_bound(value: Option<Ball>, nothing: f64) -> [JsonNumber; 2] {
+        value.filter(|value| value.rad < nothing).map_or([JsonNumber::NULL; 2], |value| {
+            [JsonNumber::from_enclosure(value), JsonNumber::absolute_bound(value)]
+        })
+    }
+
+    /// A phase in degrees and its absolute bound.
+    pub fn phase(value: Option<Ball>) -> [JsonNumber; 2] {
+        JsonNumber::with_absolute_bound(value, 180.0)
+    }
+
     /// `null` if nothing is known.
     pub fn bound(bound: Bound) -> JsonNumber {
         JsonNumber(Some(bound.value()).filter(|bound| bound.is_finite()))

@@ -23,6 +23,7 @@ pub struct JsonSolved<'a> {
     slope: JsonNumber,
     slope_error_bound: JsonNumber,
     relative_slope: JsonNumber,
+    relative_slope_error_bound: JsonNumber,
     others: &'static str,
     unsettled: Vec<[String; 2]>,
     evaluations: usize,
@@ -97,13 +98,14 @@ struct JsonSlope {
     derivative: JsonNumber,
     error_bound: JsonNumber,
     relative: JsonNumber,
+    relative_error_bound: JsonNumber,
     /// Slopes of the branches into which equal frequencies split, without a bound.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     slopes: Vec<JsonNumber>,
 }
 
 pub fn json_solved(solved: &Solved, bounds: Bounds) -> JsonSolved<'_> {
-    let shown = solved.in_unit();
+    let (shown, relative_slope) = (solved.in_unit(), solved.relative_slope());
     JsonSolved {
         parameter: &solved.parameter,
         value: JsonNumber::from_enclosure(shown.number),
@@ -117,7 +119,9 @@ pub fn json_solved(solved: &Solved, bounds: Bounds) -> JsonSolved<'_> {
         residual_error_bound: bounds.absolute(solved.residual),
         slope: solved.slope.as_ref().map_or(JsonNumber::NULL, derivative),
         slope_error_bound: solved.slope.as_ref().map_or(JsonNumber::NULL, |slope| derivative_bound(slope, bounds)),
-        relative_slope: solved.relative_slope().as_ref().map_or(JsonNumber::NULL, derivative),
+        relative_slope: relative_slope.as_ref().map_or(JsonNumber::NULL, derivative),
+        relative_slope_error_bound: (relative_slope.as_ref())
+            .map_or(JsonNumber::NULL, |slope| derivative_bound(slope, bounds)),
         others: match solved.others {
             Others::None(_) => "none",
             Others::Unsettled(_) => "unsettled",
@@ -225,6 +229,7 @@ fn json_slope(slope: &Option<Slope>, (mode, motion): (Option<usize>, Option<usiz
         derivative: found.map_or(JsonNumber::NULL, |(absolute, _)| derivative(absolute)),
         error_bound: found.map_or(JsonNumber::NULL, |(absolute, _)| derivative_bound(absolute, bounds)),
         relative: found.map_or(JsonNumber::NULL, |(_, relative)| derivative(relative)),
+        relative_error_bound: found.map_or(JsonNumber::NULL, |(_, relative)| derivative_bound(relative, bounds)),
         slopes: match slope {
             Some(Slope::Splits(slopes)) => slopes.iter().copied().map(JsonNumber::unproven).collect(),
             _ => Vec::new(),

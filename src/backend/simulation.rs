@@ -106,6 +106,7 @@ struct JsonSteady {
     frequency_hz: JsonNumber,
     amplitude: JsonNumber,
     phase_deg: JsonNumber,
+    phase_error_bound: JsonNumber,
     error_bound: JsonNumber,
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     infinite: bool,
@@ -114,11 +115,13 @@ struct JsonSteady {
 fn steady_lines(system: &LinearSystem, part: &Steady) -> Vec<JsonSteady> {
     let line = |(output, gain): (&Output, &Gain)| {
         let disc = gain.disc();
+        let [phase_deg, phase_error_bound] = JsonNumber::phase(disc.and_then(|disc| disc.phase()));
         JsonSteady {
             output: system.display(output.name),
             frequency_hz: JsonNumber::number(&part.frequency),
             amplitude: JsonNumber::of(disc.map(|disc| disc.gain())),
-            phase_deg: JsonNumber::of(disc.and_then(|disc| disc.phase())),
+            phase_deg,
+            phase_error_bound,
             error_bound: disc.map_or(JsonNumber::NULL, |disc| JsonNumber::bound(disc.error_bound())),
             infinite: *gain == Gain::Infinite,
         }

@@ -14,8 +14,11 @@ struct Line {
     re: JsonNumber,
     im: JsonNumber,
     gain: JsonNumber,
+    gain_error_bound: JsonNumber,
     gain_db: JsonNumber,
+    gain_db_error_bound: JsonNumber,
     phase_deg: JsonNumber,
+    phase_error_bound: JsonNumber,
     error_bound: JsonNumber,
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     infinite: bool,
@@ -125,15 +128,16 @@ struct JsonExtremum {
 fn json_extremum(extremum: &Extremum) -> JsonExtremum {
     let relative = |value: Option<Ball>| value.map_or(JsonNumber::NULL, JsonNumber::relative_bound);
     let disc = extremum.gain.disc();
-    let (gain, phase) = (disc.map(|disc| disc.gain()), disc.and_then(|disc| disc.phase()));
+    let gain = disc.map(|disc| disc.gain());
+    let [phase_deg, phase_error_bound] = JsonNumber::phase(disc.and_then(|disc| disc.phase()));
     JsonExtremum {
         kind: extremum.kind.name(),
         frequency_hz: JsonNumber::from_enclosure(extremum.frequency),
         frequency_error_bound: JsonNumber::relative_bound(extremum.frequency),
         gain: JsonNumber::of(gain),
         gain_error_bound: relative(gain),
-        phase_deg: JsonNumber::of(phase),
-        phase_error_bound: phase.map_or(JsonNumber::NULL, JsonNumber::absolute_bound),
+        phase_deg,
+        phase_error_bound,
         width_hz: JsonNumber::of(extremum.width),
         width_error_bound: relative(extremum.width),
         infinite: extremum.gain == Gain::Infinite,
@@ -155,13 +159,20 @@ fn each_line(system: &LinearSystem, table: &Table, mut take: impl FnMut(&str, &s
 fn line(row: &Row, gain: Gain) -> Line {
     let disc = gain.disc();
     let [re, im] = disc.map_or([JsonNumber::NULL; 2], |disc| disc.parts().map(JsonNumber::from_enclosure));
+    let size = disc.map(|disc| disc.gain());
+    // 20 log10 of a gain that may be zero has no lower end: its bound is 8.7 times the relative one or more.
+    let [gain_db, gain_db_error_bound] = JsonNumber::with_absolute_bound(disc.and_then(|disc| disc.level()), 8.6);
+    let [phase_deg, phase_error_bound] = JsonNumber::phase(disc.and_then(|disc| disc.phase()));
     Line {
         frequency_hz: JsonNumber::number(&row.frequency),
         re,
         im,
-        gain: JsonNumber::of(disc.map(|disc| disc.gain())),
-        gain_db: JsonNumber::of(disc.and_then(|disc| disc.level())),
-        phase_deg: JsonNumber::of(disc.and_then(|disc| disc.phase())),
+        gain: JsonNumber::of(size),
+        gain_error_bound: size.map_or(JsonNumber::NULL, JsonNumber::relative_bound),
+        gain_db,
+        gain_db_error_bound,
+        phase_deg,
+        phase_error_bound,
         error_bound: disc.map_or(JsonNumber::NULL, |disc| JsonNumber::bound(disc.error_bound())),
         infinite: gain == Gain::Infinite,
     }

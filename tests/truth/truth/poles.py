@@ -170,6 +170,9 @@ def one(pole, other, around, tally):
         tally.relative("modulus of a pole", pole["omega"], pole["error_bound"], size)
         turns = min((abs(s) / (2 * pi()) for s in around), key=lambda z: float(abs(z - pole["frequency_hz"]).mid()))
         tally.relative("frequency of a pole", pole["frequency_hz"], pole["error_bound"], turns)
+        damped = pole["damped_frequency_hz"]
+        turns = min((abs(s.imag) / (2 * pi()) for s in around), key=lambda z: float(abs(z - damped).mid()))
+        tally.relative("damped frequency of a pole", damped, pole["damped_frequency_error_bound"], turns, size / (2 * pi()))
     if pole["kind"] == "undetermined":
         tally.refuse("kind of pole")
         return

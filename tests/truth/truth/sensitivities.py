@@ -93,7 +93,7 @@ def check(net, program, tally, rng):
             continue
         true = slope / (4 * pi() * square.sqrt())
         tally.relative("derivative of a frequency", mode["derivative"], mode["error_bound"], true)
-        if mode.get("relative_error_bound") is not None:
+        if mode["relative_error_bound"] is not None:
             tally.relative("relative derivative", mode["relative"], mode["relative_error_bound"], slope * p / (2 * square))
     poles = [s for s in true_poles(net) if s.imag >= 0]
     turns = derivatives(net, damped, poles)

@@ -142,9 +142,10 @@ def compare_value(row, truth, tally):
     tally.relative("transfer value", (row["re"], row["im"]), row["error_bound"], truth)
     if row["error_bound"] is None:
         return
-    tally.relative("gain", row["gain"], row.get("gain_error_bound", row["error_bound"]), abs(truth))
+    tally.relative("gain", row["gain"], row["gain_error_bound"], abs(truth))
     if truth == 0 or truth.contains(0) or row["phase_deg"] is None:
         return
+    tally.absolute("level", row["gain_db"], row["gain_db_error_bound"], 20 * abs(truth).log() / arb(10).log())
     phase(tally, "phase", row["phase_deg"], row.get("phase_error_bound"), row["error_bound"], truth)
 
 
