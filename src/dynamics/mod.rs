@@ -193,7 +193,7 @@ fn relative_to_bases(
     );
     let found = Diagnostic::warning(Code::model("vib::damping::base"), damping, message);
     Some(found.with_related(base.span, "it moves relative to the ground").help(
-        "springs that hold every motion make it known; or write dampers: `damper d: base -- body { c = 1 N*s/m }`",
+        "it is known where springs hold every motion and all numbers at the rest are rational; or write dampers: `damper d: base -- body { c = 1 N*s/m }`",
     ))
 }
 
@@ -225,7 +225,7 @@ fn rayleigh_relative_to_bases(
             span,
             format!("the part of this damping by masses acts against the ground, since it is not known what follows the base `{name}` statically"),
         )
-        .help("springs that hold every motion make it known; or write dampers: `damper d: base -- body { c = 1 N*s/m }`"),
+        .help("it is known where springs hold every motion and all numbers at the rest are rational; or write dampers: `damper d: base -- body { c = 1 N*s/m }`"),
         _ => Diagnostic::note(
             code,
             span,
