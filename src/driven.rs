@@ -105,7 +105,7 @@ mod tests {
                 let dynamics = crate::dynamics(&sources, model, &Overrides::default()).answer.expect("a model");
                 let poles = dynamics.poles_for(&sweep).expect("no error").expect("few coordinates");
                 let methods = Methods::of(&dynamics.system, dynamics.modes.as_ref().expect("modes"));
-                for row in analysis::table(&methods, &poles, &sweep).rows {
+                for row in analysis::table(&methods, &poles, &sweep).expect("a small table").rows {
                     let omega = 2.0 * std::f64::consts::PI * row.frequency.to_f64();
                     let gain = row.gains[0][0].disc().expect("finite").gain().to_f64();
                     let truth = 1.0 / ((100.0 - omega * omega).powi(2) + (2.0 * omega).powi(2)).sqrt();

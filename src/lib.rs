@@ -429,6 +429,11 @@ pub fn simulate_with_noise(
 ) -> Outcome<Motion> {
     Outcome::of(|diagnostics| {
         let reading = reading::read_and_solve(sources, model, overrides, times.last(), diagnostics)?;
+        let outputs = &reading.scene.scene().outputs;
+        let few = outputs.first().map(|first| analysis::refuse_too_many(times.len(), outputs.len(), first.span));
+        if let Some(Err(error)) = few {
+            return push_error(&error, diagnostics);
+        }
         dynamics::refuse_losses(&reading.scene, diagnostics)?;
         let written = dynamics::lower_written_out(&reading.scene, diagnostics)?;
         let drives = dynamics::drives(&reading.scene, diagnostics)?;

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
 use terminal::{columns, report_defect, report_error, show, terminal_columns, write_to};
-use vibc::analysis::{self, Methods, Modes, Sweep, Table};
+use vibc::analysis::{self, AnalysisError, Methods, Modes, Sweep, Table};
 use vibc::answers::report;
 use vibc::backend::{self, ReportOptions, diagnostics};
 use vibc::base::{SourceFile, SourceKind, Sources};
@@ -220,8 +220,12 @@ fn transfer(options: &Transfer, messages: &Messages) -> Status {
     }
     let around = analysis::table_around(&dynamics.system, &sweep);
     let table = match around {
-        Some(table) => table,
-        None => match table_of_all(&mut dynamics, &sweep, &input.sources, messages) {
+        Ok(Some(table)) => table,
+        Err(error) => {
+            show(&input.sources, vec![error.to_diagnostic()], messages);
+            return Status::Limit;
+        }
+        Ok(None) => match table_of_all(&mut dynamics, &sweep, &input.sources, messages) {
             Ok(table) => table,
             Err(status) => return status,
         },
@@ -253,10 +257,11 @@ fn table_of_all(
         dynamics.modes = analysis::modes_of_many(&dynamics.system);
     }
     let system = &dynamics.system;
-    let poles = dynamics.poles_for(sweep).map_err(|error| {
+    let refused = |error: AnalysisError| {
         show(sources, vec![error.to_diagnostic()], messages);
         Status::Limit
-    })?;
+    };
+    let poles = dynamics.poles_for(sweep).map_err(refused)?;
     if poles.is_none() && sweep.range.is_none() {
         report_error(&match system.losses.is_some() {
             true => "the poles with these loss factors are not found: give the frequencies with `--range` or `--at`"
@@ -269,7 +274,7 @@ fn table_of_all(
     }
     let no_modes = Modes::default();
     let modes = dynamics.modes.as_ref().filter(|_| poles.is_some()).unwrap_or(&no_modes);
-    Ok(analysis::table(&Methods::of(system, modes), &poles.unwrap_or_default(), sweep))
+    analysis::table(&Methods::of(system, modes), &poles.unwrap_or_default(), sweep).map_err(refused)
 }
 
 /// The indices of the requested names, or of all names.

@@ -149,7 +149,7 @@ impl Overview {
             return None;
         }
         let sweep = Sweep { inputs: (0..inputs).collect(), outputs: (0..outputs).collect(), ..Sweep::default() };
-        let table = analysis::table(&Methods::of(system, modes), poles, &sweep);
+        let table = analysis::table(&Methods::of(system, modes), poles, &sweep).ok()?;
         let pencil = Pencil::of(system);
         let parts = pencil.as_ref().and_then(|pencil| Parts::of(system, modes, poles, pencil));
         let curve = |i: usize, o: usize| {
@@ -188,6 +188,13 @@ impl Overview {
         let drives = dynamics::drives(&reading.scene, &mut quiet)?;
         let own = &written.lowered.system;
         if drives.iter().all(Vec::is_empty) && own.initial.is_empty() {
+            return None;
+        }
+        let outputs = &reading.scene.scene().outputs;
+        if outputs
+            .first()
+            .is_some_and(|first| analysis::refuse_too_many(SAMPLES as usize + 1, outputs.len(), first.span).is_err())
+        {
             return None;
         }
         let until = until.cloned().or_else(|| analysis::peak::usual_time(&self.answer.poles, &drives))?;

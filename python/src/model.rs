@@ -209,15 +209,17 @@ impl Model {
             frequencies.iter().map(|f| Ok(Frequency::hertz(&self.number(*f)?))).collect::<PyResult<_>>()?;
         let (found, json, drawn) = py.detach(|| {
             let dynamics = self.dynamics.get_or_init(|| vibc::dynamics(&self.sources, self.file, &self.overrides));
-            let found = dynamics.answer.as_ref().map(|dynamics| {
+            let mut findings = dynamics.diagnostics.clone();
+            let found = dynamics.answer.as_ref().and_then(|dynamics| {
                 let modes = dynamics.modes.clone().unwrap_or_default();
                 let sweep = Sweep { at, inputs: vec![input], outputs: vec![output], ..Sweep::default() };
                 let poles = dynamics.poles_for(&sweep).ok().flatten().unwrap_or_default();
                 let table = vibc::transfer_table(&Methods::of(&dynamics.system, &modes), &poles, &sweep);
+                let table = table.map_err(|error| findings.push(error.to_diagnostic())).ok()?;
                 let gains = table.rows.iter().map(|row| row.gains[0][0]);
-                gains.map(value_and_bound).unzip::<_, _, Vec<Complex64>, Vec<f64>>()
+                Some(gains.map(value_and_bound).unzip::<_, _, Vec<Complex64>, Vec<f64>>())
             });
-            told(found, &self.sources, &dynamics.diagnostics)
+            told(found, &self.sources, &findings)
         });
         let found = found.map(|(values, bounds)| (PyArray1::from_vec(py, values), PyArray1::from_vec(py, bounds)));
         Ok((found, json, drawn))

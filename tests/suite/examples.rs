@@ -68,7 +68,7 @@ fn every_example_has_its_transfer_table() {
             ..Sweep::default()
         };
         let poles = dynamics.poles_for(&sweep).expect("no error").unwrap_or_default();
-        let table = table(&Methods::of(system, &modes), &poles, &sweep);
+        let table = table(&Methods::of(system, &modes), &poles, &sweep).expect("a small table");
         insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
             insta::assert_snapshot!(format!("transfer_{stem}"), without_noise(&report::all_laid_out(&answers::report::transfer(&dynamics.model, system, &table), report::WIDTH)));
         });

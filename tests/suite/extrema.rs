@@ -17,7 +17,7 @@ fn table_of(system: &LinearSystem, range: Option<(&str, &str)>) -> Table {
     let range = range.map(|(low, high)| (Number::from(low), Number::from(high)));
     let last = system.outputs.len() - 1;
     let sweep = Sweep { range, inputs: vec![0], outputs: vec![last], ..Sweep::default() };
-    analysis::table(&Methods::of(system, &modes), &poles, &sweep)
+    analysis::table(&Methods::of(system, &modes), &poles, &sweep).expect("a small table")
 }
 
 fn extrema_of(text: &str, range: Option<(&str, &str)>) -> Extrema {

@@ -412,6 +412,73 @@ fn a_transfer_function_of_deep_links_is_refused_before_it_is_summed() {
     assert_eq!((found.len(), found[0]["code"].as_str()), (1, Some("vib::limit::depth")));
 }
 
+/// One body with this many forces and outputs.
+fn of_many(forces: usize, outputs: usize) -> String {
+    format!(
+        "body a {{ mass = 1 kg, moves x }}\nspring s: ground -- a {{ k = 100 N/m }}\ndamper d: ground -- a {{ c = 2 N*s/m }}\n\
+         repeat i in 1..{forces} {{ force F[i]: a along x }}\nrepeat i in 1..{outputs} {{ output y[i] = a.x }}\n"
+    )
+}
+
+/// The message and the help of the only finding of a run, which has the code for too many values.
+fn too_many_values(model: &str, arguments: &[&str]) -> [String; 2] {
+    let refused = run(&[arguments, &[model, "--message-format", "json"]].concat());
+    assert_eq!(status(&refused), 4, "{}", messages(&refused));
+    let found = findings(&refused);
+    assert_eq!((found.len(), found[0]["code"].as_str()), (1, Some("vib::limit::values")));
+    ["message", "help"].map(|field| found[0][field].as_str().expect("text").to_string())
+}
+
+#[test]
+fn a_transfer_table_that_would_not_fit_is_refused_with_its_size() {
+    let folder = folder();
+    let model = write(folder.path(), "m.vib", of_many(700, 700));
+    let at_one = too_many_values(&model, &["transfer", "--at", "1Hz"]);
+    assert_eq!(
+        at_one,
+        [
+            "a table of 490000 pairs of inputs and outputs at 1 frequency is too large: at most 363636 fit there",
+            "choose inputs by `--from` and outputs by `--to`, or ask for fewer frequencies by `--points` or `--at`",
+        ]
+    );
+    // One pair of it is a table like any other.
+    let one = run(&["transfer", "--from", "F[1]", "--to", "y[1]", "--at", "1Hz", &model]);
+    assert_eq!(status(&one), 0, "{}", messages(&one));
+    let small = write(folder.path(), "m.vib", of_many(20, 20));
+    let grid = ["transfer", "--range", "1Hz..9Hz", "--points", "10000", "--format", "csv"];
+    assert!(too_many_values(&small, &grid)[0].starts_with("a table of 400 pairs of inputs and outputs at 10000 freq"));
+    // The grid of its own has more than 200 frequencies, where fewer pairs fit; a report needs the extrema alone.
+    let model = write(folder.path(), "m.vib", of_many(140, 140));
+    let own = too_many_values(&model, &["transfer", "--format", "csv"]);
+    assert!(own[0].starts_with("a table of 19600 pairs of inputs and outputs at 2"), "{}", own[0]);
+}
+
+/// Regression: each pair had a row for its peak, with a value for every pair, although all pairs have it in one place.
+#[test]
+fn peaks_in_one_place_are_one_row() {
+    let folder = folder();
+    let model = write(folder.path(), "m.vib", of_many(3, 3));
+    let table = run(&["transfer", "--format", "csv", &model]);
+    let text = String::from_utf8(table.stdout).expect("text");
+    let mut hertz: Vec<&str> = text.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+    let all = hertz.len();
+    hertz.dedup();
+    assert_eq!(all, 9 * hertz.len());
+}
+
+#[test]
+fn a_motion_that_would_not_fit_is_refused_with_its_size() {
+    let folder = folder();
+    let model = write(folder.path(), "m.vib", of_many(1, 2000));
+    assert_eq!(
+        too_many_values(&model, &["simulate", "--until", "100s", "--step", "10ms"]),
+        [
+            "2000 outputs at 10001 times are 20002000 values; the limit is 20000000",
+            "use a longer `--step` or a shorter `--until`, or declare fewer outputs",
+        ]
+    );
+}
+
 /// Regression: from 16 coordinates on, a motion without outputs waited for samples that nothing made.
 #[test]
 fn a_motion_without_outputs_ends_with_a_message() {

@@ -141,7 +141,7 @@ fn transfer_of(name: &str, model: &str, spoil: impl Fn(&mut Extrema)) -> Vec<Rep
     let modes = dynamics.modes.clone().expect("modes");
     let sweep = Sweep { inputs: vec![0], outputs: vec![0], ..Sweep::default() };
     let poles = dynamics.poles_for(&sweep).expect("no error").expect("poles");
-    let mut table = analysis::table(&Methods::of(&dynamics.system, &modes), &poles, &sweep);
+    let mut table = analysis::table(&Methods::of(&dynamics.system, &modes), &poles, &sweep).expect("a small table");
     table.extrema.iter_mut().flatten().flatten().for_each(spoil);
     report::transfer(&dynamics.model, &dynamics.system, &table)
 }

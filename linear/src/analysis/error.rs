@@ -65,6 +65,20 @@ pub enum AnalysisError {
         input: String,
         at: Span,
     },
+    /// A motion at so many times has too many values.
+    TooManySamples {
+        times: usize,
+        outputs: usize,
+        limit: usize,
+        at: Span,
+    },
+    /// A table of so many pairs of inputs and outputs has too many values: `most` pairs fit.
+    TooManyPairs {
+        pairs: usize,
+        frequencies: usize,
+        most: usize,
+        at: Span,
+    },
     /// A prescribed motion has an impulse: the base's name.
     ImpulseOnBase {
         input: String,
@@ -192,6 +206,9 @@ impl AnalysisError {
             AnalysisError::SignalTooLong { .. } | AnalysisError::NeverRepeats { .. } => {
                 Code::limit("vib::limit::signal")
             }
+            AnalysisError::TooManySamples { .. } | AnalysisError::TooManyPairs { .. } => {
+                Code::limit("vib::limit::values")
+            }
             AnalysisError::ImpulseOnBase { .. } => Code::model("vib::signal::base_impulse"),
             AnalysisError::MotionOutOfRange { .. }
             | AnalysisError::CodeOutOfRange { .. }
@@ -219,6 +236,8 @@ impl AnalysisError {
             | AnalysisError::TooManyStates { at, .. }
             | AnalysisError::SignalTooLong { at, .. }
             | AnalysisError::NeverRepeats { at, .. }
+            | AnalysisError::TooManySamples { at, .. }
+            | AnalysisError::TooManyPairs { at, .. }
             | AnalysisError::ImpulseOnBase { at, .. }
             | AnalysisError::MotionOutOfRange { at }
             | AnalysisError::CodeOutOfRange { at, .. }
@@ -278,6 +297,21 @@ impl AnalysisError {
             AnalysisError::SignalTooLong { input, .. } => (
                 format!("the signal of `{input}` has too many cycles to compute"),
                 "shorten its duration, lower its frequencies, or ask for a shorter time",
+            ),
+            AnalysisError::TooManySamples { times, outputs, limit, .. } => (
+                format!(
+                    "{outputs} outputs at {times} times are {} values; the limit is {limit}",
+                    outputs.saturating_mul(*times)
+                ),
+                "use a longer `--step` or a shorter `--until`, or declare fewer outputs",
+            ),
+            AnalysisError::TooManyPairs { pairs, frequencies, most, .. } => (
+                format!(
+                    "a table of {pairs} pairs of inputs and outputs at {frequencies} {} is too large: at most {most} {} there",
+                    if *frequencies == 1 { "frequency" } else { "frequencies" },
+                    if *most == 1 { "fits" } else { "fit" },
+                ),
+                "choose inputs by `--from` and outputs by `--to`, or ask for fewer frequencies by `--points` or `--at`",
             ),
             AnalysisError::ImpulseOnBase { input, .. } => (
                 format!("`{input}` is a prescribed motion, and an impulse of it would need infinite forces"),

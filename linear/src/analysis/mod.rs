@@ -56,7 +56,7 @@ pub use poles::feedback::{Feedback, WeighedRow};
 pub use poles::poles;
 pub use poles::residues::Residues;
 pub use random::{Noisy, Peak, Spread};
-pub use response::{History, MOST_SAMPLES, grid, respond, respond_with, samples};
+pub use response::{History, MOST_SAMPLES, grid, refuse_too_many, respond, respond_with, samples};
 pub use stability::is_passive;
 pub use stability::{Reason, Stability, Verdict, stability};
 pub use steady::{Steady, steady, steady_alone};

@@ -45,7 +45,7 @@ pub const PAGES: &[Page] = pages! {
     input: direction_unknown no_effect;
     joint: direction ends_apart equal_ends no_place;
     law: and_coefficient force_at_rest kink no_tangent table tangent undefined;
-    limit: depth loops loss massless modes range repeat signal states tolerance transfer;
+    limit: depth loops loss massless modes range repeat signal states tolerance transfer values;
     loop: conflict rank_drop redundant;
     mass: indefinite missing singular;
     measure: arguments input mode output unknown value;

@@ -24,7 +24,7 @@ use crate::analysis::response::exponential::growth;
 use crate::analysis::response::propagator::{StateSpace, dense};
 use crate::analysis::response::signal::order;
 use crate::analysis::response::trail::Trail;
-use crate::base::{Ball, Dd, Number, OrderBy, Power, up};
+use crate::base::{Ball, Dd, Number, OrderBy, Power, Span, up};
 use crate::kernel::dense::enclosure::norm_bound;
 use crate::kernel::dense::{Matrix, add_scaled};
 use crate::system::{LinearSystem, Signal};
@@ -157,6 +157,18 @@ fn respond_by_matrix_exponential(
 
 /// A request for more samples than this is probably a mistake.
 pub const MOST_SAMPLES: f64 = 4e6;
+
+/// The values of a motion, all outputs together: each takes 24 bytes as an enclosure, twice that beside noise, and up to 80
+/// more as text, so that this many take 1 to 2 GB.
+pub const MOST_VALUES: usize = 20_000_000;
+
+/// An error if a motion has more values than fit into memory. `at`: an output of the model.
+pub fn refuse_too_many(times: usize, outputs: usize, at: Span) -> Result<(), AnalysisError> {
+    match times.saturating_mul(outputs) > MOST_VALUES {
+        true => Err(AnalysisError::TooManySamples { times, outputs, limit: MOST_VALUES, at }),
+        false => Ok(()),
+    }
+}
 
 /// Number of sample times.
 pub fn samples(until: &Number, step: &Number) -> u64 {

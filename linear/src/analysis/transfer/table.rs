@@ -48,11 +48,39 @@ impl Sweep {
         self.at.is_empty() && (self.points.is_none() || self.range.is_none())
     }
 
+    /// An error if a table with this many rows does not fit into memory.
+    fn refuse_too_large(&self, system: &LinearSystem, rows: usize) -> Result<(), AnalysisError> {
+        let pairs = self.inputs.len().saturating_mul(self.outputs.len());
+        let most = MOST_VALUES / rows.saturating_add(OF_A_PAIR + system.n() / 2).max(1);
+        match self.inputs.first().filter(|_| pairs > most) {
+            Some(&input) => {
+                let at = system.inputs[input].span;
+                Err(AnalysisError::TooManyPairs { pairs, frequencies: rows, most, at })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The rows that the table has for certain, before poles and extrema are known.
+    fn least_rows(&self) -> usize {
+        match self.points {
+            _ if !self.at.is_empty() => self.at.len(),
+            Some(points) => points,
+            None => 2,
+        }
+    }
+
     /// Whether extrema are looked for: then no grid is given.
     pub fn finds_extrema(&self) -> bool {
         self.at.is_empty() && self.points.is_none()
     }
 }
+
+/// The values of a table, each 48 bytes as an enclosure and up to 500 as the text of a report: 1 to 2 GB for this many.
+const MOST_VALUES: usize = 4_000_000;
+/// A pair takes as much memory as this many values for what is prepared and what is said of it, and half a value for each
+/// coordinate, of whose modes it has the residues.
+const OF_A_PAIR: usize = 10;
 
 /// A frequency and its values.
 #[derive(Clone, Debug)]
@@ -191,7 +219,12 @@ pub fn modes_of_many(system: &LinearSystem) -> Option<Modes> {
 
 /// A table whose range holds few of the poles of a larger system: all of its extrema at the cost of what is in and around the range.
 /// `None` where they are not proved so.
-pub fn table_around(system: &LinearSystem, sweep: &Sweep) -> Option<Table> {
+pub fn table_around(system: &LinearSystem, sweep: &Sweep) -> Result<Option<Table>, AnalysisError> {
+    sweep.refuse_too_large(system, sweep.least_rows())?;
+    enclose_around(system, sweep).transpose()
+}
+
+fn enclose_around(system: &LinearSystem, sweep: &Sweep) -> Option<Result<Table, AnalysisError>> {
     let suits = sweep.finds_extrema() && system.losses.is_none() && system.n() > ALL_AT_HAND;
     let (low, high) = sweep.range.as_ref().filter(|_| suits)?;
     let [low_omega, high_omega] = [low, high].map(|hertz| Frequency::hertz(hertz).omega);
@@ -217,12 +250,16 @@ pub fn table_around(system: &LinearSystem, sweep: &Sweep) -> Option<Table> {
         true => vec![low.clone(), high.clone()],
         false => grid_about((low, high), surroundings.poles().map(|s| [s.re.to_f64(), s.im.to_f64()]), sweep),
     };
-    let at: Vec<Frequency> = at.iter().map(Frequency::hertz).collect();
-    let mut rows = methods.rows(&pairs, sweep, &at);
-    if !sweep.features_only {
-        add_rows(&methods, &pairs, sweep, &extrema, &mut rows);
-    }
-    Some(Table { inputs, outputs, rows, extrema: Some(extrema) })
+    let rows = || {
+        sweep.refuse_too_large(system, at.len())?;
+        let at: Vec<Frequency> = at.iter().map(Frequency::hertz).collect();
+        let mut rows = methods.rows(&pairs, sweep, &at);
+        if !sweep.features_only {
+            add_rows(&methods, &pairs, sweep, &extrema, &mut rows)?;
+        }
+        Ok(rows)
+    };
+    Some(rows().map(|rows| Table { inputs, outputs, rows, extrema: Some(extrema) }))
 }
 
 /// Up to this many coordinates, all poles take no longer than those around a range.
@@ -235,29 +272,41 @@ const BEYOND: f64 = 0.05;
 type Pairs<'a> = Vec<Vec<Pair<'a>>>;
 
 /// Computes a table. The poles may be those of nothing where it [has no use for them](Sweep::needs_poles).
-pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Table {
+pub fn table(methods: &Methods, poles: &Poles, sweep: &Sweep) -> Result<Table, AnalysisError> {
+    let system = methods.system;
+    sweep.refuse_too_large(system, sweep.least_rows())?;
     let refined = sweep.finds_extrema() && methods.system.losses.is_none();
     let pairs = methods.pairs(poles, sweep, refined);
     let (inputs, outputs) = (sweep.inputs.clone(), sweep.outputs.clone());
     if !refined {
-        let rows = later_modes::rows(methods, &pairs, sweep, &frequencies(poles, sweep));
-        return Table { inputs, outputs, rows, extrema: None };
+        let at = frequencies(poles, sweep);
+        sweep.refuse_too_large(system, at.len())?;
+        let rows = later_modes::rows(methods, &pairs, sweep, &at);
+        return Ok(Table { inputs, outputs, rows, extrema: None });
     }
     let range = sweep.range.clone().unwrap_or_else(|| default_range(poles));
     let from_roots = from_roots(methods, poles, sweep, &pairs, &range);
     if sweep.features_only && from_roots.iter().flatten().all(Extrema::is_complete) {
         let ends = [&range.0, &range.1].map(Frequency::hertz);
         let rows = methods.rows(&pairs, sweep, &ends);
-        return Table { inputs, outputs, rows, extrema: Some(from_roots) };
+        return Ok(Table { inputs, outputs, rows, extrema: Some(from_roots) });
     }
-    let mut rows = methods.rows(&pairs, sweep, &frequencies(poles, sweep));
+    let at = frequencies(poles, sweep);
+    sweep.refuse_too_large(system, at.len())?;
+    let mut rows = methods.rows(&pairs, sweep, &at);
     let extrema = beside_brackets(methods, poles, sweep, &pairs, &rows, from_roots);
-    add_rows(methods, &pairs, sweep, &extrema, &mut rows);
-    Table { inputs, outputs, rows, extrema: Some(extrema) }
+    add_rows(methods, &pairs, sweep, &extrema, &mut rows)?;
+    Ok(Table { inputs, outputs, rows, extrema: Some(extrema) })
 }
 
-/// Adds rows at the extrema.
-fn add_rows(methods: &Methods, pairs: &Pairs, sweep: &Sweep, extrema: &[Vec<Extrema>], rows: &mut Vec<Row>) {
+/// Adds rows at the extrema, each of which has one value for every pair.
+fn add_rows(
+    methods: &Methods,
+    pairs: &Pairs,
+    sweep: &Sweep,
+    extrema: &[Vec<Extrema>],
+    rows: &mut Vec<Row>,
+) -> Result<(), AnalysisError> {
     // A value next to an undamped pole may need an inverse of its own: one row is enough where |H| is infinite.
     let has_row = |extremum: &Extremum| {
         let hertz = extremum.frequency.to_f64();
@@ -267,12 +316,17 @@ fn add_rows(methods: &Methods, pairs: &Pairs, sweep: &Sweep, extrema: &[Vec<Extr
     let at = extrema.iter().flatten().flat_map(|extrema| &extrema.list).filter(|extremum| !has_row(extremum));
     // The binary64 number that is printed: next to a lightly damped pole |H| differs there from the value at the
     // peak itself.
-    let more = at
-        .filter_map(|extremum| from_f64(extremum.frequency.to_f64()))
+    let mut hertz: Vec<f64> = at.map(|extremum| extremum.frequency.to_f64()).collect();
+    // Pairs of one part have their peaks at the same frequencies.
+    hertz.sort_by(f64::total_cmp);
+    hertz.dedup();
+    sweep.refuse_too_large(methods.system, rows.len() + hertz.len())?;
+    let more = (hertz.into_iter().filter_map(from_f64))
         .map(|hertz| Row { gains: methods.gains(pairs, sweep, &Frequency::hertz(&hertz)), frequency: hertz });
     let more: Vec<Row> = more.collect();
     rows.extend(more);
     sort(rows);
+    Ok(())
 }
 
 /// Whether a value is known to a relative error.
