@@ -217,9 +217,10 @@ struct Wave<'a> {
     phase: &'a Number,
 }
 
-/// A length of at most `most` that divides the step, or the duration.
+/// A length of at most `most` that divides the step, or the duration where no whole step fits into that: the rest of a longer
+/// step has no pieces, however long it is.
 fn pieces_length(duration: &Number, step: Option<&Number>, most: f64) -> Result<Number, TooManyPieces> {
-    let whole = step.unwrap_or(duration);
+    let whole = step.filter(|step| order(step, duration) == Ordering::Less).unwrap_or(duration);
     let parts = (whole.to_f64() / most).ceil().max(1.0);
     if parts < MOST_PIECES as f64 { Ok(whole / &Number::from(parts as i64)) } else { Err(TooManyPieces) }
 }
@@ -421,6 +422,27 @@ mod tests {
         }
         // Without the remainder, the bound would be violated by far.
         assert!(largest.iter().all(|share| *share > 1e-5), "{largest:?}");
+    }
+
+    /// A step of the motion that is longer than the signal is not divided: most of it would be pieces of nothing.
+    #[test]
+    fn a_signal_has_no_more_pieces_for_a_long_step() {
+        let chirp = |step: &str| {
+            let signal = Signal::Chirp {
+                value: Number::from("3"),
+                from: Number::from("1"),
+                to: Number::from("5"),
+                duration: Number::from("10"),
+                at: Number::ZERO,
+                phase: Number::ZERO,
+            };
+            match Source::of(&signal, Some(&Number::from(step)), None) {
+                Ok(Source::Pieces { pieces, .. }) => pieces.len(),
+                other => panic!("{other:?}"),
+            }
+        };
+        let own = chirp("10");
+        assert_eq!(["11", "1e4", "1e9"].map(chirp), [own; 3]);
     }
 
     #[test]
