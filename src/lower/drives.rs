@@ -8,8 +8,19 @@ use crate::model::CheckedScene;
 use crate::model::scene::{self, Input, InputKind};
 use crate::system::{Course, Noise, Signal, Table};
 
+/// The rows of the tables of all inputs together: in a motion each takes some 350 bytes, so these some 1.4 GB. A delayed input
+/// has rows of its own, since they come at other times.
+const MOST_ROWS: usize = 4_000_000;
+
 /// The signals that drive each input. A constant load is part of the rest and drives nothing.
 pub fn drives(scene: &CheckedScene) -> Result<Vec<Vec<Signal>>, LowerError> {
+    let inputs = &scene.scene().inputs;
+    let rows: usize = inputs.iter().map(rows_of).sum();
+    if rows > MOST_ROWS
+        && let Some(longest) = inputs.iter().max_by_key(|input| rows_of(input))
+    {
+        return Err(LowerError::TooManyRows { span: longest.span, rows, limit: MOST_ROWS });
+    }
     scene.scene().inputs.iter().map(of_input).collect()
 }
 
@@ -89,6 +100,15 @@ fn without_delay(signal: &scene::Signal) -> Vec<(&scene::Signal, Option<&Number>
         scene::Signal::Delayed { by, signals, .. } => signals.iter().map(|signal| (signal, Some(by))).collect(),
         signal => vec![(signal, None)],
     }
+}
+
+/// The rows of the tables of an input.
+fn rows_of(input: &Input) -> usize {
+    let of = |signal: &scene::Signal| match signal {
+        scene::Signal::Table { rows, .. } => rows.as_ref().map_or(0, |rows| rows.times.len()),
+        _ => 0,
+    };
+    input.signal.iter().flat_map(without_delay).map(|(signal, _)| of(signal)).sum()
 }
 
 fn of_signal(signal: &scene::Signal, course: Course) -> Result<Option<Signal>, LowerError> {

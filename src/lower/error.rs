@@ -25,6 +25,8 @@ pub const RANK_DROP: Code = Code::model("vib::loop::rank_drop");
 pub const REDUNDANT: Code = Code::model("vib::loop::redundant");
 /// More row entries than fit into memory.
 pub const TOO_DEEP: Code = Code::limit("vib::limit::depth");
+/// More rows of tables than fit into memory.
+const TOO_MANY_ROWS: Code = Code::limit("vib::limit::values");
 /// Too many coordinates in closed loops to search for a rest.
 pub const LARGE_LOOP: Code = Code::limit("vib::limit::loops");
 /// No static rest.
@@ -88,6 +90,12 @@ pub enum LowerError {
     },
     TableUnread {
         span: Span,
+    },
+    /// The tables of all inputs together have so many rows, those of delayed inputs included.
+    TooManyRows {
+        span: Span,
+        rows: usize,
+        limit: usize,
     },
     SpeedMissing {
         span: Span,
@@ -179,6 +187,13 @@ impl LowerError {
             LowerError::Loop { joints, why } => closed_loop(joints, *why),
             LowerError::TableUnread { span } => Diagnostic::error(TABLE_UNREADABLE, *span, "this table was not read")
                 .help("name fewer different tables in one model"),
+            LowerError::TooManyRows { span, rows, limit } => {
+                let message = format!(
+                    "the tables that drive all inputs have {rows} rows, counted anew for each delayed input; the limit is {limit}"
+                );
+                Diagnostic::error(TOO_MANY_ROWS, *span, message)
+                    .help("leave out rows of the table, or inputs that delay it")
+            }
             LowerError::SpeedMissing { span } => {
                 Diagnostic::error(SPEED_MISSING, *span, "a motion in time needs the speed of this unbalance")
                     .help("write it in the braces, as in `speed = 3000 rpm`")

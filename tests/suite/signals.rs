@@ -29,6 +29,45 @@ fn put(folder: &TempDir, name: &str, text: &str) {
     fs::write(folder.path().join(name), text).expect("a file");
 }
 
+/// Regression: a chirp or a half sine that is short beside a step had "too many cycles", as if it lasted all the step.
+#[test]
+fn a_short_signal_ends_in_a_long_step() {
+    for signal in ["chirp(1 N, 1 Hz, 9 Hz, 5 s)", "half_sine(1 N, 0.1 s, 0.3 s)"] {
+        let model = format!(
+            "body b {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = 100 N/m }}\n\
+             damper d: ground -- b {{ c = 1e-4 N*s/m }}\nforce F: b along x = {signal}\noutput x = b.x\n"
+        );
+        let last = |step: &str| {
+            let rows = simulated(&model, &[], &["--until", "40000s", "--step", step, "--format", "csv"]);
+            rows.last().expect("a row")[1]
+        };
+        let (short, long) = (last("400s"), last("40000s"));
+        assert!(short != 0.0 && (long / short - 1.0).abs() < 1e-9, "{signal}: {long} {short}");
+    }
+}
+
+/// Delayed inputs have the rows of their table at other times, so that they take memory for each.
+#[test]
+fn rows_of_delayed_tables_count_for_each_input() {
+    let model = |inputs: u32| {
+        format!(
+            "body b {{ mass = 1 kg, moves x }}\nspring s: ground -- b {{ k = 100 N/m }}\n\
+             force F[1]: b along x = table(\"t.csv\", 1 N)\n\
+             repeat i in 2..{inputs} {{ force F[i]: b along x = delayed(F[i-1], 1 s) }}\noutput x = b.x\n"
+        )
+    };
+    let rows: String = (0..50_000).map(|i| format!("{i},{}\n", i % 7)).collect();
+    let tables = [("t.csv", rows.as_str())];
+    let refused = ran(&model(81), &tables, &["simulate", "--until", "1s", "--step", "1s", "--message-format", "json"]);
+    assert_eq!(refused.status.code(), Some(4));
+    let found: serde_json::Value = serde_json::from_slice(&refused.stderr).expect("one finding");
+    assert_eq!(found["code"], "vib::limit::values");
+    assert_eq!(
+        found["message"],
+        "the tables that drive all inputs have 4050000 rows, counted anew for each delayed input; the limit is 4000000"
+    );
+}
+
 /// The first finding of a model, as its code.
 pub fn code(model: &str, tables: &[(&str, &str)]) -> String {
     let output = ran(model, tables, &["check", "--message-format", "json"]);
