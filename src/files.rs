@@ -42,14 +42,28 @@ pub fn open<'a>(
     Ok(input)
 }
 
-/// Refuses to overwrite a file that the run reads.
+/// Refuses to overwrite a file that the run reads, or to write two outputs to one file.
 pub fn refuse_overwriting<'a>(
     input: &Input,
     model: &Path,
     overrides: &OverrideOptions,
     outputs: impl IntoIterator<Item = &'a PathBuf>,
 ) -> Result<(), Status> {
+    let mut written: Vec<PathBuf> = Vec::new();
     for output in outputs {
+        // Before they are written, files are told apart by their folders and names.
+        let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let file = fs::canonicalize(folder).ok().zip(output.file_name()).map(|(folder, name)| folder.join(name));
+        if let Some(file) = file.map(|file| fs::canonicalize(&file).unwrap_or(file)).filter(|file| !is_stream(file)) {
+            if written.contains(&file) {
+                report_error(&format!(
+                    "`{}` is to be written twice: the second would replace the first",
+                    output.display()
+                ));
+                return Err(Status::Usage);
+            }
+            written.push(file);
+        }
         let Ok(target) = fs::canonicalize(output) else { continue };
         // A name that is not valid text is in the sources only in displayable form, so the paths are compared too; tables
         // are only in the sources.
@@ -61,6 +75,11 @@ pub fn refuse_overwriting<'a>(
         }
     }
     Ok(())
+}
+
+/// Whether what is written there is no file that is replaced, as `/dev/null`.
+fn is_stream(path: &Path) -> bool {
+    path.exists() && !path.is_file()
 }
 
 pub fn read_all(model: &Path, overrides: &OverrideOptions) -> Result<Input, Unreadable> {

@@ -309,7 +309,12 @@ fn simulate(options: &Simulate, messages: &Messages) -> Status {
     let (until, step) = (options.until.of_literals(literals), options.step.of_literals(literals));
     let samples = (until / step).to_f64();
     if samples > cli::MOST_SAMPLES {
-        report_error(&format!("that would be {samples:.0} samples; the limit is {}", cli::MOST_SAMPLES));
+        let count = match samples {
+            ..1e15 => format!("{samples:.0}"),
+            ..=f64::MAX => format!("{samples:.0e}"),
+            _ => "more than 1e308".to_string(),
+        };
+        report_error(&format!("that would be {count} samples; the limit is {}", cli::MOST_SAMPLES));
         return Status::Usage;
     }
     let input = match open(&options.file, &options.overrides, options.output.file.iter().chain(&options.svg), messages)

@@ -285,6 +285,34 @@ fn an_output_goes_where_a_link_leads_and_whole() {
     assert!(hidden.into_iter().all(|name| !name.to_string_lossy().starts_with('.')), "nothing temporary is left");
 }
 
+/// Two outputs of one file would leave the second; `/dev/null` takes any number.
+#[cfg(unix)]
+#[test]
+fn a_file_is_written_once() {
+    let folder = folder();
+    let model = write(
+        folder.path(),
+        "m.vib",
+        "body b { mass = 1 kg, moves x }\nspring s: ground -- b { k = 1 N/m }\nforce F: b along x = step(1 N, 0 s)\noutput x = b.x\n",
+    );
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    fs::create_dir(at("sub")).expect("a folder");
+    let simulate = ["simulate", "--until", "1s", "--step", "0.5s"];
+    for (command, text, picture) in
+        [(&["transfer"][..], at("one"), at("one")), (&simulate[..], at("one"), at("sub/../one"))]
+    {
+        let arguments: Vec<&str> = command.iter().copied().chain([&model, "-o", &text, "--svg", &picture]).collect();
+        let output = run(&arguments);
+        assert_eq!(status(&output), 2, "{arguments:?}");
+        assert!(String::from_utf8_lossy(&output.stderr).contains("is to be written twice"), "{arguments:?}");
+        assert!(!folder.path().join("one").exists());
+    }
+    let output = run(&["transfer", &model, "-o", "/dev/null", "--svg", "/dev/null"]);
+    assert_eq!(status(&output), 0, "{}", String::from_utf8_lossy(&output.stderr));
+    let many = run(&["simulate", &model, "--until", "1e308s", "--step", "1e-300s"]);
+    assert!(String::from_utf8_lossy(&many.stderr).contains("more than 1e308 samples"));
+}
+
 /// Another run with the same process number, perhaps in another container, was killed: the files that it left neither
 /// disturb nor get removed.
 #[cfg(unix)]

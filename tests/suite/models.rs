@@ -93,7 +93,7 @@ fn transfer_findings(sources: &Sources, model: FileId, overrides: &Overrides) ->
     let at = vec![Frequency::hertz(&Number::ONE)];
     let sweep = Sweep { at, inputs: (0..inputs).collect(), outputs: (0..outputs).collect(), ..Sweep::default() };
     let methods = Methods::of(&dynamics.system, dynamics.modes.as_ref().expect("few coordinates"));
-    let table = table(&methods, &Poles::default(), &sweep);
+    let table = table(&methods, &Poles::default(), &sweep).expect("one row");
     [outcome.diagnostics, dynamics.findings(&table, &sweep)].concat()
 }
 

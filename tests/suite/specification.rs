@@ -12,7 +12,7 @@ use vibc::syntax;
 
 /// Codes that no check of a model's text can show (bytes, tables, `vibc simulate`, `vibc equations`, systems that no
 /// model gives): their pages describe the example in words.
-const IN_WORDS: [&str; 36] = [
+const IN_WORDS: [&str; 37] = [
     "vib::equations::defect",
     "vib::equations::no_form",
     "vib::equations::too_large",
@@ -21,6 +21,7 @@ const IN_WORDS: [&str; 36] = [
     "vib::limit::loss",
     "vib::limit::states",
     "vib::limit::transfer",
+    "vib::limit::values",
     "vib::mass::indefinite",
     "vib::mass::singular",
     "vib::motion::still",
