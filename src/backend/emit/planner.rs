@@ -278,12 +278,11 @@ impl<'a> Planner<'a> {
         for output in 0..self.outputs.len() {
             let mut value: Option<Expression> = None;
             for (offset, of) in [(0, "x"), (1, "v")] {
-                if first.output[offset].iter().any(|(seen, _)| *seen == output) {
+                if first.contribution(offset, output).is_some() {
                     let name = format!("{}_{}_", ["YX", "YV"][offset], output);
                     let note = format!("{}: factors of {of}", self.system.outputs[output].name);
-                    let factor = tables.table(&name, &note, move |cell| {
-                        cell.output[offset].iter().find(|(seen, _)| *seen == output).map_or(0.0, |(_, value)| *value)
-                    });
+                    let factor =
+                        tables.table(&name, &note, move |cell| cell.contribution(offset, output).unwrap_or(0.0));
                     value = Some(plus(value, Factor::Table(factor), Expression::local(of)));
                 }
             }
@@ -319,7 +318,7 @@ impl<'a> Planner<'a> {
             self.step.push(Statement::Let(format!("w{}", first + i), value));
         }
         for output in 0..self.outputs.len() {
-            let factor = |i: usize| cell.output[i].iter().find(|(seen, _)| *seen == output).map(|(_, factor)| *factor);
+            let factor = |i: usize| cell.contribution(i, output);
             let terms = (0..cell.size()).filter_map(|i| Some((Factor::Number(factor(i)?), local(i)))).collect();
             self.add_to_output(output, terms);
         }

@@ -54,7 +54,8 @@ pub fn draw_all(sheet: &mut Sheet, stage: &Stage, room: &mut Occupied) {
         for term in output.terms.iter().take(MOST_TERMS) {
             let Some(shown) = shown_motion(sheet, stage, &term.motion) else { continue };
             match entries.iter_mut().find(|entry| entry.shown == shown) {
-                Some(entry) if entry.names.contains(&name) => {}
+                // Two terms of one output; those of other outputs have other names.
+                Some(entry) if entry.names.last() == Some(&name) => {}
                 Some(entry) => entry.names.push(name.clone()),
                 None => entries.push(Entry { shown, names: vec![name.clone()], span: output.span }),
             }

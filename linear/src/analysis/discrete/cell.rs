@@ -30,7 +30,7 @@ pub struct Cell {
     pub form: Form,
     /// Terms that are added to each state.
     pub input: Vec<Vec<(Operand, f64)>>,
-    /// Contributions of each state to the outputs.
+    /// Contributions of each state to the outputs, which ascend.
     pub output: Vec<Vec<(usize, f64)>>,
     /// Each state from displacements and velocities: one row for each state; empty for signals, and for many states.
     pub to: Vec<Vec<f64>>,
@@ -54,6 +54,12 @@ pub enum Form {
 }
 
 impl Cell {
+    /// What a state contributes to an output.
+    pub fn contribution(&self, state: usize, output: usize) -> Option<f64> {
+        let row = &self.output[state];
+        row.binary_search_by_key(&output, |(seen, _)| *seen).ok().map(|at| row[at].1)
+    }
+
     pub fn size(&self) -> usize {
         self.input.len()
     }

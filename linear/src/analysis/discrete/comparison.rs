@@ -157,10 +157,9 @@ fn states_read_by(system: &DiscreteSystem, output: usize) -> impl Iterator<Item 
         Operand::Signal(state) => Some((state, c)),
         _ => None,
     });
-    let states = system.cells.iter().flat_map(|cell| &cell.output).enumerate();
-    direct.chain(states.flat_map(move |(state, row)| {
-        row.iter().filter(move |(seen, _)| *seen == output).map(move |&(_, c)| (state, c))
-    }))
+    let states = system.cells.iter().flat_map(|cell| (0..cell.output.len()).map(move |state| (cell, state)));
+    let read = move |(index, (cell, state)): (usize, (&Cell, usize))| Some((index, cell.contribution(state, output)?));
+    direct.chain(states.enumerate().filter_map(read))
 }
 
 fn round(precision: Precision, x: f64) -> f64 {

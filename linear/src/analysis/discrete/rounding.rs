@@ -134,34 +134,48 @@ impl Growth {
 pub fn rounding(cells: &[Cell], direct: &[Vec<(Operand, f64)>], precision: Precision) -> Rounding {
     let unit = precision.unit();
     let frames: Vec<Frame> = cells.iter().map(Frame::of).collect();
-    let output = direct.iter().enumerate().map(|(output, direct)| {
-        let mut count = direct.len();
-        let mut most = 1.0f64;
-        for (cell, frame) in cells.iter().zip(&frames) {
-            let row: Vec<f64> = cell.output.iter().map(|seen| factor(seen, output)).collect();
-            count += row.iter().filter(|c| **c != 0.0).count();
-            let terms: f64 = row.iter().zip(&frame.most).map(|(c, most)| c.abs() * most).sum();
-            if terms > 0.0 {
-                most = larger(most, terms / frame.norm.dual(&row));
+    // For each output the number of its terms, and how much larger their sum may be than the output.
+    let mut terms: Vec<(usize, f64)> = direct.iter().map(|direct| (direct.len(), 1.0)).collect();
+    for (cell, frame) in cells.iter().zip(&frames) {
+        for (output, row) in rows(cell) {
+            let (count, most) = &mut terms[output];
+            *count += row.iter().filter(|c| **c != 0.0).count();
+            let size: f64 = row.iter().zip(&frame.most).map(|(c, most)| c.abs() * most).sum();
+            if size > 0.0 {
+                *most = larger(*most, size / frame.norm.dual(&row));
             }
         }
-        // Coefficient and product of each term, a difference of inputs, and the sums.
-        (count as f64 + 3.0) * most * unit
-    });
-    let output = output.fold(0.0, larger);
+    }
+    // Coefficient and product of each term, a difference of inputs, and the sums.
+    let output = terms.into_iter().map(|(count, most)| (count as f64 + 3.0) * most * unit).fold(0.0, larger);
     let products: usize = cells.iter().map(|cell| cell.form.products()).sum();
     let follow = products * direct.len() <= MOST_FOLLOWED;
     let of_cell = |(cell, frame): (&Cell, Frame)| CellRounding {
         name: cell.name.clone(),
         step: frame.step(cell) * unit,
-        felt: if follow { frame.felt_errors(cell, direct.len(), unit) } else { None },
+        felt: if follow { frame.felt_errors(cell, unit) } else { None },
         growth: frame.growth,
     };
     Rounding { output, cells: cells.iter().zip(frames).map(of_cell).collect() }
 }
 
-fn factor(seen: &[(usize, f64)], output: usize) -> f64 {
-    seen.iter().filter(|(of, _)| *of == output).map(|(_, c)| c).sum()
+/// The outputs that a cell contributes to, ascending, each with the contribution of every state.
+fn rows(cell: &Cell) -> impl Iterator<Item = (usize, Vec<f64>)> {
+    let of_state = |(state, seen): (usize, &'_ Vec<(usize, f64)>)| {
+        seen.iter().map(move |&(output, c)| (output, state, c)).collect::<Vec<_>>()
+    };
+    let mut seen: Vec<(usize, usize, f64)> = cell.output.iter().enumerate().flat_map(of_state).collect();
+    seen.sort_by_key(|(output, ..)| *output);
+    let mut seen = seen.into_iter().peekable();
+    let states = cell.output.len();
+    std::iter::from_fn(move || {
+        let &(output, ..) = seen.peek()?;
+        let mut row = vec![0.0; states];
+        while let Some((_, state, c)) = seen.next_if(|(next, ..)| *next == output) {
+            row[state] += c;
+        }
+        Some((output, row))
+    })
 }
 
 /// The norm in which the steps of a cell are bounded.
@@ -300,7 +314,7 @@ impl Frame {
     }
 
     /// The effect on the outputs of the errors of the latest steps.
-    fn felt_errors(&self, cell: &Cell, outputs: usize, unit: f64) -> Option<Felt> {
+    fn felt_errors(&self, cell: &Cell, unit: f64) -> Option<Felt> {
         let errors = self.errors(cell);
         // The directions in which the states are off, their magnitudes, and their lengths.
         let directions: Vec<(Vec<f64>, f64, f64)> = (errors.iter().enumerate())
@@ -316,8 +330,7 @@ impl Frame {
             .collect();
         let [kept, largest] = self.growth.powers();
         let mut sums: Option<Vec<f64>> = None;
-        for output in 0..outputs {
-            let row: Vec<f64> = cell.output.iter().map(|seen| factor(seen, output)).collect();
+        for (_, row) in rows(cell) {
             if row.iter().all(|c| *c == 0.0) {
                 continue;
             }

@@ -400,7 +400,7 @@ fn outputs_feel_all_errors_of_the_latest_steps() {
     let sum = |r: f64, n: f64| (1.0 - r.powf(n)) / (1.0 - r);
     let mut one = cell(Form::Keep(r), 1);
     one.output[0] = vec![(0, -3.0), (1, 0.5), (1, 0.25)];
-    let felt = Frame::of(&one).felt_errors(&one, 3, unit).expect("seen");
+    let felt = Frame::of(&one).felt_errors(&one, unit).expect("seen");
     for (i, found) in felt.sums.iter().enumerate() {
         assert!(is_bound(*found, 2.0 * r * unit * sum(r, f64::powi(2.0, i as i32)), OVER), "{i}: {found}");
     }
@@ -410,7 +410,7 @@ fn outputs_feel_all_errors_of_the_latest_steps() {
     let mut turn = cell(Form::Dense { turned: false, rows: vec![vec![cos - 1.0, sin], vec![-sin, cos - 1.0]] }, 2);
     turn.output = vec![vec![(0, 2.0), (1, 0.0)], vec![(1, 1e-3)]];
     let frame = Frame::of(&turn);
-    let felt = frame.felt_errors(&turn, 2, unit).expect("seen");
+    let felt = frame.felt_errors(&turn, unit).expect("seen");
     let errors = frame.errors(&turn);
     let whole = frame.most[0];
     for (i, found) in felt.sums.iter().enumerate() {
@@ -423,13 +423,13 @@ fn outputs_feel_all_errors_of_the_latest_steps() {
     let mut pair = cell(Form::Pair(Lift { turned: false, decay: Decay::Lose(0.0), k: 0.0625, p: 3.0 }), 2);
     pair.output[0] = vec![(0, 1.0)];
     let frame = Frame::of(&pair);
-    let (errors, felt) = (frame.errors(&pair), frame.felt_errors(&pair, 1, unit).expect("seen"));
+    let (errors, felt) = (frame.errors(&pair), frame.felt_errors(&pair, unit).expect("seen"));
     let truth = unit * (errors[0] + 3.0 * errors[1]) / frame.most[0];
     assert!(is_bound(felt.sums[0], truth, OVER), "{} {truth}", felt.sums[0]);
     pair.output[0] = vec![(0, 1e-290)];
-    assert!(frame.felt_errors(&pair, 1, unit).is_none());
+    assert!(frame.felt_errors(&pair, unit).is_none());
     pair.output[0] = Vec::new();
-    assert!(frame.felt_errors(&pair, 1, unit).is_none());
+    assert!(frame.felt_errors(&pair, unit).is_none());
 }
 
 /// An output of several states and cells: a coefficient, a product and a sum for each, of terms that may be larger than what is seen.
