@@ -15,7 +15,7 @@
 use crate::analysis::discrete::cell::{Cell, Form, Operand};
 use crate::analysis::discrete::lift::{Decay, Lift};
 use crate::analysis::discrete::precision::Precision;
-use crate::base::{Bound, Dd, Power, larger};
+use crate::base::{Bound, Dd, OrderBy, Power, larger};
 use crate::kernel::dense::Matrix;
 use crate::kernel::dense::enclosure::norm_bound;
 
@@ -165,7 +165,7 @@ fn rows(cell: &Cell) -> impl Iterator<Item = (usize, Vec<f64>)> {
         seen.iter().map(move |&(output, c)| (output, state, c)).collect::<Vec<_>>()
     };
     let mut seen: Vec<(usize, usize, f64)> = cell.output.iter().enumerate().flat_map(of_state).collect();
-    seen.sort_by_key(|(output, ..)| *output);
+    seen.order_by_key(|(output, ..)| *output);
     let mut seen = seen.into_iter().peekable();
     let states = cell.output.len();
     std::iter::from_fn(move || {
