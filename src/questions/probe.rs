@@ -421,6 +421,11 @@ impl Measured<'_> {
         }
     }
 
+    fn has_spectrum(&self, input: usize) -> bool {
+        let signals = self.scene.inputs.get(input).map_or(&[][..], |input| &input.signal);
+        signals.iter().any(|signal| matches!(signal, Signal::Spectrum(_)))
+    }
+
     /// Whether nothing that drives the scene reaches what is measured: no signal and no initial state, or not the input of a gain.
     pub fn is_still(&self, probe: &Probe) -> bool {
         let (system, drives) = (&self.lowered.system, &self.context.drives);
@@ -430,6 +435,8 @@ impl Measured<'_> {
             (0..drives.len()).any(|input| !drives[input].is_empty() && reach.from_input(system, input, output))
                 || reach.from_start(system, output)
                 || self.context.noises.iter().any(|noise| reach.from_noise(system, noise, output))
+                // What a response spectrum moves is not known in time.
+                || (0..system.inputs.len()).any(|input| self.has_spectrum(input) && reach.from_input(system, input, output))
         };
         match probe {
             Probe::Peak(output) | Probe::Rms(output, _) | Probe::Static(output) | Probe::Amplitude(output) => {

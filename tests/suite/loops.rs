@@ -359,8 +359,12 @@ fn a_guide_along_the_line_of_a_linkage_is_redundant_if_the_line_is_straight() {
         )
     };
     let guide = "body slug { mass = 1 kg, at = (0, 0), moves y }\npivot e: slug@(0, 0) -- link";
+    // With a wheel that turns a hundred times as far as the crank, too.
+    let geared =
+        format!("{guide}\nbody motor {{ inertia = 1 kg*m^2, turns }}\ncouple r: motor.angle = 100 * left.angle");
     for arm in ["2 m", "20 m", "0.6 m"] {
         assert_eq!(refusal(&watt(arm, guide)), ["vib::loop::conflict"], "{arm}");
+        assert_eq!(refusal(&watt(arm, &geared)), ["vib::loop::conflict"], "{arm}");
         assert_eq!(ask(&watt(arm, "")).omegas().len(), 1);
     }
     // Arms of sqrt(13) m from O, a rhombus with sides of sqrt(5) m: the product of the distances of N and F is 13 - 5 = 2 times 4
@@ -391,6 +395,57 @@ fn a_guide_along_the_line_of_a_linkage_is_redundant_if_the_line_is_straight() {
     // curvature.
     let longer = peaucellier("0", guide).replace("point C = ((1)", "point C = ((1.001)");
     assert_eq!(refusal(&longer), ["vib::loop::conflict"]);
+}
+
+/// Hart's linkage (1874), a crossed parallelogram: three points of a line parallel to its diagonals are O, N and P with ON times OP
+/// constant, so that P is on a straight line where N is on a circle through O. It is flat, and folds into a parallelogram not
+/// far away, where P leaves the line. A flat lattice of parallelograms that turns on a bar has two motions.
+#[test]
+fn what_holds_on_the_branch_of_the_drawing_is_redundant() {
+    // A and B are 6 m apart, C and D 4 m, 0.3 m above; the links AD and BC cross. O, N and P are the middles of AC, AD and BC.
+    let hart = |turn: &str, guide: &str| {
+        in_turned_frame(format!(
+            "let c = cos({turn}) * 1 m\nlet s = sin({turn}) * 1 m
+            body low {{ mass = 1 kg, shape = rod(P(0 0), P(5 0.3)) }}\nbody left {{ mass = 1 kg, shape = rod(P(0 0), P(1 0.3)) }}
+            body high {{ mass = 1 kg, shape = rod(P(1 0.3), P(6 0)) }}\nbody right {{ mass = 1 kg, shape = rod(P(6 0), P(5 0.3)) }}
+            pivot a: low@P(0 0) -- left\npivot b: left@P(1 0.3) -- high\npivot d: high@P(6 0) -- right\npivot e: right@P(5 0.3) -- low
+            pivot o: ground@P(0.5 0.15) -- left
+            body crank {{ mass = 1 kg, shape = rod(P(1.5 0.15), P(2.5 0.15)) }}
+            pivot q: ground@P(1.5 0.15) -- crank\npivot n: crank@P(2.5 0.15) -- low
+            spring k: ground@P(2.5 5) -- crank@P(2.5 0.15) {{ k = 100 N/m }}\n{guide}"
+        ))
+    };
+    let guide = "body slug { mass = 0 kg, at = P(3.5 0.15) }\nslide along: ground -- slug along P(0 1)\npivot l: slug@P(3.5 0.15) -- high";
+    let plain = ask(&hart("0", "")).omegas();
+    for turn in ["0", "31 deg"] {
+        let with = ask(&hart(turn, guide));
+        assert_is_seen_redundant(&with);
+        assert!((with.omegas()[0] / plain[0] - 1.0).abs() < 1e-12, "{turn}: {:?} {plain:?}", with.omegas());
+    }
+    // The second motion turns all bars alike; rounding of turned numbers is none of a curvature.
+    let lattice = |turn: &str| {
+        let mut text = format!(
+            "let c = cos({turn}) * 1 m\nlet s = sin({turn}) * 1 m
+            body base {{ mass = 1 kg, shape = rod(P(0 0), P(4 0)) }}\npivot z: ground@P(0 0) -- base
+            spring hold: ground@P(1 3) -- base@P(4 0) {{ k = 50 N/m }}
+            body top {{ mass = 1 kg, shape = rod(P(0 1), P(4 1)) }}
+            spring up: ground@P(-3 2) -- top@P(0 1) {{ k = 70 N/m }}\n"
+        );
+        for i in 0..3 {
+            let x = 2 * i;
+            text += &format!(
+                "body l{i} {{ mass = 1 kg, shape = rod(P({x} 0), P({x} 1)) }}\npivot a{i}: base@P({x} 0) -- l{i}\npivot b{i}: top@P({x} 1) -- l{i}\n"
+            );
+        }
+        in_turned_frame(text)
+    };
+    let plain = ask(&lattice("0")).omegas();
+    let turned = ask(&lattice("31 deg"));
+    assert_is_seen_redundant(&turned);
+    for (turned, plain) in turned.omegas().iter().zip(&plain) {
+        assert!((turned / plain - 1.0).abs() < 1e-12, "{turned} {plain}");
+    }
+    assert_eq!(plain.len(), 2);
 }
 
 /// One note: that something is redundant, in two other positions too.

@@ -10,13 +10,20 @@
 use super::elimination::{Chord, DependentRow, Elimination};
 use super::equation::Equation;
 use super::{Constraints, NOTHING, unit};
+use crate::base::Number;
 use crate::lower::kinematics::{Index, Kinematics, PathEvaluation, State};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Motion of each independent coordinate at first, in radians or lengths of its loops; half of it where these do not close.
+/// The farthest motion of the coordinate that bends the loops most, in radians or lengths.
 const FAR: f64 = 0.25;
-/// How often it is halved: down to a thousandth.
-const HALVINGS: u32 = 8;
+/// How often it is halved for the first step: 6e-5.
+const HALVINGS: u32 = 12;
+/// Equations that hold this far have been compared.
+const NEAR: f64 = 1e-3;
+/// A violation that grows by more, as the motion doubles, is of another branch: a contact of order twelve grows by so much.
+const JUMP: f64 = 4096.0;
+/// Violations of rounding.
+const NOISE: f64 = 1e-15;
 /// What is zero at one position by chance is not at another.
 const POSITIONS: usize = 2;
 /// Limit on the steps of one position: fifty that halve the distance reach the last digit.
@@ -57,7 +64,8 @@ pub fn compare(
         if !of_row.contains_key(&row) {
             let (numbers, coordinates) = loops.reach(row);
             let (followed, kept): (Vec<u32>, Vec<u32>) = numbers.iter().partition(|number| left.contains(number));
-            let part = Part::new(kinematics, all, elimination.chord(&kept, &coordinates), (kept, coordinates));
+            let chord = elimination.chord(&kept, &coordinates);
+            let part = Part::new(kinematics, all, chord, (&kept, &followed), coordinates);
             of_row.extend(followed.iter().copied().zip(part.compare(all, &followed)));
         }
         said[place] = of_row[&row];
@@ -106,11 +114,33 @@ impl Connections {
 struct Part<'a> {
     kinematics: &'a Kinematics,
     /// The independent equations.
-    kept: Vec<Equation<f64>>,
+    kept: Vec<Closure>,
     coordinates: Vec<Index>,
+    /// The unit of each coordinate, and whether some equation bends with it: a wheel of a gear may turn as often as it likes.
+    units: Vec<(f64, bool)>,
     chord: Chord,
-    /// The longest arm, m.
+}
+
+/// An equation and the length, m, that its violation is measured by; 1 for an equation of angles.
+struct Closure {
+    equation: Equation<f64>,
     length: f64,
+}
+
+impl Closure {
+    fn new(equation: &Equation<Number>) -> Closure {
+        let length = if equation.components.is_empty() { 1.0 } else { equation.length() };
+        Closure { equation: equation.convert(), length: if length > 0.0 { length } else { 1.0 } }
+    }
+
+    fn value(&self, kinematics: &Kinematics, state: &State<f64>, reach: &mut PathEvaluation<f64>) -> f64 {
+        self.equation.measure(kinematics, state, reach).0
+    }
+
+    /// In radians or lengths.
+    fn violation(&self, value: f64) -> f64 {
+        (value / self.length).abs()
+    }
 }
 
 impl<'a> Part<'a> {
@@ -118,28 +148,31 @@ impl<'a> Part<'a> {
         kinematics: &'a Kinematics,
         all: &Constraints,
         chord: Chord,
-        (kept, coordinates): (Vec<u32>, Vec<Index>),
+        (kept, followed): (&[u32], &[u32]),
+        coordinates: Vec<Index>,
     ) -> Part<'a> {
         let equation = |number: &u32| &all.list[*number as usize].equation;
+        let is_bent = |number: &&u32| !equation(number).is_linear();
+        let bent: BTreeSet<Index> = (kept.iter().chain(followed).filter(is_bent))
+            .flat_map(|number| equation(number).coordinates(kinematics))
+            .collect();
         let longest = kept.iter().map(|number| equation(number).length()).fold(0.0, f64::max);
+        let kept: Vec<Closure> = kept.iter().map(|number| Closure::new(equation(number))).collect();
         let length = if longest > 0.0 { longest } else { all.length };
-        let kept = kept.iter().map(|number| equation(number).convert()).collect();
-        Part { kinematics, kept, coordinates, chord, length }
+        let units = coordinates.iter().map(|i| (unit(kinematics, *i, length), bent.contains(i))).collect();
+        Part { kinematics, kept, coordinates, units, chord }
     }
 
     fn compare(&self, all: &Constraints, followed: &[u32]) -> Vec<Elsewhere> {
-        let equations: Vec<Equation<f64>> =
-            followed.iter().map(|number| all.list[*number as usize].equation.convert()).collect();
+        let equations: Vec<Closure> =
+            followed.iter().map(|number| Closure::new(&all.list[*number as usize].equation)).collect();
         let mut said = vec![Elsewhere::Holds; followed.len()];
         for position in 0..POSITIONS {
-            let at = (0..=HALVINGS).find_map(|halvings| self.close(FAR / f64::from(1 << halvings), position));
-            let mut reach = PathEvaluation::default();
-            for (said, equation) in said.iter_mut().zip(&equations) {
-                match &at {
-                    Some(state) if self.violation(equation, state, &mut reach).abs() > NOTHING => {
-                        *said = Elsewhere::Broken
-                    }
-                    None if *said == Elsewhere::Holds => *said = Elsewhere::Unknown,
+            let (reached, largest) = self.follow(&equations, position);
+            for (said, violation) in said.iter_mut().zip(largest) {
+                match *said {
+                    _ if violation > NOTHING => *said = Elsewhere::Broken,
+                    Elsewhere::Holds if reached < NEAR => *said = Elsewhere::Unknown,
                     _ => {}
                 }
             }
@@ -147,21 +180,46 @@ impl<'a> Part<'a> {
         said
     }
 
-    /// In radians or lengths.
-    fn violation(&self, equation: &Equation<f64>, state: &State<f64>, reach: &mut PathEvaluation<f64>) -> f64 {
-        let (value, _) = equation.measure(self.kinematics, state, reach);
-        if equation.components.is_empty() { value } else { value / self.length }
+    /// How far the coordinates have been moved on the branch of the drawing, and how far each equation is off there: in steps
+    /// that double, while the loops close. Beyond a fold they may close on another branch, where an equation that holds on this
+    /// one is off at once and not by and by.
+    fn follow(&self, equations: &[Closure], position: usize) -> (f64, Vec<f64>) {
+        let direction = self.direction(position);
+        let (mut reached, mut largest) = (0.0, vec![0.0f64; equations.len()]);
+        for halvings in (0..=HALVINGS).rev() {
+            let far = FAR / f64::from(1 << halvings);
+            let Some(state) = self.close(far, &direction) else { break };
+            let mut reach = PathEvaluation::default();
+            let violation = |closure: &Closure| closure.violation(closure.value(self.kinematics, &state, &mut reach));
+            let here: Vec<f64> = equations.iter().map(violation).collect();
+            // Those before are the largest so far: violations of a contact grow.
+            if here.iter().zip(&largest).any(|(here, before)| here.is_nan() || *here > JUMP * before.max(NOISE)) {
+                break;
+            }
+            reached = far;
+            largest.iter_mut().zip(here).for_each(|(largest, here)| *largest = largest.max(here));
+        }
+        (reached, largest)
     }
 
-    /// A position in which the independent coordinates have moved by up to `far` and the loops are closed, if it is found.
-    fn close(&self, far: f64, position: usize) -> Option<State<f64>> {
+    /// A motion that the equations allow as drawn, in which the coordinate that bends them most moves by its unit.
+    fn direction(&self, position: usize) -> Vec<f64> {
+        let by = |(place, (unit, _)): (usize, &(f64, bool))| unit * direction(place, position);
+        let mut motion: Vec<f64> = self.units.iter().enumerate().map(by).collect();
+        self.chord.correct(&vec![0.0; self.kept.len()], &mut motion);
+        let size = |(motion, (unit, is_bent)): (&f64, &(f64, bool))| if *is_bent { (motion / unit).abs() } else { 0.0 };
+        let most = motion.iter().zip(&self.units).map(size).fold(0.0, f64::max);
+        if most > 0.0 {
+            motion.iter_mut().for_each(|motion| *motion /= most);
+        }
+        motion
+    }
+
+    /// A position so far along a motion in which the loops are closed, if it is found.
+    fn close(&self, far: f64, direction: &[f64]) -> Option<State<f64>> {
         let mut state = State::as_drawn();
         let mut reach = PathEvaluation::default();
-        // What this says of the pivots is overwritten.
-        let by = |(place, coordinate): (usize, &Index)| {
-            far * unit(self.kinematics, *coordinate, self.length) * direction(place, position)
-        };
-        let mut motion: Vec<f64> = self.coordinates.iter().enumerate().map(by).collect();
+        let mut motion: Vec<f64> = direction.iter().map(|motion| motion * far).collect();
         let mut off = vec![0.0; self.kept.len()];
         let mut last = f64::INFINITY;
         for _ in 0..MAX_STEPS {
@@ -171,13 +229,13 @@ impl<'a> Part<'a> {
                 state.set(self.kinematics, *coordinate, value);
             }
             let mut worst = 0.0f64;
-            for (off, equation) in off.iter_mut().zip(&self.kept) {
-                *off = equation.measure(self.kinematics, &state, &mut reach).0;
-                let violation = if equation.components.is_empty() { *off } else { *off / self.length };
-                worst = if violation.is_nan() { f64::NAN } else { worst.max(violation.abs()) };
+            for (off, closure) in off.iter_mut().zip(&self.kept) {
+                *off = closure.value(self.kinematics, &state, &mut reach);
+                let violation = closure.violation(*off);
+                worst = if violation.is_nan() { f64::NAN } else { worst.max(violation) };
             }
             // Near the end, rounding errors stop the convergence.
-            if worst <= CLOSED || worst >= 0.5 * last && worst <= 1e3 * CLOSED {
+            if worst <= CLOSED || worst >= last && worst <= 1e3 * CLOSED {
                 return Some(state);
             }
             if worst.is_nan() || worst > 2.0 * last {

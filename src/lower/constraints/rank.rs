@@ -128,11 +128,15 @@ fn second_derivative(
     left: &DependentRow,
 ) -> BTreeMap<(Index, Index), Number> {
     let mut form: BTreeMap<(Index, Index), (Number, f64)> = BTreeMap::new();
-    let mut add = |a: Index, b: Index, value: Number| {
+    let mut add = |a: Index, b: Index, value: Number, most: f64| {
         let (sum, size) = form.entry((a.min(b), a.max(b))).or_insert((Number::ZERO, 0.0));
-        *size += value.to_f64().abs();
+        *size += most;
         *sum = &*sum + &value;
     };
+    // What a motion by one unit of a coordinate moves another one by, or a unit of that: an entry of rounding alone is small
+    // beside it, not beside itself.
+    let unit = |coordinate: Index| super::unit(kinematics, coordinate, all.length);
+    let most = |i: Index, a: Index, entry: &Number| entry.to_f64().abs().max(unit(i) / unit(a));
     let moved = |coordinate: Index| match elimination.solved.get(&coordinate) {
         Some(row) => row.iter().map(|(i, entry)| (*i, -entry)).collect(),
         None => Row::from([(coordinate, Number::ONE)]),
@@ -145,12 +149,13 @@ fn second_derivative(
             for (a, left) in &first {
                 for (b, right) in &second {
                     let product = &(&value * left) * right;
+                    let most = value.to_f64().abs() * most(i, *a, left) * most(j, *b, right);
                     // A pair of two coordinates represents both places; a diagonal entry reached from both sides counts
                     // twice.
                     match (i == j, a == b) {
                         (true, false) if a > b => {}
-                        (false, true) => add(*a, *b, &product + &product),
-                        _ => add(*a, *b, product),
+                        (false, true) => add(*a, *b, &product + &product, most),
+                        _ => add(*a, *b, product, most),
                     }
                 }
             }
