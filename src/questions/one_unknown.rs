@@ -5,7 +5,9 @@
 use super::answer::Others;
 use super::cover::{Cover, Covered, Part, Rest, merge_parts};
 use super::error::AskedError;
-use super::search::{Crossing, Difference, Evaluation, Root, SearchResult, narrow, search, sign, to_fraction};
+use super::search::{
+    Crossing, Difference, Evaluation, Root, SearchResult, narrow, search, sign, size_of_zero, to_fraction,
+};
 use super::unknowns::{Unknowns, constant, shortest};
 use crate::base::{Ball, Dd, Number, OrderBy, two_to, up};
 use std::cmp::Ordering;
@@ -44,6 +46,12 @@ impl Search<'_, '_> {
     fn ends(&self) -> (&Number, &Number) {
         let solve = &self.unknowns.solves[self.unknown];
         (&solve.low, &solve.high)
+    }
+
+    /// What is this near to a root is not told from it.
+    fn at(&self, root: Dd) -> f64 {
+        let (low, high) = self.ends();
+        AT_A_ROOT * root.hi.abs().max(size_of_zero(low, high))
     }
 
     /// Searches for roots, then tries to prove that there are no others; roots that the proof reveals are searched for.
@@ -160,7 +168,7 @@ impl Search<'_, '_> {
                     Some(Root { near: (at + other).scale(0.5), within: (half + rounding) * up::FEW, ..root })
                 }
                 (Some(a), Some(b)) if a != Ordering::Equal && a == b => None,
-                _ => (root.within <= AT_A_ROOT * root.near.hi.abs()).then(|| {
+                _ => (root.within <= self.at(root.near)).then(|| {
                     let away = (root.near - at).abs().to_f64();
                     Root { near: at, within: (root.within + away) * up::FEW, ..root }
                 }),
@@ -183,7 +191,7 @@ impl Search<'_, '_> {
                 whole.high
             },
         };
-        let is_wide = |root: &&Root| root.proof.is_some() && root.within > AT_A_ROOT * root.near.hi.abs();
+        let is_wide = |root: &&Root| root.proof.is_some() && root.within > self.at(root.near);
         let is_one = |part: &Part| self.unknowns.enclose_over(self.equation, self.unknown, part.ball()).is_strict();
         self.seen.roots.iter().filter(is_wide).map(bracket).filter(|part| !is_one(part)).collect()
     }
@@ -207,13 +215,11 @@ impl Search<'_, '_> {
         let side = |at: Dd| sign(&self.measure(&to_fraction(at)));
         let most = self.unknowns.effort();
         let mut covered = Cover { over: &over, side: &side, most }.settle(parts);
+        let zero = size_of_zero(self.ends().0, self.ends().1);
         if let Rest::Open(open) = &mut covered.rest {
             let roots = &mut self.seen.roots;
             open.retain(|part| {
-                let near = |root: &&mut Root| {
-                    let reach = part.reach(root.near);
-                    reach <= AT_A_ROOT * root.near.hi.abs()
-                };
+                let near = |root: &&mut Root| part.reach(root.near) <= AT_A_ROOT * root.near.hi.abs().max(zero);
                 match roots.iter_mut().find(near) {
                     Some(root) => {
                         root.within = root.within.max(part.reach(root.near));

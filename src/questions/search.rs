@@ -86,7 +86,7 @@ const WIDER: f64 = 16.0;
 
 /// Narrows an interval at whose ends the measure is on different sides, for a measure known to cross its target once.
 pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> SearchResult {
-    let mut search = Search { measure, count: 0 };
+    let mut search = Search::new(low, high, measure);
     let evaluations = vec![search.evaluate(low.clone()), search.evaluate(high.clone())];
     let mut seen = SearchResult::default();
     search.interpolate(&evaluations[0], &evaluations[1], &mut seen);
@@ -99,7 +99,7 @@ pub fn narrow(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Differen
 
 /// Evaluates the measure over a range and narrows every root.
 pub fn search(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Difference) -> SearchResult {
-    let mut search = Search { measure, count: 0 };
+    let mut search = Search::new(low, high, measure);
     let evaluations: Vec<Evaluation> = grid(low, high).into_iter().map(|at| search.evaluate(at)).collect();
     let mut seen = SearchResult::default();
     for pair in evaluations.windows(2) {
@@ -119,6 +119,13 @@ pub fn search(low: &Number, high: &Number, measure: &dyn Fn(&Number) -> Differen
 struct Search<'a> {
     measure: &'a dyn Fn(&Number) -> Difference,
     count: usize,
+    /// The size of a root at zero.
+    zero: f64,
+}
+
+/// The size beside which a root near zero is known, for a range: 2^-40 of its width.
+pub fn size_of_zero(low: &Number, high: &Number) -> f64 {
+    (high - low).to_f64().abs() * two_to(-40)
 }
 
 impl SearchResult {
@@ -134,7 +141,11 @@ impl SearchResult {
     }
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(low: &Number, high: &Number, measure: &'a dyn Fn(&Number) -> Difference) -> Search<'a> {
+        Search { measure, count: 0, zero: size_of_zero(low, high) }
+    }
+
     fn evaluate(&mut self, at: Number) -> Evaluation {
         self.count += 1;
         let difference = (self.measure)(&at);
@@ -183,7 +194,8 @@ impl Search<'_> {
     /// Adds the narrowest pair of numbers around this one, on different sides, that the enclosures allow: a root, or a jump.
     fn certify(&mut self, near: &Evaluation, seen: &mut SearchResult) {
         let x = near.at.to_ball().mid;
-        let mut within = (x.hi.abs() * two_to(-100)).max(f64::MIN_POSITIVE * two_to(60));
+        let size = x.hi.abs().max(self.zero);
+        let mut within = (size * two_to(-100)).max(f64::MIN_POSITIVE * two_to(60));
         for _ in 0..30 {
             let [left, right] = self.sides(x, within);
             let (a, b) = (sign(&left.difference), sign(&right.difference));
@@ -198,7 +210,7 @@ impl Search<'_> {
                 }
                 return seen.add(Root { near: x, within, proof: Some(Crossing(())) });
             }
-            if a.is_none() || b.is_none() || within > 1e-3 * x.hi.abs() {
+            if a.is_none() || b.is_none() || within > 1e-3 * size {
                 break;
             }
             within *= 16.0;

@@ -466,7 +466,8 @@ pub fn shortest(root: &Root, factor: Option<&Number>) -> Number {
     let one = Number::ONE;
     let factor = factor.unwrap_or(&one);
     let target = Ball::exact(root.near) / factor.to_ball();
-    let candidates = (1..=MOST_DIGITS).filter_map(|digits| decimal(target.mid, digits)).map(|d| &d * factor);
+    let decimals = (1..=MOST_DIGITS).filter_map(|digits| decimal(target.mid, digits)).map(|d| &d * factor);
+    let candidates = std::iter::once(Number::ZERO).chain(decimals);
     let mut near = candidates.filter(|value| (value.to_ball() - Ball::exact(root.near)).magnitude() <= root.within);
     near.next().unwrap_or_else(|| super::search::to_fraction(root.near))
 }

@@ -266,3 +266,18 @@ fn a_root_beyond_the_range_is_none() {
         assert_eq!(solved_at_rest("1 + (p - 1)^9", range).0, ["vib::solve::unsettled"], "{range}");
     }
 }
+
+/// A root at zero is as good as any other, within the range and at its ends.
+#[test]
+fn a_root_at_zero_is_found() {
+    let truth = "1 + (p - 1)";
+    assert_eq!(solved_at_rest(truth, "0.5 .. 2"), (vec![], Some(1.0)));
+    for load in ["1 + p", "1 + p / 3", "1 + p + p^2"] {
+        for range in ["-0.4 .. 0.4", "0 .. 0.4", "-0.4 .. 0", "-0.1 .. 0.3"] {
+            assert_eq!(solved_at_rest(load, range), (vec![], Some(0.0)), "{load}, {range}");
+        }
+    }
+    let detuned = "param z = 0.1\nspring t: ground -- block { k = 90 N/m * (1 + z) }\nsolve z in -0.5 .. 0.5: frequency(1) = 10 rad/s";
+    let found = solved(detuned);
+    assert!(found[0].value.is_zero() && found[0].bound.is_some_and(|bound| bound < 1e-24), "{found:?}");
+}
