@@ -20,8 +20,10 @@ const FAR: f64 = 0.25;
 const HALVINGS: u32 = 12;
 /// Equations that hold this far have been compared.
 const NEAR: f64 = 1e-3;
-/// A violation that grows by more, as the motion doubles, is of another branch: a contact of order twelve grows by so much.
-const JUMP: f64 = 4096.0;
+/// A violation that grows by more, as the motion doubles, is of another branch: a contact of order eight grows by so much.
+const JUMP: f64 = 256.0;
+/// How much farther than the loops are left open an equation may be off for that: near a fold they are levers.
+const LEVER: f64 = 1e3;
 /// Violations of rounding.
 const NOISE: f64 = 1e-15;
 /// What is zero at one position by chance is not at another.
@@ -185,17 +187,22 @@ impl<'a> Part<'a> {
     /// one is off at once and not by and by.
     fn follow(&self, equations: &[Closure], position: usize) -> (f64, Vec<f64>) {
         let direction = self.direction(position);
-        let (mut reached, mut largest) = (0.0, vec![0.0f64; equations.len()]);
+        let (mut reached, mut largest, mut before_open) = (0.0, vec![0.0f64; equations.len()], 0.0);
         for halvings in (0..=HALVINGS).rev() {
             let far = FAR / f64::from(1 << halvings);
-            let Some(state) = self.close(far, &direction) else { break };
+            let Some((state, open)) = self.close(far, &direction) else { break };
             let mut reach = PathEvaluation::default();
-            let violation = |closure: &Closure| closure.violation(closure.value(self.kinematics, &state, &mut reach));
-            let here: Vec<f64> = equations.iter().map(violation).collect();
+            let mut violation = |closure: &Closure| {
+                let off = closure.violation(closure.value(self.kinematics, &state, &mut reach));
+                if off.is_nan() { off } else { (off - LEVER * open).max(0.0) }
+            };
+            let here: Vec<f64> = equations.iter().map(&mut violation).collect();
             // Those before are the largest so far: violations of a contact grow.
-            if here.iter().zip(&largest).any(|(here, before)| here.is_nan() || *here > JUMP * before.max(NOISE)) {
+            let noise = NOISE.max(LEVER * before_open);
+            if here.iter().zip(&largest).any(|(here, before)| here.is_nan() || *here > JUMP * before.max(noise)) {
                 break;
             }
+            before_open = open;
             reached = far;
             largest.iter_mut().zip(here).for_each(|(largest, here)| *largest = largest.max(here));
         }
@@ -215,8 +222,8 @@ impl<'a> Part<'a> {
         motion
     }
 
-    /// A position so far along a motion in which the loops are closed, if it is found.
-    fn close(&self, far: f64, direction: &[f64]) -> Option<State<f64>> {
+    /// A position so far along a motion in which the loops are closed, and what is left open of them, if it is found.
+    fn close(&self, far: f64, direction: &[f64]) -> Option<(State<f64>, f64)> {
         let mut state = State::as_drawn();
         let mut reach = PathEvaluation::default();
         let mut motion: Vec<f64> = direction.iter().map(|motion| motion * far).collect();
@@ -236,7 +243,7 @@ impl<'a> Part<'a> {
             }
             // Near the end, rounding errors stop the convergence.
             if worst <= CLOSED || worst >= last && worst <= 1e3 * CLOSED {
-                return Some(state);
+                return Some((state, worst));
             }
             if worst.is_nan() || worst > 2.0 * last {
                 return None;
