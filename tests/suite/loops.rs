@@ -422,6 +422,18 @@ fn what_holds_on_the_branch_of_the_drawing_is_redundant() {
         assert_is_seen_redundant(&with);
         assert!((with.omegas()[0] / plain[0] - 1.0).abs() < 1e-12, "{turn}: {:?} {plain:?}", with.omegas());
     }
+    // A scissor that is nearly closed: its upper end is above its fixed foot anyway (Scott Russell). What is left open of the loops
+    // moves that end sixty times as far.
+    let scissor = in_turned_frame(
+        "let c = cos(31 deg) * 1 m\nlet s = sin(31 deg) * 1 m
+        body one { mass = 1 kg, shape = rod(P(0 0), P(0.05 3)) }\nbody two { mass = 1 kg, shape = rod(P(0.05 0), P(0 3)) }
+        pivot a: ground@P(0 0) -- one\npivot b: one@P(0.025 1.5) -- two
+        spring k: ground@P(-5 4) -- two@P(0 3) { k = 100 N/m }
+        body foot { mass = 1 kg, at = P(0.05 0) }\nslide f: ground -- foot along P(1 0)\npivot g: foot@P(0.05 0) -- two
+        body top { mass = 1 kg, at = P(0 3) }\nslide h: ground -- top along P(0 1)\npivot i: top@P(0 3) -- two"
+            .to_string(),
+    );
+    assert_is_seen_redundant(&ask(&scissor));
     // The second motion turns all bars alike; rounding of turned numbers is none of a curvature.
     let lattice = |turn: &str| {
         let mut text = format!(
