@@ -51,7 +51,7 @@ impl Sweep {
     /// An error if a table with this many rows does not fit into memory.
     fn refuse_too_large(&self, system: &LinearSystem, rows: usize) -> Result<(), AnalysisError> {
         let pairs = self.inputs.len().saturating_mul(self.outputs.len());
-        let besides = if self.finds_extrema() { OF_A_PAIR + system.n() / 2 } else { 0 };
+        let besides = OF_A_PAIR + if self.finds_extrema() { system.n() / 2 } else { 0 };
         let most = MOST_VALUES / rows.saturating_add(besides).max(1);
         match self.inputs.first().filter(|_| pairs > most) {
             Some(&input) => {
@@ -79,8 +79,8 @@ impl Sweep {
 
 /// The values of a table, each 48 bytes as an enclosure and up to 500 as the text of a report: 1 to 2 GB for this many.
 const MOST_VALUES: usize = 4_000_000;
-/// A pair whose extrema are looked for takes as much memory as this many values for what is prepared and what is said of it, and
-/// half a value for each coordinate, of whose modes it has the residues.
+/// A pair takes as much memory as this many values for what is prepared and what is said of it. Where its extrema are looked for, it
+/// takes half a value more for each coordinate, of whose modes it has the residues.
 const OF_A_PAIR: usize = 10;
 
 /// A frequency and its values.
