@@ -376,8 +376,8 @@ mod tests {
         piece.map_or(0.0, |piece| piece.values_after(&t)[0].to_f64())
     }
 
-    /// From 1 to 5 Hz in 10 s.
-    fn chirp() -> Source {
+    /// From 1 to 5 Hz in 10 s, in a motion with this step.
+    fn chirp(step: Option<&str>) -> Source {
         let chirp = Signal::Chirp {
             value: Number::from("3"),
             from: Number::from("1"),
@@ -386,12 +386,12 @@ mod tests {
             at: Number::ZERO,
             phase: Number::ZERO,
         };
-        Source::of(&chirp, None, None).expect("few pieces")
+        Source::of(&chirp, step.map(Number::from).as_ref(), None).expect("few pieces")
     }
 
     #[test]
     fn a_chirp_follows_its_formula() {
-        let source = chirp();
+        let source = chirp(None);
         for t in ["0.1", "3.3", "9.99"] {
             let x = t.parse::<f64>().expect("a number");
             let phase = 2.0 * std::f64::consts::PI * (x + 0.2 * x * x);
@@ -404,7 +404,7 @@ mod tests {
     /// likewise for its slopes.
     #[test]
     fn the_remainder_of_a_chirp_is_reported() {
-        let source = chirp();
+        let source = chirp(None);
         let Source::Pieces { pieces, .. } = &source else { panic!("pieces") };
         let two_pi = &Number::pi() * &Number::from(2);
         let mut largest = [0.0f64; 2];
@@ -427,22 +427,12 @@ mod tests {
     /// A step of the motion that is longer than the signal is not divided: most of it would be pieces of nothing.
     #[test]
     fn a_signal_has_no_more_pieces_for_a_long_step() {
-        let chirp = |step: &str| {
-            let signal = Signal::Chirp {
-                value: Number::from("3"),
-                from: Number::from("1"),
-                to: Number::from("5"),
-                duration: Number::from("10"),
-                at: Number::ZERO,
-                phase: Number::ZERO,
-            };
-            match Source::of(&signal, Some(&Number::from(step)), None) {
-                Ok(Source::Pieces { pieces, .. }) => pieces.len(),
-                other => panic!("{other:?}"),
-            }
+        let pieces = |step: &str| match chirp(Some(step)) {
+            Source::Pieces { pieces, .. } => pieces.len(),
+            other => panic!("{other:?}"),
         };
-        let own = chirp("10");
-        assert_eq!(["11", "1e4", "1e9"].map(chirp), [own; 3]);
+        let own = pieces("10");
+        assert_eq!(["11", "1e4", "1e9"].map(pieces), [own; 3]);
     }
 
     #[test]
