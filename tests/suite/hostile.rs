@@ -465,7 +465,7 @@ fn a_transfer_table_that_would_not_fit_is_refused_with_its_size() {
     assert_eq!(
         at_one,
         [
-            "a table of 490000 pairs of inputs and outputs at 1 frequency is too large: at most 363636 fit there",
+            "a table of 490000 pairs of inputs and outputs at 1 frequency is too large; the limit is 363636 pairs",
             "choose inputs by `--from` and outputs by `--to`, or ask for fewer frequencies by `--points` or `--at`",
         ]
     );

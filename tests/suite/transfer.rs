@@ -709,7 +709,7 @@ fn values_that_are_not_known_are_told() {
             pair["values"].as_array().is_some_and(|values| values.iter().all(|value| value["re"].is_null())),
             "{pair}"
         );
-        let told = format!("nothing is known of 2 of the 2 values of `{output}` from `F`, from 0.1 Hz on");
+        let told = format!("nothing is known of 2 of the 2 values of `{output}` from `F`, the first at 0.1 Hz");
         assert!(said.contains(&told), "{said}");
     }
     assert_eq!(said.matches("vib::limit::transfer").count(), 2, "{said}");

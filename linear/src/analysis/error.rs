@@ -307,9 +307,9 @@ impl AnalysisError {
             ),
             AnalysisError::TooManyPairs { pairs, frequencies, most, .. } => (
                 format!(
-                    "a table of {pairs} pairs of inputs and outputs at {frequencies} {} is too large: at most {most} {} there",
+                    "a table of {pairs} pairs of inputs and outputs at {frequencies} {} is too large; the limit is {most} {}",
                     if *frequencies == 1 { "frequency" } else { "frequencies" },
-                    if *most == 1 { "fits" } else { "fit" },
+                    if *most == 1 { "pair" } else { "pairs" },
                 ),
                 "choose inputs by `--from` and outputs by `--to`, or ask for fewer frequencies by `--points` or `--at`",
             ),

@@ -18,13 +18,13 @@ use std::collections::{BTreeMap, BTreeSet};
 const FAR: f64 = 0.25;
 /// How often it is halved for the first step: 6e-5.
 const HALVINGS: u32 = 12;
-/// Equations that hold this far have been compared.
+/// An equation that holds up to here counts as compared.
 const NEAR: f64 = 1e-3;
 /// A violation that grows by more, as the motion doubles, is of another branch: a contact of order eight grows by so much.
 const JUMP: f64 = 256.0;
-/// How much farther than the loops are left open an equation may be off for that: near a fold they are levers.
+/// An equation may be off by so many times what the loops are left open by: near a fold their links act as levers.
 const LEVER: f64 = 1e3;
-/// Violations of rounding.
+/// A violation that rounding alone may make.
 const NOISE: f64 = 1e-15;
 /// What is zero at one position by chance is not at another.
 const POSITIONS: usize = 2;

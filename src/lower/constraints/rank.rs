@@ -133,8 +133,8 @@ fn second_derivative(
         *size += most;
         *sum = &*sum + &value;
     };
-    // What a motion by one unit of a coordinate moves another one by, or a unit of that: an entry of rounding alone is small
-    // beside it, not beside itself.
+    // How far one unit of motion of `a` moves `i`, or one unit of `i` if that is more: what is rounding alone is small beside this,
+    // though not beside itself.
     let unit = |coordinate: Index| super::unit(kinematics, coordinate, all.length);
     let most = |i: Index, a: Index, entry: &Number| entry.to_f64().abs().max(unit(i) / unit(a));
     let moved = |coordinate: Index| match elimination.solved.get(&coordinate) {

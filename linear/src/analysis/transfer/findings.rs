@@ -70,7 +70,7 @@ impl Pair {
         if let Some(at) = &self.first_unknown {
             let (unknown, rows) = (self.unknown, self.rows);
             return Some(format!(
-                "nothing is known of {unknown} of the {rows} values of `{output}` from `{input}`, from {} Hz on",
+                "nothing is known of {unknown} of the {rows} values of `{output}` from `{input}`, the first at {} Hz",
                 hertz(at)
             ));
         }

@@ -318,7 +318,7 @@ fn add_rows(
     // The binary64 number that is printed: next to a lightly damped pole |H| differs there from the value at the
     // peak itself.
     let mut hertz: Vec<f64> = at.map(|extremum| extremum.frequency.to_f64()).collect();
-    // Pairs of one part have their peaks at the same frequencies.
+    // Pairs of one part have their peaks at the same frequencies, and a row has the values of all pairs.
     hertz.sort_by(f64::total_cmp);
     hertz.dedup();
     sweep.refuse_too_large(methods.system, rows.len() + hertz.len())?;
